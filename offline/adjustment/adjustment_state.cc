@@ -10,6 +10,7 @@ AdjustmentState& AdjustmentState::operator=(const AdjustmentState& other) {
   for (const auto& camera : other.cameras) cameras.push_back(camera->Clone());
   camera_from_rig = other.camera_from_rig;
   rig_from_pattern = other.rig_from_pattern;
+  body_from_board = other.body_from_board;
   points = other.points;
   modes = other.modes;
   flex = other.flex;
@@ -24,7 +25,10 @@ void AdjustmentState::SetCamera(const CameraModel& camera) {
 }
 
 Pose AdjustmentState::CameraFromPattern(const View& view) const {
-  return camera_from_rig[view.camera] * rig_from_pattern[view.pose];
+  const Pose camera_from_body =
+      camera_from_rig[view.camera] * rig_from_pattern[view.pose];
+  return view.place < 0 ? camera_from_body
+                        : camera_from_body * body_from_board[view.place];
 }
 
 void AdjustmentState::SetModes(FlexModes flex_modes) {

@@ -17,20 +17,24 @@ struct Observation {
   Eigen::Vector2d pixel;
 };
 
-/// The view that one camera had of a board that stood at one of the poses.
+/// The view that one camera had of a board that stood at one of the poses, or
+/// belonged to a body of several boards that stood there.
 struct View {
   std::vector<Observation> observations;
   int camera = 0, pose = 0;
+  int place = -1;  ///< of the board on the body; -1: its frame is the body's
 };
 
 /// The unknowns of bundle adjustment. A single camera is a rig of one. Copies
 /// are deep.
 struct AdjustmentState {
   std::vector<std::unique_ptr<CameraModel>> cameras;
-  std::vector<Pose> camera_from_rig;    ///< the first stays as it is
-  std::vector<Pose> rig_from_pattern;   ///< shared by the cameras of an instant
-  std::vector<Eigen::Vector3d> points;  ///< in the pattern's frame
-  FlexModes modes;                      ///< none: boards do not bend
+  std::vector<Pose> camera_from_rig;   ///< the first stays as it is
+  std::vector<Pose> rig_from_pattern;  ///< shared by the cameras of an instant
+  /// Where boards are on their bodies, by View::place.
+  std::vector<Pose> body_from_board;
+  std::vector<Eigen::Vector3d> points;        ///< in the board's frame
+  FlexModes modes;                            ///< none: boards do not bend
   std::vector<FlexModes::Coefficients> flex;  ///< of each rig_from_pattern
 
   AdjustmentState() = default;

@@ -24,6 +24,9 @@ AdjustmentState Updated(const AdjustmentState& state,
   for (size_t c = 0; c < step.camera_poses.size(); ++c)
     updated.camera_from_rig[c + 1] =
         UpdatedPose(state.camera_from_rig[c + 1], step.camera_poses[c]);
+  for (size_t i = 0; i < step.places.size(); ++i)
+    updated.body_from_board[i] =
+        UpdatedPose(state.body_from_board[i], step.places[i]);
   for (Eigen::Index i = 0; i < step.points.size() / 3; ++i)
     updated.points[i] += step.points.segment<3>(3 * i);
   for (size_t i = 0; i < step.poses.size(); ++i)

@@ -25,10 +25,11 @@ void SubtractProduct(const Eigen::MatrixXd& factor, int num_threads,
 }
 
 // A residual's derivatives by parameters that no other node shares: global ones
-// of the camera, its pose in the rig, the kept group. Columns ascend.
+// of the camera, its pose in the rig, the board's place on a body, the kept
+// group. Columns ascend.
 struct OtherColumns {
   static constexpr int kMax =
-      LinearizedProjection::kMaxGlobal + 6 + kMaxPerPose;
+      LinearizedProjection::kMaxGlobal + 12 + kMaxPerPose;
   int count = 0;
   std::array<int, kMax> index;
   Eigen::Matrix<double, 2, kMax> value;
@@ -129,6 +130,9 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
         others.Add(layout_.CameraPose(jacobian.camera),
                    ViewJacobian::Block<6>(jacobian.by_camera_pose, i));
     }
+    if (layout_.has_places() && jacobian.place >= 0)
+      others.Add(layout_.Place(jacobian.place),
+                 ViewJacobian::Block<6>(jacobian.by_place, i));
     if (eliminate_points_)
       others.Add(FirstPose() + layout_.per_pose * jacobian.pose, by_pose);
     else if (layout_.num_points > 0)

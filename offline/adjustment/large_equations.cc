@@ -194,6 +194,12 @@ Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
             index, index,
             ViewJacobian::Block<6>(j.by_camera_pose, i).col(k).squaredNorm());
       }
+      for (int k = 0; j.place >= 0 && k < 6; ++k) {
+        const int index = layout_.Place(j.place) + k;
+        triplets.emplace_back(
+            index, index,
+            ViewJacobian::Block<6>(j.by_place, i).col(k).squaredNorm());
+      }
     }
   }
   if (layout_.num_points > 0) {
@@ -284,6 +290,9 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
           for (int c = 0; j.camera > 0 && c < 6; ++c)
             row.Add(layout_.CameraPose(j.camera) + c,
                     ViewJacobian::Block<6>(j.by_camera_pose, i).col(c));
+          for (int c = 0; j.place >= 0 && c < 6; ++c)
+            row.Add(layout_.Place(j.place) + c,
+                    ViewJacobian::Block<6>(j.by_place, i).col(c));
           for (int c = 0; layout_.num_points > 0 && c < 3; ++c)
             row.Add(layout_.Point(j.points[i]) + c,
                     ViewJacobian::Block<3>(j.by_point, i).col(c));

@@ -62,6 +62,18 @@ void Apply(const Similarity& similarity, const AlignedBoard& board,
   }
 }
 
+// A board's place on its body, when both were brought to their nominal points:
+// x' = s R x + t on the body, and x' = s Q y + u of a point y of the board.
+void ApplyToPlace(const Similarity& body, const Similarity& board,
+                  Pose* body_from_board) {
+  Pose& pose = *body_from_board;
+  const Eigen::Vector3d moved =
+      body.scale * (body.rotation * pose.translation) + body.translation();
+  pose.rotation =
+      (body.rotation * pose.rotation * board.rotation.inverse()).normalized();
+  pose.translation = moved - pose.rotation * board.translation();
+}
+
 // The similarities' scales become one, by least squares over all points.
 double CommonScale(const std::vector<Similarity>& similarities) {
   double sum = 0, weight = 0;
@@ -70,6 +82,30 @@ double CommonScale(const std::vector<Similarity>& similarities) {
     weight += similarity.squared_extent;
   }
   return weight > 0 ? sum / weight : 1;
+}
+
+// Boards of one body get one scale.
+void ShareScaleOnBodies(const std::vector<AlignedBoard>& boards,
+                        std::vector<Similarity>* similarities) {
+  for (const AlignedBoard& frame : boards) {
+    if (frame.body < 0 || frame.place >= 0) continue;
+    std::vector<Similarity> of_body;
+    for (size_t b = 0; b < boards.size(); ++b)
+      if (boards[b].body == frame.body) of_body.push_back((*similarities)[b]);
+    const double scale = CommonScale(of_body);
+    for (size_t b = 0; b < boards.size(); ++b)
+      if (boards[b].body == frame.body) (*similarities)[b].scale = scale;
+  }
+}
+
+// The places of the boards of a body, of which one is its frame.
+void ApplyToPlaces(const std::vector<AlignedBoard>& boards,
+                   const std::vector<Similarity>& similarities, size_t frame,
+                   AdjustmentState* state) {
+  for (size_t b = 0; b < boards.size(); ++b)
+    if (boards[b].body == boards[frame].body && boards[b].place >= 0)
+      ApplyToPlace(similarities[frame], similarities[b],
+                   &state->body_from_board[boards[b].place]);
 }
 
 }  // namespace
@@ -87,9 +123,14 @@ void AlignToNominal(const std::vector<AlignedBoard>& boards,
     const double scale = CommonScale(similarities);
     for (Similarity& similarity : similarities) similarity.scale = scale;
     for (Pose& pose : state->camera_from_rig) pose.translation *= scale;
+  } else if (scale_is_free) {
+    ShareScaleOnBodies(boards, &similarities);
   }
-  for (size_t b = 0; b < boards.size(); ++b)
+  for (size_t b = 0; b < boards.size(); ++b) {
     Apply(similarities[b], boards[b], state);
+    if (boards[b].body >= 0 && boards[b].place < 0)
+      ApplyToPlaces(boards, similarities, b, state);
+  }
 }
 
 }  // namespace raygrid

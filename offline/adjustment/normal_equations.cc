@@ -66,13 +66,15 @@ ParameterLayout::ParameterLayout(const AdjustmentState& state,
       num_points(fixed.points ? 0 : static_cast<int>(state.points.size())),
       num_poses(static_cast<int>(state.rig_from_pattern.size())),
       per_pose(6 + state.modes.count()) {
-  first_point = 0;
   if (!fixed.cameras && !state.cameras.empty()) {
     for (const auto& camera : state.cameras)
       first_camera.push_back(first_camera.back() + camera->NumParameters());
-    first_point =
+    first_place =
         first_camera.back() + 6 * (static_cast<int>(state.cameras.size()) - 1);
   }
+  first_point = first_place;
+  if (!(fixed.cameras && fixed.points))
+    first_point += 6 * static_cast<int>(state.body_from_board.size());
   size = first_point + 3 * num_points;
 }
 
@@ -82,8 +84,10 @@ AdjustmentStep ParameterLayout::Step(const Eigen::VectorXd& parameters,
   for (size_t c = 0; c + 1 < first_camera.size(); ++c)
     step.cameras.push_back(parameters.segment(
         first_camera[c], first_camera[c + 1] - first_camera[c]));
-  for (int first = first_camera.back(); first < first_point; first += 6)
+  for (int first = first_camera.back(); first < first_place; first += 6)
     step.camera_poses.push_back(parameters.segment<6>(first));
+  for (int first = first_place; first < first_point; first += 6)
+    step.places.push_back(parameters.segment<6>(first));
   step.points = parameters.tail(size - first_point);
   for (int i = 0; i < num_poses; ++i) {
     step.poses.push_back(poses.segment<6>(per_pose * i));

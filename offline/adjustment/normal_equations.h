@@ -15,25 +15,26 @@ namespace raygrid {
 struct AdjustmentStep {
   std::vector<Eigen::VectorXd> cameras;  ///< none if they are fixed
   std::vector<Eigen::Matrix<double, 6, 1>> camera_poses;  ///< but the first's
+  std::vector<Eigen::Matrix<double, 6, 1>> places;        ///< if not fixed
   Eigen::VectorXd points;  ///< three numbers a point
   std::vector<Eigen::Matrix<double, 6, 1>> poses;
   std::vector<FlexModes::Coefficients> flex;  ///< of each pose, if boards bend
 };
 
 /// The parameters without equations; cameras are fixed with their poses in the
-/// rig.
+/// rig. Places of boards on bodies are fixed where both others are.
 struct FixedParameters {
   bool cameras = false, points = false;
 };
 
 /// The places of parameters in a vector of them all: cameras, their poses in
-/// the rig, points; then, beyond its size, the rig poses, each with the flex of
-/// the board that stands there.
+/// the rig, boards' places on bodies, points; then, beyond its size, the rig
+/// poses, each with the flex of the board that stands there.
 struct ParameterLayout {
   ParameterLayout(const AdjustmentState& state, const FixedParameters& fixed);
 
   std::vector<int> first_camera;  ///< of each, and their end; {0} if fixed
-  int first_point = 0, size = 0;
+  int first_place = 0, first_point = 0, size = 0;
   int num_points = 0;  ///< 0 if they are fixed
   int num_poses = 0;   ///< of the rig
   int per_pose = 6;    ///< parameters of a pose and of the board's flex
@@ -46,6 +47,8 @@ struct ParameterLayout {
   int CameraPose(int camera) const {
     return first_camera.back() + 6 * (camera - 1);
   }
+  bool has_places() const { return first_place < first_point; }
+  int Place(int place) const { return first_place + 6 * place; }
   int Point(int point) const { return first_point + 3 * point; }
 
   int Pose(int pose) const { return size + per_pose * pose; }

@@ -29,11 +29,18 @@ LinearizedResidual Linearize(const AdjustmentState& state, const View& view,
   LinearizedResidual result;
   result.camera = view.camera;
   result.pose = view.pose;
+  result.place = view.place;
   result.point = observation.point;
   const Pose& pose = state.rig_from_pattern[view.pose];
   const Pose& camera_pose = state.camera_from_rig[view.camera];
-  const Eigen::Vector3d rotated =
-      pose.rotation * state.PointAt(view.pose, observation.point);
+  Eigen::Vector3d point = state.PointAt(view.pose, observation.point);
+  Eigen::Vector3d turned_on_body(0, 0, 0);
+  if (view.place >= 0) {
+    const Pose& place = state.body_from_board[view.place];
+    turned_on_body = place.rotation * point;
+    point = turned_on_body + place.translation;
+  }
+  const Eigen::Vector3d rotated = pose.rotation * point;
   const Eigen::Vector3d rotated_to_camera =
       camera_pose.rotation * (rotated + pose.translation);
   if (!state.cameras[view.camera]->Linearize(
@@ -47,6 +54,13 @@ LinearizedResidual Linearize(const AdjustmentState& state, const View& view,
   result.by_camera_pose = by_point * UpdateDerivative(rotated_to_camera);
   result.by_pose = by_rig_point * UpdateDerivative(rotated);
   result.by_point = by_rig_point * pose.rotation.toRotationMatrix();
+  if (view.place >= 0) {
+    result.by_place = result.by_point * UpdateDerivative(turned_on_body);
+    result.by_point =
+        (result.by_point *
+         state.body_from_board[view.place].rotation.toRotationMatrix())
+            .eval();
+  }
   if (state.modes.count() > 0)
     result.by_flex = result.by_point * state.modes.by_point[observation.point];
   return result;

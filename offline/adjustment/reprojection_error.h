@@ -23,10 +23,10 @@ struct Residual {
 /// A residual with its derivatives by everything it depends on.
 struct LinearizedResidual {
   Residual residual;
-  int camera = 0, pose = 0, point = 0;
-  /// The derivatives by the updates of UpdatedPose() of camera_from_rig and
-  /// rig_from_pattern.
-  Eigen::Matrix<double, 2, 6> by_camera_pose, by_pose;
+  int camera = 0, pose = 0, place = -1, point = 0;
+  /// The derivatives by the updates of UpdatedPose() of camera_from_rig,
+  /// rig_from_pattern and body_from_board, the last where the view has a place.
+  Eigen::Matrix<double, 2, 6> by_camera_pose, by_pose, by_place;
   Eigen::Matrix<double, 2, 3> by_point;
   Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, FlexModes::kMaxCount> by_flex;
   LinearizedProjection projection;  ///< derivatives by the camera's parameters

@@ -15,6 +15,7 @@ class ResidualProduct {
         first_(layout.first_camera[jacobian.camera]),
         camera_pose_(jacobian.camera > 0 ? layout.CameraPose(jacobian.camera)
                                          : -1),
+        place_(jacobian.place >= 0 ? layout.Place(jacobian.place) : -1),
         first_point_(layout.num_points > 0 ? layout.first_point : -1) {}
 
   Eigen::Vector2d Times(const Eigen::VectorXd& x, int i) const {
@@ -32,6 +33,8 @@ class ResidualProduct {
     if (camera_pose_ >= 0)
       u += ViewJacobian::Block<6>(j.by_camera_pose, i) *
            x.segment<6>(camera_pose_);
+    if (place_ >= 0)
+      u += ViewJacobian::Block<6>(j.by_place, i) * x.segment<6>(place_);
     if (first_point_ >= 0)
       u += ViewJacobian::Block<3>(j.by_point, i) *
            x.segment<3>(first_point_ + 3 * j.points[i]);
@@ -53,6 +56,9 @@ class ResidualProduct {
     if (camera_pose_ >= 0)
       y->segment<6>(camera_pose_) +=
           ViewJacobian::Block<6>(j.by_camera_pose, i).transpose() * u;
+    if (place_ >= 0)
+      y->segment<6>(place_) +=
+          ViewJacobian::Block<6>(j.by_place, i).transpose() * u;
     if (first_point_ >= 0)
       y->segment<3>(first_point_ + 3 * j.points[i]) +=
           ViewJacobian::Block<3>(j.by_point, i).transpose() * u;
@@ -103,7 +109,7 @@ class ResidualProduct {
   }
 
   const ViewJacobian& jacobian_;
-  int first_, camera_pose_, first_point_;
+  int first_, camera_pose_, place_, first_point_;
 };
 
 }  // namespace raygrid

@@ -18,6 +18,7 @@ void Resize(const LinearizedResidual& like, int count, ViewJacobian* jacobian) {
   const LinearizedProjection& projection = like.projection;
   jacobian->camera = like.camera;
   jacobian->pose = like.pose;
+  jacobian->place = like.place;
   jacobian->num_nodes = projection.num_nodes;
   jacobian->num_per_node = projection.num_per_node;
   jacobian->num_global = projection.num_global;
@@ -27,6 +28,7 @@ void Resize(const LinearizedResidual& like, int count, ViewJacobian* jacobian) {
   jacobian->by_node.resize(2 * projection.num_per_node, count);
   jacobian->by_global.resize(2 * projection.num_global, count);
   jacobian->by_camera_pose.resize(12, like.camera > 0 ? count : 0);
+  jacobian->by_place.resize(12, like.place >= 0 ? count : 0);
   jacobian->by_pose.resize(6 + like.by_flex.cols(), 2 * count);
   jacobian->by_point.resize(6, count);
   jacobian->error.resize(2, count);
@@ -45,6 +47,7 @@ void SetColumn(const LinearizedResidual& r, double root, int column,
       root * Flat(projection.by_global, projection.num_global);
   if (r.camera > 0)
     jacobian->by_camera_pose.col(column) = root * Flat(r.by_camera_pose, 6);
+  if (r.place >= 0) jacobian->by_place.col(column) = root * Flat(r.by_place, 6);
   auto by_pose = jacobian->by_pose.middleCols<2>(2 * column);
   by_pose.topRows<6>() = root * r.by_pose.transpose();
   by_pose.bottomRows(r.by_flex.cols()) = root * r.by_flex.transpose();

@@ -17,7 +17,7 @@ Eigen::MatrixXd PoseCovariance(const Adjusted& adjusted,
   const FixedParameters fixed = {false, !HavePointsMoved(adjusted)};
   const ParameterLayout layout(state, fixed);
   const int first = layout.CameraPose(1);
-  const int count = layout.first_point - first;
+  const int count = layout.first_place - first;
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(layout.size, count);
   right.middleRows(first, count).setIdentity();
   EquationsBuilder builder(adjusted.problem.views, options.huber_px,

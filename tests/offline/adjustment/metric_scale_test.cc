@@ -137,5 +137,27 @@ TEST(AlignToNominal, GivesTheBoardsOfARigOneScaleAndChangesNoReprojection) {
   EXPECT_LT(scale, 1 / 1.012);
 }
 
+TEST(AlignToNominal, GivesTheBoardsOfABodyOneScaleAndChangesNoReprojection) {
+  for (const int num_cameras : {1, 2}) {
+    const SmallProblem problem =
+        WithTwoBoardsOnABody(MakeSmallProblem({5, 20, 0.5, num_cameras}));
+    const std::vector<Eigen::Vector3d>& nominal = problem.state.points;
+    TestRandom random(3);
+    AdjustmentState state = Moved(problem.state);
+    for (int i = 0; i < 20; ++i)
+      state.points[i] += 1e-4 * random.NormalVector<3>();
+    const auto before = ComputeResiduals(state, problem.views, 1);
+    AlignToNominal(
+        {{0, {nominal.begin(), nominal.begin() + 10}, {0, 1, 2, 3, 4}, 0, -1},
+         {10, {nominal.begin() + 10, nominal.end()}, {}, 0, 0}},
+        &state);
+    const auto after = ComputeResiduals(state, problem.views, 1);
+    for (size_t i = 0; i < before.size(); ++i)
+      EXPECT_LT((before[i].error_px - after[i].error_px).norm(), 1e-8);
+    for (int i = 0; i < 20; ++i)
+      EXPECT_LT((state.points[i] - nominal[i]).norm(), 1e-2);
+  }
+}
+
 }  // namespace
 }  // namespace raygrid

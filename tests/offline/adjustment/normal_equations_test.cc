@@ -10,14 +10,20 @@
 namespace raygrid {
 namespace {
 
-// Which parameters there are: cameras, their poses in the rig, points, poses.
+// Which parameters there are: cameras, their poses in the rig, places of
+// boards, points, poses.
 struct Layout {
-  int num_cameras = 0, num_points = 0, num_poses = 0, per_pose = 6;
+  int num_cameras = 0, num_places = 0, num_points = 0, num_poses = 0,
+      per_pose = 6;
 
   Layout(const SmallProblem& problem, bool fix_cameras, bool fix_points,
          int num_modes = 0)
       : num_cameras(
             fix_cameras ? 0 : static_cast<int>(problem.state.cameras.size())),
+        num_places(
+            fix_cameras && fix_points
+                ? 0
+                : static_cast<int>(problem.state.body_from_board.size())),
         num_points(fix_points ? 0
                               : static_cast<int>(problem.state.points.size())),
         num_poses(static_cast<int>(problem.state.rig_from_pattern.size())),
@@ -25,9 +31,10 @@ struct Layout {
 
   int Camera(int c) const { return OpenCvModel::kCount * c; }
   int CameraPose(int c) const { return Camera(num_cameras) + 6 * (c - 1); }
-  int Point(int i) const {
-    return CameraPose(std::max(1, num_cameras)) + 3 * i;
+  int Place(int i) const {
+    return CameraPose(std::max(1, num_cameras)) + 6 * i;
   }
+  int Point(int i) const { return Place(num_places) + 3 * i; }
   int Pose(int i) const { return Point(num_points) + per_pose * i; }
   int Size() const { return Pose(num_poses); }
 };
@@ -46,6 +53,8 @@ Eigen::MatrixXd DenseJacobian(const LinearizedResidual& r,
         DenseByParameter(r.projection, OpenCvModel::kCount);
   if (layout.num_cameras > 0 && r.camera > 0)
     row.middleCols<6>(layout.CameraPose(r.camera)) = r.by_camera_pose;
+  if (layout.num_places > 0 && r.place >= 0)
+    row.middleCols<6>(layout.Place(r.place)) = r.by_place;
   if (layout.num_points > 0)
     row.middleCols<3>(layout.Point(r.point)) = r.by_point;
   row.middleCols<6>(layout.Pose(r.pose)) = r.by_pose;
@@ -131,6 +140,8 @@ Eigen::VectorXd Stacked(const AdjustmentStep& step, const Layout& layout) {
     stacked.segment<OpenCvModel::kCount>(layout.Camera(c)) = step.cameras[c];
   for (int c = 1; c < layout.num_cameras; ++c)
     stacked.segment<6>(layout.CameraPose(c)) = step.camera_poses[c - 1];
+  for (int i = 0; i < layout.num_places; ++i)
+    stacked.segment<6>(layout.Place(i)) = step.places[i];
   stacked.segment(layout.Point(0), 3 * layout.num_points) = step.points;
   for (int i = 0; i < layout.num_poses; ++i)
     stacked.segment<6>(layout.Pose(i)) = step.poses[i];
@@ -155,10 +166,9 @@ void Bend(AdjustmentState* state, GaussianPrior* prior) {
 }
 
 // Every parameter's step compared in units of its own uncertainty.
-void ExpectDenseSolution(const SmallProblemSizes& sizes, bool fix_camera,
+void ExpectDenseSolution(const SmallProblem& problem, bool fix_camera,
                          bool fix_points, Method method = Method::kDense,
                          bool may_bend = false) {
-  const SmallProblem problem = MakeSmallProblem(sizes);
   AdjustmentState state = Disturbed(problem.state, !fix_points);
   GaussianPrior prior = PriorOf(problem);
   if (may_bend) Bend(&state, &prior);
@@ -184,6 +194,13 @@ void ExpectDenseSolution(const SmallProblemSizes& sizes, bool fix_camera,
                   .maxCoeff(),
               1e-5 * expected.cwiseQuotient(scale).cwiseAbs().maxCoeff());
   }
+}
+
+void ExpectDenseSolution(const SmallProblemSizes& sizes, bool fix_camera,
+                         bool fix_points, Method method = Method::kDense,
+                         bool may_bend = false) {
+  ExpectDenseSolution(MakeSmallProblem(sizes), fix_camera, fix_points, method,
+                      may_bend);
 }
 
 TEST(NormalEquations, EliminatingPointsSolvesTheWholeSystem) {
@@ -215,6 +232,21 @@ TEST(LargeEquations, SolveTheWholeSystem) {
   ExpectDenseSolution({12, 20, 0.4}, false, false, Method::kLarge);
   ExpectDenseSolution({6, 30, 0.4}, false, true, Method::kLarge);
   ExpectDenseSolution({12, 20, 0.4, 2}, false, false, Method::kLarge);
+}
+
+TEST(NormalEquations, BoardsOfABodyShareItsPoses) {
+  const auto expect = [](const SmallProblemSizes& sizes, bool fix_cameras,
+                         bool fix_points, Method method) {
+    ExpectDenseSolution(WithTwoBoardsOnABody(MakeSmallProblem(sizes)),
+                        fix_cameras, fix_points, method);
+  };
+  expect({4, 30, 0.4}, false, false, Method::kDense);
+  expect({12, 20, 0.4}, false, false, Method::kDense);
+  expect({6, 30, 0.4, 2}, false, true, Method::kDense);
+  expect({6, 30, 0.4, 2}, true, false, Method::kDense);
+  expect({6, 30, 0.4}, true, true, Method::kDense);
+  expect({4, 30, 0.4}, false, false, Method::kLarge);
+  expect({12, 20, 0.4, 2}, false, true, Method::kLarge);
 }
 
 TEST(NormalEquations, BendsAreSolvedForWithTheirPoses) {

@@ -48,6 +48,7 @@ Single Extract(const SmallProblem& problem, size_t view, size_t observation) {
     single.state.flex = {problem.state.flex[problem.views[view].pose]};
   }
   single.view.camera = problem.views[view].camera;
+  single.view.place = problem.views[view].place;
   single.view.observations = {{0, seen.pixel}};
   return single;
 }
@@ -87,6 +88,17 @@ void ExpectDerivatives(const Single& single) {
                 linear.by_point,
                 CentralDifference(by_point, single.state.points[0], 1e-6)),
             1e-5);
+  if (single.view.place >= 0) {
+    const auto by_place = [&](const Eigen::VectorXd& update) {
+      AdjustmentState changed = single.state;
+      Pose& pose = changed.body_from_board[single.view.place];
+      pose = UpdatedPose(pose, update);
+      return ResidualOf(changed, single.view);
+    };
+    EXPECT_LT(RelativeDifference(linear.by_place,
+                                 CentralDifference(by_place, zero, 1e-6)),
+              1e-5);
+  }
   if (single.state.modes.count() == 0) return;
   const auto by_flex = [&](const Eigen::VectorXd& flex) {
     AdjustmentState changed = single.state;
@@ -102,6 +114,7 @@ void ExpectDerivatives(const Single& single) {
 TEST(ReprojectionError, DerivativesAreThoseOfTheResiduals) {
   for (const SmallProblem& problem :
        {MakeSmallProblem({4, 30, 0.3}), MakeSmallProblem({3, 30, 0.3, 2}),
+        WithTwoBoardsOnABody(MakeSmallProblem({3, 30, 0.3, 2})),
         SmallGridProblem(), BentProblem()})
     for (size_t view = 0; view < problem.views.size(); ++view)
       for (size_t i = 0; i < 10; ++i)

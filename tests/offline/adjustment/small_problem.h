@@ -61,6 +61,28 @@ inline SmallProblem MakeSmallProblem(const SmallProblemSizes& sizes) {
   return problem;
 }
 
+/// The second half of the points as a board of its own, which is fixed to the
+/// first one. Nothing is seen elsewhere than before.
+inline SmallProblem WithTwoBoardsOnABody(SmallProblem problem) {
+  const int half = static_cast<int>(problem.state.points.size()) / 2;
+  const Pose place = {RotationFromVector({0.4, -0.2, 0.7}), {0.1, -0.05, 0.03}};
+  problem.state.body_from_board = {place};
+  for (size_t i = half; i < problem.state.points.size(); ++i)
+    problem.state.points[i] = place.Inverse() * problem.state.points[i];
+  std::vector<View> views;
+  for (const View& view : problem.views) {
+    View first = view, second = view;
+    first.observations.resize(half);
+    second.observations.erase(second.observations.begin(),
+                              second.observations.begin() + half);
+    second.place = 0;
+    views.push_back(first);
+    views.push_back(second);
+  }
+  problem.views = std::move(views);
+  return problem;
+}
+
 /// The prior of a lens's principal point, one direction of it free.
 inline PriorGroup PriorOfCenter() {
   Eigen::SparseMatrix<double> precision(OpenCvModel::kCount,
@@ -121,6 +143,8 @@ inline AdjustmentState Disturbed(const AdjustmentState& truth,
     state.camera_from_rig[c] =
         UpdatedPose(state.camera_from_rig[c], 0.01 * random.NormalVector<6>());
   for (Pose& pose : state.rig_from_pattern)
+    pose = UpdatedPose(pose, 0.01 * random.NormalVector<6>());
+  for (Pose& pose : state.body_from_board)
     pose = UpdatedPose(pose, 0.01 * random.NormalVector<6>());
   if (move_points)
     for (Eigen::Vector3d& p : state.points)
