@@ -39,6 +39,9 @@ struct SimulateArguments {
   int bits = 8;
   int cameras = 1;
   double baseline_m = 0.1;
+  bool fixed_boards = false;
+  FixedBoards fixed;
+  double board_turn_deg = 15, move_board_mm = 0;
 };
 
 // Across the image: as fine as the lenses' bumps, which scale with it, need.
@@ -210,9 +213,22 @@ SimulatedObservations ObserveRig(const SimulateArguments& arguments,
   options.seed = common.seed;
   options.features_per_image =
       arguments.features_per_image.value_or(options.features_per_image);
-  const SimulatedRigObservations seen = SimulateRig(
-      CamerasInARow(camera, arguments.cameras, arguments.baseline_m),
-      MakePattern(arguments), options);
+  const SimulatedRig cameras =
+      CamerasInARow(camera, arguments.cameras, arguments.baseline_m);
+  const Pattern pattern = MakePattern(arguments);
+  SimulatedRigObservations seen =
+      arguments.fixed_boards
+          ? SimulateRig(cameras, pattern, arguments.fixed, options)
+          : SimulateRig(cameras, pattern, options);
+  if (arguments.cameras == 1) {
+    const SimulatedObservations alone = {seen.datasets[0], seen.true_pattern,
+                                         seen.poses[0]};
+    OutputFiles single;
+    AddTruth(arguments.output, alone, *camera, !arguments.camera.empty(),
+             &single);
+    single.Commit();
+    return alone;
+  }
   SimulatedObservations all;
   std::vector<NamedDataset> features;
   std::vector<NamedPoses> poses;
@@ -317,11 +333,20 @@ void Run(SimulateArguments arguments, const CommonOptions& common) {
                 "pixels");
   if (arguments.render && arguments.cameras > 1)
     throw Error(ExitCode::kUsage, "--render: with one camera only");
+  if (arguments.render && arguments.fixed_boards)
+    throw Error(ExitCode::kUsage,
+                "--fixed-boards: not with --render, whose boards always are");
+  if (arguments.fixed_boards && MakePattern(arguments).boards.size() < 2)
+    throw Error(ExitCode::kUsage,
+                "--fixed-boards: the pattern has one board only");
+  arguments.fixed.turn_rad = arguments.board_turn_deg * M_PI / 180;
+  arguments.fixed.move_m = arguments.move_board_mm / 1000;
   RequireInputsStay(arguments);
   const SimulatedObservations observations =
-      arguments.render        ? Render(arguments, common)
-      : arguments.cameras > 1 ? ObserveRig(arguments, common)
-                              : Observe(arguments, common);
+      arguments.render ? Render(arguments, common)
+      : arguments.cameras > 1 || arguments.fixed_boards
+          ? ObserveRig(arguments, common)
+          : Observe(arguments, common);
   const ImageSize& size = observations.dataset.image_size;
   if (common.json)
     fmt::print("{}\n", FormatJson(observations));
@@ -404,6 +429,34 @@ void AddCameraOptions(CLI::App* command, SimulateArguments* arguments) {
       ->add_option("--baseline-m", arguments->baseline_m,
                    "between neighbouring cameras")
       ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  CLI::Option* fixed = command->add_flag(
+      "--fixed-boards", arguments->fixed_boards,
+      "all boards of the pattern are fixed to each other, side by side, and "
+      "move as one; otherwise each moves by itself");
+  command
+      ->add_option("--board-gap-m", arguments->fixed.gap_m,
+                   "between fixed boards")
+      ->check(CLI::Range(0.0, 100.0))
+      ->needs(fixed)
+      ->capture_default_str();
+  command
+      ->add_option("--board-turn-deg", arguments->board_turn_deg,
+                   "of each fixed board against the one before it")
+      ->check(CLI::Range(-180.0, 180.0))
+      ->needs(fixed)
+      ->capture_default_str();
+  command
+      ->add_flag("--never-shared", arguments->fixed.never_shared,
+                 "no two cameras see one of the fixed boards at one instant: "
+                 "what the first of them sees is hidden from the others")
+      ->needs(fixed);
+  command
+      ->add_option("--move-board-mm", arguments->move_board_mm,
+                   "how far the last of the fixed boards is moved after half "
+                   "of the views")
+      ->check(CLI::Range(0.0, 1e5))
+      ->needs(fixed)
       ->capture_default_str();
 }
 

@@ -25,15 +25,17 @@ Eigen::Vector3d RandomRay(const CameraModel& camera, const Area& area,
 // A board at the end of ray whose front looks to the camera, tilted and turned
 // at random around its centre.
 Pose RandomlyTilted(const Eigen::Vector3d& ray, double distance_m,
-                    double max_tilt_rad, const Eigen::Vector3d& center_m,
-                    Random* random) {
+                    double max_tilt_rad, double max_turn_rad,
+                    const Eigen::Vector3d& center_m, Random* random) {
   const Eigen::Quaterniond facing =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray);
   const double direction = random->Uniform(0, 2 * M_PI);
   const Eigen::AngleAxisd tilt(
       random->Uniform(0, max_tilt_rad),
       Eigen::Vector3d(std::cos(direction), std::sin(direction), 0));
-  const Eigen::AngleAxisd turn(random->Uniform(0, 2 * M_PI),
+  // Any turn begins at 0, a smaller one around being upright.
+  const double first = max_turn_rad < M_PI ? -max_turn_rad : 0;
+  const Eigen::AngleAxisd turn(random->Uniform(first, first + 2 * max_turn_rad),
                                Eigen::Vector3d::UnitZ());
   const Eigen::Quaterniond rotation = facing * tilt * turn;
   return {rotation, ray * distance_m - rotation * center_m};
@@ -53,7 +55,7 @@ Pose RandomPose(const CameraModel& camera, const Board& board, Random* random) {
       extent_m / angle_of_view * random->Uniform(0.6, 2.0);
   const Eigen::Vector3d center((board.columns - 1) * board.square_m / 2,
                                (board.rows - 1) * board.square_m / 2, 0);
-  return RandomlyTilted(ray, distance_m, M_PI / 3, center, random);
+  return RandomlyTilted(ray, distance_m, M_PI / 3, M_PI, center, random);
 }
 
 // Pixels per radian around a ray, in the direction where they are fewest.
@@ -134,7 +136,8 @@ std::vector<Pose> RandomPoses(const CameraModel& camera,
     const double square_px =
         random.Uniform(options.min_square_px, options.max_square_px);
     poses.push_back(RandomlyTilted(ray, square_m * magnification / square_px,
-                                   options.max_tilt_rad, center_m, &random));
+                                   options.max_tilt_rad, options.max_turn_rad,
+                                   center_m, &random));
   }
   return poses;
 }

@@ -56,10 +56,11 @@ struct PoseOptions {
   /// Width of a square in the image, where the board is not tilted.
   double min_square_px = 12, max_square_px = 30;
   double max_tilt_rad = 50 * M_PI / 180;
+  double max_turn_rad = M_PI;  ///< in its plane, either way
 };
 
 /// Poses of a board whose point center_m looks out of a random pixel of the
-/// image; with any turn in the board's plane. Reproducible on any machine.
+/// image. Reproducible on any machine.
 std::vector<Pose> RandomPoses(const CameraModel& camera,
                               const Eigen::Vector3d& center_m, double square_m,
                               int count, const PoseOptions& options,

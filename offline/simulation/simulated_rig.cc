@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <set>
+
 #include "simulation/board_bend.h"
 #include "simulation/board_flex.h"
 #include "simulation/random.h"
@@ -29,6 +32,60 @@ std::vector<Pose> BoardPoses(const SimulatedRig& rig, const Board& board,
     const int c = (first_camera + i) % num_cameras;
     poses.push_back(rig.camera_from_rig[c].Inverse() *
                     camera_from_board[c][i / num_cameras]);
+  }
+  return poses;
+}
+
+// first_from_board of each of several boards.
+std::vector<Pose> PlacesOf(const Pattern& pattern, const FixedBoards& fixed) {
+  std::vector<Pose> places = {Pose()};
+  for (size_t b = 0; b + 1 < pattern.boards.size(); ++b) {
+    const Eigen::Vector3d to_next(
+        pattern.boards[b].NominalPoints().back().x() + fixed.gap_m, 0, 0);
+    const Eigen::Quaterniond turn(
+        Eigen::AngleAxisd(fixed.turn_rad, Eigen::Vector3d::UnitY()));
+    places.push_back(places.back() * Pose{turn, to_next});
+  }
+  return places;
+}
+
+// A place, moved into any direction.
+Pose MovedPlace(const Pose& place, double move_m, Random* random) {
+  Eigen::Vector3d direction;
+  for (int k = 0; k < 3; ++k) direction[k] = random->Normal();
+  direction.normalize();
+  return {place.rotation, place.translation + move_m * direction};
+}
+
+// rig_from_body at each instant: the middle of a board, or of the gap behind
+// it, before a camera.
+std::vector<Pose> BodyPoses(const SimulatedRig& rig, const Pattern& pattern,
+                            const std::vector<Pose>& places, int count,
+                            uint64_t seed) {
+  constexpr double kMaxTiltRad = 35 * M_PI / 180;
+  constexpr double kMaxTurnRad = 25 * M_PI / 180;
+  const auto middle = [&](size_t board) -> Eigen::Vector3d {
+    return places[board] * (pattern.boards[board].NominalPoints().back() / 2);
+  };
+  const int num_cameras = static_cast<int>(rig.cameras.size());
+  std::vector<Eigen::Vector3d> targets;
+  for (size_t b = 0; b < places.size(); ++b) {
+    targets.push_back(middle(b));
+    if (b + 1 < places.size())
+      targets.push_back((middle(b) + middle(b + 1)) / 2);
+  }
+  PoseOptions held;
+  held.max_tilt_rad = kMaxTiltRad;
+  held.max_turn_rad = kMaxTurnRad;
+  std::vector<Pose> poses;
+  for (int i = 0; i < count; ++i) {
+    const int c = i % num_cameras;
+    const Eigen::Vector3d& target = targets[i / num_cameras % targets.size()];
+    poses.push_back(rig.camera_from_rig[c].Inverse() *
+                    RandomPoses(*rig.cameras[c], target,
+                                pattern.boards[0].square_m, 1, held,
+                                seed * 1000003 + i)
+                        .front());
   }
   return poses;
 }
@@ -93,6 +150,63 @@ void AddInstant(const SimulatedRig& rig, const std::vector<Board>& boards,
   }
 }
 
+// The observations of boards that stand at poses, by board and instant.
+SimulatedRigObservations ObserveBoards(
+    const SimulatedRig& rig, const Pattern& pattern,
+    const std::vector<std::vector<Pose>>& poses,
+    const SimulationOptions& options) {
+  SimulatedRigObservations result;
+  result.true_pattern = pattern;
+  result.poses.resize(rig.cameras.size());
+  for (const auto& camera : rig.cameras)
+    result.datasets.push_back({camera->image_size(), {}});
+  for (Board& board : result.true_pattern.boards)
+    board = BentBoard(board, options.board_bend_m);
+  Random random(options.seed);
+  for (int i = 0; i < options.num_images; ++i) {
+    // One bend of a board at one instant, which all cameras see.
+    std::vector<Board> boards;
+    for (const Board& board : result.true_pattern.boards)
+      boards.push_back(FlexedBoard(board, options.board_flex_m, &random));
+    std::vector<Pose> instant;
+    for (size_t b = 0; b < boards.size(); ++b) instant.push_back(poses[b][i]);
+    AddInstant(rig, boards, instant, i * options.num_shots, options, &random,
+               &result);
+  }
+  return result;
+}
+
+// Features of a board leave a camera, if one before it sees the board at the
+// instant.
+void HideShared(SimulatedRigObservations* seen) {
+  std::set<std::pair<std::string, int>> shown;
+  for (size_t c = 0; c < seen->datasets.size(); ++c) {
+    const auto hidden = shown;
+    std::vector<ImageFeatures> images;
+    for (ImageFeatures& image : seen->datasets[c].images) {
+      auto& features = image.features;
+      features.erase(
+          std::remove_if(
+              features.begin(), features.end(),
+              [&](const Feature& feature) {
+                return hidden.count({image.image, feature.board}) > 0;
+              }),
+          features.end());
+      for (const Feature& feature : features)
+        shown.insert({image.image, feature.board});
+      if (!features.empty()) images.push_back(std::move(image));
+    }
+    seen->datasets[c].images = std::move(images);
+    auto& poses = seen->poses[c];
+    poses.erase(
+        std::remove_if(poses.begin(), poses.end(),
+                       [&](const BoardPose& pose) {
+                         return hidden.count({pose.image, pose.board}) > 0;
+                       }),
+        poses.end());
+  }
+}
+
 }  // namespace
 
 SimulatedRig CamerasInARow(const std::shared_ptr<const CameraModel>& camera,
@@ -109,31 +223,32 @@ SimulatedRig CamerasInARow(const std::shared_ptr<const CameraModel>& camera,
 SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
                                      const Pattern& pattern,
                                      const SimulationOptions& options) {
-  SimulatedRigObservations result;
-  result.true_pattern = pattern;
-  result.poses.resize(rig.cameras.size());
-  for (const auto& camera : rig.cameras)
-    result.datasets.push_back({camera->image_size(), {}});
   std::vector<std::vector<Pose>> poses;
-  for (size_t b = 0; b < pattern.boards.size(); ++b) {
-    Board& board = result.true_pattern.boards[b];
-    poses.push_back(BoardPoses(rig, board, static_cast<int>(b),
+  for (size_t b = 0; b < pattern.boards.size(); ++b)
+    poses.push_back(BoardPoses(rig, pattern.boards[b], static_cast<int>(b),
                                options.num_images,
                                options.seed * 1000003 + 1000 * b));
-    board = BentBoard(board, options.board_bend_m);
-  }
+  return ObserveBoards(rig, pattern, poses, options);
+}
+
+SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
+                                     const Pattern& pattern,
+                                     const FixedBoards& fixed,
+                                     const SimulationOptions& options) {
+  std::vector<Pose> places = PlacesOf(pattern, fixed);
+  const std::vector<Pose> bodies =
+      BodyPoses(rig, pattern, places, options.num_images, options.seed);
   Random random(options.seed);
+  const Pose moved = MovedPlace(places.back(), fixed.move_m, &random);
+  std::vector<std::vector<Pose>> poses(places.size());
   for (int i = 0; i < options.num_images; ++i) {
-    // One bend of a board at one instant, which all cameras see.
-    std::vector<Board> boards;
-    for (const Board& board : result.true_pattern.boards)
-      boards.push_back(FlexedBoard(board, options.board_flex_m, &random));
-    std::vector<Pose> instant;
-    for (size_t b = 0; b < boards.size(); ++b) instant.push_back(poses[b][i]);
-    AddInstant(rig, boards, instant, i * options.num_shots, options, &random,
-               &result);
+    if (2 * i >= options.num_images) places.back() = moved;
+    for (size_t b = 0; b < places.size(); ++b)
+      poses[b].push_back(bodies[i] * places[b]);
   }
-  return result;
+  SimulatedRigObservations seen = ObserveBoards(rig, pattern, poses, options);
+  if (fixed.never_shared) HideShared(&seen);
+  return seen;
 }
 
 }  // namespace raygrid

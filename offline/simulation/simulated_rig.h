@@ -1,6 +1,7 @@
 #ifndef RAYGRID_SIMULATION_SIMULATED_RIG_H
 #define RAYGRID_SIMULATION_SIMULATED_RIG_H
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -19,6 +20,18 @@ struct SimulatedRig {
 SimulatedRig CamerasInARow(const std::shared_ptr<const CameraModel>& camera,
                            int count, double baseline_m);
 
+/// Boards that are fixed to each other: side by side in the order of the
+/// pattern, each turned against the one before it like leaves of a screen.
+struct FixedBoards {
+  double gap_m = 0.1;  ///< between neighbours
+  double turn_rad = 15 * M_PI / 180;
+  /// The last board is moved by so much, any way, after half of the instants.
+  double move_m = 0;
+  /// No camera sees a board that one before it sees at the instant, as if walls
+  /// stood between them.
+  bool never_shared = false;
+};
+
 struct SimulatedRigObservations {
   std::vector<Dataset> datasets;  ///< by camera
   Pattern true_pattern;
@@ -32,6 +45,13 @@ struct SimulatedRigObservations {
 /// image of an instant at which it sees none. Reproducible on any machine.
 SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
                                      const Pattern& pattern,
+                                     const SimulationOptions& options);
+
+/// Boards that are fixed to each other instead: each instant, one of their
+/// places is held in front of one of the cameras, roughly upright.
+SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
+                                     const Pattern& pattern,
+                                     const FixedBoards& fixed,
                                      const SimulationOptions& options);
 
 }  // namespace raygrid

@@ -15,6 +15,9 @@ parameters: {fx: 260, fy: 261, cx: 161, cy: 118, k1: -0.1, k2: 0.02, k3: 0, k4: 
              k6: 0, p1: 0.001, p2: -0.001}
 """
 
+THREE_BOARDS = "raygrid_pattern: 1\nboards:\n" + "".join(
+    "  - {id: %d, kind: chessboard, columns: 8, rows: 6, square_m: 0.025}\n" % i for i in range(3))
+
 
 def table(path):
     lines = [line for line in read(path).decode().splitlines() if not line.startswith("#")]
@@ -242,6 +245,22 @@ class Simulate(CommandTest):
         self.assertEqual(flat[:2], flexed[:2])
         self.assertNotEqual(flat[2], flexed[2])
 
+    def boards_seen(self, folder):
+        seen = {}
+        for row in table(os.path.join(folder, "features.csv")):
+            seen.setdefault((row["image"], row["board"]), set()).add(row["camera"])
+        return seen
+
+    def test_cameras_before_fixed_boards_share_them_or_not(self):
+        boards = write(self.path("three.yaml"), THREE_BOARDS)
+        options = ("--pattern", boards, "--cameras", 2, "--baseline-m", 1, "--fixed-boards",
+                   "--board-gap-m", 0.25)
+        shared = self.boards_seen(self.simulate(*options, images=30))
+        self.assertGreater(sum(len(cameras) > 1 for cameras in shared.values()), 0)
+        hidden = self.boards_seen(self.simulate(*options, "--never-shared", images=30))
+        self.assertEqual({len(cameras) for cameras in hidden.values()}, {1})
+        self.assertEqual(set(hidden), set(shared))
+
     def test_wrong_usage(self):
         folder = self.path("refused")
         for options, code, word in ((("--board-bend-mm", "abc"), 1, "--board-bend-mm"),
@@ -249,6 +268,9 @@ class Simulate(CommandTest):
                                     (("--min-square-px", 40), 1, "--max-square-px"),
                                     (("--board-flex-mm", 1, "--render"), 1, "--board-bend-mm"),
                                     (("--board-flex-mm", -1), 1, "--board-flex-mm"),
+                                    (("--fixed-boards",), 1, "one board only"),
+                                    (("--fixed-boards", "--render"), 1, "--render"),
+                                    (("--move-board-mm", 1), 1, "--fixed-boards"),
                                     (("--lens", "zoom"), 2, "zoom")):
             with self.subTest(options):
                 self.assert_refused(run("simulate", *options, "-o", folder), code, word)
