@@ -318,6 +318,11 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
   command->add_flag("--rigid-board", arguments->rigid_board,
                     "boards do not bend from image to image; otherwise they "
                     "may, where that predicts held-out images better");
+  command->add_flag("--boards-move", arguments->boards_move,
+                    "each of several boards moves by itself; otherwise those "
+                    "that keep still against each other, as far as can be "
+                    "told, are adjusted as one body, which also connects "
+                    "cameras that never see one board together");
   command->add_flag("--measure-once", arguments->measure_once,
                     "keep the features as detected; otherwise they are "
                     "measured again through a first camera");

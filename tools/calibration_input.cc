@@ -513,6 +513,7 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
                                               : AreaChoice::kWholeImage;
   options.flat_board = arguments.flat_board;
   options.rigid_board = arguments.rigid_board;
+  options.boards_move = arguments.boards_move;
   options.compare_models = !arguments.skip_comparison;
   options.hold_out = arguments.hold_out;
   options.same_view_px = ParseSameViewPx(arguments.same_view_px);
@@ -558,11 +559,11 @@ std::string InputsOf(const CalibrateArguments& arguments,
                              f.row, f.pixel.x(), f.pixel.y()));
     }
   }
-  hash.Add(fmt::format("{} {} {} {} {} {} {} {} {}", arguments.model,
-                       arguments.cell_px, arguments.same_view_px,
-                       arguments.area, arguments.image_circle,
-                       arguments.flat_board, arguments.rigid_board,
-                       arguments.measure_once, common.seed));
+  hash.Add(fmt::format(
+      "{} {} {} {} {} {} {} {} {} {}", arguments.model, arguments.cell_px,
+      arguments.same_view_px, arguments.area, arguments.image_circle,
+      arguments.flat_board, arguments.rigid_board, arguments.boards_move,
+      arguments.measure_once, common.seed));
   for (const std::string& image : arguments.hold_out) hash.Add(image);
   for (const std::string& mode : arguments.modes) hash.Add(mode);
   return hash.Text();

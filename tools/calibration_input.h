@@ -22,7 +22,8 @@ struct CalibrateArguments {
   std::string model = "central-generic", cell_px = "auto";
   std::string same_view_px = "auto";
   std::string instant_by = "name", area = "image", image_circle = "auto";
-  bool flat_board = false, rigid_board = false, measure_once = false, resume = false;
+  bool flat_board = false, rigid_board = false, boards_move = false,
+       measure_once = false, resume = false;
   bool skip_comparison = false;
 };
 

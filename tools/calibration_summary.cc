@@ -123,6 +123,11 @@ void PrintSummary(const RigResult& result, const std::string& folder) {
     PrintRig(result);
   else
     PrintSingleCamera(result.cameras.front());
+  for (const std::string& told :
+       BodySentences(result.bodies, result.board_pairs))
+    fmt::print("  {}\n", told);
+  if (!result.bodies.empty())
+    fmt::print("    (--boards-move: each moves by itself)\n");
   fmt::print("  verdict: {}\n", result.verdict.word);
   for (const std::string& reason : result.verdict.reasons)
     fmt::print("    {}\n", Printable(reason));

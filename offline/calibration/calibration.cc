@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "calibration/bend_choice.h"
+#include "calibration/body_search.h"
 #include "calibration/camera_in_progress.h"
 #include "calibration/camera_result.h"
 #include "calibration/frame_adjustment.h"
@@ -84,6 +85,12 @@ class Calibration {
   std::vector<double> CellsPx() const;
   // A rig's boards bend where most cameras say so.
   bool DoBoardsBend() const;
+  // Boards of bodies do not bend: they have no pose of their own to bend at.
+  bool AreBoardsRigid() const { return !bodies_.empty() || !DoBoardsBend(); }
+  Adjusted AdjustTogether(const std::vector<int>& cameras,
+                          std::vector<std::vector<RejectedImage>>* rejected);
+  // Looks for boards that are fixed to each other; adjusts with them.
+  void AdjustWithBodies(std::vector<std::vector<RejectedImage>>* rejected);
 
   // Takes a step with one camera after the other, and lets it report its
   // progress. A rig's progress and errors name the camera.
@@ -111,6 +118,7 @@ class Calibration {
   const Pattern& pattern_;
   const CalibrationOptions& options_;
   std::vector<CameraInProgress> cameras_;
+  Bodies bodies_;
   Adjusted adjusted_;  // all cameras together
   RigResult result_;
 };
@@ -227,24 +235,83 @@ void Calibration::ChooseGrids() {
 
 // ---- Adjust ----------------------------------------------------------------
 
-void Calibration::Adjust() {
-  const Stopwatch stopwatch(&result_.seconds["adjustment"]);
+Adjusted Calibration::AdjustTogether(
+    const std::vector<int>& cameras,
+    std::vector<std::vector<RejectedImage>>* rejected) {
   std::vector<std::string> names;
   std::vector<Adjusted> lenses;
-  for (const CameraInProgress& camera : cameras_) {
-    names.push_back(camera.input->name);
-    lenses.push_back(camera.lens);
+  std::vector<double> cells_px;
+  for (const int c : cameras) {
+    names.push_back(cameras_[c].input->name);
+    lenses.push_back(cameras_[c].lens);
+    cells_px.push_back(cameras_[c].result.cell_px);
   }
   if (IsRig()) Report("putting the rig together", 0.6);
-  std::vector<std::vector<RejectedImage>> rejected;
-  adjusted_ =
-      PutTogether(names, lenses, AdjustmentOptionsOf(options_), &rejected);
+  rejected->clear();
+  Adjusted adjusted = PutTogether(names, lenses, bodies_,
+                                  AdjustmentOptionsOf(options_), rejected);
   Report("bundle adjustment", 0.65);
   AdjustmentOptions adjustment = StoppableAdjustment(options_);
-  adjustment.rigid_boards = !DoBoardsBend();
-  AdjustModel(pattern_, options_.model, CellsPx(), adjustment, &adjusted_);
-  AdjustInCameraFrames(adjustment, &adjusted_);
-  AlignBoards(pattern_, &adjusted_);
+  adjustment.rigid_boards = AreBoardsRigid();
+  AdjustModel(pattern_, options_.model, cells_px, adjustment, &adjusted);
+  AdjustInCameraFrames(adjustment, &adjusted);
+  AlignBoards(pattern_, &adjusted);
+  return adjusted;
+}
+
+void Calibration::AdjustWithBodies(
+    std::vector<std::vector<RejectedImage>>* rejected) {
+  std::vector<Adjusted> lenses;
+  std::vector<int> all;
+  for (const CameraInProgress& camera : cameras_) {
+    all.push_back(static_cast<int>(all.size()));
+    lenses.push_back(camera.lens);
+  }
+  const auto groups = ConnectedGroups(lenses);
+  const bool may_tell = !options_.boards_move && MayTellBodies(lenses) &&
+                        (groups.size() > 1 || !DoBoardsBend());
+  std::vector<Adjusted> apart;
+  if (groups.size() == 1 || !may_tell)
+    apart.push_back(AdjustTogether(all, rejected));
+  else
+    for (const std::vector<int>& group : groups)
+      apart.push_back(AdjustTogether(group, rejected));
+  if (may_tell)
+    result_.board_pairs =
+        CompareBoards(apart, pattern_, options_.num_threads, &bodies_);
+  if (apart.size() == 1 && bodies_.empty()) {
+    adjusted_ = std::move(apart.front());
+    return;
+  }
+  try {
+    adjusted_ = AdjustTogether(all, rejected);
+  } catch (const Error& error) {
+    const auto told = BodySentences({}, result_.board_pairs);
+    if (error.code() != ExitCode::kInitialization || told.empty()) throw;
+    throw Error(error.code(),
+                fmt::format("{}; {}", error.what(), told.front()));
+  }
+}
+
+void Calibration::Adjust() {
+  const Stopwatch stopwatch(&result_.seconds["adjustment"]);
+  std::vector<Adjusted> lenses;
+  for (const CameraInProgress& camera : cameras_) lenses.push_back(camera.lens);
+  std::vector<std::vector<RejectedImage>> rejected;
+  AdjustWithBodies(&rejected);
+  for (const std::vector<int>& group : bodies_.Groups()) {
+    const Bodies found = AdjustedBodies(bodies_, adjusted_.problem,
+                                        adjusted_.state.body_from_board);
+    BoardBody& body = result_.bodies.emplace_back();
+    for (const int b : group) {
+      body.boards.push_back(pattern_.boards[b].id);
+      body.first_from_board.push_back(
+          found.frame_from_board[group.front()].Inverse() *
+          found.frame_from_board[b]);
+    }
+  }
+  AdjustmentOptions adjustment = StoppableAdjustment(options_);
+  adjustment.rigid_boards = AreBoardsRigid();
 
   for (size_t c = 0; c < cameras_.size(); ++c) {
     CalibrationResult& result = cameras_[c].result;
@@ -267,7 +334,8 @@ void Calibration::EvaluateHeldOutImages() {
   CameraInProgress& first = cameras_.front();
   std::vector<Trial> of_rig;
   ValidationOptions validation = ValidationOptionsOf(options_);
-  validation.rigid_boards = !DoBoardsBend();
+  validation.rigid_boards = AreBoardsRigid();
+  validation.bodies = bodies_;
   validation.progress = [this](double done) {
     Report("cross-validation", 0.7 + 0.15 * done);
   };
@@ -325,7 +393,7 @@ void Calibration::Evaluate() {
 
 // Boards in the images that others stand for, which the cameras localise.
 void Calibration::PlaceOtherImages() {
-  RigModel rig = {{}, result_.camera_from_rig};
+  RigModel rig = {{}, result_.camera_from_rig, {}};
   std::vector<Dataset> others;
   bool are_any = false;
   for (size_t c = 0; c < cameras_.size(); ++c) {

@@ -50,6 +50,8 @@ struct CalibrationOptions {
   /// The pattern's points are kept as they are given, in each image.
   bool flat_board = false;
   bool rigid_board = false;  ///< boards are bent alike in all images
+  /// Several boards move by themselves, even if they seem fixed to each other.
+  bool boards_move = false;
   /// Images not to calibrate with; of a rig, instants.
   std::vector<std::string> hold_out;
   /// How far features move between images that count as one view; nothing:

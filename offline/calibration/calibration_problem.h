@@ -19,8 +19,11 @@ struct CalibrationProblem {
   std::vector<View> views;
   std::vector<std::string> images;  ///< of each view
   std::vector<int> boards;          ///< index in the pattern, of each view
-  int num_poses = 0;                ///< of one board at one instant each
+  int num_poses = 0;                ///< of one body at one instant each
   std::vector<int> first_points;    ///< of each board
+  /// Of boards that are fixed to others (JoinBoards()): the board whose frame
+  /// is that of the body, and its place on it. Empty if none are.
+  std::vector<int> frames, places;
   std::vector<Eigen::Vector3d> nominal;
 
   /// The feature that a view's observation was made of.

@@ -17,27 +17,6 @@
 namespace raygrid {
 namespace {
 
-std::vector<FeatureResidual> TrainingResiduals(const Pattern& pattern,
-                                               const Adjusted& adjusted,
-                                               int camera, int num_threads) {
-  const CalibrationProblem& problem = adjusted.problem;
-  const std::vector<Residual> residuals =
-      ComputeResiduals(adjusted.state, problem.views, num_threads);
-  std::vector<FeatureResidual> result;
-  size_t index = 0;
-  for (size_t v = 0; v < problem.views.size(); ++v) {
-    for (const Observation& observation : problem.views[v].observations) {
-      const Residual& residual = residuals[index++];
-      if (!residual.valid || problem.views[v].camera != camera) continue;
-      const Feature feature =
-          problem.FeatureOf(pattern, static_cast<int>(v), observation);
-      result.push_back({problem.images[v], feature.board, feature.column,
-                        feature.row, observation.pixel, residual.error_px});
-    }
-  }
-  return result;
-}
-
 Dataset UsedFeatures(const Pattern& pattern, const CalibrationProblem& problem,
                      int camera) {
   Dataset used;
@@ -328,6 +307,27 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
 }
 
 }  // namespace
+
+std::vector<FeatureResidual> TrainingResiduals(const Pattern& pattern,
+                                               const Adjusted& adjusted,
+                                               int camera, int num_threads) {
+  const CalibrationProblem& problem = adjusted.problem;
+  const std::vector<Residual> residuals =
+      ComputeResiduals(adjusted.state, problem.views, num_threads);
+  std::vector<FeatureResidual> result;
+  size_t index = 0;
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    for (const Observation& observation : problem.views[v].observations) {
+      const Residual& residual = residuals[index++];
+      if (!residual.valid || problem.views[v].camera != camera) continue;
+      const Feature feature =
+          problem.FeatureOf(pattern, static_cast<int>(v), observation);
+      result.push_back({problem.images[v], feature.board, feature.column,
+                        feature.row, observation.pixel, residual.error_px});
+    }
+  }
+  return result;
+}
 
 void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
                 const std::optional<ImageCircle>& image_circle, int num_threads,

@@ -7,6 +7,11 @@
 
 namespace raygrid {
 
+/// The residuals of the features that a camera was adjusted to.
+std::vector<FeatureResidual> TrainingResiduals(const Pattern& pattern,
+                                               const Adjusted& adjusted,
+                                               int camera, int num_threads);
+
 /// Fills in the adjusted camera, which has the image circle if that is known,
 /// and the figures of its training features.
 void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,

@@ -22,10 +22,11 @@ constexpr size_t kFolds = 4;
 static_assert(kCrossValidatingPart == 1 - 1.0 / kFolds);
 
 const Trial* Find(const std::vector<Trial>& trials, int fold,
-                  const std::vector<double>& cells_px, bool rigid_boards) {
+                  const std::vector<double>& cells_px, bool rigid_boards,
+                  bool has_bodies) {
   for (const Trial& trial : trials)
     if (trial.fold == fold && trial.cells_px == cells_px &&
-        trial.rigid_boards == rigid_boards)
+        trial.rigid_boards == rigid_boards && trial.has_bodies == has_bodies)
       return &trial;
   return nullptr;
 }
@@ -83,17 +84,18 @@ std::vector<std::vector<Split>> MakeFolds(const std::vector<Split>& cameras) {
 
 std::vector<Trial> MissingTrials(
     int num_folds, const std::vector<std::vector<double>>& candidates,
-    bool rigid_boards, const std::vector<Trial>& done) {
+    bool rigid_boards, bool has_bodies, const std::vector<Trial>& done) {
   std::vector<Trial> missing;
   for (int fold = 0; fold < num_folds; ++fold)
     for (const std::vector<double>& cells_px : candidates)
-      if (!Find(done, fold, cells_px, rigid_boards))
-        missing.push_back({fold, cells_px, rigid_boards, {}});
+      if (!Find(done, fold, cells_px, rigid_boards, has_bodies))
+        missing.push_back({fold, cells_px, rigid_boards, {}, has_bodies});
   return missing;
 }
 
 Adjusted StartFold(const std::vector<Split>& cameras, const Pattern& pattern,
-                   AreaChoice area, const AdjustmentOptions& options) {
+                   const Bodies& bodies, AreaChoice area,
+                   const AdjustmentOptions& options) {
   std::vector<std::string> names;
   std::vector<Adjusted> lenses;
   for (const Split& camera : cameras) {
@@ -102,7 +104,7 @@ Adjusted StartFold(const std::vector<Split>& cameras, const Pattern& pattern,
         AdjustStartingLens(camera.training, pattern, options, area));
   }
   std::vector<std::vector<RejectedImage>> rejected;
-  return PutTogether(names, lenses, options, &rejected);
+  return PutTogether(names, lenses, bodies, options, &rejected);
 }
 
 // A rig that hangs together by few views may fall apart without some of them:
@@ -120,9 +122,13 @@ void UnlessRigFallsApart(size_t num_cameras, const Work& work) {
 
 // Tests adjusted cameras with their test images.
 HeldOut TestCameras(const Adjusted& adjusted, const Pattern& pattern,
-                    const std::vector<Split>& cameras, int num_threads) {
+                    const std::vector<Split>& cameras, const Bodies& bodies,
+                    int num_threads) {
   const Pattern adjusted_pattern = AdjustedPattern(pattern, adjusted);
-  RigModel rig = {{}, adjusted.state.camera_from_rig};
+  RigModel rig = {{}, adjusted.state.camera_from_rig, {}};
+  if (!bodies.empty())
+    rig.bodies = AdjustedBodies(bodies, adjusted.problem,
+                                adjusted.state.body_from_board);
   std::vector<Dataset> test;
   HeldOut held_out;
   for (size_t c = 0; c < cameras.size(); ++c) {
@@ -174,7 +180,8 @@ void CrossValidate(const std::vector<Split>& cameras, const Pattern& pattern,
   };
 
   std::vector<Trial> missing =
-      MissingTrials(num_folds, candidates, options.rigid_boards, *done);
+      MissingTrials(num_folds, candidates, options.rigid_boards,
+                    !options.bodies.empty(), *done);
   std::vector<std::optional<Adjusted>> starts(num_folds);
   ParallelFor(num_folds, num_threads, [&](int fold) {
     const bool is_needed =
@@ -182,7 +189,8 @@ void CrossValidate(const std::vector<Split>& cameras, const Pattern& pattern,
                     [fold](const Trial& trial) { return trial.fold == fold; });
     if (!is_needed || should_stop()) return;
     UnlessRigFallsApart(cameras.size(), [&] {
-      starts[fold] = StartFold(folds[fold], pattern, options.area, serial);
+      starts[fold] =
+          StartFold(folds[fold], pattern, options.bodies, options.area, serial);
     });
   });
 
@@ -199,7 +207,8 @@ void CrossValidate(const std::vector<Split>& cameras, const Pattern& pattern,
       AdjustModel(pattern, options.model, trial.cells_px, serial, &adjusted);
       AlignBoards(pattern, &adjusted);
       if (!should_stop())
-        trial.held_out = TestCameras(adjusted, pattern, folds[trial.fold], 1);
+        trial.held_out = TestCameras(adjusted, pattern, folds[trial.fold],
+                                     options.bodies, 1);
     });
     if (should_stop()) return;
     const std::lock_guard<std::mutex> lock(mutex);
@@ -219,14 +228,16 @@ HeldOut EvaluateHeldOut(const Adjusted& adjusted, const Pattern& pattern,
   if (std::any_of(cameras.begin(), cameras.end(), [](const Split& camera) {
         return !camera.test.images.empty();
       }))
-    return TestCameras(adjusted, pattern, cameras, options.num_threads);
+    return TestCameras(adjusted, pattern, cameras, options.bodies,
+                       options.num_threads);
   CrossValidate(cameras, pattern, options, {cells_px}, done);
   return JoinFolds(*done, NumFoldsToTry(cameras), cells_px,
-                   options.rigid_boards);
+                   options.rigid_boards, !options.bodies.empty());
 }
 
 HeldOut JoinFolds(const std::vector<Trial>& done, int num_folds,
-                  const std::vector<double>& cells_px, bool rigid_boards) {
+                  const std::vector<double>& cells_px, bool rigid_boards,
+                  bool has_bodies) {
   const auto append = [](const std::vector<std::vector<FeatureResidual>>& from,
                          std::vector<std::vector<FeatureResidual>>* to) {
     to->resize(std::max(to->size(), from.size()));
@@ -235,7 +246,7 @@ HeldOut JoinFolds(const std::vector<Trial>& done, int num_folds,
   };
   HeldOut joined;
   for (int fold = 0; fold < num_folds; ++fold) {
-    const Trial* trial = Find(done, fold, cells_px, rigid_boards);
+    const Trial* trial = Find(done, fold, cells_px, rigid_boards, has_bodies);
     if (!trial) return {};
     append(trial->held_out.alone, &joined.alone);
     append(trial->held_out.together, &joined.together);

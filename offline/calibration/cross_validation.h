@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "calibration/bodies.h"
 #include "calibration/model_adjustment.h"
 #include "dataset/dataset.h"
 #include "evaluation/checkpoint.h"
@@ -31,6 +32,7 @@ struct ValidationOptions {
   AreaChoice area = AreaChoice::kWholeImage;
   bool flat_board = false;
   bool rigid_boards = true;  ///< in calibrating
+  Bodies bodies;
   int num_threads = 0;
   std::function<void(double)> progress;
   std::function<bool()> should_stop;
@@ -57,7 +59,8 @@ HeldOut EvaluateHeldOut(const Adjusted& adjusted, const Pattern& pattern,
 
 /// The residuals over all folds of one candidate; nothing if a fold is missing.
 HeldOut JoinFolds(const std::vector<Trial>& done, int num_folds,
-                  const std::vector<double>& cells_px, bool rigid_boards);
+                  const std::vector<double>& cells_px, bool rigid_boards,
+                  bool has_bodies = false);
 
 }  // namespace raygrid
 

@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "calibration/body_search.h"
 #include "calibration/rig_start.h"
 #include "camera/model_fitting.h"
 #include "dataset/error.h"
@@ -44,8 +45,10 @@ void RequireImagesExist(const std::vector<CalibrationInput>& cameras,
                               cameras.size() > 1 ? "instant" : "image"));
 }
 
+// By boards that both see at one instant or, if boards may be fixed to each
+// other, by such boards.
 void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
-                             const Pattern& pattern) {
+                             const Pattern& pattern, bool boards_move) {
   std::vector<std::string> names;
   std::vector<Dataset> datasets;
   for (const CalibrationInput& camera : cameras) {
@@ -55,7 +58,11 @@ void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
   if (std::set<std::string>(names.begin(), names.end()).size() < names.size())
     throw Error(ExitCode::kUsage, "two cameras of one name; give them two");
   std::vector<RejectedImage> rejected;
-  RequireConnected(names, BuildProblem(datasets, pattern, &rejected));
+  CalibrationProblem problem = BuildProblem(datasets, pattern, &rejected);
+  std::vector<Pose> unknown_places;
+  if (!boards_move)
+    JoinBoards(PossibleBodies(datasets, pattern), &problem, &unknown_places);
+  RequireConnected(names, problem);
 }
 
 }  // namespace
@@ -66,7 +73,8 @@ void RequireSoundInput(const std::vector<CalibrationInput>& cameras,
   if (cameras.empty()) throw Error(ExitCode::kUsage, "no camera is given");
   RequireKnownModel(options.model);
   RequireImagesExist(cameras, options.hold_out);
-  if (cameras.size() > 1) RequireConnectedCameras(cameras, pattern);
+  if (cameras.size() > 1)
+    RequireConnectedCameras(cameras, pattern, options.boards_move);
 }
 
 void RequireLikelyDistances(const Adjusted& adjusted) {

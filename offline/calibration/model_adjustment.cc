@@ -382,16 +382,28 @@ void FinishCameras(Adjusted* adjusted) {
 }
 
 void AlignBoards(const Pattern& pattern, Adjusted* adjusted) {
+  const CalibrationProblem& problem = adjusted->problem;
+  // Poses of a body are those of the board that is its frame.
+  std::vector<std::set<int>> poses(pattern.boards.size());
+  std::vector<bool> is_seen(pattern.boards.size());
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    const int board = problem.boards[v];
+    const View& view = problem.views[v];
+    const int frame = view.place < 0 ? board : problem.frames[board];
+    poses[frame].insert(view.pose);
+    is_seen[board] = is_seen[frame] = true;
+  }
   std::vector<AlignedBoard> boards;
   for (size_t b = 0; b < pattern.boards.size(); ++b) {
-    std::set<int> poses;
-    for (size_t v = 0; v < adjusted->problem.views.size(); ++v)
-      if (adjusted->problem.boards[v] == static_cast<int>(b))
-        poses.insert(adjusted->problem.views[v].pose);
-    if (!poses.empty())
-      boards.push_back({adjusted->problem.first_points[b],
-                        pattern.boards[b].points,
-                        {poses.begin(), poses.end()}});
+    if (!is_seen[b]) continue;
+    AlignedBoard board = {problem.first_points[b],
+                          pattern.boards[b].points,
+                          {poses[b].begin(), poses[b].end()}};
+    if (!problem.frames.empty()) {
+      board.body = problem.frames[b];
+      board.place = problem.places[b];
+    }
+    boards.push_back(std::move(board));
   }
   AlignToNominal(boards, &adjusted->state);
 }

@@ -66,10 +66,11 @@ std::optional<Pose> LocalizeTogether(
 }
 
 // rig_from_pattern of each pose.
-std::vector<std::optional<Pose>> LocalizeRig(const RigModel& rig,
-                                             const CalibrationProblem& problem,
-                                             int num_threads) {
-  const AdjustmentState state = StateOf(rig, problem);
+std::vector<std::optional<Pose>> LocalizeRig(
+    const RigModel& rig, const CalibrationProblem& problem, int num_threads,
+    const std::vector<Pose>& body_from_board = {}) {
+  AdjustmentState state = StateOf(rig, problem);
+  state.body_from_board = body_from_board;
   const auto alone = LocalizeAlone(rig, problem, num_threads);
   std::vector<std::vector<View>> views(problem.num_poses);
   std::vector<std::vector<Pose>> candidates(problem.num_poses);
@@ -77,8 +78,9 @@ std::vector<std::optional<Pose>> LocalizeRig(const RigModel& rig,
     View view = problem.views[v];
     const int pose = view.pose;
     if (alone[v])
-      candidates[pose].push_back(rig.camera_from_rig[view.camera].Inverse() *
-                                 *alone[v]);
+      candidates[pose].push_back(BodyByBoard(
+          view, rig.camera_from_rig[view.camera].Inverse() * *alone[v],
+          body_from_board));
     view.pose = 0;
     views[pose].push_back(std::move(view));
   }
@@ -98,9 +100,10 @@ std::vector<Evaluation> EvaluateRig(const RigModel& rig,
   for (size_t c = 0; c < datasets.size(); ++c)
     BuildProblem({datasets[c]}, pattern, &evaluations[c].rejected_images);
   std::vector<RejectedImage> of_all_cameras;
-  const CalibrationProblem problem =
-      BuildProblem(datasets, pattern, &of_all_cameras);
-  const auto poses = LocalizeRig(rig, problem, num_threads);
+  CalibrationProblem problem = BuildProblem(datasets, pattern, &of_all_cameras);
+  std::vector<Pose> body_from_board;
+  JoinBoards(rig.bodies, &problem, &body_from_board);
+  const auto poses = LocalizeRig(rig, problem, num_threads, body_from_board);
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     const View& view = problem.views[v];
     Evaluation& evaluation = evaluations[view.camera];
@@ -109,9 +112,11 @@ std::vector<Evaluation> EvaluateRig(const RigModel& rig,
           {problem.images[v], "could not be localised"});
       continue;
     }
-    AddResiduals(*rig.cameras[view.camera],
-                 rig.camera_from_rig[view.camera] * *poses[view.pose], pattern,
-                 problem, v, &evaluation);
+    AddResiduals(
+        *rig.cameras[view.camera],
+        BoardByBody(view, rig.camera_from_rig[view.camera] * *poses[view.pose],
+                    body_from_board),
+        pattern, problem, v, &evaluation);
   }
   return evaluations;
 }

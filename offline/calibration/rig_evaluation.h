@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "adjustment/adjustment_state.h"
+#include "calibration/bodies.h"
 #include "calibration/camera_evaluation.h"
 #include "camera/pose.h"
 
@@ -13,11 +14,12 @@ namespace raygrid {
 struct RigModel {
   std::vector<const CameraModel*> cameras;
   std::vector<Pose> camera_from_rig;
+  Bodies bodies = {};  ///< that boards in front of it belong to
 };
 
-/// Each board localised once for an instant, by all cameras that see it,
-/// with the rig as it is; what each camera's residuals are then. Datasets by
-/// camera; images of one name are one instant.
+/// Each body, or board, localised once for an instant, by all cameras that see
+/// it, with the rig as it is; what each camera's residuals are then. Datasets
+/// by camera; images of one name are one instant.
 std::vector<Evaluation> EvaluateRig(const RigModel& rig,
                                     const std::vector<Dataset>& datasets,
                                     const Pattern& pattern, int num_threads);

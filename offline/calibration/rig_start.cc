@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "dataset/error.h"
@@ -24,14 +25,16 @@ constexpr double kMinViewErrorPx = 1;
 
 using Views = std::vector<int>;
 
-// A rig's problem, and camera_from_pattern of each view by its camera alone.
+// A rig's problem, and camera_from_pattern of each view by its camera alone:
+// the pattern's frame is that of the body.
 struct Joined {
   CalibrationProblem problem;
   std::vector<Pose> camera_from_pattern;
+  std::vector<Pose> body_from_board;
 };
 
-// Views of a board in images of one name share a pose.
-Joined Join(const std::vector<Adjusted>& cameras) {
+// Views of a body in images of one name share a pose.
+Joined Join(const std::vector<Adjusted>& cameras, const Bodies& bodies) {
   Joined joined;
   CalibrationProblem& problem = joined.problem;
   problem.first_points = cameras.front().problem.first_points;
@@ -56,6 +59,11 @@ Joined Join(const std::vector<Adjusted>& cameras) {
     }
   }
   problem.num_poses = static_cast<int>(pose_of.size());
+  JoinBoards(bodies, &problem, &joined.body_from_board);
+  for (size_t v = 0; v < problem.views.size(); ++v)
+    joined.camera_from_pattern[v] =
+        BodyByBoard(problem.views[v], joined.camera_from_pattern[v],
+                    joined.body_from_board);
   return joined;
 }
 
@@ -66,7 +74,7 @@ std::vector<Views> ViewsOfPoses(const CalibrationProblem& problem) {
   return views;
 }
 
-// The pairs of views in which two cameras saw a board at one instant.
+// The pairs of views in which two cameras saw a body at one instant.
 std::vector<std::pair<int, int>> SharedViews(const CalibrationProblem& problem,
                                              int first, int second) {
   std::vector<std::pair<int, int>> shared;
@@ -80,17 +88,23 @@ std::vector<std::pair<int, int>> SharedViews(const CalibrationProblem& problem,
 }
 
 // The median distance of a view's features from where a pose projects them.
-double ViewErrorPx(const CameraModel& camera, const Pose& camera_from_pattern,
+double ViewErrorPx(const CameraModel& camera, const Pose& camera_from_board,
                    const View& view,
                    const std::vector<Eigen::Vector3d>& points) {
   std::vector<double> errors;
   for (const Observation& observation : view.observations) {
     const auto pixel =
-        camera.Project(camera_from_pattern * points[observation.point],
+        camera.Project(camera_from_board * points[observation.point],
                        &observation.pixel, kAdjustmentMarginPx);
     errors.push_back(pixel ? (*pixel - observation.pixel).norm() : kUnseenPx);
   }
   return Quantile(errors, 0.5);
+}
+
+// A view's camera_from_board by that of its body.
+Pose OnBody(const Joined& joined, int view, const Pose& camera_from_body) {
+  return BoardByBody(joined.problem.views[view], camera_from_body,
+                     joined.body_from_board);
 }
 
 struct RelativePose {
@@ -113,7 +127,9 @@ RelativePose BestRelativePose(const Joined& joined, const CameraModel& second,
     std::vector<double> errors;
     for (const auto& [v, w] : shared)
       errors.push_back(ViewErrorPx(
-          second, candidate.second_from_first * joined.camera_from_pattern[v],
+          second,
+          OnBody(joined, w,
+                 candidate.second_from_first * joined.camera_from_pattern[v]),
           joined.problem.views[w], joined.problem.nominal));
     candidate.error_px = Quantile(errors, 0.5);
   });
@@ -195,9 +211,10 @@ std::vector<Pose> PlaceRig(const Joined& joined, const AdjustmentState& state) {
       double error_px = 0;
       for (const int w : views) {
         const View& view = joined.problem.views[w];
-        error_px += ViewErrorPx(*state.cameras[view.camera],
-                                state.camera_from_rig[view.camera] * candidate,
-                                view, joined.problem.nominal);
+        error_px += ViewErrorPx(
+            *state.cameras[view.camera],
+            OnBody(joined, w, state.camera_from_rig[view.camera] * candidate),
+            view, joined.problem.nominal);
       }
       if (error_px >= best_error_px) continue;
       best_error_px = error_px;
@@ -250,28 +267,46 @@ std::vector<std::vector<int>> CountSharedViews(
   const size_t num_cameras = problem.image_sizes.size();
   std::vector<std::vector<int>> counts(num_cameras,
                                        std::vector<int>(num_cameras));
-  for (const Views& views : ViewsOfPoses(problem))
-    for (const int a : views)
-      for (const int b : views)
-        if (a != b) ++counts[problem.views[a].camera][problem.views[b].camera];
+  for (const Views& views : ViewsOfPoses(problem)) {
+    std::set<int> cameras;
+    for (const int v : views) cameras.insert(problem.views[v].camera);
+    for (const int a : cameras)
+      for (const int b : cameras)
+        if (a != b) ++counts[a][b];
+  }
   return counts;
+}
+
+std::vector<std::vector<int>> ConnectedGroups(
+    const CalibrationProblem& problem) {
+  const auto num_shared = CountSharedViews(problem);
+  std::vector<bool> is_known(num_shared.size());
+  std::vector<std::vector<int>> groups;
+  for (size_t first = 0; first < num_shared.size(); ++first) {
+    if (is_known[first]) continue;
+    const std::vector<bool> reached =
+        Reached(num_shared, static_cast<int>(first));
+    groups.emplace_back();
+    for (size_t c = 0; c < reached.size(); ++c) {
+      if (!reached[c]) continue;
+      groups.back().push_back(static_cast<int>(c));
+      is_known[c] = true;
+    }
+  }
+  return groups;
+}
+
+std::vector<std::vector<int>> ConnectedGroups(
+    const std::vector<Adjusted>& cameras) {
+  return ConnectedGroups(Join(cameras, {}).problem);
 }
 
 void RequireConnected(const std::vector<std::string>& names,
                       const CalibrationProblem& problem) {
-  const auto num_shared = CountSharedViews(problem);
-  std::vector<bool> named(names.size());
   std::vector<std::string> groups;
-  for (size_t first = 0; first < names.size(); ++first) {
-    if (named[first]) continue;
-    const std::vector<bool> reached =
-        Reached(num_shared, static_cast<int>(first));
+  for (const std::vector<int>& cameras : ConnectedGroups(problem)) {
     std::vector<std::string> group;
-    for (size_t c = 0; c < names.size(); ++c) {
-      if (!reached[c]) continue;
-      group.push_back(names[c]);
-      named[c] = true;
-    }
+    for (const int c : cameras) group.push_back(names[c]);
     groups.push_back(fmt::format("{{{}}}", fmt::join(group, ", ")));
   }
   if (groups.size() < 2) return;
@@ -285,12 +320,12 @@ void RequireConnected(const std::vector<std::string>& names,
 }
 
 Adjusted PutTogether(const std::vector<std::string>& names,
-                     const std::vector<Adjusted>& cameras,
+                     const std::vector<Adjusted>& cameras, const Bodies& bodies,
                      const AdjustmentOptions& options,
                      std::vector<std::vector<RejectedImage>>* rejected) {
   rejected->resize(cameras.size());
-  if (cameras.size() == 1) return cameras.front();
-  Joined joined = Join(cameras);
+  if (cameras.size() == 1 && bodies.empty()) return cameras.front();
+  Joined joined = Join(cameras, bodies);
   RequireConnected(names, joined.problem);
   Adjusted rig;
   for (const Adjusted& camera : cameras) {
@@ -301,6 +336,7 @@ Adjusted PutTogether(const std::vector<std::string>& names,
   rig.state.camera_from_rig =
       PlaceCameras(names, joined, rig.state, options.num_threads);
   rig.state.rig_from_pattern = PlaceRig(joined, rig.state);
+  rig.state.body_from_board = std::move(joined.body_from_board);
   rig.problem = std::move(joined.problem);
 
   AdjustmentOptions fixed_points = options;
@@ -311,8 +347,10 @@ Adjusted PutTogether(const std::vector<std::string>& names,
     if (remove[v])
       (*rejected)[rig.problem.views[v].camera].push_back(
           {rig.problem.images[v],
-           "the other cameras see the board elsewhere; were they triggered "
-           "together?"});
+           cameras.size() == 1
+               ? "the board is not where the boards are that it is fixed to"
+               : "the other cameras see the board elsewhere; were they "
+                 "triggered together?"});
   if (std::count(remove.begin(), remove.end(), true) == 0) return rig;
   RemoveViewsAndPoses(remove, &rig);
   RequireConnected(names, rig.problem);

@@ -4,14 +4,23 @@
 #include <string>
 #include <vector>
 
+#include "calibration/bodies.h"
 #include "calibration/model_adjustment.h"
 
 namespace raygrid {
 
-/// How many views of a board at one instant each two cameras share; a square
-/// matrix.
+/// How often each two cameras see one body at one instant; a square matrix.
 std::vector<std::vector<int>> CountSharedViews(
     const CalibrationProblem& problem);
+
+/// The groups of cameras that such instants connect.
+std::vector<std::vector<int>> ConnectedGroups(
+    const CalibrationProblem& problem);
+
+/// The groups of cameras, adjusted alone, that PutTogether() can put together
+/// without bodies.
+std::vector<std::vector<int>> ConnectedGroups(
+    const std::vector<Adjusted>& cameras);
 
 /// Throws Error(kInitialization) that names the groups of cameras between which
 /// there is no shared view, not even through other cameras.
@@ -19,14 +28,15 @@ void RequireConnected(const std::vector<std::string>& names,
                       const CalibrationProblem& problem);
 
 /// Puts together cameras that were adjusted alone, each on its own images of
-/// the same pattern. The first camera's frame is the rig's. The relative pose
-/// of two cameras is the one that explains most of the views that they share;
-/// a tree of the pairs that share most leads to all of them. Adjusts all
-/// together with the points fixed; views that do not agree with the other
-/// cameras' go to rejected, by camera. A single camera stays as it was. Throws
-/// Error(kInitialization).
+/// the same pattern, and boards into the bodies that they belong to. The first
+/// camera's frame is the rig's. The relative pose of two cameras is the one
+/// that explains most of the views that they share; a tree of the pairs that
+/// share most leads to all of them. Adjusts all together with the points fixed;
+/// views that do not agree with the other cameras', or of other boards of their
+/// body, go to rejected, by camera. A single camera without bodies stays as it
+/// was. Throws Error(kInitialization).
 Adjusted PutTogether(const std::vector<std::string>& names,
-                     const std::vector<Adjusted>& cameras,
+                     const std::vector<Adjusted>& cameras, const Bodies& bodies,
                      const AdjustmentOptions& options,
                      std::vector<std::vector<RejectedImage>>* rejected);
 

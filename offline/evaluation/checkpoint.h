@@ -25,7 +25,8 @@ struct Trial {
   int fold = 0;
   std::vector<double> cells_px;
   bool rigid_boards = false;  ///< in calibrating; or else they may bend
-  HeldOut held_out;  ///< empty where a rig falls apart without the fold
+  HeldOut held_out;         ///< empty where a rig falls apart without the fold
+  bool has_bodies = false;  ///< of several boards
 };
 
 /// The finished stages that an interrupted calibration of one camera need not

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "camera/pose.h"
+#include "evaluation/board_bodies.h"
 #include "evaluation/calibration_result.h"
 
 namespace raygrid {
@@ -29,6 +30,8 @@ struct RigResult {
   std::vector<Pose> camera_from_rig;  ///< the first camera's frame is the rig's
   Pattern pattern;                    ///< points where they were found to be
   std::vector<Baseline> baselines;    ///< of every two cameras
+  std::vector<BoardPair> board_pairs;  ///< that were seen together often enough
+  std::vector<BoardBody> bodies;
   /// The held-out residuals by camera, with each board localised once for an
   /// instant by all cameras that see it: what the cameras' poses are worth.
   std::vector<std::vector<FeatureResidual>> held_out;

@@ -192,7 +192,7 @@ PyCalibration CalibrateGiven(
     const py::object& images, const py::object& pattern,
     const std::string& model, const std::optional<double>& cell_px,
     const std::string& area, bool flat_board, bool rigid_board,
-    bool measure_once, bool compare_models,
+    bool boards_move, bool measure_once, bool compare_models,
     const std::vector<std::string>& hold_out,
     const std::optional<double>& same_view_px, const py::object& image_circle,
     const std::string& name, const std::string& serial, bool any_distance,
@@ -214,6 +214,7 @@ PyCalibration CalibrateGiven(
       area == "features" ? AreaChoice::kFeatures : AreaChoice::kWholeImage;
   options.flat_board = flat_board;
   options.rigid_board = rigid_board;
+  options.boards_move = boards_move;
   options.compare_models = compare_models;
   options.hold_out = hold_out;
   options.same_view_px = same_view_px;
@@ -243,7 +244,8 @@ void BindCalibration(py::module_* module) {
       py::kw_only(), py::arg("model") = "central-generic",
       py::arg("cell_px") = py::none(), py::arg("area") = "image",
       py::arg("flat_board") = false, py::arg("rigid_board") = false,
-      py::arg("measure_once") = false, py::arg("compare_models") = false,
+      py::arg("boards_move") = false, py::arg("measure_once") = false,
+      py::arg("compare_models") = false,
       py::arg("hold_out") = std::vector<std::string>(),
       py::arg("same_view_px") = py::none(), py::arg("image_circle") = "auto",
       py::arg("name") = "", py::arg("serial") = "",

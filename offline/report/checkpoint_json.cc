@@ -78,6 +78,7 @@ Json TrialJson(const Trial& trial) {
   return {{"fold", trial.fold},
           {"cell_px", trial.cells_px.front()},
           {"rigid_boards", trial.rigid_boards},
+          {"bodies", trial.has_bodies},
           {"held_out", ResidualsJson(trial.held_out.alone.front())},
           {"flexed", ResidualsJson(trial.held_out.flexed.front())}};
 }
@@ -85,6 +86,7 @@ Json TrialJson(const Trial& trial) {
 Trial ParseTrial(const Json& json) {
   Trial trial = {
       json.at("fold"), {json.at("cell_px")}, json.at("rigid_boards"), {}};
+  trial.has_bodies = json.at("bodies");
   trial.held_out.alone = {ParseResiduals(json.at("held_out"))};
   trial.held_out.flexed = {ParseResiduals(json.at("flexed"))};
   return trial;

@@ -284,7 +284,8 @@ std::string FormatHtmlReport(const CalibrationResult& result,
                              const std::optional<PackingFigures>& packing,
                              const std::optional<BeforeAfter>& example,
                              const ThumbnailTexts& thumbnails,
-                             const std::string& blob) {
+                             const std::string& blob,
+                             const std::vector<std::string>& boards_told) {
   const std::string name =
       result.camera.name.empty() ? "" : ": " + EscapeHtml(result.camera.name);
   std::string html = PageStart("Camera calibration" + name);
@@ -299,7 +300,8 @@ std::string FormatHtmlReport(const CalibrationResult& result,
   html += GridSection(result);
   html += LinesSection(result);
   html += SpaceSection();
-  html += BoardSection(result.pattern) + BendSection(result);
+  html += BoardSection(result.pattern) + BodySection(boards_told) +
+          BendSection(result);
   html += CandidateSection(result);
   html += SameViewsSection(result);
   html += RejectedSection(result);

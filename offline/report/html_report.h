@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "dataset/image_files.h"
 #include "evaluation/calibration_result.h"
@@ -24,7 +25,8 @@ std::string FormatHtmlReport(const CalibrationResult& result,
                              const std::optional<PackingFigures>& packing,
                              const std::optional<BeforeAfter>& example,
                              const ThumbnailTexts& thumbnails = {},
-                             const std::string& blob = {});
+                             const std::string& blob = {},
+                             const std::vector<std::string>& boards_told = {});
 
 }  // namespace raygrid
 

@@ -107,6 +107,14 @@ std::string BoardSection(const Pattern& pattern) {
   return html + "</div>\n";
 }
 
+std::string BodySection(const std::vector<std::string>& boards_told) {
+  if (boards_told.empty()) return "";
+  std::string html = "<h2>Whether boards are fixed to each other</h2>\n<ul>\n";
+  for (const std::string& sentence : boards_told)
+    html += "<li>" + EscapeHtml(sentence) + "</li>\n";
+  return html + "</ul>\n";
+}
+
 // A bar an image, as high as its board is bent.
 std::string BendBars(const BoardBends& bends) {
   const double most_m = bends.views[bends.most_bent].rms_m;

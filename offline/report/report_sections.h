@@ -35,6 +35,8 @@ std::string WordsSection();
 
 /// A picture of each board's heights.
 std::string BoardSection(const Pattern& pattern);
+/// Which boards are fixed to each other; empty if nothing is told of it.
+std::string BodySection(const std::vector<std::string>& boards_told);
 /// Empty for rigid boards.
 std::string BendSection(const CalibrationResult& result);
 

@@ -263,12 +263,15 @@ void AddReports(const std::string& folder, OutputFiles* files) {
     const std::string own = In(folder, CameraFolder(result, c));
     files->Add(In(own, "report.html"),
                FormatHtmlReport(camera, figures.packing[c], ReadExample(own),
-                                ReadThumbnails(own), ReadBlob(own)),
+                                ReadThumbnails(own), ReadBlob(own),
+                                result.IsRig() ? std::vector<std::string>()
+                                               : figures.boards_told),
                Links::kReplace);
   }
   if (result.IsRig())
     files->Add(In(folder, "report.html"),
-               FormatRigReport(result, ReadStereo(folder, figures.stereo)),
+               FormatRigReport(result, ReadStereo(folder, figures.stereo),
+                               figures.boards_told),
                Links::kReplace);
 }
 

@@ -194,6 +194,32 @@ Json BaselineJson(const RigResult& result, const Baseline& baseline) {
   return json;
 }
 
+// Adds which boards are fixed to each other, and what tells it.
+void AddBodies(const RigResult& result, Json* json) {
+  for (const BoardBody& body : result.bodies) {
+    Json poses = Json::array();
+    for (const Pose& pose : body.first_from_board) {
+      const Eigen::Quaterniond& q = pose.rotation;
+      const Eigen::Vector3d& t = pose.translation;
+      poses.push_back({{"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}},
+                       {"translation_m", {t.x(), t.y(), t.z()}}});
+    }
+    (*json)["board_bodies"].push_back(
+        {{"boards", body.boards}, {"first_from_board", poses}});
+  }
+  for (const BoardPair& pair : result.board_pairs)
+    (*json)["board_pairs"].push_back(
+        {{"boards", {pair.first, pair.second}},
+         {"fixed", pair.fixed},
+         {"instants", pair.num_instants},
+         {"deviation_mm", 1e3 * pair.deviation_m},
+         {"deviation_degrees", 180 / M_PI * pair.deviation_rad},
+         {"expected_mm", 1e3 * pair.expected_m},
+         {"expected_degrees", 180 / M_PI * pair.expected_rad}});
+  const auto told = BodySentences(result.bodies, result.board_pairs);
+  if (!told.empty()) (*json)["boards_told"] = told;
+}
+
 // Sums over the cameras.
 struct RigCounts {
   size_t parameters = 0, images = 0, features = 0, rejected_features = 0;
@@ -268,6 +294,7 @@ std::string FormatResultJson(
     AddRig(result, &json);
   else
     AddCamera(result.cameras.front(), &json);
+  AddBodies(result, &json);
   for (size_t c = 0; c < packing.size(); ++c)
     if (packing[c])
       (result.IsRig() ? json["cameras"][c] : json)["packing"] =
@@ -443,6 +470,9 @@ ResultFigures ParseResult(const Json& json) {
   if (json.contains("baselines"))
     for (const Json& baseline : json.at("baselines"))
       result.baselines.push_back(ParseBaseline(baseline, result));
+  if (json.contains("boards_told"))
+    figures.boards_told =
+        json.at("boards_told").get<std::vector<std::string>>();
   if (json.contains("rectified_pair"))
     figures.stereo = ParseStereo(json.at("rectified_pair"));
   result.verdict = {json.at("verdict").get<std::string>(),

@@ -60,6 +60,7 @@ struct ResultFigures {
   RigResult result;
   std::vector<std::optional<PackingFigures>> packing;  ///< by camera
   std::optional<StereoFigures> stereo;
+  std::vector<std::string> boards_told;  ///< BodySentences()
 };
 
 /// Throws InputError, also for files of other versions.

@@ -86,13 +86,14 @@ std::string BaselineTable(const RigResult& result) {
 }  // namespace
 
 std::string FormatRigReport(const RigResult& result,
-                            const std::optional<StereoExample>& stereo) {
+                            const std::optional<StereoExample>& stereo,
+                            const std::vector<std::string>& boards_told) {
   return PageStart("Rig calibration") + VerdictSection(result.verdict) +
          CamerasTable(result) + RigErrorTable(result) +
          RigComparisonTable(result) + BaselineTable(result) +
          (stereo ? StereoSection(*stereo) : "") + SpaceSection() +
-         BoardSection(result.pattern) + WordsSection() +
-         PageEnd(PageData(result));
+         BoardSection(result.pattern) + BodySection(boards_told) +
+         WordsSection() + PageEnd(PageData(result));
 }
 
 }  // namespace raygrid

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "evaluation/rig_result.h"
 #include "report/stereo_pictures.h"
@@ -13,7 +14,8 @@ namespace raygrid {
 /// space, a rectified pair if there is one, and links to their own reports,
 /// NAME/report.html.
 std::string FormatRigReport(const RigResult& result,
-                            const std::optional<StereoExample>& stereo = {});
+                            const std::optional<StereoExample>& stereo = {},
+                            const std::vector<std::string>& boards_told = {});
 
 }  // namespace raygrid
 

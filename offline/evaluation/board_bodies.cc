@@ -1,0 +1,79 @@
+#include "evaluation/board_bodies.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace raygrid {
+namespace {
+
+// "0 and 1", "0, 1 and 2".
+std::string Enumerated(const std::vector<int>& ids) {
+  const std::vector<int> first(ids.begin(), ids.end() - 1);
+  return fmt::format("{} and {}", fmt::join(first, ", "), ids.back());
+}
+
+// Root mean square deviations of pairs over all their instants, and what would
+// be expected.
+struct PairDeviation {
+  double square_m2 = 0, square_rad2 = 0;
+  double expected_m2 = 0, expected_rad2 = 0;
+  int num_instants = 0;
+
+  void Add(const BoardPair& pair) {
+    const double count = pair.num_instants;
+    square_m2 += count * pair.deviation_m * pair.deviation_m;
+    square_rad2 += count * pair.deviation_rad * pair.deviation_rad;
+    expected_m2 += count * pair.expected_m * pair.expected_m;
+    expected_rad2 += count * pair.expected_rad * pair.expected_rad;
+    num_instants += pair.num_instants;
+  }
+  std::string Text() const {
+    const double count = std::max(1, num_instants);
+    constexpr double kDegrees = 180 / M_PI;
+    return fmt::format(
+        "{:.3f} mm and {:.3f} degrees (RMS of {} pairs of views; {:.3f} mm and "
+        "{:.3f} degrees would be noise)",
+        1e3 * std::sqrt(square_m2 / count),
+        kDegrees * std::sqrt(square_rad2 / count), num_instants,
+        1e3 * std::sqrt(expected_m2 / count),
+        kDegrees * std::sqrt(expected_rad2 / count));
+  }
+};
+
+}  // namespace
+
+std::vector<std::string> BodySentences(const std::vector<BoardBody>& bodies,
+                                       const std::vector<BoardPair>& pairs) {
+  std::vector<std::string> sentences;
+  for (const BoardBody& body : bodies) {
+    const std::set<int> ids(body.boards.begin(), body.boards.end());
+    PairDeviation deviation;
+    for (const BoardPair& pair : pairs)
+      if (pair.fixed && ids.count(pair.first) > 0 && ids.count(pair.second) > 0)
+        deviation.Add(pair);
+    sentences.push_back(
+        fmt::format("boards {} are fixed to each other to {}, and were "
+                    "adjusted as one body",
+                    Enumerated(body.boards), deviation.Text()));
+  }
+  std::set<int> moving;
+  PairDeviation deviation;
+  for (const BoardPair& pair : pairs) {
+    if (pair.fixed) continue;
+    moving.insert({pair.first, pair.second});
+    deviation.Add(pair);
+  }
+  if (!moving.empty())
+    sentences.push_back(fmt::format(
+        "boards {} {} by {}",
+        Enumerated(std::vector<int>(moving.begin(), moving.end())),
+        moving.size() > 2 ? "or some of them move against each other"
+                          : "move against each other",
+        deviation.Text()));
+  return sentences;
+}
+
+}  // namespace raygrid

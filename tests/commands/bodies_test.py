@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+"""Boards that are fixed to each other: what calibrate makes of them, and what it tells."""
+import json
+
+from command_test import CommandTest, main, read, run, write
+
+BOARDS = "raygrid_pattern: 1\nboards:\n" + "".join(
+    "  - {id: %d, kind: chessboard, columns: 8, rows: 6, square_m: 0.025}\n" % i for i in range(3))
+FAR_APART = ("--fixed-boards", "--board-gap-m", 0.25, "--never-shared", "--cameras", 2,
+             "--baseline-m", 1, "--images", 60)
+
+
+class Bodies(CommandTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.pattern = write(cls.path("boards.yaml"), BOARDS)
+        cls.simulate("rig", *FAR_APART)
+        result = cls.calibrate("rig", out="out")
+        assert result.returncode == 0, result.stderr
+        cls.said = result.stdout
+
+    @classmethod
+    def simulate(cls, folder, *options):
+        result = run("simulate", "--lens", "pinhole", "--pattern", cls.pattern, *options,
+                     "-o", cls.path(folder))
+        assert result.returncode == 0, result.stderr
+
+    @classmethod
+    def calibrate(cls, folder, *options, out="refused"):
+        return run("calibrate", "--features", cls.path(folder + "/features.csv"),
+                   "--image-size", "640x480", "--pattern", cls.pattern, "--model", "opencv",
+                   "--skip-comparison", "--hold-out", "sim0000.png", *options, "-o",
+                   cls.path(out))
+
+    def told(self, out):
+        return json.loads(read(self.path(out + "/result.json")))
+
+    def test_cameras_that_share_no_board_are_a_rig(self):
+        result = self.told("out")
+        self.assertEqual([body["boards"] for body in result["board_bodies"]], [[0, 1, 2]])
+        self.assertEqual({pair["fixed"] for pair in result["board_pairs"]}, {True})
+        baseline = result["baselines"][0]
+        self.assertLess(abs(baseline["distance_m"] - 1), 3 * baseline["distance_sd_m"])
+        self.assertLess(baseline["distance_sd_m"], 0.001)
+
+    def test_output_and_report_say_so(self):
+        sentence = self.told("out")["boards_told"][0]
+        self.assertTrue(sentence.startswith("boards 0, 1 and 2 are fixed to each other"))
+        self.assertIn(sentence, self.said)
+        self.assertIn("--boards-move", self.said)
+        self.assertIn(sentence, read(self.path("out/report.html")).decode())
+
+    def test_option_forbids_it(self):
+        result = self.calibrate("rig", "--boards-move")
+        self.assert_refused(result, 4, "not connected")
+        self.assert_nothing_in(self.path("refused"))
+
+    def test_same_output_with_any_number_of_threads(self):
+        for threads in (1, 2):
+            self.assert_done(self.calibrate("rig", "--threads", threads, out="again"))
+            for name in ("rig.yaml", "poses.csv", "cam1/camera.yaml"):
+                self.assertEqual(read(self.path("again/" + name)), read(self.path("out/" + name)),
+                                 name)
+
+    def test_a_board_that_was_moved_is_named(self):
+        self.simulate("moved", "--fixed-boards", "--board-gap-m", 0.05, "--images", 40,
+                      "--move-board-mm", 10)
+        self.assert_done(self.calibrate("moved", out="moved_out"))
+        result = self.told("moved_out")
+        self.assertEqual([body["boards"] for body in result["board_bodies"]], [[0, 1]])
+        self.assertEqual({tuple(pair["boards"]) for pair in result["board_pairs"]
+                          if not pair["fixed"]}, {(0, 2), (1, 2)})
+        self.assertIn("move against each other", result["boards_told"][1])
+
+    def test_the_cause_is_told_where_a_moved_board_leaves_cameras_apart(self):
+        self.simulate("apart", *FAR_APART, "--move-board-mm", 50)
+        text = read(self.path("apart/features.csv")).decode().splitlines()
+        kept = [line for line in text if not (line.startswith("cam1") and
+                                              line.split(",")[2] != "2")]
+        write(self.path("apart/features.csv"), "\n".join(kept) + "\n")
+        result = self.calibrate("apart")
+        self.assert_refused(result, 4, "move")
+        self.assert_nothing_in(self.path("refused"))
+
+
+if __name__ == "__main__":
+    main(__name__)
