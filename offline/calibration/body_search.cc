@@ -56,7 +56,8 @@ class PoseEquations {
   PoseEquations(const Adjusted& adjusted, const Pattern& pattern,
                 int num_threads)
       : layout_(adjusted.state, {false, !HavePointsMoved(adjusted)}),
-        variance_(adjusted.summary.noise_px * adjusted.summary.noise_px),
+        variance_(
+            std::pow(std::max(adjusted.summary.noise_px, kLeastNoisePx), 2)),
         correlation_(0),
         is_dense_(NumDenseUnknowns(layout_) <= kMaxDense) {
     const AdjustmentState& state = adjusted.state;
@@ -118,6 +119,8 @@ class PoseEquations {
 
  private:
   static constexpr double kHuberPx = 1, kTolerance = 1e-2;
+  // No camera follows its lens better, even if features are exact.
+  static constexpr double kLeastNoisePx = 0.01;
   static constexpr int kMaxDense = 2500;
 
   ParameterLayout layout_;

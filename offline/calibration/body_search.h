@@ -9,8 +9,8 @@
 
 namespace raygrid {
 
-/// Whether two boards are seen at one instant often enough to tell whether they
-/// are fixed to each other, by one of the cameras.
+/// Whether two boards are seen at one instant, by whichever cameras, often
+/// enough to tell whether they are fixed to each other.
 bool MayTellBodies(const std::vector<Adjusted>& cameras);
 
 /// Bodies of all boards that may be fixed to each other for how often one of

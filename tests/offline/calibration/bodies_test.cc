@@ -175,6 +175,17 @@ TEST(CalibrateBodies, LeaveOutABoardThatIsHardlySeen) {
   EXPECT_EQ(result.bodies[0].boards, (std::vector<int>{0, 1}));
 }
 
+TEST(CalibrateBodies, AreFoundInExactFeatures) {
+  FixedBoards fixed;
+  SimulationOptions exact = Views(20, 1);
+  exact.noise_px = 0;
+  const SimulatedRigObservations seen =
+      SimulateRig(Row(1), SeveralBoards(2), fixed, exact);
+  const RigResult result =
+      Calibrate(CamerasOf(seen), seen.true_pattern, WithoutValidation());
+  EXPECT_EQ(result.bodies.size(), 1u);
+}
+
 // A camera gains what a body knows beyond its boards.
 TEST(CalibrateBodies, MakeACameraMoreAccurate) {
   double squares[2] = {};
