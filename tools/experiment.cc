@@ -66,39 +66,73 @@ void RequireUse(const Experiment& experiment,
                 "--features needs --pattern and --image-size WxH");
 }
 
-NamedStereo ReadStereo(const std::string& path) {
+// A file, or that file of a folder that calibrate wrote.
+std::string FileOrIn(const std::string& path, const char* file) {
+  return std::filesystem::is_directory(path)
+             ? (std::filesystem::path(path) / file).string()
+             : path;
+}
+
+NamedCamera ReadNamedCamera(const std::string& path) {
+  const CameraInput input = ReadCamera(FileOrIn(path, "camera.yaml"));
+  return {path, input.file.camera, TrustOf(input)};
+}
+
+NamedStereo ReadStereo(const std::string& given_path) {
+  const std::string path = FileOrIn(given_path, "rig.yaml");
   const std::vector<RigFileCamera> cameras = ReadRigFile(path);
   if (cameras.size() != 2)
     throw InputError(
         fmt::format("{}: {} cameras; stereo needs two", path, cameras.size()));
-  const auto model = [&path](const RigFileCamera& camera) {
+  const auto read = [&path](const RigFileCamera& camera) {
     const auto folder = std::filesystem::path(path).parent_path();
-    return ReadCamera((folder / camera.file).string()).file.camera;
+    return ReadNamedCamera((folder / camera.file).string());
   };
-  return {path, model(cameras[0]), model(cameras[1]),
-          cameras[1].camera_from_rig * cameras[0].camera_from_rig.Inverse()};
+  const NamedCamera left = read(cameras[0]), right = read(cameras[1]);
+  return {given_path,
+          left.model,
+          right.model,
+          cameras[1].camera_from_rig * cameras[0].camera_from_rig.Inverse(),
+          left.trusted,
+          right.trusted};
+}
+
+// Features of one camera, or of two for stereo.
+void ReadUsersFeatures(const ExperimentArguments& arguments,
+                       ExperimentData* data) {
+  auto cameras = ReadFeatures(arguments.features);
+  const size_t num_cameras = arguments.name == "stereo-depth" ? 2 : 1;
+  if (num_cameras == 1 && cameras.size() > 1)
+    throw InputError(arguments.features +
+                     ": holds several cameras; split it by camera");
+  if (cameras.size() != num_cameras)
+    throw InputError(fmt::format(
+        "{}: holds features of {} camera{}; stereo "
+        "needs two, told apart by a column 'camera'",
+        arguments.features, cameras.size(), cameras.size() == 1 ? "" : "s"));
+  data->pattern = GivenPattern(arguments.pattern);
+  for (auto& [name, dataset] : cameras) {
+    dataset.image_size = ParseImageSize("--image-size", arguments.image_size);
+    RequireConsistent(arguments.features, dataset, data->pattern);
+  }
+  if (num_cameras == 1)
+    data->features = std::move(cameras.begin()->second);
+  else
+    data->pair_features = {std::move(cameras.begin()->second),
+                           std::move(cameras.rbegin()->second)};
 }
 
 ExperimentData ReadData(const ExperimentArguments& arguments) {
   ExperimentData data;
   data.hold_out = arguments.hold_out;
   for (const std::string& path : arguments.cameras)
-    data.cameras.push_back({path, ReadCamera(path).file.camera});
+    data.cameras.push_back(ReadNamedCamera(path));
   for (const std::string& path : arguments.rigs)
     data.rigs.push_back(ReadStereo(path));
   data.images = arguments.images;
   data.nearest_m = arguments.nearest_m;
   if (!arguments.walk.empty()) data.walk = ReadColmapModel(arguments.walk);
-  if (arguments.features.empty()) return data;
-  auto cameras = ReadFeatures(arguments.features);
-  if (cameras.size() > 1)
-    throw InputError(arguments.features +
-                     ": holds several cameras; split it by camera");
-  data.features = cameras.begin()->second;
-  data.features->image_size =
-      ParseImageSize("--image-size", arguments.image_size);
-  data.pattern = GivenPattern(arguments.pattern);
-  RequireConsistent(arguments.features, *data.features, data.pattern);
+  if (!arguments.features.empty()) ReadUsersFeatures(arguments, &data);
   return data;
 }
 
@@ -176,7 +210,10 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
       "is known, or on the user's own; writes its table as NAME.csv and "
       "NAME.json, NAME.svg, and pictures.\n" +
           ListOfExperiments(),
-      "raygrid experiment pattern-segments -o results/", common);
+      "raygrid experiment pattern-segments -o results/\n"
+      "  raygrid experiment localization --camera result/ -o results/\n"
+      "  raygrid experiment stereo-depth --rig rig_result/ -o results/",
+      common);
   auto arguments = std::make_shared<ExperimentArguments>();
   ExperimentOptions& options = arguments->options;
   command->add_option("name", arguments->name, "which experiment");
@@ -186,8 +223,10 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
       ->add_option("--images", arguments->num_images,
                    "number of images (default: the experiment's own)")
       ->check(CLI::Range(1, 10000));
-  command->add_option("--features", arguments->features,
-                      "the user's own features.csv, instead of simulated ones");
+  command->add_option(
+      "--features", arguments->features,
+      "the user's own features.csv, instead of simulated ones; of "
+      "two cameras for stereo-depth, as calibrate's");
   command->add_option("--image-size", arguments->image_size,
                       "WxH, with --features");
   AddPatternOption(command, &arguments->pattern, "; with --features");
@@ -195,11 +234,14 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
              &arguments->hold_out);
   command
       ->add_option("--camera", arguments->cameras,
-                   "the user's own camera.yaml or blob; may be repeated")
+                   "the user's own camera.yaml or blob, or a folder of "
+                   "calibrate; may be repeated: the last is taken for the "
+                   "truth, and parametric models are fitted to a single one")
       ->allow_extra_args(false);
   command
       ->add_option("--rig", arguments->rigs,
-                   "the user's own rig.yaml of two cameras; may be repeated")
+                   "the user's own rig.yaml of two cameras, or a folder of "
+                   "calibrate; may be repeated, as --camera")
       ->allow_extra_args(false);
   command
       ->add_option("--image", arguments->images,
@@ -213,6 +255,11 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
   command->add_option("--walk", arguments->walk,
                       "folder of the user's own structure from motion: "
                       "cameras.txt, images.txt and points3D.txt of COLMAP");
+  command
+      ->add_option("--walks", options.num_walks,
+                   "number of simulated walks of trajectory-drift")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
   command->add_option("--size", arguments->size, "of images, WxH")
       ->capture_default_str();
   command

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "calibration/calibration.h"
+#include "camera/model_fitting.h"
 #include "dataset/error.h"
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
@@ -31,6 +33,49 @@ std::vector<Condition> ConditionsOf(const ExperimentFeatures& features,
                    source, dataset.images.size(), dataset.image_size.width,
                    dataset.image_size.height)},
       {"held out", fmt::format("{} of the images", features.hold_out.size())}};
+}
+
+constexpr char kHowCalibrated[] =
+    "the board's points free, cells by held-out error, as calibrate does";
+
+std::optional<TrustMask> TrustOf(const CameraFile& file) {
+  if (!file.uncertainty) return std::nullopt;
+  return file.uncertainty->mask;
+}
+
+// Says so in the conditions (paper, "Camera Pose Estimation").
+void TakeLastForTruth(const std::string& others, ComparedCameras* compared) {
+  NamedCamera& truth = compared->cameras.back();
+  compared->conditions.push_back(
+      {"truth",
+       fmt::format("not known; {} is taken for it, {}", truth.name, others)});
+  truth.name += " (the truth here)";
+}
+
+ComparedCameras UsersCameras(const std::vector<NamedCamera>& users) {
+  constexpr size_t kMaxCameras = 6;  // in a chart
+  if (users.size() > kMaxCameras)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--camera: {} of them; give {} at most",
+                            users.size(), kMaxCameras));
+  for (const NamedCamera& camera : users)
+    if (camera.model->image_size() != users[0].model->image_size())
+      throw InputError(fmt::format(
+          "{}: calibrated for another image size than {}; take cameras of one "
+          "mode",
+          camera.name, users[0].name));
+  ComparedCameras compared;
+  if (users.size() == 1)
+    for (FittedCamera& fit : FitModels(users[0]))
+      compared.cameras.push_back(std::move(fit.camera));
+  else
+    compared.cameras.assign(users.begin(), users.end() - 1);
+  compared.cameras.push_back(users.back());
+  TakeLastForTruth(users.size() == 1
+                       ? "the others are fitted to it, where it can be trusted"
+                       : "the others are as they were given",
+                   &compared);
+  return compared;
 }
 
 }  // namespace
@@ -81,10 +126,64 @@ CalibrationResult CalibrateModel(const ExperimentFeatures& features,
     calibration.cell_px =
         std::max(2.0, double(std::max(size.width, size.height)) / choice.cells);
   calibration.hold_out = features.hold_out;
-  // A simulated board is flat, and told so, which saves time.
-  calibration.flat_board = features.truth != nullptr;
   calibration.num_threads = options.num_threads;
   return Calibrate(features.dataset, features.pattern, calibration);
+}
+
+std::vector<FittedCamera> FitModels(const NamedCamera& camera) {
+  std::vector<FittedCamera> fits;
+  FitOptions fit;
+  fit.free_rotation = true;
+  if (camera.trusted && camera.trusted->TrustsAny())
+    fit.trusted = &*camera.trusted;
+  for (const char* name : {"opencv", "thin-prism-fisheye", "central-radial"}) {
+    FittedModel fitted =
+        FitParametricModel(name, *camera.model, camera.model->area(), fit);
+    if (std::isfinite(fitted.rms_px))
+      fits.push_back({{name, std::move(fitted.model), std::nullopt},
+                      fitted.model_from_camera});
+  }
+  if (fits.empty())
+    throw Error(ExitCode::kInitialization,
+                camera.name + ": no parametric model can follow this camera");
+  return fits;
+}
+
+ComparedCameras CamerasToCompare(const ExperimentOptions& options,
+                                 const std::vector<ModelChoice>& choices) {
+  if (!options.data.cameras.empty()) return UsersCameras(options.data.cameras);
+  const ExperimentFeatures features = FeaturesFor(options);
+  ComparedCameras compared;
+  compared.conditions = features.conditions;
+  compared.conditions.push_back({"calibrated", kHowCalibrated});
+  for (const ModelChoice& choice : choices) {
+    try {
+      const CameraFile file = CalibrateModel(features, choice, options).camera;
+      compared.cameras.push_back({choice.model, file.camera, TrustOf(file)});
+    } catch (const Error& error) {
+      compared.conditions.push_back({choice.Label(), error.what()});
+    }
+    if (options.progress)
+      options.progress(0.5 * double(compared.cameras.size()) /
+                       double(choices.size()));
+  }
+  if (compared.cameras.empty())
+    throw Error(ExitCode::kInitialization, "no model could be calibrated");
+  if (features.truth)
+    compared.cameras.push_back({"truth", features.truth, std::nullopt});
+  else
+    TakeLastForTruth("the others are calibrated from the same features",
+                     &compared);
+  return compared;
+}
+
+bool AllKnow(const ComparedCameras& compared, const Eigen::Vector2d& pixel) {
+  const auto& trusted = compared.cameras.back().trusted;
+  if (trusted && !trusted->Trusts(pixel)) return false;
+  return std::all_of(compared.cameras.begin(), compared.cameras.end(),
+                     [&pixel](const NamedCamera& camera) {
+                       return camera.model->Line(pixel).has_value();
+                     });
 }
 
 Area CommonArea(const std::vector<NamedCamera>& cameras) {

@@ -2,6 +2,7 @@
 #ifndef RAYGRID_EXPERIMENTS_CALIBRATED_CAMERAS_H
 #define RAYGRID_EXPERIMENTS_CALIBRATED_CAMERAS_H
 
+#include <Eigen/Geometry>
 #include <memory>
 #include <string>
 #include <vector>
@@ -29,17 +30,49 @@ ExperimentFeatures FeaturesFor(const ExperimentOptions& options,
 /// A model and the part of the image's longer side that a cell is.
 struct ModelChoice {
   std::string model;
-  int cells = 0;  ///< along the longer side; 0 for a parametric model
+  /// Along the longer side; 0 for a parametric model, and for a grid whose
+  /// cells are chosen by held-out error.
+  int cells = 0;
 
   std::string Label() const;
 };
 
+/// Calibrates as `raygrid calibrate` does by default: the board's points are
+/// free, those of a simulated board, too.
 CalibrationResult CalibrateModel(const ExperimentFeatures& features,
                                  const ModelChoice& choice,
                                  const ExperimentOptions& options);
 
+/// Cameras that an experiment compares. The last is the truth, or taken for it.
+struct ComparedCameras {
+  std::vector<NamedCamera> cameras;
+  std::vector<Condition> conditions;  ///< also says what the truth is
+
+  const CameraModel& truth() const { return *cameras.back().model; }
+};
+
+/// Cameras of the models, calibrated from simulated features, and the true one;
+/// or from the user's features, where the last model's is taken for the truth.
+/// Of the user's cameras, the last is taken for it; if there is no other,
+/// parametric models are fitted to it, where it can be trusted. Throws Error:
+/// kInitialization if no model can be calibrated.
+ComparedCameras CamerasToCompare(const ExperimentOptions& options,
+                                 const std::vector<ModelChoice>& choices);
+
+/// The models of a camera as another one knows it: parametric ones fitted to
+/// it, where it can be trusted, by any rotation; those that can follow it.
+struct FittedCamera {
+  NamedCamera camera;
+  Eigen::Quaterniond fitted_from_camera;
+};
+std::vector<FittedCamera> FitModels(const NamedCamera& camera);
+
 /// The area in which all cameras are calibrated.
 Area CommonArea(const std::vector<NamedCamera>& cameras);
+
+/// Whether all cameras know the pixel's line, and a camera taken for the truth
+/// can be trusted there.
+bool AllKnow(const ComparedCameras& compared, const Eigen::Vector2d& pixel);
 
 }  // namespace raygrid
 

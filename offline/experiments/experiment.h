@@ -4,6 +4,7 @@
 #ifndef RAYGRID_EXPERIMENTS_EXPERIMENT_H
 #define RAYGRID_EXPERIMENTS_EXPERIMENT_H
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -14,6 +15,7 @@
 
 #include "camera/area.h"
 #include "camera/camera_model.h"
+#include "camera/camera_uncertainty.h"
 #include "dataset/dataset.h"
 #include "dataset/image_files.h"
 #include "experiments/chart.h"
@@ -24,6 +26,7 @@ namespace raygrid {
 struct NamedCamera {
   std::string name;
   std::shared_ptr<const CameraModel> model;
+  std::optional<TrustMask> trusted = {};  ///< if it is known where
 };
 
 /// Two cameras of one rig.
@@ -31,12 +34,15 @@ struct NamedStereo {
   std::string name;
   std::shared_ptr<const CameraModel> left, right;
   Pose right_from_left;
+  std::optional<TrustMask> left_trusted = {};  ///< if it is known
+  std::optional<TrustMask> right_trusted = {};
 };
 
 /// A user's data, to use instead of what would be simulated.
 struct ExperimentData {
   std::optional<Dataset> features;
-  Pattern pattern;                    ///< of the features
+  std::optional<std::array<Dataset, 2>> pair_features;  ///< of two cameras
+  Pattern pattern;                                      ///< of the features
   std::vector<std::string> hold_out;  ///< images not to calibrate with
   std::vector<NamedCamera> cameras;
   std::optional<ColmapModel> walk;
@@ -51,6 +57,7 @@ struct ExperimentOptions {
   ImageSize size = {640, 480};
   double blur_px = 0.7;   ///< of the lens, standard deviation
   double read_noise = 2;  ///< standard deviation, grey levels
+  int num_walks = 3;      ///< of trajectory-drift
   uint64_t seed = 0;
   int num_threads = 0;                   ///< 0 means all cores
   std::function<void(double)> progress;  ///< from 0 to 1, if any

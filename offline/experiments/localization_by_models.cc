@@ -1,11 +1,12 @@
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
+#include "evaluation/residual_statistics.h"
 #include "experiments/calibrated_cameras.h"
 #include "initialization/localization.h"
 #include "simulation/random.h"
@@ -19,35 +20,44 @@ constexpr double kNearM = 1.5, kFarM = 2.5, kNoisePx = 0.05;
 constexpr int kNumFrames[] = {1, 4, 16, 64};
 constexpr int kMaxFrames = 64;
 
-const ModelChoice kLocalizedModels[] = {{"opencv", 0},
-                                        {"thin-prism-fisheye", 0},
-                                        {"central-radial", 0},
-                                        {"central-generic", 16}};
+// The last is the paper's truth, of a user's features.
+const std::vector<ModelChoice> kLocalizedModels = {{"opencv"},
+                                                   {"thin-prism-fisheye"},
+                                                   {"central-radial"},
+                                                   {"noncentral-generic"},
+                                                   {"central-generic"}};
 
-// Points in the true camera's frame, which stands at the origin.
-std::vector<PointOnPixel> MakeScene(const CameraModel& truth, const Area& area,
-                                    Random* random) {
+// Points in the true camera's frame, which stands at the origin; at pixels that
+// all cameras know.
+std::vector<PointOnPixel> MakeScene(const ComparedCameras& compared,
+                                    const Area& area, Random* random) {
+  constexpr int kMaxTries = 10000;
   std::vector<PointOnPixel> scene;
-  while (static_cast<int>(scene.size()) < kPoints) {
+  for (int tries = 0; static_cast<int>(scene.size()) < kPoints; ++tries) {
+    if (tries == kMaxTries)
+      throw Error(ExitCode::kTooFew,
+                  "localization: the cameras have hardly a pixel in common "
+                  "that all of them know; calibrate from more images");
     const double x = random->Uniform(area.x0 + 1, area.x1 - 1);
     const Eigen::Vector2d pixel(x, random->Uniform(area.y0 + 1, area.y1 - 1));
     const double distance_m = random->Uniform(kNearM, kFarM);
-    if (const auto line = truth.Line(pixel))
-      scene.push_back({line->origin + distance_m * line->direction, pixel});
+    if (!AllKnow(compared, pixel)) continue;
+    const auto line = compared.truth().Line(pixel);
+    scene.push_back({line->origin + distance_m * line->direction, pixel});
   }
   return scene;
 }
 
-// The errors by number of frames averaged: how far the camera's place is from
-// the truth.
-using ErrorsM = std::vector<double>;
+// The errors by number of frames averaged: from the true camera's place, in its
+// frame, to where the camera is found to be; nothing if it is not found.
+using Errors = std::vector<std::optional<Eigen::Vector3d>>;
 
-ErrorsM LocalizeScene(const CameraModel& camera,
-                      const std::vector<PointOnPixel>& scene, uint64_t seed) {
+Errors LocalizeScene(const CameraModel& camera,
+                     const std::vector<PointOnPixel>& scene, uint64_t seed) {
   Random random(seed);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int count = 0;
-  ErrorsM errors;
+  Errors errors;
   for (int frame = 1; frame <= kMaxFrames; ++frame) {
     std::vector<PointOnPixel> seen = scene;
     for (PointOnPixel& match : seen) {
@@ -58,63 +68,78 @@ ErrorsM LocalizeScene(const CameraModel& camera,
       sum += pose->Inverse().translation;
       ++count;
     }
-    if (std::find(std::begin(kNumFrames), std::end(kNumFrames), frame) !=
+    if (std::find(std::begin(kNumFrames), std::end(kNumFrames), frame) ==
         std::end(kNumFrames))
-      errors.push_back(count > 0 ? (sum / count).norm() : NAN);
+      continue;
+    errors.emplace_back();
+    if (count > 0) errors.back() = sum / count;
   }
   return errors;
 }
 
-// Medians over scenes, by number of frames.
-std::vector<double> MedianErrors(const CameraModel& camera,
-                                 const CameraModel& truth, const Area& area,
-                                 const ExperimentOptions& options) {
-  std::vector<ErrorsM> scenes(kScenes);
+double MedianLength(const std::vector<Errors>& scenes, size_t k,
+                    const Eigen::Vector3d& offset) {
+  std::vector<double> lengths;
+  for (const Errors& scene : scenes)
+    if (scene[k]) lengths.push_back((*scene[k] - offset).norm());
+  return lengths.empty() ? NAN : Quantile(lengths, 0.5);
+}
+
+// The median in each axis over the scenes of the mean of most frames.
+Eigen::Vector3d SharedOffset(const std::vector<Errors>& scenes) {
+  Eigen::Vector3d offset;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const Errors& scene : scenes)
+      if (scene.back()) values.push_back((*scene.back())[axis]);
+    offset[axis] = values.empty() ? NAN : Quantile(values, 0.5);
+  }
+  return offset;
+}
+
+// Medians over scenes.
+struct PlaceErrors {
+  std::vector<double> by_frames_m;
+  double shared_m = 0;  // an offset that all scenes have in common
+  double rest_m = 0;    // of the mean of most frames, without it
+};
+
+PlaceErrors MeasurePlaces(const CameraModel& camera,
+                          const ComparedCameras& compared,
+                          const ExperimentOptions& options) {
+  const Area area = CommonArea(compared.cameras);
+  std::vector<Errors> scenes(kScenes);
   ParallelFor(kScenes, NumThreads(options.num_threads), [&](int i) {
     Random random(options.seed * 1000003 + i + 1);
-    const std::vector<PointOnPixel> scene = MakeScene(truth, area, &random);
+    const std::vector<PointOnPixel> scene = MakeScene(compared, area, &random);
     scenes[i] = LocalizeScene(camera, scene, options.seed * 7919 + i + 1);
   });
-  std::vector<double> medians;
-  for (size_t k = 0; k < std::size(kNumFrames); ++k) {
-    std::vector<double> errors;
-    for (const ErrorsM& scene : scenes)
-      if (std::isfinite(scene[k])) errors.push_back(scene[k]);
-    medians.push_back(Quantile(errors, 0.5));
-  }
-  return medians;
+  PlaceErrors errors;
+  for (size_t k = 0; k < std::size(kNumFrames); ++k)
+    errors.by_frames_m.push_back(
+        MedianLength(scenes, k, Eigen::Vector3d::Zero()));
+  const Eigen::Vector3d offset = SharedOffset(scenes);
+  errors.shared_m = offset.norm();
+  errors.rest_m = MedianLength(scenes, std::size(kNumFrames) - 1, offset);
+  return errors;
 }
 
 }  // namespace
 
 ExperimentResult LocalizeByModels(const ExperimentOptions& options) {
-  const ExperimentFeatures features = FeaturesFor(options);
+  const ComparedCameras compared = CamerasToCompare(options, kLocalizedModels);
   ExperimentResult table;
-  table.conditions = features.conditions;
-  std::vector<NamedCamera> cameras;
-  for (const ModelChoice& choice : kLocalizedModels) {
-    try {
-      cameras.push_back(
-          {choice.model,
-           CalibrateModel(features, choice, options).camera.camera});
-    } catch (const Error& error) {
-      table.conditions.push_back({choice.Label(), error.what()});
-    }
-    if (options.progress) options.progress(0.2 * double(cameras.size()));
-  }
-  if (cameras.empty())
-    throw Error(ExitCode::kInitialization, "no model could be calibrated");
-  std::shared_ptr<const CameraModel> truth = features.truth;
-  if (truth) {
-    cameras.push_back({"truth", truth});
-  } else {
-    truth = cameras.back().model;
-    cameras.back().name += " (the truth here)";
-  }
+  table.conditions = compared.conditions;
   table.conditions.push_back(
-      {"scenes", fmt::format("{} of {} points at random pixels, {:g} to {:g} m "
-                             "away, noise {:g} px in an axis",
+      {"scenes", fmt::format("{} of {} points at random pixels that all "
+                             "cameras know, {:g} to {:g} m away, noise {:g} px "
+                             "in an axis; medians",
                              kScenes, kPoints, kNearM, kFarM, kNoisePx)});
+  table.conditions.push_back(
+      {"shared", fmt::format("an offset of the place, in the camera's frame, "
+                             "that all scenes have in common; rest: the mean "
+                             "of {} without it",
+                             kMaxFrames)});
   table.columns = {"camera"};
   table.chart.title = "Error of the camera's place";
   table.chart.note =
@@ -127,19 +152,25 @@ ExperimentResult LocalizeByModels(const ExperimentOptions& options) {
     table.chart.ticks.push_back(
         {double(table.chart.ticks.size()), std::to_string(frames)});
   }
-  const Area area = CommonArea(cameras);
-  for (const NamedCamera& camera : cameras) {
-    const std::vector<double> medians =
-        MedianErrors(*camera.model, *truth, area, options);
+  for (const char* column : {"shared_mm", "rest_mm"})
+    table.columns.emplace_back(column);
+  for (const NamedCamera& camera : compared.cameras) {
+    const PlaceErrors errors = MeasurePlaces(*camera.model, compared, options);
     std::vector<Cell> row;
     row.emplace_back(camera.name);
     ChartSeries series = {camera.name, {}, true};
-    for (size_t k = 0; k < medians.size(); ++k) {
-      row.emplace_back(1000 * medians[k]);
-      series.points.push_back({double(k), 1000 * medians[k]});
+    for (size_t k = 0; k < errors.by_frames_m.size(); ++k) {
+      row.emplace_back(1000 * errors.by_frames_m[k]);
+      if (std::isfinite(errors.by_frames_m[k]))
+        series.points.push_back({double(k), 1000 * errors.by_frames_m[k]});
     }
+    row.emplace_back(1000 * errors.shared_m);
+    row.emplace_back(1000 * errors.rest_m);
     table.rows.push_back(row);
     table.chart.series.push_back(series);
+    if (options.progress)
+      options.progress(0.5 + 0.5 * double(table.rows.size()) /
+                                 double(compared.cameras.size()));
   }
   return table;
 }

@@ -7,7 +7,8 @@
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/residual_statistics.h"
-#include "experiments/experiment.h"
+#include "experiments/calibrated_cameras.h"
+#include "experiments/painted_wall.h"
 #include "experiments/picture_sheet.h"
 #include "experiments/stereo_matching.h"
 #include "report/color_scale.h"
@@ -18,73 +19,12 @@
 namespace raygrid {
 namespace {
 
-constexpr double kBaselineM = 0.1, kDistanceM = 2, kSlope = 0.15;
+constexpr double kBaselineM = 0.1;
+constexpr double kBaselinesToWall = 20;
 constexpr Matching kMatching = {420, 10, 40};
 constexpr int kDepthFrames = 4;
 
 // ---- Scene -----------------------------------------------------------------
-
-// A hash of a place, from 0 to 1, the same for the same place.
-double Hash(int64_t x, int64_t y) {
-  uint64_t h = static_cast<uint64_t>(x) * 0x9e3779b97f4a7c15u ^
-               static_cast<uint64_t>(y) * 0xc2b2ae3d27d4eb4fu;
-  h ^= h >> 29;
-  h *= 0xbf58476d1ce4e5b9u;
-  h ^= h >> 32;
-  return static_cast<double>(h >> 11) * 0x1p-53;
-}
-
-double SmoothNoise(double x, double y) {
-  const double x0 = std::floor(x), y0 = std::floor(y);
-  const auto ease = [](double t) { return t * t * (3 - 2 * t); };
-  const double u = ease(x - x0), v = ease(y - y0);
-  const auto i = static_cast<int64_t>(x0), j = static_cast<int64_t>(y0);
-  const double top = Hash(i, j) + u * (Hash(i + 1, j) - Hash(i, j));
-  const double bottom =
-      Hash(i, j + 1) + u * (Hash(i + 1, j + 1) - Hash(i, j + 1));
-  return top + v * (bottom - top);
-}
-
-// Grey levels of a wall's paint, by metres.
-double Paint(double x_m, double y_m) {
-  double level = 0;
-  for (const double wave_m : {0.018, 0.04, 0.1})
-    level += SmoothNoise(x_m / wave_m + 1000 * wave_m, y_m / wave_m) / 3;
-  return 30 + 200 * level;
-}
-
-// The wall z = kDistanceM + kSlope x in the left camera's frame.
-Eigen::Vector3d OnWall(const ObservationLine& line) {
-  const Eigen::Vector3d normal(-kSlope, 0, 1);
-  const double depth =
-      (kDistanceM - normal.dot(line.origin)) / normal.dot(line.direction);
-  return line.origin + depth * line.direction;
-}
-
-// A photograph without noise.
-cv::Mat RenderView(const CameraModel& camera, const Pose& left_from_camera,
-                   int num_threads) {
-  const ImageSize& size = camera.image_size();
-  cv::Mat levels(size.height, size.width, CV_32F, cv::Scalar(0));
-  ParallelFor(size.height, num_threads, [&](int y) {
-    for (int x = 0; x < size.width; ++x) {
-      double sum = 0;
-      int count = 0;
-      for (int k = 0; k < 4; ++k) {
-        const auto line =
-            camera.Line({x - 0.25 + 0.5 * (k % 2), y - 0.25 + 0.5 * (k / 2)});
-        if (!line) continue;
-        const Eigen::Vector3d point =
-            OnWall({left_from_camera * line->origin,
-                    left_from_camera.rotation * line->direction});
-        sum += Paint(point.x(), point.y());
-        ++count;
-      }
-      levels.at<float>(y, x) = static_cast<float>(sum / std::max(1, count));
-    }
-  });
-  return levels;
-}
 
 cv::Mat WithNoise(const cv::Mat& levels, double read_noise, uint64_t seed) {
   Random random(seed);
@@ -130,20 +70,15 @@ double BlocksRms(const std::vector<double>& values, int columns) {
   return std::sqrt(sum / std::max(1, count));
 }
 
-DepthErrors MeasureFrames(const NamedStereo& cameras, const CameraModel& truth,
-                          const cv::Mat& left, const cv::Mat& right,
+DepthErrors MeasureFrames(const NamedStereo& cameras, const Matching& matching,
+                          const Surface& wall, const cv::Mat& left,
+                          const cv::Mat& right,
                           const ExperimentOptions& options) {
   DepthErrors errors;
-  const Surface wall =
-      [&truth](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
-    const auto line = truth.Line(pixel);
-    if (!line) return std::nullopt;
-    return OnWall(*line);
-  };
   for (int frame = 0; frame < kDepthFrames; ++frame) {
     const uint64_t seed = options.seed * 1009 + 2 * frame;
     const StereoCloud cloud = MatchStereo(
-        cameras, kMatching, WithNoise(left, options.read_noise, seed),
+        cameras, matching, WithNoise(left, options.read_noise, seed),
         WithNoise(right, options.read_noise, seed + 1),
         NumThreads(options.num_threads));
     const DepthErrorMap map = CompareToSurface(cloud, wall);
@@ -163,35 +98,103 @@ DepthErrors MeasureFrames(const NamedStereo& cameras, const CameraModel& truth,
 
 // ---- Calibration -----------------------------------------------------------
 
-std::vector<NamedStereo> CalibratePairs(const SimulatedRig& rig,
-                                        const ExperimentOptions& options) {
+// The last is the paper's truth, of a user's features.
+constexpr const char* kStereoModels[] = {
+    "opencv", "thin-prism-fisheye", "noncentral-generic", "central-generic"};
+
+// Pairs that are compared. The last is the truth, or taken for it.
+struct ComparedPairs {
+  std::vector<NamedStereo> pairs;
+  std::vector<Condition> conditions;
+  bool is_simulated = false;  // truth, and all
+
+  const NamedStereo& truth() const { return pairs.back(); }
+};
+
+std::optional<TrustMask> TrustedPart(const CalibrationResult& result) {
+  if (!result.camera.uncertainty) return std::nullopt;
+  return result.camera.uncertainty->mask;
+}
+
+// Calibrates as `raygrid calibrate` does by default: the points are free.
+void CalibratePairs(const Dataset& left, const Dataset& right,
+                    const Pattern& pattern,
+                    const std::vector<std::string>& hold_out,
+                    const ExperimentOptions& options, ComparedPairs* compared) {
+  CalibrationOptions calibration;
+  calibration.hold_out = hold_out;
+  calibration.num_threads = options.num_threads;
+  for (const char* model : kStereoModels) {
+    calibration.model = model;
+    const RigResult result =
+        Calibrate({{"left", left}, {"right", right}}, pattern, calibration);
+    compared->pairs.push_back(
+        {model, result.cameras[0].camera.camera,
+         result.cameras[1].camera.camera,
+         result.camera_from_rig[1] * result.camera_from_rig[0].Inverse(),
+         TrustedPart(result.cameras[0]), TrustedPart(result.cameras[1])});
+    if (options.progress)
+      options.progress(0.15 * double(compared->pairs.size()));
+  }
+  compared->conditions.push_back(
+      {"calibrated",
+       fmt::format("each model from the same {} and {} images; the board's "
+                   "points free, cells by held-out error, as calibrate does",
+                   left.images.size(), right.images.size())});
+}
+
+ComparedPairs SimulatedPairs(const ExperimentOptions& options) {
+  const SimulatedRig rig =
+      CamerasInARow(SimulatedLens("example", options.size), 2, kBaselineM);
   const Pattern pattern = ChessboardPattern(30, 24, 0.02);
   SimulationOptions simulation;
   simulation.num_images = options.num_images;
   simulation.seed = options.seed + 1;
   const SimulatedRigObservations seen = SimulateRig(rig, pattern, simulation);
-  CalibrationOptions calibration;
-  calibration.flat_board = true;
-  calibration.hold_out = {seen.datasets[0].images.back().image};
-  calibration.num_threads = options.num_threads;
-  calibration.cell_px =
-      std::max(options.size.width, options.size.height) / 16.0;
-  std::vector<NamedStereo> pairs;
-  for (const char* model :
-       {"opencv", "thin-prism-fisheye", "central-generic"}) {
-    calibration.model = model;
-    const RigResult result =
-        Calibrate({{"left", seen.datasets[0]}, {"right", seen.datasets[1]}},
-                  pattern, calibration);
-    pairs.push_back(
-        {model, result.cameras[0].camera.camera,
-         result.cameras[1].camera.camera,
-         result.camera_from_rig[1] * result.camera_from_rig[0].Inverse()});
-    if (options.progress) options.progress(0.2 * double(pairs.size()));
+  ComparedPairs compared;
+  compared.is_simulated = true;
+  CalibratePairs(seen.datasets[0], seen.datasets[1], pattern,
+                 {seen.datasets[0].images.back().image}, options, &compared);
+  compared.pairs.push_back(
+      {"truth", rig.cameras[0], rig.cameras[1],
+       rig.camera_from_rig[1] * rig.camera_from_rig[0].Inverse()});
+  compared.conditions.push_back(
+      {"cameras",
+       fmt::format("two alike, lens example, {:g} m apart", kBaselineM)});
+  return compared;
+}
+
+// Pairs calibrated from the user's features, or the user's rigs.
+ComparedPairs UsersPairs(const ExperimentOptions& options) {
+  const ExperimentData& data = options.data;
+  ComparedPairs compared;
+  std::string others = "the others are as they were given";
+  if (data.pair_features) {
+    const auto& [left, right] = *data.pair_features;
+    std::vector<std::string> hold_out = data.hold_out;
+    if (hold_out.empty()) hold_out = {left.images.back().image};
+    CalibratePairs(left, right, data.pattern, hold_out, options, &compared);
+    others = "the others are calibrated from the same features";
+  } else if (data.rigs.size() == 1) {
+    const NamedStereo& rig = data.rigs[0];
+    const auto left = FitModels({rig.name, rig.left, rig.left_trusted});
+    const auto right = FitModels({rig.name, rig.right, rig.right_trusted});
+    for (const FittedCamera& l : left)
+      for (const FittedCamera& r : right)
+        if (l.camera.name == r.camera.name)
+          compared.pairs.push_back(
+              {l.camera.name, l.camera.model, r.camera.model,
+               Pose{r.fitted_from_camera, {0, 0, 0}} * rig.right_from_left *
+                   Pose{l.fitted_from_camera, {0, 0, 0}}.Inverse()});
+    compared.pairs.push_back(rig);
+    others = "the others are fitted to its cameras, where they can be trusted";
+  } else {
+    compared.pairs = data.rigs;
   }
-  pairs.push_back({"truth", rig.cameras[0], rig.cameras[1],
-                   rig.camera_from_rig[1] * rig.camera_from_rig[0].Inverse()});
-  return pairs;
+  compared.conditions.push_back(
+      {"truth", fmt::format("not known; {} is taken for it, {}",
+                            compared.truth().name, others)});
+  return compared;
 }
 
 Image DepthLegend(double limit_mm) {
@@ -224,13 +227,11 @@ cv::Mat ReadLevels(const std::string& path, const CameraModel& camera) {
       .clone();
 }
 
-ExperimentResult CompareUsersRigs(const ExperimentOptions& options) {
+// Depths of a user's images, less those of the last pair.
+ExperimentResult CompareOnImages(const ComparedPairs& compared,
+                                 const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
-  if (data.rigs.size() < 2 || data.images.size() != 2)
-    throw Error(ExitCode::kUsage,
-                "stereo-depth: needs --rig twice or more, and two --image: "
-                "the left camera's image, then the right one's");
-  const NamedStereo& reference = data.rigs.back();
+  const NamedStereo& reference = compared.truth();
   const double nearest_m =
       data.nearest_m > 0 ? data.nearest_m : 10 * BaselineM(reference);
   Matching matching;
@@ -240,17 +241,19 @@ ExperimentResult CompareUsersRigs(const ExperimentOptions& options) {
       std::ceil(BaselineM(reference) * matching.focal_px / nearest_m));
   const int num_threads = NumThreads(options.num_threads);
   std::vector<StereoCloud> clouds;
-  for (const NamedStereo& rig : data.rigs) {
+  for (const NamedStereo& rig : compared.pairs) {
     clouds.push_back(
         MatchStereo(rig, matching, ReadLevels(data.images[0], *rig.left),
                     ReadLevels(data.images[1], *rig.right), num_threads));
     if (options.progress)
-      options.progress(double(clouds.size()) / double(data.rigs.size()));
+      options.progress(0.6 + 0.4 * double(clouds.size()) /
+                                 double(compared.pairs.size()));
   }
   const Surface surface = SurfaceOf(clouds.back(), reference, matching);
 
   ExperimentResult table;
-  table.conditions = {
+  table.conditions = compared.conditions;
+  const std::vector<Condition> conditions = {
       {"images", data.images[0] + ", " + data.images[1]},
       {"matching",
        fmt::format("rectified, f = {:.0f} px; exhaustive along rows by "
@@ -258,9 +261,12 @@ ExperimentResult CompareUsersRigs(const ExperimentOptions& options) {
                    "parabola; disparities of 1 to {} px, from {:.3g} m on",
                    matching.focal_px, 2 * Matching::kHalfWindowPx + 1,
                    matching.max_disparity, nearest_m)},
-      {"aligned",
-       "clouds to that with " + reference.name + " by a similarity (Umeyama)"},
+      {"aligned", "clouds to that with " + reference.name +
+                      " by a similarity (Umeyama) without wrong "
+                      "matches"},
       {"blocks", "of 8 x 8 matches"}};
+  table.conditions.insert(table.conditions.end(), conditions.begin(),
+                          conditions.end());
   table.columns = {"cameras",         "baseline_m",
                    "matches",         "median_mm",
                    "blocks_rms_mm",   "blocks_rms_disparity_px",
@@ -274,7 +280,7 @@ ExperimentResult CompareUsersRigs(const ExperimentOptions& options) {
   std::vector<SheetPicture> maps;
   double limit_mm = 0;
   for (size_t k = 0; k < clouds.size(); ++k) {
-    const NamedStereo& rig = data.rigs[k];
+    const NamedStereo& rig = compared.pairs[k];
     const DepthErrorMap map = CompareToSurface(clouds[k], surface);
     std::vector<double> disparity_px;  // d = b f / x
     for (size_t i = 0; i < map.error_mm.size(); ++i)
@@ -304,39 +310,65 @@ ExperimentResult CompareUsersRigs(const ExperimentOptions& options) {
   return table;
 }
 
-}  // namespace
+// ---- A painted wall --------------------------------------------------------
 
-ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
-  if (!options.data.rigs.empty() || !options.data.images.empty())
-    return CompareUsersRigs(options);
-  const std::shared_ptr<const CameraModel> lens =
-      SimulatedLens("example", options.size);
-  const SimulatedRig rig = CamerasInARow(lens, 2, kBaselineM);
-  const std::vector<NamedStereo> pairs = CalibratePairs(rig, options);
+// Disparities of a wall in front of a pair, whose slope makes some of it
+// nearer.
+Matching MatchingOnWall(const NamedStereo& pair) {
+  constexpr double kFarPart = 0.48, kNearPart = 1.9;
+  Matching matching;
+  matching.focal_px = MiddleFocalPx(*pair.left);
+  const double disparity_px = matching.focal_px / kBaselinesToWall;
+  matching.min_disparity =
+      std::max(1, static_cast<int>(std::floor(kFarPart * disparity_px)));
+  matching.max_disparity =
+      static_cast<int>(std::ceil(kNearPart * disparity_px));
+  return matching;
+}
+
+// Depths of a wall that the last pair sees, whose images are rendered.
+ExperimentResult CompareOnWall(const ComparedPairs& compared,
+                               const ExperimentOptions& options) {
+  const NamedStereo& truth = compared.truth();
+  const double baseline_m = BaselineM(truth);
+  const PaintedWall wall(kBaselinesToWall * baseline_m);
+  const Matching matching =
+      compared.is_simulated ? kMatching : MatchingOnWall(truth);
   const int num_threads = NumThreads(options.num_threads);
-  const cv::Mat left = RenderView(*lens, {}, num_threads);
-  const cv::Mat right =
-      RenderView(*lens, rig.camera_from_rig[1].Inverse(), num_threads);
+  const cv::Mat left = wall.Photograph(*truth.left, {}, num_threads);
+  const cv::Mat right = wall.Photograph(
+      *truth.right, truth.right_from_left.Inverse(), num_threads);
+  const Surface surface =
+      [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
+    const auto line = truth.left->Line(pixel);
+    const auto& trusted = truth.left_trusted;
+    if (!line || (trusted && !trusted->Trusts(pixel))) return std::nullopt;
+    return wall.Seen(*line);
+  };
 
   ExperimentResult table;
   const double mm_per_px =
-      1000 * kDistanceM * kDistanceM / (kBaselineM * kMatching.focal_px);
-  table.conditions = {
-      {"scene", fmt::format("a painted wall, {:g} m away, inclined by {:g}",
-                            kDistanceM, kSlope)},
-      {"cameras", fmt::format("two alike, lens example, {:g} m apart, "
-                              "calibrated together from {} instants",
-                              kBaselineM, options.num_images)},
+      1000 * std::pow(wall.distance_m(), 2) / (baseline_m * matching.focal_px);
+  table.conditions = compared.conditions;
+  const std::vector<Condition> conditions = {
+      {"scene", fmt::format("a painted wall, {:.3g} m away, inclined by {:g}, "
+                            "rendered through the true cameras",
+                            wall.distance_m(), PaintedWall::kSlope)},
       {"matching",
-       fmt::format("rectified, f = {:g} px; exhaustive along rows by zero-mean "
-                   "normalised cross-correlation, {} px windows, parabola",
-                   kMatching.focal_px, 2 * Matching::kHalfWindowPx + 1)},
+       fmt::format("rectified, f = {:.0f} px; exhaustive along rows by "
+                   "zero-mean normalised cross-correlation, {} px windows, "
+                   "parabola; then the nearest point of both pixels' lines",
+                   matching.focal_px, 2 * Matching::kHalfWindowPx + 1)},
       {"d = b f / x",
        fmt::format("1 px of disparity is {:.1f} mm of depth", mm_per_px)},
-      {"aligned", "clouds to the wall by a similarity (Umeyama)"},
+      {"aligned",
+       "clouds to the wall by a similarity (Umeyama) without wrong "
+       "matches"},
       {"blocks", "of 8 x 8 matches, in the mean of the images"},
       {"noise", fmt::format("{:g} grey levels", options.read_noise)},
       {"seed", std::to_string(options.seed)}};
+  table.conditions.insert(table.conditions.end(), conditions.begin(),
+                          conditions.end());
   table.columns = {"cameras",
                    "one_image_median_mm",
                    fmt::format("mean_of_{}_median_mm", kDepthFrames),
@@ -356,8 +388,9 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
               blocks = {"RMS of medians over blocks", {}, false};
   std::vector<SheetPicture> maps;
   double limit_mm = 0;
-  for (const NamedStereo& pair : pairs) {
-    const DepthErrors errors = MeasureFrames(pair, *lens, left, right, options);
+  for (const NamedStereo& pair : compared.pairs) {
+    const DepthErrors errors =
+        MeasureFrames(pair, matching, surface, left, right, options);
     const double place = static_cast<double>(table.chart.ticks.size());
     table.rows.push_back({pair.name, errors.one_median_mm,
                           errors.mean_median_mm, errors.blocks_rms_mm,
@@ -371,7 +404,8 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
         {fmt::format("{}: blocks {:.1f} mm RMS", pair.name,
                      errors.blocks_rms_mm),
          HeatMap(errors.mean_mm, errors.columns, -limit_mm, limit_mm, 3)});
-    if (options.progress) options.progress(0.6 + 0.1 * (place + 1));
+    if (options.progress)
+      options.progress(0.6 + 0.4 * (place + 1) / double(compared.pairs.size()));
   }
   table.chart.series = {one, mean, blocks};
   const Image bar = DepthLegend(limit_mm);
@@ -384,6 +418,21 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
                      "below 0 too near, above too far, white no match."},
                     &bar)});
   return table;
+}
+
+}  // namespace
+
+ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
+  const ExperimentData& data = options.data;
+  const bool is_users = data.pair_features || !data.rigs.empty();
+  if (!data.images.empty() && (data.images.size() != 2 || !is_users))
+    throw Error(ExitCode::kUsage,
+                "stereo-depth: --image needs a --rig, or --features of a pair, "
+                "and two images: the left camera's, then the right one's");
+  const ComparedPairs compared =
+      is_users ? UsersPairs(options) : SimulatedPairs(options);
+  return data.images.empty() ? CompareOnWall(compared, options)
+                             : CompareOnImages(compared, options);
 }
 
 }  // namespace raygrid

@@ -3,10 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
+#include "evaluation/residual_statistics.h"
 
 namespace raygrid {
 namespace {
@@ -39,15 +41,16 @@ Eigen::Vector3d RectifiedRay(const Matching& matching, const ImageSize& size,
           (v - (size.height - 1) / 2.0) / matching.focal_px, 1};
 }
 
+// A camera of lines is rectified for points at that depth.
 cv::Mat Rectified(const cv::Mat& image, const CameraModel& camera,
-                  const Eigen::Matrix3d& camera_from_rectified,
+                  const Eigen::Matrix3d& camera_from_rectified, double depth_m,
                   const Matching& matching, int num_threads) {
   constexpr float kNowhere = -1e4f;
   cv::Mat x(image.size(), CV_32F), y(image.size(), CV_32F), rectified;
   ParallelFor(image.rows, num_threads, [&](int v) {
     for (int u = 0; u < image.cols; ++u) {
       const auto pixel =
-          camera.Project(camera_from_rectified *
+          camera.Project(depth_m * camera_from_rectified *
                          RectifiedRay(matching, camera.image_size(), u, v));
       x.at<float>(v, u) = pixel ? static_cast<float>(pixel->x()) : kNowhere;
       y.at<float>(v, u) = pixel ? static_cast<float>(pixel->y()) : kNowhere;
@@ -106,6 +109,41 @@ std::optional<double> Match(const cv::Mat& left, const cv::Mat& right,
          (below - above) / (2 * (below - 2 * *best + above));
 }
 
+// ---- Depth -----------------------------------------------------------------
+
+// The depth of the middle of the disparities.
+double MiddleDepthM(const NamedStereo& cameras, const Matching& matching) {
+  return RightCenter(cameras).norm() * matching.focal_px * 2 /
+         (matching.min_disparity + matching.max_disparity);
+}
+
+// The middle between the lines of two pixels where they are nearest, in the
+// left camera's frame; nothing if that is not before the cameras.
+std::optional<Eigen::Vector3d> NearestToBoth(const NamedStereo& cameras,
+                                             const Eigen::Vector2d& left,
+                                             const Eigen::Vector2d& right) {
+  const auto a = cameras.left->Line(left),
+             in_right = cameras.right->Line(right);
+  if (!a || !in_right) return std::nullopt;
+  const Pose left_from_right = cameras.right_from_left.Inverse();
+  const Eigen::Vector3d origin = left_from_right * in_right->origin;
+  const Eigen::Vector3d direction =
+      left_from_right.rotation * in_right->direction;
+  const Eigen::Vector3d between = origin - a->origin;
+  const double cosine = a->direction.dot(direction);
+  const double squared_sine = 1 - cosine * cosine;
+  if (!(squared_sine > 0)) return std::nullopt;
+  const double along_a =
+      (between.dot(a->direction) - cosine * between.dot(direction)) /
+      squared_sine;
+  const double along_b =
+      (cosine * between.dot(a->direction) - between.dot(direction)) /
+      squared_sine;
+  if (along_a <= 0 || along_b <= 0) return std::nullopt;
+  return Eigen::Vector3d(
+      (a->origin + along_a * a->direction + origin + along_b * direction) / 2);
+}
+
 }  // namespace
 
 double BaselineM(const NamedStereo& cameras) {
@@ -118,13 +156,13 @@ StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
   const ImageSize& size = cameras.left->image_size();
   const Eigen::Matrix3d left_from_rectified =
       RectifiedFromLeft(cameras).transpose();
-  const cv::Mat a = Rectified(left, *cameras.left, left_from_rectified,
+  const Eigen::Matrix3d right_from_rectified =
+      cameras.right_from_left.rotation.toRotationMatrix() * left_from_rectified;
+  const double depth_m = MiddleDepthM(cameras, matching);
+  const cv::Mat a = Rectified(left, *cameras.left, left_from_rectified, depth_m,
                               matching, num_threads);
-  const cv::Mat b = Rectified(
-      right, *cameras.right,
-      cameras.right_from_left.rotation.toRotationMatrix() * left_from_rectified,
-      matching, num_threads);
-  const double baseline_m = BaselineM(cameras);
+  const cv::Mat b = Rectified(right, *cameras.right, right_from_rectified,
+                              depth_m, matching, num_threads);
   StereoCloud cloud;
   cloud.columns = (size.width - 2 * kHalfWindowPx - 1) / kStepPx + 1;
   const int rows = (size.height - 2 * kHalfWindowPx - 1) / kStepPx + 1;
@@ -133,13 +171,17 @@ StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
     for (int i = 0; i < cloud.columns; ++i) {
       const int u = kHalfWindowPx + i * kStepPx,
                 v = kHalfWindowPx + j * kStepPx;
-      const Eigen::Vector3d ray =
-          left_from_rectified * RectifiedRay(matching, size, u, v);
-      const auto pixel = cameras.left->Project(ray);
-      const auto disparity = pixel ? Match(a, b, matching, u, v) : std::nullopt;
-      if (disparity)
-        cloud.points[j * cloud.columns + i] = {
-            *pixel, ray * (baseline_m * matching.focal_px / *disparity)};
+      const auto disparity = Match(a, b, matching, u, v);
+      if (!disparity) continue;
+      const auto in_left = cameras.left->Project(
+          depth_m * left_from_rectified * RectifiedRay(matching, size, u, v));
+      const auto in_right = cameras.right->Project(
+          depth_m * right_from_rectified *
+          RectifiedRay(matching, cameras.right->image_size(), u - *disparity,
+                       v));
+      if (!in_left || !in_right) continue;
+      if (const auto point = NearestToBoth(cameras, *in_left, *in_right))
+        cloud.points[j * cloud.columns + i] = {*in_left, *point};
     }
   });
   return cloud;
@@ -150,13 +192,18 @@ Surface SurfaceOf(const StereoCloud& cloud, const NamedStereo& cameras,
   constexpr double kSmooth = 0.03;  // of inverse depth, from node to node
   const ImageSize size = cameras.left->image_size();
   const Eigen::Matrix3d rectified_from_left = RectifiedFromLeft(cameras);
+  const double depth_m = MiddleDepthM(cameras, matching);
   const int rows = static_cast<int>(cloud.points.size()) / cloud.columns;
   return [=, &cloud](
              const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
-    const auto direction = cameras.left->Unproject(pixel);
-    if (!direction) return std::nullopt;
-    const Eigen::Vector3d ray = rectified_from_left * *direction;
-    if (ray.z() <= 0) return std::nullopt;
+    const auto line = cameras.left->Line(pixel);
+    if (!line) return std::nullopt;
+    const Eigen::Vector3d origin = rectified_from_left * line->origin;
+    const Eigen::Vector3d direction = rectified_from_left * line->direction;
+    if (direction.z() <= 0) return std::nullopt;
+    // The rectified image shows this point at this pixel.
+    const Eigen::Vector3d ray =
+        origin + direction * ((depth_m - origin.z()) / direction.z());
     const double x = (ray.x() / ray.z() * matching.focal_px +
                       (size.width - 1) / 2.0 - kHalfWindowPx) /
                      kStepPx;
@@ -177,9 +224,52 @@ Surface SurfaceOf(const StereoCloud& cloud, const NamedStereo& cameras,
       high = std::max(high, inverse);
     }
     if (high > low * (1 + kSmooth) || !(sum > 0)) return std::nullopt;
-    return Eigen::Vector3d(*direction / ray.z() / sum);
+    return Eigen::Vector3d(line->origin +
+                           line->direction *
+                               ((1 / sum - origin.z()) / direction.z()));
   };
 }
+
+namespace {
+
+// The similarity (Umeyama, 1991) from points of a cloud to those seen, without
+// matches that are wrong: by more than six times the median error of depth,
+// which grows with the depth's square.
+Eigen::Matrix4d SimilarityOfMost(const StereoCloud& cloud,
+                                 const std::vector<size_t>& matched,
+                                 const std::vector<Eigen::Vector3d>& seen) {
+  constexpr int kRounds = 20;
+  constexpr double kTimesMedian = 6;
+  std::vector<size_t> kept(matched.size());
+  std::iota(kept.begin(), kept.end(), 0);
+  Eigen::Matrix4d similarity;
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Matrix3Xd from(3, kept.size()), to(3, kept.size());
+    for (size_t i = 0; i < kept.size(); ++i) {
+      const auto column = static_cast<Eigen::Index>(i);
+      from.col(column) = cloud.points[matched[kept[i]]]->point;
+      to.col(column) = seen[kept[i]];
+    }
+    similarity = Eigen::umeyama(from, to, true);
+    std::vector<double> errors;
+    for (size_t k = 0; k < matched.size(); ++k) {
+      const Eigen::Vector3d moved =
+          (similarity * cloud.points[matched[k]]->point.homogeneous())
+              .head<3>();
+      errors.push_back(std::abs(moved.z() - seen[k].z()) /
+                       seen[k].squaredNorm());
+    }
+    const double limit = kTimesMedian * Quantile(errors, 0.5);
+    std::vector<size_t> consistent;
+    for (size_t k = 0; k < matched.size(); ++k)
+      if (errors[k] <= limit) consistent.push_back(k);
+    if (consistent == kept) break;
+    kept = std::move(consistent);
+  }
+  return similarity;
+}
+
+}  // namespace
 
 DepthErrorMap CompareToSurface(const StereoCloud& cloud,
                                const Surface& surface) {
@@ -195,24 +285,19 @@ DepthErrorMap CompareToSurface(const StereoCloud& cloud,
   }
   if (matched.size() < kMinMatches)
     throw Error(ExitCode::kTooFew, "stereo-depth: hardly anything matched");
-  const auto count = static_cast<Eigen::Index>(matched.size());
-  Eigen::Matrix3Xd from(3, count), to(3, count);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    from.col(k) = cloud.points[matched[k]]->point;
-    to.col(k) = seen[k];
-  }
-  const Eigen::Matrix4d similarity = Eigen::umeyama(from, to, true);
+  const Eigen::Matrix4d similarity = SimilarityOfMost(cloud, matched, seen);
   DepthErrorMap map;
   map.columns = cloud.columns;
-  map.num_matched = static_cast<int>(count);
+  map.num_matched = static_cast<int>(matched.size());
   map.similarity_scale =
       std::cbrt(similarity.topLeftCorner<3, 3>().determinant());
   map.error_mm.assign(cloud.points.size(), NAN);
   map.depth_m.assign(cloud.points.size(), NAN);
-  for (Eigen::Index k = 0; k < count; ++k) {
+  for (size_t k = 0; k < matched.size(); ++k) {
+    const Eigen::Vector3d& point = cloud.points[matched[k]]->point;
     map.error_mm[matched[k]] =
-        1000 * ((similarity * from.col(k).homogeneous()).z() - to(2, k));
-    map.depth_m[matched[k]] = to(2, k);
+        1000 * ((similarity * point.homogeneous()).z() - seen[k].z());
+    map.depth_m[matched[k]] = seen[k].z();
   }
   return map;
 }

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -19,8 +21,18 @@ constexpr double kStepM = 0.1, kReachM = 6, kMinDepthM = 0.7;
 constexpr double kNoisePx = 0.3;  // of features of natural scenes
 constexpr int kFirstFrames = 12;  // which the paths are aligned by
 
-const ModelChoice kDriftModels[] = {
-    {"opencv", 0}, {"thin-prism-fisheye", 0}, {"central-generic", 16}};
+// How far off a walk's start is, as odometry's would be: in each step by a turn
+// about each axis, a part of the step, and of the scale from there on, which
+// add up; each point in its depth. Standard deviations.
+constexpr double kTurnDeg = 0.1, kStepPart = 0.02, kScalePart = 0.005;
+constexpr double kDepthPart = 0.05;
+constexpr int kNumStarts = 2;
+
+// The last is the paper's truth, of a user's features.
+const std::vector<ModelChoice> kDriftModels = {{"opencv"},
+                                               {"thin-prism-fisheye"},
+                                               {"central-generic"},
+                                               {"noncentral-generic"}};
 
 struct Walk {
   std::vector<Pose> camera_from_world;
@@ -74,7 +86,9 @@ std::vector<Eigen::Vector3d> MakePoints(const std::vector<Pose>& path,
   return points;
 }
 
-Walk MakeWalk(const CameraModel& truth, const Area& area, uint64_t seed) {
+Walk MakeWalk(const ComparedCameras& compared, uint64_t seed) {
+  const CameraModel& truth = compared.truth();
+  const Area area = CommonArea(compared.cameras);
   Random random(seed);
   Walk walk;
   walk.camera_from_world = MakePath();
@@ -89,7 +103,8 @@ Walk MakeWalk(const CameraModel& truth, const Area& area, uint64_t seed) {
       if (!pixel) continue;
       const Eigen::Vector2d seen =
           *pixel + kNoisePx * Eigen::Vector2d(random.Normal(), random.Normal());
-      if (area.Contains(seen, -2)) view.observations.push_back({k, seen});
+      if (area.Contains(seen, -2) && AllKnow(compared, seen))
+        view.observations.push_back({k, seen});
     }
     walk.views.push_back(std::move(view));
   }
@@ -124,35 +139,83 @@ Walk WalkOf(const ColmapModel& model, const Area& area) {
   return walk;
 }
 
-// ---- Adjustment ------------------------------------------------------------
+// ---- Start -----------------------------------------------------------------
 
-struct Adjusted {
+// The places at which an adjustment of a walk begins, or ends.
+struct Reconstruction {
   std::vector<Pose> camera_from_world;
   std::vector<Eigen::Vector3d> points;
-  double median_px = 0;  // residuals
 };
 
-// Nothing but where points are about tells where the whole is, and how large.
+struct Adjusted : Reconstruction {
+  double median_px = 0;  // residuals
+  bool converged = false;
+};
+
+Eigen::Vector3d RandomVector(Random* random) {
+  const double x = random->Normal(), y = random->Normal();
+  return {x, y, random->Normal()};
+}
+
+// The walk with errors that add up along the way. Points move with the first
+// image that sees them.
+Reconstruction PerturbedStart(const Walk& walk, uint64_t seed) {
+  Random random(seed);
+  const double turn_rad = kTurnDeg * M_PI / 180;
+  Reconstruction start = {{walk.camera_from_world[0]}, walk.points};
+  std::vector<bool> is_placed(walk.points.size(), false);
+  double scale = 1;
+  for (size_t i = 0; i < walk.views.size(); ++i) {
+    const Pose& pose = walk.camera_from_world[i];
+    if (i > 0) {
+      Pose step = pose * walk.camera_from_world[i - 1].Inverse();
+      step.rotation =
+          RotationFromVector(turn_rad * RandomVector(&random)) * step.rotation;
+      scale *= std::exp(kScalePart * random.Normal());
+      step.translation =
+          scale * (step.translation +
+                   kStepPart * step.translation.norm() * RandomVector(&random));
+      start.camera_from_world.push_back(step * start.camera_from_world.back());
+    }
+    const Pose world_from_camera = start.camera_from_world.back().Inverse();
+    for (const Observation& observation : walk.views[i].observations) {
+      if (is_placed[observation.point]) continue;
+      is_placed[observation.point] = true;
+      const double depth = scale * std::exp(kDepthPart * random.Normal());
+      start.points[observation.point] =
+          world_from_camera * (depth * (pose * walk.points[observation.point]));
+    }
+  }
+  return start;
+}
+
+// ---- Adjustment ------------------------------------------------------------
+
+// Nothing but where points are at the start tells where the whole is, and how
+// large.
 Adjusted AdjustWalk(const CameraModel& camera, const Walk& walk,
+                    const Reconstruction& start,
                     const ExperimentOptions& options) {
-  constexpr double kWeakPx = 0.1;  // for a point as far off as the path is long
+  constexpr double kWeakPx =
+      0.01;  // for a point as far off as the path is long
   AdjustmentState state;
   state.SetCamera(camera);
-  state.rig_from_pattern = walk.camera_from_world;
-  state.points = walk.points;
+  state.rig_from_pattern = start.camera_from_world;
+  state.points = start.points;
   GaussianPrior prior;
-  prior.points_mean = walk.points;
+  prior.points_mean = start.points;
   prior.points_weight = std::pow(kWeakPx / walk.Length(), 2);
   AdjustmentOptions adjustment;
   adjustment.fix_cameras = true;
   adjustment.num_threads = options.num_threads;
-  adjustment.max_iterations = 100;
   const AdjustmentSummary summary =
       AdjustBundle(walk.views, prior, adjustment, &state);
   std::vector<double> norms;
   for (const Residual& residual : summary.residuals)
     if (residual.valid) norms.push_back(residual.error_px.norm());
-  return {state.rig_from_pattern, state.points, Quantile(norms, 0.5)};
+  return {{state.rig_from_pattern, state.points},
+          Quantile(norms, 0.5),
+          summary.converged};
 }
 
 // ---- Where it ends ---------------------------------------------------------
@@ -176,7 +239,7 @@ double EndErrorPercent(const Walk& walk, const std::vector<Pose>& path,
 
 // The error of the walk's end against the truth, the first places being brought
 // together.
-double EndErrorPercent(const Adjusted& found, const Walk& truth) {
+double EndErrorPercent(const Reconstruction& found, const Walk& truth) {
   std::vector<Eigen::Vector3d> from = CentersOf(found.camera_from_world),
                                to = CentersOf(truth.camera_from_world);
   from.resize(kFirstFrames);
@@ -188,8 +251,8 @@ double EndErrorPercent(const Adjusted& found, const Walk& truth) {
 // The difference of the walk's end from that of another adjustment of the same
 // observations, whose noise is the same: points that the first images see are
 // brought together, which tell more than places that may lie on a line.
-double EndDifferencePercent(const Adjusted& found, const Adjusted& reference,
-                            const Walk& walk) {
+double EndDifferencePercent(const Reconstruction& found,
+                            const Reconstruction& reference, const Walk& walk) {
   std::set<int> seen;
   for (int i = 0; i < kFirstFrames; ++i)
     for (const Observation& observation : walk.views[i].observations)
@@ -205,19 +268,43 @@ double EndDifferencePercent(const Adjusted& found, const Adjusted& reference,
 
 // ---- Experiment ------------------------------------------------------------
 
-std::vector<NamedCamera> CalibrateCameras(const ExperimentFeatures& features,
-                                          const ExperimentOptions& options) {
-  std::vector<NamedCamera> cameras;
-  for (const ModelChoice& choice : kDriftModels)
-    cameras.push_back(
-        {choice.model,
-         CalibrateModel(features, choice, options).camera.camera});
-  return cameras;
+// One camera's adjustments of a walk.
+struct DriftOfCamera {
+  std::vector<Adjusted> by_start;
+
+  bool Converged() const {
+    return std::all_of(by_start.begin(), by_start.end(),
+                       [](const Adjusted& a) { return a.converged; });
+  }
+};
+
+std::vector<Reconstruction> StartsOf(const Walk& walk,
+                                     const ExperimentOptions& options,
+                                     int index) {
+  std::vector<Reconstruction> starts;
+  for (int k = 0; k < kNumStarts; ++k)
+    starts.push_back(
+        PerturbedStart(walk, options.seed * 6007 + kNumStarts * index + k + 1));
+  return starts;
+}
+
+DriftOfCamera AdjustFromStarts(const CameraModel& camera, const Walk& walk,
+                               const std::vector<Reconstruction>& starts,
+                               const ExperimentOptions& options) {
+  DriftOfCamera drift;
+  for (const Reconstruction& start : starts)
+    drift.by_start.push_back(AdjustWalk(camera, walk, start, options));
+  return drift;
 }
 
 ExperimentResult EmptyTable(const std::vector<NamedCamera>& cameras) {
   ExperimentResult table;
-  table.columns = {"camera", "walk", "residual_median_px", "end_error_percent"};
+  table.columns = {"camera",
+                   "walk",
+                   "residual_median_px",
+                   "start_error_percent",
+                   "end_error_percent",
+                   "from_other_start_percent"};
   table.chart.title = "Error at the end of a walk";
   table.chart.note = "intrinsics fixed at those of each calibration";
   table.chart.is_logarithmic = true;
@@ -226,50 +313,71 @@ ExperimentResult EmptyTable(const std::vector<NamedCamera>& cameras) {
   return table;
 }
 
+void AddStartConditions(ExperimentResult* table) {
+  table->conditions.push_back(
+      {"start",
+       fmt::format("in each step, turned by {:g} degrees about each axis, off "
+                   "by {:g} % of it, and the scale by {:g} % from there on; "
+                   "points by {:g} % of their depth (standard deviations); "
+                   "start_error is its end's",
+                   kTurnDeg, 100 * kStepPart, 100 * kScalePart,
+                   100 * kDepthPart)});
+  table->conditions.push_back(
+      {"other start", "drawn alike; end errors from both should be the same"});
+}
+
+// The errors of the end by start, before the adjustment of the first, and after
+// each.
+struct EndErrors {
+  double before = 0;
+  std::array<double, kNumStarts> after = {};
+};
+
 void AddDriftRow(const NamedCamera& camera, size_t index, int walk,
-                 const Adjusted& adjusted, double percent,
+                 const DriftOfCamera& drift, const EndErrors& errors,
                  ExperimentResult* table) {
-  table->rows.push_back({camera.name, walk, adjusted.median_px, percent});
-  table->chart.series[index].points.push_back({walk - 1.0, percent});
+  table->rows.push_back({camera.name, walk, drift.by_start[0].median_px,
+                         errors.before, errors.after[0], errors.after[1]});
+  table->chart.series[index].points.push_back({walk - 1.0, errors.after[0]});
+  if (!drift.Converged())
+    table->conditions.push_back(
+        {"warning",
+         fmt::format("{}, walk {}: did not converge", camera.name, walk)});
 }
 
 ExperimentResult AdjustSimulatedWalks(const ExperimentOptions& options) {
-  constexpr int kWalks = 3;
-  const ExperimentFeatures features = FeaturesFor(options);
-  std::vector<NamedCamera> cameras = CalibrateCameras(features, options);
-  std::shared_ptr<const CameraModel> truth = features.truth;
-  if (truth) {
-    cameras.push_back({"truth", truth});
-  } else {
-    truth = cameras.back().model;
-    cameras.back().name += " (the truth here)";
-  }
-  if (options.progress) options.progress(0.3);
-
+  const ComparedCameras compared = CamerasToCompare(options, kDriftModels);
+  const std::vector<NamedCamera>& cameras = compared.cameras;
   ExperimentResult table = EmptyTable(cameras);
-  table.conditions = features.conditions;
+  table.conditions = compared.conditions;
   table.conditions.push_back(
-      {"walk",
-       fmt::format("{} images, {:g} m apart, {} points, {:g} px of "
-                   "noise in an axis; bundle adjustment from the truth, "
-                   "intrinsics fixed",
-                   kWalkFrames, kStepM, kPoints, kNoisePx)});
+      {"walk", fmt::format("{} images, {:g} m apart, {} points, {:g} px of "
+                           "noise in an axis; bundle adjustment, intrinsics "
+                           "fixed",
+                           kWalkFrames, kStepM, kPoints, kNoisePx)});
+  AddStartConditions(&table);
   table.conditions.push_back(
       {"error", fmt::format("of the last place, of the path's length, with the "
                             "first {} brought together by a similarity",
                             kFirstFrames)});
   table.chart.x_label = "walk (its noise and points)";
   table.chart.y_label = "error of the last place, % of the path";
-  for (int k = 0; k < kWalks; ++k) {
+  for (int k = 0; k < options.num_walks; ++k) {
     table.chart.ticks.push_back({double(k), std::to_string(k + 1)});
-    const Walk walk =
-        MakeWalk(*truth, CommonArea(cameras), options.seed * 31 + k + 1);
+    const Walk walk = MakeWalk(compared, options.seed * 31 + k + 1);
+    const std::vector<Reconstruction> starts = StartsOf(walk, options, k);
     for (size_t c = 0; c < cameras.size(); ++c) {
-      const Adjusted adjusted = AdjustWalk(*cameras[c].model, walk, options);
-      AddDriftRow(cameras[c], c, k + 1, adjusted,
-                  EndErrorPercent(adjusted, walk), &table);
+      const DriftOfCamera drift =
+          AdjustFromStarts(*cameras[c].model, walk, starts, options);
+      AddDriftRow(cameras[c], c, k + 1, drift,
+                  {EndErrorPercent(starts[0], walk),
+                   {EndErrorPercent(drift.by_start[0], walk),
+                    EndErrorPercent(drift.by_start[1], walk)}},
+                  &table);
+      if (options.progress)
+        options.progress(0.5 + 0.5 * (k + double(c + 1) / cameras.size()) /
+                                   options.num_walks);
     }
-    if (options.progress) options.progress(0.3 + 0.7 * (k + 1) / kWalks);
   }
   return table;
 }
@@ -287,35 +395,41 @@ void RequireSize(const ColmapModel& model,
   }
 }
 
-ExperimentResult AdjustUsersWalk(const ExperimentOptions& options) {
-  std::vector<NamedCamera> cameras = options.data.cameras;
-  std::vector<Condition> conditions;
-  if (options.data.features) {
-    const ExperimentFeatures features = FeaturesFor(options);
-    cameras = CalibrateCameras(features, options);
-    conditions = features.conditions;
-  }
-  if (cameras.size() < 2 || cameras.size() > 6)
+// The user's, or calibrated from the user's features.
+ComparedCameras CamerasForWalk(const ExperimentOptions& options) {
+  if (options.data.features) return CamerasToCompare(options, kDriftModels);
+  ComparedCameras given;
+  given.cameras = options.data.cameras;
+  if (given.cameras.size() < 2 || given.cameras.size() > 6)
     throw Error(ExitCode::kUsage,
                 "--walk: needs --camera two to six times, or --features to "
                 "calibrate cameras from");
+  return given;
+}
+
+ExperimentResult AdjustUsersWalk(const ExperimentOptions& options) {
+  const ComparedCameras compared = CamerasForWalk(options);
+  const std::vector<NamedCamera>& cameras = compared.cameras;
   const ColmapModel& model = *options.data.walk;
   RequireSize(model, cameras);
   const Walk walk = WalkOf(model, CommonArea(cameras));
-  std::vector<Adjusted> adjusted;
+  const std::vector<Reconstruction> starts = StartsOf(walk, options, 0);
+  std::vector<DriftOfCamera> drifts;
   for (const NamedCamera& camera : cameras) {
-    adjusted.push_back(AdjustWalk(*camera.model, walk, options));
+    drifts.push_back(AdjustFromStarts(*camera.model, walk, starts, options));
     if (options.progress)
-      options.progress(double(adjusted.size()) / double(cameras.size()));
+      options.progress(double(drifts.size()) / double(cameras.size()));
   }
+  const Adjusted& reference = drifts.back().by_start[0];
 
   ExperimentResult table = EmptyTable(cameras);
-  table.conditions = std::move(conditions);
+  table.conditions = compared.conditions;
   table.conditions.push_back(
       {"walk", fmt::format("the user's, {} of {} images, {} points; bundle "
                            "adjustment, intrinsics fixed",
                            walk.views.size(), model.images.size(),
                            model.points.size())});
+  AddStartConditions(&table);
   table.conditions.push_back(
       {"error",
        fmt::format("of the last place, of the path's length, from where {} has "
@@ -328,19 +442,20 @@ ExperimentResult AdjustUsersWalk(const ExperimentOptions& options) {
   table.chart.is_logarithmic = false;
   table.chart.ticks = {{0, "the user's"}};
   for (size_t c = 0; c < cameras.size(); ++c)
-    AddDriftRow(cameras[c], c, 1, adjusted[c],
-                EndDifferencePercent(adjusted[c], adjusted.back(), walk),
-                &table);
+    AddDriftRow(
+        cameras[c], c, 1, drifts[c],
+        {EndDifferencePercent(starts[0], reference, walk),
+         {EndDifferencePercent(drifts[c].by_start[0], reference, walk),
+          EndDifferencePercent(drifts[c].by_start[1], reference, walk)}},
+        &table);
   return table;
 }
 
 }  // namespace
 
 ExperimentResult MeasureTrajectoryDrift(const ExperimentOptions& options) {
-  if (options.data.walk) return AdjustUsersWalk(options);
-  if (!options.data.cameras.empty())
-    throw Error(ExitCode::kUsage, "trajectory-drift: --camera needs --walk");
-  return AdjustSimulatedWalks(options);
+  return options.data.walk ? AdjustUsersWalk(options)
+                           : AdjustSimulatedWalks(options);
 }
 
 }  // namespace raygrid

@@ -1,0 +1,38 @@
+/// A wall with paint on it, for stereo.
+#ifndef RAYGRID_EXPERIMENTS_PAINTED_WALL_H
+#define RAYGRID_EXPERIMENTS_PAINTED_WALL_H
+
+#include <opencv2/core.hpp>
+#include <optional>
+
+#include "camera/camera_model.h"
+#include "camera/pose.h"
+
+namespace raygrid {
+
+/// The wall z = distance + kSlope x in a camera's frame. Paint is as coarse as
+/// is far off.
+class PaintedWall {
+ public:
+  static constexpr double kSlope = 0.15;
+
+  explicit PaintedWall(double distance_m) : distance_m_(distance_m) {}
+
+  double distance_m() const { return distance_m_; }
+
+  /// The point that a line sees; nothing if it looks along the wall, or away.
+  std::optional<Eigen::Vector3d> Seen(const ObservationLine& line) const;
+
+  /// A photograph without noise, as 32-bit floats; 0 where no wall is seen.
+  cv::Mat Photograph(const CameraModel& camera, const Pose& wall_from_camera,
+                     int num_threads) const;
+
+ private:
+  double Paint(const Eigen::Vector3d& point) const;
+
+  double distance_m_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXPERIMENTS_PAINTED_WALL_H
