@@ -11,6 +11,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
+#include "experiments/calibrated_cameras.h"
 #include "experiments/experiment_files.h"
 #include "pattern_input.h"
 #include "progress_bar.h"
@@ -75,7 +76,8 @@ std::string FileOrIn(const std::string& path, const char* file) {
 
 NamedCamera ReadNamedCamera(const std::string& path) {
   const CameraInput input = ReadCamera(FileOrIn(path, "camera.yaml"));
-  return {path, input.file.camera, TrustOf(input)};
+  return {path, input.file.camera,
+          input.blob ? TrustOf(input) : KnownPart(input.file)};
 }
 
 NamedStereo ReadStereo(const std::string& given_path) {
@@ -93,8 +95,8 @@ NamedStereo ReadStereo(const std::string& given_path) {
           left.model,
           right.model,
           cameras[1].camera_from_rig * cameras[0].camera_from_rig.Inverse(),
-          left.trusted,
-          right.trusted};
+          left.known,
+          right.known};
 }
 
 // Features of one camera, or of two for stereo.

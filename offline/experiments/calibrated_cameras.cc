@@ -38,17 +38,14 @@ std::vector<Condition> ConditionsOf(const ExperimentFeatures& features,
 constexpr char kHowCalibrated[] =
     "the board's points free, cells by held-out error, as calibrate does";
 
-std::optional<TrustMask> TrustOf(const CameraFile& file) {
-  if (!file.uncertainty) return std::nullopt;
-  return file.uncertainty->mask;
-}
-
 // Says so in the conditions (paper, "Camera Pose Estimation").
 void TakeLastForTruth(const std::string& others, ComparedCameras* compared) {
   NamedCamera& truth = compared->cameras.back();
   compared->conditions.push_back(
       {"truth",
-       fmt::format("not known; {} is taken for it, {}", truth.name, others)});
+       fmt::format("not known; {} is taken for it, {}; where its deviation is "
+                   "{:g} px at most, or half of the image",
+                   truth.name, others, kKnownPx)});
   truth.name += " (the truth here)";
 }
 
@@ -72,7 +69,7 @@ ComparedCameras UsersCameras(const std::vector<NamedCamera>& users) {
     compared.cameras.assign(users.begin(), users.end() - 1);
   compared.cameras.push_back(users.back());
   TakeLastForTruth(users.size() == 1
-                       ? "the others are fitted to it, where it can be trusted"
+                       ? "the others are fitted to it, where it is known"
                        : "the others are as they were given",
                    &compared);
   return compared;
@@ -130,12 +127,24 @@ CalibrationResult CalibrateModel(const ExperimentFeatures& features,
   return Calibrate(features.dataset, features.pattern, calibration);
 }
 
+std::optional<TrustMask> KnownPart(const CameraFile& file) {
+  if (!file.uncertainty) return std::nullopt;
+  const DeviationLattice& lattice = file.uncertainty->lattice;
+  if (lattice.deviation_px.empty()) return file.uncertainty->mask;
+  const double limit_px = std::max(kKnownPx, lattice.MedianPx());
+  TrustMask known = TrustMask::Over(file.camera->image_size());
+  for (size_t k = 0; k < known.is_trusted.size(); ++k)
+    known.is_trusted[k] =
+        lattice.At(file.camera->area(),
+                   known.CellCenter(static_cast<int>(k))) <= limit_px;
+  return known;
+}
+
 std::vector<FittedCamera> FitModels(const NamedCamera& camera) {
   std::vector<FittedCamera> fits;
   FitOptions fit;
   fit.free_rotation = true;
-  if (camera.trusted && camera.trusted->TrustsAny())
-    fit.trusted = &*camera.trusted;
+  if (camera.known && camera.known->TrustsAny()) fit.trusted = &*camera.known;
   for (const char* name : {"opencv", "thin-prism-fisheye", "central-radial"}) {
     FittedModel fitted =
         FitParametricModel(name, *camera.model, camera.model->area(), fit);
@@ -159,7 +168,7 @@ ComparedCameras CamerasToCompare(const ExperimentOptions& options,
   for (const ModelChoice& choice : choices) {
     try {
       const CameraFile file = CalibrateModel(features, choice, options).camera;
-      compared.cameras.push_back({choice.model, file.camera, TrustOf(file)});
+      compared.cameras.push_back({choice.model, file.camera, KnownPart(file)});
     } catch (const Error& error) {
       compared.conditions.push_back({choice.Label(), error.what()});
     }
@@ -178,8 +187,8 @@ ComparedCameras CamerasToCompare(const ExperimentOptions& options,
 }
 
 bool AllKnow(const ComparedCameras& compared, const Eigen::Vector2d& pixel) {
-  const auto& trusted = compared.cameras.back().trusted;
-  if (trusted && !trusted->Trusts(pixel)) return false;
+  const auto& known = compared.cameras.back().known;
+  if (known && !known->Trusts(pixel)) return false;
   return std::all_of(compared.cameras.begin(), compared.cameras.end(),
                      [&pixel](const NamedCamera& camera) {
                        return camera.model->Line(pixel).has_value();

@@ -43,6 +43,14 @@ CalibrationResult CalibrateModel(const ExperimentFeatures& features,
                                  const ModelChoice& choice,
                                  const ExperimentOptions& options);
 
+/// The cells in which a camera is known to kKnownPx, or to the median of its
+/// stated deviations if that is more: half of the image counts at least. That
+/// is more than what is trusted, which depends on how good the camera is. Of a
+/// file that only says where it can be trusted, these cells; nothing if it does
+/// not.
+std::optional<TrustMask> KnownPart(const CameraFile& file);
+constexpr double kKnownPx = 0.1;
+
 /// Cameras that an experiment compares. The last is the truth, or taken for it.
 struct ComparedCameras {
   std::vector<NamedCamera> cameras;
@@ -54,13 +62,13 @@ struct ComparedCameras {
 /// Cameras of the models, calibrated from simulated features, and the true one;
 /// or from the user's features, where the last model's is taken for the truth.
 /// Of the user's cameras, the last is taken for it; if there is no other,
-/// parametric models are fitted to it, where it can be trusted. Throws Error:
+/// parametric models are fitted to it, where it is known. Throws Error:
 /// kInitialization if no model can be calibrated.
 ComparedCameras CamerasToCompare(const ExperimentOptions& options,
                                  const std::vector<ModelChoice>& choices);
 
 /// The models of a camera as another one knows it: parametric ones fitted to
-/// it, where it can be trusted, by any rotation; those that can follow it.
+/// it, where it is known, by any rotation; those that can follow it.
 struct FittedCamera {
   NamedCamera camera;
   Eigen::Quaterniond fitted_from_camera;
@@ -70,8 +78,8 @@ std::vector<FittedCamera> FitModels(const NamedCamera& camera);
 /// The area in which all cameras are calibrated.
 Area CommonArea(const std::vector<NamedCamera>& cameras);
 
-/// Whether all cameras know the pixel's line, and a camera taken for the truth
-/// can be trusted there.
+/// Whether all cameras have a line for the pixel, and a camera taken for the
+/// truth is known there.
 bool AllKnow(const ComparedCameras& compared, const Eigen::Vector2d& pixel);
 
 }  // namespace raygrid

@@ -26,7 +26,7 @@ namespace raygrid {
 struct NamedCamera {
   std::string name;
   std::shared_ptr<const CameraModel> model;
-  std::optional<TrustMask> trusted = {};  ///< if it is known where
+  std::optional<TrustMask> known = {};  ///< where it is, if that is told
 };
 
 /// Two cameras of one rig.
@@ -34,8 +34,8 @@ struct NamedStereo {
   std::string name;
   std::shared_ptr<const CameraModel> left, right;
   Pose right_from_left;
-  std::optional<TrustMask> left_trusted = {};  ///< if it is known
-  std::optional<TrustMask> right_trusted = {};
+  std::optional<TrustMask> left_known = {};  ///< where, if that is told
+  std::optional<TrustMask> right_known = {};
 };
 
 /// A user's data, to use instead of what would be simulated.

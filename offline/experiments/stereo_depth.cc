@@ -111,11 +111,6 @@ struct ComparedPairs {
   const NamedStereo& truth() const { return pairs.back(); }
 };
 
-std::optional<TrustMask> TrustedPart(const CalibrationResult& result) {
-  if (!result.camera.uncertainty) return std::nullopt;
-  return result.camera.uncertainty->mask;
-}
-
 // Calibrates as `raygrid calibrate` does by default: the points are free.
 void CalibratePairs(const Dataset& left, const Dataset& right,
                     const Pattern& pattern,
@@ -132,7 +127,8 @@ void CalibratePairs(const Dataset& left, const Dataset& right,
         {model, result.cameras[0].camera.camera,
          result.cameras[1].camera.camera,
          result.camera_from_rig[1] * result.camera_from_rig[0].Inverse(),
-         TrustedPart(result.cameras[0]), TrustedPart(result.cameras[1])});
+         KnownPart(result.cameras[0].camera),
+         KnownPart(result.cameras[1].camera)});
     if (options.progress)
       options.progress(0.15 * double(compared->pairs.size()));
   }
@@ -177,8 +173,8 @@ ComparedPairs UsersPairs(const ExperimentOptions& options) {
     others = "the others are calibrated from the same features";
   } else if (data.rigs.size() == 1) {
     const NamedStereo& rig = data.rigs[0];
-    const auto left = FitModels({rig.name, rig.left, rig.left_trusted});
-    const auto right = FitModels({rig.name, rig.right, rig.right_trusted});
+    const auto left = FitModels({rig.name, rig.left, rig.left_known});
+    const auto right = FitModels({rig.name, rig.right, rig.right_known});
     for (const FittedCamera& l : left)
       for (const FittedCamera& r : right)
         if (l.camera.name == r.camera.name)
@@ -187,13 +183,15 @@ ComparedPairs UsersPairs(const ExperimentOptions& options) {
                Pose{r.fitted_from_camera, {0, 0, 0}} * rig.right_from_left *
                    Pose{l.fitted_from_camera, {0, 0, 0}}.Inverse()});
     compared.pairs.push_back(rig);
-    others = "the others are fitted to its cameras, where they can be trusted";
+    others = "the others are fitted to its cameras, where they are known";
   } else {
     compared.pairs = data.rigs;
   }
   compared.conditions.push_back(
-      {"truth", fmt::format("not known; {} is taken for it, {}",
-                            compared.truth().name, others)});
+      {"truth",
+       fmt::format("not known; {} is taken for it, {}; where its deviation is "
+                   "{:g} px at most, or half of the image",
+                   compared.truth().name, others, kKnownPx)});
   return compared;
 }
 
@@ -341,8 +339,8 @@ ExperimentResult CompareOnWall(const ComparedPairs& compared,
   const Surface surface =
       [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
     const auto line = truth.left->Line(pixel);
-    const auto& trusted = truth.left_trusted;
-    if (!line || (trusted && !trusted->Trusts(pixel))) return std::nullopt;
+    const auto& known = truth.left_known;
+    if (!line || (known && !known->Trusts(pixel))) return std::nullopt;
     return wall.Seen(*line);
   };
 

@@ -86,6 +86,8 @@ std::vector<Eigen::Vector3d> MakePoints(const std::vector<Pose>& path,
   return points;
 }
 
+constexpr size_t kMinSeen = 8;  // points in an image
+
 Walk MakeWalk(const ComparedCameras& compared, uint64_t seed) {
   const CameraModel& truth = compared.truth();
   const Area area = CommonArea(compared.cameras);
@@ -106,12 +108,14 @@ Walk MakeWalk(const ComparedCameras& compared, uint64_t seed) {
       if (area.Contains(seen, -2) && AllKnow(compared, seen))
         view.observations.push_back({k, seen});
     }
+    if (view.observations.size() < kMinSeen)
+      throw Error(ExitCode::kTooFew,
+                  "trajectory-drift: too little of the image is known by all "
+                  "cameras; calibrate from more images");
     walk.views.push_back(std::move(view));
   }
   return walk;
 }
-
-constexpr size_t kMinSeen = 8;  // points in an image
 
 // A user's, less what some of the cameras are not calibrated for.
 Walk WalkOf(const ColmapModel& model, const Area& area) {

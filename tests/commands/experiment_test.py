@@ -357,7 +357,7 @@ cameras:
                             1, "--camera")
 
     def test_own_features(self):
-        self.assert_done(run("simulate", "--images", 10, "--features-per-image", 100, "--pattern",
+        self.assert_done(run("simulate", "--images", 8, "--features-per-image", 100, "--pattern",
                              write(self.path("board.yaml"), SIMULATED_PATTERN), "-o",
                              self.path("own")))
         data = ("--features", self.path("own/features.csv"), "--pattern",
