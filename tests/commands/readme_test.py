@@ -48,6 +48,24 @@ class Readme(unittest.TestCase):
                 medians = [row[5] for row in rows(self.block("### " + title)) if row[:3] == model]
                 self.assertEqual(medians, [figure.split()[0]])
 
+    def test_comparisons_state_both_ways(self):
+        """Rigid and flexed, of raygrid and of its peers, whose imports are the same cameras."""
+        sets = re.findall(r"^### (.*)$", self.block("## Rigid and flexed"), re.MULTILINE)
+        self.assertIn("fisheye_190: a fisheye of 190°, board of deltilles, both ways", sets)
+        for title in sets:
+            head, *told = rows(self.block("### " + title))
+            self.assertEqual(head[3:9], ["rigid median", "RMS", "corners", "flexed median", "RMS", "corners"])
+            self.assertEqual({row[0].split()[0] for row in told}, {"raygrid", "OpenCV", "mrcal"})
+            for row in told:
+                with self.subTest(title=title, row=row[:3]):
+                    rigid, own = float(row[3]), row[9]
+                    self.assertGreater(float(row[5]), 0)
+                    if row[6] != "–":  # the points of one are far off a plane
+                        self.assertLess(abs(float(row[8]) - float(row[5]) / 2), 0.05 * float(row[5]))
+                    self.assertEqual(own == "", row[0] == "raygrid")
+                    if own:
+                        self.assertAlmostEqual(rigid, float(own), delta=0.01 * rigid + 0.001)
+
 
 if __name__ == "__main__":
     command_test.main(__name__)

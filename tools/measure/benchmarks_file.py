@@ -1,6 +1,7 @@
 """BENCHMARKS.md: one section a part, of which those that were measured are written anew."""
 import re
 
+import both_ways
 import frame_paths
 import remap
 import sets
@@ -9,10 +10,10 @@ import tables
 PREFACE = """# Benchmarks
 
 Everything here is printed by `tools/measure_readme`, which builds what it measures, and is kept as it was printed. `--only accuracy`,
-`--only remap` and `--only paths` measure a part each.
+`--only both-ways`, `--only remap` and `--only paths` measure a part each.
 
 """
-ORDER = ("Figures of README.md", "Corners, model and board", "Held-out errors", "Undistortion beside cv::remap",
+ORDER = ("Figures of README.md", "Corners, model and board", "Held-out errors", "Rigid and flexed", "Undistortion beside cv::remap",
          "Ways of frames")
 
 
@@ -47,9 +48,13 @@ def accuracy_sections(results, blob_bytes, absent):
     return {title: "\n".join(text) + "\n" for title, text in zip(titles, lines)}
 
 
+def both_ways_sections(measured, absent):
+    return {ORDER[3]: "\n".join(both_ways.text(measured, absent)) + "\n"}
+
+
 def remap_sections(measured):
-    return {ORDER[3]: "\n".join(remap.text(measured)) + "\n"}
+    return {ORDER[4]: "\n".join(remap.text(measured)) + "\n"}
 
 
 def paths_sections(measured):
-    return {ORDER[4]: "\n".join(frame_paths.text(measured)) + "\n"}
+    return {ORDER[5]: "\n".join(frame_paths.text(measured)) + "\n"}

@@ -30,6 +30,8 @@ class DataSet:
         self.fov_deg = job["fov_deg"]
         self.folder = job["folder"]
         self.few = job.get("few", False)  # models
+        self.both_ways = job.get("both_ways", False)  # cameras go into files, for both_ways.py
+        self.work = job["work"]
         self.columns, self.rows, self.square_m = read_board(os.path.join(self.folder, "pattern.yaml"))
         parts = read_split(self.folder)
         views = {}
@@ -47,6 +49,15 @@ class DataSet:
         """Nominal corners, row by row, in metres."""
         row, column = np.divmod(np.arange(self.rows * self.columns), self.columns)
         return np.stack([column, row, 0 * row], axis=1) * self.square_m
+
+
+def write_board(path, data, points):
+    """pattern.yaml of a board whose corners lie where a calibration found them."""
+    rows = "".join("      - [" + ", ".join(f"{value:.12g}" for value in point) + "]\n" for point in points)
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("raygrid_pattern: 1\nboards:\n  - id: 0\n    kind: chessboard\n"
+                   f"    columns: {data.columns}\n    rows: {data.rows}\n    square_m: {data.square_m:.12g}\n"
+                   f"    points:\n{rows}")
 
 
 def read_csv(path):
@@ -84,6 +95,10 @@ def read_poses(path):
 def read_json(path):
     with open(path, encoding="utf-8") as file:
         return json.load(file)
+
+
+def parse_json(text):
+    return json.loads(text)
 
 
 def write_json(path, value):

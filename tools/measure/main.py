@@ -6,6 +6,7 @@ import sys
 
 import accuracy
 import benchmarks_file
+import both_ways
 import datasets
 import frame_paths
 import progress
@@ -29,6 +30,10 @@ def accuracy_sections(options):
     return benchmarks_file.accuracy_sections(accuracy.results(options), blob["bytes"], absent)
 
 
+def both_ways_sections(options):
+    return benchmarks_file.both_ways_sections(both_ways.results(options), both_ways.jobs(options)[1])
+
+
 def remap_sections(options):
     return benchmarks_file.remap_sections(remap.results(options))
 
@@ -37,7 +42,8 @@ def paths_sections(options):
     return benchmarks_file.paths_sections(frame_paths.results(options))
 
 
-PARTS = {"accuracy": (accuracy.steps, accuracy_sections), "remap": (remap.steps, remap_sections),
+PARTS = {"accuracy": (accuracy.steps, accuracy_sections),
+         "both-ways": (both_ways.steps, both_ways_sections), "remap": (remap.steps, remap_sections),
          "paths": (frame_paths.steps, paths_sections)}
 
 

@@ -86,20 +86,23 @@ def calibrate(data, lens, is_flat):
 
     def project(points):
         return mrcal.project(np.ascontiguousarray(points), lens, values)
-    return peer.Camera(project, np.ascontiguousarray(board.reshape(-1, 3)), len(values))
+
+    def write(path):
+        mrcal.cameramodel(intrinsics=(lens, values), imagersize=problem.sizes[0]).write(path)
+    return peer.Camera(project, np.ascontiguousarray(board.reshape(-1, 3)), len(values), write, ".cameramodel")
 
 
 def lenses(data):
     """Splined ones of about 80, 120 and 40 px between control points, and its usual ones."""
-    if data.few:
+    if data.few and not data.both_ways:
         return ["LENSMODEL_OPENCV8"]
     names = []
     width, height = data.image_size
-    for cell_px in (80, 120, 40):
+    for cell_px in (80,) if data.both_ways else (80, 120, 40):
         columns, rows = round(width / cell_px) + 2, round(height / cell_px) + 2
         names.append(f"LENSMODEL_SPLINED_STEREOGRAPHIC_order=3_Nx={columns}_Ny={rows}"
                      f"_fov_x_deg={data.fov_deg}")
-    return names + ["LENSMODEL_OPENCV8", "LENSMODEL_OPENCV12"]
+    return names + ["LENSMODEL_OPENCV8"] + ["LENSMODEL_OPENCV12"] * (not data.both_ways)
 
 
 def short(lens):

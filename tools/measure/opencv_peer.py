@@ -49,6 +49,20 @@ def perspective(matrix, terms):
     return project
 
 
+def writer(data, matrix, terms, is_fisheye=False):
+    """What writes the camera as OpenCV's own samples do."""
+    def write(path):
+        file = cv2.FileStorage(path, cv2.FILE_STORAGE_WRITE)
+        file.write("image_width", data.image_size[0])
+        file.write("image_height", data.image_size[1])
+        if is_fisheye:
+            file.write("fisheye_model", 1)
+        file.write("camera_matrix", matrix)
+        file.write("distortion_coefficients", terms.reshape(-1, 1))
+        file.release()
+    return write
+
+
 def calibrate(data, flags):
     def run(matrix):
         start = 0 if matrix is None else cv2.CALIB_USE_INTRINSIC_GUESS
@@ -60,7 +74,7 @@ def calibrate(data, flags):
 
 def flat(data, number):
     matrix, terms = calibrate(data, TERMS[number])
-    return peer.Camera(perspective(matrix, terms), data.flat_board(), 4 + number)
+    return peer.Camera(perspective(matrix, terms), data.flat_board(), 4 + number, writer(data, matrix, terms))
 
 
 def released(data, number):
@@ -79,7 +93,7 @@ def released(data, number):
     _, matrix, terms, points = best_start(data, run)
     board = np.empty_like(data.flat_board())
     board[places] = points.reshape(-1, 3)
-    return peer.Camera(perspective(matrix, terms), board, 4 + number)
+    return peer.Camera(perspective(matrix, terms), board, 4 + number, writer(data, matrix, terms))
 
 
 # ---- cv::fisheye -------------------------------------------------------------
@@ -137,19 +151,21 @@ def fisheye(data):
     if not results:
         raise peer.NotPossible("ends in an error from every start")
     _, _, matrix, terms = min(results, key=lambda r: r[:2])
-    return peer.Camera(equidistant(matrix, terms), data.flat_board(), 8)
+    return peer.Camera(equidistant(matrix, terms), data.flat_board(), 8, writer(data, matrix, terms, True))
 
 
 def rows_of(data):
     version = {"peer": "OpenCV", "version": cv2.__version__}
     terms = (5, 12) if data.few else tuple(TERMS)
+    if data.both_ways:
+        terms = (5, 8)  # which raygrid takes as they are
     for number in terms:
         yield peer.row_of(data, {**version, "model": f"calibrateCamera, {number} terms", "board": "flat"},
                           lambda n=number: flat(data, n))
     for number in terms:
         yield peer.row_of(data, {**version, "model": f"calibrateCameraRO, {number} terms",
                                  "board": "free"}, lambda n=number: released(data, n))
-    if not data.few:
+    if not data.few or data.both_ways:
         yield peer.row_of(data, {**version, "model": "fisheye::calibrate", "board": "flat"},
                           lambda: fisheye(data))
 
