@@ -7,6 +7,7 @@
 
 #include "calibration/bend_choice.h"
 #include "calibration/body_search.h"
+#include "calibration/budget_input.h"
 #include "calibration/camera_in_progress.h"
 #include "calibration/camera_result.h"
 #include "calibration/frame_adjustment.h"
@@ -80,6 +81,7 @@ class Calibration {
   void EvaluateHeldOutImages();
   void LookForTwoCameras();
   void CompareModels();
+  void SplitResiduals();
   void PlaceOtherImages();
   std::vector<Split> Splits() const;
   std::vector<double> CellsPx() const;
@@ -391,6 +393,14 @@ void Calibration::Evaluate() {
 
 // ---- Judge -----------------------------------------------------------------
 
+// Splits the residuals of each camera by cause.
+void Calibration::SplitResiduals() {
+  const Stopwatch stopwatch(&result_.seconds["residual_budget"]);
+  for (CameraInProgress& camera : cameras_)
+    camera.result.budget = MeasureResidualBudget(
+        BudgetInputOf(camera.result, FactsOf(camera.result, options_)));
+}
+
 // Boards in the images that others stand for, which the cameras localise.
 void Calibration::PlaceOtherImages() {
   RigModel rig = {{}, result_.camera_from_rig, {}};
@@ -412,6 +422,7 @@ void Calibration::PlaceOtherImages() {
 
 RigResult Calibration::Judge() {
   const bool is_interrupted = options_.ShouldStop();
+  if (!is_interrupted) SplitResiduals();
   for (CameraInProgress& camera : cameras_) {
     if (is_interrupted) camera.result.checkpoint = std::move(camera.checkpoint);
     NameUnusedImages(camera.dataset, camera.input->skipped, &camera.result);

@@ -10,6 +10,7 @@
 #include "evaluation/checkpoint.h"
 #include "evaluation/fold_over.h"
 #include "evaluation/line_spread.h"
+#include "evaluation/residual_budget.h"
 #include "evaluation/residual_statistics.h"
 #include "evaluation/verdict.h"
 
@@ -99,6 +100,8 @@ struct CalibrationResult {
   std::optional<double> neighbor_correlation;
   std::optional<LineSpread> line_spread;  ///< of a camera that is not central
   FoldOver fold_over;
+  /// The causes of the training residuals; none of an interrupted calibration.
+  std::optional<ResidualBudget> budget;
   Verdict verdict;
 };
 

@@ -1,0 +1,139 @@
+#include "calibration/budget_input.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "adjustment/board_flex.h"
+#include "adjustment/reprojection_error.h"
+#include "calibration/calibration_problem.h"
+#include "calibration/camera_evaluation.h"
+#include "camera/model_fitting.h"
+
+namespace raygrid {
+namespace {
+
+using PosesOfBoards = std::map<std::pair<std::string, int>, Pose>;
+
+// The points of all boards, one after the other, and how they may bend.
+void AddPoints(const Pattern& pattern, BudgetInput* input,
+               std::map<int, int>* first_of_board) {
+  std::vector<BoardPoints> boards;
+  for (const Board& board : pattern.boards) {
+    const int first = static_cast<int>(input->points.size());
+    (*first_of_board)[board.id] = first;
+    boards.push_back({first, board.points});
+    input->boards.insert(input->boards.end(), board.points.size(),
+                         static_cast<int>(boards.size()) - 1);
+    input->points.insert(input->points.end(), board.points.begin(),
+                         board.points.end());
+  }
+  const FlexModes modes =
+      MakeFlexModes(boards, static_cast<int>(input->points.size()));
+  if (modes.count() == 0) return;
+  for (const FlexModes::Displacement& displacement : modes.by_point)
+    input->bends.emplace_back(displacement);
+}
+
+// How a residual depends on its point and its board's pose; false where the
+// camera does not project it.
+bool AddDerivatives(const CameraModel& camera, const Pose& camera_from_board,
+                    const Eigen::Vector3d& point, BudgetFeature* feature) {
+  LinearizedProjection projection;
+  const Eigen::Vector3d seen = camera_from_board * point;
+  if (!camera.Linearize(seen, &feature->pixel, kAdjustmentMarginPx,
+                        &projection))
+    return false;
+  const Eigen::Vector3d turned = seen - camera_from_board.translation;
+  Eigen::Matrix3d by_rotation;  // of the point seen: rotation x turned
+  by_rotation << 0, turned.z(), -turned.y(),  //
+      -turned.z(), 0, turned.x(),             //
+      turned.y(), -turned.x(), 0;
+  feature->by_point =
+      projection.by_point * camera_from_board.rotation.toRotationMatrix();
+  feature->by_pose << projection.by_point * by_rotation, projection.by_point;
+  return feature->by_point.allFinite() && feature->error_px.allFinite();
+}
+
+BudgetInput JoinResiduals(const CameraModel& camera, const Pattern& pattern,
+                          const PosesOfBoards& poses,
+                          const std::vector<FeatureResidual>& residuals) {
+  BudgetInput input;
+  input.image_size = camera.image_size();
+  std::map<int, int> first_of_board;
+  AddPoints(pattern, &input, &first_of_board);
+  // The residuals of a view stand together, views in the order of time.
+  std::map<std::pair<std::string, int>, std::vector<const FeatureResidual*>>
+      views;
+  for (const FeatureResidual& residual : residuals)
+    views[{residual.image, residual.board}].push_back(&residual);
+  int view = 0;
+  for (const auto& [name, own] : views) {
+    const auto pose = poses.find(name);
+    const Board* board = pattern.FindBoard(name.second);
+    if (pose == poses.end() || !board) continue;
+    const size_t before = input.features.size();
+    for (const FeatureResidual* residual : own) {
+      BudgetFeature feature;
+      feature.view = view;
+      feature.point = first_of_board.at(board->id) +
+                      board->PointIndex(residual->column, residual->row);
+      feature.column = residual->column;
+      feature.row = residual->row;
+      feature.pixel = residual->pixel;
+      feature.error_px = residual->error_px;
+      if (AddDerivatives(camera, pose->second, input.points[feature.point],
+                         &feature))
+        input.features.push_back(feature);
+    }
+    if (input.features.size() > before) ++view;
+  }
+  return input;
+}
+
+}  // namespace
+
+BudgetInput BudgetInputOf(const CalibrationResult& result,
+                          const BudgetFacts& facts) {
+  PosesOfBoards poses;
+  for (const BoardPose& pose : result.poses)
+    poses[{pose.image, pose.board}] = pose.camera_from_board;
+  BudgetInput input = JoinResiduals(*result.camera.camera, result.pattern,
+                                    poses, result.training);
+  input.num_parameters = result.num_parameters;
+  input.facts = facts;
+  return input;
+}
+
+BudgetFacts FactsOf(const CalibrationResult& result,
+                    const CalibrationOptions& options) {
+  BudgetFacts facts;
+  facts.is_grid = !IsParametricModel(options.model);
+  facts.cell_px = result.cell_px;
+  facts.tried_finer = std::any_of(
+      result.cell_candidates.begin(), result.cell_candidates.end(),
+      [&](const auto& tried) { return tried.cell_px < result.cell_px; });
+  facts.points_free = !options.flat_board;
+  facts.bends_tried =
+      facts.is_grid && !options.flat_board && !options.rigid_board;
+  return facts;
+}
+
+BudgetInput BudgetInputOf(const CameraModel& camera, const Dataset& dataset,
+                          const Pattern& pattern, int num_threads) {
+  Evaluation evaluation;
+  const CalibrationProblem problem =
+      BuildProblem({dataset}, pattern, &evaluation.rejected_images);
+  const auto localized = LocalizeViews(camera, 0, problem, num_threads);
+  PosesOfBoards poses;
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+    if (!localized[v]) continue;
+    poses[{problem.images[v], pattern.boards[problem.boards[v]].id}] =
+        *localized[v];
+    AddResiduals(camera, *localized[v], pattern, problem, v, &evaluation);
+  }
+  return JoinResiduals(camera, pattern, poses, evaluation.residuals);
+}
+
+}  // namespace raygrid

@@ -1,0 +1,171 @@
+#include "evaluation/budget_verdict.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace raygrid {
+namespace {
+
+constexpr double kWorthwhile = 0.1;  // part of the squared residuals
+
+std::string ImagePlaceAdvice(const BudgetFacts& facts) {
+  if (!facts.is_grid) return "calibrate with --model central-generic";
+  if (facts.tried_finer)
+    return "take more images: a finer grid was tried, and these are too few "
+           "for it";
+  if (facts.cell_px > 0)
+    return fmt::format("calibrate with a finer grid: --cell-px {:.3g}",
+                       facts.cell_px / 2);
+  return "calibrate with a finer grid: a smaller --cell-px";
+}
+
+// The thing to do against a cause, if it was not done yet.
+std::string AdviceFor(ErrorCause cause, const BudgetFacts& facts) {
+  switch (cause) {
+    case ErrorCause::kImagePlace:
+      return ImagePlaceAdvice(facts);
+    case ErrorCause::kBoardPlace:
+      if (!facts.points_free)
+        return "calibrate without --flat-board, so that the board's points are "
+               "estimated, too";
+      return "print the board anew, on a better printer, or take more images "
+             "of it";
+    case ErrorCause::kBend:
+      if (!facts.bends_tried && facts.is_grid)
+        return "calibrate without --rigid-board and --flat-board, so that "
+               "bends are estimated, too";
+      return "glue the pattern onto a stiffer board, of glass or aluminium, "
+             "and hold it by its edges";
+    case ErrorCause::kInPlane:
+      return "use a board that keeps its size, of glass or aluminium instead "
+             "of paper";
+    case ErrorCause::kImageAffine:
+      return "lock focus and zoom, and let the camera warm up before the first "
+             "image";
+    default:
+      return "keep camera and board still in each image, or use a global "
+             "shutter";
+  }
+}
+
+const char* InWords(ErrorCause cause) {
+  switch (cause) {
+    case ErrorCause::kImagePlace:
+      return "the model does not follow the lens: errors belong to places of "
+             "the image";
+    case ErrorCause::kBoardPlace:
+      return "the board is not as it was taken to be: errors belong to its "
+             "points";
+    case ErrorCause::kBend:
+      return "the board bends from image to image";
+    case ErrorCause::kInPlane:
+      return "the board is stretched in its plane from image to image";
+    case ErrorCause::kImageAffine:
+      return "the image's scale or place changes from image to image, as by "
+             "focus or temperature";
+    default:
+      return "errors grow from row to row, as of a rolling shutter in motion";
+  }
+}
+
+std::optional<ErrorCause> LargestCause(const ResidualBudget& budget) {
+  std::optional<ErrorCause> largest;
+  for (int k = 0; k < kNumErrorCauses; ++k) {
+    const auto cause = static_cast<ErrorCause>(k);
+    if (budget.Of(cause).in_turn < kWorthwhile) continue;
+    if (!largest || budget.Of(cause).in_turn > budget.Of(*largest).in_turn)
+      largest = cause;
+  }
+  return largest;
+}
+
+int Percent(double part) { return static_cast<int>(std::lround(100 * part)); }
+
+// The causes that explain the views as well as the largest. Few tilts or a
+// narrow field of view do not tell them apart. Nor is a cause told that
+// explains no more than motion from column to column.
+std::vector<std::string> AlikeCauses(const ResidualBudget& budget) {
+  std::vector<std::string> names;
+  for (int k = 0; k < kNumErrorCauses; ++k)
+    if (budget.causes[static_cast<size_t>(k)].is_alike)
+      names.emplace_back(NameOf(static_cast<ErrorCause>(k)));
+  if (budget.column_time_is_alike) names.emplace_back("column time");
+  return names;
+}
+
+BudgetVerdict OfViewsAlike(const std::vector<std::string>& causes,
+                           const ResidualBudget& budget) {
+  return {"views",
+          fmt::format("each image has errors of its own ({} % of the squared "
+                      "residuals); these explain them alike: {}",
+                      Percent(budget.OfViews()), fmt::join(causes, ", ")),
+          "take the images anew with camera and board still, a stiff board and "
+          "focus locked; tilted boards tell these causes apart"};
+}
+
+BudgetVerdict OfCause(ErrorCause cause, const ResidualBudget& budget) {
+  const std::vector<std::string> alike = AlikeCauses(budget);
+  if (cause >= ErrorCause::kBend && alike.size() > 1)
+    return OfViewsAlike(alike, budget);
+  return {NameOf(cause),
+          fmt::format("{} ({} % of the squared residuals)", InWords(cause),
+                      Percent(budget.Of(cause).in_turn)),
+          AdviceFor(cause, budget.facts)};
+}
+
+BudgetVerdict OfLargeErrors(const ResidualBudget& budget) {
+  return {"large errors",
+          fmt::format("few features are far off ({} % of the squared residuals "
+                      "are beyond five deviations)",
+                      Percent(budget.large)),
+          "look at the images of the largest errors, and leave out what is "
+          "measured wrongly there"};
+}
+
+// "; image place and ... cannot be told", or nothing.
+std::string UntoldCauses(const ResidualBudget& budget) {
+  std::vector<std::string> names;
+  for (int k = 0; k < kNumErrorCauses; ++k)
+    if (!budget.causes[static_cast<size_t>(k)].can_be_told)
+      names.emplace_back(NameOf(static_cast<ErrorCause>(k)));
+  if (names.empty()) return "";
+  return fmt::format("; it cannot be told of {}", fmt::join(names, ", "));
+}
+
+BudgetVerdict OfNoise(const ResidualBudget& budget) {
+  return {"noise",
+          fmt::format("noise of single features, {:.3f} px in x and {:.3f} px "
+                      "in y ({} % of the squared residuals){}",
+                      budget.noise_px.x(), budget.noise_px.y(),
+                      Percent(budget.noise), UntoldCauses(budget)),
+          "take more images, or sharper ones: more light, better focus"};
+}
+
+BudgetVerdict OfRest(const ResidualBudget& budget) {
+  return {"rest",
+          fmt::format("errors that neighbours share, and that none of these "
+                      "causes explains ({} % of the squared residuals){}",
+                      Percent(budget.rest), UntoldCauses(budget)),
+          "look at the residuals of single images: blur, glare and shadows "
+          "move features together"};
+}
+
+}  // namespace
+
+BudgetVerdict JudgeBudget(const ResidualBudget& budget) {
+  if (!budget.untold.empty())
+    return {"", "it cannot be told: " + budget.untold,
+            "take more images of the whole board"};
+  const std::optional<ErrorCause> cause = LargestCause(budget);
+  const double largest = cause ? budget.Of(*cause).in_turn : 0;
+  if (budget.large >= kWorthwhile && budget.large > largest)
+    return OfLargeErrors(budget);
+  if (cause) return OfCause(*cause, budget);
+  return budget.noise >= budget.rest ? OfNoise(budget) : OfRest(budget);
+}
+
+}  // namespace raygrid

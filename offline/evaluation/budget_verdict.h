@@ -1,0 +1,23 @@
+#ifndef RAYGRID_EVALUATION_BUDGET_VERDICT_H
+#define RAYGRID_EVALUATION_BUDGET_VERDICT_H
+
+#include <string>
+
+#include "evaluation/residual_budget.h"
+
+namespace raygrid {
+
+/// The limit of a calibration: a name as in the table ("noise", "large
+/// errors", "views", "rest", or a cause's), a sentence, and the one thing to
+/// do.
+struct BudgetVerdict {
+  std::string limit, sentence, advice;
+};
+
+/// A cause that explains a tenth of the squared residuals comes before noise:
+/// noise is averaged away by more features, errors that features share are not.
+BudgetVerdict JudgeBudget(const ResidualBudget& budget);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EVALUATION_BUDGET_VERDICT_H

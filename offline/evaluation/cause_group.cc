@@ -1,0 +1,150 @@
+#include "evaluation/cause_group.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "evaluation/prediction_comparison.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kChanceDraws = 16;
+
+CauseShare& ShareOf(ErrorCause cause, ResidualBudget* budget) {
+  return budget->causes[static_cast<size_t>(cause)];
+}
+
+// A cause must explain more than this, so that it is told from chance.
+double LeastTold(const CauseShare& share) {
+  constexpr double kNegligible = 0.002;
+  return std::max(share.chance_high, kNegligible);
+}
+
+std::array<Eigen::VectorXd, 2> PredictHalves(
+    const CrossFit& fit, const std::array<Eigen::VectorXd, 2>& errors) {
+  return {fit.Predict(0, errors[0]), fit.Predict(1, errors[1])};
+}
+
+double SumOf(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+// Whether chance may make one cause explain more than another.
+bool MayBeAlike(const std::vector<double>& more,
+                const std::vector<double>& less) {
+  constexpr double kByChance = 0.01;
+  std::vector<double> differences;
+  for (size_t u = 0; u < more.size(); ++u)
+    differences.push_back(more[u] - less[u]);
+  return SumOf(differences) <= 0 ||
+         SignedRankProbability(differences) > kByChance;
+}
+
+}  // namespace
+
+double CauseGroup::Gain(const CrossFit& fit, const Halves& errors) const {
+  return SumOf(ExplainedSquares(fit, errors, PredictHalves(fit, errors))) /
+         squares_;
+}
+
+// Errors of the same sizes in the same places, whose signs are tossed.
+void CauseGroup::MeasureChance(const Eigen::VectorXd& errors,
+                               ResidualBudget* budget) const {
+  constexpr double kDeviations = 3;
+  std::mt19937_64 bits(1);  // the standard fixes its sequence
+  std::vector<double> sums(fits_.size(), 0), squares(fits_.size(), 0);
+  for (int draw = 0; draw < kChanceDraws; ++draw) {
+    Eigen::VectorXd tossed = errors;
+    for (Eigen::Index i = 0; i < tossed.size(); ++i)
+      if (bits() >> 63) tossed[i] = -tossed[i];
+    if (pose_) pose_->Remove(&tossed);
+    for (size_t k = 0; k < fits_.size(); ++k) {
+      const double gain = Gain(fits_[k].fit, {tossed, tossed});
+      sums[k] += gain;
+      squares[k] += gain * gain;
+    }
+  }
+  for (size_t k = 0; k < fits_.size(); ++k) {
+    const double mean = sums[k] / kChanceDraws;
+    const double variance =
+        std::max(0.0, squares[k] / kChanceDraws - mean * mean);
+    CauseShare& share = ShareOf(fits_[k].cause, budget);
+    share.chance_mean = mean;
+    share.chance_high = std::max(0.0, mean + kDeviations * std::sqrt(variance));
+  }
+}
+
+// The cause that explains most of what is left, if it is told from chance.
+std::optional<size_t> CauseGroup::NextCause(const Halves& left,
+                                            const std::vector<bool>& is_taken,
+                                            ResidualBudget* budget) const {
+  std::optional<size_t> best;
+  double best_gain = 0;
+  for (size_t k = 0; k < fits_.size(); ++k) {
+    const CauseShare& share = budget->Of(fits_[k].cause);
+    if (is_taken[k] || share.alone <= LeastTold(share)) continue;
+    const double gain = Gain(fits_[k].fit, left);
+    if (gain <= std::max(best_gain, LeastTold(share))) continue;
+    best_gain = gain;
+    best = k;
+  }
+  if (best) ShareOf(fits_[*best].cause, budget).in_turn = best_gain;
+  return best;
+}
+
+// Each feature's errors by the coefficients that the other half tells.
+Eigen::VectorXd CauseGroup::Join(const Halves& left) const {
+  Eigen::VectorXd joined = left[0];
+  for (Eigen::Index at = 0; !fits_.empty() && at < joined.size(); at += 2) {
+    const int half = fits_.front().fit.half(static_cast<size_t>(at / 2));
+    joined.segment<2>(at) = left[1 - half].segment<2>(at);
+  }
+  return joined;
+}
+
+Eigen::VectorXd CauseGroup::Explain(const Eigen::VectorXd& errors,
+                                    ResidualBudget* budget) const {
+  for (const NamedFit& named : fits_) {
+    CauseShare& share = ShareOf(named.cause, budget);
+    share.can_be_told = true;
+    share.alone = Gain(named.fit, {errors, errors});
+  }
+  MeasureChance(errors, budget);
+  // Each half goes on with what its own coefficients leave: nothing of the
+  // other half comes in.
+  Halves left = {errors, errors};
+  std::vector<bool> is_taken(fits_.size(), false);
+  while (const auto next = NextCause(left, is_taken, budget)) {
+    is_taken[*next] = true;
+    const Halves predicted = PredictHalves(fits_[*next].fit, left);
+    for (int half = 0; half < 2; ++half) left[half] -= predicted[half];
+  }
+  return Join(left);
+}
+
+void CauseGroup::FindAlike(const Eigen::VectorXd& errors,
+                           const CrossFit& control,
+                           ResidualBudget* budget) const {
+  const Halves halves = {errors, errors};
+  const auto explained_by = [&](const CrossFit& fit) {
+    return ExplainedSquares(fit, halves, PredictHalves(fit, halves));
+  };
+  const NamedFit* largest = nullptr;
+  for (const NamedFit& named : fits_)
+    if (budget->Of(named.cause).IsTold() &&
+        (!largest ||
+         budget->Of(named.cause).in_turn > budget->Of(largest->cause).in_turn))
+      largest = &named;
+  if (!largest) return;
+  const std::vector<double> most = explained_by(largest->fit);
+  for (const NamedFit& named : fits_)
+    ShareOf(named.cause, budget).is_alike =
+        &named == largest || MayBeAlike(most, explained_by(named.fit));
+  const std::vector<double> by_control = explained_by(control);
+  budget->column_time = SumOf(by_control) / squares_;
+  budget->column_time_is_alike = MayBeAlike(most, by_control);
+}
+
+}  // namespace raygrid

@@ -1,0 +1,254 @@
+#include "evaluation/error_causes.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace raygrid {
+namespace {
+
+constexpr int kViewBlocks = 4;
+
+Eigen::Index ColumnOf(size_t feature) {
+  return 2 * static_cast<Eigen::Index>(feature);
+}
+
+// Images near to each other in time are alike: they are in one half.
+std::vector<int> HalvesByView(const BudgetInput& input) {
+  const int num_views = static_cast<int>(CountByView(input).size());
+  std::vector<int> half;
+  for (const BudgetFeature& feature : input.features)
+    half.push_back(feature.view * kViewBlocks / num_views % 2);
+  return half;
+}
+
+// Neighbours share errors of a kind that no cause here has. Blocks keep most of
+// them within a half.
+std::vector<int> HalvesByLattice(const BudgetInput& input) {
+  constexpr int kBlocksAlongBoard = 6;
+  int columns = 1, rows = 1;
+  for (const BudgetFeature& feature : input.features) {
+    columns = std::max(columns, feature.column + 1);
+    rows = std::max(rows, feature.row + 1);
+  }
+  const int width =
+      std::max(1, static_cast<int>(std::lround(double(std::min(columns, rows)) /
+                                               kBlocksAlongBoard)));
+  std::vector<int> half;
+  for (const BudgetFeature& feature : input.features)
+    half.push_back((feature.column / width + feature.row / width) % 2);
+  return half;
+}
+
+// Cells have about 16 features.
+double CellPx(const BudgetInput& input) {
+  constexpr double kFeaturesInCell = 16, kMinCellPx = 16, kMinCells = 6;
+  Area area = {1e9, 1e9, -1e9, -1e9};
+  for (const BudgetFeature& feature : input.features)
+    area.Extend(feature.pixel);
+  const double width = std::max(area.width(), 1.0);
+  const double height = std::max(area.height(), 1.0);
+  const double cell_px = std::sqrt(width * height * kFeaturesInCell /
+                                   static_cast<double>(input.features.size()));
+  return std::clamp(cell_px, kMinCellPx,
+                    std::max(kMinCellPx, std::max(width, height) / kMinCells));
+}
+
+// A board's center, axes and radius.
+struct BoardPlane {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
+};
+
+std::vector<BoardPlane> PlanesOf(const BudgetInput& input) {
+  int num_boards = 0;
+  for (const int board : input.boards)
+    num_boards = std::max(num_boards, board + 1);
+  std::vector<Eigen::Vector3d> sums(num_boards, Eigen::Vector3d::Zero());
+  std::vector<Eigen::Matrix3d> squares(num_boards, Eigen::Matrix3d::Zero());
+  std::vector<int> counts(num_boards, 0);
+  for (size_t p = 0; p < input.points.size(); ++p) {
+    if (!input.points[p].allFinite()) continue;
+    const int b = input.boards[p];
+    sums[b] += input.points[p];
+    squares[b] += input.points[p] * input.points[p].transpose();
+    ++counts[b];
+  }
+  std::vector<BoardPlane> planes(num_boards);
+  for (int b = 0; b < num_boards; ++b) {
+    if (counts[b] == 0) continue;
+    planes[b].center = sums[b] / counts[b];
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
+        squares[b] -
+        counts[b] * planes[b].center * planes[b].center.transpose());
+    planes[b].x = solver.eigenvectors().col(2);
+    planes[b].y = solver.eigenvectors().col(1);
+  }
+  return planes;
+}
+
+// How a point moves by stretches along both axes of its board, and a shear.
+Eigen::Matrix3d StretchesAt(const BoardPlane& plane,
+                            const Eigen::Vector3d& point) {
+  const double x = plane.x.dot(point - plane.center);
+  const double y = plane.y.dot(point - plane.center);
+  Eigen::Matrix3d moves;
+  moves << x * plane.x, y * plane.y, y * plane.x + x * plane.y;
+  return moves;
+}
+
+// A feature's errors by the coefficients of a cause that views have.
+Eigen::Matrix2Xd ErrorsBy(ErrorCause cause, const BudgetInput& input,
+                          const std::vector<BoardPlane>& planes,
+                          const BudgetFeature& feature) {
+  const double width = input.image_size.width, height = input.image_size.height;
+  const Eigen::Vector2d from_center =
+      feature.pixel - Eigen::Vector2d(width - 1, height - 1) / 2;
+  switch (cause) {
+    case ErrorCause::kBend:
+      return feature.by_point * input.bends[feature.point];
+    case ErrorCause::kInPlane:
+      return feature.by_point * StretchesAt(planes[input.boards[feature.point]],
+                                            input.points[feature.point]);
+    case ErrorCause::kImageAffine: {
+      Eigen::Matrix<double, 2, 3> errors;
+      errors << from_center / width, Eigen::Matrix2d::Identity();
+      return errors;
+    }
+    default:  // rows are taken one after the other
+      return feature.by_pose * (from_center.y() / height);
+  }
+}
+
+// Columns of a root mean square of 1.
+void ScaleRows(Eigen::MatrixXd* columns) {
+  const double count = static_cast<double>(columns->cols());
+  for (Eigen::Index k = 0; k < columns->rows(); ++k) {
+    const double rms = columns->row(k).norm() / std::sqrt(count);
+    if (rms > 0) columns->row(k) /= rms;
+  }
+}
+
+// A cause that views have, by the errors of each feature by its coefficients.
+template <typename Errors>
+LinearCause OfViews(const BudgetInput& input, const PoseParts& pose,
+                    const Errors& errors_of) {
+  const std::vector<int> counts = CountByView(input);
+  LinearCause linear;
+  linear.half = HalvesByLattice(input);
+  linear.num_units = static_cast<int>(counts.size());
+  for (size_t i = 0; i < input.features.size(); ++i) {
+    const BudgetFeature& feature = input.features[i];
+    const Eigen::Matrix2Xd errors = errors_of(feature);
+    if (i == 0) linear.columns.resize(errors.cols(), 2 * input.features.size());
+    linear.columns.middleCols<2>(ColumnOf(i)) = errors.transpose();
+    linear.unit.push_back(
+        counts[feature.view] >= kMinBudgetViewFeatures ? feature.view : -1);
+  }
+  ScaleRows(&linear.columns);
+  pose.RemoveFromRows(&linear.columns);
+  return linear;
+}
+
+}  // namespace
+
+std::vector<int> CountByView(const BudgetInput& input) {
+  std::vector<int> counts;
+  for (const BudgetFeature& feature : input.features) {
+    if (static_cast<size_t>(feature.view) >= counts.size())
+      counts.resize(feature.view + 1, 0);
+    ++counts[feature.view];
+  }
+  return counts;
+}
+
+PoseParts::PoseParts(const BudgetInput& input) {
+  size_t first = 0;
+  for (const int count : CountByView(input)) {
+    if (count == 0) continue;
+    Eigen::MatrixXd by_pose(2 * count, 6);
+    for (int i = 0; i < count; ++i)
+      by_pose.middleRows<2>(2 * i) = input.features[first + i].by_pose;
+    for (Eigen::Index k = 0; k < 6; ++k)
+      if (by_pose.col(k).norm() > 0) by_pose.col(k).normalize();
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(by_pose);
+    qr.setThreshold(1e-9);
+    views_.push_back(
+        {ColumnOf(first),
+         qr.householderQ() * Eigen::MatrixXd::Identity(2 * count, qr.rank())});
+    first += count;
+  }
+}
+
+void PoseParts::Remove(Eigen::VectorXd* errors) const {
+  for (const OfView& view : views_) {
+    auto own = errors->segment(view.first, view.basis.rows());
+    const Eigen::VectorXd part = view.basis.transpose() * own;
+    own.noalias() -= view.basis * part;
+  }
+}
+
+void PoseParts::RemoveFromRows(Eigen::MatrixXd* columns) const {
+  for (const OfView& view : views_) {
+    auto own = columns->middleCols(view.first, view.basis.rows());
+    const Eigen::MatrixXd part = own * view.basis;
+    own.noalias() -= part * view.basis.transpose();
+  }
+}
+
+LinearCause ImagePlaceCause(const BudgetInput& input) {
+  LinearCause cause;
+  cause.half = HalvesByView(input);
+  const double cell_px = CellPx(input);
+  const int columns =
+      static_cast<int>(std::ceil(input.image_size.width / cell_px)) + 1;
+  const int rows =
+      static_cast<int>(std::ceil(input.image_size.height / cell_px)) + 1;
+  cause.num_units = columns * rows;
+  const auto cell_of = [cell_px](double position, int count) {
+    return std::clamp(static_cast<int>(position / cell_px), 0, count - 1);
+  };
+  cause.columns.resize(2, 2 * input.features.size());
+  for (size_t i = 0; i < input.features.size(); ++i) {
+    const Eigen::Vector2d& pixel = input.features[i].pixel;
+    cause.unit.push_back(cell_of(pixel.y(), rows) * columns +
+                         cell_of(pixel.x(), columns));
+    cause.columns.middleCols<2>(ColumnOf(i)).setIdentity();
+  }
+  return cause;
+}
+
+LinearCause BoardPlaceCause(const BudgetInput& input) {
+  LinearCause cause;
+  cause.half = HalvesByView(input);
+  cause.num_units = static_cast<int>(input.points.size());
+  cause.columns.resize(3, 2 * input.features.size());
+  for (size_t i = 0; i < input.features.size(); ++i) {
+    cause.unit.push_back(input.features[i].point);
+    cause.columns.middleCols<2>(ColumnOf(i)) =
+        input.features[i].by_point.transpose();
+  }
+  return cause;
+}
+
+std::optional<LinearCause> ViewCause(ErrorCause cause, const BudgetInput& input,
+                                     const PoseParts& pose) {
+  const bool is_bend = cause == ErrorCause::kBend;
+  if (is_bend && (input.bends.empty() || input.bends.front().cols() == 0))
+    return std::nullopt;
+  const std::vector<BoardPlane> planes = PlanesOf(input);
+  return OfViews(input, pose, [&](const BudgetFeature& feature) {
+    return ErrorsBy(cause, input, planes, feature);
+  });
+}
+
+LinearCause ColumnTimeControl(const BudgetInput& input, const PoseParts& pose) {
+  const double width = input.image_size.width;
+  return OfViews(input, pose,
+                 [width](const BudgetFeature& feature) -> Eigen::Matrix2Xd {
+                   return feature.by_pose *
+                          ((feature.pixel.x() - (width - 1) / 2) / width);
+                 });
+}
+
+}  // namespace raygrid

@@ -1,0 +1,218 @@
+#include "evaluation/residual_budget.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "evaluation/cause_group.h"
+#include "evaluation/cross_fit.h"
+#include "evaluation/error_causes.h"
+#include "evaluation/residual_statistics.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kMinBudgetFeatures = 200, kMinBudgetViews = 8;
+
+double SquaresOf(const BudgetInput& input) {
+  double squares = 0;
+  for (const BudgetFeature& feature : input.features)
+    squares += feature.error_px.squaredNorm();
+  return squares;
+}
+
+// The standard deviation in an axis, by the error in the middle.
+double DeviationOf(std::vector<double> norms) {
+  return Quantile(std::move(norms), 0.5) / std::sqrt(2 * std::log(2.0));
+}
+
+// How long errors of each view may be: five deviations of its own, or of all.
+// Views differ, since causes do; few large errors would hide all else.
+std::vector<double> LongestByView(const BudgetInput& input) {
+  constexpr double kDeviations = 5;
+  std::vector<std::vector<double>> norms(CountByView(input).size());
+  std::vector<double> all, longest;
+  for (const BudgetFeature& feature : input.features) {
+    norms[feature.view].push_back(feature.error_px.norm());
+    all.push_back(norms[feature.view].back());
+  }
+  const double of_all = DeviationOf(std::move(all));
+  for (std::vector<double>& of_view : norms)
+    longest.push_back(kDeviations *
+                      std::max(of_all, DeviationOf(std::move(of_view))));
+  return longest;
+}
+
+// Errors one after the other, without what is too long.
+Eigen::VectorXd ErrorsWithin(const BudgetInput& input) {
+  const std::vector<double> longest = LongestByView(input);
+  Eigen::VectorXd errors(2 * input.features.size());
+  for (size_t i = 0; i < input.features.size(); ++i) {
+    const Eigen::Vector2d& error = input.features[i].error_px;
+    const double norm = error.norm(), most = longest[input.features[i].view];
+    errors.segment<2>(2 * static_cast<Eigen::Index>(i)) =
+        error * (norm > most ? most / norm : 1);
+  }
+  return errors;
+}
+
+// ---- Causes ----------------------------------------------------------------
+
+void CannotTell(const std::vector<ErrorCause>& causes, const std::string& why,
+                ResidualBudget* budget) {
+  for (const ErrorCause cause : causes)
+    budget->causes[static_cast<size_t>(cause)].untold = why;
+}
+
+Eigen::VectorXd ExplainByPlaces(const BudgetInput& input, double squares,
+                                const Eigen::VectorXd& errors,
+                                ResidualBudget* budget) {
+  if (budget->num_views < kMinBudgetViews) {
+    CannotTell({ErrorCause::kImagePlace, ErrorCause::kBoardPlace},
+               fmt::format("{} views; {} are needed", budget->num_views,
+                           kMinBudgetViews),
+               budget);
+    return errors;
+  }
+  std::vector<NamedFit> fits;
+  fits.push_back({ErrorCause::kImagePlace, CrossFit(ImagePlaceCause(input))});
+  fits.push_back({ErrorCause::kBoardPlace, CrossFit(BoardPlaceCause(input))});
+  return CauseGroup(std::move(fits), nullptr, squares).Explain(errors, budget);
+}
+
+// Whether half of the features are in views that have many.
+bool HaveViewsMany(const BudgetInput& input) {
+  size_t in_these = 0;
+  for (const int count : CountByView(input))
+    if (count >= kMinBudgetViewFeatures) in_these += count;
+  return 2 * in_these >= input.features.size();
+}
+
+void ExplainByViews(const BudgetInput& input, double squares,
+                    Eigen::VectorXd errors, ResidualBudget* budget) {
+  const std::vector<ErrorCause> causes = {
+      ErrorCause::kBend, ErrorCause::kInPlane, ErrorCause::kImageAffine,
+      ErrorCause::kRowTime};
+  if (!HaveViewsMany(input)) {
+    CannotTell(causes,
+               fmt::format("most views have fewer than {} features",
+                           kMinBudgetViewFeatures),
+               budget);
+    return;
+  }
+  const PoseParts pose(input);
+  pose.Remove(&errors);
+  std::vector<NamedFit> fits;
+  for (const ErrorCause cause : causes) {
+    if (auto linear = ViewCause(cause, input, pose))
+      fits.push_back({cause, CrossFit(std::move(*linear))});
+    else
+      CannotTell({cause}, "the board is not flat, or too small", budget);
+  }
+  const CauseGroup group(std::move(fits), &pose, squares);
+  group.Explain(errors, budget);
+  if (budget->OfViews() > 0)
+    group.FindAlike(errors, CrossFit(ColumnTimeControl(input, pose)), budget);
+}
+
+// ---- Noise -----------------------------------------------------------------
+
+// The variance of what a feature has of its own, by the differences of three in
+// a row of the lattice: these take away what is even, or changes evenly.
+Eigen::Vector2d NoiseVariance(const BudgetInput& input,
+                              const Eigen::VectorXd& errors) {
+  constexpr double kVarianceOfDifferences = 1 + 4 + 1;
+  std::map<std::array<int, 3>, size_t> places;
+  const auto place_of = [&](const BudgetFeature& feature, int right, int down) {
+    return std::array<int, 3>{feature.view, feature.row + down,
+                              feature.column + right};
+  };
+  for (size_t i = 0; i < input.features.size(); ++i)
+    places[place_of(input.features[i], 0, 0)] = i;
+  Eigen::Vector2d squares = Eigen::Vector2d::Zero();
+  int count = 0;
+  const auto error_of = [&errors](size_t i) {
+    return errors.segment<2>(2 * static_cast<Eigen::Index>(i));
+  };
+  for (size_t i = 0; i < input.features.size(); ++i)
+    for (const auto& [right, down] : {std::pair(1, 0), std::pair(0, 1)}) {
+      const auto before =
+          places.find(place_of(input.features[i], -right, -down));
+      const auto after = places.find(place_of(input.features[i], right, down));
+      if (before == places.end() || after == places.end()) continue;
+      squares +=
+          (error_of(before->second) + error_of(after->second) - 2 * error_of(i))
+              .cwiseAbs2() /
+          kVarianceOfDifferences;
+      ++count;
+    }
+  return squares / std::max(count, 1);
+}
+
+void AddNoise(const BudgetInput& input, double squares,
+              const Eigen::VectorXd& errors, ResidualBudget* budget) {
+  const Eigen::Vector2d variance = NoiseVariance(input, errors);
+  budget->noise_px = variance.cwiseSqrt();
+  // Parameters follow the noise that they are fitted to, by one in so many.
+  const double count = static_cast<double>(input.features.size());
+  const double left = std::max(
+      0.0, 1 - (input.num_parameters + 6.0 * budget->num_views) / (2 * count));
+  budget->noise = left * count * variance.sum() / squares;
+}
+
+}  // namespace
+
+const char* NameOf(ErrorCause cause) {
+  switch (cause) {
+    case ErrorCause::kImagePlace:
+      return "image place";
+    case ErrorCause::kBoardPlace:
+      return "board place";
+    case ErrorCause::kBend:
+      return "bends";
+    case ErrorCause::kInPlane:
+      return "in-plane";
+    case ErrorCause::kImageAffine:
+      return "image affine";
+    default:
+      return "row time";
+  }
+}
+
+double ResidualBudget::OfViews() const {
+  return Of(ErrorCause::kBend).in_turn + Of(ErrorCause::kInPlane).in_turn +
+         Of(ErrorCause::kImageAffine).in_turn +
+         Of(ErrorCause::kRowTime).in_turn;
+}
+
+ResidualBudget MeasureResidualBudget(const BudgetInput& input) {
+  ResidualBudget budget;
+  budget.facts = input.facts;
+  budget.num_features = static_cast<int>(input.features.size());
+  budget.num_views = static_cast<int>(CountByView(input).size());
+  const double squares = SquaresOf(input);
+  if (budget.num_features < kMinBudgetFeatures) {
+    budget.untold = fmt::format("{} features; {} are needed",
+                                budget.num_features, kMinBudgetFeatures);
+    return budget;
+  }
+  budget.rms_px = std::sqrt(squares / (2.0 * budget.num_features));
+  const Eigen::VectorXd errors = ErrorsWithin(input);
+  if (!(errors.squaredNorm() > 0) || !std::isfinite(squares)) {
+    budget.untold = "there are no errors";
+    return budget;
+  }
+  budget.large = 1 - errors.squaredNorm() / squares;
+  const Eigen::VectorXd left = ExplainByPlaces(input, squares, errors, &budget);
+  ExplainByViews(input, squares, left, &budget);
+  AddNoise(input, squares, left, &budget);
+  budget.rest = 1 - budget.noise - budget.large - budget.OfViews() -
+                budget.Of(ErrorCause::kImagePlace).in_turn -
+                budget.Of(ErrorCause::kBoardPlace).in_turn;
+  return budget;
+}
+
+}  // namespace raygrid
