@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "report/budget_section.h"
 #include "report/html.h"
 #include "report/page_data.h"
 #include "report/picture_sections.h"
@@ -291,6 +292,7 @@ std::string FormatHtmlReport(const CalibrationResult& result,
   std::string html = PageStart("Camera calibration" + name);
   html += VerdictSection(result.verdict);
   html += ErrorSection(result);
+  if (result.budget) html += BudgetSection(*result.budget);
   html += ComparisonSection(result);
   html += PicturesSection(result);
   html += ImagesSection(result);

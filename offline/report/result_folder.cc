@@ -243,7 +243,7 @@ bool HasFinishedResult(const std::string& folder) {
   }
 }
 
-void AddReports(const std::string& folder, OutputFiles* files) {
+ResultFigures ReadResultFolder(const std::string& folder) {
   const std::string path = In(folder, "result.json");
   RequireFile(path);
   ResultFigures figures = ParseResultJson(path, ReadFile(path));
@@ -260,10 +260,19 @@ void AddReports(const std::string& folder, OutputFiles* files) {
     Complete(ReadResultCamera(In(folder, cameras[c].file)), result.pattern,
              name, &tables, &camera);
     RequireMatching(folder, camera);
+  }
+  return figures;
+}
+
+void AddReports(const std::string& folder, OutputFiles* files) {
+  const ResultFigures figures = ReadResultFolder(folder);
+  const RigResult& result = figures.result;
+  for (size_t c = 0; c < result.cameras.size(); ++c) {
     const std::string own = In(folder, CameraFolder(result, c));
     files->Add(In(own, "report.html"),
-               FormatHtmlReport(camera, figures.packing[c], ReadExample(own),
-                                ReadThumbnails(own), ReadBlob(own),
+               FormatHtmlReport(result.cameras[c], figures.packing[c],
+                                ReadExample(own), ReadThumbnails(own),
+                                ReadBlob(own),
                                 result.IsRig() ? std::vector<std::string>()
                                                : figures.boards_told),
                Links::kReplace);

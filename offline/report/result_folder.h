@@ -47,6 +47,10 @@ std::set<std::string> ResultFiles(const std::string& folder);
 /// Whether a folder holds the result of a calibration that came to its end.
 bool HasFinishedResult(const std::string& folder);
 
+/// A calibration's result and figures from the files of its folder. Throws
+/// InputError where one is missing, malformed or of another version.
+ResultFigures ReadResultFolder(const std::string& folder);
+
 /// report.html from the other files of the folder; for a rig NAME/report.html
 /// of each camera as well. Throws InputError where one is missing, malformed or
 /// of another version.

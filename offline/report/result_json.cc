@@ -7,6 +7,7 @@
 
 #include "dataset/error.h"
 #include "dataset/json_error.h"
+#include "report/budget_json.h"
 
 namespace raygrid {
 namespace {
@@ -152,6 +153,7 @@ void AddCamera(const CalibrationResult& result, Json* json) {
     (*json)["image_circle"] = {
         {"center_px", {circle->center.x(), circle->center.y()}},
         {"radius_px", circle->radii_px.x()}};
+  if (result.budget) (*json)["residual_budget"] = BudgetJson(*result.budget);
   (*json)["fold_over"] = {{"part", result.fold_over.part},
                           {"trusted_part", result.fold_over.trusted_part}};
   if (result.line_spread)
@@ -346,6 +348,8 @@ void ParseMore(const Json& json, CalibrationResult* result) {
   if (json.contains("parametric_models"))
     for (const Json& other : json.at("parametric_models"))
       result->parametric_models.push_back(ParseModel(other));
+  if (json.contains("residual_budget"))
+    result->budget = ParseBudget(json.at("residual_budget"));
   if (json.contains("line_spread")) {
     LineSpread& spread = result->line_spread.emplace();
     spread.rms_m = json.at("line_spread").at("rms_m").get<double>();

@@ -1,0 +1,131 @@
+#include "report/budget_section.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "evaluation/budget_verdict.h"
+#include "report/html.h"
+
+namespace raygrid {
+namespace {
+
+// A cause in the bar and in the table.
+struct BudgetPart {
+  std::string name, meaning;
+  double part = 0;
+  const CauseShare* share = nullptr;  // none: chance has no share in it
+  const char* color = "";             // Okabe and Ito
+};
+
+const char* MeaningOf(ErrorCause cause) {
+  switch (cause) {
+    case ErrorCause::kImagePlace:
+      return "shared by features in one place of the image: the model does "
+             "not follow the lens";
+    case ErrorCause::kBoardPlace:
+      return "shared by features of one point of the board: it is not where it "
+             "was taken to be";
+    case ErrorCause::kBend:
+      return "the board bends out of its plane, image by image";
+    case ErrorCause::kInPlane:
+      return "the board is stretched or sheared in its plane, image by image";
+    case ErrorCause::kImageAffine:
+      return "the image is scaled or shifted, image by image, as by focus or "
+             "temperature";
+    default:
+      return "rows are taken one after the other in motion, as by a rolling "
+             "shutter";
+  }
+}
+
+std::vector<BudgetPart> PartsOf(const ResidualBudget& budget) {
+  constexpr const char* kColors[kNumErrorCauses] = {
+      "#0072b2", "#009e73", "#d55e00", "#f0e442", "#cc79a7", "#e69f00"};
+  std::vector<BudgetPart> parts = {
+      {"noise", "each feature has its own", budget.noise, nullptr, "#999999"},
+      {"large errors", "single features, beyond five deviations", budget.large,
+       nullptr, "#000000"}};
+  for (int k = 0; k < kNumErrorCauses; ++k) {
+    const auto cause = static_cast<ErrorCause>(k);
+    const CauseShare& share = budget.Of(cause);
+    parts.push_back(
+        {NameOf(cause), MeaningOf(cause), share.in_turn, &share, kColors[k]});
+  }
+  parts.push_back({"rest",
+                   "shared by neighbours, and explained by none of "
+                   "these",
+                   budget.rest, nullptr, "#56b4e9"});
+  return parts;
+}
+
+std::string BarOf(const std::vector<BudgetPart>& parts) {
+  double sum = 1e-9;
+  for (const BudgetPart& part : parts) sum += std::max(part.part, 0.0);
+  std::string html =
+      "<figure><figcaption>Parts of the squared residuals</figcaption><div "
+      "class=\"parts\">";
+  for (const BudgetPart& part : parts)
+    if (part.part > 0)
+      html += fmt::format(
+          "<i style=\"width: {:.2f}%; background: {}\" title=\"{}: {:.1f} "
+          "%\"></i>",
+          100 * part.part / sum, part.color, part.name, 100 * part.part);
+  return html + "</div></figure>\n";
+}
+
+std::string Capitalized(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] -= 'a' - 'A';
+  return text;
+}
+
+std::string Percent(double part) {
+  return fmt::format("{:.1f}&nbsp;%", 100 * part);
+}
+
+HtmlRow RowOf(const BudgetPart& part) {
+  HtmlRow row = {fmt::format("<i class=\"part\" style=\"background: "
+                             "{}\"></i>{}",
+                             part.color, part.name),
+                 Percent(part.part), "", "", part.meaning};
+  if (!part.share) return row;
+  if (!part.share->can_be_told) {
+    row[1] = "&ndash;";
+    row[4] = "cannot be told: " + EscapeHtml(part.share->untold);
+    return row;
+  }
+  row[2] = Percent(part.share->alone);
+  row[3] = Percent(part.share->chance_high);
+  return row;
+}
+
+}  // namespace
+
+std::string BudgetSection(const ResidualBudget& budget) {
+  const BudgetVerdict verdict = JudgeBudget(budget);
+  std::string html = fmt::format(
+      "<h2>What limits this calibration</h2>\n<p><b>{}.</b> To do: "
+      "{}.</p>\n",
+      EscapeHtml(Capitalized(verdict.sentence)), EscapeHtml(verdict.advice));
+  if (!budget.untold.empty()) return html;
+  const std::vector<BudgetPart> parts = PartsOf(budget);
+  std::vector<HtmlRow> rows;
+  for (const BudgetPart& part : parts) rows.push_back(RowOf(part));
+  if (budget.OfViews() > 0)
+    rows.push_back({"column time", "&ndash;", Percent(budget.column_time), "",
+                    "motion from column to column, which no camera has: what "
+                    "causes of images must exceed"});
+  return html + BarOf(parts) + "<div class=\"causes\">" +
+         HtmlTable({"", "part", "alone", "by chance", "meaning"}, rows) +
+         "</div>" +
+         fmt::format(
+             "<p>Training residuals: {:.4f} px (RMS in an axis). Noise: {:.4f} "
+             "px in x, {:.4f} px in y. Half of the features tell each cause, "
+             "and it explains what it predicts of the others. <b>alone</b>: "
+             "before other causes are taken away; <b>by chance</b>: of "
+             "residuals whose signs are tossed, at most.</p>\n",
+             budget.rms_px, budget.noise_px.x(), budget.noise_px.y());
+}
+
+}  // namespace raygrid

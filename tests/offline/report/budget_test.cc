@@ -1,0 +1,75 @@
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "evaluation/budget_verdict.h"
+#include "report/budget_json.h"
+#include "report/budget_section.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+ResidualBudget ExampleBudget() {
+  ResidualBudget budget;
+  budget.num_features = 500;
+  budget.num_views = 12;
+  budget.rms_px = 0.2;
+  budget.noise_px = {0.1, 0.11};
+  budget.noise = 0.3;
+  budget.large = 0.01;
+  for (int k = 0; k < kNumErrorCauses; ++k)
+    budget.causes[static_cast<size_t>(k)] = {true,  "",   0.01 * k, 0.0,
+                                             0.001, 0.02, false};
+  CauseShare& bends = budget.causes[static_cast<size_t>(ErrorCause::kBend)];
+  bends.in_turn = bends.alone = 0.5;
+  bends.is_alike = true;
+  budget.causes[0] = {false, "7 views; <8> are needed"};
+  budget.column_time = 0.04;
+  budget.column_time_is_alike = false;
+  budget.rest = 0.19;
+  budget.facts = {true, 40, true, true, true};
+  return budget;
+}
+
+bool HasText(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(BudgetJson, IsReadAsItWasWritten) {
+  const nlohmann::ordered_json json = BudgetJson(ExampleBudget());
+  EXPECT_EQ(json["limited_by"], "bends");
+  EXPECT_EQ(json["causes"][2]["cause"], "bends");
+  EXPECT_EQ(json["causes"][2]["part"], 0.5);
+  EXPECT_EQ(json["causes"][0]["untold"], "7 views; <8> are needed");
+  EXPECT_EQ(BudgetJson(ParseBudget(json)), json);
+}
+
+TEST(BudgetJson, SaysWhyNothingIsTold) {
+  ResidualBudget budget;
+  budget.untold = "3 features; 200 are needed";
+  const nlohmann::ordered_json json = BudgetJson(budget);
+  EXPECT_FALSE(json.contains("causes"));
+  EXPECT_EQ(ParseBudget(json).untold, budget.untold);
+  EXPECT_EQ(BudgetJson(ParseBudget(json)), json);
+}
+
+TEST(BudgetSection, SaysWhatLimitsAndWhatToDo) {
+  const std::string html = BudgetSection(ExampleBudget());
+  EXPECT_TRUE(HasText(html, "<h2>What limits this calibration</h2>"));
+  EXPECT_TRUE(HasText(html, "<b>The board bends from image to image"));
+  EXPECT_TRUE(HasText(html, "To do: glue the pattern"));
+  EXPECT_TRUE(HasText(html, "title=\"bends: 50.0 %\""));
+  EXPECT_TRUE(HasText(html, "cannot be told: 7 views; &lt;8&gt; are needed"));
+  EXPECT_TRUE(HasText(html, "column time"));
+}
+
+TEST(BudgetSection, IsASentenceWhereNothingIsTold) {
+  ResidualBudget budget;
+  budget.untold = "3 features; 200 are needed";
+  const std::string html = BudgetSection(budget);
+  EXPECT_TRUE(HasText(html, "It cannot be told: 3 features"));
+  EXPECT_FALSE(HasText(html, "<table>"));
+}
+
+}  // namespace
+}  // namespace raygrid
