@@ -15,13 +15,14 @@
 #include "experiments/experiment_files.h"
 #include "pattern_input.h"
 #include "progress_bar.h"
+#include "report/result_folder.h"
 
 namespace raygrid {
 namespace {
 
 struct ExperimentArguments {
   std::string name, size = "640x480", output;
-  std::string features, image_size, pattern, walk;
+  std::string features, image_size, pattern, walk, result;
   std::vector<std::string> cameras, rigs, images, hold_out;
   int num_images = 0;
   double nearest_m = 0;
@@ -56,6 +57,7 @@ void RequireUse(const Experiment& experiment,
                               experiment.name, option));
   };
   require("--features", !arguments.features.empty());
+  require("--result", !arguments.result.empty());
   require("--camera", !arguments.cameras.empty());
   require("--walk", !arguments.walk.empty());
   require("--rig", !arguments.rigs.empty());
@@ -124,6 +126,15 @@ void ReadUsersFeatures(const ExperimentArguments& arguments,
                            std::move(cameras.rbegin()->second)};
 }
 
+CalibrationResult ReadSingleResult(const std::string& folder) {
+  RigResult result = ReadResultFolder(folder).result;
+  if (result.cameras.size() > 1)
+    throw InputError(folder +
+                     ": the result of a rig; the report of each of its cameras "
+                     "has its own");
+  return std::move(result.cameras.front());
+}
+
 ExperimentData ReadData(const ExperimentArguments& arguments) {
   ExperimentData data;
   data.hold_out = arguments.hold_out;
@@ -133,6 +144,8 @@ ExperimentData ReadData(const ExperimentArguments& arguments) {
     data.rigs.push_back(ReadStereo(path));
   data.images = arguments.images;
   data.nearest_m = arguments.nearest_m;
+  if (!arguments.result.empty())
+    data.result = ReadSingleResult(arguments.result);
   if (!arguments.walk.empty()) data.walk = ReadColmapModel(arguments.walk);
   if (!arguments.features.empty()) ReadUsersFeatures(arguments, &data);
   return data;
@@ -225,6 +238,8 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
       ->add_option("--images", arguments->num_images,
                    "number of images (default: the experiment's own)")
       ->check(CLI::Range(1, 10000));
+  command->add_option("--result", arguments->result,
+                      "folder that the user's own calibrate wrote");
   command->add_option(
       "--features", arguments->features,
       "the user's own features.csv, instead of simulated ones; of "

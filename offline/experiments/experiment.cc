@@ -53,7 +53,12 @@ const std::vector<Experiment>& Experiments() {
        "cameras of two halves of the images, beside their stated deviations",
        MeasureRepeatability,
        40,
-       {"--features"}}};
+       {"--features"}},
+      {"residual-budget",
+       "what residuals are made of: noise, lens, board, views",
+       SplitResiduals,
+       100,
+       {"--result", "--features", "--camera"}}};
   return experiments;
 }
 

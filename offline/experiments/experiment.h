@@ -18,6 +18,7 @@
 #include "camera/camera_uncertainty.h"
 #include "dataset/dataset.h"
 #include "dataset/image_files.h"
+#include "evaluation/calibration_result.h"
 #include "experiments/chart.h"
 #include "experiments/colmap_model.h"
 
@@ -45,6 +46,7 @@ struct ExperimentData {
   Pattern pattern;                                      ///< of the features
   std::vector<std::string> hold_out;  ///< images not to calibrate with
   std::vector<NamedCamera> cameras;
+  std::optional<CalibrationResult> result;  ///< with budget facts, if known
   std::optional<ColmapModel> walk;
   std::vector<NamedStereo> rigs;
   std::vector<std::string> images;  ///< paths
@@ -137,6 +139,10 @@ ExperimentResult MeasureTrajectoryDrift(const ExperimentOptions& options);
 /// How well a camera calibrated from half of the images repeats that of the
 /// other half, beside what their stated deviations predict.
 ExperimentResult MeasureRepeatability(const ExperimentOptions& options);
+
+/// Splits a calibration's residuals by cause: of simulated faults, whose cause
+/// is known, or of a user's calibration.
+ExperimentResult SplitResiduals(const ExperimentOptions& options);
 
 }  // namespace raygrid
 

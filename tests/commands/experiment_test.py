@@ -193,6 +193,55 @@ class Experiment(CommandTest):
         refused(1, "7 of them", *7 * ("--camera", fit))
         refused(2, "camera.yaml", "--camera", self.path("refused"))
 
+    def test_residual_budget(self):
+        rows, pictures = self.small("residual-budget", images=100)
+        self.assertEqual(pictures, [])
+        self.assertEqual([row["limited_by"] for row in rows],
+                         ["noise"] + [row["fault"] for row in rows[1:]])
+        self.assertEqual(len(rows), 7)
+        self.assertAlmostEqual(float(rows[0]["noise_px"]), 0.05, delta=0.0025)
+
+    def test_residual_budget_of_a_calibration(self):
+        self.assert_done(run("simulate", "--images", 12, "--pattern", "chessboard:14x10:30mm",
+                             "--noise-px", 0.02, "--board-flex-mm", 0.5, "-o", self.path("bent")))
+        pattern = self.path("bent/pattern.yaml")
+        features = self.path("bent/features.csv")
+        size = ("--image-size", "640x480")
+        self.assert_done(run("calibrate", "--features", features, "--pattern", pattern, *size,
+                             "--cell-px", 160, "--rigid-board", "--skip-comparison",
+                             "-o", self.path("result")))
+        budget = json.loads(read(self.path("result/result.json")))["residual_budget"]
+        self.assertEqual(budget["limited_by"], "bends")
+        self.assertIn("--rigid-board", budget["to_do"])
+        report = read(self.path("result/report.html")).decode()
+        self.assertIn("What limits this calibration", report)
+        rows, _ = self.small("residual-budget", "--result", self.path("result"))
+        parts = {row["cause"]: float(row["part_percent"]) for row in rows}
+        self.assertGreater(parts["bends"], 40)
+        self.assertAlmostEqual(sum(parts.values()), 100, delta=0.1)
+        bends = [cause for cause in budget["causes"] if cause["cause"] == "bends"][0]
+        self.assertAlmostEqual(100 * bends["part"], parts["bends"], delta=0.5)
+        # The true camera, which localises the images.
+        rows, _ = self.small("residual-budget", "--features", features, "--pattern", pattern,
+                             *size, "--camera", self.path("bent/true_camera.yaml"))
+        parts = {row["cause"]: float(row["part_percent"]) for row in rows}
+        self.assertGreater(parts["bends"], 40)
+
+    def test_residual_budget_says_what_it_needs(self):
+        def fails(code, words, *options):
+            result = run("experiment", "residual-budget", "-o", self.path("none"), *options)
+            self.assert_refused(result, code, words)
+        fails(2, "result.json: missing", "--result", self.path("nothing"))
+        self.assert_done(run("simulate", "--images", 2, "-o", self.path("few")))
+        few = ("--features", self.path("few/features.csv"), "--image-size", "640x480",
+               "--pattern", self.path("few/pattern.yaml"))
+        fails(1, "one --camera", *few)
+        # Two views do not tell what features of one place share.
+        camera = ("--camera", self.path("few/true_camera.yaml"))
+        rows, _ = self.small("residual-budget", *few, *camera)
+        remarks = {row["cause"]: row["remark"] for row in rows}
+        self.assertEqual(remarks["image place"], "cannot be told: 2 views; 8 are needed")
+
     def colmap_model(self, folder, camera, size=(640, 480)):
         """A walk past points on both sides, as structure from motion would have it."""
         rng = random.Random(5)

@@ -1,0 +1,200 @@
+#include "evaluation/residual_budget.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "calibration/budget_input.h"
+#include "dataset/error.h"
+#include "evaluation/budget_verdict.h"
+#include "experiments/experiment.h"
+#include "simulation/faulty_observations.h"
+#include "simulation/simulated_lenses.h"
+
+namespace raygrid {
+namespace {
+
+double InPercent(double part) { return std::round(1e4 * part) / 100; }
+
+void AddVerdict(const ResidualBudget& budget, const std::string& prefix,
+                ExperimentResult* table) {
+  const BudgetVerdict verdict = JudgeBudget(budget);
+  table->conditions.push_back({prefix + "limited by", verdict.sentence});
+  table->conditions.push_back({prefix + "to do", verdict.advice});
+}
+
+// ---- A user's calibration ---------------------------------------------------
+
+void AddPart(const std::string& name, double part, ExperimentResult* table) {
+  table->rows.push_back({name, InPercent(part), std::string("-"),
+                         std::string("-"), std::string("")});
+}
+
+void AddCauseRow(ErrorCause cause, const CauseShare& share,
+                 ExperimentResult* table) {
+  if (!share.can_be_told) {
+    table->rows.push_back({std::string(NameOf(cause)), 0.0, std::string("-"),
+                           std::string("-"),
+                           "cannot be told: " + share.untold});
+    return;
+  }
+  table->rows.push_back(
+      {std::string(NameOf(cause)), InPercent(share.in_turn),
+       fmt::format("{:.2f}", 100 * share.alone),
+       fmt::format("{:.2f}", 100 * share.chance_high),
+       std::string(share.is_alike   ? "as well as the largest"
+                   : share.IsTold() ? "told"
+                                    : "as chance or others")});
+}
+
+Chart ChartOfBudget(const ResidualBudget& budget) {
+  Chart chart;
+  chart.title = "What the residuals are made of";
+  chart.note =
+      fmt::format("{} features in {} views, RMS {:.4f} px in an axis",
+                  budget.num_features, budget.num_views, budget.rms_px);
+  chart.x_label = "cause";
+  chart.y_label = "part of the squared residuals, %";
+  ChartSeries parts = {"part", {}, false}, alone = {"alone", {}, false},
+              chance = {"chance, at most", {}, false};
+  const auto tick = [&chart](const std::string& name) {
+    chart.ticks.push_back({static_cast<double>(chart.ticks.size()), name});
+    return chart.ticks.back().x;
+  };
+  const auto percent = [](double part) { return 100 * std::max(part, 0.0); };
+  parts.points.push_back({tick("noise"), percent(budget.noise)});
+  parts.points.push_back({tick("large errors"), percent(budget.large)});
+  for (int k = 0; k < kNumErrorCauses; ++k) {
+    const auto cause = static_cast<ErrorCause>(k);
+    const CauseShare& share = budget.Of(cause);
+    const double x = tick(NameOf(cause));
+    if (!share.can_be_told) continue;
+    parts.points.push_back({x, percent(share.in_turn)});
+    alone.points.push_back({x, percent(share.alone)});
+    chance.points.push_back({x, percent(share.chance_high)});
+  }
+  parts.points.push_back({tick("rest"), percent(budget.rest)});
+  chart.series = {alone, chance, parts};  // the last over the others
+  return chart;
+}
+
+BudgetInput InputOfUser(const ExperimentData& data, int num_threads) {
+  if (data.result && (data.features || !data.cameras.empty()))
+    throw Error(ExitCode::kUsage,
+                "residual-budget: --result has features and a camera of its "
+                "own; leave out --features and --camera");
+  if (data.result) {
+    if (!data.result->budget)
+      throw InputError(
+          "--result: interrupted, or of another version of raygrid; calibrate "
+          "to the end, with this one");
+    return BudgetInputOf(*data.result, data.result->budget->facts);
+  }
+  if (!data.features || data.cameras.size() != 1)
+    throw Error(ExitCode::kUsage,
+                "residual-budget: give the folder of one --result, or "
+                "--features, --pattern, --image-size and one --camera");
+  const CameraModel& camera = *data.cameras.front().model;
+  if (camera.image_size() != data.features->image_size)
+    throw InputError(data.cameras.front().name +
+                     ": is for images of another size than --image-size");
+  return BudgetInputOf(camera, *data.features, data.pattern, num_threads);
+}
+
+ExperimentResult BudgetOfUser(const ExperimentOptions& options) {
+  const BudgetInput input = InputOfUser(options.data, options.num_threads);
+  const ResidualBudget budget = MeasureResidualBudget(input);
+  if (!budget.untold.empty())
+    throw Error(ExitCode::kTooFew,
+                "residual-budget: it cannot be told: " + budget.untold);
+  ExperimentResult table;
+  table.conditions = {
+      {"residuals",
+       fmt::format("{} features in {} views, {} x {} px", budget.num_features,
+                   budget.num_views, input.image_size.width,
+                   input.image_size.height)},
+      {"rms", fmt::format("{:.4f} px in an axis", budget.rms_px)},
+      {"noise", fmt::format("{:.4f} px in x, {:.4f} px in y",
+                            budget.noise_px.x(), budget.noise_px.y())}};
+  AddVerdict(budget, "", &table);
+  table.columns = {"cause", "part_percent", "alone_percent",
+                   "chance_high_percent", "remark"};
+  AddPart("noise", budget.noise, &table);
+  AddPart("large errors", budget.large, &table);
+  for (int k = 0; k < kNumErrorCauses; ++k)
+    AddCauseRow(static_cast<ErrorCause>(k),
+                budget.Of(static_cast<ErrorCause>(k)), &table);
+  if (budget.OfViews() > 0)
+    table.rows.push_back({std::string("column time"), 0.0,
+                          fmt::format("{:.2f}", 100 * budget.column_time),
+                          std::string("-"), std::string("no camera has it")});
+  AddPart("rest", budget.rest, &table);
+  table.chart = ChartOfBudget(budget);
+  return table;
+}
+
+// ---- Simulated faults -------------------------------------------------------
+
+ExperimentResult BudgetsOfFaults(const ExperimentOptions& options) {
+  constexpr char kLens[] = "example";
+  const auto camera = SimulatedLens(kLens, options.size);
+  const Pattern pattern = ChessboardPattern(17, 11, 0.024);
+  SimulationOptions simulation;
+  simulation.num_images = options.num_images;
+  simulation.features_per_image = 120;
+  simulation.seed = options.seed + 1;
+  ExperimentResult table;
+  table.conditions = {
+      {"features",
+       fmt::format("simulated, {} images of {} x {} px", options.num_images,
+                   options.size.width, options.size.height)},
+      {"lens", kLens},
+      {"camera", "the true one, which localises each image"},
+      {"noise", fmt::format("{:g} px in an axis", simulation.noise_px)},
+      {"seed", std::to_string(options.seed)}};
+  table.columns = {"fault", "limited_by", "rms_px", "noise_px", "noise"};
+  table.chart.title = "Simulated faults, and what their residuals tell";
+  table.chart.note = "a fault a place; each series is a cause";
+  table.chart.x_label = "fault";
+  table.chart.y_label = "part of the squared residuals, %";
+  for (int k = 0; k < kNumErrorCauses; ++k) {
+    const char* name = NameOf(static_cast<ErrorCause>(k));
+    table.columns.push_back(name);
+    table.chart.series.push_back({name, {}, false});
+  }
+  table.columns.push_back("large errors");
+  table.columns.push_back("rest");
+  for (int f = 0; f < kNumFaults; ++f) {
+    const auto fault = static_cast<SimulatedFault>(f);
+    const Dataset seen =
+        SimulateFaultyObservations(*camera, pattern, simulation, fault);
+    const ResidualBudget budget = MeasureResidualBudget(
+        BudgetInputOf(*camera, seen, pattern, options.num_threads));
+    std::vector<Cell> row = {std::string(NameOf(fault)),
+                             JudgeBudget(budget).limit, budget.rms_px,
+                             budget.noise_px.mean(), InPercent(budget.noise)};
+    table.chart.ticks.push_back({double(f), NameOf(fault)});
+    for (int k = 0; k < kNumErrorCauses; ++k) {
+      const double part = budget.Of(static_cast<ErrorCause>(k)).in_turn;
+      row.push_back(InPercent(part));
+      table.chart.series[k].points.push_back({double(f), 100 * part});
+    }
+    row.push_back(InPercent(budget.large));
+    row.push_back(InPercent(budget.rest));
+    table.rows.push_back(std::move(row));
+    if (options.progress) options.progress((f + 1.0) / kNumFaults);
+  }
+  return table;
+}
+
+}  // namespace
+
+ExperimentResult SplitResiduals(const ExperimentOptions& options) {
+  const ExperimentData& data = options.data;
+  if (data.result || data.features || !data.cameras.empty())
+    return BudgetOfUser(options);
+  return BudgetsOfFaults(options);
+}
+
+}  // namespace raygrid
