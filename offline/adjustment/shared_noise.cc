@@ -23,8 +23,9 @@ Eigen::Matrix2Xd PlacesOf(const ViewJacobian& view,
   for (int i = 0; i < view.count(); ++i)
     places.col(i) = points[view.points[i]].head<2>();
   if (view.count() < 2) return places;
+  constexpr int kEnough = 100;  // features, evenly chosen, tell the spacing
   std::vector<double> nearest2;
-  for (int i = 0; i < view.count(); ++i) {
+  for (int i = 0; i < view.count(); i += 1 + view.count() / kEnough) {
     double least = std::numeric_limits<double>::infinity();
     for (int k = 0; k < view.count(); ++k)
       if (k != i)
@@ -355,6 +356,8 @@ ObservationNoise MeasureNoise(const LinearResponse& response,
   Told observed = tell(ErrorsOf(response));
   observed.products -= variance * prior->products;
   observed.influence -= variance * prior->influence;
+  // Exact features leave nothing but that.
+  if (!(observed.products[0] > 0)) return white;
 
   std::vector<NoiseFit> fits;
   for (const double length : kLengths) {

@@ -2,7 +2,9 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "calibration/calibration.h"
 #include "dataset/error.h"

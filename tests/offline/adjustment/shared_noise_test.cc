@@ -94,6 +94,13 @@ TEST(MeasureNoise, FindsNoSharedPartInWhiteNoise) {
   EXPECT_LT(noise.SharedPx(), 0.25 * kOwnPx);
 }
 
+TEST(MeasureNoise, IsWhiteWhereFeaturesAreExact) {
+  const ExactViews exact;
+  const ObservationNoise noise = exact.NoiseOf(exact.problem, kOwnPx);
+  EXPECT_EQ(noise.own_px, kOwnPx);
+  EXPECT_TRUE(noise.shared.empty());
+}
+
 // A typical standard deviation of what is seen, by noise.
 double TypicalPx(const ExactViews& exact, const ObservationNoise& noise) {
   double sum = 0, count = 0;
