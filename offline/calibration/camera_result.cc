@@ -346,6 +346,8 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
   result->training = TrainingResiduals(pattern, adjusted, camera, num_threads);
   result->camera.training = ComputeErrorFigures(result->training);
   result->camera.uncertainty = UncertaintyOf(adjusted, camera, num_threads);
+  if (result->camera.uncertainty)
+    result->feature_noise = result->camera.uncertainty->noise;
   if (image_circle && result->camera.uncertainty)
     DistrustBeyond(*image_circle, &result->camera.uncertainty->mask);
   result->rejected_features = adjusted.rejected_features[camera];

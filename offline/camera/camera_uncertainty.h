@@ -75,6 +75,11 @@ struct FeatureNoise {
   double shared_px = 0;  ///< of what neighbours of a view share
   /// How many features away it is alike: by exp(-1/2).
   double shared_features = 0;
+
+  /// Whether the shared part is worth a word.
+  bool IsShared() const {
+    return shared_px >= 0.1 * own_px && shared_px >= 5e-5;
+  }
 };
 
 /// How well a camera is known: by the calibration's noise where it can be

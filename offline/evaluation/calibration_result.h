@@ -98,6 +98,7 @@ struct CalibrationResult {
   /// The correlation between neighbours of the held-out residuals, or else of
   /// the training ones.
   std::optional<double> neighbor_correlation;
+  FeatureNoise feature_noise;
   std::optional<LineSpread> line_spread;  ///< of a camera that is not central
   FoldOver fold_over;
   /// The causes of the training residuals; none of an interrupted calibration.

@@ -74,12 +74,13 @@ void AddTrustRows(const CalibrationResult& result, std::vector<HtmlRow>* rows) {
                                 100 * known->TrustedPart(camera.image_size(),
                                                          camera.area()),
                                 known->max_deviation_px)});
-    rows->push_back(
-        {"noise of features",
-         fmt::format("{:.4f} px each for itself, {:.4f} px shared over {:.1f} "
-                     "features",
-                     known->noise.own_px, known->noise.shared_px,
-                     known->noise.shared_features)});
+    const FeatureNoise& noise = result.feature_noise;
+    if (noise.IsShared())
+      rows->push_back(
+          {"noise of features",
+           fmt::format("{:.4f} px each for itself, {:.4f} px that neighbours "
+                       "share over {:.1f} features",
+                       noise.own_px, noise.shared_px, noise.shared_features)});
   }
   if (const auto& circle = camera.image_circle())
     rows->push_back(

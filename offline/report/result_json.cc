@@ -146,9 +146,9 @@ void AddCamera(const CalibrationResult& result, Json* json) {
         {"max_trusted_px", known->max_deviation_px},
         {"trusted_part", known->TrustedPart(camera.image_size(), area)},
         {"feature_noise",
-         {{"own_px", known->noise.own_px},
-          {"shared_px", known->noise.shared_px},
-          {"shared_features", known->noise.shared_features}}}};
+         {{"own_px", result.feature_noise.own_px},
+          {"shared_px", result.feature_noise.shared_px},
+          {"shared_features", result.feature_noise.shared_features}}}};
   if (const auto& circle = camera.image_circle())
     (*json)["image_circle"] = {
         {"center_px", {circle->center.x(), circle->center.y()}},
@@ -350,6 +350,13 @@ void ParseMore(const Json& json, CalibrationResult* result) {
       result->parametric_models.push_back(ParseModel(other));
   if (json.contains("residual_budget"))
     result->budget = ParseBudget(json.at("residual_budget"));
+  if (json.contains("uncertainty") &&
+      json.at("uncertainty").contains("feature_noise")) {
+    const Json& noise = json.at("uncertainty").at("feature_noise");
+    result->feature_noise = {noise.at("own_px").get<double>(),
+                             noise.at("shared_px").get<double>(),
+                             noise.at("shared_features").get<double>()};
+  }
   if (json.contains("line_spread")) {
     LineSpread& spread = result->line_spread.emplace();
     spread.rms_m = json.at("line_spread").at("rms_m").get<double>();

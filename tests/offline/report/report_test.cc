@@ -228,10 +228,15 @@ std::string ReportOf(const std::string& folder) {
 TEST(ResultFolder, HoldsAllThatTheReportSays) {
   const TemporaryFolder folder;
   const std::string out = folder / "out";
-  WriteResultTo(out, PlainResult());
+  CalibrationResult result = PlainResult();
+  result.camera.uncertainty = CameraUncertainty{
+      {2, 2, {0.1, 0.2, 0.3, 0.4}}, TrustMask::Over({640, 480}), 0.05, {}, {}};
+  result.feature_noise = {0.0612, 0.0734, 4.5};
+  WriteResultTo(out, result);
   const std::string html = ReportOf(out);
   for (const char* part :
-       {"Verdict: warn", "only 2 images", "12345 bytes", "40.0 (chosen)",
+       {"0.0612 px each for itself, 0.0734 px that neighbours share over 4.5",
+        "Verdict: warn", "only 2 images", "12345 bytes", "40.0 (chosen)",
         "central-radial", "pure noise", "(3, 4): 5.00 px off", "front"})
     EXPECT_TRUE(Has(html, part)) << part;
   EXPECT_EQ(ReportOf(out), html);
