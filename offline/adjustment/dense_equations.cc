@@ -311,9 +311,14 @@ int NumDenseUnknowns(const ParameterLayout& layout) {
                   layout.size);
 }
 
-bool DenseIsFaster(const ParameterLayout& layout) {
-  constexpr int kMaxDense = 600;
-  return !layout.has_cameras() || NumDenseUnknowns(layout) <= kMaxDense;
+bool DenseIsFaster(const ParameterLayout& layout, double large_operations) {
+  constexpr double kSmall = 600;  // so few are always solved fast
+  if (!layout.has_cameras()) return true;
+  const double kept = NumDenseUnknowns(layout);
+  const double eliminated =
+      layout.size + layout.per_pose * layout.num_poses - kept;
+  return kept <= kSmall ||
+         kept * kept * (eliminated + kept / 3) < large_operations;
 }
 
 }  // namespace raygrid

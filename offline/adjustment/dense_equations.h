@@ -65,8 +65,9 @@ class DenseEquations : public NormalEquations {
 /// Unknowns of the dense system.
 int NumDenseUnknowns(const ParameterLayout& layout);
 
-/// Whether a problem of this size is solved faster than by LargeEquations.
-bool DenseIsFaster(const ParameterLayout& layout);
+/// Whether a problem of this size is solved faster than by LargeEquations,
+/// whose last solution took so many operations; 0 if there was none.
+bool DenseIsFaster(const ParameterLayout& layout, double large_operations);
 
 }  // namespace raygrid
 

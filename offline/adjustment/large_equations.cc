@@ -419,7 +419,7 @@ bool LargeEquations::ConjugateGradients(const System& system,
     direction = z + next / product * direction;
     product = next;
   }
-  if (!is_started) memory_->last_iterations = iterations;
+  if (!is_started) memory_->last_iterations_ = iterations;
   return x->allFinite();
 }
 
@@ -429,7 +429,7 @@ bool LargeEquations::SolveSystem(const System& system,
   Memory& memory = *memory_;
   const bool is_new =
       !memory.preconditioner ||
-      memory.last_iterations > 2 * memory.iterations_when_new + kMaxWorse;
+      memory.last_iterations_ > 2 * memory.iterations_when_new + kMaxWorse;
   if (is_new) {
     memory.preconditioner = std::make_unique<Preconditioner>();
     if (!MakePreconditioner(system, memory.preconditioner.get())) {
@@ -441,7 +441,7 @@ bool LargeEquations::SolveSystem(const System& system,
   const bool is_solved = ConjugateGradients(system, right, x);
   if (is_new)
     memory.iterations_when_new =
-        is_started ? kMaxWorse : memory.last_iterations;
+        is_started ? kMaxWorse : memory.last_iterations_;
   return is_solved;
 }
 

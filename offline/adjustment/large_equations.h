@@ -119,11 +119,15 @@ class LargeEquations : public NormalEquations {
 
 /// The memory of equations: all that later ones can use of them.
 class LargeEquations::Memory {
+ public:
+  /// Iterations of conjugate gradients in the last solution from nothing.
+  int last_iterations() const { return last_iterations_; }
+
  private:
   friend class LargeEquations;
   Eigen::VectorXd diagonal;  // of H without the prior
   std::unique_ptr<Preconditioner> preconditioner;
-  int iterations_when_new = 0, last_iterations = 0;
+  int iterations_when_new = 0, last_iterations_ = 0;
   Eigen::MatrixXd last_solution;  // of SolveFor()
 };
 

@@ -58,6 +58,17 @@ void AddCameraPrior(const CameraPrior& prior, int first,
       std::sqrt(prior.orientation_weight) * g;
 }
 
+// How many operations conjugate gradients last took, in units of those of
+// products of matrices, which are faster.
+double NumOperations(const std::vector<ViewJacobian>& jacobians,
+                     const LargeEquations::Memory& memory) {
+  constexpr double kPerObservation = 2000;
+  int num_observations = 0;
+  for (const ViewJacobian& jacobian : jacobians)
+    num_observations += jacobian.count();
+  return kPerObservation * num_observations * memory.last_iterations();
+}
+
 }  // namespace
 
 ParameterLayout::ParameterLayout(const AdjustmentState& state,
@@ -145,13 +156,14 @@ std::unique_ptr<NormalEquations> EquationsBuilder::Build(
   const PriorEquations prior_equations(prior, state, layout);
   std::vector<ViewJacobian> jacobians =
       WeightedJacobians(state, views_, huber_px_, num_threads_);
-  if (DenseIsFaster(layout))
+  if (!memory_) memory_ = std::make_shared<LargeEquations::Memory>();
+  const auto memory = std::static_pointer_cast<LargeEquations::Memory>(memory_);
+  if (DenseIsFaster(layout, NumOperations(jacobians, *memory)))
     return std::make_unique<DenseEquations>(layout, jacobians, prior_equations,
                                             num_threads_);
-  if (!memory_) memory_ = std::make_shared<LargeEquations::Memory>();
-  return std::make_unique<LargeEquations>(
-      layout, std::move(jacobians), prior_equations, state.points, kTolerance,
-      num_threads_, std::static_pointer_cast<LargeEquations::Memory>(memory_));
+  return std::make_unique<LargeEquations>(layout, std::move(jacobians),
+                                          prior_equations, state.points,
+                                          kTolerance, num_threads_, memory);
 }
 
 }  // namespace raygrid
