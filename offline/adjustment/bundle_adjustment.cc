@@ -426,6 +426,7 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
                                          AdjustmentState* state) {
   constexpr int kMaxRounds = 30;
   constexpr double kStableCost = 1e-4;
+  constexpr double kGoodEnoughToStart = 0.1;  // decrease of the cost
   const double square_metres_per_pixel =
       SquaredMetresPerPixel(*state, views, options);
   // A first guess: residuals, second differences and points all scatter alike.
@@ -511,7 +512,9 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
                         variance / std::pow(state->modes.MaxDeviationM(), 2),
                         &prior->flex_weights[k]));
     if (change < kStableChange && decrease < kStableCost) break;
+    if (options.is_start && decrease < kGoodEnoughToStart) break;
   }
+  if (options.is_start) fixed.max_iterations = 0;
   AdjustmentSummary summary =
       Adjust(views, *prior, fixed, lambda, &builder, state);
   if (!fixed.fix_points) MoveMeanBends(views, prior, state);

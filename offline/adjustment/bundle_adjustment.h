@@ -25,6 +25,9 @@ struct AdjustmentOptions {
   /// standard deviations that the noise gives them.
   double standstill = 0.01;
   int num_threads = 0;
+  /// The result is no more than a start: it ends once steps are small beside
+  /// those that the next adjustment takes.
+  bool is_start = false;
   /// Asked between iterations; the best state so far stays.
   std::function<bool()> should_stop;
   /// Told each iteration and its cost; iterations start anew when a stage of

@@ -23,21 +23,6 @@ AdjustmentOptions WithFixedPoints(AdjustmentOptions options) {
   return options;
 }
 
-// First with fixed points, a small problem from a rough start; then, if they
-// may move, with all of them, from a good start.
-AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
-                                   const AdjustmentOptions& options,
-                                   GaussianPrior* prior,
-                                   AdjustmentState* state) {
-  prior->points_mean = problem.nominal;
-  state->SetModes({});
-  AdjustmentSummary summary = AdjustWithLearnedPrior(
-      problem.views, WithFixedPoints(options), prior, state);
-  if (!options.fix_points)
-    summary = AdjustWithLearnedPrior(problem.views, options, prior, state);
-  return summary;
-}
-
 using Lenses = std::vector<std::unique_ptr<CameraModel>>;
 
 Lenses CopyCameras(const AdjustmentState& state) {
@@ -50,6 +35,24 @@ bool AreParametric(const Lenses& lenses) {
   return std::all_of(lenses.begin(), lenses.end(), [](const auto& lens) {
     return IsParametricModel(lens->Name());
   });
+}
+
+// First with fixed points, a small problem from a rough start; then, if they
+// may move, with all of them, from a good start. Grids would follow what is
+// wrong with fixed points: for them this start ends early. Lenses can not, and
+// need it good.
+AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
+                                   const AdjustmentOptions& options,
+                                   GaussianPrior* prior,
+                                   AdjustmentState* state) {
+  prior->points_mean = problem.nominal;
+  state->SetModes({});
+  AdjustmentOptions first = WithFixedPoints(options);
+  first.is_start = !options.fix_points && !AreParametric(CopyCameras(*state));
+  const AdjustmentSummary summary =
+      AdjustWithLearnedPrior(problem.views, first, prior, state);
+  if (options.fix_points) return summary;
+  return AdjustWithLearnedPrior(problem.views, options, prior, state);
 }
 
 // The cameras that an adjustment starts from, or that grids lie around, and the
