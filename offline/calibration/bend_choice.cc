@@ -14,8 +14,7 @@ void ChooseBends(const Pattern& pattern, const CalibrationOptions& options,
   if (options.rigid_board || options.flat_board ||
       IsParametricModel(options.model))
     return;
-  const std::vector<Split> cameras = {camera->split};
-  const int num_folds = NumFoldsToTry(cameras);
+  Folds& folds = camera->folds;
   const double cell_px = camera->result.cell_px;
   std::vector<Trial>& trials = camera->checkpoint.trials;
   ValidationOptions validation = ValidationOptionsOf(options);
@@ -23,8 +22,9 @@ void ChooseBends(const Pattern& pattern, const CalibrationOptions& options,
   double flexed[2] = {}, alone[2] = {};
   for (const bool rigid : {true, false}) {
     validation.rigid_boards = rigid;
-    CrossValidate(cameras, pattern, validation, {{cell_px}}, &trials);
-    const HeldOut held_out = JoinFolds(trials, num_folds, {cell_px}, rigid);
+    validation.keep_rigid = rigid;
+    CrossValidate(pattern, validation, {{cell_px}}, &folds, &trials);
+    const HeldOut held_out = JoinFolds(trials, folds.count(), {cell_px}, rigid);
     if (held_out.flexed.empty()) return;
     flexed[rigid] = Summarize(cell_px, held_out.flexed.front()).loss;
     alone[rigid] = Summarize(cell_px, held_out.alone.front()).loss;

@@ -230,8 +230,11 @@ void Calibration::ChooseGrids() {
   const Stopwatch stopwatch(&result_.seconds["cross_validation"]);
   ForEachCamera({"cross-validation", 0.1, 0.6},
                 [&](CameraInProgress* camera, const auto& report) {
+                  camera->folds = MakeFolds({camera->split});
                   ChooseGrid(pattern_, options_, report, camera);
                   ChooseBends(pattern_, options_, camera);
+                  for (Folds::Fold& fold : camera->folds.folds)
+                    fold.rigid.clear();
                 });
 }
 
@@ -342,8 +345,11 @@ void Calibration::EvaluateHeldOutImages() {
     Report("cross-validation", 0.7 + 0.15 * done);
   };
   if (!IsRig()) validation.on_done = [&first] { first.Keep(); };
+  Folds folds_of_rig;
+  if (IsRig()) folds_of_rig = MakeFolds(Splits());
   HeldOut held_out =
       EvaluateHeldOut(adjusted_, pattern_, Splits(), validation, CellsPx(),
+                      IsRig() ? &folds_of_rig : &first.folds,
                       IsRig() ? &of_rig : &first.checkpoint.trials);
   result_.held_out = std::move(held_out.together);
   result_.cross_validated = options_.hold_out.empty();
@@ -366,6 +372,7 @@ void Calibration::LookForTwoCameras() {
   if (IsRig() || options_.ShouldStop()) return;
   const Stopwatch stopwatch(&result_.seconds["two_cameras"]);
   CameraInProgress& camera = cameras_.front();
+  if (IsOneCamera(camera.result)) return;
   camera.result.two_cameras =
       FindTwoCameras(camera.split.training, pattern_, camera.lens,
                      StoppableAdjustment(options_));

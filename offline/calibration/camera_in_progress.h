@@ -13,6 +13,7 @@ struct CameraInProgress {
   Dataset dataset;           ///< as given, without images of the same view
   Split split;               ///< features as measured last
   Adjusted lens;             ///< parametric, by its own training images
+  Folds folds;               ///< of its training images
   bool boards_bend = false;  ///< from image to image
   Checkpoint checkpoint;     ///< what is done so far
   CalibrationResult result;  ///< what is known so far

@@ -409,4 +409,13 @@ bool NeighborsErrAlike(const CalibrationResult& result) {
                   ComputeErrorFigures(residuals));
 }
 
+bool IsOneCamera(const CalibrationResult& result) {
+  const auto err_alike = [](const std::vector<FeatureResidual>& residuals) {
+    return ErrAlike(NeighborCorrelation(residuals).value_or(0),
+                    ComputeErrorFigures(residuals));
+  };
+  return !result.held_out.empty() && !result.training.empty() &&
+         !err_alike(result.held_out) && !err_alike(result.training);
+}
+
 }  // namespace raygrid

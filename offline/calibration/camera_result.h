@@ -33,6 +33,10 @@ void JudgeResult(int num_threads, CalibrationResult* result);
 /// will say it.
 bool NeighborsErrAlike(const CalibrationResult& result);
 
+/// Whether neighbours err alike neither in images that the camera is adjusted
+/// to nor in those held out: no camera fits the images of two.
+bool IsOneCamera(const CalibrationResult& result);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_CALIBRATION_CAMERA_RESULT_H

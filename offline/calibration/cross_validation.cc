@@ -12,6 +12,7 @@
 #include "calibration/rig_start.h"
 #include "calibration/same_views.h"
 #include "calibration/starting_lens.h"
+#include "camera/model_fitting.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 
@@ -68,20 +69,6 @@ std::vector<std::vector<std::string>> Views(const std::vector<Split>& cameras) {
   return views;
 }
 
-// The training images of each camera, split anew for each fold.
-std::vector<std::vector<Split>> MakeFolds(const std::vector<Split>& cameras) {
-  const auto views = Views(cameras);
-  std::vector<std::vector<Split>> folds(NumFoldsToTry(cameras));
-  for (size_t fold = 0; fold < folds.size(); ++fold) {
-    std::vector<std::string> test;
-    for (size_t i = fold; i < views.size(); i += kFolds)
-      test.insert(test.end(), views[i].begin(), views[i].end());
-    for (const Split& camera : cameras)
-      folds[fold].push_back(SplitImages(camera.camera, camera.training, test));
-  }
-  return folds;
-}
-
 std::vector<Trial> MissingTrials(
     int num_folds, const std::vector<std::vector<double>>& candidates,
     bool rigid_boards, bool has_bodies, const std::vector<Trial>& done) {
@@ -93,9 +80,9 @@ std::vector<Trial> MissingTrials(
   return missing;
 }
 
-Adjusted StartFold(const std::vector<Split>& cameras, const Pattern& pattern,
-                   const Bodies& bodies, AreaChoice area,
-                   const AdjustmentOptions& options) {
+Adjusted StartCameras(const std::vector<Split>& cameras, const Pattern& pattern,
+                      const Bodies& bodies, AreaChoice area,
+                      const AdjustmentOptions& options) {
   std::vector<std::string> names;
   std::vector<Adjusted> lenses;
   for (const Split& camera : cameras) {
@@ -118,6 +105,59 @@ void UnlessRigFallsApart(size_t num_cameras, const Work& work) {
                             error.code() != ExitCode::kInitialization))
       throw;
   }
+}
+
+// The options of each of some adjustments that share the threads.
+AdjustmentOptions AdjustmentOptionsFor(int num_adjustments,
+                                       const ValidationOptions& options) {
+  AdjustmentOptions adjustment;
+  adjustment.num_threads = std::max(
+      1, NumThreads(options.num_threads) / std::max(1, num_adjustments));
+  adjustment.fix_points = options.flat_board;
+  return adjustment;
+}
+
+// Starts the folds that trials are to be made in.
+void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
+                const ValidationOptions& options, Folds* folds) {
+  const bool is_grid = !IsParametricModel(options.model);
+  std::vector<Folds::Fold*> needed;
+  for (int k = 0; k < folds->count(); ++k) {
+    Folds::Fold& fold = folds->folds[k];
+    if (std::any_of(trials.begin(), trials.end(),
+                    [k](const Trial& trial) { return trial.fold == k; }) &&
+        !(is_grid ? fold.lenses : fold.start))
+      needed.push_back(&fold);
+  }
+  const int count = static_cast<int>(needed.size());
+  const AdjustmentOptions adjustment = AdjustmentOptionsFor(count, options);
+  ParallelFor(count, NumThreads(options.num_threads), [&](int i) {
+    Folds::Fold& fold = *needed[i];
+    if (options.should_stop && options.should_stop()) return;
+    UnlessRigFallsApart(fold.cameras.size(), [&] {
+      if (!fold.start)
+        fold.start = StartCameras(fold.cameras, pattern, options.bodies,
+                                  options.area, adjustment);
+      if (!is_grid) return;
+      Adjusted lenses = *fold.start;
+      PutLensesAroundGrids(adjustment, &lenses);
+      fold.lenses = std::move(lenses);
+    });
+  });
+}
+
+// The cameras of a fold; nothing if they could not be started.
+std::optional<Adjusted> RigidlyAdjusted(const Folds::Fold& fold,
+                                        const Pattern& pattern,
+                                        const std::string& model,
+                                        const std::vector<double>& cells_px,
+                                        const AdjustmentOptions& options) {
+  const bool is_grid = !IsParametricModel(model);
+  for (const auto& [cells, kept] : fold.rigid)
+    if (is_grid && cells == cells_px) return kept;
+  std::optional<Adjusted> adjusted = is_grid ? fold.lenses : fold.start;
+  if (adjusted) AdjustRigidly(pattern, model, cells_px, options, &*adjusted);
+  return adjusted;
 }
 
 // Tests adjusted cameras with their test images.
@@ -159,80 +199,88 @@ Split SplitImages(const std::string& camera, const Dataset& dataset,
   return split;
 }
 
-int NumFoldsToTry(const std::vector<Split>& cameras) {
-  const size_t num_views = Views(cameras).size();
-  if (num_views < 2 * kFolds) return 0;
-  return num_views <= 40 ? kFolds : 1;
+Folds MakeFolds(const std::vector<Split>& cameras) {
+  constexpr size_t kManyViews = 40;
+  const auto views = Views(cameras);
+  Folds folds;
+  if (views.size() < 2 * kFolds) return folds;
+  folds.folds.resize(views.size() <= kManyViews ? kFolds : 1);
+  for (size_t fold = 0; fold < folds.folds.size(); ++fold) {
+    std::vector<std::string> test;
+    for (size_t i = fold; i < views.size(); i += kFolds)
+      test.insert(test.end(), views[i].begin(), views[i].end());
+    for (const Split& camera : cameras)
+      folds.folds[fold].cameras.push_back(
+          SplitImages(camera.camera, camera.training, test));
+  }
+  return folds;
 }
 
-void CrossValidate(const std::vector<Split>& cameras, const Pattern& pattern,
-                   const ValidationOptions& options,
+void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
                    const std::vector<std::vector<double>>& candidates,
-                   std::vector<Trial>* done) {
-  const std::vector<std::vector<Split>> folds = MakeFolds(cameras);
-  const int num_folds = static_cast<int>(folds.size());
-  const int num_threads = NumThreads(options.num_threads);
-  AdjustmentOptions serial;
-  serial.num_threads = 1;
-  serial.fix_points = options.flat_board;
+                   Folds* folds, std::vector<Trial>* done) {
   const auto should_stop = [&options] {
     return options.should_stop && options.should_stop();
   };
-
   std::vector<Trial> missing =
-      MissingTrials(num_folds, candidates, options.rigid_boards,
+      MissingTrials(folds->count(), candidates, options.rigid_boards,
                     !options.bodies.empty(), *done);
-  std::vector<std::optional<Adjusted>> starts(num_folds);
-  ParallelFor(num_folds, num_threads, [&](int fold) {
-    const bool is_needed =
-        std::any_of(missing.begin(), missing.end(),
-                    [fold](const Trial& trial) { return trial.fold == fold; });
-    if (!is_needed || should_stop()) return;
-    UnlessRigFallsApart(cameras.size(), [&] {
-      starts[fold] =
-          StartFold(folds[fold], pattern, options.bodies, options.area, serial);
-    });
-  });
+  StartFolds(missing, pattern, options, folds);
 
-  serial.should_stop = options.should_stop;
-  serial.rigid_boards = options.rigid_boards;
+  const int num_trials = static_cast<int>(missing.size());
+  const int num_threads = NumThreads(options.num_threads);
+  AdjustmentOptions adjustment = AdjustmentOptionsFor(num_trials, options);
+  adjustment.should_stop = options.should_stop;
+  adjustment.rigid_boards = options.rigid_boards;
+  std::vector<std::optional<Adjusted>> rigid(missing.size());
   int num_done = 0;
   std::mutex mutex;
-  ParallelFor(static_cast<int>(missing.size()), num_threads, [&](int i) {
+  ParallelFor(num_trials, num_threads, [&](int i) {
     Trial& trial = missing[i];
+    const Folds::Fold& fold = folds->folds[trial.fold];
     if (should_stop()) return;
-    UnlessRigFallsApart(cameras.size(), [&] {
-      if (!starts[trial.fold]) return;
-      Adjusted adjusted = *starts[trial.fold];
-      AdjustModel(pattern, options.model, trial.cells_px, serial, &adjusted);
-      AlignBoards(pattern, &adjusted);
+    UnlessRigFallsApart(fold.cameras.size(), [&] {
+      auto adjusted = RigidlyAdjusted(fold, pattern, options.model,
+                                      trial.cells_px, adjustment);
+      if (!adjusted) return;
+      if (options.rigid_boards)
+        rigid[i] = *adjusted;
+      else if (!IsParametricModel(options.model))
+        LetBoardsBend(pattern, adjustment, &*adjusted);
+      FinishCameras(&*adjusted);
+      AlignBoards(pattern, &*adjusted);
       if (!should_stop())
-        trial.held_out = TestCameras(adjusted, pattern, folds[trial.fold],
-                                     options.bodies, 1);
+        trial.held_out = TestCameras(*adjusted, pattern, fold.cameras,
+                                     options.bodies, adjustment.num_threads);
     });
     if (should_stop()) return;
     const std::lock_guard<std::mutex> lock(mutex);
-    done->push_back(std::move(trial));
+    done->push_back(trial);
     if (options.on_done) options.on_done();
     if (options.progress)
       options.progress(static_cast<double>(++num_done) /
                        static_cast<double>(missing.size()));
   });
+  if (should_stop() || !options.keep_rigid) return;
+  for (size_t i = 0; i < missing.size(); ++i)
+    if (rigid[i])
+      folds->folds[missing[i].fold].rigid.emplace_back(missing[i].cells_px,
+                                                       std::move(*rigid[i]));
 }
 
 HeldOut EvaluateHeldOut(const Adjusted& adjusted, const Pattern& pattern,
                         const std::vector<Split>& cameras,
                         const ValidationOptions& options,
-                        const std::vector<double>& cells_px,
+                        const std::vector<double>& cells_px, Folds* folds,
                         std::vector<Trial>* done) {
   if (std::any_of(cameras.begin(), cameras.end(), [](const Split& camera) {
         return !camera.test.images.empty();
       }))
     return TestCameras(adjusted, pattern, cameras, options.bodies,
                        options.num_threads);
-  CrossValidate(cameras, pattern, options, {cells_px}, done);
-  return JoinFolds(*done, NumFoldsToTry(cameras), cells_px,
-                   options.rigid_boards, !options.bodies.empty());
+  CrossValidate(pattern, options, {cells_px}, folds, done);
+  return JoinFolds(*done, folds->count(), cells_px, options.rigid_boards,
+                   !options.bodies.empty());
 }
 
 HeldOut JoinFolds(const std::vector<Trial>& done, int num_folds,

@@ -2,7 +2,9 @@
 #define RAYGRID_CALIBRATION_CROSS_VALIDATION_H
 
 #include <functional>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "calibration/bodies.h"
@@ -23,15 +25,32 @@ Split SplitImages(const std::string& camera, const Dataset& dataset,
 /// The part of the images that each camera is calibrated with.
 constexpr double kCrossValidatingPart = 0.75;
 
-/// The number of folds to try, of four: none for few images, one for many,
-/// which take long and need no more.
-int NumFoldsToTry(const std::vector<Split>& cameras);
+/// The folds of a cross-validation, of the training images of one camera or of
+/// a rig: four, one for many images, which take long and need no more, or none
+/// for few.
+struct Folds {
+  /// One of them, and what trials in it have in common: found once, kept for
+  /// those to come.
+  struct Fold {
+    std::vector<Split> cameras;
+    std::optional<Adjusted> start;   ///< with starting lenses
+    std::optional<Adjusted> lenses;  ///< those that grids lie around
+    std::vector<std::pair<std::vector<double>, Adjusted>> rigid;  ///< by cells
+  };
+  std::vector<Fold> folds;
+
+  int count() const { return static_cast<int>(folds.size()); }
+};
+Folds MakeFolds(const std::vector<Split>& cameras);
 
 struct ValidationOptions {
   std::string model;
   AreaChoice area = AreaChoice::kWholeImage;
   bool flat_board = false;
   bool rigid_boards = true;  ///< in calibrating
+  /// Whether to keep what is adjusted with rigid boards, for trials of the same
+  /// model with boards that bend.
+  bool keep_rigid = false;
   Bodies bodies;
   int num_threads = 0;
   std::function<void(double)> progress;
@@ -43,18 +62,18 @@ struct ValidationOptions {
 /// Candidates, the cells of each camera, in every fold of the training images,
 /// in parallel: the images whose turn it is are localised with cameras
 /// calibrated without them. Leaves out what is in *done already, and adds to
-/// it; some is missing after a stop.
-void CrossValidate(const std::vector<Split>& cameras, const Pattern& pattern,
-                   const ValidationOptions& options,
+/// it; some is missing after a stop. Only the model and whether boards are
+/// rigid may change between calls with one *folds.
+void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
                    const std::vector<std::vector<double>>& candidates,
-                   std::vector<Trial>* done);
+                   Folds* folds, std::vector<Trial>* done);
 
 /// Tests adjusted cameras with their test images or, where no camera has any,
 /// cells by cross-validation, with what is done of it.
 HeldOut EvaluateHeldOut(const Adjusted& adjusted, const Pattern& pattern,
                         const std::vector<Split>& cameras,
                         const ValidationOptions& options,
-                        const std::vector<double>& cells_px,
+                        const std::vector<double>& cells_px, Folds* folds,
                         std::vector<Trial>* done);
 
 /// The residuals over all folds of one candidate; nothing if a fold is missing.

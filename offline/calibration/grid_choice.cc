@@ -78,17 +78,17 @@ void ChooseGrid(const Pattern& pattern, const CalibrationOptions& options,
   const std::vector<double> cells =
       CellCandidates(camera->split.training, options.model);
   result.cell_px = cells.front();
-  const std::vector<Split> cameras = {camera->split};
-  const int num_folds = NumFoldsToTry(cameras);
+  const int num_folds = camera->folds.count();
   if (num_folds == 0) return;
 
   std::vector<Trial>& trials = camera->checkpoint.trials;
   ValidationOptions validation = ValidationOptionsOf(options);
+  validation.keep_rigid = true;
   validation.progress = progress;
   validation.on_done = [camera] { camera->Keep(); };
   std::vector<std::vector<double>> each;
   for (const double cell_px : cells) each.push_back({cell_px});
-  CrossValidate(cameras, pattern, validation, each, &trials);
+  CrossValidate(pattern, validation, each, &camera->folds, &trials);
   std::vector<CellCandidate> candidates;
   for (const double cell_px : cells) {
     const HeldOut held_out = JoinFolds(trials, num_folds, {cell_px}, true);

@@ -39,7 +39,7 @@ bool AreParametric(const Lenses& lenses) {
 
 // First with fixed points, a small problem from a rough start; then, if they
 // may move, with all of them, from a good start. Grids would follow what is
-// wrong with fixed points: for them this start ends early. Lenses can not, and
+// wrong with fixed points: for them this start ends early. Lenses cannot, and
 // need it good.
 AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
                                    const AdjustmentOptions& options,
@@ -136,27 +136,6 @@ double MedianErrorPx(const std::vector<Residual>& residuals) {
   return Quantile(norms, 0.5);
 }
 
-// The lenses that grids lie around, and go on as where nothing is seen. Their
-// model is the one whose errors beyond the features were smallest
-// (offline/calibration/DESIGN.md), unless it leaves far more than the starting
-// lenses do: then these.
-Lenses LensesAroundGrids(const CalibrationProblem& problem,
-                         const Lenses& lenses, const AdjustmentOptions& options,
-                         GaussianPrior* prior, AdjustmentState* state) {
-  constexpr double kFarMore = 2;
-  AdjustmentState before = *state;
-  for (size_t c = 0; c < lenses.size(); ++c)
-    before.cameras[c] = lenses[c]->Clone();
-  const double before_px = MedianErrorPx(
-      ComputeResiduals(before, problem.views, options.num_threads));
-  const AdjustmentSummary summary =
-      AdjustLenses("thin-prism-fisheye", problem, lenses,
-                   WithFixedPoints(options), prior, state);
-  if (!(MedianErrorPx(summary.residuals) <= kFarMore * before_px))
-    *state = before;
-  return CopyCameras(*state);
-}
-
 CentralGeneric AsGrid(const CalibrationProblem& problem, size_t camera,
                       const Starts& starts) {
   const Area area = CalibratedArea(problem, static_cast<int>(camera));
@@ -229,12 +208,9 @@ AdjustmentSummary Adjust(const std::string& model,
                          GaussianPrior* prior, AdjustmentState* state) {
   if (IsParametricModel(model))
     return AdjustLenses(model, problem, starts.lenses, options, prior, state);
-  const Lenses lenses =
-      LensesAroundGrids(problem, starts.lenses, options, prior, state);
-  const Starts around = {lenses, starts.cells_px};
   if (model == "noncentral-generic")
-    return AdjustLines(problem, around, options, prior, state);
-  return AdjustGrids(problem, around, options, prior, state);
+    return AdjustLines(problem, starts, options, prior, state);
+  return AdjustGrids(problem, starts, options, prior, state);
 }
 
 // The frame of a camera whose lines do not meet has its origin at the point
@@ -309,6 +285,11 @@ std::vector<Area> CalibratedAreas(const CalibrationProblem& problem) {
 
 enum class Removed { kNone, kSome, kPartOfArea };
 
+void AdjustAgain(const AdjustmentOptions& options, Adjusted* adjusted) {
+  adjusted->summary = AdjustWithLearnedPrior(
+      adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
+}
+
 // Residuals beyond the thresholds leave the problem, for good. The area is that
 // of the grids, which its features may span.
 Removed RemoveOutliers(const Pattern& pattern, Adjusted* adjusted) {
@@ -335,41 +316,67 @@ AdjustmentSummary AdjustCameras(const CalibrationProblem& problem,
   return AdjustLenses(problem, options, &prior, state);
 }
 
-void AdjustModel(const Pattern& pattern, const std::string& model,
-                 const std::vector<double>& cells_px,
-                 const AdjustmentOptions& options, Adjusted* adjusted) {
-  const Lenses lenses = CopyCameras(adjusted->state);
+void PutLensesAroundGrids(const AdjustmentOptions& options,
+                          Adjusted* adjusted) {
+  constexpr double kFarMore = 2;
+  const CalibrationProblem& problem = adjusted->problem;
+  const AdjustmentState before = adjusted->state;
+  const double before_px = MedianErrorPx(
+      ComputeResiduals(before, problem.views, options.num_threads));
+  const AdjustmentSummary summary = AdjustLenses(
+      "thin-prism-fisheye", problem, CopyCameras(before),
+      WithFixedPoints(options), &adjusted->prior, &adjusted->state);
+  if (!(MedianErrorPx(summary.residuals) <= kFarMore * before_px))
+    adjusted->state = before;
+}
+
+void AdjustRigidly(const Pattern& pattern, const std::string& model,
+                   const std::vector<double>& cells_px,
+                   const AdjustmentOptions& options, Adjusted* adjusted) {
+  Lenses lenses = CopyCameras(adjusted->state);
   const AdjustmentState start = adjusted->state;
   const auto adjust = [&] {
     adjusted->summary = Adjust(model, adjusted->problem, {lenses, cells_px},
                                options, &adjusted->prior, &adjusted->state);
   };
-  const auto adjust_again = [&] {
-    adjusted->summary = AdjustWithLearnedPrior(
-        adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
-  };
-  // Boards are rigid until outliers are gone, or bends would follow them.
   adjust();
   switch (RemoveOutliers(pattern, adjusted)) {
     case Removed::kNone:
       break;
     case Removed::kSome:
-      adjust_again();
+      AdjustAgain(options, adjusted);
       break;
     case Removed::kPartOfArea:
       // Starts without an axis may have been turned (SetLens()).
       if (!AreParametric(lenses)) adjusted->state = start;
+      if (!IsParametricModel(model)) {
+        for (size_t c = 0; c < lenses.size(); ++c)
+          adjusted->state.cameras[c] = lenses[c]->Clone();
+        PutLensesAroundGrids(options, adjusted);
+        lenses = CopyCameras(adjusted->state);
+      }
       adjust();
       break;
   }
-  // With few parameters, bends would take on what these cannot follow of the
-  // lens.
-  if (!options.rigid_boards && !IsParametricModel(model)) {
-    adjusted->state.SetModes(ModesOf(adjusted->problem));
-    adjusted->prior.flex_weights = {};
-    adjust_again();
-    if (RemoveOutliers(pattern, adjusted) == Removed::kSome) adjust_again();
-  }
+}
+
+void LetBoardsBend(const Pattern& pattern, const AdjustmentOptions& options,
+                   Adjusted* adjusted) {
+  adjusted->state.SetModes(ModesOf(adjusted->problem));
+  adjusted->prior.flex_weights = {};
+  AdjustAgain(options, adjusted);
+  if (RemoveOutliers(pattern, adjusted) == Removed::kSome)
+    AdjustAgain(options, adjusted);
+}
+
+void AdjustModel(const Pattern& pattern, const std::string& model,
+                 const std::vector<double>& cells_px,
+                 const AdjustmentOptions& options, Adjusted* adjusted) {
+  const bool is_grid = !IsParametricModel(model);
+  if (is_grid) PutLensesAroundGrids(options, adjusted);
+  AdjustRigidly(pattern, model, cells_px, options, adjusted);
+  if (is_grid && !options.rigid_boards)
+    LetBoardsBend(pattern, options, adjusted);
   FinishCameras(adjusted);
 }
 

@@ -25,8 +25,27 @@ AdjustmentSummary AdjustCameras(const CalibrationProblem& problem,
                                 const AdjustmentOptions& options,
                                 AdjustmentState* state);
 
-/// Goes on to the model asked for: adjusted, outliers removed, once more. Cells
-/// for each camera.
+/// Goes on from starting lenses to those that grids lie around, and go on as
+/// where nothing is seen. Their model is the one whose errors beyond the
+/// features were smallest (offline/calibration/DESIGN.md), unless it leaves far
+/// more than the starting lenses do: then these.
+void PutLensesAroundGrids(const AdjustmentOptions& options, Adjusted* adjusted);
+
+/// Goes on to the model asked for, with boards that are rigid: adjusted,
+/// outliers removed, once more. Grids start from the lenses that they lie
+/// around. Cells for each camera.
+void AdjustRigidly(const Pattern& pattern, const std::string& model,
+                   const std::vector<double>& cells_px,
+                   const AdjustmentOptions& options, Adjusted* adjusted);
+
+/// Goes on to boards that bend, once outliers are gone: bends would follow
+/// them. With few parameters, as parametric models have, bends would take on
+/// what these cannot follow of the lens.
+void LetBoardsBend(const Pattern& pattern, const AdjustmentOptions& options,
+                   Adjusted* adjusted);
+
+/// All steps from starting lenses to the model asked for, with the options'
+/// boards, as far as FinishCameras(). Cells for each camera.
 void AdjustModel(const Pattern& pattern, const std::string& model,
                  const std::vector<double>& cells_px,
                  const AdjustmentOptions& options, Adjusted* adjusted);

@@ -1,36 +1,67 @@
 #include "calibration/parametric_comparison.h"
 
 #include <algorithm>
+#include <array>
 
 #include "calibration/camera_result.h"
 #include "calibration/grid_choice.h"
 #include "dataset/error.h"
+#include "dataset/parallel_for.h"
 
 namespace raygrid {
 namespace {
 
-ModelFigures Measure(const CameraInProgress& camera, const Pattern& pattern,
-                     const CalibrationOptions& options,
-                     const std::string& model, double cell_px) {
+struct Candidate {
+  std::string model;
+  double cell_px = 0;  // of grids
+};
+
+// A model that is measured in two parts, at one time.
+struct Measurement {
+  Candidate candidate;
+  ModelFigures figures;  // of all training images
+  HeldOut held_out;
+  // Parts that came to an end: a fisheye may be beyond what a model can say.
+  std::array<bool, 2> is_done = {};
+};
+
+void MeasureTraining(const CameraInProgress& camera, const Pattern& pattern,
+                     const ValidationOptions& validation,
+                     const AdjustmentOptions& options,
+                     Measurement* measurement) {
+  const std::vector<double> cells_px = {measurement->candidate.cell_px};
   Adjusted adjusted = camera.lens;
-  AdjustmentOptions adjustment = StoppableAdjustment(options);
-  adjustment.rigid_boards = !camera.boards_bend;
-  AdjustModel(pattern, model, {cell_px}, adjustment, &adjusted);
+  AdjustModel(pattern, validation.model, cells_px, options, &adjusted);
   AlignBoards(pattern, &adjusted);
-  CalibrationResult result;
-  FillResult(pattern, adjusted, 0, camera.input->image_circle,
-             options.num_threads, &result);
-  ModelFigures figures;
-  figures.model = model;
-  figures.num_parameters = result.num_parameters;
-  figures.training = *result.camera.training;
-  figures.bias_kl = result.bias_kl;
-  ValidationOptions validation = ValidationOptionsOf(options);
-  validation.model = model;
-  validation.rigid_boards = adjustment.rigid_boards;
+  const std::vector<FeatureResidual> training =
+      TrainingResiduals(pattern, adjusted, 0, options.num_threads);
+  const CameraModel& model = adjusted.state.camera();
+  // Images to test with are given, or there are folds.
+  if (!camera.split.test.images.empty())
+    measurement->held_out =
+        EvaluateHeldOut(adjusted, pattern, {camera.split}, validation, cells_px,
+                        nullptr, nullptr);
+  ModelFigures& figures = measurement->figures;
+  figures.model = validation.model;
+  figures.num_parameters = model.NumParameters();
+  figures.training = ComputeErrorFigures(training);
+  figures.bias_kl = ComputeBias(training, model.area());
+}
+
+void MeasureHeldOut(const CameraInProgress& camera, const Pattern& pattern,
+                    const ValidationOptions& validation, Folds* folds,
+                    Measurement* measurement) {
+  if (!camera.split.test.images.empty()) return;
+  const std::vector<double> cells_px = {measurement->candidate.cell_px};
   std::vector<Trial> trials;
-  HeldOut held_out = EvaluateHeldOut(adjusted, pattern, {camera.split},
-                                     validation, {cell_px}, &trials);
+  CrossValidate(pattern, validation, {cells_px}, folds, &trials);
+  measurement->held_out =
+      JoinFolds(trials, folds->count(), cells_px, validation.rigid_boards);
+}
+
+ModelFigures FiguresIn(Measurement measurement) {
+  ModelFigures figures = std::move(measurement.figures);
+  HeldOut& held_out = measurement.held_out;
   if (held_out.alone.empty() || held_out.alone.front().empty()) return figures;
   if (!held_out.flexed.front().empty())
     figures.held_out_flexed = ComputeErrorFigures(held_out.flexed.front());
@@ -39,22 +70,52 @@ ModelFigures Measure(const CameraInProgress& camera, const Pattern& pattern,
   return figures;
 }
 
+std::vector<ModelFigures> Measure(const std::vector<Candidate>& candidates,
+                                  const CameraInProgress& camera,
+                                  const Pattern& pattern,
+                                  const CalibrationOptions& options) {
+  std::vector<Measurement> measurements;
+  for (const Candidate& candidate : candidates)
+    measurements.push_back({candidate, {}, {}, {}});
+  const int num_threads = NumThreads(options.num_threads);
+  const int num_parts = 2 * static_cast<int>(candidates.size());
+  AdjustmentOptions adjustment = StoppableAdjustment(options);
+  adjustment.rigid_boards = !camera.boards_bend;
+  adjustment.num_threads = std::max(1, num_threads / num_parts);
+  ParallelFor(num_parts, num_threads, [&](int part) {
+    Measurement& measurement = measurements[part / 2];
+    ValidationOptions validation = ValidationOptionsOf(options);
+    validation.model = measurement.candidate.model;
+    validation.rigid_boards = adjustment.rigid_boards;
+    validation.num_threads = adjustment.num_threads;
+    try {
+      if (part % 2 == 0) {
+        MeasureTraining(camera, pattern, validation, adjustment, &measurement);
+      } else {
+        Folds folds = camera.folds;  // which other models start, too
+        MeasureHeldOut(camera, pattern, validation, &folds, &measurement);
+      }
+      measurement.is_done[part % 2] = true;
+    } catch (const Error&) {
+    }
+  });
+  std::vector<ModelFigures> figures;
+  if (options.ShouldStop()) return figures;
+  for (Measurement& measurement : measurements)
+    if (measurement.is_done[0] && measurement.is_done[1])
+      figures.push_back(FiguresIn(std::move(measurement)));
+  return figures;
+}
+
 }  // namespace
 
 std::vector<ModelFigures> CompareParametricModels(
     const CameraInProgress& camera, const Pattern& pattern,
     const CalibrationOptions& options) {
-  std::vector<ModelFigures> models;
-  for (const char* model : {"opencv", "thin-prism-fisheye", "central-radial"}) {
-    if (model == options.model || options.ShouldStop()) continue;
-    try {
-      ModelFigures figures = Measure(camera, pattern, options, model, 0);
-      if (!options.ShouldStop()) models.push_back(std::move(figures));
-    } catch (const Error&) {
-      // A fisheye may be beyond what a model can say.
-    }
-  }
-  return models;
+  std::vector<Candidate> candidates;
+  for (const char* model : {"opencv", "thin-prism-fisheye", "central-radial"})
+    if (model != options.model) candidates.push_back({model});
+  return Measure(candidates, camera, pattern, options);
 }
 
 std::optional<ModelFigures> TryAnotherGrid(const CameraInProgress& camera,
@@ -68,11 +129,10 @@ std::optional<ModelFigures> TryAnotherGrid(const CameraInProgress& camera,
   double cell_px = camera.result.cell_px;
   if (cell_px <= 0) cell_px = MediumCellPx(training, model);
   cell_px = std::max(cell_px, CellCandidates(training, model).back());
-  try {
-    return Measure(camera, pattern, options, model, cell_px);
-  } catch (const Error&) {
-    return std::nullopt;
-  }
+  const std::vector<ModelFigures> figures =
+      Measure({{model, cell_px}}, camera, pattern, options);
+  if (figures.empty()) return std::nullopt;
+  return figures.front();
 }
 
 }  // namespace raygrid
