@@ -44,8 +44,9 @@ struct Pair {
   int first, second, distance;
 };
 
+constexpr int kMaxFeatures = 250;  // of a view; others are left out
+
 std::vector<Pair> PairsOf(const Eigen::Matrix2Xd& places) {
-  constexpr int kMaxFeatures = 250;  // of a view; others are left out
   const int count = static_cast<int>(places.cols());
   const int step = (count + kMaxFeatures - 1) / kMaxFeatures;
   std::vector<Pair> pairs;
@@ -64,10 +65,15 @@ class PairProducts {
  public:
   PairProducts(const LinearResponse& response,
                const std::vector<Eigen::Vector3d>& points, int camera) {
+    for (const ViewJacobian& view : response.jacobians())
+      num_views_ += view.camera == camera;
+    // Enough for the products' means, of views evenly chosen.
+    constexpr int kMaxViews = 60;
+    const int step = (num_views_ + kMaxViews - 1) / kMaxViews;
+    int index = 0;
     for (const ViewJacobian& view : response.jacobians()) {
       pairs_.emplace_back();
-      if (view.camera != camera) continue;
-      ++num_views_;
+      if (view.camera != camera || index++ % step != 0) continue;
       pairs_.back() = PairsOf(PlacesOf(view, points));
       for (const Pair& pair : pairs_.back()) ++counts_[pair.distance];
     }
@@ -149,10 +155,9 @@ ViewErrors ErrorsOf(const LinearResponse& response) {
 // The sums of drawn errors and gradients, less what adjustment takes up of
 // them, in the mean; nothing if it cannot be solved for.
 template <typename Tell, typename DrawErrors, typename DrawGradient>
-std::optional<Told> ToldBy(const LinearResponse& response, const Tell& tell,
-                           const DrawErrors& draw_errors,
+std::optional<Told> ToldBy(const LinearResponse& response, int num_draws,
+                           const Tell& tell, const DrawErrors& draw_errors,
                            const DrawGradient& draw_gradient) {
-  const int num_draws = response.IsExact() ? 16 : 8;
   std::vector<ViewErrors> drawn;
   Eigen::MatrixXd right(response.layout().num_all(), num_draws), x;
   for (int k = 0; k < num_draws; ++k) {
@@ -339,8 +344,11 @@ ObservationNoise MeasureNoise(const LinearResponse& response,
   const auto tell = [&](const ViewErrors& errors) {
     return Told{products.Of(errors), influences.Of(errors)};
   };
+  // A draw of many views is a mean over them.
+  const int num_draws =
+      std::clamp(1000 / products.num_views(), 2, response.IsExact() ? 16 : 8);
   const auto told_by = [&](const auto& draw_errors, const auto& draw_gradient) {
-    return ToldBy(response, tell, draw_errors, draw_gradient);
+    return ToldBy(response, num_draws, tell, draw_errors, draw_gradient);
   };
   const auto no_errors = [&] { return NoErrors(response); };
   const auto no_gradient = [&]() -> Eigen::VectorXd {
