@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "dataset/text_encoding.h"
+#include "evaluation/budget_verdict.h"
 #include "report/result_json.h"
 
 namespace raygrid {
@@ -64,6 +65,15 @@ void PrintImageCircle(const CameraModel& camera) {
       circle->radii_px.x(), circle->center.x(), circle->center.y());
 }
 
+// One line, as the report has it: its limit, and the one thing to do.
+void PrintLimit(const CalibrationResult& result) {
+  if (!result.budget) return;
+  const BudgetVerdict verdict = JudgeBudget(*result.budget);
+  if (verdict.IsTold())
+    fmt::print("  limited by {}: {}; to do: {}\n", verdict.limit,
+               verdict.sentence, verdict.advice);
+}
+
 void PrintSingleCamera(const CalibrationResult& result) {
   fmt::print("{}: ", result.camera.camera->Name());
   PrintSize(result);
@@ -81,6 +91,7 @@ void PrintSingleCamera(const CalibrationResult& result) {
   if (result.camera.uncertainty)
     PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
   PrintImageCircle(*result.camera.camera);
+  PrintLimit(result);
   if (result.line_spread)
     fmt::print(
         "  lines pass the point nearest to all by {:.3f} mm (RMS), {:.3f} mm "
@@ -100,6 +111,7 @@ void PrintRig(const RigResult& result) {
     fmt::print("{}: {}, ", camera.camera.name, camera.camera.camera->Name());
     PrintSize(camera);
     PrintErrors(camera);
+    PrintLimit(camera);
   }
   fmt::print("rig\n");
   PrintFigures("training", TrainingFigures(result));

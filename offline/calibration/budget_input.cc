@@ -9,7 +9,6 @@
 #include "adjustment/reprojection_error.h"
 #include "calibration/calibration_problem.h"
 #include "calibration/camera_evaluation.h"
-#include "camera/model_fitting.h"
 
 namespace raygrid {
 namespace {
@@ -109,14 +108,15 @@ BudgetInput BudgetInputOf(const CalibrationResult& result,
 BudgetFacts FactsOf(const CalibrationResult& result,
                     const CalibrationOptions& options) {
   BudgetFacts facts;
-  facts.is_grid = !IsParametricModel(options.model);
+  facts.model = options.model;
   facts.cell_px = result.cell_px;
+  facts.cells_chosen = result.cell_candidates.size() > 1;
   facts.tried_finer = std::any_of(
       result.cell_candidates.begin(), result.cell_candidates.end(),
       [&](const auto& tried) { return tried.cell_px < result.cell_px; });
   facts.points_free = !options.flat_board;
   facts.bends_tried =
-      facts.is_grid && !options.flat_board && !options.rigid_board;
+      facts.IsGrid() && !options.flat_board && !options.rigid_board;
   return facts;
 }
 
@@ -133,7 +133,10 @@ BudgetInput BudgetInputOf(const CameraModel& camera, const Dataset& dataset,
         *localized[v];
     AddResiduals(camera, *localized[v], pattern, problem, v, &evaluation);
   }
-  return JoinResiduals(camera, pattern, poses, evaluation.residuals);
+  BudgetInput input =
+      JoinResiduals(camera, pattern, poses, evaluation.residuals);
+  input.facts.model = camera.Name();
+  return input;
 }
 
 }  // namespace raygrid

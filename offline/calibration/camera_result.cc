@@ -219,23 +219,24 @@ bool PredictsBetter(const ModelFigures& other,
 
 void AddWhatWasTried(const CalibrationResult& result,
                      CalibrationFigures* figures) {
+  BudgetFacts& tried = figures->tried;
+  if (result.budget) tried = result.budget->facts;
+  tried.model = result.camera.camera->Name();
+  tried.two_cameras = result.two_cameras.has_value();
   constexpr double kBetterPart = 0.99;
   double best_px = result.camera.held_out
                        ? kBetterPart * result.camera.held_out->median_px
                        : 0;
   for (const ModelFigures& other : result.parametric_models) {
-    figures->noncentral_was_tried |= other.model == "noncentral-generic";
-    figures->generic_was_tried |= other.model == "central-generic";
+    tried.noncentral_tried |= other.model == "noncentral-generic";
+    tried.generic_tried |= other.model == "central-generic";
     if (!other.held_out || other.held_out->median_px >= best_px ||
         !PredictsBetter(other, result))
       continue;
     best_px = other.held_out->median_px;
     figures->better_model = {other.model, best_px};
+    tried.better_model = other.model;
   }
-  const auto& cells = result.cell_candidates;
-  figures->cells_were_chosen = cells.size() > 1;
-  if (figures->cells_were_chosen && cells.back().cell_px == result.cell_px)
-    figures->finer_cells_px = result.cell_px / 2;
 }
 
 // Pixels' width by their height, in radians, in the middle of the area.
@@ -270,7 +271,6 @@ void AddSameViews(const CalibrationResult& result,
 CalibrationFigures FiguresOf(const CalibrationResult& result,
                              const std::set<std::string>& images_apart) {
   CalibrationFigures figures;
-  figures.model = result.camera.camera->Name();
   figures.converged = result.converged;
   figures.interrupted = result.checkpoint.has_value();
   figures.image_size = result.camera.camera->image_size();
@@ -399,7 +399,12 @@ void JudgeResult(int num_threads, CalibrationResult* result) {
         result->camera, WithoutImages(result->held_out, apart),
         result->cross_validated ? kCrossValidatingPart : 1, result->pattern,
         num_threads);
-  result->verdict = JudgeCalibration(FiguresOf(*result, apart));
+  CalibrationFigures figures = FiguresOf(*result, apart);
+  if (result->budget) {
+    result->budget->facts = figures.tried;
+    figures.limit = JudgeBudget(*result->budget);
+  }
+  result->verdict = JudgeCalibration(figures);
 }
 
 bool NeighborsErrAlike(const CalibrationResult& result) {

@@ -12,8 +12,19 @@ namespace {
 
 constexpr double kWorthwhile = 0.1;  // part of the squared residuals
 
+std::string BetterModelAdvice(const BudgetFacts& facts) {
+  return fmt::format(
+      "calibrate with --model {}, which predicts held-out images better",
+      facts.better_model);
+}
+
 std::string ImagePlaceAdvice(const BudgetFacts& facts) {
-  if (!facts.is_grid) return "calibrate with --model central-generic";
+  if (!facts.better_model.empty()) return BetterModelAdvice(facts);
+  if (!facts.IsGrid() && !facts.generic_tried)
+    return "calibrate with --model central-generic";
+  if (!facts.IsGrid())
+    return "take more images: central-generic was tried, and these are too few "
+           "for it";
   if (facts.tried_finer)
     return "take more images: a finer grid was tried, and these are too few "
            "for it";
@@ -35,7 +46,7 @@ std::string AdviceFor(ErrorCause cause, const BudgetFacts& facts) {
       return "print the board anew, on a better printer, or take more images "
              "of it";
     case ErrorCause::kBend:
-      if (!facts.bends_tried && facts.is_grid)
+      if (!facts.bends_tried && facts.IsGrid())
         return "calibrate without --rigid-board and --flat-board, so that "
                "bends are estimated, too";
       return "glue the pattern onto a stiffer board, of glass or aluminium, "
@@ -150,22 +161,54 @@ BudgetVerdict OfRest(const ResidualBudget& budget) {
           fmt::format("errors that neighbours share, and that none of these "
                       "causes explains ({} % of the squared residuals){}",
                       Percent(budget.rest), UntoldCauses(budget)),
-          "look at the residuals of single images: blur, glare and shadows "
-          "move features together"};
+          AdviceAgainstSharedErrors(budget.facts)};
 }
 
-}  // namespace
-
-BudgetVerdict JudgeBudget(const ResidualBudget& budget) {
-  if (!budget.untold.empty())
-    return {"", "it cannot be told: " + budget.untold,
-            "take more images of the whole board"};
+BudgetVerdict JudgeToldBudget(const ResidualBudget& budget) {
   const std::optional<ErrorCause> cause = LargestCause(budget);
   const double largest = cause ? budget.Of(*cause).in_turn : 0;
   if (budget.large >= kWorthwhile && budget.large > largest)
     return OfLargeErrors(budget);
   if (cause) return OfCause(*cause, budget);
   return budget.noise >= budget.rest ? OfNoise(budget) : OfRest(budget);
+}
+
+}  // namespace
+
+std::string AdviceAgainstSharedErrors(const BudgetFacts& facts) {
+  constexpr char kLook[] =
+      "look for blur, glare, motion and single images that stand out in the "
+      "report";
+  if (!facts.better_model.empty()) return BetterModelAdvice(facts);
+  if (!facts.IsGrid())
+    return facts.generic_tried ? fmt::format(
+                                     "central-generic was tried and is "
+                                     "not shown to be better; {}",
+                                     kLook)
+                               : "try --model central-generic";
+  std::vector<std::string> advice;
+  if (!facts.cells_chosen)
+    advice.emplace_back("try --cell-px auto, which looks for better cells");
+  else if (!facts.tried_finer && facts.cell_px > 0)
+    advice.push_back(
+        fmt::format("try smaller cells, --cell-px {:.0f}", facts.cell_px / 2));
+  if (facts.model == "central-generic" && !facts.noncentral_tried)
+    advice.emplace_back(
+        "try --model noncentral-generic if lines may not meet in a point, as "
+        "behind glass");
+  if (advice.empty())
+    return fmt::format("other grids were tried and are no better; {}", kLook);
+  return fmt::to_string(fmt::join(advice, ", or "));
+}
+
+BudgetVerdict JudgeBudget(const ResidualBudget& budget) {
+  if (!budget.untold.empty())
+    return {"", "it cannot be told: " + budget.untold,
+            "take more images of the whole board"};
+  BudgetVerdict verdict = JudgeToldBudget(budget);
+  if (budget.facts.two_cameras && verdict.limit != "noise")
+    verdict.advice = "calibrate the images of each of the two cameras alone";
+  return verdict;
 }
 
 }  // namespace raygrid

@@ -12,11 +12,19 @@ namespace raygrid {
 /// do.
 struct BudgetVerdict {
   std::string limit, sentence, advice;
+  bool IsTold() const { return !limit.empty(); }
+  bool IsCause() const {
+    return IsTold() && limit != "noise" && limit != "rest";
+  }
 };
 
 /// A cause that explains a tenth of the squared residuals comes before noise:
 /// noise is averaged away by more features, errors that features share are not.
 BudgetVerdict JudgeBudget(const ResidualBudget& budget);
+
+/// The things to do against errors that neighbours share, and of which no cause
+/// is told: nothing that was done already.
+std::string AdviceAgainstSharedErrors(const BudgetFacts& facts);
 
 }  // namespace raygrid
 

@@ -25,11 +25,20 @@ struct BudgetFeature {
 
 /// Steps that a calibration has done: they are not to be advised again.
 struct BudgetFacts {
-  bool is_grid = false;      ///< else the model is parametric
-  double cell_px = 0;        ///< of a grid
-  bool tried_finer = false;  ///< a finer grid predicted no better
-  bool points_free = false;  ///< the board's points were estimated
-  bool bends_tried = false;  ///< bends of each view were tried, or adjusted
+  std::string model;
+  double cell_px = 0;         ///< of a grid
+  bool cells_chosen = false;  ///< by held-out error, of several
+  bool tried_finer = false;   ///< a finer grid predicted no better
+  bool points_free = false;   ///< the board's points were estimated
+  bool bends_tried = false;   ///< bends of each view were tried, or adjusted
+  /// Other models that were tried beside this one.
+  bool generic_tried = false, noncentral_tried = false;
+  std::string better_model;  ///< of them, if it predicts held-out images better
+  bool two_cameras = false;  ///< the images look like those of two
+
+  bool IsGrid() const {
+    return model == "central-generic" || model == "noncentral-generic";
+  }
 };
 
 struct BudgetInput {

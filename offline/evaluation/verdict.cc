@@ -1,7 +1,6 @@
 #include "evaluation/verdict.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -202,39 +201,6 @@ void JudgeRejectedImages(const CalibrationFigures& figures, Verdict* verdict) {
          verdict);
 }
 
-bool IsGrid(const CalibrationFigures& figures) {
-  return figures.model == "central-generic" ||
-         figures.model == "noncentral-generic";
-}
-
-// Nothing that was tried already.
-std::string AdviceAgainstSharedErrors(const CalibrationFigures& figures) {
-  std::vector<std::string> advice;
-  if (!IsGrid(figures)) {
-    const bool is_generic_better =
-        figures.better_model &&
-        figures.better_model->model == "central-generic";
-    if (figures.generic_was_tried && !is_generic_better)
-      return "central-generic was tried and is not shown to be better; look "
-             "for blur, motion and single images that stand out in the report";
-    advice.push_back("try --model central-generic");
-  } else {
-    if (figures.finer_cells_px > 0)
-      advice.push_back(fmt::format("try smaller cells, --cell-px {:.0f}",
-                                   figures.finer_cells_px));
-    else if (!figures.cells_were_chosen)
-      advice.push_back("try --cell-px auto, which looks for better cells");
-    if (figures.model == "central-generic" && !figures.noncentral_was_tried)
-      advice.push_back(
-          "try --model noncentral-generic if lines may not meet in a point, as "
-          "behind glass");
-  }
-  if (advice.empty())
-    return "other grids were tried and are no better; look for blur, motion "
-           "and single images that stand out in the report";
-  return fmt::to_string(fmt::join(advice, ", or "));
-}
-
 void JudgeOtherModels(const CalibrationFigures& figures, Verdict* verdict) {
   if (!figures.better_model || !figures.held_out) return;
   Remark(
@@ -246,19 +212,41 @@ void JudgeOtherModels(const CalibrationFigures& figures, Verdict* verdict) {
       verdict);
 }
 
+bool WarnsOfNeighbors(const CalibrationFigures& figures) {
+  return !figures.two_cameras &&
+         ErrAlike(figures.neighbor_correlation.value_or(0),
+                  figures.held_out ? *figures.held_out : figures.training);
+}
+
+// The cause that residuals tell comes before what one could guess.
 void JudgeNeighbors(const CalibrationFigures& figures, Verdict* verdict) {
-  const double correlation = figures.neighbor_correlation.value_or(0);
+  if (!WarnsOfNeighbors(figures)) return;
+  const double correlation = *figures.neighbor_correlation;
   const ErrorFigures& errors =
       figures.held_out ? *figures.held_out : figures.training;
-  if (figures.two_cameras || !ErrAlike(correlation, errors)) return;
-  Warn(fmt::format(
-           "neighbouring features err alike (correlation {:.2f}): "
-           "about {:.2f} px are not noise, but the model's error or "
-           "the detector's{}; {}",
-           correlation, errors.rms_px * std::sqrt(correlation),
-           correlation > kStrangePart ? ", or images of several cameras" : "",
-           AdviceAgainstSharedErrors(figures)),
-       verdict);
+  const std::string found = fmt::format(
+      "neighbouring features err alike (correlation {:.2f}): about {:.2f} px "
+      "are not noise",
+      correlation, errors.rms_px * std::sqrt(correlation));
+  if (figures.limit.IsCause())
+    Warn(fmt::format("{}; {}; {}", found, figures.limit.sentence,
+                     figures.limit.advice),
+         verdict);
+  else
+    Warn(fmt::format(
+             "{}, but the model's error or the detector's{}; {}", found,
+             correlation > kStrangePart ? ", or images of several cameras" : "",
+             AdviceAgainstSharedErrors(figures.tried)),
+         verdict);
+}
+
+// The cause, and what would help, unless the neighbours' warning has it.
+std::string AdviceAgainstError(const CalibrationFigures& figures) {
+  if (!figures.limit.IsTold())
+    return "; sharper images or a flatter board would lower it";
+  if (WarnsOfNeighbors(figures) && figures.limit.limit != "noise")
+    return "; the same would lower it";
+  return fmt::format("; {}; {}", figures.limit.sentence, figures.limit.advice);
 }
 
 void JudgeHeldOutError(const CalibrationFigures& figures, Verdict* verdict) {
@@ -270,9 +258,8 @@ void JudgeHeldOutError(const CalibrationFigures& figures, Verdict* verdict) {
   if (held_out > kUsableMedianPx)
     Fail(fmt::format("the held-out error is {:.2f} px", held_out), verdict);
   else if (held_out > kGoodMedianPx)
-    Warn(fmt::format("the held-out error is {:.2f} px; sharper images or a "
-                     "flatter board would lower it",
-                     held_out),
+    Warn(fmt::format("the held-out error is {:.2f} px{}", held_out,
+                     AdviceAgainstError(figures)),
          verdict);
 }
 

@@ -7,6 +7,7 @@
 
 #include "camera/area.h"
 #include "dataset/camera_file.h"
+#include "evaluation/budget_verdict.h"
 #include "evaluation/fold_over.h"
 
 namespace raygrid {
@@ -24,7 +25,6 @@ struct TwoCameras {
 
 /// The figures that a verdict is formed on.
 struct CalibrationFigures {
-  std::string model;
   bool converged = false, interrupted = false;
   ImageSize image_size;
   Area features_area;  ///< the rectangle of the features
@@ -50,10 +50,8 @@ struct CalibrationFigures {
   /// The model that predicts held-out images best, of those that were tried and
   /// are better.
   std::optional<BetterModel> better_model;
-  bool noncentral_was_tried = false, generic_was_tried = false;
-  bool cells_were_chosen = false;  ///< by held-out error, of several
-  /// Finer than all that were tried, of which the finest was best; 0 otherwise.
-  double finer_cells_px = 0;
+  BudgetFacts tried;    ///< what needs no advice any more
+  BudgetVerdict limit;  ///< by the residuals' causes; may be untold
   std::optional<double> pixel_aspect;  ///< width by height, in the middle
 };
 

@@ -39,18 +39,30 @@ CauseShare ParseShare(const OrderedJson& json) {
 }
 
 OrderedJson FactsJson(const BudgetFacts& facts) {
-  return {{"grid", facts.is_grid},
-          {"cell_px", facts.cell_px},
-          {"tried_finer", facts.tried_finer},
-          {"points_free", facts.points_free},
-          {"bends_tried", facts.bends_tried}};
+  OrderedJson json = {{"model", facts.model},
+                      {"cell_px", facts.cell_px},
+                      {"cells_chosen", facts.cells_chosen},
+                      {"tried_finer", facts.tried_finer},
+                      {"points_free", facts.points_free},
+                      {"bends_tried", facts.bends_tried},
+                      {"central-generic", facts.generic_tried},
+                      {"noncentral-generic", facts.noncentral_tried},
+                      {"two_cameras", facts.two_cameras}};
+  if (!facts.better_model.empty()) json["better_model"] = facts.better_model;
+  return json;
 }
 
 BudgetFacts ParseFacts(const OrderedJson& json) {
-  return {json.at("grid").get<bool>(), json.at("cell_px").get<double>(),
+  return {json.at("model").get<std::string>(),
+          json.at("cell_px").get<double>(),
+          json.at("cells_chosen").get<bool>(),
           json.at("tried_finer").get<bool>(),
           json.at("points_free").get<bool>(),
-          json.at("bends_tried").get<bool>()};
+          json.at("bends_tried").get<bool>(),
+          json.at("central-generic").get<bool>(),
+          json.at("noncentral-generic").get<bool>(),
+          json.value("better_model", ""),
+          json.at("two_cameras").get<bool>()};
 }
 
 }  // namespace

@@ -207,14 +207,23 @@ class Experiment(CommandTest):
         pattern = self.path("bent/pattern.yaml")
         features = self.path("bent/features.csv")
         size = ("--image-size", "640x480")
-        self.assert_done(run("calibrate", "--features", features, "--pattern", pattern, *size,
-                             "--cell-px", 160, "--rigid-board", "--skip-comparison",
-                             "-o", self.path("result")))
-        budget = json.loads(read(self.path("result/result.json")))["residual_budget"]
+        done = run("calibrate", "--features", features, "--pattern", pattern, *size,
+                   "--cell-px", 160, "--rigid-board", "--skip-comparison",
+                   "-o", self.path("result"))
+        self.assert_done(done)
+        result = json.loads(read(self.path("result/result.json")))
+        budget = result["residual_budget"]
         self.assertEqual(budget["limited_by"], "bends")
         self.assertIn("--rigid-board", budget["to_do"])
         report = read(self.path("result/report.html")).decode()
         self.assertIn("What limits this calibration", report)
+        # Terminal, verdict and report say one thing.
+        self.assertIn(f"  limited by bends: {budget['sentence']}; to do: {budget['to_do']}\n",
+                      done.stdout)
+        said = f"{budget['sentence']}; {budget['to_do']}"
+        self.assertTrue(any(said in reason for reason in result["reasons"]), result["reasons"])
+        self.assertFalse([reason for reason in result["reasons"] if "--cell-px" in reason])
+        self.assertEqual(report.count(budget["to_do"]), 2)
         rows, _ = self.small("residual-budget", "--result", self.path("result"))
         parts = {row["cause"]: float(row["part_percent"]) for row in rows}
         self.assertGreater(parts["bends"], 40)

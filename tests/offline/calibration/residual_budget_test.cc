@@ -181,9 +181,13 @@ TEST(JudgeBudget, AdvisesNothingThatWasDone) {
     return text.find(word) != std::string::npos;
   };
   BudgetFacts facts;
-  EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts), "central-generic"));
+  facts.model = "opencv";
+  EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts), "--model central"));
   EXPECT_TRUE(has(advice(ErrorCause::kBoardPlace, facts), "--flat-board"));
-  facts.is_grid = facts.points_free = facts.bends_tried = true;
+  facts.generic_tried = true;
+  EXPECT_FALSE(has(advice(ErrorCause::kImagePlace, facts), "--model"));
+  facts.model = "central-generic";
+  facts.points_free = facts.bends_tried = true;
   facts.cell_px = 80;
   EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts), "--cell-px 40"));
   EXPECT_TRUE(has(advice(ErrorCause::kBoardPlace, facts), "print"));
@@ -191,17 +195,58 @@ TEST(JudgeBudget, AdvisesNothingThatWasDone) {
   facts.tried_finer = true;
   EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts), "more images"));
   EXPECT_FALSE(has(advice(ErrorCause::kImagePlace, facts), "--cell-px"));
+  facts.better_model = "noncentral-generic";
+  EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts),
+                  "--model noncentral-generic, which predicts"));
+  facts.two_cameras = true;
+  EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts), "two cameras"));
 }
 
-TEST(JudgeBudget, NamesNoCauseThatAnotherExplainsAsWell) {
-  ResidualBudget budget = BudgetOf(ErrorCause::kRowTime, {});
-  EXPECT_EQ(JudgeBudget(budget).limit, "row time");
-  budget.causes[static_cast<size_t>(ErrorCause::kRowTime)].is_alike = true;
-  EXPECT_EQ(JudgeBudget(budget).limit, "row time");
-  budget.column_time_is_alike = true;
-  EXPECT_EQ(JudgeBudget(budget).limit, "views");
-  EXPECT_NE(JudgeBudget(budget).sentence.find("row time, column time"),
+// A cause that is not told says of errors that neighbours share what the
+// verdict does.
+TEST(JudgeBudget, AdvisesOfTheRestWhatTheVerdictDoes) {
+  ResidualBudget budget;
+  budget.noise = 0.3;
+  budget.rest = 0.7;
+  budget.facts.model = "central-generic";
+  budget.facts.noncentral_tried = true;
+  EXPECT_EQ(JudgeBudget(budget).limit, "rest");
+  EXPECT_EQ(JudgeBudget(budget).advice,
+            "try --cell-px auto, which looks for better cells");
+  budget.facts.cells_chosen = budget.facts.tried_finer = true;
+  EXPECT_NE(JudgeBudget(budget).advice.find("are no better; look for blur"),
             std::string::npos);
+}
+
+// A webcam's scene: a small board, rows that are taken one after the other
+// while the camera moves. No model helps.
+TEST(JudgeBudget, IsTheVerdictOfACalibration) {
+  SimulationOptions simulation;
+  simulation.num_images = 30;
+  simulation.features_per_image = 36;
+  simulation.noise_px = 0.1;
+  const Pattern pattern = ChessboardPattern(6, 6, 0.0254);
+  CalibrationOptions options;
+  options.cell_px = 320;
+  options.rigid_board = true;
+  options.num_threads = 2;
+  const auto camera = SimulatedLens("wide", {1280, 720});
+  const Dataset seen = SimulateFaultyObservations(*camera, pattern, simulation,
+                                                  SimulatedFault::kRowTime, 2);
+  for (int i = 0; i < 6; ++i)
+    options.hold_out.push_back(seen.images[5 * i].image);
+  const CalibrationResult result = Calibrate(seen, pattern, options);
+  ASSERT_TRUE(result.budget.has_value());
+  const BudgetVerdict limit = JudgeBudget(*result.budget);
+  EXPECT_EQ(limit.limit, "row time");
+  std::string reasons;
+  for (const std::string& reason : result.verdict.reasons)
+    reasons += reason + "\n";
+  EXPECT_NE(reasons.find(limit.sentence + "; " + limit.advice),
+            std::string::npos)
+      << reasons;
+  for (const char* other : {"--model", "--cell-px", "flatter", "blur"})
+    EXPECT_EQ(reasons.find(other), std::string::npos) << reasons;
 }
 
 }  // namespace

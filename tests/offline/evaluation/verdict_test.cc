@@ -9,7 +9,7 @@ namespace {
 
 CalibrationFigures GoodFigures() {
   CalibrationFigures figures;
-  figures.model = "central-generic";
+  figures.tried.model = "central-generic";
   figures.converged = true;
   figures.image_size = {640, 480};
   figures.features_area = {10, 10, 630, 470};
@@ -148,10 +148,10 @@ TEST(Verdict, AdvisesNoModelThatIsInUse) {
   CalibrationFigures figures = GoodFigures();
   figures.neighbor_correlation = 0.6;
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "noncentral-generic"));
-  figures.model = "noncentral-generic";
+  figures.tried.model = "noncentral-generic";
   EXPECT_FALSE(HasReason(JudgeCalibration(figures), "noncentral-generic"));
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "--cell-px auto"));
-  figures.model = "opencv";
+  figures.tried.model = "opencv";
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "central-generic"));
   EXPECT_FALSE(HasReason(JudgeCalibration(figures), "smaller cells"));
 }
@@ -159,25 +159,61 @@ TEST(Verdict, AdvisesNoModelThatIsInUse) {
 TEST(Verdict, AdvisesNothingThatWasTried) {
   CalibrationFigures figures = GoodFigures();
   figures.neighbor_correlation = 0.6;
-  figures.cells_were_chosen = true;
-  figures.finer_cells_px = 13.4;
+  figures.tried.cells_chosen = true;
+  figures.tried.cell_px = 26.8;
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "--cell-px 13"));
-  figures.finer_cells_px = 0;
+  figures.tried.tried_finer = true;
   EXPECT_FALSE(HasReason(JudgeCalibration(figures), "cells"));
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "noncentral-generic"));
-  figures.noncentral_was_tried = true;
+  figures.tried.noncentral_tried = true;
   EXPECT_FALSE(HasReason(JudgeCalibration(figures), "noncentral-generic"));
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "are no better"));
 }
 
 TEST(Verdict, SendsNobodyFromModelToModelAndBack) {
   CalibrationFigures figures = GoodFigures();
-  figures.model = "opencv";
+  figures.tried.model = "opencv";
   figures.neighbor_correlation = 0.6;
-  figures.generic_was_tried = true;
+  figures.tried.generic_tried = true;
   EXPECT_FALSE(HasReason(JudgeCalibration(figures), "--model central-generic"));
   figures.better_model = {"central-generic", 0.1};
+  figures.tried.better_model = "central-generic";
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "--model central-generic"));
+}
+
+// Whichever other advice there would be.
+TEST(Verdict, AdvisesWhatTheCauseOfResidualsAsksFor) {
+  CalibrationFigures figures = GoodFigures();
+  figures.neighbor_correlation = 0.6;
+  figures.held_out->median_px = figures.training.median_px = 0.5;
+  figures.limit = {"row time", "errors grow from row to row", "keep still"};
+  const Verdict verdict = JudgeCalibration(figures);
+  ASSERT_EQ(verdict.reasons.size(), 2u);
+  EXPECT_EQ(verdict.reasons[0],
+            "neighbouring features err alike (correlation 0.60): about 0.10 px "
+            "are not noise; errors grow from row to row; keep still");
+  EXPECT_EQ(verdict.reasons[1],
+            "the held-out error is 0.50 px; the same would lower it");
+  figures.neighbor_correlation = 0;
+  const Verdict alone = JudgeCalibration(figures);
+  ASSERT_EQ(alone.reasons.size(), 1u);
+  EXPECT_EQ(alone.reasons[0],
+            "the held-out error is 0.50 px; errors grow from row to row; keep "
+            "still");
+}
+
+TEST(Verdict, NoiseThatIsToldBlamesNoBoard) {
+  CalibrationFigures figures = GoodFigures();
+  figures.held_out->median_px = figures.training.median_px = 0.5;
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "flatter board"));
+  figures.limit = {"noise", "noise of single features", "take sharper images"};
+  EXPECT_FALSE(HasReason(JudgeCalibration(figures), "flatter board"));
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "take sharper images"));
+  // Neighbours are another matter.
+  figures.neighbor_correlation = 0.3;
+  const Verdict verdict = JudgeCalibration(figures);
+  EXPECT_TRUE(HasReason(verdict, "the model's error"));
+  EXPECT_TRUE(HasReason(verdict, "take sharper images"));
 }
 
 TEST(Verdict, SaysFirstWhichModelPredictsBetter) {

@@ -27,7 +27,8 @@ ResidualBudget ExampleBudget() {
   budget.column_time = 0.04;
   budget.column_time_is_alike = false;
   budget.rest = 0.19;
-  budget.facts = {true, 40, true, true, true};
+  budget.facts = {"central-generic", 40,  true, true, true, true, false, true,
+                  "opencv",          true};
   return budget;
 }
 
@@ -54,10 +55,13 @@ TEST(BudgetJson, SaysWhyNothingIsTold) {
 }
 
 TEST(BudgetSection, SaysWhatLimitsAndWhatToDo) {
-  const std::string html = BudgetSection(ExampleBudget());
+  ResidualBudget budget = ExampleBudget();
+  const std::string html = BudgetSection(budget);
+  budget.facts.two_cameras = false;
+  EXPECT_TRUE(HasText(BudgetSection(budget), "To do: glue the pattern"));
   EXPECT_TRUE(HasText(html, "<h2>What limits this calibration</h2>"));
   EXPECT_TRUE(HasText(html, "<b>The board bends from image to image"));
-  EXPECT_TRUE(HasText(html, "To do: glue the pattern"));
+  EXPECT_TRUE(HasText(html, "To do: calibrate the images of each of the two"));
   EXPECT_TRUE(HasText(html, "title=\"bends: 50.0 %\""));
   EXPECT_TRUE(HasText(html, "cannot be told: 7 views; &lt;8&gt; are needed"));
   EXPECT_TRUE(HasText(html, "column time"));
