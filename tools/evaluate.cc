@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "calibration/bodies.h"
 #include "calibration/camera_evaluation.h"
 #include "calibration/flexed_evaluation.h"
 #include "calibration/rig_evaluation.h"
@@ -13,6 +14,7 @@
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
+#include "evaluation/board_bodies.h"
 #include "pattern_input.h"
 
 namespace raygrid {
@@ -20,7 +22,40 @@ namespace {
 
 struct EvaluateArguments {
   std::string camera, features, pattern;
+  bool boards_move = false;
 };
+
+// Without bodies, if boards are to move by themselves.
+Pattern PatternOf(const EvaluateArguments& arguments) {
+  Pattern pattern = GivenPattern(arguments.pattern);
+  if (arguments.boards_move) pattern.bodies.clear();
+  return pattern;
+}
+
+// "boards 0, 1 and 2 as one body", several of them; or nothing.
+std::string BodiesInWords(const Pattern& pattern) {
+  std::string words;
+  for (const BoardBody& body : pattern.bodies)
+    words += fmt::format("{}boards {} as one body", words.empty() ? "" : ", ",
+                         Enumerated(body.boards));
+  return words;
+}
+
+// How boards are localised, if there are several.
+void PrintHowLocalized(const Pattern& pattern) {
+  if (pattern.boards.size() < 2) return;
+  if (pattern.bodies.empty())
+    fmt::print("each board localised by itself\n");
+  else
+    fmt::print("localised: {} (--boards-move: each by itself)\n",
+               BodiesInWords(pattern));
+}
+
+nlohmann::ordered_json BodiesJson(const Pattern& pattern) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const BoardBody& body : pattern.bodies) json.push_back(body.boards);
+  return json;
+}
 
 Dataset ReadSingleCamera(const std::string& path) {
   const auto datasets = ReadFeatures(path);
@@ -73,6 +108,14 @@ void Print(const Evaluation& evaluation, const Residuals& flexed) {
                Printable(image.reason));
 }
 
+// The errors of a camera whose boards are localised as bodies.
+Evaluation EvaluateAsBodies(const RigModel& camera, const Dataset& dataset,
+                            const Pattern& pattern, int num_threads) {
+  RigModel with_bodies = camera;
+  with_bodies.bodies = BodiesOf(pattern);
+  return EvaluateRig(with_bodies, {dataset}, pattern, num_threads).front();
+}
+
 void RequireResiduals(size_t count) {
   if (count == 0)
     throw Error(ExitCode::kTooFew,
@@ -83,7 +126,7 @@ void RequireResiduals(size_t count) {
 void RunCamera(const EvaluateArguments& arguments, const std::string& bytes,
                const CommonOptions& common) {
   const CameraInput input = ParseCamera(arguments.camera, bytes);
-  const Pattern pattern = GivenPattern(arguments.pattern);
+  const Pattern pattern = PatternOf(arguments);
   Dataset dataset = ReadSingleCamera(arguments.features);
   dataset.image_size = input.file.camera->image_size();
   RequireConsistent(arguments.features, dataset, pattern);
@@ -93,10 +136,25 @@ void RunCamera(const EvaluateArguments& arguments, const std::string& bytes,
   const RigModel alone = {{input.file.camera.get()}, {Pose()}};
   const Residuals flexed =
       EvaluateFlexed(alone, {dataset}, pattern, common.threads).front();
-  if (common.json)
-    fmt::print("{}\n", ToJson(evaluation, flexed).dump(2));
-  else
-    Print(evaluation, flexed);
+  std::optional<ErrorFigures> as_bodies;
+  if (!pattern.bodies.empty())
+    as_bodies = ComputeErrorFigures(
+        EvaluateAsBodies(alone, dataset, pattern, common.threads).residuals);
+  if (common.json) {
+    nlohmann::ordered_json json = ToJson(evaluation, flexed);
+    if (as_bodies) {
+      json["as_bodies"] = JsonOf(*as_bodies);
+      json["bodies"] = BodiesJson(pattern);
+    }
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  if (pattern.boards.size() > 1) fmt::print("each board localised by itself: ");
+  Print(evaluation, flexed);
+  if (!as_bodies) return;
+  fmt::print("{}: ", BodiesInWords(pattern));
+  Print(*as_bodies);
+  fmt::print("\n");
 }
 
 // ---- Rig -------------------------------------------------------------------
@@ -119,7 +177,7 @@ std::vector<Dataset> ReadRigFeatures(
 void RunRig(const EvaluateArguments& arguments, const std::string& text,
             const CommonOptions& common) {
   const std::vector<RigFileCamera> files = ParseRigFile(arguments.camera, text);
-  const Pattern pattern = GivenPattern(arguments.pattern);
+  const Pattern pattern = PatternOf(arguments);
   std::vector<Dataset> datasets = ReadRigFeatures(arguments.features, files);
   const std::filesystem::path folder =
       std::filesystem::path(arguments.camera).parent_path();
@@ -132,10 +190,11 @@ void RunRig(const EvaluateArguments& arguments, const std::string& text,
     datasets[c].image_size = rig.cameras.back()->image_size();
     RequireConsistent(arguments.features, datasets[c], pattern);
   }
-  const std::vector<Evaluation> evaluations =
-      EvaluateRig(rig, datasets, pattern, common.threads);
   const std::vector<Residuals> flexed =
       EvaluateFlexed(rig, datasets, pattern, common.threads);
+  rig.bodies = BodiesOf(pattern);
+  const std::vector<Evaluation> evaluations =
+      EvaluateRig(rig, datasets, pattern, common.threads);
   Evaluation all;
   Residuals all_flexed;
   nlohmann::ordered_json json;
@@ -152,10 +211,12 @@ void RunRig(const EvaluateArguments& arguments, const std::string& text,
   if (common.json) {
     nlohmann::ordered_json whole = ToJson(all, all_flexed);
     whole.erase("rejected");
+    whole["bodies"] = BodiesJson(pattern);
     whole["cameras"] = json;
     fmt::print("{}\n", whole.dump(2));
     return;
   }
+  PrintHowLocalized(pattern);
   for (size_t c = 0; c < files.size(); ++c) {
     fmt::print("{}: ", files[c].name);
     Print(evaluations[c], flexed[c]);
@@ -179,9 +240,12 @@ void AddEvaluate(CLI::App* app, CommonOptions* common) {
       app, "evaluate",
       "Localises images with a camera as it is, and reports reprojection "
       "errors. With a rig, each board is localised once for all cameras that "
-      "see it at one instant. A second line has the errors if boards may bend "
-      "from view to view: half of a view's features tell how its board stands "
-      "and bends, the errors are those of the other half.",
+      "see it at one instant. Boards that pattern.yaml says are fixed to each "
+      "other, as calibrate writes it, are localised as one body; of a single "
+      "camera, a last line has these errors. A second line has the errors if "
+      "boards may bend from view to view, each by itself: half of a view's "
+      "features tell how its board stands and bends, the errors are those of "
+      "the other half.",
       "raygrid evaluate camera.yaml --features held_out.csv --pattern "
       "result/pattern.yaml",
       common);
@@ -196,6 +260,9 @@ void AddEvaluate(CLI::App* app, CommonOptions* common) {
                    ". The one that calibrate wrote has the board as it really "
                    "is")
       ->required();
+  command->add_flag("--boards-move", arguments->boards_move,
+                    "each of several boards moves by itself, even if the "
+                    "pattern says that they are fixed to each other");
   command->callback([arguments, common] { Run(*arguments, *common); });
 }
 

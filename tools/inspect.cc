@@ -226,6 +226,8 @@ Json PatternFacts(const Pattern& pattern) {
                               {"kind", board.kind},
                               {"features", {board.columns, board.rows}},
                               {"square_m", board.square_m}});
+  for (const BoardBody& body : pattern.bodies)
+    json["fixed_to_each_other"].push_back(body.boards);
   return json;
 }
 

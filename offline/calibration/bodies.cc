@@ -43,6 +43,26 @@ std::vector<std::vector<int>> Bodies::Groups() const {
   return groups;
 }
 
+Bodies BodiesOf(const Pattern& pattern) {
+  Bodies bodies;
+  if (pattern.bodies.empty()) return bodies;
+  std::map<int, int> index_of;
+  for (const Board& board : pattern.boards) {
+    const int index = static_cast<int>(index_of.size());
+    index_of[board.id] = index;
+    bodies.frames.push_back(index);
+  }
+  bodies.frame_from_board.resize(pattern.boards.size());
+  for (const BoardBody& body : pattern.bodies)
+    for (size_t i = 0; i < body.boards.size(); ++i) {
+      const int board = index_of.at(body.boards[i]);
+      bodies.frames[board] = index_of.at(body.boards.front());
+      bodies.frame_from_board[board] =
+          body.first_from_board.front().Inverse() * body.first_from_board[i];
+    }
+  return bodies;
+}
+
 void JoinBoards(const Bodies& bodies, CalibrationProblem* problem,
                 std::vector<Pose>* body_from_board) {
   body_from_board->clear();

@@ -25,6 +25,9 @@ struct Bodies {
   std::vector<std::vector<int>> Groups() const;
 };
 
+/// Those that a pattern tells of.
+Bodies BodiesOf(const Pattern& pattern);
+
 /// Lets the boards of a body share its pose at each instant. Places are those
 /// of the boards on it, for AdjustmentState::body_from_board. Of each body, a
 /// board that is seen becomes the frame.

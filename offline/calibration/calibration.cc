@@ -327,6 +327,7 @@ void Calibration::Adjust() {
                cameras_[c].input->image_circle, options_.num_threads, &result);
   }
   result_.pattern = AdjustedPattern(pattern_, adjusted_);
+  result_.pattern.bodies = result_.bodies;
   result_.camera_from_rig = adjusted_.state.camera_from_rig;
   result_.baselines = MeasureBaselines(adjusted_, adjustment);
   result_.converged = adjusted_.summary.converged;

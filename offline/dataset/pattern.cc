@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/pose_node.h"
 #include "dataset/yaml_file.h"
 
 namespace raygrid {
@@ -182,6 +184,48 @@ Board ParseBoard(const std::string& place, const YAML::Node& node) {
   return board;
 }
 
+// Throws what yaml-cpp throws, too.
+std::vector<BoardBody> ParseBodies(const std::string& name,
+                                   const YAML::Node& list,
+                                   const Pattern& pattern) {
+  if (!list.IsSequence())
+    throw InputError(name + ": 'board_bodies' is no list");
+  std::vector<BoardBody> bodies;
+  std::set<int> used;
+  for (const YAML::Node& item : list) {
+    BoardBody& body = bodies.emplace_back();
+    body.boards = item["boards"].as<std::vector<int>>();
+    for (const int id : body.boards)
+      if (!pattern.FindBoard(id) || !used.insert(id).second)
+        throw InputError(fmt::format(
+            "{}: board_bodies: board {} is in two bodies, or none of 'boards'",
+            name, id));
+    for (const YAML::Node& pose : item["first_from_board"])
+      body.first_from_board.push_back(
+          ParsePose(name + ": first_from_board", pose));
+    if (body.boards.size() < 2 ||
+        body.first_from_board.size() != body.boards.size())
+      throw InputError(fmt::format(
+          "{}: board_bodies: {} boards with {} poses; a body has two boards or "
+          "more, and a pose of each",
+          name, body.boards.size(), body.first_from_board.size()));
+  }
+  return bodies;
+}
+
+YAML::Node BodiesNode(const std::vector<BoardBody>& bodies) {
+  YAML::Node list(YAML::NodeType::Sequence);
+  for (const BoardBody& body : bodies) {
+    YAML::Node node;
+    node["boards"] = body.boards;
+    node["boards"].SetStyle(YAML::EmitterStyle::Flow);
+    for (const Pose& pose : body.first_from_board)
+      node["first_from_board"].push_back(YAML::Load(FormatPose(pose, "")));
+    list.push_back(node);
+  }
+  return list;
+}
+
 // The place of a column or a row of features.
 double Place(const Board& board, int index) {
   if (board.kind != "aprilgrid") return index * board.square_m;
@@ -244,6 +288,8 @@ Pattern ParsePattern(const std::string& name, const std::string& yaml) {
       pattern.boards.push_back(std::move(board));
     }
     RequireDistinctTags(name, pattern);
+    if (root["board_bodies"])
+      pattern.bodies = ParseBodies(name, root["board_bodies"], pattern);
   } catch (const YAML::Exception& error) {
     throw InputError(fmt::format("{}: {}", name, error.what()));
   }
@@ -269,6 +315,9 @@ std::string FormatPattern(const Pattern& pattern) {
     board.SetStyle(YAML::EmitterStyle::Block);
     board[pattern.boards[i].kind == "points" ? "xyz" : "points"] = points;
   }
+  root.remove("board_bodies");
+  if (!pattern.bodies.empty())
+    root["board_bodies"] = BodiesNode(pattern.bodies);
   // The key that no pattern lacks comes last: a file that was cut is no
   // pattern.
   root.remove("raygrid_pattern");

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "camera/pose.h"
+
 namespace raygrid {
 
 /// An AprilTag on a star board. Its area, white margin included, is squares
@@ -46,12 +48,19 @@ struct Board {
   std::vector<Eigen::Vector3d> NominalPoints() const;
 };
 
+/// Boards that are fixed to each other, as a calibration found them.
+struct BoardBody {
+  std::vector<int> boards;             ///< ids
+  std::vector<Pose> first_from_board;  ///< of each
+};
+
 /// pattern.yaml.
 struct Pattern {
   std::vector<Board> boards;
   /// The file's text as read, so that keys that are not used here are kept on
   /// writing.
   std::string yaml;
+  std::vector<BoardBody> bodies = {};  ///< other boards move by themselves
 
   /// nullptr if there is no such board.
   const Board* FindBoard(int id) const;

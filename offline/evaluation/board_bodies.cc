@@ -9,12 +9,6 @@
 namespace raygrid {
 namespace {
 
-// "0 and 1", "0, 1 and 2".
-std::string Enumerated(const std::vector<int>& ids) {
-  const std::vector<int> first(ids.begin(), ids.end() - 1);
-  return fmt::format("{} and {}", fmt::join(first, ", "), ids.back());
-}
-
 // Root mean square deviations of pairs over all their instants, and what would
 // be expected.
 struct PairDeviation {
@@ -44,6 +38,11 @@ struct PairDeviation {
 };
 
 }  // namespace
+
+std::string Enumerated(const std::vector<int>& ids) {
+  const std::vector<int> first(ids.begin(), ids.end() - 1);
+  return fmt::format("{} and {}", fmt::join(first, ", "), ids.back());
+}
 
 std::vector<std::string> BodySentences(const std::vector<BoardBody>& bodies,
                                        const std::vector<BoardPair>& pairs) {

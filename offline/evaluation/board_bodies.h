@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "camera/pose.h"
+#include "dataset/pattern.h"
 
 namespace raygrid {
 
@@ -19,11 +19,8 @@ struct BoardPair {
   double expected_m = 0, expected_rad = 0;
 };
 
-/// Boards that are fixed to each other, and were adjusted as one body.
-struct BoardBody {
-  std::vector<int> boards;             ///< ids
-  std::vector<Pose> first_from_board;  ///< of each
-};
+/// "0, 1 and 2".
+std::string Enumerated(const std::vector<int>& ids);
 
 /// One sentence on each body, and one on boards that move against others.
 std::vector<std::string> BodySentences(const std::vector<BoardBody>& bodies,

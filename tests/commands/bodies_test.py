@@ -51,6 +51,52 @@ class Bodies(CommandTest):
         self.assertIn("--boards-move", self.said)
         self.assertIn(sentence, read(self.path("out/report.html")).decode())
 
+    def evaluated(self, *options):
+        result = run("evaluate", *options)
+        self.assert_done(result)
+        return result.stdout
+
+    def test_evaluate_localises_bodies(self):
+        options = (self.path("out/rig.yaml"), "--features", self.path("out/features.csv"),
+                   "--pattern", self.path("out/pattern.yaml"))
+        said = self.evaluated(*options)
+        self.assertTrue(said.startswith("localised: boards 0, 1 and 2 as one body ("), said)
+        told = json.loads(self.evaluated(*options, "--json"))
+        self.assertEqual(told["bodies"], [[0, 1, 2]])
+        self.assertAlmostEqual(told["rms_px"], self.told("out")["training"]["rms_px"], delta=0.001)
+        # Each board has a pose of its own then, which takes up some of the noise.
+        alone = self.evaluated(*options, "--boards-move")
+        self.assertTrue(alone.startswith("each board localised by itself\n"), alone)
+        alone = json.loads(self.evaluated(*options, "--boards-move", "--json"))
+        self.assertEqual(alone["bodies"], [])
+        self.assertLess(alone["rms_px"], 0.99 * told["rms_px"])
+        # A pattern that tells of no body.
+        self.assertIn("each board localised by itself\n",
+                      self.evaluated(*options[:-1], self.pattern))
+        self.assertIn("fixed_to_each_other",
+                      run("inspect", self.path("out/pattern.yaml"), "--json").stdout)
+
+    def test_evaluate_a_camera_with_bodies(self):
+        self.simulate("one", "--fixed-boards", "--board-gap-m", 0.05, "--images", 30)
+        self.assert_done(self.calibrate("one", out="one_out"))
+        options = (self.path("one_out/camera.yaml"), "--features",
+                   self.path("one_out/features.csv"), "--pattern",
+                   self.path("one_out/pattern.yaml"))
+        alone, body = [line for line in self.evaluated(*options).splitlines()
+                       if "bend" not in line]
+        self.assertTrue(alone.startswith("each board localised by itself: median "), alone)
+        self.assertTrue(body.startswith("boards 0, 1 and 2 as one body: median "), body)
+        told = json.loads(self.evaluated(*options, "--json"))
+        self.assertAlmostEqual(told["as_bodies"]["rms_px"],
+                               self.told("one_out")["training"]["rms_px"], delta=0.001)
+        self.assertLess(told["rms_px"], told["as_bodies"]["rms_px"])
+        # Bodies that a pattern tells of are not those of another calibration.
+        self.assertIn(b"board_bodies", read(options[-1]))
+        self.assert_done(run("calibrate", *options[1:], "--image-size", "640x480", "--model",
+                             "opencv", "--skip-comparison", "--hold-out", "sim0001.png",
+                             "--boards-move", "-o", self.path("moving")))
+        self.assertNotIn(b"board_bodies", read(self.path("moving/pattern.yaml")))
+
     def test_option_forbids_it(self):
         result = self.calibrate("rig", "--boards-move")
         self.assert_refused(result, 4, "not connected")

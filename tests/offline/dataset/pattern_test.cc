@@ -42,6 +42,43 @@ TEST(Pattern, GivenPointsReplaceTheLattice) {
   EXPECT_EQ(board.NominalPoints()[1], Eigen::Vector3d(0.1, 0, 0));
 }
 
+// Two boards, and a body of so many poses.
+std::string WithBody(const std::string& boards, int num_poses) {
+  std::string yaml =
+      WithBoards(
+          "  - {id: 3, kind: chessboard, columns: 2, rows: 2, square_m: 0.1}\n"
+          "  - {id: 7, kind: chessboard, columns: 2, rows: 2, square_m: "
+          "0.1}\n") +
+      "board_bodies:\n  - boards: " + boards + "\n    first_from_board:\n";
+  for (int i = 0; i < num_poses; ++i)
+    yaml += "      - {rotation: {w: 1, x: 0, y: 0, z: 0}, translation: {x: " +
+            std::to_string(i) + ", y: 0, z: 0}}\n";
+  return yaml;
+}
+
+TEST(Pattern, BodiesAreReadAsTheyWereWritten) {
+  Pattern pattern = ParsePattern("p", WithBody("[7, 3]", 2));
+  ASSERT_EQ(pattern.bodies.size(), 1u);
+  EXPECT_EQ(pattern.bodies[0].boards, (std::vector<int>{7, 3}));
+  EXPECT_EQ(pattern.bodies[0].first_from_board[1].translation.x(), 1);
+  const std::string text = FormatPattern(pattern);
+  EXPECT_EQ(FormatPattern(ParsePattern("p", text)), text);
+  EXPECT_EQ(ParsePattern("p", text).bodies[0].boards, pattern.bodies[0].boards);
+  // Another calibration may find none.
+  pattern.bodies.clear();
+  EXPECT_EQ(FormatPattern(pattern).find("board_bodies"), std::string::npos);
+}
+
+TEST(Pattern, RefusesBodiesThatAreNone) {
+  ExpectPatternRefused(WithBody("[3, 4]", 2), {"board 4"});
+  ExpectPatternRefused(WithBody("[3, 3]", 2), {"board 3 is in two bodies"});
+  ExpectPatternRefused(WithBody("[3]", 1), {"a body has two boards"});
+  ExpectPatternRefused(WithBody("[3, 7]", 1), {"2 boards with 1 poses"});
+  ExpectPatternRefused(WithBody("all", 2), {});
+  ExpectPatternRefused(ChessboardYaml("4", "3", "0.1") + "board_bodies: 3\n",
+                       {"'board_bodies' is no list"});
+}
+
 TEST(Pattern, ListsOfPointsAreBoardsOfOneRow) {
   const Pattern pattern =
       ParsePattern("p", WithBoards("  - {id: 0, kind: points, xyz: [[0, 0, 0], "
