@@ -303,8 +303,8 @@ std::string FormatHtmlReport(const CalibrationResult& result,
   html += GridSection(result);
   html += LinesSection(result);
   html += SpaceSection();
-  html += BoardSection(result.pattern) + BodySection(boards_told) +
-          BendSection(result);
+  html += BoardSection(result.pattern) + BodySection(boards_told);
+  if (result.bends) html += BendSection(*result.bends, result.pattern);
   html += CandidateSection(result);
   html += SameViewsSection(result);
   html += RejectedSection(result);

@@ -128,9 +128,7 @@ std::string BendBars(const BoardBends& bends) {
   return html + "</div>\n";
 }
 
-std::string BendSection(const CalibrationResult& result) {
-  if (!result.bends) return "";
-  const BoardBends& bends = *result.bends;
+std::string BendSection(const BoardBends& bends, const Pattern& pattern) {
   const BoardBends::View& most = bends.views[bends.most_bent];
   std::string html =
       "<h2>How the board bends from image to image</h2>\n<figure><figcaption>"
@@ -138,7 +136,7 @@ std::string BendSection(const CalibrationResult& result) {
       fmt::format(": {:.3f} mm (RMS of all), {:.3f} mm where it bends most",
                   1e3 * bends.rms_m, 1e3 * most.rms_m) +
       "</figcaption>\n" + BendBars(bends) + "</figure>\n";
-  const Board* board = result.pattern.FindBoard(most.board);
+  const Board* board = pattern.FindBoard(most.board);
   if (!board ||
       bends.heights_m.size() != static_cast<size_t>(board->num_points()))
     return html;

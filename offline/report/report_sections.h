@@ -37,8 +37,8 @@ std::string WordsSection();
 std::string BoardSection(const Pattern& pattern);
 /// Which boards are fixed to each other; empty if nothing is told of it.
 std::string BodySection(const std::vector<std::string>& boards_told);
-/// Empty for rigid boards.
-std::string BendSection(const CalibrationResult& result);
+/// How boards bend: a bar an image, and the heights of the one that bends most.
+std::string BendSection(const BoardBends& bends, const Pattern& pattern);
 
 }  // namespace raygrid
 

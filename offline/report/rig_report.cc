@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
 
 #include "report/page_data.h"
 #include "report/report_sections.h"
@@ -83,17 +87,44 @@ std::string BaselineTable(const RigResult& result) {
                    rows);
 }
 
+// The bends of all cameras' views. A board that several cameras see at one
+// instant has one bend.
+std::optional<BoardBends> BendsOfAll(const RigResult& result) {
+  std::map<std::pair<std::string, int>, double> rms_m;
+  BoardBends all;
+  double most_m = -1, square_m2 = 0;
+  for (const CalibrationResult& camera : result.cameras) {
+    if (!camera.bends) continue;
+    for (const BoardBends::View& view : camera.bends->views)
+      rms_m[{view.image, view.board}] = view.rms_m;
+    const double own_m = camera.bends->views[camera.bends->most_bent].rms_m;
+    if (own_m <= most_m) continue;
+    most_m = own_m;
+    all.heights_m = camera.bends->heights_m;
+  }
+  if (rms_m.empty()) return std::nullopt;
+  for (const auto& [view, bend_m] : rms_m) {
+    if (bend_m == most_m) all.most_bent = static_cast<int>(all.views.size());
+    all.views.push_back({view.first, view.second, bend_m});
+    square_m2 += bend_m * bend_m;
+  }
+  all.rms_m = std::sqrt(square_m2 / static_cast<double>(all.views.size()));
+  return all;
+}
+
 }  // namespace
 
 std::string FormatRigReport(const RigResult& result,
                             const std::optional<StereoExample>& stereo,
                             const std::vector<std::string>& boards_told) {
+  const std::optional<BoardBends> bends = BendsOfAll(result);
   return PageStart("Rig calibration") + VerdictSection(result.verdict) +
          CamerasTable(result) + RigErrorTable(result) +
          RigComparisonTable(result) + BaselineTable(result) +
          (stereo ? StereoSection(*stereo) : "") + SpaceSection() +
          BoardSection(result.pattern) + BodySection(boards_told) +
-         WordsSection() + PageEnd(PageData(result));
+         (bends ? BendSection(*bends, result.pattern) : "") + WordsSection() +
+         PageEnd(PageData(result));
 }
 
 }  // namespace raygrid

@@ -519,6 +519,27 @@ TEST(RigReport, ListsTheCamerasAndHowTheyStand) {
     EXPECT_FALSE(Has(WithoutLibrary(html), reference)) << reference;
 }
 
+// A board that both cameras see at one instant has one bend, and one bar.
+TEST(RigReport, DrawsTheBendsOfAllCamerasOnce) {
+  RigResult rig = ExampleRig();
+  rig.pattern = rig.cameras[0].pattern;
+  rig.cameras[1].bends->views[0] = {"c.png", 0, 0.0004};
+  rig.cameras[1].bends->most_bent = 0;
+  rig.cameras[1].bends->heights_m.assign(300, 0.0004);
+  const std::string html = FormatRigReport(rig);
+  // Bends are 0.1, 0.2 and 0.4 mm.
+  for (const char* part :
+       {"How the board bends from image to image", "0.265 mm (RMS of all)",
+        "0.400 mm where it bends most", "height: 25.0%\" title=\"a.png",
+        "height: 50.0%\" title=\"b.png", "height: 100.0%\" title=\"c.png",
+        "Board 0 in c.png", "400 &micro;m"})
+    EXPECT_TRUE(Has(html, part)) << part;
+  const size_t first = html.find("title=\"b.png");
+  EXPECT_EQ(html.find("title=\"b.png", first + 1), std::string::npos);
+  for (CalibrationResult& camera : rig.cameras) camera.bends.reset();
+  EXPECT_FALSE(Has(FormatRigReport(rig), "How the board bends"));
+}
+
 TEST(RigReport, HasOtherModelsOfEachCamera) {
   RigResult rig = ExampleRig();
   rig.cameras[0].parametric_models.clear();
