@@ -97,13 +97,23 @@ Eigen::Matrix3d StretchesAt(const BoardPlane& plane,
   return moves;
 }
 
+// The feature's place in the image, where it is projected. Where it is seen its
+// noise is in the place: a column of such places explains noise by noise, once
+// the pose has taken up all else of it.
+Eigen::Vector2d ProjectedFromCenter(const BudgetInput& input,
+                                    const BudgetFeature& feature) {
+  return feature.pixel + feature.error_px -
+         Eigen::Vector2d(input.image_size.width - 1,
+                         input.image_size.height - 1) /
+             2;
+}
+
 // A feature's errors by the coefficients of a cause that views have.
 Eigen::Matrix2Xd ErrorsBy(ErrorCause cause, const BudgetInput& input,
                           const std::vector<BoardPlane>& planes,
                           const BudgetFeature& feature) {
   const double width = input.image_size.width, height = input.image_size.height;
-  const Eigen::Vector2d from_center =
-      feature.pixel - Eigen::Vector2d(width - 1, height - 1) / 2;
+  const Eigen::Vector2d from_center = ProjectedFromCenter(input, feature);
   switch (cause) {
     case ErrorCause::kBend:
       return feature.by_point * input.bends[feature.point];
@@ -245,9 +255,9 @@ std::optional<LinearCause> ViewCause(ErrorCause cause, const BudgetInput& input,
 LinearCause ColumnTimeControl(const BudgetInput& input, const PoseParts& pose) {
   const double width = input.image_size.width;
   return OfViews(input, pose,
-                 [width](const BudgetFeature& feature) -> Eigen::Matrix2Xd {
+                 [&](const BudgetFeature& feature) -> Eigen::Matrix2Xd {
                    return feature.by_pose *
-                          ((feature.pixel.x() - (width - 1) / 2) / width);
+                          (ProjectedFromCenter(input, feature).x() / width);
                  });
 }
 

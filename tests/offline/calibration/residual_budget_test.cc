@@ -56,6 +56,22 @@ TEST(ResidualBudget, NoiseAloneIsNoise) {
   }
 }
 
+// A pose takes up a scale of a pinhole's image. What is left of it may not be
+// the noise that pixels have.
+TEST(ResidualBudget, NoiseOfAPinholeIsNoise) {
+  for (const uint64_t seed : {1, 2, 3}) {
+    SimulationOptions options = BudgetSimulation(seed);
+    options.features_per_image = 48;
+    const auto camera = SimulatedLens("pinhole", {640, 480});
+    const Pattern pattern = ChessboardPattern(8, 6, 0.025);
+    const ResidualBudget budget = MeasureResidualBudget(BudgetInputOf(
+        *camera, SimulateObservations(*camera, pattern, options).dataset,
+        pattern, 2));
+    EXPECT_EQ(JudgeBudget(budget).limit, "noise") << seed;
+    EXPECT_LT(budget.Of(ErrorCause::kImageAffine).alone, 0.01) << seed;
+  }
+}
+
 // Faults and causes have the same names.
 TEST(ResidualBudget, NamesTheFaultThatIsThere) {
   for (const uint64_t seed : {1, 2, 3}) {
@@ -200,6 +216,17 @@ TEST(JudgeBudget, AdvisesNothingThatWasDone) {
                   "--model noncentral-generic, which predicts"));
   facts.two_cameras = true;
   EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts), "two cameras"));
+}
+
+TEST(JudgeBudget, NamesNoCauseThatAnotherExplainsAsWell) {
+  ResidualBudget budget = BudgetOf(ErrorCause::kRowTime, {});
+  EXPECT_EQ(JudgeBudget(budget).limit, "row time");
+  budget.causes[static_cast<size_t>(ErrorCause::kRowTime)].is_alike = true;
+  EXPECT_EQ(JudgeBudget(budget).limit, "row time");
+  budget.column_time_is_alike = true;
+  EXPECT_EQ(JudgeBudget(budget).limit, "views");
+  EXPECT_NE(JudgeBudget(budget).sentence.find("row time, column time"),
+            std::string::npos);
 }
 
 // A cause that is not told says of errors that neighbours share what the
