@@ -114,8 +114,13 @@ BudgetVerdict OfViewsAlike(const std::vector<std::string>& causes,
           fmt::format("each image has errors of its own ({} % of the squared "
                       "residuals); these explain them alike: {}",
                       Percent(budget.OfViews()), fmt::join(causes, ", ")),
-          "take the images anew with camera and board still, a stiff board and "
-          "focus locked; tilted boards tell these causes apart"};
+          // A lens that the model does not follow leaves such errors, too.
+          !budget.facts.IsGrid() && !budget.facts.generic_tried
+              ? "calibrate with --model central-generic first, since a model "
+                "that does not follow the lens leaves such errors, too"
+              : "take the images anew with camera and board still, a stiff "
+                "board and focus locked; tilted boards tell these causes "
+                "apart"};
 }
 
 BudgetVerdict OfCause(ErrorCause cause, const ResidualBudget& budget) {

@@ -227,6 +227,12 @@ TEST(JudgeBudget, NamesNoCauseThatAnotherExplainsAsWell) {
   EXPECT_EQ(JudgeBudget(budget).limit, "views");
   EXPECT_NE(JudgeBudget(budget).sentence.find("row time, column time"),
             std::string::npos);
+  // The model may be to blame where no cause is.
+  budget.facts.model = "opencv";
+  EXPECT_NE(JudgeBudget(budget).advice.find("--model central-generic first"),
+            std::string::npos);
+  budget.facts.generic_tried = true;
+  EXPECT_EQ(JudgeBudget(budget).advice.find("--model"), std::string::npos);
 }
 
 // A cause that is not told says of errors that neighbours share what the
