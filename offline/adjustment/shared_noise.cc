@@ -101,9 +101,8 @@ class PairProducts {
 class Influences {
  public:
   // False if equations are singular.
-  bool Prepare(const LinearResponse& response, int camera,
+  bool Prepare(const LinearResponse& response, int camera, int first,
                const Eigen::MatrixXd& moves) {
-    const int first = response.layout().first_camera[camera];
     Eigen::MatrixXd right = Eigen::MatrixXd::Zero(response.layout().num_all(),
                                                   moves.rows()),
                     x;
@@ -292,6 +291,18 @@ Eigen::Matrix2Xd SmoothField::Draw(std::mt19937* random_bits) const {
   return drawn;
 }
 
+double SmoothField::VarianceOf(const Eigen::Matrix2Xd& weights) const {
+  double variance = 0;
+  for (int axis = 0; axis < 2; ++axis) {
+    Eigen::MatrixXd nodes = Eigen::MatrixXd::Zero(columns_, rows_);
+    for (Eigen::Index i = 0; i < first_.cols(); ++i)
+      nodes.block<kNear, kNear>(first_(0, i), first_(1, i)) +=
+          weights(axis, i) * by_x_.col(i) * by_y_.col(i).transpose();
+    variance += nodes.squaredNorm();
+  }
+  return variance;
+}
+
 ViewErrors OwnNoise(const LinearResponse& response, std::mt19937* random_bits) {
   ViewErrors errors;
   for (const ViewJacobian& view : response.jacobians())
@@ -332,13 +343,14 @@ double ObservationNoise::MeanLength() const {
 
 ObservationNoise MeasureNoise(const LinearResponse& response,
                               const AdjustmentState& state, int camera,
-                              const Eigen::MatrixXd& moves, double noise_px) {
+                              int first, const Eigen::MatrixXd& moves,
+                              double noise_px) {
   std::mt19937 random_bits(1);
   const double variance = noise_px * noise_px;
   const ObservationNoise white = {noise_px, noise_px, {}};
   const PairProducts products(response, state.points, camera);
   Influences influences;
-  if (moves.rows() == 0 || !influences.Prepare(response, camera, moves))
+  if (moves.rows() == 0 || !influences.Prepare(response, camera, first, moves))
     return white;
   // Draws one kind of noise, and asks for what adjustment leaves of it.
   const auto tell = [&](const ViewErrors& errors) {

@@ -35,6 +35,9 @@ class SmoothField {
   /// Displacements of variance 1 in each coordinate, which are independent.
   Eigen::Matrix2Xd Draw(std::mt19937* random_bits) const;
 
+  /// The variance of the sum of displacements times weights.
+  double VarianceOf(const Eigen::Matrix2Xd& weights) const;
+
  private:
   // Sums of independent numbers on the nodes of a lattice, with Gaussian
   // weights: those of a point are products of a few by x and by y.
@@ -63,12 +66,14 @@ ViewErrors SharedNoise(const std::vector<SmoothField>& fields,
 /// nearest to what adjustment leaves of such noise; several count as far as
 /// they are likely. Adjustment's own share is drawn: each kind of noise is sent
 /// through the linear response.
-/// @param moves of the pixels by the camera's parameters, a row each; for
-///     example of MovesOfSeenPixels()
+/// @param first,moves of the pixels by the parameters from the first one on, a
+///     row each; for example of MovesOfSeenPixels(). Other things that the
+///     camera's views tell may stand for pixels.
 /// @param noise_px of adjustment
 ObservationNoise MeasureNoise(const LinearResponse& response,
                               const AdjustmentState& state, int camera,
-                              const Eigen::MatrixXd& moves, double noise_px);
+                              int first, const Eigen::MatrixXd& moves,
+                              double noise_px);
 
 }  // namespace raygrid
 

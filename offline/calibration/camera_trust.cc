@@ -155,7 +155,7 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   const LinearResponse response(adjusted.problem.views, adjusted.prior, options,
                                 adjusted.state);
   const ObservationNoise noise = MeasureNoise(
-      response, adjusted.state, camera,
+      response, adjusted.state, camera, response.layout().first_camera[camera],
       MovesOfSeenPixels(adjusted.problem.views, adjusted.state, camera, size),
       noise_px);
   const std::vector<PixelUncertainty> pixels =

@@ -53,9 +53,9 @@ struct ExactViews {
                            int max_exact_unknowns = 2500) const {
     const LinearResponse response(noisy.views, prior, options, noisy.state,
                                   max_exact_unknowns);
-    return MeasureNoise(response, noisy.state, 0,
-                        MovesOfSeenPixels(noisy.views, noisy.state, 0),
-                        noise_px);
+    return MeasureNoise(
+        response, noisy.state, 0, response.layout().first_camera[0],
+        MovesOfSeenPixels(noisy.views, noisy.state, 0), noise_px);
   }
 };
 
@@ -82,6 +82,23 @@ TEST(SmoothField, IsAlikeWithinItsLength) {
       EXPECT_NEAR(y(i, k), expected, 0.1);
       EXPECT_NEAR(cross(i, k), 0, 0.1);
     }
+}
+
+TEST(SmoothField, TellsTheVarianceOfWeightedDisplacements) {
+  constexpr double kLength = 4;
+  Eigen::Matrix2Xd places(2, 4), weights(2, 4);
+  places << 0, 3, 0, 4.3,  //
+      0, 0, 4, 7.1;
+  weights << 1, -2, 0.5, 0,  //
+      0, 1, 1, -3;
+  double expected = 0;
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < 4; ++k)
+      expected += weights.col(i).dot(weights.col(k)) *
+                  std::exp(-(places.col(i) - places.col(k)).squaredNorm() /
+                           (2 * kLength * kLength));
+  EXPECT_NEAR(SmoothField(places, kLength).VarianceOf(weights), expected,
+              0.02 * expected);
 }
 
 TEST(MeasureNoise, FindsNoSharedPartInWhiteNoise) {

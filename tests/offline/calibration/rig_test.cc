@@ -1,6 +1,7 @@
 // Cameras on a rig, with known truth.
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "calibration/calibration.h"
@@ -206,6 +207,33 @@ TEST(CalibrateRig, ScaleIsThatOfTheBoardsThoughTheyAreBent) {
   const RigResult result =
       Calibrate(Inputs(seen), TestBoard(), QuickWithout("sim0003.png"));
   ExpectBaseline(result, rig, 0, 1);
+}
+
+// White noise of the residuals' size would make the baseline ten times better
+// known than it is.
+TEST(CalibrateRig, DeviationsCountNoiseThatNeighboursShare) {
+  constexpr int kSeeds = 6;
+  const std::shared_ptr<const CameraModel> lens =
+      SimulatedLens("pinhole", {640, 480});
+  const SimulatedRig rig = {
+      {lens, lens}, {{}, {Eigen::Quaterniond::Identity(), {-0.1, 0, 0}}}};
+  double squares = 0;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    SimulationOptions options = Instants(20);
+    options.shared_noise_px = 0.1;
+    options.seed = static_cast<uint64_t>(seed);
+    const SimulatedRigObservations seen =
+        SimulateRig(rig, TestBoard(), options);
+    CalibrationOptions quick = QuickWithout("sim0003.png");
+    quick.rigid_board = true;
+    const RigResult result = Calibrate(Inputs(seen), TestBoard(), quick);
+    const Baseline& baseline = BaselineOf(result, 0, 1);
+    squares +=
+        std::pow((baseline.distance_m - 0.1) / *baseline.distance_sd_m, 2);
+  }
+  const double rms = std::sqrt(squares / kSeeds);
+  EXPECT_GT(rms, 0.5);
+  EXPECT_LT(rms, 2);
 }
 
 TEST(CalibrateRig, RejectsViewsOfAnotherInstantByName) {
