@@ -244,25 +244,32 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
       right.row(layout.Pose(pose) + 6 + mode) =
           std::sqrt(prior.FlexWeight(state.modes.orders[mode])) *
           RandomSigns(num_samples, &random_bits).transpose();
-  Eigen::MatrixXd solution;
-  if (!equations.SolveFor(lambda, right, &solution)) return std::nullopt;
+  Eigen::MatrixXd solution, rest;
+  if (!equations.SolveWithRest(lambda, right, &solution, &rest))
+    return std::nullopt;
+  // Determined parameters are a small difference of large numbers: an error e
+  // of x, which alone makes the trace wrong by b^T e, would drown it. With x^T
+  // (b - H x) added it is e^T H e. Parameters belong to one group: it gets
+  // their part.
+  const auto trace = [&](int first, const Eigen::MatrixXd& share) {
+    const auto left =
+        (share.array() != 0).select(rest.middleRows(first, share.rows()), 0.0);
+    return solution.middleRows(first, share.rows())
+        .cwiseProduct(share + left)
+        .sum();
+  };
   const auto determined = [num_samples](double count, double sum) {
     return std::clamp(count - sum / num_samples, 1e-3 * count, count);
   };
   Determined result;
   for (size_t g = 0; g < groups.size(); ++g)
-    result.groups.push_back(determined(
-        groups[g].group->rank,
-        shares[g]
-            .cwiseProduct(solution.middleRows(
-                layout.first_camera[groups[g].camera], shares[g].rows()))
-            .sum()));
-  result.points =
-      determined(3.0 * layout.num_points,
-                 right.middleRows(layout.first_point, 3 * layout.num_points)
-                     .cwiseProduct(solution.middleRows(layout.first_point,
-                                                       3 * layout.num_points))
-                     .sum());
+    result.groups.push_back(
+        determined(groups[g].group->rank,
+                   trace(layout.first_camera[groups[g].camera], shares[g])));
+  result.points = determined(
+      3.0 * layout.num_points,
+      trace(layout.first_point,
+            right.middleRows(layout.first_point, 3 * layout.num_points)));
   std::array<double, kNumBendOrders> flex = {};
   for (int pose = 0; pose < layout.num_poses && num_modes > 0; ++pose)
     for (int mode = 0; mode < num_modes; ++mode) {

@@ -390,11 +390,11 @@ Eigen::VectorXd LargeEquations::Precondition(
 }
 
 bool LargeEquations::ConjugateGradients(const System& system,
-                                        const Eigen::VectorXd& right,
+                                        Eigen::VectorXd* side,
                                         Eigen::VectorXd* x) const {
   const Preconditioner& preconditioner = *memory_->preconditioner;
-  const bool is_started = x->size() == right.size();
-  Eigen::VectorXd residual = right;
+  Eigen::VectorXd& residual = *side;
+  const bool is_started = x->size() == residual.size();
   Eigen::VectorXd z = Precondition(preconditioner, residual);
   double product = residual.dot(z);
   const double target = tolerance_ * tolerance_ * product;
@@ -403,7 +403,7 @@ bool LargeEquations::ConjugateGradients(const System& system,
     z = Precondition(preconditioner, residual);
     product = residual.dot(z);
   } else {
-    x->setZero(right.size());
+    x->setZero(residual.size());
   }
   Eigen::VectorXd direction = z;
   int iterations = 0;
@@ -423,8 +423,7 @@ bool LargeEquations::ConjugateGradients(const System& system,
   return x->allFinite();
 }
 
-bool LargeEquations::SolveSystem(const System& system,
-                                 const Eigen::VectorXd& right,
+bool LargeEquations::SolveSystem(const System& system, Eigen::VectorXd* side,
                                  Eigen::VectorXd* x) const {
   Memory& memory = *memory_;
   const bool is_new =
@@ -437,8 +436,8 @@ bool LargeEquations::SolveSystem(const System& system,
       return false;
     }
   }
-  const bool is_started = x->size() == right.size();
-  const bool is_solved = ConjugateGradients(system, right, x);
+  const bool is_started = x->size() == side->size();
+  const bool is_solved = ConjugateGradients(system, side, x);
   if (is_new)
     memory.iterations_when_new =
         is_started ? kMaxWorse : memory.last_iterations_;
@@ -492,9 +491,8 @@ bool LargeEquations::Solve(double lambda, AdjustmentStep* step) const {
   for (int p = 0; p < layout_.num_poses; ++p)
     gradient.segment(layout_.per_pose * p, layout_.per_pose) =
         poses_[p].gradient;
-  Eigen::VectorXd x;
-  if (!SolveSystem(system, Eliminated(system, gradient) - gradient_, &x))
-    return false;
+  Eigen::VectorXd x, side = Eliminated(system, gradient) - gradient_;
+  if (!SolveSystem(system, &side, &x)) return false;
   const Eigen::VectorXd poses = PosesBehind(system, x, -gradient);
   *step = layout_.Step(x, poses);
   return poses.allFinite();
@@ -502,6 +500,13 @@ bool LargeEquations::Solve(double lambda, AdjustmentStep* step) const {
 
 bool LargeEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
                               Eigen::MatrixXd* solution) const {
+  Eigen::MatrixXd rest;
+  return SolveWithRest(lambda, right, solution, &rest);
+}
+
+bool LargeEquations::SolveWithRest(double lambda, const Eigen::MatrixXd& right,
+                                   Eigen::MatrixXd* solution,
+                                   Eigen::MatrixXd* rest) const {
   System system;
   if (!MakeSystem(lambda, &system)) return false;
   const Eigen::Index size = layout_.size;
@@ -511,17 +516,19 @@ bool LargeEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
   const bool has_last = last.rows() == size && last.cols() == right.cols();
   if (!has_last) last.resize(size, right.cols());
   solution->resize(right.rows(), right.cols());
+  rest->setZero(right.rows(), right.cols());
   for (Eigen::Index k = 0; k < right.cols(); ++k) {
     Eigen::VectorXd x, side = right.col(k).head(size);
     const Eigen::VectorXd poses = right.col(k).tail(num_poses);
     if (has_last) x = last.col(k);
     if (num_poses > 0) side -= Eliminated(system, poses);
-    if (!SolveSystem(system, side, &x)) {
+    if (!SolveSystem(system, &side, &x)) {
       last.resize(0, 0);
       return false;
     }
     last.col(k) = x;
     solution->col(k).head(size) = x;
+    rest->col(k).head(size) = side;
     if (num_poses > 0)
       solution->col(k).tail(num_poses) = PosesBehind(system, x, poses);
   }

@@ -41,6 +41,9 @@ class LargeEquations : public NormalEquations {
   bool Solve(double lambda, AdjustmentStep* step) const override;
   bool SolveFor(double lambda, const Eigen::MatrixXd& right,
                 Eigen::MatrixXd* solution) const override;
+  bool SolveWithRest(double lambda, const Eigen::MatrixXd& right,
+                     Eigen::MatrixXd* solution,
+                     Eigen::MatrixXd* rest) const override;
   int NumCheapSides() const override { return 4; }
 
  private:
@@ -89,8 +92,9 @@ class LargeEquations : public NormalEquations {
   CameraLevels LevelsOf(int camera, const Eigen::SparseMatrix<double>& a) const;
   Eigen::VectorXd Precondition(const Preconditioner& preconditioner,
                                const Eigen::VectorXd& residual) const;
-  // Solves by conjugate gradients from *x, or from zero if it is empty.
-  bool ConjugateGradients(const System& system, const Eigen::VectorXd& right,
+  // Solves by conjugate gradients from *x, or from zero if it is empty. *side
+  // becomes what is left of it.
+  bool ConjugateGradients(const System& system, Eigen::VectorXd* side,
                           Eigen::VectorXd* x) const;
   // W y of a pose's y, added to *sum; W^T x of a pose.
   void AddByPose(int pose, const PoseVector& y, Eigen::VectorXd* sum) const;
@@ -102,7 +106,7 @@ class LargeEquations : public NormalEquations {
   Eigen::VectorXd PosesBehind(const System& system, const Eigen::VectorXd& x,
                               Eigen::VectorXd poses) const;
   // Solves with a preconditioner that serves.
-  bool SolveSystem(const System& system, const Eigen::VectorXd& right,
+  bool SolveSystem(const System& system, Eigen::VectorXd* side,
                    Eigen::VectorXd* x) const;
 
   ParameterLayout layout_;

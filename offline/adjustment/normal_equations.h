@@ -103,6 +103,14 @@ class NormalEquations {
   /// zero behind them. *solution is over the same.
   virtual bool SolveFor(double lambda, const Eigen::MatrixXd& right,
                         Eigen::MatrixXd* solution) const = 0;
+  /// SolveFor(), which also tells what is left: *rest = right - H x. It is zero
+  /// unless solutions are reached by iterations.
+  virtual bool SolveWithRest(double lambda, const Eigen::MatrixXd& right,
+                             Eigen::MatrixXd* solution,
+                             Eigen::MatrixXd* rest) const {
+    rest->setZero(right.rows(), right.cols());
+    return SolveFor(lambda, right, solution);
+  }
   /// How many right sides can be afforded for each Solve().
   virtual int NumCheapSides() const = 0;
 };

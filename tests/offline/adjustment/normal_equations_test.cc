@@ -4,6 +4,7 @@
 
 #include "adjustment/dense_equations.h"
 #include "adjustment/large_equations.h"
+#include "adjustment/precision_root.h"
 #include "small_problem.h"
 #include "support.h"
 
@@ -351,6 +352,51 @@ TEST(LargeEquations, TakeTheDenseStepOfAGrid) {
   EXPECT_LT(RelativeDifference(large.points, dense.points), 1e-5);
   for (size_t i = 0; i < dense.poses.size(); ++i)
     EXPECT_LT(RelativeDifference(large.poses[i], dense.poses[i]), 1e-4);
+}
+
+// A prior whose strength settles, as it is learned: equations of a loose
+// tolerance start from the last one's solution, and are soon done.
+TEST(LargeEquations, TellWhatTheirSolutionsLeave) {
+  constexpr double kLambda = 1e-6, kTolerance = 0.01;
+  constexpr int kSides = 8;
+  SmallProblem problem = MakeSmallProblem({30, 60, 0.3});
+  const CentralGeneric grid = FittedGrid(problem.state.camera(), 30);
+  problem.state.SetCamera(grid);
+  GaussianPrior prior;
+  prior.cameras = {SmoothnessPrior(grid)};
+  prior.points_mean = problem.state.points;
+  prior.points_weight = 1e4;
+  const ParameterLayout layout(problem.state, {});
+  std::mt19937 random_bits(1);
+  const PrecisionRoot root(prior.cameras[0].groups[0].precision);
+  Eigen::MatrixXd share = Eigen::MatrixXd::Zero(layout.size, kSides);
+  for (int k = 0; k < kSides; ++k)
+    share.col(k).head(layout.first_point) =
+        root.Times(RandomSigns(root.size(), &random_bits), layout.first_point);
+  const auto jacobians = WeightedJacobians(problem.state, problem.views, 1, 1);
+  const auto memory = std::make_shared<LargeEquations::Memory>();
+  Eigen::MatrixXd right, solution, rest, exact;
+  for (const double weight : {1.0, 1.3, 1.25, 1.26}) {
+    prior.cameras[0].groups[0].weight = weight;
+    right = std::sqrt(weight) * share;
+    const PriorEquations prior_equations(prior, problem.state, layout);
+    ASSERT_TRUE(LargeEquations(layout, jacobians, prior_equations,
+                               problem.state.points, kTolerance, 1, memory)
+                    .SolveWithRest(kLambda, right, &solution, &rest));
+  }
+  const PriorEquations prior_equations(prior, problem.state, layout);
+  const DenseEquations dense(layout, jacobians, prior_equations, 1);
+  ASSERT_TRUE(dense.SolveFor(kLambda, right, &exact));
+  const auto products = [](const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+    return Eigen::RowVectorXd(a.cwiseProduct(b).colwise().sum());
+  };
+  const Eigen::RowVectorXd error = products(right, solution - exact);
+  const Eigen::RowVectorXd made_good = error + products(rest, solution);
+  EXPECT_LT(made_good.norm(), 0.3 * error.norm());
+  // Nothing is left of direct solutions.
+  ASSERT_TRUE(dense.SolveWithRest(kLambda, right, &solution, &rest));
+  EXPECT_EQ(solution, exact);
+  EXPECT_EQ(rest, Eigen::MatrixXd::Zero(layout.size, kSides));
 }
 
 }  // namespace
