@@ -20,11 +20,16 @@
 namespace raygrid {
 namespace {
 
+// With --fine: cells of 20 and 10 px make 10,000 and 40,000 parameters.
+constexpr ImageSize kFineSize = {1840, 1040};
+constexpr int kFineImages = 500;
+
 struct ExperimentArguments {
-  std::string name, size = "640x480", output;
+  std::string name, size, output;
   std::string features, image_size, pattern, walk, result;
   std::vector<std::string> cameras, rigs, images, hold_out;
   int num_images = 0;
+  std::vector<double> bump_widths_px;
   double nearest_m = 0;
   bool list = false;
   ExperimentOptions options;
@@ -56,6 +61,20 @@ void RequireUse(const Experiment& experiment,
                   fmt::format("experiment {}: has no use for {}",
                               experiment.name, option));
   };
+  if (arguments.options.fine && experiment.name != "model-validation")
+    throw Error(ExitCode::kUsage, fmt::format("experiment {}: has no use for "
+                                              "--fine",
+                                              experiment.name));
+  if (arguments.options.fine && !arguments.features.empty())
+    throw Error(ExitCode::kUsage,
+                "--fine simulates its features; give it or --features");
+  if (!arguments.bump_widths_px.empty() && !arguments.options.fine)
+    throw Error(ExitCode::kUsage, "--bump-px is for --fine");
+  constexpr size_t kMostWidths = 6;  // in a chart
+  if (arguments.bump_widths_px.size() > kMostWidths)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--bump-px: {} of them; give {} at most",
+                            arguments.bump_widths_px.size(), kMostWidths));
   require("--features", !arguments.features.empty());
   require("--result", !arguments.result.empty());
   require("--camera", !arguments.cameras.empty());
@@ -190,13 +209,18 @@ void Run(const ExperimentArguments& arguments, const CommonOptions& common) {
                 "experiment: give a name and -o FOLDER, or --list");
   const Experiment& experiment = FindExperiment(arguments.name);
   ExperimentOptions options = arguments.options;
-  options.size = ParseImageSize("--size", arguments.size);
+  if (!arguments.size.empty())
+    options.size = ParseImageSize("--size", arguments.size);
+  else if (options.fine)
+    options.size = kFineSize;
   if (arguments.num_images > 0)
     options.num_images = arguments.num_images;
   else
-    options.num_images = experiment.num_images;
+    options.num_images = options.fine ? kFineImages : experiment.num_images;
   RequireUse(experiment, arguments);
   RequireInputsStay(experiment, arguments);
+  if (!arguments.bump_widths_px.empty())
+    options.bump_widths_px = arguments.bump_widths_px;
   options.data = ReadData(arguments);
   options.seed = common.seed;
   options.num_threads = common.threads;
@@ -277,8 +301,16 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
                    "number of simulated walks of trajectory-drift")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  command->add_option("--size", arguments->size, "of images, WxH")
-      ->capture_default_str();
+  command->add_option(
+      "--size", arguments->size,
+      fmt::format("of images, WxH (default: 640x480; with --fine {}x{})",
+                  kFineSize.width, kFineSize.height));
+  command->add_flag(
+      "--fine", options.fine,
+      fmt::format("model-validation in the paper's regime: lenses whose bumps "
+                  "are 20 to 60 px wide, {} images of star boards, cells of "
+                  "30, 20 and 10 px; takes hours",
+                  kFineImages));
   command
       ->add_option("--blur-px", options.blur_px,
                    "the lens's blur, standard deviation")
@@ -289,6 +321,12 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
                    "standard deviation, grey levels")
       ->check(CLI::Range(0.0, 255.0))
       ->capture_default_str();
+  command
+      ->add_option("--bump-px", arguments->bump_widths_px,
+                   "with --fine: how wide a lens's bumps are at half their "
+                   "height; may be repeated (default: 20, 40, 60)")
+      ->allow_extra_args(false)
+      ->check(CLI::Range(5.0, 500.0));
   AddHugeOption(command);
   command->callback([arguments, common] { Run(*arguments, *common); });
 }

@@ -60,6 +60,9 @@ struct ExperimentOptions {
   double blur_px = 0.7;   ///< of the lens, standard deviation
   double read_noise = 2;  ///< standard deviation, grey levels
   int num_walks = 3;      ///< of trajectory-drift
+  bool fine = false;      ///< model-validation: in the paper's regime
+  std::vector<double> bump_widths_px = {20, 40,
+                                        60};  ///< with fine: a lens each
   uint64_t seed = 0;
   int num_threads = 0;                   ///< 0 means all cores
   std::function<void(double)> progress;  ///< from 0 to 1, if any

@@ -3,6 +3,7 @@
 #include "dataset/error.h"
 #include "evaluation/model_difference.h"
 #include "experiments/calibrated_cameras.h"
+#include "experiments/fine_validation.h"
 #include "experiments/picture_sheet.h"
 #include "report/pictures.h"
 
@@ -73,6 +74,7 @@ SheetPicture Directions(const ModelChoice& choice,
 }  // namespace
 
 ExperimentResult ValidateModels(const ExperimentOptions& options) {
+  if (options.fine) return ValidateFineModels(options);
   const ExperimentFeatures features = FeaturesFor(options);
   ExperimentResult table;
   table.conditions = features.conditions;

@@ -56,15 +56,15 @@ std::optional<Eigen::Vector2d> UnevenLens::Project(
 bool UnevenLens::Linearize(const Eigen::Vector3d& point,
                            const Eigen::Vector2d* start, double margin_px,
                            LinearizedProjection* projection) const {
-  constexpr double kStepPx = 0.01;
+  constexpr double kSlopeStepPx = 0.01;
   const auto pixel = Project(point, start, margin_px);
   if (!pixel) return false;
   Eigen::Matrix2d by_pixel;
   for (int k = 0; k < 2; ++k) {
-    const Eigen::Vector2d step = kStepPx * Eigen::Vector2d::Unit(k);
+    const Eigen::Vector2d step = kSlopeStepPx * Eigen::Vector2d::Unit(k);
     by_pixel.col(k) = (ToChart(DirectionOf(PlaceOfPixel(*pixel + step))) -
                        ToChart(DirectionOf(PlaceOfPixel(*pixel - step)))) /
-                      (2 * kStepPx);
+                      (2 * kSlopeStepPx);
   }
   projection->pixel = *pixel;
   projection->by_point = by_pixel.inverse() * ToChartDerivative(point);

@@ -99,6 +99,40 @@ class Experiment(CommandTest):
             self.assertEqual((len(parametric), len(generic)), (3, 4))
             self.assertLess(2 * max(generic), min(parametric))
 
+    def fine(self, name, *options):
+        """The rows of model-validation --fine, small, and its pictures."""
+        folder = self.path(name)
+        self.assert_done(run("experiment", "model-validation", "--fine", "-o", folder, *options))
+        text = read(os.path.join(folder, "model-validation.csv")).decode()
+        rows = list(csv.DictReader(line for line in text.splitlines() if line[0] != "#"))
+        return rows, sorted(file for file in os.listdir(folder) if file.endswith(".png"))
+
+    def test_fine_model_validation(self):
+        rows, pictures = self.fine("fine", "--images", 20, "--size", "160x100", "--bump-px", 20)
+        self.assertEqual(pictures, ["model-validation-directions-20px.png"])
+        self.assertEqual({row["bump_px"] for row in rows}, {"20"})
+
+        def column(key, model=""):
+            return {int(row["cell_px"]): float(row[key]) for row in rows
+                    if row["model"].startswith(model) and (model or row["cell_px"] == "0")}
+        parameters = column("parameters", "central-generic")
+        self.assertEqual(list(parameters), [30, 20, 10])
+        self.assertEqual(len(column("test_median_px", "noncentral-generic")), 3)
+        parametric = min(float(row["test_median_px"]) for row in rows if row["cell_px"] == "0")
+        for model in ("central-generic", "noncentral-generic"):
+            # Cells of 30 px cannot follow bumps of 20 px, those of 10 px can.
+            errors, rays = column("test_median_px", model), column("ray_rms_px", model)
+            self.assertLess(1.2 * errors[10], parametric)
+            self.assertLess(1.5 * rays[10], rays[30])
+            self.assertLess(errors[10], errors[30])
+
+    def test_fine_is_refused_where_it_has_no_use(self):
+        for name, *options in (["noncentrality"], ["model-validation", "--features", "no.csv"]):
+            result = run("experiment", name, "--fine", "-o", self.path("none"), *options)
+            self.assertEqual(result.returncode, 1)
+            self.assertIn("--fine", result.stderr)
+            self.assertEqual(result.stderr.count("\n"), 1)
+
     def test_model_comparison(self):
         rows, pictures = self.small("model-comparison")
         self.assertEqual(pictures, ["model-comparison-direction.png",

@@ -1,0 +1,297 @@
+#include "experiments/fine_validation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "calibration/camera_evaluation.h"
+#include "calibration/camera_result.h"
+#include "calibration/model_adjustment.h"
+#include "calibration/starting_lens.h"
+#include "dataset/error.h"
+#include "dataset/parallel_for.h"
+#include "evaluation/model_difference.h"
+#include "experiments/picture_sheet.h"
+#include "report/pictures.h"
+#include "simulation/bumpy_lens.h"
+#include "simulation/simulated_observations.h"
+#include "target/star_boards.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kBumpHeightPx = 0.2;
+constexpr double kFinePupilShiftM = 2e-4;  // at one radian
+constexpr double kFineNoisePx = 0.03;      // in an axis
+constexpr int kMostFeatures = 1050;        // of an image
+constexpr int kTestEvery = 5;
+
+struct FineModel {
+  const char* name;
+  double cell_px;  // 0 of a parametric model
+
+  std::string Label() const {
+    return cell_px > 0 ? fmt::format("{}/{:g}", name, cell_px) : name;
+  }
+};
+
+constexpr FineModel kFineModels[] = {{"opencv", 0},
+                                     {"thin-prism-fisheye", 0},
+                                     {"central-radial", 0},
+                                     {"central-generic", 30},
+                                     {"central-generic", 20},
+                                     {"central-generic", 10},
+                                     {"noncentral-generic", 30},
+                                     {"noncentral-generic", 20},
+                                     {"noncentral-generic", 10}};
+
+// 62 degrees across the image's width, with barrel distortion.
+BumpyLens FineLens(const ImageSize& size, double bump_width_px, uint64_t seed) {
+  constexpr double kBeyondPx = 50;
+  const Area area = {-1, -1, double(size.width), double(size.height)};
+  const double f_px = 0.83 * size.width;
+  const OpenCvModel lens(
+      size,
+      {area.x0 - kBeyondPx, area.y0 - kBeyondPx, area.x1 + kBeyondPx,
+       area.y1 + kBeyondPx},
+      {f_px, 1.002 * f_px, size.width * 0.503 - 0.5, size.height * 0.495 - 0.5,
+       -0.28, 0.09, 0, 0, 0, 0, 7e-4, -4e-4});
+  return BumpyLens(lens, area,
+                   {bump_width_px, kBumpHeightPx, kFinePupilShiftM, seed});
+}
+
+Pattern FineBoard() {
+  StarBoardOptions options;
+  options.columns = 56;
+  options.rows = 40;
+  options.square_mm = 12;
+  Pattern pattern;
+  pattern.boards = StarBoards(options);
+  for (Board& board : pattern.boards) board.points = board.NominalPoints();
+  return pattern;
+}
+
+// Features of a board, any point of which looks out of any pixel.
+std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
+                                  uint64_t seed) {
+  Random random(seed);
+  const double x = random.Uniform(0, board.columns - 1);
+  const double y = random.Uniform(0, board.rows - 1);
+  const Pose pose =
+      RandomPoses(camera, board.square_m * Eigen::Vector3d(x, y, 0),
+                  board.square_m, 1, {}, seed)
+          .front();
+  const std::vector<Feature> seen = VisibleFeatures(camera, board, pose);
+  // Each is taken with the chance that leaves as many as are to be taken.
+  std::vector<Feature> taken;
+  int num_left = static_cast<int>(seen.size());
+  for (const Feature& feature : seen) {
+    const int num_wanted = kMostFeatures - static_cast<int>(taken.size());
+    if (random.Uniform(0, num_left--) < num_wanted) taken.push_back(feature);
+  }
+  SimulationOptions noise;
+  noise.noise_px = kFineNoisePx;
+  AddNoise(noise, &random, &taken);
+  return taken;
+}
+
+// Images to calibrate with, and others to test with.
+struct FineImages {
+  Dataset training, test;
+};
+
+FineImages SimulateFineImages(const CameraModel& camera, const Board& board,
+                              const ExperimentOptions& options) {
+  std::vector<ImageFeatures> images(options.num_images);
+  ParallelFor(options.num_images, NumThreads(options.num_threads), [&](int i) {
+    images[i] = {fmt::format("sim{:04d}.png", i),
+                 FineFeatures(camera, board, options.seed * 100000 + i + 1)};
+  });
+  FineImages split;
+  split.training.image_size = split.test.image_size = camera.image_size();
+  for (size_t i = 0; i < images.size(); ++i)
+    (i % kTestEvery == kTestEvery - 1 ? split.test : split.training)
+        .images.push_back(std::move(images[i]));
+  if (split.test.images.empty())
+    throw Error(ExitCode::kTooFew,
+                "too few images to hold some out; take five or more");
+  return split;
+}
+
+// The fewest residuals of a cell of the bias's grid.
+int FewestInACell(const std::vector<FeatureResidual>& residuals,
+                  const Area& area) {
+  std::vector<int> counts(kBiasCells * kBiasCells);
+  const auto cell_of = [](double position, double start, double extent) {
+    return std::clamp(
+        static_cast<int>((position - start) / extent * kBiasCells), 0,
+        kBiasCells - 1);
+  };
+  for (const FeatureResidual& residual : residuals)
+    ++counts[cell_of(residual.pixel.y(), area.y0, area.height()) * kBiasCells +
+             cell_of(residual.pixel.x(), area.x0, area.width())];
+  return *std::min_element(counts.begin(), counts.end());
+}
+
+struct FineFigures {
+  double test_px = 0;
+  std::optional<double> bias;
+  std::vector<FeatureResidual> training;
+};
+
+// The model from the starting lens: adjusted as calibrate adjusts it, the
+// board's points free.
+FineFigures AddFineRow(const FineModel& model, const CameraModel& truth,
+                       const FineImages& images, const Pattern& pattern,
+                       const Adjusted& start, double bump_width_px,
+                       const ExperimentOptions& options,
+                       ExperimentResult* table) {
+  AdjustmentOptions adjustment;
+  adjustment.num_threads = NumThreads(options.num_threads);
+  Adjusted adjusted = start;
+  AdjustModel(pattern, model.name, {model.cell_px}, adjustment, &adjusted);
+  AlignBoards(pattern, &adjusted);
+  const CameraModel& camera = adjusted.state.camera();
+  FineFigures figures;
+  figures.training =
+      TrainingResiduals(pattern, adjusted, 0, options.num_threads);
+  figures.test_px =
+      ComputeErrorFigures(EvaluateCamera(camera, images.test,
+                                         AdjustedPattern(pattern, adjusted),
+                                         options.num_threads)
+                              .residuals)
+          .median_px;
+  figures.bias = ComputeBias(figures.training, camera.area());
+  const auto noise_bias = NoiseBias(figures.training, camera.area());
+  constexpr double kStepPx = 5;
+  const ModelDifference difference = CompareModels(truth, camera, kStepPx);
+  const auto or_dash = [](const std::optional<double>& number) {
+    return number ? Cell(*number) : Cell(std::string("-"));
+  };
+  table->rows.push_back(
+      {static_cast<int>(bump_width_px), std::string(model.name),
+       static_cast<int>(model.cell_px), camera.NumParameters(),
+       ComputeErrorFigures(figures.training).median_px, figures.test_px,
+       or_dash(figures.bias), or_dash(noise_bias),
+       FewestInACell(figures.training, camera.area()), difference.median_px,
+       difference.rms_px});
+  return figures;
+}
+
+// Short enough to stand over a picture.
+std::string CaptionOf(const FineModel& model, const FineFigures& figures) {
+  std::string label = model.Label();
+  const size_t generic = label.find("-generic");
+  if (generic != std::string::npos) label.erase(generic, 8);
+  const std::string bias =
+      figures.bias ? fmt::format(", bias {:.3f}", *figures.bias) : "";
+  return fmt::format("{}: test {:.4f} px{}", label, figures.test_px, bias);
+}
+
+std::vector<Condition> FineConditions(const ExperimentOptions& options) {
+  return {
+      {"images", fmt::format("{} of {} x {} px, of which every fifth is held "
+                             "out; of a star board, up to {} features each",
+                             options.num_images, options.size.width,
+                             options.size.height, kMostFeatures)},
+      {"features", "simulated, not detected in rendered images"},
+      {"noise", fmt::format("{:g} px in an axis", kFineNoisePx)},
+      {"lens", fmt::format("62 degrees, bumps of {:g} px, as wide as the table "
+                           "says at half their height; the pupil moves {:g} mm "
+                           "at one radian",
+                           kBumpHeightPx, 1e3 * kFinePupilShiftM)},
+      {"calibrated", "the board's points free, cells as the table says"},
+      {"seed", std::to_string(options.seed)}};
+}
+
+ExperimentResult EmptyFineTable(const ExperimentOptions& options) {
+  ExperimentResult table;
+  table.conditions = FineConditions(options);
+  table.columns = {"bump_px",
+                   "model",
+                   "cell_px",
+                   "parameters",
+                   "training_median_px",
+                   "test_median_px",
+                   "bias_kl",
+                   "noise_bias_kl",
+                   "fewest_in_a_cell",
+                   "ray_error_px",
+                   "ray_rms_px"};
+  table.chart.title = "Held-out error by model and width of the lens's bumps";
+  table.chart.note =
+      "median over features; c: central-generic, n: noncentral-generic, with "
+      "their cells in px";
+  table.chart.x_label = "model";
+  table.chart.y_label = "median error, px";
+  table.chart.is_logarithmic = true;
+  for (const FineModel& model : kFineModels)
+    table.chart.ticks.push_back(
+        {double(table.chart.ticks.size()),
+         model.cell_px > 0
+             ? fmt::format("{}/{:g}", model.name[0], model.cell_px)
+             : model.name});
+  return table;
+}
+
+}  // namespace
+
+ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
+  ExperimentResult table = EmptyFineTable(options);
+  const Pattern pattern = FineBoard();
+  const Image wheel = DirectionLegend(96);
+  int num_done = 0;
+  for (const double width_px : options.bump_widths_px) {
+    const BumpyLens truth = FineLens(options.size, width_px, options.seed);
+    const FineImages images =
+        SimulateFineImages(truth, pattern.boards.front(), options);
+    table.conditions.push_back(
+        {fmt::format("features, bumps {:g} px", width_px),
+         fmt::format("{} to calibrate with, {} to test with",
+                     images.training.num_features(),
+                     images.test.num_features())});
+    AdjustmentOptions adjustment;
+    adjustment.num_threads = NumThreads(options.num_threads);
+    const Adjusted start =
+        AdjustStartingLens(images.training, pattern, adjustment);
+    ChartSeries series = {
+        fmt::format("bumps {:g} px wide", width_px), {}, false};
+    std::vector<SheetPicture> pictures;
+    for (size_t i = 0; i < std::size(kFineModels); ++i) {
+      const FineModel& model = kFineModels[i];
+      try {
+        const FineFigures figures = AddFineRow(
+            model, truth, images, pattern, start, width_px, options, &table);
+        series.points.push_back({double(i), figures.test_px});
+        pictures.push_back({CaptionOf(model, figures),
+                            DirectionPicture(figures.training, options.size,
+                                             WholeImage(options.size))});
+      } catch (const Error& error) {
+        table.conditions.push_back(
+            {fmt::format("{}, bumps {:g} px", model.Label(), width_px),
+             error.what()});
+      }
+      if (options.progress)
+        options.progress(
+            double(++num_done) /
+            double(std::size(kFineModels) * options.bump_widths_px.size()));
+    }
+    if (pictures.empty())
+      throw Error(ExitCode::kInitialization, "no model could be calibrated");
+    table.chart.series.push_back(std::move(series));
+    table.pictures.push_back(
+        {fmt::format("directions-{:g}px", width_px),
+         PictureSheet(
+             pictures,
+             {fmt::format("Bumps {:g} px wide. Direction of the nearest",
+                          width_px),
+              "training residual (projected - observed), by the",
+              "colours of the wheel. Patches: the model's error."},
+             &wheel)});
+  }
+  return table;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,14 @@
+#ifndef RAYGRID_EXPERIMENTS_FINE_VALIDATION_H
+#define RAYGRID_EXPERIMENTS_FINE_VALIDATION_H
+
+#include "experiments/experiment.h"
+
+namespace raygrid {
+
+/// The validation of models in the paper's regime: lenses whose bumps are 20 to
+/// 60 px wide, hundreds of star boards, and cells of 30, 20 and 10 px.
+ExperimentResult ValidateFineModels(const ExperimentOptions& options);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXPERIMENTS_FINE_VALIDATION_H
