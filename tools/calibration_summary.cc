@@ -49,11 +49,7 @@ void PrintUncertainty(const CameraUncertainty& uncertainty,
       uncertainty.lattice.MedianPx(), uncertainty.max_deviation_px,
       100 * uncertainty.TrustedPart(camera.image_size(), camera.area()));
   const FeatureNoise& noise = uncertainty.noise;
-  if (noise.IsShared())
-    fmt::print(
-        "  noise of features: {:.4f} px each for itself, {:.4f} px that "
-        "neighbours share over {:.1f} features\n",
-        noise.own_px, noise.shared_px, noise.shared_features);
+  if (noise.IsShared()) fmt::print("  noise of features: {}\n", noise.Text());
 }
 
 void PrintImageCircle(const CameraModel& camera) {

@@ -1,5 +1,7 @@
 #include "camera/camera_uncertainty.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -97,6 +99,19 @@ Eigen::Vector2d TrustMask::CellCenter(int cell) const {
 bool TrustMask::TrustsAny() const {
   return std::find(is_trusted.begin(), is_trusted.end(), true) !=
          is_trusted.end();
+}
+
+std::string FeatureNoise::Text() const {
+  if (own_px > 0)
+    return fmt::format(
+        "{:.4f} px each for itself, {:.4f} px that neighbours share over "
+        "{:.1f} "
+        "features",
+        own_px, shared_px, shared_features);
+  return fmt::format(
+      "neighbours share it; it moves the camera as {:.2f} px over {:.1f} "
+      "features would, most of which poses take up",
+      shared_px, shared_features);
 }
 
 CameraUncertainty CameraUncertainty::OfMask(const TrustMask& mask) {

@@ -2,6 +2,7 @@
 #define RAYGRID_CAMERA_CAMERA_UNCERTAINTY_H
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "camera/area.h"
@@ -80,6 +81,10 @@ struct FeatureNoise {
   bool IsShared() const {
     return shared_px >= 0.1 * own_px && shared_px >= 5e-5;
   }
+  /// The two parts in words. Errors of another kind, such as of a rolling
+  /// shutter, may move the camera more than their squares tell. Nothing is then
+  /// left for the own part, and the shared one is what would move it as far.
+  std::string Text() const;
 };
 
 /// How well a camera is known: by the calibration's noise where it can be

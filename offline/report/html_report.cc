@@ -75,12 +75,7 @@ void AddTrustRows(const CalibrationResult& result, std::vector<HtmlRow>* rows) {
                                                          camera.area()),
                                 known->max_deviation_px)});
     const FeatureNoise& noise = result.feature_noise;
-    if (noise.IsShared())
-      rows->push_back(
-          {"noise of features",
-           fmt::format("{:.4f} px each for itself, {:.4f} px that neighbours "
-                       "share over {:.1f} features",
-                       noise.own_px, noise.shared_px, noise.shared_features)});
+    if (noise.IsShared()) rows->push_back({"noise of features", noise.Text()});
   }
   if (const auto& circle = camera.image_circle())
     rows->push_back(

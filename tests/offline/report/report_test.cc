@@ -242,6 +242,13 @@ TEST(ResultFolder, HoldsAllThatTheReportSays) {
   EXPECT_EQ(ReportOf(out), html);
 }
 
+// A rolling shutter's errors move the camera more than their squares tell.
+TEST(FeatureNoise, IsNotToldAsPixelsWhereOnlyItsInfluenceIsKnown) {
+  const std::string text = FeatureNoise{0, 4.03, 8}.Text();
+  EXPECT_TRUE(Has(text, "moves the camera as 4.03 px over 8.0 features"));
+  EXPECT_FALSE(Has(text, "each for itself"));
+}
+
 // Noise, which JPEG makes least of.
 Image NoiseImage(const ImageSize& size, unsigned seed) {
   TestRandom random(seed);
