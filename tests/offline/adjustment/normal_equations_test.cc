@@ -399,5 +399,17 @@ TEST(LargeEquations, TellWhatTheirSolutionsLeave) {
   EXPECT_EQ(rest, Eigen::MatrixXd::Zero(layout.size, kSides));
 }
 
+// A grid too large to be factored at once.
+TEST(DenseIsFaster, WhereIterationsTakeMoreOperations) {
+  SmallProblem problem = MakeSmallProblem({3, 4, 0});
+  problem.state.SetCamera(FittedGrid(problem.state.camera(), 30));
+  const ParameterLayout layout(problem.state, {false, true});
+  const double size = NumDenseUnknowns(layout);
+  ASSERT_GT(size, 600);
+  EXPECT_FALSE(DenseIsFaster(layout, 0));
+  EXPECT_FALSE(DenseIsFaster(layout, size * size));
+  EXPECT_TRUE(DenseIsFaster(layout, size * size * size));
+}
+
 }  // namespace
 }  // namespace raygrid
