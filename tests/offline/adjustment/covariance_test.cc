@@ -28,26 +28,11 @@ std::vector<PixelUncertainty> UncertaintyFor(
                                problem.views, problem.state, 0, lattice);
 }
 
-// Views of a camera with a coarse grid, exactly; the area is that of its image.
-SmallProblem ExactProblem() {
-  SmallProblem problem = MakeSmallProblem({25, 60, 0});
-  const CentralGeneric grid = FittedGrid(problem.state.camera(), 260);
-  problem.state.SetCamera(grid);
-  for (View& view : problem.views)
-    for (Observation& o : view.observations)
-      o.pixel = problem.state.cameras[0]
-                    ->Project(problem.state.CameraFromPattern(view) *
-                                  problem.state.points[o.point],
-                              &o.pixel, kAdjustmentMarginPx)
-                    .value();
-  return problem;
-}
+SmallProblem ExactProblem() { return MakeExactGridProblem(25, 60); }
 
 GaussianPrior WeakPrior(const SmallProblem& problem) {
   GaussianPrior prior;
-  prior.cameras = {SmoothnessPrior(
-      dynamic_cast<const CentralGeneric&>(problem.state.camera()))};
-  prior.cameras[0].groups[0].weight = 1e-6;
+  prior.cameras = {WeakGridPrior(problem)};
   prior.points_mean = problem.state.points;
   prior.points_weight = 1e8;
   return prior;

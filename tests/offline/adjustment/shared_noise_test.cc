@@ -11,22 +11,12 @@ constexpr double kOwnPx = 0.1;
 
 // Views of a camera with a coarse grid, exactly, and a weak prior.
 struct ExactViews {
-  SmallProblem problem = MakeSmallProblem({40, 90, 0});
+  SmallProblem problem = MakeExactGridProblem(40, 90);
   GaussianPrior prior;
   AdjustmentOptions options;
 
   ExactViews() {
-    problem.state.SetCamera(FittedGrid(problem.state.camera(), 260));
-    for (View& view : problem.views)
-      for (Observation& o : view.observations)
-        o.pixel = problem.state.cameras[0]
-                      ->Project(problem.state.CameraFromPattern(view) *
-                                    problem.state.points[o.point],
-                                &o.pixel, kAdjustmentMarginPx)
-                      .value();
-    prior.cameras = {SmoothnessPrior(
-        dynamic_cast<const CentralGeneric&>(problem.state.camera()))};
-    prior.cameras[0].groups[0].weight = 1e-6;
+    prior.cameras = {WeakGridPrior(problem)};
     options.fix_points = true;
     options.num_threads = 1;
   }

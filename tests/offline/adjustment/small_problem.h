@@ -152,6 +152,29 @@ inline AdjustmentState Disturbed(const AdjustmentState& truth,
   return state;
 }
 
+/// Views of a camera with a coarse grid, exactly; the area is that of its
+/// image.
+inline SmallProblem MakeExactGridProblem(int num_views, int num_points) {
+  SmallProblem problem = MakeSmallProblem({num_views, num_points, 0});
+  problem.state.SetCamera(FittedGrid(problem.state.camera(), 260));
+  for (View& view : problem.views)
+    for (Observation& o : view.observations)
+      o.pixel = problem.state.cameras[0]
+                    ->Project(problem.state.CameraFromPattern(view) *
+                                  problem.state.points[o.point],
+                              &o.pixel, kAdjustmentMarginPx)
+                    .value();
+  return problem;
+}
+
+/// Hardly any prior around the camera's grid.
+inline CameraPrior WeakGridPrior(const SmallProblem& problem) {
+  CameraPrior prior = SmoothnessPrior(
+      dynamic_cast<const CentralGeneric&>(problem.state.camera()));
+  prior.groups[0].weight = 1e-6;
+  return prior;
+}
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_TESTS_OFFLINE_ADJUSTMENT_SMALL_PROBLEM_H
