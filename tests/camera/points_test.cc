@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "camera_error.h"
 #include "camera_support.h"
+#include "temporary_folder.h"
 
 namespace raygrid {
 namespace {
@@ -18,10 +18,8 @@ bool Never() { return false; }
 // The output for a file of points.
 std::string Undistorted(const std::string& points,
                         const std::optional<rg_mode>& mode = std::nullopt) {
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / "raygrid_points_test";
-  std::filesystem::create_directories(folder);
-  const std::string in = (folder / "in.csv").string();
+  const TemporaryFolder folder;
+  const std::string in = folder / "in.csv";
   std::ofstream(in) << points;
   char* text = nullptr;
   size_t size = 0;
@@ -36,10 +34,8 @@ std::string Undistorted(const std::string& points,
   } catch (...) {
     std::fclose(output);
     std::free(text);
-    std::filesystem::remove_all(folder);
     throw;
   }
-  std::filesystem::remove_all(folder);
   return result;
 }
 

@@ -6,13 +6,13 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <filesystem>
 #include <functional>
 
 #include "allocation_count.h"
 #include "camera_support.h"
 #include "frame_output.h"
 #include "memory_source.h"
+#include "temporary_folder.h"
 
 namespace raygrid {
 namespace {
@@ -152,11 +152,10 @@ TEST(Undistorter, StopsAtOnceThoughNobodyTakesFrames) {
 
 TEST(Undistorter, NothingIsAllocatedForAFrameAfterTheFirst) {
   if (CountAllocations() < 0) GTEST_SKIP() << "not counted with sanitizers";
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / "raygrid_undistorter_test";
+  const TemporaryFolder folder;
   Pipeline pipeline("YUYV", 5, Play(100, 1000, true), EveryFrame(2));
   const auto output =
-      MakeRawFiles(folder.string(), pipeline.undistorter.format());
+      MakeRawFiles(folder / "frames", pipeline.undistorter.format());
   pipeline.Start();
   uint64_t taken = 0;
   int64_t first = 0, last = 0;
@@ -165,7 +164,6 @@ TEST(Undistorter, NothingIsAllocatedForAFrameAfterTheFirst) {
     last = CountAllocations();
     if (++taken == 2) first = last;
   });
-  std::filesystem::remove_all(folder);
   EXPECT_EQ(taken, 100u);
   EXPECT_GT(first, 0);
   EXPECT_EQ(last - first, 0);

@@ -2,12 +2,10 @@
 #define RAYGRID_TESTS_OFFLINE_SUPPORT_H
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <random>
 #include <string>
@@ -18,6 +16,7 @@
 #include "camera/pose.h"
 #include "dataset/error.h"
 #include "simulation/simulated_lenses.h"
+#include "temporary_folder.h"
 
 namespace raygrid {
 
@@ -203,37 +202,6 @@ void ExpectError(ExitCode code, const std::vector<std::string>& words,
           << "'" << word << "' is not in: " << error.what();
   }
 }
-
-/// A folder that lives as long as the test.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name =
-        (std::filesystem::temp_directory_path() / "raygrid-XXXXXX").string();
-    if (mkdtemp(name.data())) path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  std::string operator/(const std::string& name) const {
-    return (std::filesystem::path(path_) / name).string();
-  }
-  /// How many entries it has.
-  int Count() const {
-    int count = 0;
-    for ([[maybe_unused]] const auto& entry :
-         std::filesystem::directory_iterator(path_))
-      ++count;
-    return count;
-  }
-
- private:
-  std::string path_;
-};
 
 /// A text with its first such words replaced, which it must have.
 inline std::string TextWith(std::string text, const std::string& old,
