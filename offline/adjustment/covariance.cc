@@ -151,20 +151,24 @@ bool AddSampledCovariances(const LinearResponse& response,
                            const Lattice& lattice, int num_samples,
                            const ObservationNoise& noise,
                            JointCovariances* covariances) {
+  constexpr int kTogether = 4;  // samples
   std::mt19937 random_bits(1);  // the standard fixes its sequence
   const Eigen::Index size = response.layout().num_all();
-  for (int k = 0; k < num_samples; ++k) {
-    Eigen::MatrixXd right(size, 2), x;
-    right.col(0) =
-        response.Gradient(OwnNoise(response, &random_bits)) * noise.own_px +
-        response.DrawFlex(&random_bits) * noise.own_px;
-    right.col(1) = response.DrawPrior(&random_bits) * noise.total_px;
+  for (int first = 0; first < num_samples; first += kTogether) {
+    const int count = std::min(kTogether, num_samples - first);
+    Eigen::MatrixXd right(size, 2 * count), x;
+    for (int k = 0; k < count; ++k) {
+      right.col(k) =
+          response.Gradient(OwnNoise(response, &random_bits)) * noise.own_px +
+          response.DrawFlex(&random_bits) * noise.own_px;
+      right.col(count + k) = response.DrawPrior(&random_bits) * noise.total_px;
+    }
     if (!response.Solve(right, &x)) return false;
     const Eigen::MatrixXd moved = lattice.Moves(x);
-    covariances->by_noise +=
-        moved.col(0) * moved.col(0).transpose() / num_samples;
-    covariances->by_prior +=
-        moved.col(1) * moved.col(1).transpose() / num_samples;
+    const auto by_noise = moved.leftCols(count);
+    const auto by_prior = moved.rightCols(count);
+    covariances->by_noise += by_noise * by_noise.transpose() / num_samples;
+    covariances->by_prior += by_prior * by_prior.transpose() / num_samples;
   }
   Eigen::MatrixXd x;
   if (!response.Solve(response.PriorGradient(), &x)) return false;

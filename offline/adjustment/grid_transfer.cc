@@ -43,8 +43,9 @@ GridTransfer::GridTransfer(const GridShape& fine, const GridShape& coarse)
       columns_(Supports(fine.columns, coarse.columns)),
       rows_(Supports(fine.rows, coarse.rows)) {}
 
-void GridTransfer::AddProlonged(const double* coarse, double* fine) const {
-  const int k = fine_.per_node;
+void GridTransfer::AddProlonged(int num_fields, const double* coarse,
+                                double* fine) const {
+  const int k = fine_.per_node * num_fields;
   const int coarse_width = coarse_.columns * k;
   std::vector<double> row(coarse_width);
   for (int j = 0; j < fine_.rows; ++j) {
@@ -62,10 +63,12 @@ void GridTransfer::AddProlonged(const double* coarse, double* fine) const {
   }
 }
 
-Eigen::VectorXd GridTransfer::Restricted(const double* fine) const {
-  const int k = fine_.per_node;
+Eigen::VectorXd GridTransfer::Restricted(int num_fields,
+                                         const double* fine) const {
+  const int k = fine_.per_node * num_fields;
   const int coarse_width = coarse_.columns * k;
-  Eigen::VectorXd coarse = Eigen::VectorXd::Zero(coarse_.num_parameters());
+  Eigen::VectorXd coarse =
+      Eigen::VectorXd::Zero(coarse_.num_parameters() * num_fields);
   std::vector<double> row(coarse_width);
   for (int j = 0; j < fine_.rows; ++j) {
     row.assign(coarse_width, 0);

@@ -30,10 +30,11 @@ class GridTransfer {
 
   const GridShape& coarse() const { return coarse_; }
 
-  /// *fine += T coarse
-  void AddProlonged(const double* coarse, double* fine) const;
+  /// *fine += T coarse, of several fields, with a parameter's numbers side by
+  /// side.
+  void AddProlonged(int num_fields, const double* coarse, double* fine) const;
   /// T^T fine
-  Eigen::VectorXd Restricted(const double* fine) const;
+  Eigen::VectorXd Restricted(int num_fields, const double* fine) const;
 
   /// The coarse nodes of a fine row or column, and their weights.
   struct Support {

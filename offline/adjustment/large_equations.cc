@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "adjustment/coarse_basis.h"
 #include "adjustment/node_products.h"
@@ -36,13 +37,16 @@ void InvertNodeBlocks(Eigen::MatrixXd* blocks) {
     InvertBlocks<Eigen::MatrixXd>(blocks);
 }
 
-// *product += scale * blocks * vector, block by block.
-void AddBlockProduct(const Eigen::MatrixXd& blocks, const double* vector,
+// *product += blocks * vectors, block by block.
+template <int kNum>
+void AddBlockProduct(const Eigen::MatrixXd& blocks, const double* vectors,
                      double* product) {
   const Eigen::Index k = blocks.rows();
   for (Eigen::Index i = 0; i < blocks.cols(); ++i)
     for (Eigen::Index p = 0; p < k; ++p)
-      product[i / k * k + p] += blocks(p, i) * vector[i];
+      for (Eigen::Index n = 0; n < kNum; ++n)
+        product[(i / k * k + p) * kNum + n] +=
+            blocks(p, i) * vectors[i * kNum + n];
 }
 
 // T^T A T's blocks of coarse nodes.
@@ -117,37 +121,38 @@ int LargeEquations::ChunkBegin(int chunk) const {
   return static_cast<int>(poses_.size()) * chunk / NumChunks();
 }
 
-template <typename Body>
-Eigen::VectorXd LargeEquations::SumOverPoses(const Body& body) const {
-  std::vector<Eigen::VectorXd> sums(NumChunks());
+template <int kNum, typename Body>
+Columns<kNum> LargeEquations::SumOverPoses(const Body& body) const {
+  std::vector<Columns<kNum>> sums(NumChunks());
   ParallelFor(NumChunks(), num_threads_, [&](int chunk) {
-    sums[chunk].setZero(layout_.size);
+    sums[chunk].setZero(layout_.size, kNum);
     for (int p = ChunkBegin(chunk); p < ChunkBegin(chunk + 1); ++p)
       body(p, &sums[chunk]);
   });
   for (size_t chunk = 1; chunk < sums.size(); ++chunk) sums[0] += sums[chunk];
-  return sums.empty() ? Eigen::VectorXd::Zero(layout_.size) : sums[0];
+  return sums.empty() ? Columns<kNum>::Zero(layout_.size, kNum) : sums[0];
 }
 
 void LargeEquations::AccumulatePoses() {
-  gradient_ = prior_.gradient + SumOverPoses([&](int p, Eigen::VectorXd* sum) {
-                PoseBlock& pose = poses_[p];
-                pose.v.setZero(layout_.per_pose, layout_.per_pose);
-                pose.gradient.setZero(layout_.per_pose);
-                const Eigen::Index num_modes = prior_.flex_precision.size();
-                pose.v.diagonal().tail(num_modes) = prior_.flex_precision;
-                if (num_modes > 0)
-                  pose.gradient.tail(num_modes) = prior_.flex_gradient.col(p);
-                for (const int v : pose.views) {
-                  const ViewJacobian& j = jacobians_[v];
-                  if (j.count() == 0) continue;
-                  pose.v.noalias() += j.by_pose * j.by_pose.transpose();
-                  pose.gradient.noalias() += j.by_pose * j.error.reshaped();
-                  const ResidualProduct product(layout_, j);
-                  for (int i = 0; i < j.count(); ++i)
-                    product.AddTransposed(j.error.col(i), i, sum);
-                }
-              });
+  gradient_ =
+      prior_.gradient + SumOverPoses<1>([&](int p, Eigen::VectorXd* sum) {
+        PoseBlock& pose = poses_[p];
+        pose.v.setZero(layout_.per_pose, layout_.per_pose);
+        pose.gradient.setZero(layout_.per_pose);
+        const Eigen::Index num_modes = prior_.flex_precision.size();
+        pose.v.diagonal().tail(num_modes) = prior_.flex_precision;
+        if (num_modes > 0)
+          pose.gradient.tail(num_modes) = prior_.flex_gradient.col(p);
+        for (const int v : pose.views) {
+          const ViewJacobian& j = jacobians_[v];
+          if (j.count() == 0) continue;
+          pose.v.noalias() += j.by_pose * j.by_pose.transpose();
+          pose.gradient.noalias() += j.by_pose * j.error.reshaped();
+          const ResidualProduct product(layout_, j);
+          for (int i = 0; i < j.count(); ++i)
+            product.AddTransposed<1>(j.error.col(i), i, sum);
+        }
+      });
 }
 
 // A where the preconditioner wants it: nodes with nodes, points with
@@ -236,30 +241,33 @@ bool LargeEquations::MakeSystem(double lambda, System* system) const {
   return true;
 }
 
-Eigen::VectorXd LargeEquations::Apply(const System& system,
-                                      const Eigen::VectorXd& x) const {
-  Eigen::VectorXd y = SumOverPoses([&](int p, Eigen::VectorXd* sum) {
+template <int kNum>
+Columns<kNum> LargeEquations::Apply(const System& system,
+                                    const Columns<kNum>& x) const {
+  Columns<kNum> y = SumOverPoses<kNum>([&](int p, Columns<kNum>* sum) {
     const std::vector<int>& views = poses_[p].views;
-    std::vector<Eigen::Matrix2Xd> images;  // of x, by each view
-    PoseVector pose = PoseVector::Zero(layout_.per_pose);
+    std::vector<Columns<kNum>> images;  // of x, by each view
+    Eigen::Matrix<double, Eigen::Dynamic, kNum, 0, kMaxPerPose, kNum> pose;
+    pose.setZero(layout_.per_pose, kNum);
     for (const int v : views) {
       const ViewJacobian& j = jacobians_[v];
-      Eigen::Matrix2Xd& u = images.emplace_back(2, j.count());
+      Columns<kNum>& u = images.emplace_back(2 * j.count(), kNum);
       const ResidualProduct product(layout_, j);
-      for (int i = 0; i < j.count(); ++i) u.col(i) = product.Times(x, i);
-      if (j.count() > 0) pose.noalias() += j.by_pose * u.reshaped();
+      for (int i = 0; i < j.count(); ++i)
+        u.template middleRows<2>(2 * i) = product.Times<kNum>(x, i);
+      if (j.count() > 0) pose.noalias() += j.by_pose * u;
     }
     system.poses[p].solveInPlace(pose);
     for (size_t k = 0; k < views.size(); ++k) {
       const ViewJacobian& j = jacobians_[views[k]];
-      Eigen::Matrix2Xd& u = images[k];
-      if (j.count() > 0) u.reshaped().noalias() -= j.by_pose.transpose() * pose;
+      Columns<kNum>& u = images[k];
+      if (j.count() > 0) u.noalias() -= j.by_pose.transpose() * pose;
       const ResidualProduct product(layout_, j);
       for (int i = 0; i < j.count(); ++i)
-        product.AddTransposed(u.col(i), i, sum);
+        product.AddTransposed<kNum>(u.template middleRows<2>(2 * i), i, sum);
     }
   });
-  y += prior_.Times(x) + system.damping.cwiseProduct(x);
+  y += prior_.Times(x) + system.damping.asDiagonal() * x;
   return y;
 }
 
@@ -367,64 +375,75 @@ bool LargeEquations::MakePreconditioner(const System& system,
   return preconditioner->coarse.info() == Eigen::Success;
 }
 
-Eigen::VectorXd LargeEquations::Precondition(
-    const Preconditioner& preconditioner,
-    const Eigen::VectorXd& residual) const {
-  Eigen::VectorXd result =
-      preconditioner.basis *
+template <int kNum>
+Columns<kNum> LargeEquations::Precondition(
+    const Preconditioner& preconditioner, const Columns<kNum>& residual) const {
+  const Eigen::MatrixXd coarsest =
       preconditioner.coarse.solve(preconditioner.basis.transpose() * residual);
+  Columns<kNum> result = preconditioner.basis * coarsest;
   for (const CameraLevels& camera : preconditioner.cameras) {
-    const double* from = residual.data() + camera.first;
-    double* to = result.data() + camera.first;
-    AddBlockProduct(camera.inverse, from, to);
+    const double* from = residual.data() + kNum * camera.first;
+    double* to = result.data() + kNum * camera.first;
+    AddBlockProduct<kNum>(camera.inverse, from, to);
     for (const Level& level : camera.levels) {
-      const Eigen::VectorXd coarse = level.transfer.Restricted(from);
+      const Eigen::VectorXd coarse = level.transfer.Restricted(kNum, from);
       Eigen::VectorXd product = Eigen::VectorXd::Zero(coarse.size());
-      AddBlockProduct(level.inverse, coarse.data(), product.data());
-      level.transfer.AddProlonged(product.data(), to);
+      AddBlockProduct<kNum>(level.inverse, coarse.data(), product.data());
+      level.transfer.AddProlonged(kNum, product.data(), to);
     }
   }
-  AddBlockProduct(preconditioner.points, residual.data() + layout_.first_point,
-                  result.data() + layout_.first_point);
+  AddBlockProduct<kNum>(preconditioner.points,
+                        residual.data() + kNum * layout_.first_point,
+                        result.data() + kNum * layout_.first_point);
   return result;
 }
 
-bool LargeEquations::ConjugateGradients(const System& system,
-                                        Eigen::VectorXd* side,
-                                        Eigen::VectorXd* x) const {
+template <int kNum>
+bool LargeEquations::ConjugateGradients(const System& system, bool is_started,
+                                        Columns<kNum>* side,
+                                        Columns<kNum>* x) const {
+  using Each = Eigen::Array<double, 1, kNum>;
   const Preconditioner& preconditioner = *memory_->preconditioner;
-  Eigen::VectorXd& residual = *side;
-  const bool is_started = x->size() == residual.size();
-  Eigen::VectorXd z = Precondition(preconditioner, residual);
-  double product = residual.dot(z);
-  const double target = tolerance_ * tolerance_ * product;
+  Columns<kNum>& residual = *side;
+  const auto dot = [](const Columns<kNum>& a, const Columns<kNum>& b) -> Each {
+    return a.cwiseProduct(b).colwise().sum();
+  };
+  Columns<kNum> z = Precondition<kNum>(preconditioner, residual);
+  Each product = dot(residual, z);
+  const Each target = tolerance_ * tolerance_ * product;
   if (is_started) {
-    residual -= Apply(system, *x);
-    z = Precondition(preconditioner, residual);
-    product = residual.dot(z);
+    residual -= Apply<kNum>(system, *x);
+    z = Precondition<kNum>(preconditioner, residual);
+    product = dot(residual, z);
   } else {
-    x->setZero(residual.size());
+    x->setZero(residual.rows(), kNum);
   }
-  Eigen::VectorXd direction = z;
+  Columns<kNum> direction = z;
   int iterations = 0;
-  for (; iterations < kMaxIterations && product > target; ++iterations) {
-    const Eigen::VectorXd image = Apply(system, direction);
-    const double curvature = direction.dot(image);
-    if (!(curvature > 0)) return false;
-    const double length = product / curvature;
-    *x += length * direction;
-    residual -= length * image;
-    z = Precondition(preconditioner, residual);
-    const double next = residual.dot(z);
-    direction = z + next / product * direction;
+  for (; iterations < kMaxIterations && (product > target).any();
+       ++iterations) {
+    const Columns<kNum> image = Apply<kNum>(system, direction);
+    const Each curvature = dot(direction, image);
+    // A solution stays as it is, so that none depends on others.
+    const Eigen::Array<bool, 1, kNum> is_open = product > target;
+    if ((is_open && !(curvature > 0)).any()) return false;
+    const Each length = is_open.select(product / curvature, 0.0);
+    x->array() += direction.array().rowwise() * length;
+    residual.array() -= image.array().rowwise() * length;
+    z = Precondition<kNum>(preconditioner, residual);
+    const Each next = dot(residual, z);
+    const Each part = is_open.select(next / product, 0.0);
+    direction = z.array() + direction.array().rowwise() * part;
     product = next;
   }
   if (!is_started) memory_->last_iterations_ = iterations;
   return x->allFinite();
 }
 
-bool LargeEquations::SolveSystem(const System& system, Eigen::VectorXd* side,
-                                 Eigen::VectorXd* x) const {
+template <int kNum>
+bool LargeEquations::SolveColumns(const System& system, bool is_started,
+                                  Eigen::Index first, Eigen::MatrixXd* sides,
+                                  Eigen::MatrixXd* x) const {
   Memory& memory = *memory_;
   const bool is_new =
       !memory.preconditioner ||
@@ -436,11 +455,40 @@ bool LargeEquations::SolveSystem(const System& system, Eigen::VectorXd* side,
       return false;
     }
   }
-  const bool is_started = x->size() == side->size();
-  const bool is_solved = ConjugateGradients(system, side, x);
+  Columns<kNum> columns = sides->middleCols<kNum>(first), solution;
+  if (is_started) solution = x->middleCols<kNum>(first);
+  const bool is_solved =
+      ConjugateGradients<kNum>(system, is_started, &columns, &solution);
   if (is_new)
     memory.iterations_when_new =
         is_started ? kMaxWorse : memory.last_iterations_;
+  sides->middleCols<kNum>(first) = columns;
+  x->middleCols<kNum>(first) = solution;
+  return is_solved;
+}
+
+// Takes many sides at once: a residual's derivatives are read once for all.
+bool LargeEquations::SolveSystem(const System& system, bool is_started,
+                                 Eigen::MatrixXd* sides,
+                                 Eigen::MatrixXd* x) const {
+  const auto solve = [&](auto num, Eigen::Index first) {
+    return SolveColumns<num>(system, is_started, first, sides, x);
+  };
+  Eigen::Index first = 0;
+  bool is_solved = true;
+  while (is_solved && first < sides->cols()) {
+    const Eigen::Index left = sides->cols() - first;
+    if (left >= 8) {
+      is_solved = solve(std::integral_constant<int, 8>(), first);
+      first += 8;
+    } else if (left >= 4) {
+      is_solved = solve(std::integral_constant<int, 4>(), first);
+      first += 4;
+    } else {
+      is_solved = solve(std::integral_constant<int, 1>(), first);
+      ++first;
+    }
+  }
   return is_solved;
 }
 
@@ -450,7 +498,7 @@ void LargeEquations::AddByPose(int pose, const PoseVector& y,
     const ViewJacobian& j = jacobians_[v];
     const ResidualProduct product(layout_, j);
     for (int i = 0; i < j.count(); ++i)
-      product.AddTransposed(j.ByPose(i).transpose() * y, i, sum);
+      product.AddTransposed<1>(j.ByPose(i).transpose() * y, i, sum);
   }
 }
 
@@ -460,7 +508,7 @@ PoseVector LargeEquations::OfPose(int pose, const Eigen::VectorXd& x) const {
     const ViewJacobian& j = jacobians_[v];
     const ResidualProduct product(layout_, j);
     for (int i = 0; i < j.count(); ++i)
-      y.noalias() += j.ByPose(i) * product.Times(x, i);
+      y.noalias() += j.ByPose(i) * product.Times<1>(x, i);
   }
   return y;
 }
@@ -468,7 +516,7 @@ PoseVector LargeEquations::OfPose(int pose, const Eigen::VectorXd& x) const {
 Eigen::VectorXd LargeEquations::Eliminated(const System& system,
                                            const Eigen::VectorXd& poses) const {
   const int k = layout_.per_pose;
-  return SumOverPoses([&](int p, Eigen::VectorXd* sum) {
+  return SumOverPoses<1>([&](int p, Eigen::VectorXd* sum) {
     AddByPose(p, system.poses[p].solve(poses.segment(k * p, k)), sum);
   });
 }
@@ -491,48 +539,57 @@ bool LargeEquations::Solve(double lambda, AdjustmentStep* step) const {
   for (int p = 0; p < layout_.num_poses; ++p)
     gradient.segment(layout_.per_pose * p, layout_.per_pose) =
         poses_[p].gradient;
-  Eigen::VectorXd x, side = Eliminated(system, gradient) - gradient_;
-  if (!SolveSystem(system, &side, &x)) return false;
+  Eigen::MatrixXd side = Eliminated(system, gradient) - gradient_;
+  Eigen::MatrixXd x(layout_.size, 1);
+  if (!SolveSystem(system, false, &side, &x)) return false;
   const Eigen::VectorXd poses = PosesBehind(system, x, -gradient);
   *step = layout_.Step(x, poses);
   return poses.allFinite();
 }
 
+bool LargeEquations::SolveAll(double lambda, bool is_started,
+                              const Eigen::MatrixXd& right,
+                              Eigen::MatrixXd* solution,
+                              Eigen::MatrixXd* rest) const {
+  System system;
+  if (!MakeSystem(lambda, &system)) return false;
+  const Eigen::Index size = layout_.size;
+  const Eigen::Index num_poses = right.rows() - size;  // 0 or all
+  Eigen::MatrixXd sides = right.topRows(size);
+  for (Eigen::Index k = 0; num_poses > 0 && k < right.cols(); ++k)
+    sides.col(k) -= Eliminated(system, right.col(k).tail(num_poses));
+  Eigen::MatrixXd& x = memory_->last_solution;
+  if (!is_started) x.resize(size, right.cols());
+  if (!SolveSystem(system, is_started, &sides, &x)) {
+    x.resize(0, 0);
+    return false;
+  }
+  solution->resize(right.rows(), right.cols());
+  solution->topRows(size) = x;
+  for (Eigen::Index k = 0; num_poses > 0 && k < right.cols(); ++k)
+    solution->col(k).tail(num_poses) =
+        PosesBehind(system, x.col(k), right.col(k).tail(num_poses));
+  rest->setZero(right.rows(), right.cols());
+  rest->topRows(size) = sides;
+  return true;
+}
+
 bool LargeEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
                               Eigen::MatrixXd* solution) const {
   Eigen::MatrixXd rest;
-  return SolveWithRest(lambda, right, solution, &rest);
+  const bool is_solved = SolveAll(lambda, false, right, solution, &rest);
+  memory_->last_solution.resize(0, 0);  // no start for other right sides
+  return is_solved;
 }
 
 bool LargeEquations::SolveWithRest(double lambda, const Eigen::MatrixXd& right,
                                    Eigen::MatrixXd* solution,
                                    Eigen::MatrixXd* rest) const {
-  System system;
-  if (!MakeSystem(lambda, &system)) return false;
-  const Eigen::Index size = layout_.size;
-  const Eigen::Index num_poses = right.rows() - size;  // 0 or all
   // The solution changes little from one set of equations to the next.
-  Eigen::MatrixXd& last = memory_->last_solution;
-  const bool has_last = last.rows() == size && last.cols() == right.cols();
-  if (!has_last) last.resize(size, right.cols());
-  solution->resize(right.rows(), right.cols());
-  rest->setZero(right.rows(), right.cols());
-  for (Eigen::Index k = 0; k < right.cols(); ++k) {
-    Eigen::VectorXd x, side = right.col(k).head(size);
-    const Eigen::VectorXd poses = right.col(k).tail(num_poses);
-    if (has_last) x = last.col(k);
-    if (num_poses > 0) side -= Eliminated(system, poses);
-    if (!SolveSystem(system, &side, &x)) {
-      last.resize(0, 0);
-      return false;
-    }
-    last.col(k) = x;
-    solution->col(k).head(size) = x;
-    rest->col(k).head(size) = side;
-    if (num_poses > 0)
-      solution->col(k).tail(num_poses) = PosesBehind(system, x, poses);
-  }
-  return true;
+  const Eigen::MatrixXd& last = memory_->last_solution;
+  const bool has_last =
+      last.rows() == layout_.size && last.cols() == right.cols();
+  return SolveAll(lambda, has_last, right, solution, rest);
 }
 
 }  // namespace raygrid

@@ -10,6 +10,7 @@
 #include "adjustment/coarse_basis.h"
 #include "adjustment/grid_transfer.h"
 #include "adjustment/normal_equations.h"
+#include "adjustment/residual_product.h"
 
 namespace raygrid {
 
@@ -77,25 +78,28 @@ class LargeEquations : public NormalEquations {
 
   int NumChunks() const;
   int ChunkBegin(int chunk) const;
-  template <typename Body>
-  Eigen::VectorXd SumOverPoses(const Body& body) const;
+  template <int kNum, typename Body>
+  Columns<kNum> SumOverPoses(const Body& body) const;
 
   void AccumulatePoses();
   Eigen::SparseMatrix<double> LocalMatrix() const;
 
   bool MakeSystem(double lambda, System* system) const;
-  Eigen::VectorXd Apply(const System& system, const Eigen::VectorXd& x) const;
+  template <int kNum>
+  Columns<kNum> Apply(const System& system, const Columns<kNum>& x) const;
   Eigen::MatrixXd CoarseMatrix(const System& system,
                                const Preconditioner& preconditioner) const;
   bool MakePreconditioner(const System& system,
                           Preconditioner* preconditioner) const;
   CameraLevels LevelsOf(int camera, const Eigen::SparseMatrix<double>& a) const;
-  Eigen::VectorXd Precondition(const Preconditioner& preconditioner,
-                               const Eigen::VectorXd& residual) const;
-  // Solves by conjugate gradients from *x, or from zero if it is empty. *side
-  // becomes what is left of it.
-  bool ConjugateGradients(const System& system, Eigen::VectorXd* side,
-                          Eigen::VectorXd* x) const;
+  template <int kNum>
+  Columns<kNum> Precondition(const Preconditioner& preconditioner,
+                             const Columns<kNum>& residual) const;
+  // Solves by conjugate gradients, for several sides at once, from *x or from
+  // zero. *side becomes what is left of it.
+  template <int kNum>
+  bool ConjugateGradients(const System& system, bool is_started,
+                          Columns<kNum>* side, Columns<kNum>* x) const;
   // W y of a pose's y, added to *sum; W^T x of a pose.
   void AddByPose(int pose, const PoseVector& y, Eigen::VectorXd* sum) const;
   PoseVector OfPose(int pose, const Eigen::VectorXd& x) const;
@@ -105,9 +109,16 @@ class LargeEquations : public NormalEquations {
   // V^-1 (poses - W^T x)
   Eigen::VectorXd PosesBehind(const System& system, const Eigen::VectorXd& x,
                               Eigen::VectorXd poses) const;
-  // Solves with a preconditioner that serves.
-  bool SolveSystem(const System& system, Eigen::VectorXd* side,
-                   Eigen::VectorXd* x) const;
+  // Solves with a preconditioner that serves, from *x or from zero. *sides
+  // become what is left of them.
+  bool SolveSystem(const System& system, bool is_started,
+                   Eigen::MatrixXd* sides, Eigen::MatrixXd* x) const;
+  template <int kNum>
+  bool SolveColumns(const System& system, bool is_started, Eigen::Index first,
+                    Eigen::MatrixXd* sides, Eigen::MatrixXd* x) const;
+  // From the last solution or from zero; arguments as of SolveWithRest().
+  bool SolveAll(double lambda, bool is_started, const Eigen::MatrixXd& right,
+                Eigen::MatrixXd* solution, Eigen::MatrixXd* rest) const;
 
   ParameterLayout layout_;
   std::vector<ViewJacobian> jacobians_;
@@ -132,7 +143,7 @@ class LargeEquations::Memory {
   Eigen::VectorXd diagonal;  // of H without the prior
   std::unique_ptr<Preconditioner> preconditioner;
   int iterations_when_new = 0, last_iterations_ = 0;
-  Eigen::MatrixXd last_solution;  // of SolveFor()
+  Eigen::MatrixXd last_solution;  // of SolveWithRest()
 };
 
 }  // namespace raygrid

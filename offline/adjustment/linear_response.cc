@@ -40,7 +40,7 @@ Eigen::VectorXd LinearResponse::Gradient(const ViewErrors& errors) const {
     const ResidualProduct product(layout_, j);
     for (int i = 0; i < j.count(); ++i) {
       const Eigen::Vector2d error = errors[v].col(i);
-      product.AddTransposed(error, i, &gradient);
+      product.AddTransposed<1>(error, i, &gradient);
       gradient.segment(layout_.Pose(j.pose), layout_.per_pose).noalias() +=
           j.ByPose(i) * error;
     }
@@ -57,7 +57,7 @@ ViewErrors LinearResponse::ErrorsBy(const Eigen::VectorXd& parameters) const {
     Eigen::Matrix2Xd& own = errors.emplace_back(2, j.count());
     for (int i = 0; i < j.count(); ++i)
       own.col(i) =
-          product.Times(parameters, i) + j.ByPose(i).transpose() * pose;
+          product.Times<1>(parameters, i) + j.ByPose(i).transpose() * pose;
   }
   return errors;
 }

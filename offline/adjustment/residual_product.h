@@ -7,7 +7,13 @@
 
 namespace raygrid {
 
-/// u = J x and y += J^T u for one residual, over the layout.
+/// Columns of as many vectors, which a product takes at once; a vector's number
+/// stands beside those of the others.
+template <int kNum>
+using Columns = Eigen::Matrix<double, Eigen::Dynamic, kNum,
+                              kNum == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
+
+/// u = J x and y += J^T u for one residual, over the layout, of a few vectors.
 class ResidualProduct {
  public:
   ResidualProduct(const ParameterLayout& layout, const ViewJacobian& jacobian)
@@ -18,49 +24,52 @@ class ResidualProduct {
         place_(jacobian.place >= 0 ? layout.Place(jacobian.place) : -1),
         first_point_(layout.num_points > 0 ? layout.first_point : -1) {}
 
-  Eigen::Vector2d Times(const Eigen::VectorXd& x, int i) const {
+  template <int kNum>
+  Eigen::Matrix<double, 2, kNum> Times(const Columns<kNum>& x, int i) const {
     const ViewJacobian& j = jacobian_;
-    Eigen::Vector2d u(0, 0);
+    Eigen::Matrix<double, 2, kNum> u = Eigen::Matrix<double, 2, kNum>::Zero();
     if (j.num_per_node == 2)
       u = Nodes<2>(x, i);
     else if (j.num_per_node == 5)
       u = Nodes<5>(x, i);
     else if (j.num_per_node > 0)
-      u = Nodes(x, i);
+      u = AnyNodes(x, i);
     if (j.num_global > 0)
       u += ViewJacobian::Block(j.by_global, i) *
-           x.segment(first_ + j.first_global, j.num_global);
+           x.middleRows(first_ + j.first_global, j.num_global);
     if (camera_pose_ >= 0)
       u += ViewJacobian::Block<6>(j.by_camera_pose, i) *
-           x.segment<6>(camera_pose_);
+           x.template middleRows<6>(camera_pose_);
     if (place_ >= 0)
-      u += ViewJacobian::Block<6>(j.by_place, i) * x.segment<6>(place_);
+      u += ViewJacobian::Block<6>(j.by_place, i) *
+           x.template middleRows<6>(place_);
     if (first_point_ >= 0)
       u += ViewJacobian::Block<3>(j.by_point, i) *
-           x.segment<3>(first_point_ + 3 * j.points[i]);
+           x.template middleRows<3>(first_point_ + 3 * j.points[i]);
     return u;
   }
 
-  void AddTransposed(const Eigen::Vector2d& u, int i,
-                     Eigen::VectorXd* y) const {
+  template <int kNum>
+  void AddTransposed(const Eigen::Matrix<double, 2, kNum>& u, int i,
+                     Columns<kNum>* y) const {
     const ViewJacobian& j = jacobian_;
     if (j.num_per_node == 2)
       AddNodes<2>(u, i, y);
     else if (j.num_per_node == 5)
       AddNodes<5>(u, i, y);
     else if (j.num_per_node > 0)
-      AddNodes(u, i, y);
+      AddAnyNodes(u, i, y);
     if (j.num_global > 0)
-      y->segment(first_ + j.first_global, j.num_global) +=
+      y->middleRows(first_ + j.first_global, j.num_global) +=
           ViewJacobian::Block(j.by_global, i).transpose() * u;
     if (camera_pose_ >= 0)
-      y->segment<6>(camera_pose_) +=
+      y->template middleRows<6>(camera_pose_) +=
           ViewJacobian::Block<6>(j.by_camera_pose, i).transpose() * u;
     if (place_ >= 0)
-      y->segment<6>(place_) +=
+      y->template middleRows<6>(place_) +=
           ViewJacobian::Block<6>(j.by_place, i).transpose() * u;
     if (first_point_ >= 0)
-      y->segment<3>(first_point_ + 3 * j.points[i]) +=
+      y->template middleRows<3>(first_point_ + 3 * j.points[i]) +=
           ViewJacobian::Block<3>(j.by_point, i).transpose() * u;
   }
 
@@ -69,42 +78,52 @@ class ResidualProduct {
   // other.
   static constexpr int kNumNodes = 16, kNodesInARow = 4;
 
-  template <int K>
-  Eigen::Vector2d Nodes(const Eigen::VectorXd& x, int i) const {
-    using Node = Eigen::Matrix<double, K, 1>;
-    Node sum = Node::Zero();
+  // Numbers of K parameters that follow each other.
+  template <int K, int kNum>
+  using Node = Eigen::Matrix<double, K, kNum,
+                             kNum == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
+
+  template <int K, int kNum>
+  Eigen::Matrix<double, 2, kNum> Nodes(const Columns<kNum>& x, int i) const {
+    Node<K, kNum> sum = Node<K, kNum>::Zero();
     const double* weight = jacobian_.node_weight.col(i).data();
     for (int k = 0; k < kNumNodes; k += kNodesInARow) {
-      const double* row = &x[first_ + jacobian_.node_parameter(k, i)];
+      const double* row =
+          x.data() + kNum * (first_ + jacobian_.node_parameter(k, i));
       for (int n = 0; n < kNodesInARow; ++n)
-        sum += weight[k + n] * Eigen::Map<const Node>(row + n * K);
+        sum +=
+            weight[k + n] * Eigen::Map<const Node<K, kNum>>(row + n * K * kNum);
     }
     return ViewJacobian::Block<K>(jacobian_.by_node, i) * sum;
   }
-  Eigen::Vector2d Nodes(const Eigen::VectorXd& x, int i) const {
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(jacobian_.num_per_node);
+  template <int kNum>
+  Eigen::Matrix<double, 2, kNum> AnyNodes(const Columns<kNum>& x, int i) const {
+    Columns<kNum> sum = Columns<kNum>::Zero(jacobian_.num_per_node, kNum);
     for (int k = 0; k < jacobian_.num_nodes; ++k)
       sum += jacobian_.node_weight(k, i) *
-             x.segment(first_ + jacobian_.node_parameter(k, i), sum.size());
+             x.middleRows(first_ + jacobian_.node_parameter(k, i), sum.rows());
     return ViewJacobian::Block(jacobian_.by_node, i) * sum;
   }
-  template <int K>
-  void AddNodes(const Eigen::Vector2d& u, int i, Eigen::VectorXd* y) const {
-    using Node = Eigen::Matrix<double, K, 1>;
-    const Node sum =
+  template <int K, int kNum>
+  void AddNodes(const Eigen::Matrix<double, 2, kNum>& u, int i,
+                Columns<kNum>* y) const {
+    const Node<K, kNum> sum =
         ViewJacobian::Block<K>(jacobian_.by_node, i).transpose() * u;
     const double* weight = jacobian_.node_weight.col(i).data();
     for (int k = 0; k < kNumNodes; k += kNodesInARow) {
-      double* row = &(*y)[first_ + jacobian_.node_parameter(k, i)];
+      double* row =
+          y->data() + kNum * (first_ + jacobian_.node_parameter(k, i));
       for (int n = 0; n < kNodesInARow; ++n)
-        Eigen::Map<Node>(row + n * K) += weight[k + n] * sum;
+        Eigen::Map<Node<K, kNum>>(row + n * K * kNum) += weight[k + n] * sum;
     }
   }
-  void AddNodes(const Eigen::Vector2d& u, int i, Eigen::VectorXd* y) const {
-    const Eigen::VectorXd sum =
+  template <int kNum>
+  void AddAnyNodes(const Eigen::Matrix<double, 2, kNum>& u, int i,
+                   Columns<kNum>* y) const {
+    const Columns<kNum> sum =
         ViewJacobian::Block(jacobian_.by_node, i).transpose() * u;
     for (int k = 0; k < jacobian_.num_nodes; ++k)
-      y->segment(first_ + jacobian_.node_parameter(k, i), sum.size()) +=
+      y->middleRows(first_ + jacobian_.node_parameter(k, i), sum.rows()) +=
           jacobian_.node_weight(k, i) * sum;
   }
 

@@ -331,16 +331,51 @@ TEST(NormalEquations, SolveForGivesColumnsOfTheInverse) {
   }
 }
 
-// A grid of several levels, and a smoothness prior.
-TEST(LargeEquations, TakeTheDenseStepOfAGrid) {
-  SmallProblem problem = MakeSmallProblem({30, 60, 0.3});
-  const CentralGeneric grid = FittedGrid(problem.state.camera(), 30);
-  problem.state.SetCamera(grid);
+// A problem with a grid of several levels and a smoothness prior, and right
+// sides as those of the prior's strength.
+struct SmoothProblem {
+  SmallProblem problem;
   GaussianPrior prior;
-  prior.cameras = {SmoothnessPrior(grid)};
-  prior.cameras[0].groups[0].weight = 0.1;
-  prior.points_mean = problem.state.points;
-  prior.points_weight = 1e4;
+  std::vector<ViewJacobian> jacobians;
+  Eigen::MatrixXd sides;
+
+  LargeEquations Equations(
+      double tolerance,
+      const std::shared_ptr<LargeEquations::Memory>& memory) const {
+    const ParameterLayout layout(problem.state, {});
+    return {layout,
+            jacobians,
+            PriorEquations(prior, problem.state, layout),
+            problem.state.points,
+            tolerance,
+            1,
+            memory};
+  }
+};
+
+SmoothProblem MakeSmoothProblem(int num_sides) {
+  SmoothProblem smooth = {MakeSmallProblem({30, 60, 0.3}), {}, {}, {}};
+  AdjustmentState& state = smooth.problem.state;
+  const CentralGeneric grid = FittedGrid(state.camera(), 30);
+  state.SetCamera(grid);
+  smooth.prior.cameras = {SmoothnessPrior(grid)};
+  smooth.prior.points_mean = state.points;
+  smooth.prior.points_weight = 1e4;
+  smooth.jacobians = WeightedJacobians(state, smooth.problem.views, 1, 1);
+  const ParameterLayout layout(state, {});
+  std::mt19937 random_bits(1);
+  const PrecisionRoot root(smooth.prior.cameras[0].groups[0].precision);
+  smooth.sides = Eigen::MatrixXd::Zero(layout.size, num_sides);
+  for (int k = 0; k < num_sides; ++k)
+    smooth.sides.col(k).head(layout.first_point) =
+        root.Times(RandomSigns(root.size(), &random_bits), layout.first_point);
+  return smooth;
+}
+
+TEST(LargeEquations, TakeTheDenseStepOfAGrid) {
+  SmoothProblem smooth = MakeSmoothProblem(0);
+  smooth.prior.cameras[0].groups[0].weight = 0.1;
+  const auto& [problem, prior, jacobians, sides] = smooth;
   AdjustmentStep dense, large;
   ASSERT_TRUE(
       BuildEquations(problem.views, problem.state, prior, {}, Method::kDense)
@@ -354,38 +389,39 @@ TEST(LargeEquations, TakeTheDenseStepOfAGrid) {
     EXPECT_LT(RelativeDifference(large.poses[i], dense.poses[i]), 1e-4);
 }
 
+TEST(LargeEquations, SolveForEachSideAsIfItWasAlone) {
+  constexpr double kLambda = 1e-6, kTolerance = 0.1;
+  SmoothProblem smooth = MakeSmoothProblem(13);  // taken as 8, 4 and 1
+  smooth.sides.col(2) *= 1e6;
+  smooth.sides.col(5).setZero();
+  const auto memory = std::make_shared<LargeEquations::Memory>();
+  const LargeEquations equations = smooth.Equations(kTolerance, memory);
+  Eigen::MatrixXd together, alone;
+  ASSERT_TRUE(equations.SolveFor(kLambda, smooth.sides, &together));
+  for (Eigen::Index k = 0; k < smooth.sides.cols(); ++k) {
+    ASSERT_TRUE(equations.SolveFor(kLambda, smooth.sides.col(k), &alone));
+    EXPECT_LE((together.col(k) - alone).norm(), 1e-9 * alone.norm()) << k;
+  }
+}
+
 // A prior whose strength settles, as it is learned: equations of a loose
 // tolerance start from the last one's solution, and are soon done.
 TEST(LargeEquations, TellWhatTheirSolutionsLeave) {
   constexpr double kLambda = 1e-6, kTolerance = 0.01;
   constexpr int kSides = 8;
-  SmallProblem problem = MakeSmallProblem({30, 60, 0.3});
-  const CentralGeneric grid = FittedGrid(problem.state.camera(), 30);
-  problem.state.SetCamera(grid);
-  GaussianPrior prior;
-  prior.cameras = {SmoothnessPrior(grid)};
-  prior.points_mean = problem.state.points;
-  prior.points_weight = 1e4;
-  const ParameterLayout layout(problem.state, {});
-  std::mt19937 random_bits(1);
-  const PrecisionRoot root(prior.cameras[0].groups[0].precision);
-  Eigen::MatrixXd share = Eigen::MatrixXd::Zero(layout.size, kSides);
-  for (int k = 0; k < kSides; ++k)
-    share.col(k).head(layout.first_point) =
-        root.Times(RandomSigns(root.size(), &random_bits), layout.first_point);
-  const auto jacobians = WeightedJacobians(problem.state, problem.views, 1, 1);
+  SmoothProblem smooth = MakeSmoothProblem(kSides);
   const auto memory = std::make_shared<LargeEquations::Memory>();
   Eigen::MatrixXd right, solution, rest, exact;
   for (const double weight : {1.0, 1.3, 1.25, 1.26}) {
-    prior.cameras[0].groups[0].weight = weight;
-    right = std::sqrt(weight) * share;
-    const PriorEquations prior_equations(prior, problem.state, layout);
-    ASSERT_TRUE(LargeEquations(layout, jacobians, prior_equations,
-                               problem.state.points, kTolerance, 1, memory)
+    smooth.prior.cameras[0].groups[0].weight = weight;
+    right = std::sqrt(weight) * smooth.sides;
+    ASSERT_TRUE(smooth.Equations(kTolerance, memory)
                     .SolveWithRest(kLambda, right, &solution, &rest));
   }
-  const PriorEquations prior_equations(prior, problem.state, layout);
-  const DenseEquations dense(layout, jacobians, prior_equations, 1);
+  const ParameterLayout layout(smooth.problem.state, {});
+  const DenseEquations dense(
+      layout, smooth.jacobians,
+      PriorEquations(smooth.prior, smooth.problem.state, layout), 1);
   ASSERT_TRUE(dense.SolveFor(kLambda, right, &exact));
   const auto products = [](const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
     return Eigen::RowVectorXd(a.cwiseProduct(b).colwise().sum());
