@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "adjustment/bundle_adjustment.h"
+#include "adjustment/reprojection_error.h"
+#include "calibration/cell_search.h"
 #include "camera/model_fitting.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/residual_statistics.h"
@@ -11,18 +12,8 @@
 namespace raygrid {
 namespace {
 
-constexpr int kMaxGridParameters = 2600;  // tried
-// The coarsest resolution whose loss is within this part of the best is chosen.
-constexpr double kAsGoodAs = 0.005;
-
-size_t ChooseCandidate(const std::vector<CellCandidate>& candidates) {
-  double best = INFINITY;
-  for (const CellCandidate& candidate : candidates)
-    best = std::min(best, candidate.loss);
-  size_t chosen = 0;
-  while (candidates[chosen].loss > (1 + kAsGoodAs) * best) ++chosen;
-  return chosen;
-}
+constexpr int kMaxGridParameters = 40000;
+constexpr int kMedium = 2;  // candidate
 
 }  // namespace
 
@@ -35,7 +26,7 @@ std::vector<double> CellCandidates(const Dataset& dataset,
   const double shorter =
       std::min(dataset.image_size.width, dataset.image_size.height);
   std::vector<double> candidates;
-  for (const int cells : {4, 8, 16, 24}) {
+  for (const int cells : {4, 8, 16, 24, 32, 48, 64, 96, 128}) {
     const double cell_px = longer / cells;
     const int parameters = per_node * NumControlPoints(longer, cell_px) *
                            NumControlPoints(shorter, cell_px);
@@ -48,9 +39,8 @@ std::vector<double> CellCandidates(const Dataset& dataset,
 }
 
 double MediumCellPx(const Dataset& dataset, const std::string& model) {
-  constexpr size_t kMediumCandidate = 2;
   const std::vector<double> cells = CellCandidates(dataset, model);
-  return cells[std::min(kMediumCandidate, cells.size() - 1)];
+  return cells[std::min<size_t>(kMedium, cells.size() - 1)];
 }
 
 CellCandidate Summarize(double cell_px,
@@ -84,19 +74,32 @@ void ChooseGrid(const Pattern& pattern, const CalibrationOptions& options,
   std::vector<Trial>& trials = camera->checkpoint.trials;
   ValidationOptions validation = ValidationOptionsOf(options);
   validation.keep_rigid = true;
-  validation.progress = progress;
   validation.on_done = [camera] { camera->Keep(); };
-  std::vector<std::vector<double>> each;
-  for (const double cell_px : cells) each.push_back({cell_px});
-  CrossValidate(pattern, validation, each, &camera->folds, &trials);
-  std::vector<CellCandidate> candidates;
-  for (const double cell_px : cells) {
-    const HeldOut held_out = JoinFolds(trials, num_folds, {cell_px}, true);
-    if (held_out.alone.empty()) return;
-    candidates.push_back(Summarize(cell_px, held_out.alone.front()));
-  }
-  result.cell_px = cells[ChooseCandidate(candidates)];
-  result.cell_candidates = std::move(candidates);
+  // Nobody knows how many candidates it takes.
+  double done = 0;
+  const auto measure = [&](const std::vector<int>& which) {
+    const double left = 1 - done;
+    validation.progress = [&](double part) {
+      done = 1 - left * (1 - part / 2);
+      progress(done);
+    };
+    std::vector<std::vector<double>> each;
+    for (const int i : which) each.push_back({cells[i]});
+    CrossValidate(pattern, validation, each, &camera->folds, &trials);
+    std::vector<std::vector<FeatureResidual>> measured;
+    for (const std::vector<double>& cell_px : each) {
+      HeldOut held_out = JoinFolds(trials, num_folds, cell_px, true);
+      if (held_out.alone.empty()) break;
+      measured.push_back(std::move(held_out.alone.front()));
+    }
+    return measured;
+  };
+  const std::optional<CellSearch> search =
+      CellSearch::Run(static_cast<int>(cells.size()), kMedium, measure);
+  if (!search) return;
+  result.cell_px = cells[search->chosen];
+  for (const auto& [candidate, residuals] : search->tried)
+    result.cell_candidates.push_back(Summarize(cells[candidate], residuals));
 }
 
 }  // namespace raygrid

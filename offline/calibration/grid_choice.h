@@ -9,8 +9,8 @@
 
 namespace raygrid {
 
-/// Cells as parts of the longer side: coarse enough for a handful of images,
-/// and as fine as is quick.
+/// Cells as parts of the longer side, from coarse enough for a handful of
+/// images to as fine as the features have equations for.
 std::vector<double> CellCandidates(const Dataset& dataset,
                                    const std::string& model);
 
@@ -21,9 +21,8 @@ double MediumCellPx(const Dataset& dataset, const std::string& model);
 CellCandidate Summarize(double cell_px,
                         const std::vector<FeatureResidual>& held_out);
 
-/// Chooses the resolution of a camera's grid: the coarsest candidate that
-/// cross-validation finds as good as the best, nearly. The coarsest of all for
-/// few images, and after a stop.
+/// Chooses the resolution of a camera's grid by the held-out loss of
+/// cross-validation. The coarsest of all for few images, and after a stop.
 void ChooseGrid(const Pattern& pattern, const CalibrationOptions& options,
                 const std::function<void(double)>& progress,
                 CameraInProgress* camera);

@@ -127,8 +127,7 @@ std::optional<ModelFigures> TryAnotherGrid(const CameraInProgress& camera,
                                 : "central-generic";
   const Dataset& training = camera.split.training;
   double cell_px = camera.result.cell_px;
-  if (cell_px <= 0) cell_px = MediumCellPx(training, model);
-  cell_px = std::max(cell_px, CellCandidates(training, model).back());
+  cell_px = std::max(cell_px, MediumCellPx(training, model));
   const std::vector<ModelFigures> figures =
       Measure({{model, cell_px}}, camera, pattern, options);
   if (figures.empty()) return std::nullopt;

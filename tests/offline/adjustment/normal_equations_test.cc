@@ -390,8 +390,9 @@ TEST(LargeEquations, TakeTheDenseStepOfAGrid) {
 }
 
 TEST(LargeEquations, SolveForEachSideAsIfItWasAlone) {
-  constexpr double kLambda = 1e-6, kTolerance = 0.1;
+  constexpr double kLambda = 1e-6, kTolerance = 1e-8;
   SmoothProblem smooth = MakeSmoothProblem(13);  // taken as 8, 4 and 1
+  smooth.prior.cameras[0].groups[0].weight = 0.1;
   smooth.sides.col(2) *= 1e6;
   smooth.sides.col(5).setZero();
   const auto memory = std::make_shared<LargeEquations::Memory>();
@@ -400,7 +401,7 @@ TEST(LargeEquations, SolveForEachSideAsIfItWasAlone) {
   ASSERT_TRUE(equations.SolveFor(kLambda, smooth.sides, &together));
   for (Eigen::Index k = 0; k < smooth.sides.cols(); ++k) {
     ASSERT_TRUE(equations.SolveFor(kLambda, smooth.sides.col(k), &alone));
-    EXPECT_LE((together.col(k) - alone).norm(), 1e-9 * alone.norm()) << k;
+    EXPECT_LE((together.col(k) - alone).norm(), 1e-6 * alone.norm()) << k;
   }
 }
 

@@ -1,0 +1,94 @@
+#include "calibration/cell_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <tuple>
+
+#include "adjustment/reprojection_error.h"
+
+namespace raygrid {
+namespace {
+
+// A prior holds what a grid has too many of, at little loss; what it has too
+// few of is lost. So a coarser one has to gain something, and a finer one more,
+// as it takes time: in standard deviations.
+constexpr double kCoarserGain = 1, kFinerGain = 2;
+
+bool Try(std::vector<int> resolutions, const CellSearch::Measure& measure,
+         CellSearch* search) {
+  resolutions.erase(
+      std::remove_if(resolutions.begin(), resolutions.end(),
+                     [&](int i) { return search->tried.count(i) > 0; }),
+      resolutions.end());
+  if (resolutions.empty()) return true;
+  std::vector<std::vector<FeatureResidual>> measured = measure(resolutions);
+  if (measured.size() < resolutions.size()) return false;
+  for (size_t i = 0; i < resolutions.size(); ++i)
+    search->tried[resolutions[i]] = std::move(measured[i]);
+  return true;
+}
+
+}  // namespace
+
+double GainOver(const std::vector<FeatureResidual>& others,
+                const std::vector<FeatureResidual>& residuals) {
+  // A feature that cannot be told where it belongs counts as a pixel off.
+  struct Losses {
+    double others = HuberLoss(1, 1), ours = HuberLoss(1, 1);
+  };
+  std::map<std::tuple<std::string, int, int, int>, Losses> features;
+  const auto of = [&features](const FeatureResidual& residual) -> Losses& {
+    return features[{residual.image, residual.board, residual.column,
+                     residual.row}];
+  };
+  for (const FeatureResidual& residual : others)
+    of(residual).others = HuberLoss(residual.error_px.norm(), 1);
+  for (const FeatureResidual& residual : residuals)
+    of(residual).ours = HuberLoss(residual.error_px.norm(), 1);
+  struct Sum {
+    double gain = 0, count = 0;
+  };
+  std::map<std::string, Sum> images;
+  Sum all;
+  for (const auto& [feature, losses] : features)
+    for (Sum* sum : {&images[std::get<std::string>(feature)], &all}) {
+      sum->gain += losses.others - losses.ours;
+      ++sum->count;
+    }
+  if (images.size() < 2) return 0;
+  double squares = 0;
+  for (const auto& [name, image] : images)
+    squares += std::pow(image.gain - all.gain / all.count * image.count, 2);
+  const double num_images = static_cast<double>(images.size());
+  const double deviation = std::sqrt(squares * num_images / (num_images - 1));
+  return deviation > 0 ? all.gain / deviation : 0;
+}
+
+std::optional<CellSearch> CellSearch::Run(int num_resolutions, int medium,
+                                          const Measure& measure) {
+  CellSearch search;
+  const auto gain = [&search](int to) {
+    return GainOver(search.tried.at(search.chosen), search.tried.at(to));
+  };
+  medium = std::min(medium, num_resolutions - 1);
+  search.chosen = medium;
+  // Two at a time are done sooner than one after the other.
+  std::vector<int> first = {medium};
+  if (medium > 0) first.push_back(medium - 1);
+  if (!Try(first, measure, &search)) return std::nullopt;
+  for (int coarser = medium - 1; coarser >= 0; --coarser) {
+    if (!Try({coarser}, measure, &search)) return std::nullopt;
+    if (gain(coarser) < kCoarserGain) break;
+    search.chosen = coarser;
+  }
+  if (search.chosen < medium) return search;
+  for (int finer = medium + 1; finer < num_resolutions; ++finer) {
+    if (!Try({finer}, measure, &search)) return std::nullopt;
+    if (gain(finer) < kFinerGain) break;
+    search.chosen = finer;
+  }
+  return search;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,37 @@
+#ifndef RAYGRID_CALIBRATION_CELL_SEARCH_H
+#define RAYGRID_CALIBRATION_CELL_SEARCH_H
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "evaluation/residual_statistics.h"
+
+namespace raygrid {
+
+/// By how much the mean Huber loss (of 1 px) of residuals is below that of
+/// others, of the same features: in standard deviations of that difference, as
+/// images differ in it. A feature that only one of both has is a pixel off in
+/// the other. 0 for fewer than two images.
+double GainOver(const std::vector<FeatureResidual>& others,
+                const std::vector<FeatureResidual>& residuals);
+
+/// Which of a list of resolutions of a grid, from coarse to fine, to take.
+struct CellSearch {
+  int chosen = 0;
+  std::map<int, std::vector<FeatureResidual>> tried;  ///< held-out, by index
+
+  /// Held-out residuals with some resolutions; fewer after a stop.
+  using Measure = std::function<std::vector<std::vector<FeatureResidual>>(
+      const std::vector<int>&)>;
+
+  /// Goes from a medium resolution to coarser or to finer ones as long as the
+  /// held-out loss surely falls. Nothing after a stop.
+  static std::optional<CellSearch> Run(int num_resolutions, int medium,
+                                       const Measure& measure);
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_CELL_SEARCH_H
