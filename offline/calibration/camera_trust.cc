@@ -161,8 +161,10 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   const std::vector<PixelUncertainty> pixels =
       ProjectionUncertainty(response, noise, adjusted.problem.views,
                             adjusted.state, camera, size, &joint_px2);
-  DeviationLattice seen = {size.columns, size.rows, {}}, total = seen;
+  DeviationLattice seen = {size.columns, size.rows, {}}, total = seen,
+                   scatter = seen;
   for (const PixelUncertainty& pixel : pixels) {
+    scatter.deviation_px.push_back(std::sqrt(pixel.noise_px2.trace() / 2));
     const double seen_px = WorseDeviation(
         pixel.noise_px2 + pixel.smoothing_px * pixel.smoothing_px.transpose());
     seen.deviation_px.push_back(seen_px);
@@ -178,6 +180,7 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
       KnownCells(near, area, total, uncertainty.max_deviation_px);
   uncertainty.modes = ModesOf(joint_px2, size);
   uncertainty.noise = {noise.own_px, noise.SharedPx(), noise.MeanLength()};
+  uncertainty.scatter = scatter;
   // The deviation that smoothing takes away cannot be estimated where
   // observations are few.
   uncertainty.lattice = seen;

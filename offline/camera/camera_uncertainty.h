@@ -94,7 +94,11 @@ struct CameraUncertainty {
   TrustMask mask;
   double max_deviation_px = 0;  ///< of the cells trusted
   ErrorModes modes;             ///< may be empty
-  FeatureNoise noise;           ///< of a calibration that is not from a file
+  /// Of a calibration that is not from a file: the noise of features, and how
+  /// far cameras of as many other images would scatter by it, as the RMS of
+  /// both axes.
+  FeatureNoise noise;
+  DeviationLattice scatter;
 
   /// How well a camera is known of which no deviation is.
   static CameraUncertainty OfMask(const TrustMask& mask);

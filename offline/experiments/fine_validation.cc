@@ -73,6 +73,15 @@ Pattern FineBoard() {
   return pattern;
 }
 
+bool IsInACorner(const Eigen::Vector2d& pixel, const ImageSize& size) {
+  constexpr double kPart = 0.1;  // of each side
+  const auto is_at_an_end = [](double position, double extent) {
+    return std::min(position, extent - position) < kPart * extent;
+  };
+  return is_at_an_end(pixel.x(), size.width) &&
+         is_at_an_end(pixel.y(), size.height);
+}
+
 // Features of a board, any point of which looks out of any pixel.
 std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
                                   uint64_t seed) {
@@ -83,13 +92,18 @@ std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
       RandomPoses(camera, board.square_m * Eigen::Vector3d(x, y, 0),
                   board.square_m, 1, {}, seed)
           .front();
-  const std::vector<Feature> seen = VisibleFeatures(camera, board, pose);
-  // Each is taken with the chance that leaves as many as are to be taken.
-  std::vector<Feature> taken;
-  int num_left = static_cast<int>(seen.size());
-  for (const Feature& feature : seen) {
+  std::vector<Feature> seen = VisibleFeatures(camera, board, pose);
+  // Fewer boards reach into corners than elsewhere. So all is taken there, and
+  // of the others each with the chance that leaves as many as are to be taken.
+  const auto others = std::stable_partition(
+      seen.begin(), seen.end(), [&camera](const Feature& feature) {
+        return IsInACorner(feature.pixel, camera.image_size());
+      });
+  std::vector<Feature> taken(seen.begin(), others);
+  int num_left = static_cast<int>(seen.end() - others);
+  for (auto feature = others; feature != seen.end(); ++feature) {
     const int num_wanted = kMostFeatures - static_cast<int>(taken.size());
-    if (random.Uniform(0, num_left--) < num_wanted) taken.push_back(feature);
+    if (random.Uniform(0, num_left--) < num_wanted) taken.push_back(*feature);
   }
   SimulationOptions noise;
   noise.noise_px = kFineNoisePx;

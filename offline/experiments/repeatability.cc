@@ -70,7 +70,8 @@ std::array<std::vector<std::string>, 2> Halves(const Dataset& dataset,
 struct Place {
   Eigen::Vector2d pixel, difference_px;
   Eigen::Matrix<double, 2, 3> by_rotation;
-  double stated_px = 0;
+  double stated_px = 0;   // by the deviations of both, which a user sees
+  double scatter_px = 0;  // by the noise of both, RMS of both axes
   bool is_trusted = false;
 };
 
@@ -134,6 +135,8 @@ std::vector<Place> PlacesOf(const CalibrationResult& first,
                                   ub.lattice.At(b.area(), place.pixel)};
       if (!(std::max(stated_px[0], stated_px[1]) <= kKnownPx)) continue;
       place.stated_px = std::hypot(stated_px[0], stated_px[1]);
+      place.scatter_px = std::hypot(ua.scatter.At(area, place.pixel),
+                                    ub.scatter.At(b.area(), place.pixel));
       place.is_trusted =
           ua.mask.Trusts(place.pixel) && ub.mask.Trusts(place.pixel);
       places.push_back(place);
@@ -163,38 +166,49 @@ void TakeRotationOut(std::vector<Place>* places) {
   }
 }
 
-// Sums over places: of squared differences in an axis and of what is stated;
-// and the squared quotients of the two.
+// Sums over places: of squared differences in an axis, of what is stated and
+// of how far noise scatters them; and the squared quotients of differences by
+// both.
 struct Spread {
-  double difference2 = 0, stated2 = 0;
-  std::vector<double> quotient2;
+  double difference2 = 0, stated2 = 0, scatter2 = 0;
+  std::vector<double> by_stated2, by_scatter2;
 
   void Add(const Place& place) {
     const double own2 = place.difference_px.squaredNorm() / 2;
     const double own_stated2 = place.stated_px * place.stated_px;
+    const double own_scatter2 = place.scatter_px * place.scatter_px;
     difference2 += own2;
     stated2 += own_stated2;
-    quotient2.push_back(own2 / own_stated2);
+    scatter2 += own_scatter2;
+    by_stated2.push_back(own2 / own_stated2);
+    by_scatter2.push_back(own2 / own_scatter2);
   }
   void Add(const Spread& other) {
+    const auto append = [](const std::vector<double>& from,
+                           std::vector<double>* to) {
+      to->insert(to->end(), from.begin(), from.end());
+    };
     difference2 += other.difference2;
     stated2 += other.stated2;
-    quotient2.insert(quotient2.end(), other.quotient2.begin(),
-                     other.quotient2.end());
+    scatter2 += other.scatter2;
+    append(other.by_stated2, &by_stated2);
+    append(other.by_scatter2, &by_scatter2);
   }
-  int count() const { return static_cast<int>(quotient2.size()); }
-  double RmsQuotient() const {
-    double sum = 0;
-    for (const double quotient : quotient2) sum += quotient;
-    return std::sqrt(sum / count());
-  }
-  // For two independent axes this is about the RMS. Where all places move
-  // together it is less, and a few places that are far off do not count.
-  double TypicalQuotient() const {
-    constexpr double kMedianOfNormal = M_LN2;  // of half a sum of two squares
-    return std::sqrt(Quantile(quotient2, 0.5) / kMedianOfNormal);
-  }
+  int count() const { return static_cast<int>(by_stated2.size()); }
 };
+
+double RootMean(const std::vector<double>& squares) {
+  double sum = 0;
+  for (const double square : squares) sum += square;
+  return std::sqrt(sum / static_cast<double>(squares.size()));
+}
+
+// For two independent axes this is about the RMS. Where all places move
+// together it is less, and a few places that are far off do not count.
+double TypicalRoot(const std::vector<double>& squares) {
+  constexpr double kMedianOfNormal = M_LN2;  // of half a sum of two squares
+  return std::sqrt(Quantile(squares, 0.5) / kMedianOfNormal);
+}
 
 struct Repetition {
   Spread trusted, known;
@@ -256,18 +270,30 @@ std::vector<Cell> RowOf(const std::string& set, const std::string& pair,
           root(trusted.difference2, trusted.count()),
           root(trusted.stated2, trusted.count()),
           root(trusted.difference2, trusted.stated2),
+          root(trusted.difference2, trusted.scatter2),
           known.count(),
-          known.RmsQuotient(),
-          known.TypicalQuotient()};
+          RootMean(known.by_stated2),
+          TypicalRoot(known.by_stated2),
+          RootMean(known.by_scatter2),
+          TypicalRoot(known.by_scatter2)};
 }
 
 }  // namespace
 
 ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
   ExperimentResult table;
-  table.columns = {"set",          "pair",        "trusted_places",
-                   "trusted_px",   "stated_px",   "trusted_ratio",
-                   "known_places", "known_ratio", "known_median_ratio"};
+  table.columns = {"set",
+                   "pair",
+                   "trusted_places",
+                   "trusted_px",
+                   "stated_px",
+                   "trusted_ratio",
+                   "trusted_scatter_ratio",
+                   "known_places",
+                   "known_ratio",
+                   "known_median_ratio",
+                   "known_scatter_ratio",
+                   "known_median_scatter_ratio"};
   table.chart.title = "Cameras of two halves of the images";
   table.chart.note =
       "their difference by their stated deviations, RMS over pixels that both "
@@ -285,7 +311,7 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
       if (!repetitions[k]) continue;
       const Repetition& own = *repetitions[k];
       table.rows.push_back(RowOf(sets[i].name, std::to_string(k + 1), own));
-      ratios.points.push_back({k + 1.0, own.known.RmsQuotient()});
+      ratios.points.push_back({k + 1.0, RootMean(own.known.by_stated2)});
       all.trusted.Add(own.trusted);
       all.known.Add(own.known);
     }
@@ -304,8 +330,12 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
        fmt::format("{} pairs, each camera from half of the images", kPairs)},
       {"ratio",
        "difference in an axis by the stated deviations, which are those of the "
-       "worse direction: of the RMS over places that both trust; RMS, and by "
-       "the median, over all that both state to know to 3 px"}};
+       "worse direction, with what smoothing does: of the RMS over places that "
+       "both trust; RMS, and by the median, over all that both state to know "
+       "to 3 px"},
+      {"scatter ratio",
+       "by what noise alone does, in the mean of both axes: smoothing moves "
+       "both cameras alike"}};
   return table;
 }
 

@@ -481,6 +481,8 @@ cameras:
         # White noise alone would make the ratio about 2.
         self.assertGreater(float(rows[-1]["known_ratio"]), 0.2)
         self.assertLess(float(rows[-1]["known_ratio"]), 1.4)
+        # Noise alone scatters cameras by less than is stated of their errors.
+        self.assertGreater(float(rows[-1]["known_scatter_ratio"]), float(rows[-1]["known_ratio"]))
         self.assert_refused(run("experiment", "repeatability", "-o", self.path("few"),
                                 *simulate("five", 5)), 3, "take more images")
 

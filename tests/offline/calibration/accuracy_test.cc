@@ -65,11 +65,13 @@ TEST(Accuracy, HundredImagesGiveTheTrueRays) {
   const CameraUncertainty& known = *result.camera.uncertainty;
   const Area& area = result.camera.camera->area();
   EXPECT_GT(known.TrustedPart({640, 480}, area), 0.9);
-  std::vector<double> errors, deviations;
+  std::vector<double> errors, deviations, scatters;
   for (size_t i = 0; i < difference.pixels.size(); ++i) {
     if (!known.mask.Trusts(difference.pixels[i])) continue;
     errors.push_back(difference.error_px[i].norm());
     deviations.push_back(known.lattice.At(area, difference.pixels[i]));
+    scatters.push_back(known.scatter.At(area, difference.pixels[i]));
+    EXPECT_LE(scatters.back(), deviations.back());
   }
   const double error = Rms(errors), deviation = Rms(deviations);
   std::printf(
@@ -82,6 +84,7 @@ TEST(Accuracy, HundredImagesGiveTheTrueRays) {
   // not average out.
   EXPECT_LE(error, 2 * deviation);
   EXPECT_GE(error, 0.5 * deviation);
+  EXPECT_GE(Rms(scatters), 0.5 * deviation);
 }
 
 // Root mean square distance of corresponding points.

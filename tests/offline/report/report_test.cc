@@ -229,8 +229,12 @@ TEST(ResultFolder, HoldsAllThatTheReportSays) {
   const TemporaryFolder folder;
   const std::string out = folder / "out";
   CalibrationResult result = PlainResult();
-  result.camera.uncertainty = CameraUncertainty{
-      {2, 2, {0.1, 0.2, 0.3, 0.4}}, TrustMask::Over({640, 480}), 0.05, {}, {}};
+  result.camera.uncertainty = CameraUncertainty{{2, 2, {0.1, 0.2, 0.3, 0.4}},
+                                                TrustMask::Over({640, 480}),
+                                                0.05,
+                                                {},
+                                                {},
+                                                {}};
   result.feature_noise = {0.0612, 0.0734, 4.5};
   WriteResultTo(out, result);
   const std::string html = ReportOf(out);
