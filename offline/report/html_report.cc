@@ -57,7 +57,8 @@ std::string CandidateSection(const CalibrationResult& result) {
         {fmt::format("{:.1f}{}", candidate.cell_px,
                      candidate.cell_px == result.cell_px ? " (chosen)" : ""),
          Px(candidate.median_px), fmt::format("{:.5f}", candidate.loss)});
-  return "<h2>Grid resolutions tried</h2>\n" +
+  return "<h2>Grid resolutions tried</h2>\n<p>Another than the medium one is "
+         "chosen where its loss is surely less, as images differ in it.</p>\n" +
          HtmlTable({"cell px", "held-out median px", "held-out loss px&sup2;"},
                    rows);
 }
