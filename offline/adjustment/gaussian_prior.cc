@@ -244,6 +244,28 @@ CameraPrior DirectionsPrior(const BSplineSurface& base, int per_point) {
   return prior;
 }
 
+// How firmly a control point's point is held in its place along its line,
+// beside how the differences between neighbours are: no observation tells it,
+// so it is to be none of what is looked for.
+constexpr double kFirmness = 1e4;
+
+Eigen::SparseMatrix<double> PlacesAlongLines(const BSplineSurface& directions,
+                                             double pixels_per_metre) {
+  std::vector<Eigen::Triplet<double>> triplets;
+  int first = NonCentralGeneric::kFirstOfPoint;
+  for (const Eigen::Vector2d& chart : directions.points()) {
+    const Eigen::Vector3d along = pixels_per_metre * FromChart(chart);
+    for (int k = 0; k < 9; ++k)
+      triplets.emplace_back(first + k % 3, first + k / 3,
+                            kFirmness * along[k % 3] * along[k / 3]);
+    first += NonCentralGeneric::kPerNode;
+  }
+  const int size = NonCentralGeneric::kPerNode * directions.num_points();
+  Eigen::SparseMatrix<double> precision(size, size);
+  precision.setFromTriplets(triplets.begin(), triplets.end());
+  return precision;
+}
+
 }  // namespace
 
 void PriorGroup::Free(const Eigen::MatrixXd& directions,
@@ -307,8 +329,11 @@ CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m) {
   const std::vector<double> pixels_per_metre(
       surface.num_points(),
       PixelsPerChartUnit(surface)[middle] * chart_per_radian / distance_m);
-  prior.groups.push_back(
-      SmoothField(surface, {kPerNode, 2, 3}, pixels_per_metre));
+  PriorGroup points =
+      SmoothField(surface, {kPerNode, NonCentralGeneric::kFirstOfPoint, 3},
+                  pixels_per_metre);
+  points.precision += PlacesAlongLines(surface, pixels_per_metre[middle]);
+  prior.groups.push_back(std::move(points));
   return prior;
 }
 

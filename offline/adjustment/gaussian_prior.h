@@ -97,9 +97,10 @@ CameraPrior SmoothnessPrior(const CentralGeneric& base);
 /// the pixels that their displacement across the line moves a point's image at
 /// distance_m.
 ///
-/// Observations see neither a shift of all points together, which the poses
-/// undo, nor their drift along the lines, o(x) -> o(x) + f(x) d(x). In both,
-/// the points end where they are smallest and smoothest.
+/// Observations do not see a shift of all points together, which the poses
+/// undo: the points end where they are smallest and smoothest. Nor do they see
+/// points drift along the lines, o(x) -> o(x) + f(x) d(x): the prior holds each
+/// control point's point in the plane across base's direction.
 CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m);
 
 /// Distortion coefficients around zero, each in the pixels that it moves the

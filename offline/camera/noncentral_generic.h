@@ -14,6 +14,7 @@ namespace raygrid {
 class NonCentralGeneric : public CameraModel {
  public:
   static constexpr int kPerNode = 5;
+  static constexpr int kFirstOfPoint = 2;  ///< of a control point's parameters
 
   /// A point for each of the directions' control points, in metres.
   NonCentralGeneric(const ImageSize& image_size, BSplineSurface directions,

@@ -149,8 +149,7 @@ TEST(NonCentralPrior, PrefersPointsThatDoNotDrift) {
   const auto pupil = [](const Eigen::Vector3d& d, Eigen::Index) {
     return Eigen::Vector3d(0, 0, 0.002 * (1 - d.z()));
   };
-  // Points that drift along the pupil's lines, which stay the same: no points
-  // are smoother than the pupil's.
+  // Points that drift along the pupil's lines, which stay the same.
   const auto drifted = [&](const Eigen::Vector3d& d, Eigen::Index k) {
     return Eigen::Vector3d(pupil(d, k) + 0.002 * (k % 2 ? 1 : -1) * d);
   };
@@ -159,6 +158,22 @@ TEST(NonCentralPrior, PrefersPointsThatDoNotDrift) {
   };
   EXPECT_GT(cost(drifted), 10 * cost(pupil));
   EXPECT_GT(cost(shifted), 2 * cost(pupil));
+}
+
+// Points that move by 2 mm from node to node: along the lines they cost far
+// more than across, where they are only rough.
+TEST(NonCentralPrior, HoldsPointsInTheirPlacesAlongLines) {
+  const CameraPrior prior = NonCentralPrior(Base(), kDistance);
+  const auto sign = [](Eigen::Index k) { return k % 2 ? 0.001 : -0.001; };
+  const auto along = WithPoints(
+      [&](const Eigen::Vector3d& d, Eigen::Index k) -> Eigen::Vector3d {
+        return sign(k) * d;
+      });
+  const auto across = WithPoints(
+      [&](const Eigen::Vector3d& d, Eigen::Index k) -> Eigen::Vector3d {
+        return sign(k) * d.unitOrthogonal();
+      });
+  EXPECT_GT(GroupCost(prior, 1, along), 5 * GroupCost(prior, 1, across));
 }
 
 TEST(NonCentralPrior, CountsPointsInPixelsAtTheDistance) {
