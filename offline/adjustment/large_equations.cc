@@ -86,13 +86,13 @@ Eigen::MatrixXd CoarseBlocks(const GridShape& shape,
 LargeEquations::LargeEquations(const ParameterLayout& layout,
                                std::vector<ViewJacobian> jacobians,
                                const PriorEquations& prior,
-                               const std::vector<Eigen::Vector3d>& points,
-                               double tolerance, int num_threads,
-                               std::shared_ptr<Memory> memory)
+                               const AdjustmentState& state, double tolerance,
+                               int num_threads, std::shared_ptr<Memory> memory)
     : layout_(layout),
       jacobians_(std::move(jacobians)),
       prior_(prior),
-      points_(points),
+      points_(state.points),
+      frames_(NodeFrames(layout, state)),
       tolerance_(tolerance),
       num_threads_(num_threads),
       shapes_(layout.first_camera.size() - 1),
@@ -359,6 +359,8 @@ bool LargeEquations::MakePreconditioner(const System& system,
   memory_->diagonal = a.diagonal();
   a += prior_.precision;
   a.diagonal() += system.damping;
+  a = frames_.FormInto(a);
+  preconditioner->frames = frames_;
   preconditioner->cameras.clear();
   for (size_t c = 0; c < shapes_.size(); ++c)
     if (shapes_[c].per_node > 0)
@@ -370,7 +372,7 @@ bool LargeEquations::MakePreconditioner(const System& system,
           a.coeff(layout_.Point(i / 3) + k, layout_.first_point + i);
   InvertBlocks<Eigen::Matrix3d>(&preconditioner->points);
   preconditioner->basis =
-      MakeCoarseBasis(layout_, shapes_, jacobians_, points_);
+      frames_.OutOf(MakeCoarseBasis(layout_, shapes_, jacobians_, points_));
   preconditioner->coarse.compute(CoarseMatrix(system, *preconditioner));
   return preconditioner->coarse.info() == Eigen::Success;
 }
@@ -381,9 +383,11 @@ Columns<kNum> LargeEquations::Precondition(
   const Eigen::MatrixXd coarsest =
       preconditioner.coarse.solve(preconditioner.basis.transpose() * residual);
   Columns<kNum> result = preconditioner.basis * coarsest;
+  const Columns<kNum> in_frames = preconditioner.frames.Into(residual);
+  Columns<kNum> sum = Columns<kNum>::Zero(residual.rows(), kNum);
   for (const CameraLevels& camera : preconditioner.cameras) {
-    const double* from = residual.data() + kNum * camera.first;
-    double* to = result.data() + kNum * camera.first;
+    const double* from = in_frames.data() + kNum * camera.first;
+    double* to = sum.data() + kNum * camera.first;
     AddBlockProduct<kNum>(camera.inverse, from, to);
     for (const Level& level : camera.levels) {
       const Eigen::VectorXd coarse = level.transfer.Restricted(kNum, from);
@@ -392,6 +396,7 @@ Columns<kNum> LargeEquations::Precondition(
       level.transfer.AddProlonged(kNum, product.data(), to);
     }
   }
+  result += preconditioner.frames.OutOf(sum);
   AddBlockProduct<kNum>(preconditioner.points,
                         residual.data() + kNum * layout_.first_point,
                         result.data() + kNum * layout_.first_point);

@@ -9,6 +9,7 @@
 
 #include "adjustment/coarse_basis.h"
 #include "adjustment/grid_transfer.h"
+#include "adjustment/node_frames.h"
 #include "adjustment/normal_equations.h"
 #include "adjustment/residual_product.h"
 
@@ -22,7 +23,8 @@ namespace raygrid {
 ///   - the inverses of the blocks of A of each node and each point, and of
 ///     each node of ever coarser grids: a multilevel preconditioner (Bramble,
 ///     Pasciak, Xu, "Parallel multilevel preconditioners", 1990), which
-///     smoothness priors need;
+///     smoothness priors need. Those of a non-central grid have axes of their
+///     own (NodeFrames());
 ///   - the inverse of S itself on the coarsest grid, with the points' bends of
 ///     second order: there lie the directions that poses can make up for, such
 ///     as focal lengths.
@@ -35,9 +37,9 @@ class LargeEquations : public NormalEquations {
   /// serves; H's diagonal, for the damping, likewise.
   LargeEquations(const ParameterLayout& layout,
                  std::vector<ViewJacobian> jacobians,
-                 const PriorEquations& prior,
-                 const std::vector<Eigen::Vector3d>& points, double tolerance,
-                 int num_threads, std::shared_ptr<Memory> memory);
+                 const PriorEquations& prior, const AdjustmentState& state,
+                 double tolerance, int num_threads,
+                 std::shared_ptr<Memory> memory);
 
   bool Solve(double lambda, AdjustmentStep* step) const override;
   bool SolveFor(double lambda, const Eigen::MatrixXd& right,
@@ -71,6 +73,7 @@ class LargeEquations : public NormalEquations {
   };
   struct Preconditioner {
     std::vector<CameraLevels> cameras;
+    NodeFrames frames;       // that the cameras' blocks are in
     Eigen::MatrixXd points;  // three columns a point
     CoarseBasis basis;
     Eigen::LLT<Eigen::MatrixXd> coarse;
@@ -91,6 +94,7 @@ class LargeEquations : public NormalEquations {
                                const Preconditioner& preconditioner) const;
   bool MakePreconditioner(const System& system,
                           Preconditioner* preconditioner) const;
+  // a: in the nodes' frames.
   CameraLevels LevelsOf(int camera, const Eigen::SparseMatrix<double>& a) const;
   template <int kNum>
   Columns<kNum> Precondition(const Preconditioner& preconditioner,
@@ -124,6 +128,7 @@ class LargeEquations : public NormalEquations {
   std::vector<ViewJacobian> jacobians_;
   PriorEquations prior_;
   std::vector<Eigen::Vector3d> points_;
+  NodeFrames frames_;
   double tolerance_;
   int num_threads_;
   std::vector<GridShape> shapes_;

@@ -29,7 +29,7 @@ LinearResponse::LinearResponse(const std::vector<View>& views,
                                                   num_threads);
   else
     equations_ = std::make_unique<LargeEquations>(
-        layout_, jacobians_, prior_, state.points, kTolerance, num_threads,
+        layout_, jacobians_, prior_, state, kTolerance, num_threads,
         std::make_shared<LargeEquations::Memory>());
 }
 

@@ -162,8 +162,8 @@ std::unique_ptr<NormalEquations> EquationsBuilder::Build(
     return std::make_unique<DenseEquations>(layout, jacobians, prior_equations,
                                             num_threads_);
   return std::make_unique<LargeEquations>(layout, std::move(jacobians),
-                                          prior_equations, state.points,
-                                          kTolerance, num_threads_, memory);
+                                          prior_equations, state, kTolerance,
+                                          num_threads_, memory);
 }
 
 }  // namespace raygrid

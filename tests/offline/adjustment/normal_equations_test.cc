@@ -120,7 +120,7 @@ std::unique_ptr<NormalEquations> BuildFrom(
     return std::make_unique<DenseEquations>(layout, jacobians, prior_equations,
                                             num_threads);
   return std::make_unique<LargeEquations>(
-      layout, jacobians, prior_equations, state.points, kTolerance, num_threads,
+      layout, jacobians, prior_equations, state, kTolerance, num_threads,
       std::make_shared<LargeEquations::Memory>());
 }
 
@@ -343,22 +343,26 @@ struct SmoothProblem {
       double tolerance,
       const std::shared_ptr<LargeEquations::Memory>& memory) const {
     const ParameterLayout layout(problem.state, {});
-    return {layout,
-            jacobians,
-            PriorEquations(prior, problem.state, layout),
-            problem.state.points,
-            tolerance,
-            1,
-            memory};
+    return {
+        layout,        jacobians, PriorEquations(prior, problem.state, layout),
+        problem.state, tolerance, 1,
+        memory};
   }
 };
 
-SmoothProblem MakeSmoothProblem(int num_sides) {
+SmoothProblem MakeSmoothProblem(int num_sides, bool has_lines = false,
+                                double cell_px = 30) {
   SmoothProblem smooth = {MakeSmallProblem({30, 60, 0.3}), {}, {}, {}};
   AdjustmentState& state = smooth.problem.state;
-  const CentralGeneric grid = FittedGrid(state.camera(), 30);
-  state.SetCamera(grid);
-  smooth.prior.cameras = {SmoothnessPrior(grid)};
+  const CentralGeneric grid = FittedGrid(state.camera(), cell_px);
+  if (has_lines) {
+    state.SetCamera(NonCentralGeneric(grid));
+    smooth.prior.cameras = {NonCentralPrior(grid, 0.7)};
+  } else {
+    state.SetCamera(grid);
+    smooth.prior.cameras = {SmoothnessPrior(grid)};
+  }
+  for (PriorGroup& group : smooth.prior.cameras[0].groups) group.weight = 0.1;
   smooth.prior.points_mean = state.points;
   smooth.prior.points_weight = 1e4;
   smooth.jacobians = WeightedJacobians(state, smooth.problem.views, 1, 1);
@@ -372,9 +376,7 @@ SmoothProblem MakeSmoothProblem(int num_sides) {
   return smooth;
 }
 
-TEST(LargeEquations, TakeTheDenseStepOfAGrid) {
-  SmoothProblem smooth = MakeSmoothProblem(0);
-  smooth.prior.cameras[0].groups[0].weight = 0.1;
+void ExpectDenseStep(const SmoothProblem& smooth) {
   const auto& [problem, prior, jacobians, sides] = smooth;
   AdjustmentStep dense, large;
   ASSERT_TRUE(
@@ -389,10 +391,17 @@ TEST(LargeEquations, TakeTheDenseStepOfAGrid) {
     EXPECT_LT(RelativeDifference(large.poses[i], dense.poses[i]), 1e-4);
 }
 
+TEST(LargeEquations, TakeTheDenseStepOfAGrid) {
+  ExpectDenseStep(MakeSmoothProblem(0));
+}
+
+TEST(LargeEquations, TakeTheDenseStepOfAGridOfLines) {
+  ExpectDenseStep(MakeSmoothProblem(0, true, 50));
+}
+
 TEST(LargeEquations, SolveForEachSideAsIfItWasAlone) {
   constexpr double kLambda = 1e-6, kTolerance = 1e-8;
   SmoothProblem smooth = MakeSmoothProblem(13);  // taken as 8, 4 and 1
-  smooth.prior.cameras[0].groups[0].weight = 0.1;
   smooth.sides.col(2) *= 1e6;
   smooth.sides.col(5).setZero();
   const auto memory = std::make_shared<LargeEquations::Memory>();
