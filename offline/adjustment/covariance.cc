@@ -196,8 +196,8 @@ bool AddSharedNoise(const LinearResponse& response, const Lattice& lattice,
   return true;
 }
 
-// The pixels of a lattice, and how they move with the camera's parameters, but
-// for a rotation; no move where the camera does not tell.
+}  // namespace
+
 Eigen::MatrixXd MovesOfLattice(const std::vector<View>& views,
                                const AdjustmentState& state, int camera,
                                const UncertaintyOptions& lattice,
@@ -217,8 +217,6 @@ Eigen::MatrixXd MovesOfLattice(const std::vector<View>& views,
                                  &derivatives));
   return WithoutRotation(derivatives, *pixels);
 }
-
-}  // namespace
 
 double WorseDeviation(const Eigen::Matrix2d& covariance) {
   const double mean = covariance.trace() / 2;

@@ -1,0 +1,86 @@
+#include "capture/live_camera.h"
+
+#include <algorithm>
+#include <map>
+
+#include "calibration/starting_lens.h"
+#include "capture/next_view.h"
+#include "dataset/error.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kCells = 8;  // along the longer side
+
+}  // namespace
+
+LiveCamera::LiveCamera(const Pattern& pattern, const ImageSize& size,
+                       int num_threads)
+    : pattern_(pattern), num_threads_(num_threads) {
+  images_.image_size = size;
+}
+
+AdjustmentOptions LiveCamera::Options() const {
+  AdjustmentOptions options;
+  options.fix_points = true;
+  options.num_threads = num_threads_;
+  return options;
+}
+
+void LiveCamera::Add(const ImageFeatures& image) {
+  images_.images.push_back(image);
+  const size_t count = images_.images.size();
+  if (count < kNumFirstViews) return;
+  if (!adjusted_ || 2 * count >= 3 * num_at_anew_)
+    AdjustAnew();
+  else
+    GoOn();
+}
+
+void LiveCamera::AdjustAnew() {
+  const double cell_px =
+      std::max(images_.image_size.width, images_.image_size.height) / kCells;
+  try {
+    Adjusted adjusted = AdjustStartingLens(images_, pattern_, Options());
+    AdjustRigidly(pattern_, "central-generic", {cell_px}, Options(), &adjusted);
+    adjusted_ = std::move(adjusted);
+    num_at_anew_ = images_.images.size();
+  } catch (const Error&) {
+    // Later images may tell what these do not.
+    if (adjusted_) GoOn();
+  }
+}
+
+void LiveCamera::GoOn() {
+  std::map<std::pair<std::string, int>, Pose> poses;
+  const CalibrationProblem& before = adjusted_->problem;
+  for (size_t v = 0; v < before.views.size(); ++v)
+    poses[{before.images[v], before.boards[v]}] =
+        adjusted_->state.rig_from_pattern[before.views[v].pose];
+  Adjusted next = *adjusted_;
+  std::vector<RejectedImage> rejected;
+  next.problem = BuildProblem({images_}, pattern_, &rejected);
+  next.problem.area = before.area;
+  const auto localized =
+      LocalizeViews(next.state.camera(), 0, next.problem, num_threads_);
+  std::vector<bool> remove;
+  std::vector<Pose> kept;
+  for (size_t v = 0; v < next.problem.views.size(); ++v) {
+    const auto known =
+        poses.find({next.problem.images[v], next.problem.boards[v]});
+    std::optional<Pose> pose = localized[v];
+    if (known != poses.end()) pose = known->second;
+    remove.push_back(!pose);
+    if (pose) kept.push_back(*pose);
+  }
+  RemoveViews(remove, &next.problem);
+  next.state.rig_from_pattern = kept;
+  next.state.SetModes({});
+  const double noise_px = next.summary.noise_px;
+  next.summary =
+      AdjustBundle(next.problem.views, next.prior, Options(), &next.state);
+  next.summary.noise_px = noise_px;
+  adjusted_ = std::move(next);
+}
+
+}  // namespace raygrid

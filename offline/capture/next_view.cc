@@ -1,0 +1,114 @@
+#include "capture/next_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace raygrid {
+namespace {
+
+constexpr double kTiltsRad[] = {0.35, 0.7};
+constexpr int kNumAxes = 4;
+
+class Search {
+ public:
+  Search(const CameraKnowledge& knowledge, const Board& board)
+      : knowledge_(knowledge), board_(board) {}
+
+  void Try(const BoardView& view) {
+    const auto pose = PoseOf(view, board_, knowledge_.camera());
+    if (!pose || !ShowsHalf(*pose)) return;
+    found_.push_back({view, *pose, knowledge_.GainOfView(board_, *pose)});
+  }
+  /// Keeps the best few.
+  void Keep(size_t count) {
+    std::stable_sort(
+        found_.begin(), found_.end(),
+        [](const NextView& a, const NextView& b) { return a.gain > b.gain; });
+    found_.resize(std::min(found_.size(), count));
+  }
+  const std::vector<NextView>& found() const { return found_; }
+
+ private:
+  bool ShowsHalf(const Pose& pose) const {
+    const CameraModel& camera = knowledge_.camera();
+    const Area image = WholeImage(camera.image_size());
+    int num_seen = 0, num_all = 0;
+    for (int row = 0; row < board_.rows; ++row)
+      for (int column = 0; column < board_.columns; ++column) {
+        if (!board_.HasFeature(column, row)) continue;
+        ++num_all;
+        const auto pixel = camera.Project(
+            pose * board_.points[board_.PointIndex(column, row)]);
+        num_seen += pixel && image.Contains(*pixel) && camera.IsLit(*pixel);
+      }
+    return 2 * num_seen >= num_all;
+  }
+
+  const CameraKnowledge& knowledge_;
+  const Board& board_;
+  std::vector<NextView> found_;
+};
+
+}  // namespace
+
+std::optional<NextView> BestNextView(const CameraKnowledge& knowledge,
+                                     const Board& board) {
+  constexpr int kColumns = 7, kRows = 5;
+  constexpr double kWidths[] = {0.4, 0.7, 1.1};  // of the image's
+  const ImageSize size = knowledge.camera().image_size();
+  Search search(knowledge, board);
+  int turn = 0;
+  for (int j = 0; j < kRows; ++j)
+    for (int i = 0; i < kColumns; ++i)
+      for (const double width : kWidths)
+        search.Try({{(i + 0.5) / kColumns * size.width,
+                     (j + 0.5) / kRows * size.height},
+                    width * size.width,
+                    0.5,
+                    (turn++ % kNumAxes) * 2 * M_PI / kNumAxes,
+                    0});
+  // Around each of the best: tilts, and turned by a quarter.
+  search.Keep(3);
+  for (const NextView& start : std::vector<NextView>(search.found())) {
+    for (const double turn_rad : {0.0, M_PI / 2}) {
+      BoardView view = start.view;
+      view.turn_rad = turn_rad;
+      view.tilt_rad = 0;
+      search.Try(view);
+      for (const double tilt_rad : kTiltsRad)
+        for (int axis = 0; axis < kNumAxes; ++axis) {
+          view.tilt_rad = tilt_rad;
+          view.axis_rad = axis * 2 * M_PI / kNumAxes;
+          search.Try(view);
+        }
+    }
+  }
+  search.Keep(1);
+  if (search.found().empty()) return std::nullopt;
+  // Places and widths between.
+  const BoardView best = search.found().front().view;
+  for (const double x : {-0.25, 0.0, 0.25})
+    for (const double y : {-0.25, 0.0, 0.25})
+      for (const double factor : {0.8, 1.0, 1.25}) {
+        BoardView view = best;
+        view.pixel +=
+            Eigen::Vector2d(x / kColumns * size.width, y / kRows * size.height);
+        view.width_px *= factor;
+        search.Try(view);
+      }
+  search.Keep(1);
+  return search.found().front();
+}
+
+BoardView FirstView(int index, const ImageSize& size) {
+  constexpr double kWidth = 0.7, kTiltRad = 0.6;
+  BoardView view;
+  view.pixel = {size.width / 2.0, size.height / 2.0};
+  view.width_px = kWidth * size.width;
+  view.tilt_rad = kTiltRad;
+  view.axis_rad = index * 2 * M_PI / kNumFirstViews;
+  return view;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,31 @@
+#ifndef RAYGRID_CAPTURE_NEXT_VIEW_H
+#define RAYGRID_CAPTURE_NEXT_VIEW_H
+
+#include <optional>
+#include <string>
+
+#include "capture/board_view.h"
+#include "capture/camera_knowledge.h"
+
+namespace raygrid {
+
+/// A view that would add much, and how much.
+struct NextView {
+  BoardView view;
+  Pose camera_from_board;
+  double gain = 0;  ///< CameraKnowledge::GainOfView()
+};
+
+/// The best view of a board among candidates all over the image, near and far,
+/// tilted and turned, and some around the best of them. Nothing if no
+/// candidate shows half of the board.
+std::optional<NextView> BestNextView(const CameraKnowledge& knowledge,
+                                     const Board& board);
+
+/// The views to begin with, while nothing is known of a camera.
+BoardView FirstView(int index, const ImageSize& size);
+constexpr int kNumFirstViews = 4;
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAPTURE_NEXT_VIEW_H
