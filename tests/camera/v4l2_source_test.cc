@@ -7,58 +7,15 @@
 #include <cerrno>
 
 #include "camera_error.h"
-#include "fake_v4l2_device.h"
+#include "fake_v4l2_source.h"
 #include "jpeg_encoder.h"
 #include "jpeg_reader.h"
-#include "v4l2_capture.h"
 #include "v4l2_controls.h"
 #include "v4l2_formats.h"
 #include "v4l2_list.h"
 
 namespace raygrid {
 namespace {
-
-using Event = FakeV4l2State::Event;
-
-constexpr uint32_t kWidth = 64, kHeight = 48, kStride = 80;
-constexpr std::chrono::milliseconds kSoon(2000), kNow(0);
-
-// Grey frames whose rows have gaps.
-void MakeGrey(FakeV4l2State* state) {
-  state->formats = {
-      {V4L2_PIX_FMT_GREY, kWidth, kHeight, {kStride}, {kStride * kHeight}}};
-}
-
-std::unique_ptr<V4l2Source> Open(FakeV4l2State* state,
-                                 const V4l2Options& options = {
-                                     "", kWidth, kHeight, true, {}}) {
-  return std::make_unique<V4l2Source>(std::make_unique<FakeV4l2Device>(state),
-                                      options);
-}
-
-Event Frame(uint8_t value, uint32_t sequence = 0) {
-  Event event;
-  event.value = value;
-  event.sequence = sequence;
-  return event;
-}
-
-Event Failure(int error) {
-  Event event;
-  event.error = error;
-  return event;
-}
-
-// The value of the next frame's pixels, the last one among them; -1 for none.
-int NextValue(V4l2Source* source) {
-  const auto frame = source->Next(kSoon);
-  if (!frame) return -1;
-  const int plane = source->format().num_planes - 1;
-  const int value = frame->image.planes[plane]
-                        .data[source->format().planes[plane].extent() - 1];
-  source->Release(*frame);
-  return value;
-}
 
 void ExpectRefused(FakeV4l2State* state, const V4l2Options& options,
                    const std::string& word) {
@@ -524,102 +481,6 @@ TEST(V4l2Formats, CodesAreThoseOfTheKernelsHeader) {
            {V4L2_PIX_FMT_SGRBG12P, "SGRBG12_CSI2P"}})
     EXPECT_EQ(V4l2FormatName(code), name);
   EXPECT_FALSE(FindV4l2Format(V4L2_PIX_FMT_MJPEG));
-}
-
-// ---- How frames are taken
-// ----------------------------------------------------
-
-FrameInfo ReadInfo(FakeV4l2State* state) {
-  FakeV4l2Device device(state);
-  FrameInfo info = {};
-  V4l2CaptureReader(&device).Read(&info);
-  return info;
-}
-
-FakeV4l2State::Control Told(uint32_t id, long long minimum, long long value) {
-  return {id, V4L2_CTRL_TYPE_INTEGER, "", minimum, 500, 1, value, 0, {}};
-}
-
-TEST(V4l2Capture, OfADeviceThatTellsNothingNothingIsTold) {
-  FakeV4l2State state;
-  // A focus has no unit.
-  state.controls = {Told(V4L2_CID_FOCUS_ABSOLUTE, 0, 40)};
-  const FrameInfo info = ReadInfo(&state);
-  EXPECT_FALSE(info.crop || info.zoom || info.orientation ||
-               info.lens_position);
-}
-
-TEST(V4l2Capture, ZoomIsThatOverTheSmallest) {
-  FakeV4l2State state;
-  state.controls = {Told(V4L2_CID_ZOOM_ABSOLUTE, 100, 150)};
-  EXPECT_EQ(ReadInfo(&state).zoom, 1.5);
-  state.controls = {Told(V4L2_CID_ZOOM_ABSOLUTE, 0, 0)};
-  EXPECT_EQ(ReadInfo(&state).zoom, 1.0);
-  // A number that is no focal length tells no zoom.
-  state.controls = {Told(V4L2_CID_ZOOM_ABSOLUTE, 0, 3)};
-  EXPECT_FALSE(ReadInfo(&state).zoom);
-  state.controls[0].minimum = -5;
-  EXPECT_FALSE(ReadInfo(&state).zoom);
-  state.controls[0].flags = V4L2_CTRL_FLAG_DISABLED;
-  state.controls[0].value = -5;
-  EXPECT_FALSE(ReadInfo(&state).zoom);
-}
-
-TEST(V4l2Capture, FlipsAndTurnsAreAnOrientation) {
-  FakeV4l2State state;
-  const auto read = [&](int flip_x, int flip_y, int degrees) {
-    state.controls = {Told(V4L2_CID_HFLIP, 0, flip_x),
-                      Told(V4L2_CID_VFLIP, 0, flip_y),
-                      Told(V4L2_CID_ROTATE, 0, degrees)};
-    return ReadInfo(&state).orientation.value_or(0);
-  };
-  EXPECT_EQ(read(0, 0, 0), 1);
-  EXPECT_EQ(read(1, 0, 0), 2);
-  EXPECT_EQ(read(0, 1, 0), 4);
-  EXPECT_EQ(read(1, 1, 0), 3);
-  EXPECT_EQ(read(0, 0, 180), 3);
-  EXPECT_EQ(read(1, 1, 180), 1);
-  EXPECT_EQ(read(0, 0, 90), 8);
-  EXPECT_EQ(read(0, 0, 270), 6);
-  EXPECT_EQ(read(0, 0, 45), 0);
-}
-
-TEST(V4l2Capture, FramesComeWithTheDriversCrop) {
-  FakeV4l2State state;
-  MakeGrey(&state);
-  state.crop = {8, -4, 64, 48};
-  state.controls = {Told(V4L2_CID_HFLIP, 0, 1)};
-  state.events = {Frame(7, 1)};
-  const auto source = Open(&state);
-  EXPECT_TRUE(source->tells_crops());
-  source->Start();
-  const auto frame = source->Next(kSoon);
-  ASSERT_TRUE(frame);
-  ASSERT_TRUE(frame->info.crop);
-  EXPECT_EQ(*frame->info.crop, (SensorCrop{8, -4, 64, 48}));
-  EXPECT_EQ(frame->info.orientation, 2);
-  EXPECT_EQ(frame->info.sequence, 1u);
-  source->Release(*frame);
-}
-
-TEST(V4l2Capture, ACropIsAskedForAgainAfterASecond) {
-  FakeV4l2State state;
-  MakeGrey(&state);
-  state.crop = {0, 0, 64, 48};
-  state.events = {Frame(7, 1)};
-  const auto source = Open(&state);
-  source->Start();
-  EXPECT_EQ(NextValue(source.get()), 7);
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
-  {
-    const std::lock_guard<std::mutex> lock(state.mutex);
-    state.crop = {16, 12, 32, 24};
-    state.events = {Frame(8, 2)};
-  }
-  const auto frame = source->Next(kSoon);
-  ASSERT_TRUE(frame);
-  EXPECT_EQ(*frame->info.crop, (SensorCrop{16, 12, 32, 24}));
-  source->Release(*frame);
 }
 
 }  // namespace
