@@ -106,7 +106,7 @@ std::vector<double> OffsetsMm(const CameraModel& camera,
 }  // namespace
 
 ExperimentResult MeasureNoncentrality(const ExperimentOptions& options) {
-  constexpr double kBoardM = 0.5, kFarM = 1e4;
+  constexpr double kBoardM = 0.5, kInfinitelyFarM = 1e4;
   const Camera camera = GetCamera(options);
   const LineSpread spread = MeasureLineSpread(*camera.model);
   ExperimentResult table;
@@ -127,8 +127,8 @@ ExperimentResult MeasureNoncentrality(const ExperimentOptions& options) {
   ChartSeries far = {"right far away", {}, true},
               near = {"right at 0.5 m", {}, true};
   for (const double distance_m : kDistancesM) {
-    const Effect if_far =
-        EffectAt(*camera.model, spread.nearest_point, kFarM, distance_m);
+    const Effect if_far = EffectAt(*camera.model, spread.nearest_point,
+                                   kInfinitelyFarM, distance_m);
     const Effect if_near =
         EffectAt(*camera.model, spread.nearest_point, kBoardM, distance_m);
     table.rows.push_back({distance_m, if_far.rms_px, if_far.max_px,
