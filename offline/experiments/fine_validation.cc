@@ -64,8 +64,8 @@ BumpyLens FineLens(const ImageSize& size, double bump_width_px, uint64_t seed) {
 
 Pattern FineBoard() {
   StarBoardOptions options;
-  options.columns = 56;
-  options.rows = 40;
+  options.columns = 60;
+  options.rows = 44;
   options.square_mm = 12;
   Pattern pattern;
   pattern.boards = StarBoards(options);
