@@ -260,7 +260,8 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
   command->add_option("-o,--output", arguments->output, "folder to write to");
   command
       ->add_option("--images", arguments->num_images,
-                   "number of images (default: the experiment's own)")
+                   "number of images, of capture-guidance: of lenses "
+                   "(default: the experiment's own)")
       ->check(CLI::Range(1, 10000));
   command->add_option("--result", arguments->result,
                       "folder that the user's own calibrate wrote");
@@ -309,7 +310,7 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
       "--fine", options.fine,
       fmt::format("model-validation in the paper's regime: lenses whose bumps "
                   "are 20 to 60 px wide, {} images of star boards, cells of "
-                  "30, 20 and 10 px; takes hours",
+                  "30, 20 and 10 px; takes half an hour",
                   kFineImages));
   command
       ->add_option("--blur-px", options.blur_px,

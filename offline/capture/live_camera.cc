@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kCells = 8;  // along the longer side
+constexpr double kCells = 16;  // along the longer side
 
 }  // namespace
 
@@ -61,16 +61,23 @@ void LiveCamera::GoOn() {
   std::vector<RejectedImage> rejected;
   next.problem = BuildProblem({images_}, pattern_, &rejected);
   next.problem.area = before.area;
-  const auto localized =
-      LocalizeViews(next.state.camera(), 0, next.problem, num_threads_);
+  const auto known_pose = [&](size_t v) {
+    return poses.find({next.problem.images[v], next.problem.boards[v]});
+  };
+  CalibrationProblem added = next.problem;
   std::vector<bool> remove;
+  for (size_t v = 0; v < next.problem.views.size(); ++v)
+    remove.push_back(known_pose(v) != poses.end());
+  RemoveViews(remove, &added);
+  const auto localized =
+      LocalizeViews(next.state.camera(), 0, added, num_threads_);
   std::vector<Pose> kept;
+  auto of_added = localized.begin();
   for (size_t v = 0; v < next.problem.views.size(); ++v) {
-    const auto known =
-        poses.find({next.problem.images[v], next.problem.boards[v]});
-    std::optional<Pose> pose = localized[v];
-    if (known != poses.end()) pose = known->second;
-    remove.push_back(!pose);
+    const auto known = known_pose(v);
+    const std::optional<Pose> pose =
+        known != poses.end() ? known->second : *of_added++;
+    remove[v] = !pose;
     if (pose) kept.push_back(*pose);
   }
   RemoveViews(remove, &next.problem);

@@ -58,7 +58,12 @@ const std::vector<Experiment>& Experiments() {
        "what residuals are made of: noise, lens, board, views",
        SplitResiduals,
        100,
-       {"--result", "--features", "--camera"}}};
+       {"--result", "--features", "--camera"}},
+      {"capture-guidance",
+       "images until a camera is known, by what the operator follows",
+       CompareCaptureGuidance,
+       20,
+       {}}};
   return experiments;
 }
 

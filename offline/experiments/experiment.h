@@ -147,6 +147,10 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options);
 /// is known, or of a user's calibration.
 ExperimentResult SplitResiduals(const ExperimentOptions& options);
 
+/// How many images a simulated operator takes until a camera is known, who
+/// follows the next view of capture, ROS's bars or nothing.
+ExperimentResult CompareCaptureGuidance(const ExperimentOptions& options);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_EXPERIMENTS_EXPERIMENT_H

@@ -99,6 +99,19 @@ class Experiment(CommandTest):
             self.assertEqual((len(parametric), len(generic)), (3, 4))
             self.assertLess(2 * max(generic), min(parametric))
 
+    def test_capture_guidance(self):
+        rows, pictures = self.small("capture-guidance", "--size", "320x240", images=1)
+        self.assertEqual(pictures, [])
+        images = {row["operator_follows"]: int(row["images"]) for row in rows}
+        self.assertEqual(list(images), ["next view", "ROS's bars", "nothing"])
+        self.assertEqual(rows[0]["is_known"], "yes")
+        # One lens tells little of the number of images, by luck.
+        self.assertGreater(images["next view"], 4)
+        self.assertLess(images["next view"], images["ROS's bars"])
+        predicted = {row["operator_follows"]: float(row["predicted_px"]) for row in rows}
+        self.assertLess(0.005, predicted["next view"])
+        self.assertLess(predicted["next view"], 0.5 * predicted["ROS's bars"])
+
     def fine(self, name, *options):
         """The rows of model-validation --fine, small, and its pictures."""
         folder = self.path(name)

@@ -1,0 +1,342 @@
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "camera/thin_prism_fisheye.h"
+#include "capture/live_camera.h"
+#include "capture/next_view.h"
+#include "dataset/parallel_for.h"
+#include "evaluation/model_difference.h"
+#include "evaluation/residual_statistics.h"
+#include "experiments/experiment.h"
+#include "simulation/random.h"
+#include "simulation/simulated_observations.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kTargetPx = 0.02;
+constexpr double kFeatureNoisePx = 0.05;
+constexpr int kMostImages = 80;
+constexpr double kHandM = 0.03, kHandRad = 5 * M_PI / 180;  // of operators
+
+// 50 to 140 degrees across the image's width, somewhat off centre.
+ThinPrismFisheye RandomLens(const ImageSize& size, uint64_t seed) {
+  Random random(seed);
+  const double half_rad = random.Uniform(25, 70) * M_PI / 180;
+  const double k1 = random.Uniform(-0.08, 0.04);
+  const double k2 = random.Uniform(-0.01, 0.01);
+  const double g = 1 + k1 * std::pow(half_rad, 2) + k2 * std::pow(half_rad, 4);
+  const double f_px = size.width / 2.0 / (half_rad * g);
+  const double shift_px = 0.02 * size.width;
+  const double cx =
+      (size.width - 1) / 2.0 + random.Uniform(-shift_px, shift_px);
+  const double cy =
+      (size.height - 1) / 2.0 + random.Uniform(-shift_px, shift_px);
+  const Area area = {-1, -1, double(size.width), double(size.height)};
+  return {size,
+          area,
+          {f_px, f_px * random.Uniform(0.998, 1.002), cx, cy, k1, k2, 0, 0,
+           random.Uniform(-5e-4, 5e-4), random.Uniform(-5e-4, 5e-4), 0, 0}};
+}
+
+Pattern GuidanceBoard() {
+  Board board;
+  board.kind = "chessboard";
+  board.columns = 11;
+  board.rows = 8;
+  board.square_m = 0.025;
+  board.points = board.NominalPoints();
+  Pattern pattern;
+  pattern.boards = {board};
+  return pattern;
+}
+
+// Somewhere in the image, near or far, tilted and turned.
+BoardView RandomView(const ImageSize& size, Random* random) {
+  BoardView view;
+  view.pixel = {random->Uniform(0, size.width),
+                random->Uniform(0, size.height)};
+  view.width_px = size.width * random->Uniform(0.3, 1.1);
+  view.tilt_rad = random->Uniform(0, 50) * M_PI / 180;
+  view.axis_rad = random->Uniform(0, 2 * M_PI);
+  view.turn_rad = random->Uniform(-M_PI, M_PI);
+  return view;
+}
+
+// ---- What ROS asks for ------------------------------------------------------
+
+constexpr int kNumBars = 4;
+using Bars = Eigen::Array<double, kNumBars, 1>;
+
+// Place, size and skew of a whole board, as ROS's camera_calibration has them.
+Bars BarsOf(const std::vector<Feature>& features, const Board& board,
+            const ImageSize& size) {
+  Eigen::Vector2d corner[4], mean = Eigen::Vector2d::Zero();
+  for (const Feature& feature : features) {
+    mean += feature.pixel / static_cast<double>(features.size());
+    const bool is_right = feature.column == board.columns - 1;
+    const bool is_low = feature.row == board.rows - 1;
+    if ((is_right || feature.column == 0) && (is_low || feature.row == 0))
+      corner[is_low ? (is_right ? 2 : 3) : (is_right ? 1 : 0)] = feature.pixel;
+  }
+  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return a.x() * b.y() - a.y() * b.x();
+  };
+  const double area =
+      std::abs(cross(corner[2] - corner[0], corner[3] - corner[1])) / 2;
+  const double border = std::sqrt(area);
+  const Eigen::Vector2d a = corner[0] - corner[1], b = corner[2] - corner[1];
+  const double angle = std::acos(a.dot(b) / (a.norm() * b.norm()));
+  Bars bars;
+  bars << std::clamp((mean.x() - border / 2) / (size.width - border), 0.0, 1.0),
+      std::clamp((mean.y() - border / 2) / (size.height - border), 0.0, 1.0),
+      std::sqrt(area / (double(size.width) * size.height)),
+      std::min(1.0, 2 * std::abs(M_PI / 2 - angle));
+  return bars;
+}
+
+// How full the bars are, together.
+double Fullness(const std::vector<Bars>& frames) {
+  const Bars ranges = {0.7, 0.7, 0.4, 0.5};
+  Bars low = frames.front(), high = frames.front();
+  for (const Bars& frame : frames) {
+    low = low.min(frame);
+    high = high.max(frame);
+  }
+  low.tail<2>().setZero();  // size and skew count from none
+  return ((high - low) / ranges).min(1).sum();
+}
+
+// ---- Operators --------------------------------------------------------------
+
+enum class Follows { kNextView, kBars, kNothing };
+
+constexpr size_t kFewest = 20;  // features of an image that is taken
+
+struct Operator {
+  Follows follows;
+  const ThinPrismFisheye& truth;
+  const Pattern& pattern;
+  Random random;
+  std::vector<Bars> frames = {};
+
+  const Board& board() const { return pattern.boards.front(); }
+
+  Pose Held(const Pose& asked) {
+    Eigen::Matrix<double, 6, 1> off;
+    for (int k = 0; k < 6; ++k)
+      off[k] = random.Normal() * (k < 3 ? kHandRad : kHandM);
+    // The hand turns the board around its middle.
+    const Eigen::Vector3d middle = MiddleOf(board());
+    Pose held = asked;
+    held.rotation = RotationFromVector(off.head<3>()) * asked.rotation;
+    held.translation = asked * middle - held.rotation * middle + off.tail<3>();
+    return held;
+  }
+
+  // The features that the camera sees when the operator tries for a view; few
+  // if the try fails.
+  std::vector<Feature> Try(const BoardView& view) {
+    const auto pose = PoseOf(view, board(), truth);
+    if (!pose) return {};
+    return VisibleFeatures(truth, board(), Held(*pose));
+  }
+
+  bool IsWhole(const std::vector<Feature>& features) const {
+    return static_cast<int>(features.size()) == board().num_points();
+  }
+
+  std::vector<Feature> AtRandom() {
+    for (;;) {
+      std::vector<Feature> seen = Try(RandomView(truth.image_size(), &random));
+      if (seen.size() >= kFewest) return seen;
+    }
+  }
+
+  // The view among some that fills the bars most; once they are full, any that
+  // ROS takes for new.
+  std::vector<Feature> ByBars() {
+    constexpr int kTries = 30;
+    constexpr double kNew = 0.2;
+    std::vector<Feature> best;
+    double best_score = -1;
+    Bars best_bars = Bars::Zero();
+    for (int k = 0; k < kTries;) {
+      std::vector<Feature> seen = AtRandom();
+      if (!IsWhole(seen)) continue;
+      ++k;
+      const Bars bars = BarsOf(seen, board(), truth.image_size());
+      double nearest = INFINITY;
+      for (const Bars& frame : frames)
+        nearest = std::min(nearest, (frame - bars).abs().sum());
+      std::vector<Bars> with = frames;
+      with.push_back(bars);
+      const double score = Fullness(with) + (nearest > kNew ? 1 : 0);
+      if (score <= best_score) continue;
+      best_score = score;
+      best = std::move(seen);
+      best_bars = bars;
+    }
+    frames.push_back(best_bars);
+    return best;
+  }
+
+  std::vector<Feature> ByNextView(const LiveCamera& live) {
+    const int index = static_cast<int>(live.images().images.size());
+    std::vector<Feature> seen;
+    if (live.adjusted()) {
+      if (const auto knowledge = CameraKnowledge::Of(*live.adjusted()))
+        if (const auto next = BestNextView(*knowledge, board()))
+          seen = Try(next->view);
+    } else if (index < kNumFirstViews) {
+      seen = Try(FirstView(index, truth.image_size()));
+    }
+    return seen.size() >= kFewest ? seen : AtRandom();
+  }
+
+  std::vector<Feature> Next(const LiveCamera& live) {
+    switch (follows) {
+      case Follows::kNextView:
+        return ByNextView(live);
+      case Follows::kBars:
+        return ByBars();
+      case Follows::kNothing:
+        break;
+    }
+    return AtRandom();
+  }
+};
+
+double TrueError95(const CameraModel& truth, const CameraModel& camera) {
+  constexpr double kStepPx = 10;
+  const ModelDifference difference = CompareModels(truth, camera, kStepPx);
+  std::vector<double> norms;
+  for (const Eigen::Vector2d& error : difference.error_px)
+    norms.push_back(error.norm());
+  return norms.empty() ? INFINITY : Quantile(norms, 0.95);
+}
+
+// How many images an operator took until the camera was known, if it ever was,
+// and what was predicted of it then.
+struct CaptureRun {
+  int num_images = 0;
+  bool is_done = false;
+  double predicted_px = 0;
+};
+
+CaptureRun CaptureUntilKnown(Follows follows, const ThinPrismFisheye& truth,
+                             const Pattern& pattern, uint64_t seed) {
+  Operator hand = {follows, truth, pattern, Random(seed)};
+  LiveCamera live(pattern, truth.image_size(), 1);
+  SimulationOptions noise;
+  noise.noise_px = kFeatureNoisePx;
+  CaptureRun capture;
+  while (capture.num_images < kMostImages && !capture.is_done) {
+    std::vector<Feature> seen = hand.Next(live);
+    AddNoise(noise, &hand.random, &seen);
+    live.Add({fmt::format("{:04d}.png", capture.num_images), seen});
+    ++capture.num_images;
+    capture.is_done =
+        live.adjusted() &&
+        TrueError95(truth, live.adjusted()->state.camera()) <= kTargetPx;
+  }
+  if (live.adjusted())
+    if (const auto knowledge = CameraKnowledge::Of(*live.adjusted()))
+      capture.predicted_px = knowledge->Percentile95Px();
+  return capture;
+}
+
+constexpr Follows kOperators[] = {Follows::kNextView, Follows::kBars,
+                                  Follows::kNothing};
+constexpr const char* kOperatorNames[] = {"next view", "ROS's bars", "nothing"};
+constexpr int kNumOperators = 3;
+
+std::vector<Condition> GuidanceConditions(const ExperimentOptions& options) {
+  return {
+      {"lenses", fmt::format("{}, equidistant with distortion, 50 to 140 "
+                             "degrees across {} x {} px",
+                             options.num_images, options.size.width,
+                             options.size.height)},
+      {"board", "11 x 8 features, 25 mm apart"},
+      {"noise", fmt::format("{:g} px in an axis", kFeatureNoisePx)},
+      {"operator",
+       fmt::format("holds the board 3 cm and 5 degrees off (standard "
+                   "deviations in an axis) from where it is to be")},
+      {"next view",
+       "that of raygrid: what would take most from the mean "
+       "variance"},
+      {"ROS's bars",
+       "of 30 views of the whole board the one that fills them "
+       "most, or is new to ROS"},
+      {"nothing",
+       "anywhere in the image, 0.3 to 1.1 times as wide, tilted by "
+       "up to 50 degrees; boards may be cut off, as with the next "
+       "view"},
+      {"camera", "of a grid of 16 cells along the longer side"},
+      {"until", fmt::format("95 % of the rays are within {:g} px of the true "
+                            "ones; {} images at most, which then count",
+                            kTargetPx, kMostImages)},
+      {"seed", std::to_string(options.seed)}};
+}
+
+// The sums of a column of rows, over the first column's.
+double PartOf(const std::vector<CaptureRun>& captures, int follower) {
+  double guided = 0, other = 0;
+  for (size_t i = 0; i < captures.size(); i += kNumOperators) {
+    guided += captures[i].num_images;
+    other += captures[i + follower].num_images;
+  }
+  return guided / other;
+}
+
+}  // namespace
+
+ExperimentResult CompareCaptureGuidance(const ExperimentOptions& options) {
+  const Pattern pattern = GuidanceBoard();
+  const int num_lenses = options.num_images;
+  std::vector<CaptureRun> captures(num_lenses * kNumOperators);
+  int num_done = 0;
+  const auto num_all = static_cast<int>(captures.size());
+  std::mutex progress;
+  ParallelFor(num_all, NumThreads(options.num_threads), [&](int k) {
+    const uint64_t seed = options.seed * 1000 + k / kNumOperators;
+    captures[k] =
+        CaptureUntilKnown(kOperators[k % kNumOperators],
+                          RandomLens(options.size, seed), pattern, seed);
+    const std::lock_guard lock(progress);
+    if (options.progress) options.progress(double(++num_done) / num_all);
+  });
+  ExperimentResult table;
+  table.conditions = GuidanceConditions(options);
+  for (int k = 1; k < kNumOperators; ++k)
+    table.conditions.push_back(
+        {fmt::format("images, next view to {}", kOperatorNames[k]),
+         fmt::format("{:.2f}", PartOf(captures, k))});
+  table.columns = {"lens", "operator_follows", "images", "is_known",
+                   "predicted_px"};
+  table.chart.title = "Images until a camera is known";
+  table.chart.note = fmt::format(
+      "95 % of its rays to {:g} px; at the top: not with so many", kTargetPx);
+  table.chart.x_label = "lens";
+  table.chart.y_label = "images";
+  for (const char* name : kOperatorNames)
+    table.chart.series.push_back({name, {}, false});
+  for (int k = 0; k < num_all; ++k) {
+    const int lens = k / kNumOperators, follower = k % kNumOperators;
+    table.rows.push_back({lens, std::string(kOperatorNames[follower]),
+                          captures[k].num_images,
+                          std::string(captures[k].is_done ? "yes" : "no"),
+                          captures[k].predicted_px});
+    table.chart.series[follower].points.push_back(
+        {double(lens), double(captures[k].num_images)});
+    if (follower == 0)
+      table.chart.ticks.push_back({double(lens), std::to_string(lens)});
+  }
+  return table;
+}
+
+}  // namespace raygrid
