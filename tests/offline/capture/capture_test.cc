@@ -156,10 +156,9 @@ TEST(CameraKnowledge, GainsNothingFromNoFeatures) {
   const auto knowledge = CameraKnowledge::Of(*live.adjusted());
   ASSERT_TRUE(knowledge);
   EXPECT_EQ(knowledge->GainOf({}, {}, {}), 0);
-  // Behind the camera.
-  EXPECT_EQ(knowledge->GainOfView(TestBoard().boards.front(),
-                                  {{}, Eigen::Vector3d(0, 0, -5)}),
-            0);
+  Pose behind;
+  behind.translation.z() = -5;
+  EXPECT_EQ(knowledge->GainOfView(TestBoard().boards.front(), behind), 0);
 }
 
 // ---- What comes next --------------------------------------------------------
