@@ -2,6 +2,7 @@
 #define RAYGRID_CAPTURE_CAMERA_KNOWLEDGE_H
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <vector>
 
