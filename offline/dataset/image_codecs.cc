@@ -18,7 +18,11 @@ fs::path OwnFolder() {
   Dl_info object;
   std::error_code error;
   if (dladdr(&in_this_object, &object) == 0) return {};
-  return fs::canonical(object.dli_fname, error).parent_path();
+  // A program's name is as it was called: found in the PATH, it has no folder.
+  const std::string name = object.dli_fname;
+  const bool has_folder = name.find('/') != std::string::npos;
+  return fs::canonical(has_folder ? name : "/proc/self/exe", error)
+      .parent_path();
 }
 
 void* OpenModule() {

@@ -4,6 +4,7 @@ given stays as it is."""
 import json
 import os
 import struct
+import subprocess
 import zlib
 
 import png_files
@@ -58,6 +59,16 @@ class Images(CommandTest):
         return read_png(self.path("kept/" + name.split(".")[0] + ".png"))
 
     # ---- What undistort writes ----------------------------------------------
+
+    def test_a_program_found_in_the_path_reads_images(self):
+        picture = write(self.path("path/a.png"), png(scene()))
+        pattern = write(self.path("path/pattern.yaml"), PATTERN)
+        path = os.path.dirname(programs.raygrid) + os.pathsep + os.environ["PATH"]
+        result = subprocess.run(
+            [os.path.basename(programs.raygrid), "detect", picture, "--pattern", pattern, "--no-cache",
+             "-o", self.path("path/f.csv")], env={**os.environ, "PATH": path}, cwd=self.folder,
+            capture_output=True, text=True, timeout=300, check=False)
+        self.assert_refused(result, 3, "no board found")
 
     def test_images_that_would_get_one_name_are_refused(self):
         for pair in (("one/x.pgm", "two/x.pgm"), ("one/y.png", "one/y.pgm")):
