@@ -37,6 +37,22 @@ void LiveCamera::Add(const ImageFeatures& image) {
     GoOn();
 }
 
+void LiveCamera::Add(const std::vector<ImageFeatures>& images) {
+  images_.images.insert(images_.images.end(), images.begin(), images.end());
+  if (images_.images.size() >= kNumFirstViews) AdjustAnew();
+}
+
+void LiveCamera::Remove(const std::string& image) {
+  auto& images = images_.images;
+  images.erase(std::remove_if(images.begin(), images.end(),
+                              [&image](const ImageFeatures& other) {
+                                return other.image == image;
+                              }),
+               images.end());
+  adjusted_.reset();
+  if (images.size() >= kNumFirstViews) AdjustAnew();
+}
+
 void LiveCamera::AdjustAnew() {
   const double cell_px =
       std::max(images_.image_size.width, images_.image_size.height) / kCells;

@@ -2,6 +2,8 @@
 #define RAYGRID_CAPTURE_LIVE_CAMERA_H
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "calibration/model_adjustment.h"
 #include "dataset/dataset.h"
@@ -20,6 +22,10 @@ class LiveCamera {
   /// them: anew whenever they have become half as many again, else from where
   /// it was.
   void Add(const ImageFeatures& image);
+  /// Some more at once, and the camera anew.
+  void Add(const std::vector<ImageFeatures>& images);
+  /// All but the image of that name, and the camera of them.
+  void Remove(const std::string& image);
 
   const Dataset& images() const { return images_; }
   /// Nothing while images tell no camera.

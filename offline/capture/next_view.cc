@@ -102,10 +102,10 @@ std::optional<NextView> BestNextView(const CameraKnowledge& knowledge,
 }
 
 BoardView FirstView(int index, const ImageSize& size) {
-  constexpr double kWidth = 0.7, kTiltRad = 0.6;
+  constexpr double kWidths[] = {0.7, 0.45}, kTiltRad = 0.6;
   BoardView view;
   view.pixel = {size.width / 2.0, size.height / 2.0};
-  view.width_px = kWidth * size.width;
+  view.width_px = kWidths[index / kNumFirstViews % 2] * size.width;
   view.tilt_rad = kTiltRad;
   view.axis_rad = index * 2 * M_PI / kNumFirstViews;
   return view;

@@ -1,0 +1,151 @@
+#include "capture/capture_guide.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "camera/thin_prism_fisheye.h"
+#include "initialization/localization.h"
+
+namespace raygrid {
+namespace {
+
+// Between two tilts that count as two, while nothing is known.
+constexpr double kOtherTiltRad = 0.25;
+
+std::shared_ptr<const CameraModel> AssumedCamera(const ImageSize& size) {
+  constexpr double kHalfWidthRad = 0.57;
+  const double f_px = size.width / 2.0 / kHalfWidthRad;
+  return std::make_shared<ThinPrismFisheye>(
+      size, WholeImage(size),
+      ThinPrismFisheye::ParameterArray{f_px, f_px, (size.width - 1) / 2.0,
+                                       (size.height - 1) / 2.0});
+}
+
+// The features of one board, with their points.
+std::vector<PointOnPixel> MatchesOf(const Board& board,
+                                    const ImageFeatures& image) {
+  std::vector<PointOnPixel> matches;
+  for (const Feature& feature : image.features)
+    if (feature.board == board.id)
+      matches.push_back(
+          {board.points[board.PointIndex(feature.column, feature.row)],
+           feature.pixel});
+  return matches;
+}
+
+double AngleBetween(const LocatedBoard& a, const LocatedBoard& b) {
+  // As seen along the line of sight: a board moved aside is not tilted.
+  const auto normal = [](const LocatedBoard& located) -> Eigen::Vector3d {
+    const Pose& pose = located.camera_from_board;
+    return Eigen::Quaterniond::FromTwoVectors(pose * MiddleOf(*located.board),
+                                              Eigen::Vector3d::UnitZ()) *
+           (pose.rotation * Eigen::Vector3d::UnitZ());
+  };
+  const Eigen::Vector3d first = normal(a), second = normal(b);
+  return std::atan2(first.cross(second).norm(), first.dot(second));
+}
+
+}  // namespace
+
+CaptureGuide::CaptureGuide(const LiveCamera& live, const Pattern& pattern,
+                           const GuideOptions& options)
+    : pattern_(std::make_shared<Pattern>(pattern)),
+      options_(options),
+      num_images_(static_cast<int>(live.images().images.size())),
+      assumed_(AssumedCamera(live.images().image_size)) {
+  if (live.adjusted()) knowledge_ = CameraKnowledge::Of(*live.adjusted());
+  if (knowledge_)
+    ChooseNext();
+  else
+    ChooseFirst(live);
+}
+
+const CameraModel& CaptureGuide::camera() const {
+  return knowledge_ ? knowledge_->camera() : *assumed_;
+}
+
+std::vector<LocatedBoard> CaptureGuide::Locate(
+    const ImageFeatures& image) const {
+  std::vector<LocatedBoard> located;
+  for (const Board& board : pattern_->boards)
+    if (const auto pose = Localize(camera(), MatchesOf(board, image)))
+      located.push_back({&board, *pose});
+  return located;
+}
+
+void CaptureGuide::ChooseFirst(const LiveCamera& live) {
+  for (const ImageFeatures& image : live.images().images)
+    for (const LocatedBoard& located : Locate(image))
+      first_views_.push_back(located);
+  const Board& board = pattern_->boards.front();
+  const ImageSize size = live.images().image_size;
+  // The first of those that is tilted otherwise than all that was kept.
+  for (int index = 0; index < 2 * kNumFirstViews; ++index) {
+    const auto pose = PoseOf(FirstView(index, size), board, *assumed_);
+    if (!pose) continue;
+    next_ = GuidedView{&board, *pose, 1};
+    const auto is_other = [&](const LocatedBoard& before) {
+      return AngleBetween({&board, *pose}, before) > kOtherTiltRad;
+    };
+    if (std::all_of(first_views_.begin(), first_views_.end(), is_other)) return;
+  }
+}
+
+void CaptureGuide::ChooseNext() {
+  for (const Board& board : pattern_->boards)
+    if (const auto view = BestNextView(*knowledge_, board))
+      if (!next_ || view->gain > next_->gain)
+        next_ = GuidedView{&board, view->camera_from_board, view->gain};
+  const bool is_known = options_.target_px > 0 &&
+                        knowledge_->Percentile95Px() <= options_.target_px;
+  is_done_ = is_known || !next_ || next_->gain < options_.least_gain;
+  if (is_done_) next_.reset();
+}
+
+double CaptureGuide::GainOf(const ImageFeatures& image) const {
+  const std::vector<LocatedBoard> located = Locate(image);
+  if (!knowledge_) {
+    const auto is_other = [&](const LocatedBoard& board) {
+      return std::all_of(first_views_.begin(), first_views_.end(),
+                         [&](const LocatedBoard& before) {
+                           return AngleBetween(board, before) > kOtherTiltRad;
+                         });
+    };
+    return std::any_of(located.begin(), located.end(), is_other) ? 1 : 0;
+  }
+  double left = 1;  // of the variance
+  for (const LocatedBoard& board : located) {
+    std::vector<Eigen::Vector3d> points;
+    std::vector<Eigen::Vector2d> pixels;
+    for (const PointOnPixel& match : MatchesOf(*board.board, image)) {
+      points.push_back(match.point);
+      pixels.push_back(match.pixel);
+    }
+    left *= 1 - knowledge_->GainOf(points, pixels, board.camera_from_board);
+  }
+  return 1 - left;
+}
+
+bool CaptureGuide::IsWorthKeeping(double gain) const {
+  if (!knowledge_) return gain > 0.5;
+  const double best = next_ ? next_->gain : 0;
+  return gain >= std::max(options_.least_gain, options_.part_of_next * best);
+}
+
+std::optional<int> CaptureGuide::num_expected() const {
+  if (is_done_) return 0;
+  if (!knowledge_ || !next_) return std::nullopt;
+  // The mean variance falls by the n-th image as n to the power of -n gain.
+  const double n = num_images_, power = n * next_->gain;
+  if (!(power > 0)) return std::nullopt;
+  // As far as a view adds least_gain, or to the target.
+  double most = power / options_.least_gain;
+  if (options_.target_px > 0) {
+    const double ratio = knowledge_->Percentile95Px() / options_.target_px;
+    most = std::min(most, n * std::pow(std::max(1.0, ratio), 2 / power));
+  }
+  constexpr double kMost = 999;
+  return static_cast<int>(std::ceil(std::clamp(most - n, 1.0, kMost)));
+}
+
+}  // namespace raygrid

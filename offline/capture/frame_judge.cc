@@ -1,0 +1,109 @@
+#include "capture/frame_judge.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "evaluation/residual_statistics.h"
+
+namespace raygrid {
+namespace {
+
+constexpr size_t kFewestFeatures = 12;
+
+struct WordAndRemedy {
+  const char* word;
+  const char* remedy;
+};
+
+// By FrameWord.
+constexpr WordAndRemedy kWords[] = {
+    {"kept", ""},
+    {"absent", "show the board"},
+    {"few", "show more of the board"},
+    {"dark", "more light, or a longer exposure"},
+    {"bright", "less light, or a shorter exposure"},
+    {"moving", "hold the board still"},
+    {"blurred", "focus, or hold the board where it is sharp"},
+    {"known", ""}};
+
+bool IsDark(const FrameQuality& quality) {
+  constexpr double kLeastContrast = 30;
+  return quality.white > 0 && quality.white - quality.black < kLeastContrast;
+}
+
+bool IsBright(const FrameQuality& quality) {
+  constexpr double kMostClipped = 0.3;
+  return quality.clipped > kMostClipped;
+}
+
+}  // namespace
+
+const char* WordOf(FrameWord word) {
+  return kWords[static_cast<int>(word)].word;
+}
+
+const char* RemedyOf(FrameWord word) {
+  return kWords[static_cast<int>(word)].remedy;
+}
+
+bool FrameJudge::IsMoving(const SeenFrame& frame, const Places& places) const {
+  // Motion spreads the edges that it crosses, and no others.
+  const FrameQuality& quality = frame.quality;
+  const double streak_px =
+      std::sqrt(std::max(0.0, std::pow(quality.most_spread_px, 2) -
+                                  std::pow(quality.least_spread_px, 2)));
+  constexpr double kMostStreakPx = 1;
+  if (streak_px > kMostStreakPx) return true;
+  if (!frame.time_s || !last_time_s_) return false;
+  double sum = 0;
+  int count = 0;
+  for (const auto& [feature, pixel] : places) {
+    const auto last = last_places_.find(feature);
+    if (last == last_places_.end()) continue;
+    sum += (pixel - last->second).squaredNorm();
+    ++count;
+  }
+  if (count == 0) return true;  // it came just now
+  const double moved_px = std::sqrt(sum / count);
+  const double passed_s = *frame.time_s - *last_time_s_;
+  if (!(passed_s > 0)) return moved_px > options_.still_px;
+  constexpr double kFrameS = 1 / 30.0;
+  double shown_s = std::min(passed_s, kFrameS);
+  if (frame.exposure_s) shown_s = std::min(shown_s, *frame.exposure_s);
+  return moved_px / passed_s * shown_s > options_.still_px;
+}
+
+bool FrameJudge::IsBlurred(const FrameQuality& quality) {
+  if (!(quality.most_spread_px > 0)) return false;
+  constexpr size_t kMostFrames = 500;
+  constexpr double kSharpPx = 1.2;      // no camera's frames are blurred so
+  constexpr double kMostOfSharp = 1.5;  // of a camera's sharper ones
+  constexpr double kAnyPx = 5;          // every camera's are
+  spreads_px_.push_back(quality.most_spread_px);
+  if (spreads_px_.size() > kMostFrames) spreads_px_.pop_front();
+  const double sharp_px =
+      Quantile({spreads_px_.begin(), spreads_px_.end()}, 0.1);
+  return quality.most_spread_px >
+         std::min(kAnyPx, std::max(kSharpPx, kMostOfSharp * sharp_px));
+}
+
+FrameWord FrameJudge::Judge(const SeenFrame& frame, const CaptureGuide& guide) {
+  gain_ = 0;
+  Places places;
+  for (const Feature& feature : frame.features.features)
+    places[{feature.board, feature.row, feature.column}] = feature.pixel;
+  const bool is_moving = IsMoving(frame, places);
+  last_places_ = std::move(places);
+  last_time_s_ = frame.time_s;
+  const size_t count = frame.features.features.size();
+  if (count == 0) return FrameWord::kAbsent;
+  if (count < kFewestFeatures) return FrameWord::kFew;
+  if (IsDark(frame.quality)) return FrameWord::kDark;
+  if (IsBright(frame.quality)) return FrameWord::kBright;
+  if (is_moving) return FrameWord::kMoving;
+  if (IsBlurred(frame.quality)) return FrameWord::kBlurred;
+  gain_ = guide.GainOf(frame.features);
+  return guide.IsWorthKeeping(gain_) ? FrameWord::kKept : FrameWord::kKnown;
+}
+
+}  // namespace raygrid

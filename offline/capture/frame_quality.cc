@@ -1,0 +1,244 @@
+#include "capture/frame_quality.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "evaluation/residual_statistics.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kMeasuredFeatures = 48;  // that are measured in an image
+constexpr double kLeastHalfPx = 2.5, kMostHalfPx = 6;
+constexpr double kLeastContrast = 15;  // grey levels
+
+// The grey level between pixels; nothing outside the image.
+std::optional<double> LevelAt(const ImageSize& size,
+                              const std::vector<float>& levels,
+                              const Eigen::Vector2d& pixel) {
+  const int x = static_cast<int>(std::floor(pixel.x()));
+  const int y = static_cast<int>(std::floor(pixel.y()));
+  if (x < 0 || y < 0 || x + 1 >= size.width || y + 1 >= size.height)
+    return std::nullopt;
+  const double right = pixel.x() - x, down = pixel.y() - y;
+  const float* const at = &levels[static_cast<size_t>(y) * size.width + x];
+  const float* const below = at + size.width;
+  return (1 - down) * ((1 - right) * at[0] + right * at[1]) +
+         down * ((1 - right) * below[0] + right * below[1]);
+}
+
+// An edge as an image shows it.
+struct SeenEdge {
+  Eigen::Vector2d normal;
+  double step = 0;  // from 1 px before it to 1 px behind it, grey levels
+  double low = 0, high = 0;
+  double spread_px = 0;
+};
+
+// The levels along a line across an edge, whose middle is nearly at_px.
+std::optional<SeenEdge> MeasureEdge(const ImageSize& size,
+                                    const std::vector<float>& levels,
+                                    const Eigen::Vector2d& at_px,
+                                    const Eigen::Vector2d& normal,
+                                    double half_px) {
+  constexpr int kStepsPerPx = 2;
+  const int half = static_cast<int>(half_px * kStepsPerPx);
+  std::vector<double> profile;
+  for (int k = -half; k <= half; ++k) {
+    const auto level = LevelAt(size, levels, at_px + normal * k / kStepsPerPx);
+    if (!level) return std::nullopt;
+    profile.push_back(*level);
+  }
+  SeenEdge edge;
+  edge.normal = normal;
+  edge.low = *std::min_element(profile.begin(), profile.end());
+  edge.high = *std::max_element(profile.begin(), profile.end());
+  if (edge.high - edge.low < kLeastContrast) return std::nullopt;
+  // The feature may be a pixel beside where it is.
+  for (size_t k = 2 * kStepsPerPx; k < profile.size(); ++k)
+    edge.step = std::max(edge.step,
+                         std::abs(profile[k] - profile[k - 2 * kStepsPerPx]));
+  return edge;
+}
+
+// The deviation of a Gaussian that leaves a part of a step within 1 px on both
+// sides: part = erf(1 / (sqrt(2) deviation)).
+double SpreadOf(double part) {
+  double low = 0.05, high = 20;
+  for (int halving = 0; halving < 30; ++halving) {
+    const double middle = (low + high) / 2;
+    (std::erf(M_SQRT1_2 / middle) > part ? low : high) = middle;
+  }
+  return low;
+}
+
+// S of n^T S n = spread^2, without edges far from it.
+Eigen::Matrix2d SpreadsByNormal(std::vector<SeenEdge> edges) {
+  Eigen::Vector3d s = Eigen::Vector3d::Zero();  // xx, xy, yy
+  for (int round = 0; round < 3; ++round) {
+    Eigen::Matrix3d h = 1e-6 * Eigen::Matrix3d::Identity();
+    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    std::vector<double> errors;
+    const auto row = [](const SeenEdge& edge) {
+      const Eigen::Vector2d& n = edge.normal;
+      return Eigen::Vector3d(n.x() * n.x(), 2 * n.x() * n.y(), n.y() * n.y());
+    };
+    for (const SeenEdge& edge : edges) {
+      h += row(edge) * row(edge).transpose();
+      b += row(edge) * edge.spread_px * edge.spread_px;
+    }
+    s = h.ldlt().solve(b);
+    for (const SeenEdge& edge : edges)
+      errors.push_back(
+          std::abs(row(edge).dot(s) - edge.spread_px * edge.spread_px));
+    constexpr double kFar = 4;
+    const double most = kFar * Quantile(errors, 0.5) + 1e-9;
+    std::vector<SeenEdge> near;
+    for (size_t k = 0; k < edges.size(); ++k)
+      if (errors[k] <= most) near.push_back(edges[k]);
+    edges = std::move(near);
+  }
+  Eigen::Matrix2d matrix;
+  matrix << s[0], s[1], s[1], s[2];
+  return matrix;
+}
+
+}  // namespace
+
+// The drawing has one colour on each side, as far as the profile reaches, and
+// goes on so along the edge.
+bool QualityMeter::IsStep(const Eigen::Vector2d& at, const Edge& edge) const {
+  for (const double nearness : {0.85, 1.0, 1.15})
+    for (const double part : {0.1, 0.4, 0.7, 1.0}) {
+      const auto is_black = [&](double along, double side) {
+        return appearance_.IsBlack(at + along * edge.middle +
+                                   side * edge.across);
+      };
+      if (is_black(nearness, part) != is_black(1, 1) ||
+          is_black(nearness, -part) != is_black(1, -1) ||
+          is_black(1, 1) == is_black(1, -1))
+        return false;
+    }
+  return true;
+}
+
+QualityMeter::QualityMeter(const Board& board)
+    : board_(board), appearance_(board), edges_(board.num_points()) {
+  constexpr int kDirections = 144;
+  constexpr double kRadii[] = {0.42, 0.3};              // squares
+  constexpr double kHalves[] = {0.3, 0.2, 0.12, 0.07};  // squares
+  const std::vector<Eigen::Vector3d> points = board.NominalPoints();
+  for (int i = 0; i < board.num_points(); ++i) {
+    const Eigen::Vector2d at = points[i].head<2>();
+    const auto along = [](double angle) {
+      return Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    };
+    for (int k = 0; k < kDirections; ++k) {
+      const double angle = 2 * M_PI * k / kDirections;
+      const double next = 2 * M_PI * (k + 1) / kDirections;
+      const double radius_m = kRadii[0] * board.square_m;
+      if (appearance_.IsBlack(at + radius_m * along(angle - 0.01)) ==
+          appearance_.IsBlack(at + radius_m * along(next - 0.01)))
+        continue;
+      // Where between the two it is.
+      double low = angle - 0.01, high = next - 0.01;
+      const bool first = appearance_.IsBlack(at + radius_m * along(low));
+      for (int halving = 0; halving < 12; ++halving) {
+        const double middle = (low + high) / 2;
+        (appearance_.IsBlack(at + radius_m * along(middle)) == first ? low
+                                                                     : high) =
+            middle;
+      }
+      const Eigen::Vector2d direction = along((low + high) / 2);
+      const Eigen::Vector2d across(-direction.y(), direction.x());
+      const auto add_longest = [&] {
+        for (const double radius : kRadii)
+          for (const double half : kHalves) {
+            const Edge edge = {radius * board.square_m * direction,
+                               half * board.square_m * across};
+            if (!IsStep(at, edge)) continue;
+            edges_[i].push_back(edge);
+            return;
+          }
+      };
+      add_longest();
+    }
+  }
+}
+
+FrameQuality QualityMeter::Measure(const ImageSize& size,
+                                   const std::vector<float>& levels,
+                                   const std::vector<Feature>& features) const {
+  std::vector<const Feature*> at(board_.num_points(), nullptr);
+  for (const Feature& feature : features)
+    at[board_.PointIndex(feature.column, feature.row)] = &feature;
+  const std::vector<Eigen::Vector3d> points = board_.NominalPoints();
+  // The image's step from a feature to its neighbours, over the board's.
+  const auto slope = [&](const Feature& feature, int right,
+                         int down) -> std::optional<Eigen::Vector2d> {
+    const auto place = [&](int side) -> int {
+      const int column = feature.column + side * right;
+      const int row = feature.row + side * down;
+      const bool is_on = column >= 0 && row >= 0 && column < board_.columns &&
+                         row < board_.rows;
+      const int index = is_on ? board_.PointIndex(column, row) : -1;
+      return is_on && at[index] ? index : -1;
+    };
+    const int own = board_.PointIndex(feature.column, feature.row);
+    const int before = place(-1) < 0 ? own : place(-1);
+    const int behind = place(1) < 0 ? own : place(1);
+    if (before == behind) return std::nullopt;
+    return (at[behind]->pixel - at[before]->pixel) /
+           (points[behind] - points[before]).norm();
+  };
+  std::vector<SeenEdge> seen;
+  const size_t count = std::min<size_t>(features.size(), kMeasuredFeatures);
+  for (size_t k = 0; k < count; ++k) {
+    const Feature& feature = features[k * features.size() / count];
+    const auto by_x = slope(feature, 1, 0), by_y = slope(feature, 0, 1);
+    if (!by_x || !by_y) continue;
+    Eigen::Matrix2d image_from_board;
+    image_from_board << *by_x, *by_y;
+    for (const Edge& edge :
+         edges_[board_.PointIndex(feature.column, feature.row)]) {
+      const Eigen::Vector2d along = image_from_board * edge.middle;
+      const Eigen::Vector2d normal =
+          Eigen::Vector2d(-along.y(), along.x()).normalized();
+      const double half_px = std::min(
+          kMostHalfPx, std::abs(normal.dot(image_from_board * edge.across)));
+      if (!(half_px >= kLeastHalfPx)) continue;
+      if (const auto found =
+              MeasureEdge(size, levels, feature.pixel + along, normal, half_px))
+        seen.push_back(*found);
+    }
+  }
+  FrameQuality quality;
+  constexpr size_t kFewest = 6;
+  if (seen.size() < kFewest) return quality;
+  std::vector<double> whites, blacks;
+  double clipped = 0;
+  constexpr double kFull = 254;
+  for (const SeenEdge& edge : seen) {
+    whites.push_back(edge.high);
+    blacks.push_back(edge.low);
+    clipped += edge.high >= kFull;
+  }
+  // Edges between others that are near reach neither.
+  constexpr double kMost = 0.75;
+  quality.white = Quantile(whites, kMost);
+  quality.black = Quantile(blacks, 1 - kMost);
+  quality.clipped = clipped / static_cast<double>(seen.size());
+  for (SeenEdge& edge : seen)
+    edge.spread_px = SpreadOf(edge.step / (quality.white - quality.black));
+  const Eigen::Vector2d squares =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(SpreadsByNormal(seen))
+          .eigenvalues();
+  quality.least_spread_px = std::sqrt(std::max(0.0, squares[0]));
+  quality.most_spread_px = std::sqrt(std::max(0.0, squares[1]));
+  return quality;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,87 @@
+#include "capture/view_hint.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "capture/board_view.h"
+
+namespace raygrid {
+namespace {
+
+// A move of one kind. Its size is 1 where it is just worth a word.
+struct Move {
+  double size = 0;
+  std::string words;
+};
+
+// How a board faces the camera where it is: rotation as seen along the line of
+// sight to its middle.
+Eigen::Matrix3d FacingFrom(const Board& board, const Pose& pose) {
+  const Eigen::Vector3d sight = pose * MiddleOf(board);
+  return Eigen::Quaterniond::FromTwoVectors(sight, Eigen::Vector3d::UnitZ())
+             .toRotationMatrix() *
+         pose.rotation.toRotationMatrix();
+}
+
+// Which of its sides is farther away, as the picture has them: to the right and
+// down, radians.
+Eigen::Vector2d TiltOf(const Eigen::Matrix3d& facing) {
+  const Eigen::Vector3d behind = facing.col(2);  // away from the camera
+  const double across = behind.head<2>().norm();
+  if (across < 1e-9) return Eigen::Vector2d::Zero();
+  // A board whose back points to the left has its right side farther away.
+  return -std::atan2(across, std::abs(behind.z())) * behind.head<2>() / across;
+}
+
+double TurnOf(const Eigen::Matrix3d& facing) {
+  return std::atan2(facing(1, 0), facing(0, 0));
+}
+
+Move Tilt(double change_rad, const char* plus, const char* minus) {
+  constexpr double kWorth_rad = 0.2;
+  return {std::abs(change_rad) / kWorth_rad,
+          std::string("tilt the ") + (change_rad > 0 ? plus : minus) + " away"};
+}
+
+}  // namespace
+
+std::string DescribeMove(const CameraModel& camera, const Board& board,
+                         const Pose& from, const Pose& to) {
+  const Eigen::Vector3d middle = MiddleOf(board);
+  std::vector<Move> moves;
+  const auto seen = camera.Project(from * middle);
+  const auto wanted = camera.Project(to * middle);
+  if (seen && wanted) {
+    constexpr double kWorth = 0.08;  // of the image's width
+    const Eigen::Vector2d shift =
+        (*wanted - *seen) / (kWorth * camera.image_size().width);
+    moves.push_back({std::abs(shift.x()), shift.x() > 0 ? "right" : "left"});
+    moves.push_back({std::abs(shift.y()), shift.y() > 0 ? "down" : "up"});
+  }
+  const double nearer = (from * middle).norm() / (to * middle).norm();
+  constexpr double kWorthFactor = 1.2;
+  moves.push_back({std::abs(std::log(nearer)) / std::log(kWorthFactor),
+                   nearer > 1 ? "closer" : "farther"});
+  const Eigen::Matrix3d now = FacingFrom(board, from);
+  const Eigen::Matrix3d then = FacingFrom(board, to);
+  const Eigen::Vector2d tilt = TiltOf(then) - TiltOf(now);
+  moves.push_back(Tilt(tilt.x(), "right", "left"));
+  moves.push_back(Tilt(tilt.y(), "bottom", "top"));
+  // Half a turn is none: boards look alike then, to people and lenses.
+  constexpr double kWorthTurn_rad = 0.5;
+  const double turn = std::remainder(TurnOf(then) - TurnOf(now), M_PI);
+  moves.push_back({std::abs(turn) / kWorthTurn_rad,
+                   turn > 0 ? "turn it clockwise" : "turn it anticlockwise"});
+  std::stable_sort(
+      moves.begin(), moves.end(),
+      [](const Move& a, const Move& b) { return a.size > b.size; });
+  std::string text;
+  constexpr size_t kMostMoves = 3;
+  for (size_t k = 0; k < kMostMoves && moves[k].size >= 1; ++k)
+    text += (k == 0 ? "" : ", ") + moves[k].words;
+  return text.empty() ? "hold it there" : text;
+}
+
+}  // namespace raygrid

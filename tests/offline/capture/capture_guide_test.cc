@@ -1,0 +1,223 @@
+#include "capture/capture_guide.h"
+
+#include <algorithm>
+
+#include "capture/board_view.h"
+#include "capture/frame_judge.h"
+#include "capture/view_hint.h"
+#include "simulation/random.h"
+#include "simulation/simulated_camera.h"
+#include "simulation/simulated_observations.h"
+#include "support.h"
+#include "test_boards.h"
+
+namespace raygrid {
+namespace {
+
+constexpr ImageSize kGuidedSize = {640, 480};
+
+// A person who holds the board where the guide wants it.
+class GuidedCapture {
+ public:
+  explicit GuidedCapture(const GuideOptions& options)
+      : options_(options), live_(TestBoard(), kGuidedSize, 2) {}
+
+  CaptureGuide Guide() const { return {live_, TestBoard(), options_}; }
+  // The view asked for, in pixels of the true camera.
+  ImageFeatures Follow(const CaptureGuide& guide) {
+    ImageFeatures image;
+    image.image = std::to_string(num_seen_++);
+    image.features = VisibleFeatures(camera_, *guide.next()->board,
+                                     guide.next()->camera_from_board);
+    AddNoise({}, &random_, &image.features);
+    return image;
+  }
+  void Add(const ImageFeatures& image) { live_.Add(image); }
+  LiveCamera& live() { return live_; }
+
+ private:
+  const GuideOptions options_;
+  const SimulatedCamera camera_ = ExampleSimulatedCamera();
+  LiveCamera live_;
+  Random random_{3};
+  int num_seen_ = 0;
+};
+
+TEST(CaptureGuide, LeadsToACameraThatIsKnown) {
+  GuideOptions options;
+  options.target_px = 0.05;
+  GuidedCapture capture(options);
+  int num_images = 0;
+  std::optional<int> expected;
+  for (; num_images < 30; ++num_images) {
+    const CaptureGuide guide = capture.Guide();
+    if (guide.is_done()) break;
+    ASSERT_TRUE(guide.next());
+    if (num_images == 5) expected = guide.num_expected();
+    const ImageFeatures image = capture.Follow(guide);
+    EXPECT_TRUE(guide.IsWorthKeeping(guide.GainOf(image))) << num_images;
+    capture.Add(image);
+  }
+  const CaptureGuide guide = capture.Guide();
+  EXPECT_TRUE(guide.is_done());
+  EXPECT_FALSE(guide.next());
+  EXPECT_EQ(guide.num_expected(), 0);
+  ASSERT_TRUE(guide.knowledge());
+  EXPECT_LE(guide.knowledge()->Percentile95Px(), 0.05);
+  ASSERT_TRUE(expected);
+  EXPECT_LT(std::abs(*expected - (num_images - 5)), 6);
+}
+
+TEST(CaptureGuide, KeepsNoViewTwice) {
+  GuidedCapture capture({});
+  // While nothing is known, and later.
+  for (int k = 0; k < 6; ++k) {
+    const CaptureGuide guide = capture.Guide();
+    const ImageFeatures image = capture.Follow(guide);
+    capture.Add(image);
+    const CaptureGuide next = capture.Guide();
+    EXPECT_FALSE(next.IsWorthKeeping(next.GainOf(image))) << k;
+  }
+}
+
+TEST(CaptureGuide, ForgetsAnImageThatIsRemoved) {
+  GuidedCapture capture({});
+  for (int k = 0; k < 6; ++k) capture.Add(capture.Follow(capture.Guide()));
+  const double before_px = capture.Guide().knowledge()->Percentile95Px();
+  const ImageFeatures image = capture.Follow(capture.Guide());
+  capture.Add(image);
+  EXPECT_LT(capture.Guide().knowledge()->Percentile95Px(), before_px);
+  capture.live().Remove(image.image);
+  EXPECT_EQ(capture.Guide().num_images(), 6);
+  EXPECT_NEAR(capture.Guide().knowledge()->Percentile95Px(), before_px,
+              0.2 * before_px);
+}
+
+// ---- Judging ----------------------------------------------------------------
+
+class JudgedCapture {
+ public:
+  JudgedCapture() : guide_(GuidedCapture({}).Guide()) {
+    GuidedCapture capture({});
+    frame_.features = capture.Follow(guide_);
+    frame_.quality.least_spread_px = frame_.quality.most_spread_px = 0.8;
+    frame_.quality.white = 200;
+    frame_.quality.black = 20;
+  }
+  SeenFrame frame() const { return frame_; }
+  SeenFrame At(double time_s, double shift_px) const {
+    SeenFrame moved = frame_;
+    moved.time_s = time_s;
+    for (Feature& feature : moved.features.features)
+      feature.pixel.x() += shift_px;
+    return moved;
+  }
+  std::string Word(const SeenFrame& frame) {
+    return WordOf(judge_.Judge(frame, guide_));
+  }
+
+ private:
+  const CaptureGuide guide_;
+  SeenFrame frame_;
+  FrameJudge judge_{{}};
+};
+
+TEST(FrameJudge, SaysWhatIsWrongInAWord) {
+  JudgedCapture capture;
+  EXPECT_EQ(capture.Word(capture.frame()), "kept");
+  SeenFrame frame = capture.frame();
+  frame.features.features.resize(5);
+  EXPECT_EQ(capture.Word(frame), "few");
+  frame.features.features.clear();
+  EXPECT_EQ(capture.Word(frame), "absent");
+  frame = capture.frame();
+  frame.quality.white = 40;
+  EXPECT_EQ(capture.Word(frame), "dark");
+  frame = capture.frame();
+  frame.quality.clipped = 0.5;
+  EXPECT_EQ(capture.Word(frame), "bright");
+  frame = capture.frame();
+  frame.quality.most_spread_px = 2;  // in one direction
+  EXPECT_EQ(capture.Word(frame), "moving");
+  frame.quality.least_spread_px = 2;
+  EXPECT_EQ(capture.Word(frame), "blurred");
+  EXPECT_EQ(capture.Word(capture.frame()), "kept");
+}
+
+TEST(FrameJudge, TakesASoftLensAsItIs) {
+  JudgedCapture capture;
+  SeenFrame frame = capture.frame();
+  frame.quality.least_spread_px = frame.quality.most_spread_px = 2.5;
+  EXPECT_EQ(capture.Word(frame), "kept");
+}
+
+TEST(FrameJudge, WantsFeaturesToStandStill) {
+  JudgedCapture capture;
+  EXPECT_EQ(capture.Word(capture.At(0, 0)), "kept");
+  EXPECT_EQ(capture.Word(capture.At(1 / 30.0, 0.2)), "kept");
+  EXPECT_EQ(capture.Word(capture.At(2 / 30.0, 0.6)), "moving");
+  // As fast, but seen less often.
+  EXPECT_EQ(capture.Word(capture.At(5 / 30.0, 1.8)), "moving");
+  EXPECT_EQ(capture.Word(capture.At(8 / 30.0, 2.4)), "kept");
+  // A short exposure stops what is faster.
+  SeenFrame frame = capture.At(9 / 30.0, 4.4);
+  frame.exposure_s = 0.002;
+  EXPECT_EQ(capture.Word(frame), "kept");
+}
+
+TEST(FrameJudge, WaitsWhenABoardComes) {
+  JudgedCapture capture;
+  SeenFrame without = capture.At(0, 0);
+  without.features.features.clear();
+  EXPECT_EQ(capture.Word(without), "absent");
+  EXPECT_EQ(capture.Word(capture.At(0.03, 0)), "moving");
+  EXPECT_EQ(capture.Word(capture.At(0.07, 0)), "kept");
+}
+
+// ---- Hints ------------------------------------------------------------------
+
+std::string HintFrom(const BoardView& from, const BoardView& to) {
+  const SimulatedCamera camera = ExampleSimulatedCamera();
+  const Board board = TestBoard().boards.front();
+  return DescribeMove(camera, board, *PoseOf(from, board, camera),
+                      *PoseOf(to, board, camera));
+}
+
+TEST(ViewHint, SaysHowToMoveABoard) {
+  const BoardView facing = {{320, 240}, 300, 0, 0, 0};
+  EXPECT_EQ(HintFrom(facing, facing), "hold it there");
+  EXPECT_EQ(HintFrom(facing, {{500, 240}, 300, 0, 0, 0}), "right");
+  EXPECT_EQ(HintFrom(facing, {{320, 120}, 300, 0, 0, 0}), "up");
+  EXPECT_EQ(HintFrom(facing, {{320, 240}, 450, 0, 0, 0}), "closer");
+  EXPECT_EQ(HintFrom(facing, {{320, 240}, 150, 0, 0, 0}), "farther");
+  EXPECT_EQ(HintFrom(facing, {{320, 240}, 300, 0, 0, M_PI / 2}),
+            "turn it clockwise");
+}
+
+// The side that is said to go away is then farther from the camera.
+TEST(ViewHint, NamesTheSideThatGoesAway) {
+  const SimulatedCamera camera = ExampleSimulatedCamera();
+  const Board board = TestBoard().boards.front();
+  const BoardView facing = {{320, 240}, 300, 0, 0, 0};
+  for (const double axis_rad : {0.0, M_PI / 2, M_PI, 3 * M_PI / 2}) {
+    const BoardView tilted = {{320, 240}, 300, 0.5, axis_rad, 0};
+    const Pose pose = *PoseOf(tilted, board, camera);
+    const auto z = [&](int column, int row) {
+      return (pose * board.points[board.PointIndex(column, row)]).z();
+    };
+    const double rightwards = z(board.columns - 1, 0) - z(0, 0);
+    const double downwards = z(0, board.rows - 1) - z(0, 0);
+    const std::string side = std::abs(rightwards) > std::abs(downwards)
+                                 ? (rightwards > 0 ? "right" : "left")
+                                 : (downwards > 0 ? "bottom" : "top");
+    EXPECT_EQ(HintFrom(facing, tilted), "tilt the " + side + " away");
+  }
+}
+
+TEST(ViewHint, SaysTheLargestMovesFirst) {
+  EXPECT_EQ(HintFrom({{320, 240}, 150, 0, 0, 0}, {{390, 240}, 450, 0, 0, 0}),
+            "closer, right");
+}
+
+}  // namespace
+}  // namespace raygrid
