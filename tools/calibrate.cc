@@ -18,6 +18,7 @@
 #include "report/checkpoint_json.h"
 #include "report/pictures.h"
 #include "report/result_folder.h"
+#include "session_file.h"
 #include "stereo_example.h"
 #include "view_options.h"
 
@@ -133,14 +134,38 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
   return extras;
 }
 
-// Adds what the calibration was not given: serial numbers, and images that are
-// no photographs, which a verdict does not count.
+// Takes the images, the pattern and the place of the result from a session of
+// capture, if one is given; the last two unless they are given, too.
+void UseSession(CalibrateArguments* arguments) {
+  if (arguments->images.size() == 1 && IsSession(arguments->images[0])) {
+    const std::filesystem::path folder = arguments->images[0];
+    arguments->capture = CaptureOf(ReadSession(folder.string()));
+    arguments->images = {(folder / kSessionFrames).string()};
+    if (arguments->pattern.empty())
+      arguments->pattern = (folder / kSessionPattern).string();
+    if (arguments->output.empty())
+      arguments->output = (folder / "calibration").string();
+  }
+  for (const auto& [option, value] :
+       {std::pair("--pattern", &arguments->pattern),
+        std::pair("--output", &arguments->output)})
+    if (value->empty())
+      throw Error(ExitCode::kUsage,
+                  fmt::format("{} is required, except for the session of a "
+                              "capture; see raygrid calibrate --help",
+                              option));
+}
+
+// Adds what the calibration was not given: serial numbers, how a session's
+// camera stood, and images that are no photographs, which a verdict does not
+// count.
 void CompleteResult(const std::vector<Measurements>& cameras,
-                    const std::string& serial, RigResult* result) {
+                    const CalibrateArguments& arguments, RigResult* result) {
   for (size_t c = 0; c < cameras.size(); ++c) {
     const std::vector<RejectedImage>& left_out = cameras[c].left_out;
     CalibrationResult& camera = result->cameras[c];
-    camera.camera.serial = serial;
+    camera.camera.serial = arguments.serial;
+    if (arguments.capture.KnowsAny()) camera.camera.capture = arguments.capture;
     camera.rejected_images.insert(camera.rejected_images.end(),
                                   left_out.begin(), left_out.end());
   }
@@ -216,7 +241,7 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
         CalibrationInputs(cameras, arguments, common.threads, &checkpoints),
         pattern, options);
     FinishUndisturbed();
-    CompleteResult(cameras, arguments.serial, &result);
+    CompleteResult(cameras, arguments, &result);
     bar.Show("packing", 0.9);
     extras = MakeExtras(cameras, result, arguments, common);
   }
@@ -245,6 +270,7 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
       "NAME/camera.raygrid and NAME/report.html for each camera, and the rest "
       "as for a single one. The first camera's frame is the rig's.",
       "raygrid calibrate photos/ --pattern pattern.yaml -o result/\n"
+      "  raygrid calibrate session/\n"
       "  raygrid calibrate --camera left=l/ --camera right=r/ --pattern "
       "pattern.yaml -o result/",
       common);
@@ -278,7 +304,8 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                    "are called by this number then")
       ->check(CLI::IsMember({"name", "number"}))
       ->capture_default_str();
-  AddPatternOption(command, &arguments->pattern)->required();
+  AddPatternOption(command, &arguments->pattern,
+                   "; not needed for the session of a capture");
   AddYes(command, common);
   command
       ->add_option("--model", arguments->model,
@@ -337,10 +364,14 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                     "with in the report");
   command->add_option("--name", arguments->name, "camera's name");
   command->add_option("--serial", arguments->serial, "camera's serial number");
-  command->add_option("-o,--output", arguments->output, "folder to write to")
-      ->required();
+  command->add_option("-o,--output", arguments->output,
+                      "folder to write to (default, for a session: its "
+                      "calibration/)");
   AddHugeOption(command);
-  command->callback([arguments, common] { Run(*arguments, *common); });
+  command->callback([arguments, common] {
+    UseSession(arguments.get());
+    Run(*arguments, *common);
+  });
 }
 
 }  // namespace raygrid

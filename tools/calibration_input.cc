@@ -21,6 +21,7 @@
 #include "features/image_circle_detection.h"
 #include "features/pattern_detector.h"
 #include "features/refinement/camera_refinement.h"
+#include "image_size_option.h"
 #include "interruption.h"
 #include "mode_options.h"
 

@@ -12,6 +12,7 @@
 #include "checkpoint_file.h"
 #include "commands.h"
 #include "dataset/camera_file.h"
+#include "dataset/capture.h"
 #include "progress_bar.h"
 
 namespace raygrid {
@@ -25,6 +26,7 @@ struct CalibrateArguments {
   bool flat_board = false, rigid_board = false, boards_move = false,
        measure_once = false, resume = false;
   bool skip_comparison = false;
+  Capture capture;  ///< how a session's camera stood
 };
 
 /// The features of the only camera, or those of several by its name.

@@ -37,10 +37,6 @@ std::optional<TrustMask> ShownWith(const std::string& outside,
 /// do not show.
 void WarnOfFailedCalibration(const std::string& path, const CameraFile& file);
 
-/// "640x480"; throws Error(kUsage) naming the option, for larger sizes than
-/// images may have too.
-ImageSize ParseImageSize(const std::string& option, const std::string& text);
-
 /// Throws Error(kOutput) if pictures would be written among the images that
 /// they are made from, where they would be taken for images the next time.
 void RequireApart(const std::vector<std::string>& images,

@@ -35,6 +35,8 @@ void AddHoldOut(CLI::App* command, const std::string& help,
 void AddHugeOption(CLI::App* command);
 
 void AddCalibrate(CLI::App* app, CommonOptions* common);
+/// raygrid capture, with options of its own.
+void AddCapture(CLI::App* app);
 void AddCheck(CLI::App* app, CommonOptions* common);
 void AddCompare(CLI::App* app, CommonOptions* common);
 void AddDetect(CLI::App* app, CommonOptions* common);

@@ -13,6 +13,7 @@
 #include "dataset/rig_file.h"
 #include "experiments/calibrated_cameras.h"
 #include "experiments/experiment_files.h"
+#include "image_size_option.h"
 #include "pattern_input.h"
 #include "progress_bar.h"
 #include "report/result_folder.h"

@@ -17,6 +17,7 @@
 #include "exchange/count_text.h"
 #include "exchange/format.h"
 #include "exchange/table_format.h"
+#include "image_size_option.h"
 #include "import_arguments.h"
 #include "table_import.h"
 

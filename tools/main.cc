@@ -17,33 +17,11 @@
 #include "dataset/text_encoding.h"
 
 namespace raygrid {
-namespace {
-
-// The exit codes in the words of README.md.
-constexpr char kExitCodes[] =
-    "Exit codes:\n"
-    "  0  done\n"
-    "  1  wrong usage\n"
-    "  2  an input cannot be read or is malformed\n"
-    "  3  too few features or images\n"
-    "  4  initialisation failed\n"
-    "  5  did not converge: calibrate was interrupted, its files are written,\n"
-    "     or an earlier result kept; or fit found no model that fits\n"
-    "  6  a quality gate failed: calibrate's verdict is fail, or check says\n"
-    "     DEGRADED, either with all its output; or no blob, table or export\n"
-    "     holds the camera within its bounds\n"
-    "  7  an output cannot be written\n"
-    "  8  a blob is corrupt, unsupported or does not match";
-
-}  // namespace
-
-std::string ExitCodesHelp() { return kExitCodes; }
-
 CLI::App* AddCommand(CLI::App* app, const std::string& name,
                      const std::string& description, const std::string& example,
                      CommonOptions* common) {
   CLI::App* command = app->add_subcommand(name, description);
-  command->footer("Example:\n  " + example + "\n\n" + kExitCodes);
+  command->footer("Example:\n  " + example + "\n\n" + ExitCodesHelp());
   command
       ->add_option("--threads", common->threads, "threads; 0 means all cores")
       ->check(CLI::Range(0, 1024))
@@ -154,9 +132,10 @@ int Run(int argc, char** argv) {
   app.set_version_flag("--version", "raygrid " RAYGRID_VERSION);
   app.require_subcommand(1);
   app.footer("raygrid COMMAND --help explains a command.\n\n" +
-             std::string(kExitCodes));
+             ExitCodesHelp());
   CommonOptions common;
   AddPattern(&app, &common);
+  AddCapture(&app);
   AddDetect(&app, &common);
   AddCalibrate(&app, &common);
   AddCheck(&app, &common);
@@ -180,6 +159,8 @@ int Run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
     return app.exit(success);
+  } catch (const CLI::RuntimeError& error) {
+    return error.get_exit_code();
   } catch (const CLI::ParseError& error) {
     return Fail(ExitCode::kUsage, std::string(error.what()) +
                                       "; see raygrid --help, or raygrid "

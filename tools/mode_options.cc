@@ -9,6 +9,7 @@
 
 #include "camera_input.h"
 #include "dataset/error.h"
+#include "image_size_option.h"
 #include "packing/pack.h"
 #include "word_options.h"
 

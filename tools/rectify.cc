@@ -12,6 +12,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
+#include "image_size_option.h"
 #include "packing/pack.h"
 #include "packing/rectification.h"
 #include "view_options.h"

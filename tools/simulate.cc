@@ -15,6 +15,7 @@
 #include "dataset/image_header.h"
 #include "dataset/parallel_for.h"
 #include "dataset/rig_file.h"
+#include "image_size_option.h"
 #include "pattern_input.h"
 #include "progress_bar.h"
 #include "simulation/board_bend.h"

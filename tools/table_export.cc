@@ -15,6 +15,7 @@
 #include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
 #include "exchange/mesh/mesh_vertices.h"
+#include "image_size_option.h"
 #include "packing/view_sources.h"
 #include "pattern_input.h"
 

@@ -7,6 +7,7 @@
 
 #include "camera_input.h"
 #include "dataset/error.h"
+#include "image_size_option.h"
 
 namespace raygrid {
 namespace {

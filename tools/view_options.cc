@@ -8,6 +8,7 @@
 #include "camera_input.h"
 #include "dataset/camera_file.h"
 #include "dataset/error.h"
+#include "image_size_option.h"
 #include "word_options.h"
 
 namespace raygrid {

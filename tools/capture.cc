@@ -1,0 +1,20 @@
+#include "commands.h"
+#include "neighbour_program.h"
+
+namespace raygrid {
+
+// A program of its own, since it alone needs cameras and a page's server.
+void AddCapture(CLI::App* app) {
+  CLI::App* command =
+      app->add_subcommand("capture",
+                          "Takes a live camera's images for calibrate, and "
+                          "says what to show next.");
+  command->set_help_flag();
+  command->prefix_command();
+  command->callback([command] {
+    const int code = BecomeNeighbour("raygrid-capture", command->remaining());
+    throw CLI::RuntimeError(code);
+  });
+}
+
+}  // namespace raygrid

@@ -1,0 +1,30 @@
+#include "neighbour_program.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+
+namespace raygrid {
+
+int BecomeNeighbour(const std::string& program,
+                    const std::vector<std::string>& arguments) {
+  std::vector<char*> texts = {const_cast<char*>(program.c_str())};
+  for (const std::string& argument : arguments)
+    texts.push_back(const_cast<char*>(argument.c_str()));
+  texts.push_back(nullptr);
+  std::fflush(nullptr);
+  std::error_code error;
+  const std::filesystem::path own =
+      std::filesystem::read_symlink("/proc/self/exe", error);
+  if (!error) execv((own.parent_path() / program).c_str(), texts.data());
+  execvp(program.c_str(), texts.data());
+  constexpr int kUsage = 1;
+  std::fprintf(stderr,
+               "raygrid: the program %s is neither beside this one nor in the "
+               "PATH; install it\n",
+               program.c_str());
+  return kUsage;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,35 @@
+#ifndef RAYGRID_CAPTURE_CAPTURE_ARGUMENTS_H
+#define RAYGRID_CAPTURE_CAPTURE_ARGUMENTS_H
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "capture_loop.h"
+#include "commands.h"
+#include "preview_server.h"
+
+namespace raygrid {
+
+struct CaptureArguments {
+  CommonOptions common;
+  std::string source, pattern, output;
+  std::string size, format, until;
+  std::vector<std::string> controls;
+  CaptureLoopOptions loop;
+  bool resume = false, no_calibrate = false, no_page = false;
+  PreviewAddress page;
+};
+
+/// Declares all options.
+void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments);
+
+/// Reads what options hold as text. Throws Error(kUsage).
+void FinishCaptureArguments(CaptureArguments* arguments);
+
+/// Opens --source. Throws Error, CameraError.
+std::unique_ptr<LiveFrames> OpenLiveFrames(const CaptureArguments& arguments);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAPTURE_CAPTURE_ARGUMENTS_H

@@ -1,0 +1,125 @@
+#include "capture_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+namespace raygrid {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json Positions(const std::vector<Eigen::Vector2d>& pixels) {
+  Json json = Json::array();
+  for (const Eigen::Vector2d& pixel : pixels)
+    json.push_back(
+        {std::round(pixel.x() * 10) / 10, std::round(pixel.y() * 10) / 10});
+  return json;
+}
+
+// Cells of characters over an image.
+class CharacterMap {
+ public:
+  CharacterMap(const CaptureState& state, int num_columns)
+      : state_(state),
+        num_columns_(num_columns),
+        // Characters are twice as high as wide.
+        num_rows_(std::max(
+            1, static_cast<int>(std::lround(0.5 * num_columns * state.height /
+                                            std::max(1, state.width))))),
+        cells_(num_rows_, std::string(num_columns, ' ')) {}
+
+  void Put(const Eigen::Vector2d& pixel, char character) {
+    const double x = (pixel.x() + 0.5) / state_.width * num_columns_;
+    const double y = (pixel.y() + 0.5) / state_.height * num_rows_;
+    if (!(x >= 0 && y >= 0 && x < num_columns_ && y < num_rows_)) return;
+    cells_[static_cast<size_t>(y)][static_cast<size_t>(x)] = character;
+  }
+  void PutLine(const std::vector<Eigen::Vector2d>& line, char character) {
+    constexpr int kSteps = 64;
+    for (size_t k = 0; k + 1 < line.size(); ++k)
+      for (int step = 0; step <= kSteps; ++step)
+        Put(line[k] + (line[k + 1] - line[k]) * step / kSteps, character);
+  }
+  std::string Text() const {
+    std::string text = "+" + std::string(num_columns_, '-') + "+\n";
+    for (const std::string& row : cells_) text += "|" + row + "|\n";
+    return text + "+" + std::string(num_columns_, '-') + "+\n";
+  }
+
+ private:
+  const CaptureState& state_;
+  const int num_columns_, num_rows_;
+  std::vector<std::string> cells_;
+};
+
+// Darker the less a place is known: by factors of two over what is wanted.
+char ShadeOf(double deviation_px, double good_px) {
+  constexpr char kShades[] = " .:*@";
+  const int step =
+      static_cast<int>(std::ceil(std::log2(deviation_px / good_px)));
+  return kShades[std::clamp(step, 0, 4)];
+}
+
+std::string Progress(const CaptureState& state) {
+  std::string text = fmt::format("{} kept", state.kept.size());
+  if (state.num_expected > 0)
+    text += fmt::format(", about {} more", state.num_expected);
+  if (state.deviation_px > 0) {
+    text += fmt::format("   95 % known to {:.3f} px", state.deviation_px);
+    if (state.target_px > 0) text += fmt::format(" of {:g}", state.target_px);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string FormatStateLine(const CaptureState& state) {
+  Json json = {{"word", state.word},
+               {"hint", state.hint},
+               {"kept", state.kept.size()},
+               {"features", state.features.size()},
+               {"done", state.is_done}};
+  if (!state.camera.empty()) json["camera"] = state.camera;
+  if (!state.kept.empty()) json["last_kept"] = state.kept.back();
+  if (state.num_expected >= 0) json["expected"] = state.num_expected;
+  if (state.deviation_px > 0) json["deviation_px"] = state.deviation_px;
+  if (state.target_px > 0) json["target_px"] = state.target_px;
+  if (state.sharpness_px > 0) json["edge_spread_px"] = state.sharpness_px;
+  if (state.brightness > 0) json["white"] = state.brightness;
+  if (state.frames_per_second > 0)
+    json["frames_per_second"] = state.frames_per_second;
+  if (!state.next.empty()) json["outline"] = Positions(state.next[0].outline);
+  if (!state.remarks.empty()) json["remarks"] = state.remarks;
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string DrawState(const CaptureState& state, int num_columns) {
+  if (state.width <= 0 || num_columns < 10) return "";
+  CharacterMap map(state, num_columns);
+  constexpr double kGoodPx = 0.02;
+  for (const PlaceShown& place : state.places)
+    map.Put(place.pixel,
+            ShadeOf(place.deviation_px,
+                    state.target_px > 0 ? state.target_px : kGoodPx));
+  for (const Eigen::Vector2d& feature : state.features) map.Put(feature, 'o');
+  for (const ViewShown& view : state.next) {
+    std::vector<Eigen::Vector2d> closed = view.outline;
+    if (!closed.empty()) closed.push_back(closed.front());
+    map.PutLine(closed, '#');
+    map.PutLine(view.top, '=');
+  }
+  std::string text = map.Text();
+  text += fmt::format("{:<8} {}\n", state.word, state.hint);
+  text += Progress(state) + "\n";
+  text += fmt::format("edges {:.1f} px   white {:.0f} %   {:.1f} frames/s\n",
+                      state.sharpness_px, 100 * state.brightness,
+                      state.frames_per_second);
+  for (const std::string& remark : state.remarks) text += remark + "\n";
+  return text;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,177 @@
+// raygrid-capture: from a live camera to the images that calibrate it.
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "camera_error.h"
+#include "camera_session.h"
+#include "capture_arguments.h"
+#include "capture_loop.h"
+#include "capture_report.h"
+#include "dataset/error.h"
+#include "dataset/freed_memory.h"
+#include "dataset/text_encoding.h"
+#include "neighbour_program.h"
+#include "pattern_input.h"
+
+namespace raygrid {
+namespace {
+
+// Shows states where they are asked for: lines of JSON when something changes,
+// a block on a terminal a few times a second, else a line for each kept frame.
+class StandardOutput {
+ public:
+  explicit StandardOutput(const CaptureArguments& arguments)
+      : is_json_(arguments.common.json),
+        is_quiet_(arguments.common.quiet),
+        is_terminal_(isatty(STDERR_FILENO) == 1) {}
+
+  void Show(const CaptureState& state) {
+    const bool is_new = state.word != word_ || state.hint != hint_ ||
+                        state.kept.size() != num_kept_;
+    const bool is_kept = state.kept.size() > num_kept_;
+    word_ = state.word;
+    hint_ = state.hint;
+    num_kept_ = state.kept.size();
+    if (is_json_) {
+      if (is_new) {
+        fmt::print("{}\n", FormatStateLine(state));
+        std::fflush(stdout);
+      }
+    } else if (!is_quiet_ && is_terminal_) {
+      ShowBlock(state);
+    } else if (!is_quiet_ && is_kept) {
+      fmt::print(stderr, "{}: kept{}; next: {}\n", state.kept.back(),
+                 state.deviation_px > 0
+                     ? fmt::format(", 95 % known to {:.3f} px before it",
+                                   state.deviation_px)
+                     : "",
+                 state.hint);
+    }
+  }
+
+ private:
+  // Over the block before.
+  void ShowBlock(const CaptureState& state) {
+    constexpr std::chrono::milliseconds kPause(200);
+    const auto now = std::chrono::steady_clock::now();
+    if (num_lines_ > 0 && now - shown_ < kPause && !state.is_done) return;
+    shown_ = now;
+    winsize window = {};
+    int columns = 60;
+    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 12)
+      columns = std::min(columns, window.ws_col - 2);
+    const std::string text = DrawState(state, columns);
+    std::string block =
+        num_lines_ > 0 ? fmt::format("\x1b[{}A\x1b[J", num_lines_) : "";
+    block += text;
+    num_lines_ = static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+    std::fputs(block.c_str(), stderr);
+  }
+
+  const bool is_json_, is_quiet_, is_terminal_;
+  std::string word_, hint_;
+  size_t num_kept_ = 0;
+  int num_lines_ = 0;
+  std::chrono::steady_clock::time_point shown_;
+};
+
+void SayEnd(const CaptureArguments& arguments, const CaptureState& state) {
+  if (arguments.common.quiet || arguments.common.json) return;
+  fmt::print("{} frames kept in {}{}\n", state.kept.size(), arguments.output,
+             state.deviation_px > 0
+                 ? fmt::format("; 95 % of the image known to {:.3f} px",
+                               state.deviation_px)
+                 : "");
+}
+
+void RequireFrames(const CaptureArguments& arguments,
+                   const CaptureState& state) {
+  if (!state.kept.empty()) return;
+  throw Error(
+      ExitCode::kTooFew,
+      fmt::format("no frame was kept, the last for the reason '{}'{}; "
+                  "compare the board with {}",
+                  state.word, state.hint.empty() ? "" : " (" + state.hint + ")",
+                  arguments.pattern));
+}
+
+int Run(int argc, char** argv) {
+  CLI::App app(
+      "Takes the frames of a camera that calibrate it: detects the pattern, "
+      "keeps frames that add something, and says what to show next. Then runs "
+      "raygrid calibrate on them.");
+  app.name("raygrid capture");
+  CaptureArguments arguments;
+  AddCaptureOptions(&app, &arguments);
+  app.footer(
+      "Example:\n  raygrid capture --source v4l2:/dev/video0 --pattern "
+      "pattern.yaml -o session/\n  raygrid capture --source photos/ --pattern "
+      "pattern.yaml -o session/ --until 0.02px\n\n" +
+      ExitCodesHelp());
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    throw Error(ExitCode::kUsage,
+                std::string(error.what()) + "; see raygrid capture --help");
+  }
+  FinishCaptureArguments(&arguments);
+  const Pattern pattern = MeantPattern(arguments.pattern, arguments.common);
+  NoteSignals();
+  const auto frames = OpenLiveFrames(arguments);
+  if (!frames) return 0;
+  // Nobody follows what is said of photographs and videos that are there.
+  constexpr double kPartWithoutOperator = 0.15;
+  if (!frames->is_live())
+    arguments.loop.guide.part_of_next = kPartWithoutOperator;
+  SessionFolder session(arguments.output, pattern, arguments.resume);
+  StandardOutput output(arguments);
+  CaptureWishes wishes;
+  CaptureViewers viewers;
+  viewers.show = [&output](const CaptureState& state) { output.Show(state); };
+  CaptureLoop loop(arguments.loop, pattern, frames.get(), &session, viewers,
+                   &wishes);
+  loop.Run();
+  RequireFrames(arguments, loop.state());
+  SayEnd(arguments, loop.state());
+  if (arguments.no_calibrate || IsSignalled()) return 0;
+  std::vector<std::string> calibrate = {
+      "calibrate", arguments.output, "--threads",
+      std::to_string(arguments.common.threads)};
+  if (arguments.common.quiet) calibrate.emplace_back("--quiet");
+  if (arguments.common.json) calibrate.emplace_back("--json");
+  return BecomeNeighbour("raygrid", calibrate);
+}
+
+int Fail(int code, const std::string& message) {
+  fmt::print(stderr, "raygrid-capture: {}\n", Printable(message));
+  return code;
+}
+
+}  // namespace
+}  // namespace raygrid
+
+int main(int argc, char** argv) {
+  // As in raygrid: the same bytes on any machine.
+  Eigen::setCpuCacheSizes(32 << 10, 512 << 10, 4 << 20);
+  raygrid::KeepFreedMemory();
+  try {
+    return raygrid::Run(argc, argv);
+  } catch (const raygrid::Error& error) {
+    return raygrid::Fail(static_cast<int>(error.code()), error.what());
+  } catch (const raygrid::CameraError& error) {
+    return raygrid::Fail(static_cast<int>(error.code()), error.what());
+  } catch (const std::bad_alloc&) {
+    return raygrid::Fail(2, "not enough memory for this input");
+  } catch (const std::exception& error) {
+    return raygrid::Fail(2, error.what());
+  }
+}

@@ -1,0 +1,142 @@
+#include "session_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "dataset/error.h"
+#include "dataset/files.h"
+
+namespace raygrid {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// The numbers of a frame by their keys in the file.
+struct SessionNumber {
+  const char* key;
+  std::optional<double> SessionFrame::*value;
+};
+constexpr SessionNumber kNumbers[] = {
+    {"seconds", &SessionFrame::seconds},
+    {"lens_position", &SessionFrame::lens_position},
+    {"exposure_us", &SessionFrame::exposure_us},
+    {"analogue_gain", &SessionFrame::analogue_gain},
+    {"zoom", &SessionFrame::zoom},
+    {"sensor_temperature_c", &SessionFrame::sensor_temperature_c},
+    {"edge_spread_px", &SessionFrame::edge_spread_px},
+    {"white", &SessionFrame::white},
+    {"variance_taken", &SessionFrame::variance_taken}};
+
+Json FormatFrame(const SessionFrame& frame) {
+  Json json = {{"image", frame.image}};
+  for (const SessionNumber& number : kNumbers)
+    if (const auto& value = frame.*number.value; value && std::isfinite(*value))
+      json[number.key] = *value;
+  if (frame.orientation) json["orientation"] = *frame.orientation;
+  if (frame.crop) json["crop"] = *frame.crop;
+  return json;
+}
+
+SessionFrame ParseFrame(const Json& json) {
+  SessionFrame frame;
+  frame.image = json.at("image").get<std::string>();
+  if (frame.image.empty() || frame.image == "." || frame.image == ".." ||
+      frame.image.find('/') != std::string::npos)
+    throw InputError("the name of an image leads out of the folder");
+  for (const SessionNumber& number : kNumbers)
+    if (json.contains(number.key))
+      frame.*number.value = json.at(number.key).get<double>();
+  if (json.contains("orientation"))
+    frame.orientation = json.at("orientation").get<int>();
+  if (json.contains("crop"))
+    frame.crop = json.at("crop").get<std::array<int, 4>>();
+  return frame;
+}
+
+// The value that all frames have, to a tolerance.
+std::optional<double> ValueOfAll(const Session& session,
+                                 std::optional<double> SessionFrame::*value,
+                                 double tolerance) {
+  std::vector<double> values;
+  for (const SessionFrame& frame : session.frames) {
+    if (!(frame.*value)) return std::nullopt;
+    values.push_back(*(frame.*value));
+  }
+  if (values.empty()) return std::nullopt;
+  std::sort(values.begin(), values.end());
+  if (values.back() - values.front() > tolerance) return std::nullopt;
+  return values[values.size() / 2];
+}
+
+template <typename Value>
+std::optional<Value> SameInAll(const Session& session,
+                               std::optional<Value> SessionFrame::*value) {
+  if (session.frames.empty()) return std::nullopt;
+  const std::optional<Value>& first = session.frames.front().*value;
+  for (const SessionFrame& frame : session.frames)
+    if (frame.*value != first) return std::nullopt;
+  return first;
+}
+
+}  // namespace
+
+bool IsSession(const std::string& folder) {
+  std::error_code error;
+  return fs::is_regular_file(fs::path(folder) / kSessionFile, error);
+}
+
+std::string FormatSession(const Session& session) {
+  Json json = {
+      {"raygrid_session", 1},
+      {"image_size", {session.image_size.width, session.image_size.height}}};
+  if (!session.locked.empty()) json["locked"] = session.locked;
+  if (!session.not_locked.empty()) json["not_locked"] = session.not_locked;
+  json["frames"] = Json::array();
+  for (const SessionFrame& frame : session.frames)
+    json["frames"].push_back(FormatFrame(frame));
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Session ReadSession(const std::string& folder) {
+  const std::string path = (fs::path(folder) / kSessionFile).string();
+  const std::string text = ReadFile(path);
+  try {
+    const Json json = Json::parse(text);
+    if (json.at("raygrid_session") != 1)
+      throw InputError("is of a newer raygrid");
+    Session session;
+    const auto size = json.at("image_size").get<std::array<int, 2>>();
+    session.image_size = {size[0], size[1]};
+    for (const Json& frame : json.at("frames"))
+      session.frames.push_back(ParseFrame(frame));
+    for (const auto& [key, list] :
+         {std::pair("locked", &session.locked),
+          std::pair("not_locked", &session.not_locked)})
+      if (json.contains(key))
+        *list = json.at(key).get<std::vector<std::string>>();
+    return session;
+  } catch (const Json::exception& error) {
+    throw InputError(fmt::format("{}: is no session ({}); capture anew", path,
+                                 error.what()));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", path, error.what()));
+  }
+}
+
+Capture CaptureOf(const Session& session) {
+  Capture capture;
+  capture.lens_position =
+      ValueOfAll(session, &SessionFrame::lens_position, kDefaultLensTolerance);
+  constexpr double kZoomTolerance = 1e-3;
+  capture.zoom = ValueOfAll(session, &SessionFrame::zoom, kZoomTolerance);
+  capture.crop = SameInAll(session, &SessionFrame::crop);
+  capture.orientation = SameInAll(session, &SessionFrame::orientation);
+  return capture;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,52 @@
+/// session.json: the frames that a live capture kept, and how the camera stood.
+#ifndef RAYGRID_TOOLS_SESSION_FILE_H
+#define RAYGRID_TOOLS_SESSION_FILE_H
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera/area.h"
+#include "dataset/capture.h"
+
+namespace raygrid {
+
+/// A frame in the session's folder "frames". What the camera did not tell is
+/// not there.
+struct SessionFrame {
+  std::string image;                    ///< name of the file
+  std::optional<double> seconds;        ///< since the session's first frame
+  std::optional<double> lens_position;  ///< dioptres
+  std::optional<double> exposure_us, analogue_gain, zoom;
+  std::optional<double> sensor_temperature_c;
+  std::optional<int> orientation;
+  std::optional<std::array<int, 4>> crop;  ///< x, y, width, height
+  std::optional<double> edge_spread_px, white;
+  std::optional<double> variance_taken;  ///< part that the frame took away
+};
+
+struct Session {
+  ImageSize image_size;
+  std::vector<SessionFrame> frames;  ///< in the order in which they were kept
+  std::vector<std::string> locked, not_locked;  ///< the camera's settings
+};
+
+constexpr char kSessionFile[] = "session.json";
+constexpr char kSessionFrames[] = "frames";
+constexpr char kSessionPattern[] = "pattern.yaml";
+
+/// Whether a folder is a session's.
+bool IsSession(const std::string& folder);
+
+std::string FormatSession(const Session& session);
+/// Reads FOLDER/session.json. Throws InputError.
+Session ReadSession(const std::string& folder);
+
+/// How the camera stood in all frames; nothing of what differs between them or
+/// was not told.
+Capture CaptureOf(const Session& session);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_TOOLS_SESSION_FILE_H
