@@ -372,8 +372,7 @@ void CheckTogether(const CameraArguments& arguments) {
     FailUsage("--check: leave --benchmark and --points out");
   if (!arguments.http.more_names.empty() && arguments.http.port == 0)
     FailUsage("--http-name: needs --http");
-  if (arguments.http.number != PreviewAddress().number &&
-      arguments.http.port == 0)
+  if (arguments.http.number != PageAddress().number && arguments.http.port == 0)
     FailUsage("--listen: needs --http PORT");
   if (!arguments.http.token_file.empty() && arguments.http.port == 0)
     FailUsage("--token-file: needs --http PORT");

@@ -31,8 +31,8 @@ struct CameraArguments {
   unsigned num_threads = 0;  // 0: all processors but one
   uint64_t num_frames = 0;   // 0: until it is stopped
   double timeout_s = 5;
-  std::string points;   // file; "-": standard input
-  PreviewAddress http;  // port 0: no server
+  std::string points;  // file; "-": standard input
+  PageAddress http;    // port 0: no server
   bool is_benchmark = false;
   bool is_check = false;  // one frame, and nothing written
   bool is_list = false, is_help = false, is_quiet = false;
