@@ -87,8 +87,8 @@ void NewestStream::FreeOf(void* state) {
 ssize_t NewestStream::Read(Client* client, char* bytes, size_t size) {
   if (client->sent == client->part.size()) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (is_ended_) return MHD_CONTENT_READER_END_OF_STREAM;
     if (client->number == number_) {
+      if (is_ended_) return MHD_CONTENT_READER_END_OF_STREAM;
       waiting_.push_back(client);
       *client->since = StreamClock::time_point::max();
       MHD_suspend_connection(client->connection);

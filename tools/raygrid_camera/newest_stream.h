@@ -23,7 +23,7 @@ class NewestStream {
 
   /// Sends a part, in these pieces, to all clients that are ready for one.
   void Publish(std::initializer_list<std::string_view> pieces);
-  /// Ends all clients' streams; wakes those that wait.
+  /// Ends all clients' streams, after the newest part; wakes those that wait.
   void End();
   bool has_clients() const { return num_clients_ > 0; }
 

@@ -1,6 +1,7 @@
 #include "picture_rows.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "frames/pixel_formats.h"
 
@@ -145,6 +146,17 @@ rg_image MakePackedImage(const StreamFormat& format, const uint8_t* bytes) {
     bytes += size_t{format.planes[i].row_bytes} * format.planes[i].rows;
   }
   return image;
+}
+
+void CopyPlanes(const StreamFormat& format, const rg_image& image,
+                uint8_t* bytes) {
+  for (int i = 0; i < format.num_planes; ++i) {
+    const PlaneLayout& plane = format.planes[i];
+    for (uint32_t row = 0; row < plane.rows; ++row, bytes += plane.row_bytes)
+      std::memcpy(bytes,
+                  image.planes[i].data + size_t{row} * image.planes[i].stride,
+                  plane.row_bytes);
+  }
 }
 
 }  // namespace raygrid

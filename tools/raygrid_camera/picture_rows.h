@@ -15,6 +15,10 @@ void ReadPictureRow(const PixelFormatInfo& pixel_format, const rg_image& image,
 /// The image of a frame without gaps.
 rg_image MakePackedImage(const StreamFormat& format, const uint8_t* bytes);
 
+/// Rows of all planes to bytes without gaps, packed_size() of them.
+void CopyPlanes(const StreamFormat& format, const rg_image& image,
+                uint8_t* bytes);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_CAMERA_PICTURE_ROWS_H

@@ -14,19 +14,6 @@
 namespace raygrid {
 namespace {
 
-// Rows of all planes to bytes without gaps.
-void CopyPlanes(const StreamFormat& format, const rg_image& image,
-                std::vector<uint8_t>* bytes) {
-  uint8_t* to = bytes->data();
-  for (int i = 0; i < format.num_planes; ++i) {
-    const PlaneLayout& plane = format.planes[i];
-    for (uint32_t row = 0; row < plane.rows; ++row, to += plane.row_bytes)
-      std::memcpy(to,
-                  image.planes[i].data + size_t{row} * image.planes[i].stride,
-                  plane.row_bytes);
-  }
-}
-
 // One of the two kinds of pictures.
 struct View {
   explicit View(const StreamFormat& stream_format)
@@ -96,7 +83,7 @@ void PreviewServer::Impl::OnFrame(const CapturedFrame& before,
     const std::lock_guard<std::mutex> lock(mutex_);
     if (is_full_) return;  // the encoder has enough to do
   }
-  CopyPlanes(before_.format, before.image, &before_.bytes);
+  CopyPlanes(before_.format, before.image, before_.bytes.data());
   std::memcpy(after_.bytes.data(), after.bytes.data(), after.bytes.size());
   {
     const std::lock_guard<std::mutex> lock(mutex_);

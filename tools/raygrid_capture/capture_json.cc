@@ -1,0 +1,65 @@
+#include "capture_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace raygrid {
+namespace {
+
+using Json = nlohmann::json;
+
+double RoundedPixel(double pixel) { return std::round(10 * pixel) / 10; }
+
+// Four digits, which is more than anybody sees.
+double Rounded(double value) {
+  if (!(value > 0) || std::isinf(value)) return value;
+  const double scale = std::pow(10, 3 - std::floor(std::log10(value)));
+  return std::round(scale * value) / scale;
+}
+
+Json PixelsJson(const std::vector<Eigen::Vector2d>& pixels) {
+  Json out = Json::array();
+  for (const Eigen::Vector2d& pixel : pixels) {
+    out.push_back(RoundedPixel(pixel.x()));
+    out.push_back(RoundedPixel(pixel.y()));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string CaptureJson(const CaptureState& state) {
+  Json next = Json::array();
+  for (const ViewShown& view : state.next)
+    next.push_back(
+        {{"outline", PixelsJson(view.outline)}, {"top", PixelsJson(view.top)}});
+  Json places = Json::array();
+  for (const PlaceShown& place : state.places) {
+    places.push_back(RoundedPixel(place.pixel.x()));
+    places.push_back(RoundedPixel(place.pixel.y()));
+    places.push_back(Rounded(place.deviation_px));
+  }
+  const Json json = {{"width", state.width},
+                     {"height", state.height},
+                     {"camera", state.camera},
+                     {"word", state.word},
+                     {"hint", state.hint},
+                     {"is_done", state.is_done},
+                     {"is_paused", state.is_paused},
+                     {"features", PixelsJson(state.features)},
+                     {"next", next},
+                     {"arrow", PixelsJson(state.arrow)},
+                     {"places", places},
+                     {"deviation_px", Rounded(state.deviation_px)},
+                     {"target_px", Rounded(state.target_px)},
+                     {"kept", state.kept},
+                     {"num_expected", state.num_expected},
+                     {"sharpness_px", Rounded(state.sharpness_px)},
+                     {"brightness", Rounded(state.brightness)},
+                     {"frames_per_second", Rounded(state.frames_per_second)},
+                     {"remarks", state.remarks}};
+  // Names of files may be no UTF-8.
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace raygrid

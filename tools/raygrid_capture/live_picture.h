@@ -1,0 +1,43 @@
+#ifndef RAYGRID_CAPTURE_LIVE_PICTURE_H
+#define RAYGRID_CAPTURE_LIVE_PICTURE_H
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "picture_stream.h"
+#include "smaller_picture.h"
+
+namespace raygrid {
+
+/// The newest frame as motion JPEG of at most 1280 pixels a side and 15 a
+/// second, encoded by a thread of its own while someone looks.
+class LivePicture {
+ public:
+  LivePicture();
+  ~LivePicture() { End(); }
+
+  /// Copies the frame, unless nobody looks or the one before is not done with.
+  void Show(const StreamFormat& format, const rg_image& image);
+  /// No picture comes after.
+  void End();
+  PictureStream* stream() { return &stream_; }
+
+ private:
+  void Encode();
+
+  PictureStream stream_;
+  std::mutex showing_;  // one frame at a time
+  StreamFormat format_ = {};
+  std::vector<uint8_t> bytes_;  // the frame's copy
+  std::mutex mutex_;            // of the flags
+  std::condition_variable changed_;
+  bool is_full_ = false, is_stopped_ = false;
+  std::thread encoder_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAPTURE_LIVE_PICTURE_H
