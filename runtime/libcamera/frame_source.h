@@ -39,6 +39,10 @@ struct FrameInfo {
   std::optional<double> zoom;          // magnification over the widest
   std::optional<int> orientation;      // 1 to 8, as EXIF has it
   std::optional<float> sensor_temperature_c;
+  std::optional<float> exposure_us;
+  std::optional<float> analogue_gain;  // a factor
+  // Of lenses whose position has no unit: it only tells that the lens moved.
+  std::optional<int> focus_steps;
 };
 
 /// A frame in the source's own memory, which is the caller's until it is given

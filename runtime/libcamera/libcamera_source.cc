@@ -84,6 +84,9 @@ void TakeMetadata(Request* completed, FrameInfo* info) {
   info->lens_position = metadata.get(libcamera::controls::LensPosition);
   info->sensor_temperature_c =
       metadata.get(libcamera::controls::SensorTemperature);
+  if (const auto exposure = metadata.get(libcamera::controls::ExposureTime))
+    info->exposure_us = static_cast<float>(*exposure);
+  info->analogue_gain = metadata.get(libcamera::controls::AnalogueGain);
   if (const auto crop = metadata.get(libcamera::controls::ScalerCrop))
     info->crop = SensorCrop{crop->x, crop->y, crop->width, crop->height};
 }

@@ -1,12 +1,17 @@
 #include "v4l2_capture.h"
 
+#include <algorithm>
+
 #include "capture_guard.h"
+#include "v4l2_controls.h"
 
 namespace raygrid {
 namespace {
 
-constexpr uint32_t kAsked[] = {V4L2_CID_ZOOM_ABSOLUTE, V4L2_CID_HFLIP,
-                               V4L2_CID_VFLIP, V4L2_CID_ROTATE};
+constexpr uint32_t kAsked[] = {
+    V4L2_CID_ZOOM_ABSOLUTE,  V4L2_CID_HFLIP,
+    V4L2_CID_VFLIP,          V4L2_CID_ROTATE,
+    V4L2_CID_FOCUS_ABSOLUTE, V4L2_CID_EXPOSURE_ABSOLUTE};
 
 bool IsAsked(const v4l2_query_ext_ctrl& control) {
   if ((control.flags & (V4L2_CTRL_FLAG_DISABLED | V4L2_CTRL_FLAG_WRITE_ONLY)) !=
@@ -56,20 +61,14 @@ std::optional<SensorCrop> V4l2CaptureReader::ReadCrop() const {
   return SensorCrop{crop.r.left, crop.r.top, crop.r.width, crop.r.height};
 }
 
+bool V4l2CaptureReader::Knows(uint32_t id) const {
+  return std::any_of(controls_.begin(), controls_.end(),
+                     [id](const Control& known) { return known.id == id; });
+}
+
 std::optional<int32_t> V4l2CaptureReader::ReadValue(uint32_t id) const {
-  for (const Control& known : controls_) {
-    if (known.id != id) continue;
-    v4l2_ext_control value = {};
-    value.id = id;
-    v4l2_ext_controls values = {};
-    values.which = V4L2_CTRL_WHICH_CUR_VAL;
-    values.count = 1;
-    values.controls = &value;
-    // The kernel's structure is packed: no reference to it.
-    if (AskAgain(device_, VIDIOC_G_EXT_CTRLS, &values) == 0)
-      return int32_t{value.value};
-  }
-  return std::nullopt;
+  if (!Knows(id)) return std::nullopt;
+  return GetV4l2Control(device_, id);
 }
 
 // zoom_absolute is a focal length in a unit of the driver's own. One whose
@@ -96,10 +95,21 @@ std::optional<int> V4l2CaptureReader::ReadOrientation() const {
   return orientation != 0 ? std::optional(orientation) : std::nullopt;
 }
 
+std::optional<float> V4l2CaptureReader::ReadExposure() const {
+  if (!Knows(V4L2_CID_EXPOSURE_ABSOLUTE)) return std::nullopt;
+  const auto control = QueryV4l2Control(device_, V4L2_CID_EXPOSURE_ABSOLUTE);
+  if (!control || !IsInEffect(*control)) return std::nullopt;
+  const std::optional<int32_t> value = ReadValue(V4L2_CID_EXPOSURE_ABSOLUTE);
+  if (!value || *value <= 0) return std::nullopt;
+  return static_cast<float>(*value) * kExposureUnit_us;
+}
+
 void V4l2CaptureReader::Read(FrameInfo* info) const {
   if (has_crop_) info->crop = ReadCrop();
   info->zoom = ReadZoom();
   info->orientation = ReadOrientation();
+  info->focus_steps = ReadValue(V4L2_CID_FOCUS_ABSOLUTE);
+  info->exposure_us = ReadExposure();
 }
 
 }  // namespace raygrid

@@ -13,8 +13,9 @@
 namespace raygrid {
 
 /// Asks for the crop, for zoom_absolute, whose ratio to its minimum is the
-/// magnification, and for flips. focus_absolute has no unit: lens positions
-/// are not told.
+/// magnification, for flips, and for the exposure time where it is in effect.
+/// focus_absolute has no unit: lens positions are not told, but its steps are.
+/// Gains have no unit either.
 class V4l2CaptureReader {
  public:
   /// Finds what the device has. It must outlive this.
@@ -31,9 +32,11 @@ class V4l2CaptureReader {
   };
 
   std::optional<SensorCrop> ReadCrop() const;
+  bool Knows(uint32_t id) const;
   std::optional<int32_t> ReadValue(uint32_t id) const;
   std::optional<double> ReadZoom() const;
   std::optional<int> ReadOrientation() const;
+  std::optional<float> ReadExposure() const;
 
   V4l2Device* const device_;
   std::vector<Control> controls_;

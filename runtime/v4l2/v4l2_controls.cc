@@ -1,11 +1,8 @@
 #include "v4l2_controls.h"
 
-#include <linux/videodev2.h>
-
 #include <cctype>
 #include <cerrno>
 #include <cstdlib>
-#include <optional>
 #include <vector>
 
 #include "v4l2_stream.h"
@@ -173,6 +170,39 @@ void SetControl(V4l2Device* device, const std::string& name,
 
 void SetV4l2Controls(V4l2Device* device, const ControlValues& controls) {
   for (const auto& [name, value] : controls) SetControl(device, name, value);
+}
+
+std::optional<v4l2_query_ext_ctrl> QueryV4l2Control(V4l2Device* device,
+                                                    uint32_t id) {
+  v4l2_query_ext_ctrl control = {};
+  control.id = id;
+  if (AskAgain(device, VIDIOC_QUERY_EXT_CTRL, &control) != 0 ||
+      (control.flags & V4L2_CTRL_FLAG_DISABLED) != 0)
+    return std::nullopt;
+  return control;
+}
+
+std::optional<int32_t> GetV4l2Control(V4l2Device* device, uint32_t id) {
+  v4l2_ext_control value = {};
+  value.id = id;
+  v4l2_ext_controls values = {};
+  values.which = V4L2_CTRL_WHICH_CUR_VAL;
+  values.count = 1;
+  values.controls = &value;
+  if (AskAgain(device, VIDIOC_G_EXT_CTRLS, &values) != 0) return std::nullopt;
+  // The kernel's structure is packed: no reference to it.
+  return int32_t{value.value};
+}
+
+int SetV4l2Control(V4l2Device* device, uint32_t id, int32_t value) {
+  v4l2_ext_control setting = {};
+  setting.id = id;
+  setting.value = value;
+  v4l2_ext_controls settings = {};
+  settings.which = V4L2_CTRL_WHICH_CUR_VAL;
+  settings.count = 1;
+  settings.controls = &setting;
+  return AskAgain(device, VIDIOC_S_EXT_CTRLS, &settings);
 }
 
 std::string DescribeV4l2Controls(V4l2Device* device) {

@@ -198,8 +198,9 @@ int FakeV4l2Device::Dequeue(v4l2_buffer* buffer) {
 
 int FakeV4l2Device::QueryControl(v4l2_query_ext_ctrl* query) {
   const uint32_t last = query->id & ~V4L2_CTRL_FLAG_NEXT_CTRL;
+  const bool is_next = last != query->id;
   for (const FakeV4l2State::Control& control : state_->controls) {
-    if (control.id <= last) continue;
+    if (is_next ? control.id <= last : control.id != last) continue;
     *query = {};
     query->id = control.id;
     query->type = control.type;

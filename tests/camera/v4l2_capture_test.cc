@@ -23,11 +23,32 @@ FakeV4l2State::Control Told(uint32_t id, long long minimum, long long value) {
 
 TEST(V4l2Capture, OfADeviceThatTellsNothingNothingIsTold) {
   FakeV4l2State state;
-  // A focus has no unit.
-  state.controls = {Told(V4L2_CID_FOCUS_ABSOLUTE, 0, 40)};
+  // These have no unit.
+  state.controls = {Told(V4L2_CID_EXPOSURE, 1, 40), Told(V4L2_CID_GAIN, 0, 2),
+                    Told(V4L2_CID_ANALOGUE_GAIN, 0, 2)};
   const FrameInfo info = ReadInfo(&state);
   EXPECT_FALSE(info.crop || info.zoom || info.orientation ||
-               info.lens_position);
+               info.lens_position || info.focus_steps || info.exposure_us ||
+               info.analogue_gain);
+}
+
+TEST(V4l2Capture, AFocusIsToldInSteps) {
+  FakeV4l2State state;
+  state.controls = {Told(V4L2_CID_FOCUS_ABSOLUTE, 0, 40)};
+  EXPECT_EQ(ReadInfo(&state).focus_steps, 40);
+  EXPECT_FALSE(ReadInfo(&state).lens_position);
+}
+
+TEST(V4l2Capture, AnExposureIsToldWhileItIsInEffect) {
+  FakeV4l2State state;
+  state.controls = {Told(V4L2_CID_EXPOSURE_ABSOLUTE, 1, 83)};
+  EXPECT_EQ(ReadInfo(&state).exposure_us, 8300.0f);
+  state.controls[0].flags = V4L2_CTRL_FLAG_INACTIVE;
+  EXPECT_FALSE(ReadInfo(&state).exposure_us);
+  state.controls[0].flags = V4L2_CTRL_FLAG_INACTIVE | V4L2_CTRL_FLAG_VOLATILE;
+  EXPECT_EQ(ReadInfo(&state).exposure_us, 8300.0f);
+  state.controls[0].value = 0;
+  EXPECT_FALSE(ReadInfo(&state).exposure_us);
 }
 
 TEST(V4l2Capture, ZoomIsThatOverTheSmallest) {
