@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "raygrid.h"
+#include "state_lock.h"
 #include "stream_format.h"
 
 namespace raygrid {
@@ -62,8 +63,9 @@ struct SourceCounts {
 };
 
 /// Start() and Stop() once, by the same thread; Next() and Release() by one
-/// thread in between. Frames not released come to the camera's account: it has
-/// only as many buffers as it was configured with.
+/// thread in between; LockState() and UnlockState() by any thread. Frames not
+/// released come to the camera's account: it has only as many buffers as it was
+/// configured with.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
@@ -82,6 +84,17 @@ class FrameSource {
   /// Why it ended; empty where that is in order.
   virtual std::string fault() const = 0;
   virtual SourceCounts counts() const = 0;
+  /// Fixes focus, exposure, gain and white balance at what they are, so that
+  /// all frames from then on have one position of the lens and one brightness.
+  /// Call it once frames come and the image is sharp. It does not wait: the
+  /// next few frames may still be as before. What the camera refuses stays open
+  /// and ends nothing. Called again, it fixes what there is then.
+  virtual StateLock LockState() {
+    return NothingLocked("this source of frames is no camera");
+  }
+  /// Puts the automatic modes that LockState() ended back as they were. Stop()
+  /// does it, too, since some cameras keep their controls after a program.
+  virtual void UnlockState() {}
   virtual void Stop() = 0;
 };
 

@@ -10,6 +10,7 @@
 
 #include "camera_error.h"
 #include "libcamera_controls.h"
+#include "libcamera_state.h"
 #include "libcamera_version.h"
 
 namespace raygrid {
@@ -23,6 +24,8 @@ using libcamera::StreamConfiguration;
 using libcamera::StreamRole;
 
 constexpr unsigned kNumBuffers = 4;
+// For a frame whose request puts automatic modes back at the end.
+constexpr std::chrono::seconds kUnlockPatience(1);
 
 CameraError InputError(const std::string& message) {
   return CameraError(CameraExit::kInput, message);
@@ -242,7 +245,43 @@ SourceCounts LibcameraSource::counts() const {
   return {arrived_, dropped_, damaged_, missed_};
 }
 
+StateLock LibcameraSource::LockState() {
+  const std::lock_guard<std::mutex> lock(state_mutex_);
+  if (is_disconnected_ || (last_info_ && !is_running_))
+    return NothingLocked("no more frames come");
+  if (!last_info_) return NothingLocked("no frame has come yet");
+  LibcameraLock state =
+      MakeLibcameraLock(camera_->controls(), controls_, *last_info_);
+  next_controls_ = std::move(state.fixing);
+  releasing_ = std::move(state.releasing);
+  return state.told;
+}
+
+void LibcameraSource::UnlockState() {
+  const std::lock_guard<std::mutex> lock(state_mutex_);
+  // A lock that no request has taken yet need not be sent any more.
+  if (!releasing_.empty()) next_controls_ = std::move(releasing_);
+  releasing_.clear();
+}
+
+// Cameras may keep their controls, which go with a request: one that waits to
+// be taken is queued once more.
+void LibcameraSource::SendUnlock() {
+  UnlockState();
+  const Clock::time_point start = Clock::now();
+  while (is_running_ && !is_disconnected_ &&
+         Clock::now() - start < kUnlockPatience) {
+    {
+      const std::lock_guard<std::mutex> lock(state_mutex_);
+      if (next_controls_.empty()) return;
+    }
+    if (const auto frame = queue_->Pop(std::chrono::milliseconds(20)))
+      Release(*frame);
+  }
+}
+
 void LibcameraSource::Stop() {
+  SendUnlock();
   if (!is_running_.exchange(false)) return;
   camera_->stop();
   camera_->requestCompleted.disconnect(this);
@@ -251,7 +290,14 @@ void LibcameraSource::Stop() {
 }
 
 void LibcameraSource::Queue(Request* request) {
-  if (is_running_ && !is_disconnected_) camera_->queueRequest(request);
+  if (!is_running_ || is_disconnected_) return;
+  {
+    const std::lock_guard<std::mutex> lock(state_mutex_);
+    for (const auto& [id, value] : next_controls_)
+      request->controls().set(id, value);
+    next_controls_.clear();
+  }
+  camera_->queueRequest(request);
 }
 
 void LibcameraSource::QueueAgain(uint32_t buffer) {
@@ -286,6 +332,10 @@ void LibcameraSource::OnCompleted(Request* request) {
   if (orientation_ != 0) frame.info.orientation = orientation_;
   if (frame.info.crop && frame.info.crop->width > 0 && widest_ > 0)
     frame.info.zoom = double{1} * widest_ / frame.info.crop->width;
+  {
+    const std::lock_guard<std::mutex> lock(state_mutex_);
+    last_info_ = frame.info;
+  }
   ++arrived_;
   if (const auto dropped = queue_->Push(frame)) {
     ++dropped_;

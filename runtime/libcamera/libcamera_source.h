@@ -57,6 +57,8 @@ class LibcameraSource : public FrameSource {
   bool is_finished() const override { return queue_->is_finished(); }
   std::string fault() const override;
   SourceCounts counts() const override;
+  StateLock LockState() override;
+  void UnlockState() override;
   void Stop() override;
 
  private:
@@ -68,6 +70,7 @@ class LibcameraSource : public FrameSource {
   void CountMissed(uint32_t sequence);
   void Queue(libcamera::Request* request);
   void QueueAgain(uint32_t buffer);
+  void SendUnlock();
 
   std::shared_ptr<libcamera::Camera> camera_;
   std::unique_ptr<libcamera::CameraConfiguration> configuration_;
@@ -79,6 +82,10 @@ class LibcameraSource : public FrameSource {
   std::unique_ptr<MappedBuffers> buffers_;
   std::vector<std::unique_ptr<libcamera::Request>> requests_;
   std::unique_ptr<BoundedQueue<CapturedFrame>> queue_;
+  std::mutex state_mutex_;  // of the next three
+  std::optional<FrameInfo> last_info_;
+  libcamera::ControlList next_controls_;  // for the next request
+  libcamera::ControlList releasing_;      // what UnlockState() sets
   std::atomic<bool> is_running_{false}, is_disconnected_{false};
   std::optional<uint32_t> last_sequence_;  // of libcamera's thread
   std::atomic<uint64_t> arrived_{0}, dropped_{0}, damaged_{0}, missed_{0};

@@ -38,6 +38,7 @@ std::string StartRemedy(int error) {
 V4l2Source::V4l2Source(std::unique_ptr<V4l2Device> device,
                        const V4l2Options& options)
     : device_(std::move(device)),
+      state_(device_.get()),
       decode_jpeg_(options.decode_jpeg),
       free_(kNumDecoded) {
   FindBufferType(device_.get());
@@ -95,9 +96,24 @@ SourceCounts V4l2Source::counts() const {
   return {arrived_, dropped_, damaged_, missed_};
 }
 
+StateLock V4l2Source::LockState() {
+  if (is_stopped_ || !fault().empty())
+    return NothingLocked("no more frames come");
+  if (arrived_ == 0) return NothingLocked("no frame has come yet");
+  const StateLock lock = state_.Lock();
+  has_changed_ = true;
+  return lock;
+}
+
+void V4l2Source::UnlockState() {
+  state_.Unlock();
+  has_changed_ = true;
+}
+
 void V4l2Source::Stop() {
   is_stopped_ = true;
   if (thread_.joinable()) thread_.join();
+  state_.Unlock();
   if (!is_streaming_) return;
   is_streaming_ = false;
   int type = static_cast<int>(stream_.buffer_type);
@@ -186,7 +202,8 @@ void V4l2Source::Decode(const V4l2Filled& filled, Clock::time_point arrived) {
 
 void V4l2Source::Push(const V4l2Filled& filled, const uint8_t* const planes[3],
                       uint32_t buffer, Clock::time_point arrived) {
-  if (told_at_ == Clock::time_point() || arrived - told_at_ >= kTellingTime) {
+  if (has_changed_.exchange(false) || told_at_ == Clock::time_point() ||
+      arrived - told_at_ >= kTellingTime) {
     reader_->Read(&told_);
     told_at_ = arrived;
   }

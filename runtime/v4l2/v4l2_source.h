@@ -15,6 +15,7 @@
 #include "v4l2_buffers.h"
 #include "v4l2_capture.h"
 #include "v4l2_device.h"
+#include "v4l2_state.h"
 #include "v4l2_stream.h"
 
 namespace raygrid {
@@ -48,6 +49,8 @@ class V4l2Source : public FrameSource {
   bool is_finished() const override { return queue_->is_finished(); }
   std::string fault() const override;
   SourceCounts counts() const override;
+  StateLock LockState() override;
+  void UnlockState() override;
   void Stop() override;
 
  private:
@@ -66,8 +69,10 @@ class V4l2Source : public FrameSource {
   V4l2Stream stream_;
   std::unique_ptr<V4l2Buffers> buffers_;
   std::unique_ptr<V4l2CaptureReader> reader_;
+  V4l2StateLock state_;
   FrameInfo told_ = {};  // by the reader, of the thread
   Clock::time_point told_at_;
+  std::atomic<bool> has_changed_{false};  // since it was told
   std::unique_ptr<BoundedQueue<CapturedFrame>> queue_;
   // For JPEGs: pixels, and which of them wait to be made.
   const JpegDecoder decode_jpeg_;

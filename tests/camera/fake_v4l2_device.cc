@@ -209,9 +209,24 @@ int FakeV4l2Device::QueryControl(v4l2_query_ext_ctrl* query) {
     query->maximum = control.maximum;
     query->step = static_cast<uint64_t>(control.step);
     query->flags = control.flags;
+    if (control.mode != 0 && ValueOf(control.mode) != control.manual)
+      query->flags |= V4L2_CTRL_FLAG_INACTIVE;
     return 0;
   }
   return EINVAL;
+}
+
+long long FakeV4l2Device::ValueOf(uint32_t id) const {
+  for (const FakeV4l2State::Control& control : state_->controls)
+    if (control.id == id) return control.value;
+  return 0;
+}
+
+void FakeV4l2Device::StoreBehind(uint32_t mode) {
+  for (FakeV4l2State::Control& control : state_->controls)
+    if (control.mode == mode && control.stored &&
+        ValueOf(mode) == control.manual)
+      control.value = *control.stored;
 }
 
 int FakeV4l2Device::QueryMenu(v4l2_querymenu* item) {
@@ -233,7 +248,12 @@ int FakeV4l2Device::SetControl(v4l2_ext_controls* settings) {
   for (size_t i = 0; i < state_->controls.size(); ++i) {
     FakeV4l2State::Control& control = state_->controls[i];
     if (control.id != setting.id) continue;
+    // The kernel's structure is packed: no reference to it.
+    state_->settings.push_back({uint32_t{setting.id}, int32_t{setting.value}});
+    if (control.error != 0) return control.error;
+    if (control.is_stubborn) return 0;
     control.value = setting.value;
+    StoreBehind(control.id);
     if (i + 1 < state_->controls.size() && setting.value == 1)
       state_->controls[i + 1].flags = 0;
     return 0;

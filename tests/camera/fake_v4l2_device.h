@@ -7,6 +7,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,6 +37,12 @@ struct FakeV4l2State {
     long long minimum, maximum, step, value;
     uint32_t flags;
     std::vector<std::string> items;
+    // It is inactive while the control of this id, if any, has another value.
+    uint32_t mode = 0;
+    long long manual = 0;
+    std::optional<long long> stored = {};  // becomes its value then
+    int error = 0;                         // of setting it
+    bool is_stubborn = false;              // takes values, and keeps its own
   };
 
   bool has_planes_apart = false;
@@ -60,6 +67,7 @@ struct FakeV4l2State {
   std::map<int, std::string> heap_of;
   int next_fd = 100;
   std::deque<uint32_t> queued;
+  std::vector<std::pair<uint32_t, int32_t>> settings;  // of controls
   int num_queued = 0, num_mapped = 0, num_begun = 0, num_ended = 0;
   bool is_streaming = false;
 };
@@ -88,6 +96,8 @@ class FakeV4l2Device : public V4l2Device {
   int Queue(const v4l2_buffer& buffer);
   int Dequeue(v4l2_buffer* buffer);
   int QueryControl(v4l2_query_ext_ctrl* query);
+  long long ValueOf(uint32_t id) const;
+  void StoreBehind(uint32_t mode);
   int QueryMenu(v4l2_querymenu* item);
   int SetControl(v4l2_ext_controls* settings);
   int GetControl(v4l2_ext_controls* values);

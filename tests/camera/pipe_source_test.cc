@@ -122,6 +122,18 @@ TEST(PipeSource, RawFramesComeWhole) {
   }
 }
 
+TEST(PipeSource, HasNoStateThatCanBeLocked) {
+  Writer writer;
+  writer.Write(Recording("R8", 16, 8, 1), 65536);
+  PipeSource source(writer.fd(), Options("R8"), [] { return false; });
+  source.Start();
+  const StateLock lock = source.LockState();
+  source.UnlockState();
+  EXPECT_TRUE(lock.locked.empty());
+  ASSERT_EQ(lock.open.size(), 4u);
+  EXPECT_EQ(lock.open[0], "focus: this source of frames is no camera");
+}
+
 TEST(PipeSource, AFrameThatIsCutIsNoFrame) {
   const Played played =
       Play(Recording("R8", 16, 8, 3).substr(0, 300), Options("R8"));

@@ -84,6 +84,8 @@ class Benchmark::TimedSource : public FrameSource {
   bool is_finished() const override { return source_->is_finished(); }
   std::string fault() const override { return source_->fault(); }
   SourceCounts counts() const override { return source_->counts(); }
+  StateLock LockState() override { return source_->LockState(); }
+  void UnlockState() override { source_->UnlockState(); }
   void Stop() override { source_->Stop(); }
 
   /// After the stream.

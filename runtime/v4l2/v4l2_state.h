@@ -1,0 +1,46 @@
+/// Focus, exposure, gain and white balance of a V4L2 device, fixed at what they
+/// are.
+#ifndef RAYGRID_V4L2_V4L2_STATE_H
+#define RAYGRID_V4L2_V4L2_STATE_H
+
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "state_lock.h"
+#include "v4l2_device.h"
+
+namespace raygrid {
+
+/// Lock() and Unlock() by any thread, while others take frames of the device.
+class V4l2StateLock {
+ public:
+  /// The device must outlive this.
+  explicit V4l2StateLock(V4l2Device* device) : device_(device) {}
+  ~V4l2StateLock() { Unlock(); }
+  V4l2StateLock(const V4l2StateLock&) = delete;
+  V4l2StateLock& operator=(const V4l2StateLock&) = delete;
+
+  /// Ends automatic modes, one control after the other.
+  StateLock Lock();
+  /// Puts the modes that Lock() ended back, as far as the device takes them.
+  void Unlock();
+
+ private:
+  struct Subject;
+  struct Mode {
+    uint32_t id;
+    int32_t value;
+  };
+
+  int EndMode(const Subject& subject);
+  bool Fix(const Subject& subject, StateLock* lock);
+
+  V4l2Device* const device_;
+  std::mutex mutex_;         // of all below, and of a lock as a whole
+  std::vector<Mode> ended_;  // with their values before that
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_V4L2_V4L2_STATE_H
