@@ -87,7 +87,7 @@ class LockMaker {
   void Tell(const std::string& subject, bool is_fixed,
             const std::string& value) {
     if (!is_fixed)
-      lock_.told.open.push_back(subject + ": the camera has no control for it");
+      lock_.told.open.push_back(subject + ": libcamera has no control for it");
     else if (value.empty())
       lock_.told.locked.push_back(subject +
                                   " at a value that the camera does not tell");

@@ -129,7 +129,7 @@ TEST(LibcameraState, OnlyControlsOfTheCameraAreSet) {
   LibcameraLock lock = MakeLibcameraLock(none, ControlList(none), Told());
   EXPECT_TRUE(lock.fixing.empty());
   EXPECT_EQ(lock.told.open,
-            NothingLocked("the camera has no control for it").open);
+            NothingLocked("libcamera has no control for it").open);
 
   // Modes that it does not end, and values out of its range.
   const ControlInfoMap other =
@@ -143,8 +143,8 @@ TEST(LibcameraState, OnlyControlsOfTheCameraAreSet) {
   EXPECT_EQ(lock.fixing.get(ids::AnalogueGain), 4.0f);
   EXPECT_TRUE(lock.releasing.empty());
   EXPECT_EQ(lock.told.open,
-            (LockTexts{"focus: the camera has no control for it",
-                       "white balance: the camera has no control for it"}));
+            (LockTexts{"focus: libcamera has no control for it",
+                       "white balance: libcamera has no control for it"}));
 }
 
 }  // namespace
