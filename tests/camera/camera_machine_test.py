@@ -10,6 +10,10 @@ STREAMS = """
 run vga vga.raygrid --camera -1:1.0 --frames 40 --every-frame -o vga
 run hd hd.raygrid --camera -2:1.0 --frames 40 --every-frame -o hd
 run odd odd.raygrid --camera -3:1.0 --size 640x480 --frames 10 --every-frame -o odd
+if [ -e /bin/lock_camera_state ]; then
+  lock_camera_state $(device -1:1.0) >lock_v4l2.out
+  lock_camera_state libcamera:-2:1.0 >lock_libcamera.out
+fi
 run v4l2_vga vga.raygrid --source $(device -1:1.0) --frames 10 --every-frame -o v4l2_vga
 """
 ENDS = """
@@ -62,6 +66,7 @@ class CameraInMachine(MachineCase):
 
     @classmethod
     def setUpClass(cls):
+        cls.PROGRAMS = [program for program in [programs.lock_camera_state] if program]
         cls.set_up(programs.kernel, ("" if programs.only_ends else STREAMS) + ENDS)
 
     def test_vga_frames_are_those_of_the_host(self):
@@ -75,6 +80,29 @@ class CameraInMachine(MachineCase):
 
     def test_v4l2_frames_are_those_of_the_host(self):
         self.check_stream("vga", 10, "v4l2_")
+
+    def test_a_state_is_locked_as_it_stands_and_modes_come_back(self):
+        if programs.only_ends or not programs.lock_camera_state:
+            self.skipTest("--only-ends, or libcamera or V4L2 is missing")
+        told = self.read("lock_v4l2.out").splitlines()
+        settings = [line.split(", ") for line in self.players[0].output.splitlines()[1:]]
+        self.assertEqual([words[0] for words in settings],
+                         ["focus mode 0", "exposure mode 1", "white mode 0", "white mode 1",
+                          "exposure mode 8", "focus mode 1"])
+        # The camera's own numbers, which change with each frame while the modes are automatic.
+        focus, exposure = (int(settings[i][k].split()[1]) for i, k in ((0, 2), (1, 1)))
+        self.assertRegex(told[0], r"^before: focus_steps=[0-9]+$")
+        self.assertEqual(told[1:],
+                         [f"locked: focus at {focus} (0 to 250)",
+                          f"locked: exposure {exposure / 10:.1f} ms",
+                          "locked: gain at 64 (0 to 255)", "locked: white balance 4600 K",
+                          f"after: exposure_us={100 * exposure} focus_steps={focus}"])
+        told = self.read("lock_libcamera.out")
+        self.assertIn("locked: exposure at a value that the camera does not tell\n", told)
+        self.assertIn("open: focus: libcamera has no control for it\n", told)
+        self.assertEqual([line.split(",")[0] for line in
+                          self.players[1].output.splitlines()[1:]],
+                         ["exposure mode 1", "exposure mode 8"])
 
     def test_list(self):
         self.assert_ends("list", 0)

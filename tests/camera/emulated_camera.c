@@ -3,7 +3,9 @@
  *
  *   emulated_camera SOCKET WIDTHxHEIGHT FRAMES_PER_SECOND FILE [UNPLUG_AFTER]
  *
- * It ends when QEMU does, and unplugs itself after UNPLUG_AFTER frames. */
+ * It focuses, exposes and balances white by itself until controls end that. It
+ * ends when QEMU does, tells how its controls were set, and unplugs itself
+ * after UNPLUG_AFTER frames. */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
 #include <fcntl.h>
@@ -28,6 +30,7 @@ enum {
   PAYLOAD_HEADER = 2,
   PROBE_SIZE = 26, /* of UVC 1.0 */
   MAX_READS = 256,
+  MAX_SETTINGS = 64,
   MAX_FRAMES = 1024
 };
 
@@ -70,15 +73,17 @@ static void set16(bytes* to, int place, int value) {
   to->data[place + 1] = (uint8_t)(value >> 8);
 }
 
-/* Camera terminal 1 to output terminal 2. */
+/* Camera terminal 1 and processing unit 3 to output terminal 2. */
 static void add_control_interface(bytes* to) {
   ADD(to, 9, 4, CONTROL_INTERFACE, 0, 0, VIDEO_CLASS, 1, 0, 0);
   const int start = to->size;
   ADD(to, 13, 0x24, 1, 0x00, 0x01, 0, 0);
   add32(to, 48000000);
   ADD(to, 1, STREAM_INTERFACE);
-  ADD(to, 18, 0x24, 2, 1, 0x01, 0x02, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 0, 0);
-  ADD(to, 9, 0x24, 3, 2, 0x01, 0x01, 0, 1, 0);
+  /* Its last bytes name the controls that are in kControls. */
+  ADD(to, 18, 0x24, 2, 1, 0x01, 0x02, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0x2a, 0, 2);
+  ADD(to, 11, 0x24, 5, 3, 1, 0, 0, 2, 0x40, 0x12, 0);
+  ADD(to, 9, 0x24, 3, 2, 0x01, 0x01, 0, 3, 0);
   set16(to, start + 5, to->size - start);
 }
 
@@ -149,6 +154,39 @@ static bytes make_text(const char* text) {
   return result;
 }
 
+/* ---- Controls ------------------------------------------------------------ */
+
+enum {
+  AE_MODE,
+  EXPOSURE,
+  FOCUS,
+  FOCUS_AUTO,
+  GAIN,
+  WHITE,
+  WHITE_AUTO,
+  NUM_CONTROLS,
+  AE_MANUAL = 1,
+  AE_APERTURE_PRIORITY = 8,
+  FOLLOWS = 8 /* in info: the value changes by itself */
+};
+
+/* The step of AE_MODE is a mask of the modes that there are, as UVC has it. */
+typedef struct usb_control {
+  const char* name;
+  uint8_t entity, selector, size, info;
+  uint16_t minimum, maximum, step, initial, value;
+} usb_control;
+
+static const usb_control kControls[NUM_CONTROLS] = {
+    [AE_MODE] = {"exposure mode", 1, 2, 1, 3, 1, 8, 9, AE_APERTURE_PRIORITY,
+                 AE_APERTURE_PRIORITY},
+    [EXPOSURE] = {"exposure", 1, 4, 4, 3, 3, 2047, 1, 100, 100},
+    [FOCUS] = {"focus", 1, 6, 2, 3 | FOLLOWS, 0, 250, 1, 40, 40},
+    [FOCUS_AUTO] = {"focus mode", 1, 8, 1, 3, 0, 1, 1, 1, 1},
+    [GAIN] = {"gain", 3, 4, 2, 3, 0, 255, 1, 64, 64},
+    [WHITE] = {"white", 3, 0x0a, 2, 3, 2000, 6500, 1, 4600, 4600},
+    [WHITE_AUTO] = {"white mode", 3, 0x0b, 1, 3, 0, 1, 1, 1, 1}};
+
 /* ---- State --------------------------------------------------------------- */
 
 typedef struct usb_camera {
@@ -174,6 +212,13 @@ typedef struct usb_camera {
   double next_s;
   int is_unplugged;
   uint8_t configured;
+
+  usb_control controls[NUM_CONTROLS];
+  struct {
+    const char* name;
+    unsigned value, exposure, focus; /* as it is, and as the camera stands */
+  } settings[MAX_SETTINGS];          /* of controls, the first ones */
+  int num_settings;
 } usb_camera;
 
 static double now_s(void) {
@@ -318,9 +363,57 @@ static int answer_stream(const usb_camera* camera, unsigned request,
   return 1;
 }
 
+/* Each frame has a focus and an exposure of its own while they follow. */
+static void follow(usb_camera* camera) {
+  if (camera->controls[AE_MODE].value != AE_MANUAL)
+    camera->controls[EXPOSURE].value = (uint16_t)(100 + camera->num_sent % 50);
+  if (camera->controls[FOCUS_AUTO].value != 0)
+    camera->controls[FOCUS].value = (uint16_t)(40 + camera->num_sent % 20);
+}
+
+static usb_control* find_control(
+    usb_camera* camera, const struct usb_redir_control_packet_header* packet) {
+  if ((packet->index & 255) != CONTROL_INTERFACE) return NULL;
+  follow(camera);
+  for (int i = 0; i < NUM_CONTROLS; ++i)
+    if (camera->controls[i].entity == packet->index >> 8 &&
+        camera->controls[i].selector == packet->value >> 8)
+      return &camera->controls[i];
+  return NULL;
+}
+
+static int get_control(const usb_control* control, unsigned request,
+                       bytes* answer) {
+  enum { CURRENT = 0x81, MINIMUM, MAXIMUM, STEP, LENGTH, INFORMATION, DEFAULT };
+  if (!control) return 0;
+  if (request == LENGTH) add16(answer, control->size);
+  if (request == INFORMATION) add8(answer, control->info);
+  if (request == LENGTH || request == INFORMATION) return 1;
+  add32(answer, request == CURRENT   ? control->value
+                : request == MINIMUM ? control->minimum
+                : request == MAXIMUM ? control->maximum
+                : request == STEP    ? control->step
+                                     : control->initial);
+  answer->size = control->size;
+  return 1;
+}
+
+static void set_control(usb_camera* camera, usb_control* control,
+                        const uint8_t* data, int size) {
+  if (!control || size < control->size) return;
+  control->value =
+      (uint16_t)(control->size == 1 ? data[0] : data[0] | data[1] << 8);
+  if (camera->num_settings == MAX_SETTINGS) return;
+  const int i = camera->num_settings++;
+  camera->settings[i].name = control->name;
+  camera->settings[i].value = control->value;
+  camera->settings[i].exposure = camera->controls[EXPOSURE].value;
+  camera->settings[i].focus = camera->controls[FOCUS].value;
+}
+
 static int answer_control(usb_camera* camera,
                           const struct usb_redir_control_packet_header* packet,
-                          bytes* answer) {
+                          const uint8_t* data, int size, bytes* answer) {
   enum { GET_STATUS = 0, CLEAR_FEATURE = 1, GET_DESCRIPTOR = 6 };
   const unsigned interface = packet->index & 255;
   const unsigned selector = packet->value >> 8; /* 1: probe, 2: commit */
@@ -331,11 +424,16 @@ static int answer_control(usb_camera* camera,
       if (packet->request == GET_STATUS) add16(answer, 0);
       return packet->request == GET_STATUS;
     case 0xa1:
+      if (interface == CONTROL_INTERFACE)
+        return get_control(find_control(camera, packet), packet->request,
+                           answer);
       if (interface != STREAM_INTERFACE || selector < 1 || selector > 2)
         return 0;
       return answer_stream(camera, packet->request, answer);
     case 0x21: /* what is set is what there is */
       if (interface == STREAM_INTERFACE && selector == 2) forget_reads(camera);
+      if (interface == CONTROL_INTERFACE)
+        set_control(camera, find_control(camera, packet), data, size);
       return 1;
     case 0x02:
       if (packet->request == CLEAR_FEATURE) forget_reads(camera);
@@ -349,9 +447,8 @@ static void on_control(void* state, uint64_t id,
                        struct usb_redir_control_packet_header* packet,
                        uint8_t* data, int size) {
   usb_camera* const camera = (usb_camera*)state;
-  (void)size;
   bytes answer = {{0}, 0};
-  const int is_known = answer_control(camera, packet, &answer);
+  const int is_known = answer_control(camera, packet, data, size, &answer);
   struct usb_redir_control_packet_header header = *packet;
   header.status = is_known ? usb_redir_success : usb_redir_stall;
   const int is_in = (packet->endpoint & 0x80) != 0;
@@ -549,6 +646,7 @@ int main(int argc, char** argv) {
   const int is_jpeg = read_frames(&camera, argv[4], (size_t)width * height * 2);
   camera.configuration = make_configuration(is_jpeg, width, height, interval);
   camera.probe = make_probe(width, height, interval);
+  memcpy(camera.controls, kControls, sizeof(kControls));
   camera.interval_s = 1.0 / rate;
   camera.unplug_after = argc == 6 ? atol(argv[5]) : 0;
   camera.socket = wait_for_qemu(argv[1]);
@@ -556,6 +654,10 @@ int main(int argc, char** argv) {
   say_hello(&camera);
   serve(&camera);
   printf("%ld frames sent\n", camera.num_sent);
+  for (int i = 0; i < camera.num_settings; ++i)
+    printf("%s %u, exposure %u, focus %u\n", camera.settings[i].name,
+           camera.settings[i].value, camera.settings[i].exposure,
+           camera.settings[i].focus);
   usbredirparser_destroy(camera.parser);
   free(camera.frames);
   return 0;

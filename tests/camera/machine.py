@@ -7,6 +7,7 @@ class Player:
     """Plays YUYV frames as a USB camera, for a machine that is to connect."""
 
     def __init__(self, program, folder, name, size, rate, frames, unplug_after=0):
+        self.output = ""  # after end()
         self.socket = os.path.join(folder, name + ".socket")
         # pylint: disable=consider-using-with
         self.process = subprocess.Popen(
@@ -20,8 +21,8 @@ class Player:
 
     def end(self):
         """Waits until the machine has gone, and returns how many frames were sent."""
-        output, _ = self.process.communicate(timeout=20)
-        return int(output.split()[0])
+        self.output, _ = self.process.communicate(timeout=20)
+        return int(self.output.split()[0])
 
 
 def build_image(fetched_kernel, image, programs):

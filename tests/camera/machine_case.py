@@ -74,6 +74,7 @@ class MachineCase(unittest.TestCase):
         assert status == 0, log
         for player in players:
             print(f"{player.end()} frames sent")
+        cls.players = players
 
     @classmethod
     def make_more(cls):
@@ -215,6 +216,7 @@ def main(name):
         parser.add_argument("--" + option, required=True)
     parser.add_argument("--heap-kernel", default="")
     parser.add_argument("--plugin", default="")
+    parser.add_argument("--lock-camera-state", default="")
     parser.add_argument("--only-ends", action="store_true",
                         help="not the long streams: for programs that are slow")
     _, rest = parser.parse_known_args(namespace=programs)
