@@ -38,6 +38,7 @@ Json FormatFrame(const SessionFrame& frame) {
     if (const auto& value = frame.*number.value; value && std::isfinite(*value))
       json[number.key] = *value;
   if (frame.orientation) json["orientation"] = *frame.orientation;
+  if (frame.focus_steps) json["focus_steps"] = *frame.focus_steps;
   if (frame.crop) json["crop"] = *frame.crop;
   return json;
 }
@@ -53,6 +54,8 @@ SessionFrame ParseFrame(const Json& json) {
       frame.*number.value = json.at(number.key).get<double>();
   if (json.contains("orientation"))
     frame.orientation = json.at("orientation").get<int>();
+  if (json.contains("focus_steps"))
+    frame.focus_steps = json.at("focus_steps").get<int>();
   if (json.contains("crop"))
     frame.crop = json.at("crop").get<std::array<int, 4>>();
   return frame;

@@ -21,6 +21,7 @@ struct SessionFrame {
   std::optional<double> exposure_us, analogue_gain, zoom;
   std::optional<double> sensor_temperature_c;
   std::optional<int> orientation;
+  std::optional<int> focus_steps;  ///< of lenses whose position has no unit
   std::optional<std::array<int, 4>> crop;  ///< x, y, width, height
   std::optional<double> edge_spread_px, white;
   std::optional<double> variance_taken;  ///< part that the frame took away

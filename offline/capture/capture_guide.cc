@@ -135,11 +135,12 @@ bool CaptureGuide::IsWorthKeeping(double gain) const {
 std::optional<int> CaptureGuide::num_expected() const {
   if (is_done_) return 0;
   if (!knowledge_ || !next_) return std::nullopt;
-  // The mean variance falls by the n-th image as n to the power of -n gain.
+  // The mean variance falls by the n-th image as n to the power of -n gain:
+  // fast at first, and as 1 / n in the end.
   const double n = num_images_, power = n * next_->gain;
   if (!(power > 0)) return std::nullopt;
   // As far as a view adds least_gain, or to the target.
-  double most = power / options_.least_gain;
+  double most = std::min(1.0, power) / options_.least_gain;
   if (options_.target_px > 0) {
     const double ratio = knowledge_->Percentile95Px() / options_.target_px;
     most = std::min(most, n * std::pow(std::max(1.0, ratio), 2 / power));

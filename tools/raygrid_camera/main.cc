@@ -11,6 +11,7 @@
 #include "camera_session.h"
 #include "capture_guard.h"
 #include "frame_sources.h"
+#include "neighbour_program.h"
 #include "raygrid.h"
 #include "rg_blob.h"
 #include "whole_file.h"
@@ -100,6 +101,9 @@ void Run(CameraArguments arguments) {
 }
 
 int Main(int argc, char** argv) {
+  // Images that calibrate a camera come before the blob of it.
+  if (argc > 1 && std::string(argv[1]) == "capture")
+    return BecomeNeighbour("raygrid-capture", {argv + 2, argv + argc});
   try {
     NoteSignals();
     Run(ParseCameraArguments(argc, argv));

@@ -83,8 +83,10 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
                   "seconds without a frame that end it")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
-  app->add_flag("--no-page", arguments->no_page,
-                "no page in a browser: the terminal shows the same");
+  app->add_flag(
+      "--no-page", arguments->no_page,
+      "no page in a browser: the terminal shows the same. Without it, "
+      "the link is printed; videos and folders have no page");
   app->add_option("--listen", arguments->page.number,
                   "address of the page; others than loopback's need the token "
                   "that the printed link has")
@@ -92,6 +94,10 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
   app->add_option("--port", arguments->page.port,
                   "of the page; 0: any that is free")
       ->capture_default_str();
+  app->add_option("--page-name", arguments->page.more_names,
+                  "another name of this machine that browsers may ask for, "
+                  "NAME or NAME:PORT; may be given again")
+      ->allow_extra_args(false);
   app->add_option("--token-file", arguments->page.token_file,
                   "file with the page's token: 16 to 128 letters, digits, - or "
                   "_");

@@ -7,7 +7,7 @@
 
 #include "capture_loop.h"
 #include "commands.h"
-#include "preview_server.h"
+#include "page_server.h"
 
 namespace raygrid {
 
@@ -18,7 +18,7 @@ struct CaptureArguments {
   std::vector<std::string> controls;
   CaptureLoopOptions loop;
   bool resume = false, no_calibrate = false, no_page = false;
-  PreviewAddress page;
+  PageAddress page;
 };
 
 /// Declares all options.

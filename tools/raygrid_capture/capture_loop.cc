@@ -71,21 +71,41 @@ std::optional<double> Told(double value) {
   return value > 0 ? std::optional(value) : std::nullopt;
 }
 
-SessionFrame RecordOf(const LiveFrame& frame, const SeenFrame& seen,
-                      double variance_taken) {
+// How the camera stood.
+SessionFrame StateOf(const FrameInfo& info) {
   SessionFrame record;
-  record.image = seen.features.image;
-  record.seconds = frame.time_s;
-  const FrameInfo& info = frame.info;
-  if (info.lens_position) record.lens_position = *info.lens_position;
+  record.lens_position = info.lens_position;
+  record.focus_steps = info.focus_steps;
+  record.exposure_us = info.exposure_us;
+  record.analogue_gain = info.analogue_gain;
   record.zoom = info.zoom;
   record.orientation = info.orientation;
-  if (info.sensor_temperature_c)
-    record.sensor_temperature_c = *info.sensor_temperature_c;
+  record.sensor_temperature_c = info.sensor_temperature_c;
   if (info.crop)
     record.crop = {info.crop->x, info.crop->y,
                    static_cast<int>(info.crop->width),
                    static_cast<int>(info.crop->height)};
+  return record;
+}
+
+// The word on a frame that shows another camera than the first one kept: its
+// lens has moved, or another part of the sensor is shown. NULL: the same.
+const char* WordOfOtherState(const SessionFrame& first,
+                             const SessionFrame& now) {
+  const bool has_lens_moved =
+      first.lens_position && now.lens_position &&
+      std::abs(*first.lens_position - *now.lens_position) >
+          kDefaultLensTolerance;
+  if (has_lens_moved || first.focus_steps != now.focus_steps)
+    return "refocused";
+  return first.crop != now.crop || first.zoom != now.zoom ? "cropped" : nullptr;
+}
+
+SessionFrame RecordOf(const LiveFrame& frame, const SeenFrame& seen,
+                      double variance_taken) {
+  SessionFrame record = StateOf(frame.info);
+  record.image = seen.features.image;
+  record.seconds = frame.time_s;
   record.edge_spread_px = Told(seen.quality.most_spread_px);
   record.white = Told(seen.quality.white);
   record.variance_taken = variance_taken;
@@ -152,7 +172,11 @@ void CaptureLoop::Run() {
   }
   FollowWishes();
   TakeGuide(true);
-  if (guide_) state_.is_done = guide_->is_done();
+  if (!guide_) return;
+  state_.is_done = guide_->is_done();
+  if (!state_.kept.empty()) state_.hint = state_.is_done ? "done" : "finished";
+  DescribeKnown();
+  if (viewers_.show) viewers_.show(state_);
 }
 
 bool CaptureLoop::IsFinished() {
@@ -200,6 +224,7 @@ SeenFrame CaptureLoop::See(const LiveFrame& frame) const {
   SeenFrame seen;
   seen.features.features = detector_.Detect(frame.grey).features;
   seen.time_s = frame.time_s;
+  if (frame.info.exposure_us) seen.exposure_s = *frame.info.exposure_us * 1e-6;
   if (const Board* const board = LargestBoard(pattern_, seen.features)) {
     std::vector<Feature> own;
     for (const Feature& feature : seen.features.features)
@@ -239,13 +264,19 @@ void CaptureLoop::TakeFrame(const LiveFrame& frame) {
 }
 
 // Says the word on a frame, too.
-bool CaptureLoop::IsKept(const LiveFrame&, const SeenFrame& seen) {
+bool CaptureLoop::IsKept(const LiveFrame& frame, const SeenFrame& seen) {
   const FrameWord word = judge_.Judge(seen, *guide_);
   state_.word = WordOf(word);
   state_.hint = RemedyOf(word);
   if (word != FrameWord::kKept) return false;
+  const auto& kept = session_->session().frames;
+  const char* const other =
+      kept.empty() ? nullptr
+                   : WordOfOtherState(kept.front(), StateOf(frame.info));
   if (state_.is_paused)
     state_.word = "paused";
+  else if (other)
+    state_.word = other;
   else if (adjusting_.valid())
     state_.word = "busy";
   return state_.word == "kept";
@@ -261,8 +292,18 @@ void CaptureLoop::Keep(const LiveFrame& frame, const SeenFrame& seen) {
   LockCamera();
 }
 
-// Once frames are sharp and bright enough to be kept, so do they stay.
-void CaptureLoop::LockCamera() {}
+// Frames are sharp and bright enough to be kept now; so do they stay.
+void CaptureLoop::LockCamera() {
+  FrameSource* const source = frames_->source();
+  if (is_locked_ || !source || !frames_->is_live()) return;
+  is_locked_ = true;
+  const StateLock lock = source->LockState();
+  session_->NoteLocked(lock.locked, lock.open);
+  for (const std::string& text : lock.locked)
+    state_.remarks.push_back("locked: " + text);
+  for (const std::string& text : lock.open)
+    state_.remarks.push_back("not locked: " + text);
+}
 
 void CaptureLoop::Remove(const std::string& name) {
   auto& kept = state_.kept;
@@ -270,7 +311,6 @@ void CaptureLoop::Remove(const std::string& name) {
   if (found == kept.end()) return;
   kept.erase(found);
   session_->Remove(name);
-  if (viewers_.remove_kept) viewers_.remove_kept(name);
   UpdateCamera([name](LiveCamera* live) { live->Remove(name); });
 }
 
@@ -307,6 +347,11 @@ void CaptureLoop::Describe(const LiveFrame& frame, const SeenFrame& seen) {
     state_.features.push_back(feature.pixel);
   state_.sharpness_px = seen.quality.most_spread_px;
   state_.brightness = seen.quality.white / 255;
+  DescribeKnown();
+  DescribeNext(seen);
+}
+
+void CaptureLoop::DescribeKnown() {
   state_.places.clear();
   state_.deviation_px = 0;
   if (const CameraKnowledge* const knowledge = guide_->knowledge()) {
@@ -316,7 +361,6 @@ void CaptureLoop::Describe(const LiveFrame& frame, const SeenFrame& seen) {
   }
   state_.is_done = guide_->is_done();
   state_.num_expected = guide_->num_expected().value_or(-1);
-  DescribeNext(seen);
 }
 
 void CaptureLoop::DescribeNext(const SeenFrame& seen) {

@@ -35,7 +35,6 @@ struct CaptureViewers {
   std::function<void(const GreyImage&)> show_picture;
   /// A frame was kept, or is there from the start.
   std::function<void(const std::string& name, const GreyImage&)> add_kept;
-  std::function<void(const std::string& name)> remove_kept;
 };
 
 /// What people ask for. Any thread may ask.
@@ -85,6 +84,7 @@ class CaptureLoop {
   void TakeGuide(bool wait);
   SeenFrame See(const LiveFrame& frame) const;
   void Describe(const LiveFrame& frame, const SeenFrame& seen);
+  void DescribeKnown();
   void DescribeNext(const SeenFrame& seen);
   void CountFrame();
   bool IsFinished();

@@ -4,21 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 namespace raygrid {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json Positions(const std::vector<Eigen::Vector2d>& pixels) {
-  Json json = Json::array();
-  for (const Eigen::Vector2d& pixel : pixels)
-    json.push_back(
-        {std::round(pixel.x() * 10) / 10, std::round(pixel.y() * 10) / 10});
-  return json;
-}
 
 // Cells of characters over an image.
 class CharacterMap {
@@ -76,26 +65,6 @@ std::string Progress(const CaptureState& state) {
 }
 
 }  // namespace
-
-std::string FormatStateLine(const CaptureState& state) {
-  Json json = {{"word", state.word},
-               {"hint", state.hint},
-               {"kept", state.kept.size()},
-               {"features", state.features.size()},
-               {"done", state.is_done}};
-  if (!state.camera.empty()) json["camera"] = state.camera;
-  if (!state.kept.empty()) json["last_kept"] = state.kept.back();
-  if (state.num_expected >= 0) json["expected"] = state.num_expected;
-  if (state.deviation_px > 0) json["deviation_px"] = state.deviation_px;
-  if (state.target_px > 0) json["target_px"] = state.target_px;
-  if (state.sharpness_px > 0) json["edge_spread_px"] = state.sharpness_px;
-  if (state.brightness > 0) json["white"] = state.brightness;
-  if (state.frames_per_second > 0)
-    json["frames_per_second"] = state.frames_per_second;
-  if (!state.next.empty()) json["outline"] = Positions(state.next[0].outline);
-  if (!state.remarks.empty()) json["remarks"] = state.remarks;
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 std::string DrawState(const CaptureState& state, int num_columns) {
   if (state.width <= 0 || num_columns < 10) return "";

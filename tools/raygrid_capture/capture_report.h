@@ -7,10 +7,6 @@
 
 namespace raygrid {
 
-/// One line of JSON, without its end, for programs that follow a capture.
-/// Positions are pixels of the image.
-std::string FormatStateLine(const CaptureState& state);
-
 /// Lines for a terminal, without colours: the image with the board (o), the
 /// view to fill (#), and how well places are known (. to @, the less the
 /// darker); then the word, the hint and how far it is.

@@ -12,7 +12,9 @@
 #include "camera_error.h"
 #include "camera_session.h"
 #include "capture_arguments.h"
+#include "capture_json.h"
 #include "capture_loop.h"
+#include "capture_page.h"
 #include "capture_report.h"
 #include "dataset/error.h"
 #include "dataset/freed_memory.h"
@@ -41,7 +43,7 @@ class StandardOutput {
     num_kept_ = state.kept.size();
     if (is_json_) {
       if (is_new) {
-        fmt::print("{}\n", FormatStateLine(state));
+        fmt::print("{}\n", CaptureJson(state));
         std::fflush(stdout);
       }
     } else if (!is_quiet_ && is_terminal_) {
@@ -81,6 +83,42 @@ class StandardOutput {
   int num_lines_ = 0;
   std::chrono::steady_clock::time_point shown_;
 };
+
+// The page of a session, for whoever is shown the link.
+std::unique_ptr<CapturePage> MakePage(const CaptureArguments& arguments,
+                                      const SessionFolder& session,
+                                      CaptureWishes* wishes) {
+  const auto follow = [wishes](const CaptureCommand& command) {
+    switch (command.kind) {
+      case CaptureCommand::Kind::kPause:
+        return wishes->Pause(true);
+      case CaptureCommand::Kind::kGoOn:
+        return wishes->Pause(false);
+      case CaptureCommand::Kind::kUndo:
+        return wishes->Undo();
+      case CaptureCommand::Kind::kFinish:
+        return wishes->Finish();
+      case CaptureCommand::Kind::kDelete:
+        return wishes->Delete(command.name);
+    }
+  };
+  const auto read = [&session](const std::string& name, GreyPicture* picture) {
+    try {
+      Image image = ReadImage(session.PathOf(name), true);
+      *picture = {image.size.width, image.size.height, std::move(image.pixels)};
+      return true;
+    } catch (const std::exception&) {
+      return false;
+    }
+  };
+  auto page = std::make_unique<CapturePage>(
+      arguments.page,
+      PageWords{"raygrid capture", "--listen", "--port", "--page-name"}, follow,
+      read);
+  if (!arguments.common.quiet || page->has_new_token())
+    fmt::print(stderr, "{}\n", page->link());
+  return page;
+}
 
 void SayEnd(const CaptureArguments& arguments, const CaptureState& state) {
   if (arguments.common.quiet || arguments.common.json) return;
@@ -135,8 +173,24 @@ int Run(int argc, char** argv) {
   SessionFolder session(arguments.output, pattern, arguments.resume);
   StandardOutput output(arguments);
   CaptureWishes wishes;
+  std::unique_ptr<CapturePage> page;
+  if (frames->is_live() && !arguments.no_page)
+    page = MakePage(arguments, session, &wishes);
   CaptureViewers viewers;
-  viewers.show = [&output](const CaptureState& state) { output.Show(state); };
+  viewers.show = [&output, &page](const CaptureState& state) {
+    output.Show(state);
+    if (page) page->Show(state);
+  };
+  if (page) {
+    viewers.show_picture = [&page](const GreyImage& grey) {
+      page->ShowPicture(grey.bytes.data(), grey.size.width, grey.size.height,
+                        static_cast<size_t>(grey.size.width));
+    };
+    viewers.add_kept = [&page](const std::string& name, const GreyImage& grey) {
+      page->AddKept(name, grey.bytes.data(), grey.size.width, grey.size.height,
+                    static_cast<size_t>(grey.size.width));
+    };
+  }
   CaptureLoop loop(arguments.loop, pattern, frames.get(), &session, viewers,
                    &wishes);
   loop.Run();

@@ -1,0 +1,293 @@
+#!/usr/bin/env python3
+"""raygrid capture: frames of a folder, a video or a pipe become a session, and that a camera."""
+import glob
+import json
+import os
+import pty
+import resource
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+from command_test import CommandTest, main, programs, read, run, write
+from png_files import read_png
+
+BOARD = "chessboard:9x6:25mm"
+NUM_PHOTOGRAPHS = 24
+
+
+def limit_files():
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
+
+
+class Session(CommandTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.photographs = cls.path("photographs")
+        result = run("simulate", "--render", "--images", NUM_PHOTOGRAPHS, "--lens", "wide", "--size",
+                     "320x240", "--pattern", BOARD, "-o", cls.path("simulated"))
+        assert result.returncode == 0, result.stderr
+        os.makedirs(cls.photographs)
+        for path in glob.glob(cls.path("simulated/*.png")):
+            shutil.copy(path, cls.photographs)
+        cls.names = sorted(os.listdir(cls.photographs))
+        cls.video = cls.video_of(cls.names)
+
+    @classmethod
+    def video_of(cls, names, repeated=3):
+        """Y4M in which each photograph stands still for some frames."""
+        frames = b""
+        for name in names:
+            picture = read_png(os.path.join(cls.photographs, name))
+            frames += (b"FRAME\n" + bytes(picture.pixels)) * repeated
+        return b"YUV4MPEG2 W320 H240 F30:1 Ip A1:1 Cmono\n" + frames
+
+    def setUp(self):
+        self.session = self.path("session-" + self.id().rsplit(".", 1)[1])
+
+    def capture(self, *options, source=None, **how):
+        return run("capture", "--source", source or self.photographs, "--pattern", BOARD, "-o",
+                   self.session, "--no-calibrate", *options, **how)
+
+    def start(self, *options, pattern=BOARD):
+        """A capture of a pipe that stays open."""
+        return subprocess.Popen(
+            [programs.raygrid, "capture", "--source", "-", "--pattern", pattern, "-o", self.session,
+             "--no-calibrate", "--no-page", *options],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+    def told(self):
+        return json.loads(read(os.path.join(self.session, "session.json")))
+
+    def assert_whole(self):
+        """The frames that session.json names are all there, whole, and nothing else is."""
+        names = [frame["image"] for frame in self.told()["frames"]]
+        self.assertEqual(sorted(names), sorted(os.listdir(os.path.join(self.session, "frames"))))
+        for name in names:
+            picture = read_png(os.path.join(self.session, "frames", name))
+            self.assertEqual(picture.size, (320, 240))
+        return names
+
+    def wait_for(self, condition):
+        deadline = time.monotonic() + 60
+        while not condition():
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.05)
+
+    def has_frames(self, number):
+        frames = os.path.join(self.session, "frames")
+        return os.path.isdir(frames) and len(os.listdir(frames)) >= number
+
+    def test_a_folder_becomes_a_camera_without_options(self):
+        result = run("capture", "--source", self.photographs, "--pattern", BOARD, "-o", self.session)
+        self.assert_done(result)
+        names = self.assert_whole()
+        self.assertGreaterEqual(len(names), 6)
+        self.assertLess(len(names), NUM_PHOTOGRAPHS)
+        for name in names:  # copies
+            self.assertEqual(read(os.path.join(self.session, "frames", name)),
+                             read(os.path.join(self.photographs, name)))
+        camera = os.path.join(self.session, "calibration/camera.yaml")
+        first = read(camera)
+        self.assert_done(run("calibrate", self.session))
+        self.assertEqual(read(camera), first)
+        result = run("compare", camera, self.path("simulated/true_camera.yaml"), "--json")
+        self.assertLess(json.loads(result.stdout)["median_px"], 0.05)
+
+    def test_frames_say_how_good_they_are(self):
+        self.assert_done(self.capture())
+        frames = self.told()["frames"]
+        spreads = [frame["edge_spread_px"] for frame in frames if "edge_spread_px" in frame]
+        self.assertGreater(len(spreads), len(frames) / 2)
+        for spread in spreads:
+            self.assertTrue(0.5 < spread < 1.2, spread)
+        self.assertTrue(all(0 < frame["variance_taken"] <= 1 for frame in frames))
+
+    def test_a_video_gives_the_same_bytes_again(self):
+        """Whatever the number of threads, from a file or from standard input."""
+        video = write(self.path("video.y4m"), self.video)
+        sessions = []
+        for threads in (1, 2):
+            self.assert_done(self.capture("--threads", threads, source=video))
+            self.assert_whole()
+            sessions.append(self.told())
+            shutil.rmtree(self.session)
+        with open(video, "rb") as file:
+            result = subprocess.run(
+                [programs.raygrid, "capture", "--source", "-", "--pattern", BOARD, "-o", self.session,
+                 "--no-calibrate"], stdin=file, capture_output=True, text=True, timeout=300, check=False)
+        self.assert_done(result)
+        sessions.append(self.told())
+        self.assertEqual(sessions[0], sessions[1])
+        self.assertEqual(sessions[0], sessions[2])
+        self.assertEqual(sessions[0]["frames"][0]["image"], "frame-0001.png")
+
+    def test_frames_of_a_video_are_kept_as_they_are(self):
+        self.assert_done(self.capture(source=write(self.path("as_is.y4m"), self.video)))
+        pictures = {bytes(read_png(os.path.join(self.photographs, name)).pixels) for name in self.names}
+        for name in self.assert_whole():
+            picture = read_png(os.path.join(self.session, "frames", name))
+            self.assertIn(bytes(picture.pixels), pictures)
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "no ffmpeg; tools/install_packages tests installs it")
+    def test_other_videos_are_read_by_ffmpeg(self):
+        video = write(self.path("in.y4m"), self.video)
+        subprocess.run(["ffmpeg", "-v", "error", "-i", video, "-c:v", "ffv1", self.path("video.mkv")],
+                       check=True, timeout=300)
+        self.assert_done(self.capture(source=self.path("video.mkv")))
+        self.assert_whole()
+
+    def test_what_is_no_video_is_refused(self):
+        for name, contents in (("empty.y4m", b""), ("text.y4m", b"hello"), ("empty.mkv", b""),
+                               ("cut.y4m", self.video[:40])):
+            result = self.capture(source=write(self.path(name), contents))
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn(name, result.stderr.strip().splitlines()[-1])
+            self.assertFalse(os.path.exists(self.session))
+        self.assert_refused(self.capture(source=self.path("nowhere")), 2, "nowhere", "v4l2:")
+
+    def test_it_goes_on_with_a_session(self):
+        half = self.path("half")
+        os.makedirs(half)
+        for name in self.names[:NUM_PHOTOGRAPHS // 2]:
+            shutil.copy(os.path.join(self.photographs, name), half)
+        self.assert_refused(self.capture("--resume"), 2, "no session")
+        self.assert_done(self.capture(source=half))
+        first = self.assert_whole()
+        self.assert_refused(self.capture(), 7, "--resume")
+        result = run("capture", "--source", half, "--pattern", "chessboard:9x6:26mm", "-o", self.session,
+                     "--resume")
+        self.assert_refused(result, 1, "another pattern")
+        self.assertEqual(self.assert_whole(), first)
+        self.assert_done(self.capture("--resume"))
+        both = self.assert_whole()
+        self.assertEqual(both[:len(first)], first)
+        self.assertGreater(len(both), len(first))
+
+    def test_frames_of_another_size_are_refused(self):
+        self.assert_done(self.capture())
+        kept = self.assert_whole()
+        video = write(self.path("small.y4m"),
+                      b"YUV4MPEG2 W160 H120 Cmono\nFRAME\n" + bytes(160 * 120))
+        self.assert_refused(self.capture("--resume", source=video), 1, "320 x 240", "160 x 120")
+        self.assertEqual(self.assert_whole(), kept)
+
+    def test_no_board_is_an_error_with_its_word(self):
+        result = run("capture", "--source", self.photographs, "--pattern", "star:9x6:25mm", "-o",
+                     self.session)
+        self.assert_refused(result, 3, "absent", "star:9x6:25mm")
+
+    def test_two_never_write_to_one_session(self):
+        first = self.start()
+        first.stdin.write(self.video)
+        first.stdin.flush()
+        self.wait_for(lambda: self.has_frames(1))
+        self.assert_refused(self.capture("--resume"), 7, "another capture")
+        first.communicate(timeout=60)
+        self.assertEqual(first.returncode, 0)
+        self.assert_whole()
+
+    def test_an_interruption_leaves_what_was_kept(self):
+        for number in (0, 1, 3, 6):
+            process = self.start()
+            process.stdin.write(self.video)
+            process.stdin.flush()
+            self.wait_for(lambda: number == 0 or self.has_frames(number))
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=60)
+            self.assertIn(process.returncode, (0, 3, -signal.SIGINT))
+            if number > 0:
+                self.assertGreaterEqual(len(self.assert_whole()), number)
+            shutil.rmtree(self.session, ignore_errors=True)
+
+    def test_a_killed_program_loses_nothing(self):
+        process = self.start()
+        process.stdin.write(self.video)
+        process.stdin.flush()
+        self.wait_for(lambda: self.has_frames(4))
+        process.kill()
+        process.communicate(timeout=60)
+        names = {frame["image"] for frame in self.told()["frames"]}
+        self.assertGreaterEqual(len(names), 3)
+        self.assertLessEqual(names, set(os.listdir(os.path.join(self.session, "frames"))))
+        self.assert_done(self.capture("--resume"))
+
+    def test_a_source_that_falls_silent_ends_it(self):
+        process = self.start("--timeout", "1")
+        process.stdin.write(self.video_of(self.names[:6]))
+        process.stdin.flush()
+        process.wait(timeout=60)
+        error = process.stderr.read().decode()
+        self.assertEqual(process.returncode, 2, error)
+        self.assertIn("--resume", error.strip().splitlines()[-1])
+        process.communicate()
+        self.assertGreaterEqual(len(self.assert_whole()), 1)
+
+    def test_a_full_disk_keeps_what_was_kept(self):
+        """A limit of files stands for it: session.json grows until it is no longer written."""
+        video = write(self.path("full.y4m"), self.video)
+        result = subprocess.run(
+            [programs.raygrid, "capture", "--source", video, "--pattern", BOARD, "-o", self.session,
+             "--no-calibrate"], preexec_fn=limit_files, capture_output=True, text=True, timeout=300,
+            stdin=subprocess.DEVNULL, check=False)
+        self.assertEqual(result.returncode, 7, result.stderr)
+        self.assertIn("cannot be written", result.stderr.strip().splitlines()[-1])
+        self.assertEqual(glob.glob(os.path.join(self.session, "frames", "*")), [])
+
+    def test_programs_read_lines_of_json(self):
+        result = self.capture("--json")
+        self.assert_done(result)
+        lines = [json.loads(line) for line in result.stdout.splitlines()]
+        self.assertGreater(len(lines), 6)
+        self.assertEqual(lines[-1]["kept"], [frame["image"] for frame in self.told()["frames"]])
+        self.assertTrue(any(line["deviation_px"] > 0 for line in lines))
+        self.assertTrue(all(line["width"] == 320 for line in lines))
+
+    def test_a_terminal_shows_a_block(self):
+        ours, theirs = pty.openpty()
+        process = subprocess.Popen(
+            [programs.raygrid, "capture", "--source", self.photographs, "--pattern", BOARD, "-o",
+             self.session, "--no-calibrate"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+            stderr=theirs)
+        os.close(theirs)
+        text = b""
+        while True:
+            try:
+                part = os.read(ours, 65536)
+            except OSError:  # its end
+                break
+            if not part:
+                break
+            text += part
+        os.close(ours)
+        self.assertEqual(process.wait(timeout=60), 0)
+        process.stdout.close()
+        last = text.decode().split("\x1b[J")[-1].replace("\r", "")
+        self.assertRegex(last, r"\+-+\+\n(\|.*\|\n)+\+-+\+\n")
+        self.assertRegex(last, r"\d+ kept.*95 % known to 0\.\d+ px")
+        self.assertRegex(text.decode(), "o")
+        self.assertRegex(text.decode(), "#")
+
+    def test_damaged_sessions_are_refused(self):
+        self.assert_done(self.capture())
+        path = os.path.join(self.session, "session.json")
+        whole = read(path)
+        for contents in (b"", b"[]", b"{}", whole[:100], whole.replace(b'"raygrid_session": 1',
+                                                                       b'"raygrid_session": 9'),
+                         whole.replace(b'"image": "sim', b'"image": "../sim', 1)):
+            write(path, contents)
+            self.assert_refused(run("calibrate", self.session), 2, "session.json")
+            self.assert_refused(self.capture("--resume"), 2, "session.json")
+
+    def test_wrong_usage_is_told(self):
+        self.assert_refused(run("capture"), 1, "--source", "raygrid capture --help")
+        self.assert_refused(self.capture("--until", "soon"), 1, "--until", "0.02px")
+        self.assert_refused(self.capture("--still-px", "0"), 1, "--still-px")
+        self.assertFalse(os.path.exists(self.session))
+
+
+if __name__ == "__main__":
+    main(__name__)
