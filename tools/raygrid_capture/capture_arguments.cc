@@ -113,6 +113,7 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
 void FinishCaptureArguments(CaptureArguments* arguments) {
   if (!arguments->until.empty())
     arguments->loop.guide.target_px = ParsePixels("--until", arguments->until);
+  arguments->loop.source = arguments->source;
   arguments->loop.num_threads = arguments->common.threads;
 }
 

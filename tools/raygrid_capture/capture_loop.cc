@@ -161,6 +161,7 @@ void CaptureLoop::Run() {
     FollowWishes();
     TakeGuide(false);
     if (const auto frame = frames_->Next()) {
+      has_seen_frames_ = true;
       TakeFrame(*frame);
       last = SteadyClock::now();
     } else if (frames_->is_live() && !frames_->is_finished() &&
@@ -170,6 +171,8 @@ void CaptureLoop::Run() {
                         "on with --resume, or allow more with --timeout");
     }
   }
+  if (!has_seen_frames_ && frames_->is_finished() && !IsSignalled())
+    throw InputError(options_.source + ": has no frame that can be read");
   FollowWishes();
   TakeGuide(true);
   if (!guide_) return;

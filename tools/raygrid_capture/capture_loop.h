@@ -21,6 +21,7 @@
 namespace raygrid {
 
 struct CaptureLoopOptions {
+  std::string source;  ///< for errors
   GuideOptions guide;
   JudgeOptions judge;
   int num_threads = 0;
@@ -65,7 +66,8 @@ class CaptureLoop {
               CaptureViewers viewers, CaptureWishes* wishes);
   ~CaptureLoop();
 
-  /// Throws Error, CameraError; what was kept is in the session.
+  /// Throws Error, CameraError, also where no frame came; what was kept is in
+  /// the session.
   void Run();
   /// The state after the last frame.
   const CaptureState& state() const { return state_; }
@@ -104,6 +106,7 @@ class CaptureLoop {
   CaptureState state_;
   std::vector<std::chrono::steady_clock::time_point> taken_;
   bool is_locked_ = false;
+  bool has_seen_frames_ = false;
 };
 
 }  // namespace raygrid

@@ -57,13 +57,22 @@ SessionFolder::SessionFolder(const std::string& folder, const Pattern& pattern,
                       "--pattern " +
                       path);
   } else {
+    is_new_ = true;
     WriteFile(path, text);
   }
   RequireWritableFolder((fs::path(folder) / kSessionFrames).string());
 }
 
 SessionFolder::~SessionFolder() {
+  if (is_new_ && session_.frames.empty()) RemoveAll();
   if (lock_ >= 0) close(lock_);
+}
+
+// Leaves files of others, and the folders that have some.
+void SessionFolder::RemoveAll() const {
+  std::error_code error;
+  for (const char* name : {kSessionFile, kSessionPattern, kSessionFrames, ""})
+    fs::remove(fs::path(folder_) / name, error);
 }
 
 std::string SessionFolder::PathOf(const std::string& image) const {

@@ -18,6 +18,7 @@ class SessionFolder {
   /// folder has a session and none is to be resumed, or the other way round, or
   /// another pattern; another program writes to it; it cannot be written.
   SessionFolder(const std::string& folder, const Pattern& pattern, bool resume);
+  /// Removes a session that was made and kept no frame.
   ~SessionFolder();
   SessionFolder(const SessionFolder&) = delete;
   SessionFolder& operator=(const SessionFolder&) = delete;
@@ -38,11 +39,13 @@ class SessionFolder {
 
  private:
   void Write();
+  void RemoveAll() const;
 
   std::string folder_;
   Session session_;
   int number_ = 0;  // of the last name
   int lock_ = -1;
+  bool is_new_ = false;
 };
 
 }  // namespace raygrid
