@@ -17,12 +17,15 @@ int BecomeNeighbour(const std::string& program,
   std::error_code error;
   const std::filesystem::path own =
       std::filesystem::read_symlink("/proc/self/exe", error);
-  if (!error) execv((own.parent_path() / program).c_str(), texts.data());
+  // Beside it, as in a build; from bin/, and from lib/raygrid/.
+  if (!error)
+    for (const char* folder : {".", "../lib/raygrid", "../../bin"})
+      execv((own.parent_path() / folder / program).c_str(), texts.data());
   execvp(program.c_str(), texts.data());
   constexpr int kUsage = 1;
   std::fprintf(stderr,
                "raygrid: the program %s is neither beside this one nor in the "
-               "PATH; install it\n",
+               "PATH; install Debian's package raygrid, or build it\n",
                program.c_str());
   return kUsage;
 }

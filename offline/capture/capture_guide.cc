@@ -34,7 +34,8 @@ std::vector<PointOnPixel> MatchesOf(const Board& board,
 }
 
 double AngleBetween(const LocatedBoard& a, const LocatedBoard& b) {
-  // As seen along the line of sight: a board moved aside is not tilted.
+  // The normal as seen along the line of sight: a board moved aside is not
+  // tilted.
   const auto normal = [](const LocatedBoard& located) -> Eigen::Vector3d {
     const Pose& pose = located.camera_from_board;
     return Eigen::Quaterniond::FromTwoVectors(pose * MiddleOf(*located.board),
@@ -139,7 +140,7 @@ std::optional<int> CaptureGuide::num_expected() const {
   // fast at first, and as 1 / n in the end.
   const double n = num_images_, power = n * next_->gain;
   if (!(power > 0)) return std::nullopt;
-  // As far as a view adds least_gain, or to the target.
+  // The end is where a view adds least_gain no more, or the target.
   double most = std::min(1.0, power) / options_.least_gain;
   if (options_.target_px > 0) {
     const double ratio = knowledge_->Percentile95Px() / options_.target_px;

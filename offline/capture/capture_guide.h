@@ -35,8 +35,8 @@ struct GuidedView {
   double gain = 0;  ///< part of the mean variance that it takes away
 };
 
-/// What the images so far tell: how well the camera is known, and what to show
-/// it next. It does not change; each image that is kept makes another one.
+/// Guidance by the images so far: how well the camera is known, and what to
+/// show it next. It does not change; each image that is kept makes another one.
 ///
 /// Before a camera is known, an assumed one stands for it: equidistant, 65
 /// degrees wide.

@@ -26,7 +26,7 @@ enum class FrameWord {
 
 /// One word, as people see it.
 const char* WordOf(FrameWord word);
-/// What mends it: half a sentence; "" where nothing is to be mended.
+/// The remedy in half a sentence; "" where nothing is to be mended.
 const char* RemedyOf(FrameWord word);
 
 /// A frame in which boards were sought.

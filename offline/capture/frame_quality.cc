@@ -143,7 +143,7 @@ QualityMeter::QualityMeter(const Board& board)
       if (appearance_.IsBlack(at + radius_m * along(angle - 0.01)) ==
           appearance_.IsBlack(at + radius_m * along(next - 0.01)))
         continue;
-      // Where between the two it is.
+      // The edge lies between the two.
       double low = angle - 0.01, high = next - 0.01;
       const bool first = appearance_.IsBlack(at + radius_m * along(low));
       for (int halving = 0; halving < 12; ++halving) {

@@ -28,7 +28,7 @@ struct CaptureLoopOptions {
   double timeout_s = 5;  ///< without a frame
 };
 
-/// Where it is shown; what is empty is not told.
+/// The ones who are told; those that are empty are not.
 struct CaptureViewers {
   /// After each frame.
   std::function<void(const CaptureState&)> show;
@@ -38,7 +38,7 @@ struct CaptureViewers {
   std::function<void(const std::string& name, const GreyImage&)> add_kept;
 };
 
-/// What people ask for. Any thread may ask.
+/// Wishes of people. Any thread may have some.
 class CaptureWishes {
  public:
   void Pause(bool is_paused);

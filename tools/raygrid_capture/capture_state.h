@@ -21,13 +21,13 @@ struct ViewShown {
   std::vector<Eigen::Vector2d> top;      ///< its side behind the first row
 };
 
-/// What is told after each frame.
+/// The state after a frame.
 struct CaptureState {
   int width = 0, height = 0;  ///< of the image, pixels
   std::string camera;         ///< of a rig; else empty
 
   /// One word on the newest frame: kept, absent, few, moving, blurred, dark,
-  /// bright, known, busy, paused.
+  /// bright, known, busy, paused, refocused, cropped.
   std::string word = "absent";
   std::string hint;  ///< a sentence: what to do next
   bool is_done = false, is_paused = false;

@@ -214,7 +214,7 @@ int Fail(int code, const std::string& message) {
 }  // namespace raygrid
 
 int main(int argc, char** argv) {
-  // As in raygrid: the same bytes on any machine.
+  // Sums are cut as in raygrid: the same bytes on any machine.
   Eigen::setCpuCacheSizes(32 << 10, 512 << 10, 4 << 20);
   raygrid::KeepFreedMemory();
   try {
