@@ -156,7 +156,7 @@ TEST(FrameJudge, WantsFeaturesToStandStill) {
   EXPECT_EQ(capture.Word(capture.At(0, 0)), "kept");
   EXPECT_EQ(capture.Word(capture.At(1 / 30.0, 0.2)), "kept");
   EXPECT_EQ(capture.Word(capture.At(2 / 30.0, 0.6)), "moving");
-  // The same speed, seen less often.
+  // Features that move as fast, seen less often.
   EXPECT_EQ(capture.Word(capture.At(5 / 30.0, 1.8)), "moving");
   EXPECT_EQ(capture.Word(capture.At(8 / 30.0, 2.4)), "kept");
   // A short exposure stops what is faster.
