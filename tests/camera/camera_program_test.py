@@ -700,6 +700,10 @@ class CameraProgram(unittest.TestCase):
             taken.listen()
             self.assert_fails(7, "flat.raygrid", "--from", "frames.yuyv", "--format", "YUYV",
                               "--http", taken.getsockname()[1], words=["another port"])
+        process, port = self.serve()
+        self.assert_fails(7, "flat.raygrid", "--from", "frames.yuyv", "--format", "YUYV",
+                          "--http", port, words=["another port"])
+        self.assert_ends(process, 0, signal.SIGTERM)
 
 
 if __name__ == "__main__":

@@ -203,8 +203,7 @@ PageServer::Impl::Impl(const PageAddress& address, const PageWords& words,
       flags, address.port, nullptr, nullptr, &Impl::AnswerOf, this,
       MHD_OPTION_SOCK_ADDR, parsed->ai_addr, MHD_OPTION_CONNECTION_LIMIT,
       kMaxConnections, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMaxRequest,
-      MHD_OPTION_CONNECTION_TIMEOUT, kTimeout_s,
-      MHD_OPTION_LISTENING_ADDRESS_REUSE, 1u, MHD_OPTION_NOTIFY_CONNECTION,
+      MHD_OPTION_CONNECTION_TIMEOUT, kTimeout_s, MHD_OPTION_NOTIFY_CONNECTION,
       &ClientPlaces::OnConnection, &places_, MHD_OPTION_UNESCAPE_CALLBACK,
       &KeepEscapes, nullptr, MHD_OPTION_END);
   if (!daemon_)
