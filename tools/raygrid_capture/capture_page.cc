@@ -185,7 +185,7 @@ MHD_Result CapturePage::Impl::AnswerCommand(MHD_Connection* connection,
   if (command.kind == CaptureCommand::Kind::kDelete) {
     const char* const escaped =
         MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "name");
-    if (!FindName(escaped ? escaped : "", &command.name))
+    if (!escaped || !FindName(escaped, &command.name))
       return AnswerPlain(connection, MHD_HTTP_NOT_FOUND,
                          "no kept frame has this name\n");
   }
