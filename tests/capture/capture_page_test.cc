@@ -236,6 +236,9 @@ TEST_F(CapturePageTest, LastStateReachesThoseWhoWatch) {
   page_->Show(state);
   page_.reset();
   EXPECT_EQ(StateWithHint(&client, "goodbye")["hint"], "goodbye");
+  std::string event = client.Until("\n\n");
+  while (event.compare(0, 5, "data:") == 0) event = client.Until("\n\n");
+  EXPECT_EQ(event, "event: end\ndata: end");
   EXPECT_TRUE(NextState(&client).is_null());
 }
 

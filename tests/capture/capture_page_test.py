@@ -218,11 +218,20 @@ class Page(unittest.TestCase):
         self.browser.click("#finish")  # nothing is asked any more
         self.assertEqual(self.read_line(), "finish")
         self.tell("quit")
-        self.shows("lost", "\u2713 The capture has finished. This page can be closed.")
+        self.shows("lost", "\u2713 The capture has ended, with 3 frames kept. This page can be "
+                   "closed.")
+        # Another capture at this address goes on there.
+        self.stop()
+        self.start("127.0.0.1", re.search(r":(\d+)/", self.link)[1])
+        self.wait_for("document.getElementById('lost').hidden")
+        self.shows("num-kept", "0")
 
     def test_lost_connection_comes_back(self):
         self.fill()
-        self.stop()
+        self.demo.kill()
+        self.demo.wait(10)
+        for stream in (self.demo.stdin, self.demo.stdout):
+            stream.close()
         self.wait_for(f"/^! Connection lost at .* Trying again/.test({text_of('lost')})")
         self.assertTrue(self.evaluate("document.getElementById('pause').disabled"))
         self.start("127.0.0.1", re.search(r":(\d+)/", self.link)[1])

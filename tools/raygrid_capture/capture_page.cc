@@ -137,6 +137,8 @@ CapturePage::Impl::~Impl() {
   repeater_.join();
   live_.End();
   whole_.End();
+  // With the state, since that may not have been sent yet.
+  states_.Publish({"data: ", json_, "\n\nevent: end\ndata: end\n\n"});
   states_.End();
   const auto end = std::chrono::steady_clock::now() + kFarewell;
   while (states_.has_clients() && std::chrono::steady_clock::now() < end)

@@ -48,7 +48,8 @@ class CapturePage {
   /// Throws CameraError where the port is taken, or the token cannot be had.
   CapturePage(const PageAddress& address, const PageWords& words,
               OnCommand on_command, ReadKept read_kept);
-  /// The last state that was shown still reaches those who watch.
+  /// The last state that was shown still reaches those who watch, and that the
+  /// capture has ended.
   ~CapturePage();
 
   uint16_t port() const;

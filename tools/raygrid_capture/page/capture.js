@@ -181,7 +181,7 @@ function showLive() {
 }
 live.onerror = () => {
   clearTimeout(liveTimer);
-  if (live.hasAttribute('src')) liveTimer = setTimeout(showLive, 2000);
+  if (live.hasAttribute('src') && !isLost) liveTimer = setTimeout(showLive, 2000);
 };
 // A page that nobody sees leaves its place to others.
 document.addEventListener('visibilitychange', showLive);
@@ -459,8 +459,6 @@ byId('look').onkeydown = (event) => {
 };
 
 // ---- Commands ----
-let isFinishing = false;
-
 async function send(path) {
   try {
     const answer = await fetch(path, {method: 'POST'});
@@ -492,10 +490,7 @@ function askToDelete(name) {
 }
 
 async function finish() {
-  if (await send('finish')) {
-    isFinishing = true;
-    tell('Finishing\u2026');
-  }
+  if (await send('finish')) tell('Finishing\u2026');
 }
 byId('pause').onclick = () => send(state && state.is_paused ? 'go-on' : 'pause');
 byId('undo').onclick = () => send('undo');
@@ -543,8 +538,8 @@ function show(newState) {
   root.dataset.states = Number(root.dataset.states || 0) + 1;
 }
 
-// ---- The connection ----
-let events = null, heardAt = performance.now(), isLost = false, connectTimer = 0;
+// ---- The connection, which a capture that begins anew at this address takes up ----
+let events = null, heardAt = performance.now(), isLost = false, hasEnded = false, connectTimer = 0;
 
 function connect() {
   clearTimeout(connectTimer);
@@ -553,9 +548,14 @@ function connect() {
   events = new EventSource('state');
   events.onmessage = (event) => {
     heardAt = performance.now();
+    hasEnded = false;
     setLost(false);
     show(JSON.parse(event.data));
   };
+  events.addEventListener('end', () => {
+    hasEnded = true;
+    setLost(true);
+  });
   events.onerror = () => {
     setLost(true);
     // Else it tries again by itself.
@@ -564,25 +564,22 @@ function connect() {
 }
 
 function setLost(lost) {
-  if (lost && isFinishing) {
-    events.close();
-    clearInterval(watch);
-  }
   if (lost === isLost) return;
   isLost = lost;
   const time = new Date().toLocaleTimeString([], {hour: '2-digit', minute: '2-digit'});
-  byId('lost').textContent = isFinishing ? '\u2713 The capture has finished. This page can be closed.' :
+  byId('lost').textContent = hasEnded ?
+    `\u2713 The capture has ended, with ${state.kept.length} frames kept. This page can be closed.` :
     `! Connection lost at ${time}. Trying again\u2026`;
-  byId('lost').classList.toggle('good', isFinishing);
+  byId('lost').classList.toggle('good', hasEnded);
   byId('lost').hidden = !lost;
   root.classList.toggle('is-lost', lost);
   for (const id of ['pause', 'undo', 'finish']) byId(id).disabled = lost;
   if (!lost) showLive();
 }
-const watch = setInterval(() => {
+setInterval(() => {
   if (performance.now() - heardAt < SILENCE_MS) return;
   setLost(true);
-  if (!isFinishing) connect();
+  connect();
 }, 1000);
 
 window.addEventListener('resize', () => { if (state) showMap(); });
