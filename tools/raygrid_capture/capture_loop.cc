@@ -8,6 +8,7 @@
 
 #include "camera_error.h"
 #include "camera_session.h"
+#include "capture/board_outline.h"
 #include "capture/board_view.h"
 #include "capture/view_hint.h"
 #include "dataset/error.h"
@@ -21,34 +22,14 @@ double SecondsSince(SteadyClock::time_point start) {
   return std::chrono::duration<double>(SteadyClock::now() - start).count();
 }
 
-// The outline of a board as a camera sees it: its sides, and the one behind the
-// first row by itself.
+// The outline of a board, and its first row's side by itself.
 ViewShown ShowView(const CameraModel& camera, const Board& board,
                    const Pose& camera_from_board) {
   ViewShown shown;
-  const int last_column = board.columns - 1, last_row = board.rows - 1;
-  constexpr int kSteps = 8;
-  const auto add = [&](double column, double row) {
-    // Between features, where boards of all kinds are nearly even.
-    const int x = std::min(static_cast<int>(column), last_column - 1);
-    const int y = std::min(static_cast<int>(row), last_row - 1);
-    const auto at = [&](int c, int r) {
-      return board.points[board.PointIndex(c, r)];
-    };
-    const Eigen::Vector3d point = at(x, y) +
-                                  (column - x) * (at(x + 1, y) - at(x, y)) +
-                                  (row - y) * (at(x, y + 1) - at(x, y));
-    if (const auto pixel = camera.Project(camera_from_board * point))
-      shown.outline.push_back(*pixel);
-  };
-  for (int k = 0; k < kSteps; ++k) add(last_column * k / double(kSteps), 0);
-  add(last_column, 0);
-  shown.top = shown.outline;
-  for (int k = 1; k < kSteps; ++k)
-    add(last_column, last_row * k / double(kSteps));
-  for (int k = 0; k < kSteps; ++k)
-    add(last_column * (1 - k / double(kSteps)), last_row);
-  for (int k = 0; k < kSteps; ++k) add(0, last_row * (1 - k / double(kSteps)));
+  shown.outline = OutlineOf(camera, board, camera_from_board);
+  if (!shown.outline.empty())
+    shown.top.assign(shown.outline.begin(),
+                     shown.outline.begin() + kOutlineSteps + 1);
   return shown;
 }
 

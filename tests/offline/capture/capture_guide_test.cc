@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "capture/board_outline.h"
 #include "capture/board_view.h"
 #include "capture/frame_judge.h"
 #include "capture/view_hint.h"
@@ -91,6 +92,37 @@ TEST(CaptureGuide, ForgetsAnImageThatIsRemoved) {
   EXPECT_EQ(capture.Guide().num_images(), 6);
   EXPECT_NEAR(capture.Guide().knowledge()->Percentile95Px(), before_px,
               0.2 * before_px);
+}
+
+// ---- Outlines ---------------------------------------------------------------
+
+TEST(BoardOutline, LiesWhereTheCameraSeesTheBoard) {
+  const SimulatedCamera camera = ExampleSimulatedCamera();
+  const Board board = TestBoard().boards.front();
+  const Pose pose = *PoseOf({{320, 240}, 300, 0.5, 1, 0.3}, board, camera);
+  const std::vector<Eigen::Vector2d> outline = OutlineOf(camera, board, pose);
+  const std::vector<Eigen::Vector3d> points = OutlinePoints(board);
+  ASSERT_EQ(outline.size(), points.size());
+  EXPECT_EQ(points[kOutlineSteps], board.points[board.columns - 1]);
+  for (size_t k = 0; k < points.size(); ++k)
+    EXPECT_LT((outline[k] - *camera.Project(pose * points[k])).norm(), 1e-9);
+}
+
+// A board that is larger than the image.
+TEST(BoardOutline, GoesOnBeyondTheImage) {
+  const SimulatedCamera camera = ExampleSimulatedCamera();
+  const Board board = TestBoard().boards.front();
+  const Pose pose = *PoseOf({{500, 300}, 700, 0.4, 2, 0}, board, camera);
+  const std::vector<Eigen::Vector2d> outline = OutlineOf(camera, board, pose);
+  ASSERT_EQ(outline.size(), 4u * kOutlineSteps);
+  const Eigen::Vector2d& left_top = outline.front();
+  const Eigen::Vector2d& right_low = outline[2 * kOutlineSteps];
+  EXPECT_GT(right_low.x(), 640);
+  EXPECT_GT(right_low.x() - left_top.x(), 500);
+  for (size_t k = 0; k < outline.size(); ++k) {
+    const Eigen::Vector2d& next = outline[(k + 1) % outline.size()];
+    EXPECT_LT((next - outline[k]).norm(), 200) << k;
+  }
 }
 
 // ---- Judging ----------------------------------------------------------------
