@@ -130,7 +130,11 @@ double CameraKnowledge::GainOf(const std::vector<Eigen::Vector3d>& points,
 
 double CameraKnowledge::GainOfView(const Board& board,
                                    const Pose& camera_from_board) const {
-  const Area image = WholeImage(camera_->image_size());
+  // A feature whose window leaves the image is not found.
+  constexpr double kWindowPx = 11;
+  const ImageSize& size = camera_->image_size();
+  const Area image = {kWindowPx, kWindowPx, size.width - 1 - kWindowPx,
+                      size.height - 1 - kWindowPx};
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector2d> pixels;
   for (int row = 0; row < board.rows; ++row)

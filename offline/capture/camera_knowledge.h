@@ -42,7 +42,7 @@ class CameraKnowledge {
 
   /// The part of the mean variance that a view of a board, camera_from_board,
   /// would take away: from 0, of nothing, to less than 1. It has the features
-  /// that the camera would see.
+  /// that the camera would see, and detection find.
   double GainOfView(const Board& board, const Pose& camera_from_board) const;
   /// The gain of features that are seen.
   double GainOf(const std::vector<Eigen::Vector3d>& points,

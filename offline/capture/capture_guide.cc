@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "camera/thin_prism_fisheye.h"
+#include "capture/view_hint.h"
 #include "initialization/localization.h"
 
 namespace raygrid {
@@ -127,10 +128,21 @@ double CaptureGuide::GainOf(const ImageFeatures& image) const {
   return 1 - left;
 }
 
-bool CaptureGuide::IsWorthKeeping(double gain) const {
+bool CaptureGuide::IsWorthKeeping(double gain, bool is_next_view) const {
   if (!knowledge_) return gain > 0.5;
-  const double best = next_ ? next_->gain : 0;
-  return gain >= std::max(options_.least_gain, options_.part_of_next * best);
+  const double wanted =
+      next_ && !is_next_view ? options_.part_of_next * next_->gain : 0;
+  return gain >= std::max(options_.least_gain, wanted);
+}
+
+bool CaptureGuide::IsNextView(const ImageFeatures& image) const {
+  if (!next_) return false;
+  const std::vector<LocatedBoard> located = Locate(image);
+  return std::any_of(located.begin(), located.end(), [&](const auto& seen) {
+    return seen.board->id == next_->board->id &&
+           IsThere(camera(), *seen.board, seen.camera_from_board,
+                   next_->camera_from_board);
+  });
 }
 
 std::optional<int> CaptureGuide::num_expected() const {

@@ -58,8 +58,11 @@ class CaptureGuide {
   /// The part of the mean variance that an image would take away. While nothing
   /// is known: 1 for a board tilted otherwise than all before, else 0.
   double GainOf(const ImageFeatures& image) const;
-  /// An image with this gain is to be kept.
-  bool IsWorthKeeping(double gain) const;
+  /// An image with this gain is to be kept. One that shows the next view is, as
+  /// soon as it adds anything: nobody can do better than follow.
+  bool IsWorthKeeping(double gain, bool is_next_view) const;
+  /// Whether an image shows the next view, as nearly as a hint would say.
+  bool IsNextView(const ImageFeatures& image) const;
 
   /// Nothing where no view adds enough.
   const std::optional<GuidedView>& next() const { return next_; }

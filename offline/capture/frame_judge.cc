@@ -103,7 +103,9 @@ FrameWord FrameJudge::Judge(const SeenFrame& frame, const CaptureGuide& guide) {
   if (is_moving) return FrameWord::kMoving;
   if (IsBlurred(frame.quality)) return FrameWord::kBlurred;
   gain_ = guide.GainOf(frame.features);
-  return guide.IsWorthKeeping(gain_) ? FrameWord::kKept : FrameWord::kKnown;
+  return guide.IsWorthKeeping(gain_, guide.IsNextView(frame.features))
+             ? FrameWord::kKept
+             : FrameWord::kKnown;
 }
 
 }  // namespace raygrid

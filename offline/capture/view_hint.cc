@@ -45,10 +45,9 @@ Move Tilt(double change_rad, const char* plus, const char* minus) {
           std::string("tilt the ") + (change_rad > 0 ? plus : minus) + " away"};
 }
 
-}  // namespace
-
-std::string DescribeMove(const CameraModel& camera, const Board& board,
-                         const Pose& from, const Pose& to) {
+// The moves from one pose to another, the largest first.
+std::vector<Move> MovesBetween(const CameraModel& camera, const Board& board,
+                               const Pose& from, const Pose& to) {
   const Eigen::Vector3d middle = MiddleOf(board);
   std::vector<Move> moves;
   const auto seen = camera.Project(from * middle);
@@ -77,11 +76,24 @@ std::string DescribeMove(const CameraModel& camera, const Board& board,
   std::stable_sort(
       moves.begin(), moves.end(),
       [](const Move& a, const Move& b) { return a.size > b.size; });
+  return moves;
+}
+
+}  // namespace
+
+std::string DescribeMove(const CameraModel& camera, const Board& board,
+                         const Pose& from, const Pose& to) {
+  const std::vector<Move> moves = MovesBetween(camera, board, from, to);
   std::string text;
   constexpr size_t kMostMoves = 3;
   for (size_t k = 0; k < kMostMoves && moves[k].size >= 1; ++k)
     text += (k == 0 ? "" : ", ") + moves[k].words;
   return text.empty() ? "hold it there" : text;
+}
+
+bool IsThere(const CameraModel& camera, const Board& board, const Pose& from,
+             const Pose& to) {
+  return MovesBetween(camera, board, from, to).front().size < 1;
 }
 
 }  // namespace raygrid

@@ -15,6 +15,10 @@ namespace raygrid {
 std::string DescribeMove(const CameraModel& camera, const Board& board,
                          const Pose& from, const Pose& to);
 
+/// Whether no move from one pose to another is worth a word.
+bool IsThere(const CameraModel& camera, const Board& board, const Pose& from,
+             const Pose& to);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_CAPTURE_VIEW_HINT_H

@@ -56,7 +56,8 @@ TEST(CaptureGuide, LeadsToACameraThatIsKnown) {
     ASSERT_TRUE(guide.next());
     if (num_images == 5) expected = guide.num_expected();
     const ImageFeatures image = capture.Follow(guide);
-    EXPECT_TRUE(guide.IsWorthKeeping(guide.GainOf(image))) << num_images;
+    EXPECT_TRUE(guide.IsNextView(image)) << num_images;
+    EXPECT_TRUE(guide.IsWorthKeeping(guide.GainOf(image), true)) << num_images;
     capture.Add(image);
   }
   const CaptureGuide guide = capture.Guide();
@@ -77,7 +78,8 @@ TEST(CaptureGuide, KeepsNoViewTwice) {
     const ImageFeatures image = capture.Follow(guide);
     capture.Add(image);
     const CaptureGuide next = capture.Guide();
-    EXPECT_FALSE(next.IsWorthKeeping(next.GainOf(image))) << k;
+    EXPECT_FALSE(next.IsNextView(image)) << k;
+    EXPECT_FALSE(next.IsWorthKeeping(next.GainOf(image), false)) << k;
   }
 }
 
