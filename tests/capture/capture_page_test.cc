@@ -455,12 +455,14 @@ TEST_F(CapturePageTest, SlowDiskHoldsNobodyUp) {
   fourth.Body();
 }
 
-// The next picture of a stream.
+// The next picture of a stream, once what tells its end has come.
 std::string NextPicture(HttpClient* client) {
-  const std::string head = client->Until("\r\n\r\n");
-  const size_t at = head.find("Content-Length: ");
-  if (at == std::string::npos) return "";
-  return client->Take(std::strtoul(head.c_str() + at + 16, nullptr, 10));
+  for (;;) {
+    const std::string picture = client->Until(
+        "\r\n--raygrid-live-picture\r\nContent-Type: image/jpeg\r\n\r\n");
+    if (!picture.empty()) return picture;
+    if (!client->is_open()) return "";
+  }
 }
 
 TEST_F(CapturePageTest, LivePicturesAreThoseOfFrames) {
@@ -469,22 +471,17 @@ TEST_F(CapturePageTest, LivePicturesAreThoseOfFrames) {
   const auto grey = Noise(2600, 1300);
   page_->ShowPicture(grey.data(), 2600, 1300, 2600);
   EXPECT_EQ(JpegSize(NextPicture(&client)), std::pair(866, 433));
-  // Once more: browsers show a picture when the next one begins.
-  EXPECT_EQ(JpegSize(NextPicture(&client)), std::pair(866, 433));
   for (const char* const name : {"YUYV", "SRGGB8", "BGR888", "R16"}) {
     const PixelFormatInfo* const pixel_format = FindPixelFormat(name);
     ASSERT_TRUE(pixel_format) << name;
     const StreamFormat format = MakeStreamFormat(*pixel_format, 642, 480, 0);
     const std::vector<uint8_t> bytes(format.packed_size(), 99);
-    const auto start = std::chrono::steady_clock::now();
-    std::pair<int, int> size;
-    while (size != std::pair(642, 480) &&
-           std::chrono::steady_clock::now() - start < 5s) {
-      page_->ShowPicture(format, MakePackedImage(format, bytes.data()));
-      size = JpegSize(NextPicture(&client));
-    }
-    EXPECT_EQ(size, std::pair(642, 480)) << name;
     page_->ShowPicture(grey.data(), 100, 100, 2600);
+    page_->ShowPicture(format, MakePackedImage(format, bytes.data()));
+    // The newest frame is always shown, others perhaps.
+    std::pair<int, int> size = JpegSize(NextPicture(&client));
+    if (size == std::pair(100, 100)) size = JpegSize(NextPicture(&client));
+    EXPECT_EQ(size, std::pair(642, 480)) << name;
   }
 }
 

@@ -104,7 +104,7 @@ class Page(unittest.TestCase):
 
     def test_picture_and_what_lies_over_it(self):
         self.tell("next", "picture 2")
-        # One picture alone is shown, though browsers wait for the next.
+        # One picture alone is shown at once, too.
         self.wait_for("document.getElementById('live').naturalWidth === 960")
         path = "document.getElementById('%s').getAttribute('d')"
         self.wait_for(f"({path % 'dots'} || '').split('M').length === 55")

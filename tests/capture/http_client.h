@@ -41,6 +41,7 @@ class HttpClient {
   HttpClient(const HttpClient&) = delete;
   HttpClient& operator=(const HttpClient&) = delete;
 
+  bool is_open() const { return is_open_; }
   /// 0: there was no answer.
   int Status() {
     ReadHead();

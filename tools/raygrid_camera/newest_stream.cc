@@ -22,8 +22,9 @@ struct NewestStream::Client {
   uint64_t number = 0;
 };
 
-NewestStream::NewestStream(const char* type, size_t max_size)
-    : type_(type), max_size_(max_size) {
+NewestStream::NewestStream(const char* type, std::string_view first,
+                           size_t max_size)
+    : type_(type), first_(first), max_size_(max_size) {
   part_.reserve(max_size_);
 }
 
@@ -55,6 +56,7 @@ MHD_Result NewestStream::Answer(MHD_Connection* connection,
   client->connection = connection;
   client->since = since;
   client->part.reserve(max_size_);
+  client->part.assign(first_.begin(), first_.end());
   MHD_Response* const response = MHD_create_response_from_callback(
       MHD_SIZE_UNKNOWN, kPiece, &NewestStream::ReadOf, client.get(),
       &NewestStream::FreeOf);

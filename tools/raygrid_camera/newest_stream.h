@@ -18,8 +18,9 @@ namespace raygrid {
 class NewestStream {
  public:
   /// type      of the answer; stays where it is
+  /// first     what each answer begins with; stays where it is
   /// max_size  bytes of a part, for which memory is taken beforehand
-  NewestStream(const char* type, size_t max_size);
+  NewestStream(const char* type, std::string_view first, size_t max_size);
 
   /// Sends a part, in these pieces, to all clients that are ready for one.
   void Publish(std::initializer_list<std::string_view> pieces);
@@ -43,6 +44,7 @@ class NewestStream {
   void WakeAll();
 
   const char* const type_;
+  const std::string_view first_;
   const size_t max_size_;
   std::mutex mutex_;           // of all that follows
   std::vector<uint8_t> part_;  // as sent

@@ -10,7 +10,7 @@ constexpr size_t kPartHeader = 128;  // at most
 }  // namespace
 
 PictureStream::PictureStream(size_t max_size)
-    : NewestStream("multipart/x-mixed-replace; boundary=frame",
+    : NewestStream("multipart/x-mixed-replace; boundary=frame", "",
                    max_size + kPartHeader) {}
 
 void PictureStream::ShowPicture(const uint8_t* jpeg, size_t size) {

@@ -109,7 +109,7 @@ class CapturePage::Impl {
   std::string json_;
   std::map<std::string, std::string> names_;  // of kept frames, by escaped ones
   bool is_new_ = false, is_stopped_ = false;
-  NewestStream states_{"text/event-stream", kUsualStateSize};
+  NewestStream states_{"text/event-stream", "", kUsualStateSize};
   KeptPictures kept_;
   LivePicture live_;
   WholePictures whole_;

@@ -61,7 +61,7 @@ class CapturePage {
   /// forgotten.
   void Show(const CaptureState& state);
 
-  /// Copies the frame, if someone looks and the frame before is done with.
+  /// Copies the frame, if someone looks.
   void ShowPicture(const StreamFormat& format, const rg_image& image);
   void ShowPicture(const uint8_t* grey, int width, int height,
                    size_t row_bytes);

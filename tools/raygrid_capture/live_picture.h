@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "picture_stream.h"
+#include "newest_stream.h"
 #include "smaller_picture.h"
 
 namespace raygrid {
@@ -19,21 +19,20 @@ class LivePicture {
   LivePicture();
   ~LivePicture() { End(); }
 
-  /// Copies the frame, unless nobody looks or the one before is not done with.
+  /// Copies the frame, unless nobody looks.
   void Show(const StreamFormat& format, const rg_image& image);
   /// No picture comes after.
   void End();
-  PictureStream* stream() { return &stream_; }
+  NewestStream* stream() { return &stream_; }
 
  private:
   void Encode();
 
-  PictureStream stream_;
-  std::mutex showing_;  // one frame at a time
-  StreamFormat format_ = {};
-  std::vector<uint8_t> bytes_;  // the frame's copy
-  std::mutex mutex_;            // of the flags
+  NewestStream stream_;
+  std::mutex mutex_;  // of all that follows
   std::condition_variable changed_;
+  StreamFormat format_ = {};
+  std::vector<uint8_t> bytes_;  // the newest frame's copy
   bool is_full_ = false, is_stopped_ = false;
   std::thread encoder_;
 };

@@ -148,6 +148,7 @@ function showOverlay() {
   showTop(next[0], width, height);
   byId('key-dots').hidden = !dots;
   byId('key-next').hidden = !outlines;
+  byId('key-top').hidden = !next.some((view) => view.top.length >= 4);
   byId('key-arrow').hidden = !way;
 }
 
@@ -284,7 +285,9 @@ function drawAboveTarget(picture, known, target, toX, toY, scale) {
   for (const place of known) {
     if (place.px <= target) continue;
     picture.beginPath();
-    picture.arc(toX(place.x), toY(place.y), 2.5 * scale, 0, 7);
+    // Whole at the image's sides, too.
+    const inside = (value, end) => Math.min(Math.max(value, 4 * scale), end - 4 * scale);
+    picture.arc(inside(toX(place.x), picture.canvas.width), inside(toY(place.y), picture.canvas.height), 2.5 * scale, 0, 7);
     picture.fillStyle = '#fff';
     picture.fill();
     picture.lineWidth = 1.2 * scale;
@@ -350,13 +353,16 @@ function showProgress() {
   setText(byId('expected'), isDone || !(expected >= 0) ? '' : expected === 0 ? ', none more' : `, about ${expected} more`);
   byId('progress').hidden = !(target > 0);
   const part = now > 0 && target > 0 ? Math.min(1, target / now) : 0;
+  const isNear = now > target && pixels(now) === pixels(target);
+  const nowText = isNear ? String(Number(now.toPrecision(3))) : pixels(now);
   const text = !(now > 0) ? 'Nothing is known yet.' : target > 0 ?
-    `Known to ${pixels(now)} px, target ${pixels(target)} px` : `Known to ${pixels(now)} px`;
+    `Known to ${nowText} px, target ${pixels(target)} px` : `Known to ${nowText} px`;
   setBar('progress', 100 * part, Math.round(100 * part), text);
   byId('progress').classList.toggle('full', part === 1);
   setText(byId('known'), text);
 }
 
+const MAX_EDGE_PX = 5;
 let sharpest = [];  // [when, px] of the last minute
 
 function showGauges() {
@@ -365,9 +371,9 @@ function showGauges() {
   if (edges > 0 && (sharpest.length === 0 || now - sharpest[sharpest.length - 1][0] > 100)) sharpest.push([now, edges]);
   const best = Math.min(...sharpest.map(([, px]) => px)), mark = byId('sharpness').lastElementChild;
   mark.hidden = sharpest.length === 0;
-  mark.style.left = `${Math.min(best / 8, 0.99) * 100}%`;
-  const edgeText = edges > 0 ? `edges ${edges.toFixed(1)} px` + (best < edges ? `, best ${best.toFixed(1)}` : '') : 'not known';
-  setBar('sharpness', edges > 0 ? edges / 8 * 100 : 0, edges > 0 ? Math.min(edges, 8) : null, edgeText);
+  mark.style.left = `${Math.min(best / MAX_EDGE_PX, 0.99) * 100}%`;
+  const edgeText = edges > 0 ? `${edges.toFixed(1)} px` + (best.toFixed(1) < edges.toFixed(1) ? `, best ${best.toFixed(1)}` : '') : 'not known';
+  setBar('sharpness', edges > 0 ? edges / MAX_EDGE_PX * 100 : 0, edges > 0 ? Math.min(edges, MAX_EDGE_PX) : null, edgeText);
   setText(byId('sharpness-text'), edgeText);
   byId('sharpness').classList.toggle('warn', word === 'blurred');
   const whiteText = white > 0 ? `white ${Math.round(100 * white)} %` +
@@ -500,6 +506,9 @@ byId('finish').onclick = () => {
 };
 
 // ---- States ----
+// Hints begin in small letters where they are parts of lines elsewhere.
+const sentence = (text) => text.slice(0, 1).toUpperCase() + text.slice(1);
+
 function show(newState) {
   const isFirst = state === null, wasDone = !isFirst && state.is_done;
   state = newState;
@@ -509,7 +518,7 @@ function show(newState) {
   showProgress();
   showGauges();
   showRemarks();
-  setText(byId('hint'), state.hint);
+  setText(byId('hint'), sentence(state.hint));
   byId('hint').classList.toggle('long', state.hint.length > 50);
   setText(byId('facts'), [state.camera, state.frames_per_second > 0 ? `${state.frames_per_second.toFixed(1)} frames/s` : '']
     .filter(Boolean).join(', '));
@@ -554,6 +563,7 @@ function connect() {
   };
   events.addEventListener('end', () => {
     hasEnded = true;
+    byId('told').hidden = true;
     setLost(true);
   });
   events.onerror = () => {
