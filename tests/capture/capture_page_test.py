@@ -218,8 +218,7 @@ class Page(unittest.TestCase):
         self.browser.click("#finish")  # nothing is asked any more
         self.assertEqual(self.read_line(), "finish")
         self.tell("quit")
-        self.shows("lost", "\u2713 The capture has ended, with 3 frames kept. This page can be "
-                   "closed.")
+        self.shows("lost", "\u2713 Done. The capture has ended with 3 frames.")
         # Another capture at this address goes on there.
         self.stop()
         self.start("127.0.0.1", re.search(r":(\d+)/", self.link)[1])

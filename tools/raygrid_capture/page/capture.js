@@ -578,7 +578,7 @@ function setLost(lost) {
   isLost = lost;
   const time = new Date().toLocaleTimeString([], {hour: '2-digit', minute: '2-digit'});
   byId('lost').textContent = hasEnded ?
-    `\u2713 The capture has ended, with ${state.kept.length} frames kept. This page can be closed.` :
+    `\u2713 ${state?.is_done ? 'Done. ' : ''}The capture has ended with ${state?.kept.length ?? 0} frames.` :
     `! Connection lost at ${time}. Trying again\u2026`;
   byId('lost').classList.toggle('good', hasEnded);
   byId('lost').hidden = !lost;
