@@ -197,6 +197,7 @@ int Run(int argc, char** argv) {
   RequireFrames(arguments, loop.state());
   SayEnd(arguments, loop.state());
   if (arguments.no_calibrate || IsSignalled()) return 0;
+  page.reset();  // another program cannot tell those who watch that this ends
   std::vector<std::string> calibrate = {
       "calibrate", arguments.output, "--threads",
       std::to_string(arguments.common.threads)};
