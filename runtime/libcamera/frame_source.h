@@ -43,6 +43,7 @@ struct FrameInfo {
   std::optional<float> exposure_us;
   std::optional<float> analogue_gain;  // a factor
   // Of lenses whose position has no unit: it only tells that the lens moved.
+  // V4L2 is asked once a second, so that frames may tell an older one.
   std::optional<int> focus_steps;
 };
 
@@ -87,8 +88,10 @@ class FrameSource {
   /// Fixes focus, exposure, gain and white balance at what they are, so that
   /// all frames from then on have one position of the lens and one brightness.
   /// Call it once frames come and the image is sharp. It does not wait: the
-  /// next few frames may still be as before. What the camera refuses stays open
-  /// and ends nothing. Called again, it fixes what there is then.
+  /// next few frames may still be as before. Frames that were taken before may
+  /// show another position of the lens, whatever they tell: keep none of them.
+  /// What the camera refuses stays open and ends nothing. Called again, it
+  /// fixes what there is then.
   virtual StateLock LockState() {
     return NothingLocked("this source of frames is no camera");
   }
