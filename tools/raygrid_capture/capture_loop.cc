@@ -257,12 +257,18 @@ bool CaptureLoop::IsKept(const LiveFrame& frame, const SeenFrame& seen) {
   const char* const other =
       kept.empty() ? nullptr
                    : WordOfOtherState(kept.front(), StateOf(frame.info));
-  if (state_.is_paused)
+  if (state_.is_paused) {
     state_.word = "paused";
-  else if (other)
+  } else if (IsLocking()) {
+    state_.word = "locking";
+  } else if (other) {
     state_.word = other;
-  else if (adjusting_.valid())
+    state_.hint =
+        "the camera stands otherwise than in the first frame: begin "
+        "anew, or set it back with --control";
+  } else if (adjusting_.valid()) {
     state_.word = "busy";
+  }
   return state_.word == "kept";
 }
 
@@ -273,15 +279,22 @@ void CaptureLoop::Keep(const LiveFrame& frame, const SeenFrame& seen) {
   state_.kept.push_back(seen.features.image);
   if (viewers_.add_kept) viewers_.add_kept(seen.features.image, frame.grey);
   UpdateCamera([image = seen.features](LiveCamera* live) { live->Add(image); });
-  LockCamera();
 }
 
-// Frames are sharp and bright enough to be kept now; so do they stay.
+// Once a frame is good enough to be kept, the camera is to stay so. Those of
+// the next moments may not tell yet how it stands; V4L2 is asked once a second.
+bool CaptureLoop::IsLocking() {
+  constexpr double kSettleS = 1.2;
+  if (!lock_time_) LockCamera();
+  return is_locked_ && SecondsSince(*lock_time_) < kSettleS;
+}
+
 void CaptureLoop::LockCamera() {
+  lock_time_ = SteadyClock::now();
   FrameSource* const source = frames_->source();
-  if (is_locked_ || !source || !frames_->is_live()) return;
-  is_locked_ = true;
+  if (!source || !frames_->is_live()) return;
   const StateLock lock = source->LockState();
+  is_locked_ = !lock.locked.empty();
   session_->NoteLocked(lock.locked, lock.open);
   for (const std::string& text : lock.locked)
     state_.remarks.push_back("locked: " + text);

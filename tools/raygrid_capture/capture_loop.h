@@ -79,6 +79,7 @@ class CaptureLoop {
   void TakeFrame(const LiveFrame& frame);
   bool IsKept(const LiveFrame& frame, const SeenFrame& seen);
   void Keep(const LiveFrame& frame, const SeenFrame& seen);
+  bool IsLocking();
   void LockCamera();
   void FollowWishes();
   void Remove(const std::string& name);
@@ -105,6 +106,7 @@ class CaptureLoop {
   std::future<std::unique_ptr<CaptureGuide>> adjusting_;
   CaptureState state_;
   std::vector<std::chrono::steady_clock::time_point> taken_;
+  std::optional<std::chrono::steady_clock::time_point> lock_time_;
   bool is_locked_ = false;
   bool has_seen_frames_ = false;
 };

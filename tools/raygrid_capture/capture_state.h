@@ -27,7 +27,7 @@ struct CaptureState {
   std::string camera;         ///< of a rig; else empty
 
   /// One word on the newest frame: kept, absent, few, moving, blurred, dark,
-  /// bright, known, busy, paused, refocused, cropped.
+  /// bright, known, busy, paused, locking, refocused, cropped.
   std::string word = "absent";
   std::string hint;  ///< a sentence: what to do next
   bool is_done = false, is_paused = false;

@@ -16,6 +16,9 @@ const WORDS = {
   known: ['=', 'Known already', 'idle'],
   busy: ['\u2026', 'Working', 'busy'],
   paused: ['\u2016', 'Paused', 'busy'],
+  locking: ['\u2026', 'Locking focus and exposure', 'busy'],
+  refocused: ['!', 'The lens has moved', 'bad'],
+  cropped: ['!', 'Another crop', 'bad'],
 };
 const KEPT_MS = 1500, WORD_MS = 350, SPEECH_MS = 3000, SILENCE_MS = 7000;
 

@@ -1,0 +1,164 @@
+#include "capture_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "capture/board_view.h"
+#include "simulation/board_surface.h"
+#include "simulation/image_rendering.h"
+#include "simulation/simulated_camera.h"
+#include "target/board_spec.h"
+#include "temporary_folder.h"
+
+namespace raygrid {
+namespace {
+
+// A camera that tells its lens's position and can be locked.
+class LockableSource : public FrameSource {
+ public:
+  explicit LockableSource(bool can_lock)
+      : can_lock_(can_lock),
+        format_(MakeStreamFormat(*FindPixelFormat("R8"), 640, 480, 0)) {}
+  const StreamFormat& format() const override { return format_; }
+  void Start() override {}
+  std::optional<CapturedFrame> Next(std::chrono::milliseconds) override {
+    return std::nullopt;
+  }
+  void Release(const CapturedFrame&) override {}
+  bool is_finished() const override { return false; }
+  std::string fault() const override { return ""; }
+  SourceCounts counts() const override { return {}; }
+  StateLock LockState() override {
+    ++num_locks;
+    StateLock lock;
+    (can_lock_ ? lock.locked : lock.open).push_back("focus at 2 dioptres");
+    return lock;
+  }
+  void Stop() override {}
+
+  int num_locks = 0;
+
+ private:
+  const bool can_lock_;
+  const StreamFormat format_;
+};
+
+// Frames that tests make, one after the other.
+class MadeFrames : public LiveFrames {
+ public:
+  explicit MadeFrames(bool can_lock) : camera_source(can_lock) {}
+  std::optional<LiveFrame> Next() override {
+    if (frames.empty()) return std::nullopt;
+    if (frames.front().pause.count() > 0)
+      std::this_thread::sleep_for(frames.front().pause);
+    LiveFrame frame = std::move(frames.front().frame);
+    frames.erase(frames.begin());
+    return frame;
+  }
+  bool is_finished() const override { return frames.empty(); }
+  bool is_live() const override { return true; }
+  FrameSource* source() override { return &camera_source; }
+
+  struct Made {
+    LiveFrame frame;
+    std::chrono::milliseconds pause{0};  // before it
+  };
+  std::vector<Made> frames;
+  LockableSource camera_source;
+};
+
+class CaptureLoopTest : public testing::Test {
+ protected:
+  // Frames of the first views, each twice, since only the second is still.
+  void AddView(int index, double lens_position,
+               std::chrono::milliseconds pause = {}) {
+    const Board& board = pattern_.boards.front();
+    const auto pose = PoseOf(FirstView(index, {640, 480}), board, camera_);
+    const BoardSurface surface(board);
+    LiveFrame frame;
+    frame.image = AddNoiseAndQuantize(
+        RenderImage(PixelRays(camera_, 2), {{&surface, *pose}}, {}, 2), {});
+    frame.grey = MakeGreyImage(frame.image);
+    frame.info.lens_position = static_cast<float>(lens_position);
+    for (int k = 0; k < 2; ++k) {
+      frame.time_s = time_s_ += 0.033;
+      frames_->frames.push_back({frame, k == 0 ? pause : pause * 0});
+    }
+  }
+
+  // The words of the frames that were still and new.
+  std::vector<std::string> Run() {
+    SessionFolder session(folder_ / "session", pattern_, false);
+    CaptureWishes wishes;
+    std::vector<std::string> words;
+    CaptureViewers viewers;
+    viewers.show = [&](const CaptureState& state) {
+      const std::string& word = state.word;
+      const bool is_end = state.hint == "finished";
+      if (!is_end && word != "moving" && word != "known" && word != "busy")
+        words.push_back(word);
+      remarks_ = state.remarks;
+    };
+    CaptureLoop(CaptureLoopOptions{}, pattern_, frames_.get(), &session,
+                viewers, &wishes)
+        .Run();
+    session_ = session.session();
+    num_locks_ = frames_->camera_source.num_locks;
+    return words;
+  }
+
+  void Begin(bool can_lock) {
+    frames_ = std::make_unique<MadeFrames>(can_lock);
+  }
+
+  const SimulatedCamera camera_ = ExampleSimulatedCamera();
+  const Pattern pattern_ = ReadPatternOrSpec("chessboard:9x6:25mm");
+  const TemporaryFolder folder_;
+  std::unique_ptr<MadeFrames> frames_;
+  Session session_;
+  std::vector<std::string> remarks_;
+  double time_s_ = 0;
+  int num_locks_ = 0;
+};
+
+using Words = std::vector<std::string>;
+
+// Frames that came while it settled may show another position of the lens.
+TEST_F(CaptureLoopTest, KeepsFramesOnceTheCameraIsLocked) {
+  Begin(true);
+  AddView(0, 1.5);
+  AddView(1, 2);
+  AddView(2, 2, std::chrono::milliseconds(1300));
+  EXPECT_EQ(Run(), (Words{"locking", "locking", "locking", "kept"}));
+  EXPECT_EQ(num_locks_, 1);
+  ASSERT_EQ(session_.frames.size(), 1u);
+  EXPECT_EQ(session_.frames[0].lens_position, 2);
+  EXPECT_EQ(session_.locked, Words{"focus at 2 dioptres"});
+  EXPECT_EQ(remarks_, Words{"locked: focus at 2 dioptres"});
+  EXPECT_EQ(CaptureOf(session_).lens_position, 2);
+}
+
+TEST_F(CaptureLoopTest, SaysWhatCannotBeLockedAndGoesOn) {
+  Begin(false);
+  AddView(0, 2);
+  EXPECT_EQ(Run(), Words{"kept"});
+  EXPECT_EQ(session_.not_locked, Words{"focus at 2 dioptres"});
+  EXPECT_EQ(remarks_, Words{"not locked: focus at 2 dioptres"});
+}
+
+TEST_F(CaptureLoopTest, KeepsNoFrameOfAnotherLensPosition) {
+  Begin(false);
+  AddView(0, 2);
+  AddView(1, 2.5);
+  AddView(2, 2.05);
+  const Words words = Run();
+  ASSERT_GE(words.size(), 2u);
+  EXPECT_EQ(words[0], "kept");
+  EXPECT_EQ(words[1], "refocused");
+  EXPECT_EQ(std::count(words.begin(), words.end(), "refocused"), 1);
+}
+
+}  // namespace
+}  // namespace raygrid
