@@ -49,12 +49,34 @@ double AngleBetween(const LocatedBoard& a, const LocatedBoard& b) {
 
 }  // namespace
 
+FeaturePlaces PlacesOf(const ImageFeatures& image) {
+  FeaturePlaces places;
+  for (const Feature& feature : image.features)
+    places[{feature.board, feature.row, feature.column}] = feature.pixel;
+  return places;
+}
+
+std::optional<double> DistancePx(const FeaturePlaces& a,
+                                 const FeaturePlaces& b) {
+  double sum = 0;
+  int count = 0;
+  for (const auto& [feature, pixel] : a) {
+    const auto other = b.find(feature);
+    if (other == b.end()) continue;
+    sum += (pixel - other->second).squaredNorm();
+    ++count;
+  }
+  return count > 0 ? std::optional(std::sqrt(sum / count)) : std::nullopt;
+}
+
 CaptureGuide::CaptureGuide(const LiveCamera& live, const Pattern& pattern,
                            const GuideOptions& options)
     : pattern_(std::make_shared<Pattern>(pattern)),
       options_(options),
       num_images_(static_cast<int>(live.images().images.size())),
       assumed_(AssumedCamera(live.images().image_size)) {
+  for (const ImageFeatures& image : live.images().images)
+    kept_.push_back(PlacesOf(image));
   if (live.adjusted()) knowledge_ = CameraKnowledge::Of(*live.adjusted());
   if (knowledge_)
     ChooseNext();
@@ -93,9 +115,34 @@ void CaptureGuide::ChooseFirst(const LiveCamera& live) {
   }
 }
 
+// The best view that is none of those kept.
+std::optional<NextView> CaptureGuide::BestNewView(const Board& board) const {
+  std::vector<Pose> avoided = options_.avoided;
+  constexpr int kTries = 4;
+  for (int k = 0; k < kTries; ++k) {
+    const auto view = BestNextView(*knowledge_, board, avoided);
+    if (!view || !IsSameView(ImageOf(board, view->camera_from_board)))
+      return view;
+    avoided.push_back(view->camera_from_board);
+  }
+  return std::nullopt;
+}
+
+// All features of a board in a pose that the camera tells.
+ImageFeatures CaptureGuide::ImageOf(const Board& board,
+                                    const Pose& camera_from_board) const {
+  ImageFeatures image;
+  for (int row = 0; row < board.rows; ++row)
+    for (int column = 0; column < board.columns; ++column)
+      if (const auto pixel = camera().Project(
+              camera_from_board * board.points[board.PointIndex(column, row)]))
+        image.features.push_back({board.id, column, row, *pixel});
+  return image;
+}
+
 void CaptureGuide::ChooseNext() {
   for (const Board& board : pattern_->boards)
-    if (const auto view = BestNextView(*knowledge_, board))
+    if (const auto view = BestNewView(board))
       if (!next_ || view->gain > next_->gain)
         next_ = GuidedView{&board, view->camera_from_board, view->gain};
   const bool is_known = options_.target_px > 0 &&
@@ -104,7 +151,19 @@ void CaptureGuide::ChooseNext() {
   if (is_done_) next_.reset();
 }
 
+bool CaptureGuide::IsSameView(const ImageFeatures& image) const {
+  constexpr double kMoved = 0.01;
+  const ImageSize& size = camera().image_size();
+  const FeaturePlaces places = PlacesOf(image);
+  return std::any_of(kept_.begin(), kept_.end(), [&](const auto& kept) {
+    const auto distance_px = DistancePx(places, kept);
+    return distance_px &&
+           *distance_px < kMoved * std::max(size.width, size.height);
+  });
+}
+
 double CaptureGuide::GainOf(const ImageFeatures& image) const {
+  if (IsSameView(image)) return 0;
   const std::vector<LocatedBoard> located = Locate(image);
   if (!knowledge_) {
     const auto is_other = [&](const LocatedBoard& board) {

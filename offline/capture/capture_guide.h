@@ -1,9 +1,11 @@
 #ifndef RAYGRID_CAPTURE_CAPTURE_GUIDE_H
 #define RAYGRID_CAPTURE_CAPTURE_GUIDE_H
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "capture/camera_knowledge.h"
@@ -20,7 +22,17 @@ struct GuideOptions {
   /// An image is kept if its gain is at least this part of the next view's:
   /// near enough to that view, and no second one of a view just taken.
   double part_of_next = 0.5;
+  /// Views, camera_from_board, that nobody could show.
+  std::vector<Pose> avoided = {};
 };
+
+/// Features' places by board, row and column.
+using FeaturePlaces = std::map<std::tuple<int, int, int>, Eigen::Vector2d>;
+FeaturePlaces PlacesOf(const ImageFeatures& image);
+/// How far the features that both have lie apart, RMS; nothing if both have
+/// none.
+std::optional<double> DistancePx(const FeaturePlaces& a,
+                                 const FeaturePlaces& b);
 
 /// A board of the pattern, as an image shows it.
 struct LocatedBoard {
@@ -56,7 +68,9 @@ class CaptureGuide {
   /// The boards that the camera sees.
   std::vector<LocatedBoard> Locate(const ImageFeatures& image) const;
   /// The part of the mean variance that an image would take away. While nothing
-  /// is known: 1 for a board tilted otherwise than all before, else 0.
+  /// is known: 1 for a board tilted otherwise than all before, else 0. Always 0
+  /// for a view that was kept, whose features moved by less than 1 % of the
+  /// image's longer side since: it tells of noise alone.
   double GainOf(const ImageFeatures& image) const;
   /// An image with this gain is to be kept. One that shows the next view is, as
   /// soon as it adds anything: nobody can do better than follow.
@@ -72,12 +86,17 @@ class CaptureGuide {
   std::optional<int> num_expected() const;
 
  private:
+  bool IsSameView(const ImageFeatures& image) const;
+  std::optional<NextView> BestNewView(const Board& board) const;
+  ImageFeatures ImageOf(const Board& board,
+                        const Pose& camera_from_board) const;
   void ChooseFirst(const LiveCamera& live);
   void ChooseNext();
 
   std::shared_ptr<const Pattern> pattern_;
   GuideOptions options_;
   int num_images_ = 0;
+  std::vector<FeaturePlaces> kept_;
   std::shared_ptr<const CameraModel> assumed_;
   std::optional<CameraKnowledge> knowledge_;
   std::vector<LocatedBoard> first_views_;  // while nothing is known

@@ -46,7 +46,8 @@ const char* RemedyOf(FrameWord word) {
   return kWords[static_cast<int>(word)].remedy;
 }
 
-bool FrameJudge::IsMoving(const SeenFrame& frame, const Places& places) const {
+bool FrameJudge::IsMoving(const SeenFrame& frame,
+                          const FeaturePlaces& places) const {
   // Motion spreads the edges that it crosses, and no others.
   const FrameQuality& quality = frame.quality;
   const double streak_px =
@@ -55,22 +56,14 @@ bool FrameJudge::IsMoving(const SeenFrame& frame, const Places& places) const {
   constexpr double kMostStreakPx = 1;
   if (streak_px > kMostStreakPx) return true;
   if (!frame.time_s || !last_time_s_) return false;
-  double sum = 0;
-  int count = 0;
-  for (const auto& [feature, pixel] : places) {
-    const auto last = last_places_.find(feature);
-    if (last == last_places_.end()) continue;
-    sum += (pixel - last->second).squaredNorm();
-    ++count;
-  }
-  if (count == 0) return true;  // it came just now
-  const double moved_px = std::sqrt(sum / count);
+  const auto moved_px = DistancePx(places, last_places_);
+  if (!moved_px) return true;  // it came just now
   const double passed_s = *frame.time_s - *last_time_s_;
-  if (!(passed_s > 0)) return moved_px > options_.still_px;
+  if (!(passed_s > 0)) return *moved_px > options_.still_px;
   constexpr double kFrameS = 1 / 30.0;
   double shown_s = std::min(passed_s, kFrameS);
   if (frame.exposure_s) shown_s = std::min(shown_s, *frame.exposure_s);
-  return moved_px / passed_s * shown_s > options_.still_px;
+  return *moved_px / passed_s * shown_s > options_.still_px;
 }
 
 bool FrameJudge::IsBlurred(const FrameQuality& quality) {
@@ -89,9 +82,7 @@ bool FrameJudge::IsBlurred(const FrameQuality& quality) {
 
 FrameWord FrameJudge::Judge(const SeenFrame& frame, const CaptureGuide& guide) {
   gain_ = 0;
-  Places places;
-  for (const Feature& feature : frame.features.features)
-    places[{feature.board, feature.row, feature.column}] = feature.pixel;
+  FeaturePlaces places = PlacesOf(frame.features);
   const bool is_moving = IsMoving(frame, places);
   last_places_ = std::move(places);
   last_time_s_ = frame.time_s;

@@ -2,9 +2,7 @@
 #define RAYGRID_CAPTURE_FRAME_JUDGE_H
 
 #include <deque>
-#include <map>
 #include <optional>
-#include <tuple>
 
 #include "capture/capture_guide.h"
 #include "capture/frame_quality.h"
@@ -54,13 +52,11 @@ class FrameJudge {
   double gain() const { return gain_; }
 
  private:
-  using Places = std::map<std::tuple<int, int, int>, Eigen::Vector2d>;
-
-  bool IsMoving(const SeenFrame& frame, const Places& places) const;
+  bool IsMoving(const SeenFrame& frame, const FeaturePlaces& places) const;
   bool IsBlurred(const FrameQuality& quality);
 
   JudgeOptions options_;
-  Places last_places_;
+  FeaturePlaces last_places_;
   std::optional<double> last_time_s_;
   std::deque<double> spreads_px_;  // of the newest frames
   double gain_ = 0;

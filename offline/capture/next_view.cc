@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "capture/view_hint.h"
+
 namespace raygrid {
 namespace {
 
@@ -12,12 +14,13 @@ constexpr int kNumAxes = 4;
 
 class Search {
  public:
-  Search(const CameraKnowledge& knowledge, const Board& board)
-      : knowledge_(knowledge), board_(board) {}
+  Search(const CameraKnowledge& knowledge, const Board& board,
+         const std::vector<Pose>& avoided)
+      : knowledge_(knowledge), board_(board), avoided_(avoided) {}
 
   void Try(const BoardView& view) {
     const auto pose = PoseOf(view, board_, knowledge_.camera());
-    if (!pose || !ShowsHalf(*pose)) return;
+    if (!pose || !ShowsHalf(*pose) || IsAvoided(*pose)) return;
     found_.push_back({view, *pose, knowledge_.GainOfView(board_, *pose)});
   }
   /// Keeps the best few.
@@ -45,19 +48,28 @@ class Search {
     return 2 * num_seen >= num_all;
   }
 
+  bool IsAvoided(const Pose& pose) const {
+    return std::any_of(
+        avoided_.begin(), avoided_.end(), [&](const Pose& other) {
+          return IsThere(knowledge_.camera(), board_, pose, other);
+        });
+  }
+
   const CameraKnowledge& knowledge_;
   const Board& board_;
+  const std::vector<Pose>& avoided_;
   std::vector<NextView> found_;
 };
 
 }  // namespace
 
 std::optional<NextView> BestNextView(const CameraKnowledge& knowledge,
-                                     const Board& board) {
+                                     const Board& board,
+                                     const std::vector<Pose>& avoided) {
   constexpr int kColumns = 7, kRows = 5;
   constexpr double kWidths[] = {0.4, 0.7, 1.1};  // of the image's
   const ImageSize size = knowledge.camera().image_size();
-  Search search(knowledge, board);
+  Search search(knowledge, board, avoided);
   int turn = 0;
   for (int j = 0; j < kRows; ++j)
     for (int i = 0; i < kColumns; ++i)

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "capture/board_view.h"
 #include "capture/camera_knowledge.h"
@@ -18,9 +19,11 @@ struct NextView {
 
 /// The best view of a board among candidates all over the image, near and far,
 /// tilted and turned, and some around the best of them. Nothing if no
-/// candidate shows half of the board.
+/// candidate shows half of the board. Views that are as good as avoided ones
+/// (camera_from_board) are none.
 std::optional<NextView> BestNextView(const CameraKnowledge& knowledge,
-                                     const Board& board);
+                                     const Board& board,
+                                     const std::vector<Pose>& avoided = {});
 
 /// The views to begin with, while nothing is known of a camera.
 BoardView FirstView(int index, const ImageSize& size);

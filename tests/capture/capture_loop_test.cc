@@ -54,6 +54,7 @@ class MadeFrames : public LiveFrames {
     if (frames.front().pause.count() > 0)
       std::this_thread::sleep_for(frames.front().pause);
     LiveFrame frame = std::move(frames.front().frame);
+    frame.arrived = Clock::now();
     frames.erase(frames.begin());
     return frame;
   }

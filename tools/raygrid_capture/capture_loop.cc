@@ -173,10 +173,11 @@ bool CaptureLoop::IsFinished() {
 
 void CaptureLoop::UpdateCamera(Update update) {
   TakeGuide(true);
-  adjusting_ = std::async(std::launch::async, [this, update] {
-    update(live_.get());
-    return std::make_unique<CaptureGuide>(*live_, pattern_, options_.guide);
-  });
+  adjusting_ =
+      std::async(std::launch::async, [this, update, options = options_.guide] {
+        update(live_.get());
+        return std::make_unique<CaptureGuide>(*live_, pattern_, options);
+      });
   if (!frames_->is_live()) TakeGuide(true);
 }
 
@@ -186,6 +187,18 @@ void CaptureLoop::TakeGuide(bool wait) {
       adjusting_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
     return;
   guide_ = adjusting_.get();
+  guided_since_ = SteadyClock::now();
+}
+
+// Some views cannot be shown: the board does not fit there, or is not found.
+void CaptureLoop::LeaveViewInVain() {
+  constexpr double kPatienceS = 20;
+  if (!frames_->is_live() || adjusting_.valid() || state_.is_paused ||
+      !guide_->knowledge() || !guide_->next() ||
+      SecondsSince(guided_since_) < kPatienceS)
+    return;
+  options_.guide.avoided.push_back(guide_->next()->camera_from_board);
+  UpdateCamera([](LiveCamera*) {});
 }
 
 // The frames of the session so far, which are looked at anew.
@@ -242,6 +255,7 @@ void CaptureLoop::TakeFrame(const LiveFrame& frame) {
     Keep(frame, seen);
   }
   CountFrame();
+  LeaveViewInVain();
   Describe(frame, seen);
   if (viewers_.show_picture) viewers_.show_picture(frame.grey);
   if (viewers_.show) viewers_.show(state_);
@@ -259,7 +273,7 @@ bool CaptureLoop::IsKept(const LiveFrame& frame, const SeenFrame& seen) {
                    : WordOfOtherState(kept.front(), StateOf(frame.info));
   if (state_.is_paused) {
     state_.word = "paused";
-  } else if (IsLocking()) {
+  } else if (IsLocking(frame)) {
     state_.word = "locking";
   } else if (other) {
     state_.word = other;
@@ -278,15 +292,17 @@ void CaptureLoop::Keep(const LiveFrame& frame, const SeenFrame& seen) {
       frame.path.empty() ? EncodePng(frame.image) : ReadImageFile(frame.path));
   state_.kept.push_back(seen.features.image);
   if (viewers_.add_kept) viewers_.add_kept(seen.features.image, frame.grey);
+  options_.guide.avoided.clear();
   UpdateCamera([image = seen.features](LiveCamera* live) { live->Add(image); });
 }
 
-// Once a frame is good enough to be kept, the camera is to stay so. Those of
-// the next moments may not tell yet how it stands; V4L2 is asked once a second.
-bool CaptureLoop::IsLocking() {
-  constexpr double kSettleS = 1.2;
+// Once a frame is good enough to be kept, the camera is to stay so. Frames that
+// arrived before, or just behind, may not tell yet how it stands: V4L2 is asked
+// once a second.
+bool CaptureLoop::IsLocking(const LiveFrame& frame) {
+  constexpr std::chrono::milliseconds kSettlingTime(1200);
   if (!lock_time_) LockCamera();
-  return is_locked_ && SecondsSince(*lock_time_) < kSettleS;
+  return is_locked_ && frame.arrived < *lock_time_ + kSettlingTime;
 }
 
 void CaptureLoop::LockCamera() {
@@ -384,6 +400,11 @@ void CaptureLoop::DescribeNext(const SeenFrame& seen) {
                        next->camera_from_board);
   }
   if (state_.hint.empty()) state_.hint = "fill the outline with the board";
+  constexpr int kManyFrames = 300;
+  num_without_board_ =
+      seen.features.features.empty() ? num_without_board_ + 1 : 0;
+  if (num_without_board_ > kManyFrames)
+    state_.hint += "; is it the one that --pattern says?";
 }
 
 }  // namespace raygrid

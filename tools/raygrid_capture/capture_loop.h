@@ -79,7 +79,7 @@ class CaptureLoop {
   void TakeFrame(const LiveFrame& frame);
   bool IsKept(const LiveFrame& frame, const SeenFrame& seen);
   void Keep(const LiveFrame& frame, const SeenFrame& seen);
-  bool IsLocking();
+  bool IsLocking(const LiveFrame& frame);
   void LockCamera();
   void FollowWishes();
   void Remove(const std::string& name);
@@ -90,9 +90,10 @@ class CaptureLoop {
   void DescribeKnown();
   void DescribeNext(const SeenFrame& seen);
   void CountFrame();
+  void LeaveViewInVain();
   bool IsFinished();
 
-  const CaptureLoopOptions options_;
+  CaptureLoopOptions options_;
   const Pattern& pattern_;
   LiveFrames* const frames_;
   SessionFolder* const session_;
@@ -109,6 +110,8 @@ class CaptureLoop {
   std::optional<std::chrono::steady_clock::time_point> lock_time_;
   bool is_locked_ = false;
   bool has_seen_frames_ = false;
+  int num_without_board_ = 0;  // frames, one after the other
+  std::chrono::steady_clock::time_point guided_since_;
 };
 
 }  // namespace raygrid

@@ -78,6 +78,7 @@ class SourceFrames : public LiveFrames {
     LiveFrame frame;
     frame.image = GreyOf(source_->format(), captured->image);
     frame.info = captured->info;
+    frame.arrived = captured->arrived;
     source_->Release(*captured);
     frame.grey = MakeGreyImage(frame.image);
     frame.time_s = TimeOf(frame.info);

@@ -20,6 +20,7 @@ struct LiveFrame {
   std::string path;              ///< likewise
   std::optional<double> time_s;  ///< since the first; none: a photograph
   FrameInfo info = {};
+  Clock::time_point arrived = {};  ///< of cameras
 };
 
 class LiveFrames {

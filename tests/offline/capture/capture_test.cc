@@ -6,6 +6,7 @@
 #include "capture/camera_knowledge.h"
 #include "capture/live_camera.h"
 #include "capture/next_view.h"
+#include "capture/view_hint.h"
 #include "evaluation/model_difference.h"
 #include "simulation/random.h"
 #include "simulation/simulated_camera.h"
@@ -197,6 +198,20 @@ TEST(NextView, LooksWhereNothingWasSeen) {
   // More than any view that was.
   for (const Pose& pose : live.adjusted()->state.rig_from_pattern)
     EXPECT_GT(next->gain, 2 * knowledge->GainOfView(board, pose));
+}
+
+TEST(NextView, IsAnotherOneWhereTheBestIsAvoided) {
+  const LiveCamera live = CameraOf(ImagesOf(6).images);
+  const auto knowledge = CameraKnowledge::Of(*live.adjusted());
+  ASSERT_TRUE(knowledge);
+  const Board board = TestBoard().boards.front();
+  const auto best = BestNextView(*knowledge, board);
+  ASSERT_TRUE(best);
+  const auto other = BestNextView(*knowledge, board, {best->camera_from_board});
+  ASSERT_TRUE(other);
+  EXPECT_LE(other->gain, best->gain);
+  EXPECT_FALSE(IsThere(knowledge->camera(), board, other->camera_from_board,
+                       best->camera_from_board));
 }
 
 TEST(NextView, BeginsWithFourTiltedViews) {
