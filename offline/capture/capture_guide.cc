@@ -206,7 +206,9 @@ bool CaptureGuide::IsNextView(const ImageFeatures& image) const {
 
 std::optional<int> CaptureGuide::num_expected() const {
   if (is_done_) return 0;
-  if (!knowledge_ || !next_) return std::nullopt;
+  // Deviations fall faster at first than can be foretold.
+  constexpr int kFewestImages = 6;
+  if (!knowledge_ || !next_ || num_images_ < kFewestImages) return std::nullopt;
   // The mean variance falls by the n-th image as n to the power of -n gain:
   // fast at first, and as 1 / n in the end.
   const double n = num_images_, power = n * next_->gain;

@@ -46,7 +46,7 @@ class GuidedCapture {
 
 TEST(CaptureGuide, LeadsToACameraThatIsKnown) {
   GuideOptions options;
-  options.target_px = 0.05;
+  options.target_px = 0.07;
   GuidedCapture capture(options);
   int num_images = 0;
   std::optional<int> expected;
@@ -54,7 +54,7 @@ TEST(CaptureGuide, LeadsToACameraThatIsKnown) {
     const CaptureGuide guide = capture.Guide();
     if (guide.is_done()) break;
     ASSERT_TRUE(guide.next());
-    if (num_images == 5) expected = guide.num_expected();
+    if (num_images == 6) expected = guide.num_expected();
     const ImageFeatures image = capture.Follow(guide);
     EXPECT_TRUE(guide.IsNextView(image)) << num_images;
     EXPECT_TRUE(guide.IsWorthKeeping(guide.GainOf(image), true)) << num_images;
@@ -65,15 +65,15 @@ TEST(CaptureGuide, LeadsToACameraThatIsKnown) {
   EXPECT_FALSE(guide.next());
   EXPECT_EQ(guide.num_expected(), 0);
   ASSERT_TRUE(guide.knowledge());
-  EXPECT_LE(guide.knowledge()->Percentile95Px(), 0.05);
+  EXPECT_LE(guide.knowledge()->Percentile95Px(), 0.07);
   ASSERT_TRUE(expected);
-  EXPECT_LT(std::abs(*expected - (num_images - 5)), 6);
+  EXPECT_LT(std::abs(*expected - (num_images - 6)), 6);
 }
 
 TEST(CaptureGuide, KeepsNoViewTwice) {
   GuidedCapture capture({});
   // While nothing is known, and later.
-  for (int k = 0; k < 6; ++k) {
+  for (int k = 0; k < 5; ++k) {
     const CaptureGuide guide = capture.Guide();
     const ImageFeatures image = capture.Follow(guide);
     capture.Add(image);
@@ -85,15 +85,16 @@ TEST(CaptureGuide, KeepsNoViewTwice) {
 
 TEST(CaptureGuide, ForgetsAnImageThatIsRemoved) {
   GuidedCapture capture({});
-  for (int k = 0; k < 6; ++k) capture.Add(capture.Follow(capture.Guide()));
-  const double before_px = capture.Guide().knowledge()->Percentile95Px();
-  const ImageFeatures image = capture.Follow(capture.Guide());
+  for (int k = 0; k < 5; ++k) capture.Add(capture.Follow(capture.Guide()));
+  const CaptureGuide before = capture.Guide();
+  const double before_px = before.knowledge()->Percentile95Px();
+  const ImageFeatures image = capture.Follow(before);
   capture.Add(image);
   EXPECT_LT(capture.Guide().knowledge()->Percentile95Px(), before_px);
   capture.live().Remove(image.image);
-  EXPECT_EQ(capture.Guide().num_images(), 6);
-  EXPECT_NEAR(capture.Guide().knowledge()->Percentile95Px(), before_px,
-              0.2 * before_px);
+  const CaptureGuide after = capture.Guide();
+  EXPECT_EQ(after.num_images(), 5);
+  EXPECT_NEAR(after.knowledge()->Percentile95Px(), before_px, 0.2 * before_px);
 }
 
 // ---- Outlines ---------------------------------------------------------------
