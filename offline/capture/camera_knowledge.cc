@@ -128,13 +128,15 @@ double CameraKnowledge::GainOf(const std::vector<Eigen::Vector3d>& points,
   return scatter.llt().solve(gained).trace();
 }
 
+Area AreaOfFeatures(const ImageSize& size) {
+  constexpr double kWindowPx = 11;
+  return {kWindowPx, kWindowPx, size.width - 1 - kWindowPx,
+          size.height - 1 - kWindowPx};
+}
+
 double CameraKnowledge::GainOfView(const Board& board,
                                    const Pose& camera_from_board) const {
-  // A feature whose window leaves the image is not found.
-  constexpr double kWindowPx = 11;
-  const ImageSize& size = camera_->image_size();
-  const Area image = {kWindowPx, kWindowPx, size.width - 1 - kWindowPx,
-                      size.height - 1 - kWindowPx};
+  const Area image = AreaOfFeatures(camera_->image_size());
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector2d> pixels;
   for (int row = 0; row < board.rows; ++row)

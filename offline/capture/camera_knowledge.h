@@ -11,6 +11,10 @@
 
 namespace raygrid {
 
+/// The part of an image in which features are found: a feature's window must
+/// not leave the image.
+Area AreaOfFeatures(const ImageSize& size);
+
 /// How well a place of the image is known: the root mean square of how far its
 /// ray may be seen from there.
 struct KnownPlace {

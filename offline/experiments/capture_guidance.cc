@@ -143,7 +143,14 @@ struct Operator {
   std::vector<Feature> Try(const BoardView& view) {
     const auto pose = PoseOf(view, board(), truth);
     if (!pose) return {};
-    return VisibleFeatures(truth, board(), Held(*pose));
+    std::vector<Feature> seen = VisibleFeatures(truth, board(), Held(*pose));
+    const Area found = AreaOfFeatures(truth.image_size());
+    seen.erase(std::remove_if(seen.begin(), seen.end(),
+                              [&found](const Feature& feature) {
+                                return !found.Contains(feature.pixel);
+                              }),
+               seen.end());
+    return seen;
   }
 
   bool IsWhole(const std::vector<Feature>& features) const {
@@ -262,6 +269,7 @@ std::vector<Condition> GuidanceConditions(const ExperimentOptions& options) {
                              options.num_images, options.size.width,
                              options.size.height)},
       {"board", "11 x 8 features, 25 mm apart"},
+      {"features", "11 px or more from the image's edge"},
       {"noise", fmt::format("{:g} px in an axis", kFeatureNoisePx)},
       {"operator",
        fmt::format("holds the board 3 cm and 5 degrees off (standard "
