@@ -135,7 +135,9 @@ int Run(int argc, char** argv) {
              ExitCodesHelp());
   CommonOptions common;
   AddPattern(&app, &common);
+#if RAYGRID_HAS_CAPTURE
   AddCapture(&app);
+#endif
   AddDetect(&app, &common);
   AddCalibrate(&app, &common);
   AddCheck(&app, &common);
