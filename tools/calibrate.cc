@@ -139,8 +139,18 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
 void UseSession(CalibrateArguments* arguments) {
   if (arguments->images.size() == 1 && IsSession(arguments->images[0])) {
     const std::filesystem::path folder = arguments->images[0];
-    arguments->capture = CaptureOf(ReadSession(folder.string()));
-    arguments->images = {(folder / kSessionFrames).string()};
+    const Session session = ReadSession(folder.string());
+    arguments->capture = CaptureOf(session);
+    if (session.frames.empty())
+      throw Error(ExitCode::kTooFew,
+                  folder.string() +
+                      ": kept no frame; go on with it by raygrid "
+                      "capture --resume");
+    // A frame that was deleted may still lie there, if that was interrupted.
+    arguments->images.clear();
+    for (const SessionFrame& frame : session.frames)
+      arguments->images.push_back(
+          (folder / kSessionFrames / frame.image).string());
     if (arguments->pattern.empty())
       arguments->pattern = (folder / kSessionPattern).string();
     if (arguments->output.empty())

@@ -42,7 +42,8 @@ struct FrameInfo {
   std::optional<float> sensor_temperature_c;
   std::optional<float> exposure_us;
   std::optional<float> analogue_gain;  // a factor
-  // Of lenses whose position has no unit: it only tells that the lens moved.
+  // The focus of lenses whose position has no unit: it only tells that they
+  // moved.
   // V4L2 is asked once a second, so that frames may tell an older one.
   std::optional<int> focus_steps;
 };

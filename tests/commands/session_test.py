@@ -97,6 +97,9 @@ class Session(CommandTest):
                              read(os.path.join(self.photographs, name)))
         camera = os.path.join(self.session, "calibration/camera.yaml")
         first = read(camera)
+        # A frame that session.json does not name is none.
+        other = next(name for name in self.names if name not in names)
+        shutil.copy(os.path.join(self.photographs, other), os.path.join(self.session, "frames"))
         self.assert_done(run("calibrate", self.session))
         self.assertEqual(read(camera), first)
         result = run("compare", camera, self.path("simulated/true_camera.yaml"), "--json")
