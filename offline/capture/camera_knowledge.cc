@@ -6,6 +6,7 @@
 
 #include "adjustment/covariance.h"
 #include "adjustment/normal_equations.h"
+#include "capture/pose_derivative.h"
 #include "evaluation/residual_statistics.h"
 
 namespace raygrid {
@@ -39,16 +40,11 @@ Eigen::MatrixXd PoseFreeJacobian(const CameraModel& camera, int num_parameters,
     if (linear.num_global > 0)
       rows.middleCols(linear.first_global, linear.num_global) +=
           linear.by_global.leftCols(linear.num_global);
-    Eigen::Matrix3d minus_cross;              // omega x point = -[point]x omega
-    minus_cross << 0, point.z(), -point.y(),  //
-        -point.z(), 0, point.x(),             //
-        point.y(), -point.x(), 0;
-    by_pose.middleRows<2>(row) << linear.by_point * minus_cross,
-        linear.by_point;
+    by_pose.middleRows<2>(row) = linear.by_point * PointByMotion(point);
   }
   const double root = std::sqrt(static_cast<double>(points.size()) /
                                 std::max<size_t>(1, count));
-  const Eigen::Matrix<double, 6, 6> square = by_pose.transpose() * by_pose;
+  const MotionMatrix square = by_pose.transpose() * by_pose;
   const Eigen::MatrixXd made_up =
       square.ldlt().solve(by_pose.transpose() * by_parameters);
   return root * (by_parameters - by_pose * made_up);
@@ -134,21 +130,29 @@ Area AreaOfFeatures(const ImageSize& size) {
           size.height - 1 - kWindowPx};
 }
 
-double CameraKnowledge::GainOfView(const Board& board,
-                                   const Pose& camera_from_board) const {
-  const Area image = AreaOfFeatures(camera_->image_size());
-  std::vector<Eigen::Vector3d> points;
-  std::vector<Eigen::Vector2d> pixels;
+std::vector<SeenPoint> SeenPoints(const CameraModel& camera, const Board& board,
+                                  const Pose& camera_from_board) {
+  const Area image = AreaOfFeatures(camera.image_size());
+  std::vector<SeenPoint> seen;
   for (int row = 0; row < board.rows; ++row)
     for (int column = 0; column < board.columns; ++column) {
       if (!board.HasFeature(column, row)) continue;
       const Eigen::Vector3d point = board.points[board.PointIndex(column, row)];
-      const auto pixel = camera_->Project(camera_from_board * point);
-      if (!pixel || !image.Contains(*pixel) || !camera_->IsLit(*pixel))
-        continue;
-      points.push_back(point);
-      pixels.push_back(*pixel);
+      const auto pixel = camera.Project(camera_from_board * point);
+      if (pixel && image.Contains(*pixel) && camera.IsLit(*pixel))
+        seen.push_back({point, *pixel});
     }
+  return seen;
+}
+
+double CameraKnowledge::GainOfView(const Board& board,
+                                   const Pose& camera_from_board) const {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Vector2d> pixels;
+  for (const SeenPoint& seen : SeenPoints(*camera_, board, camera_from_board)) {
+    points.push_back(seen.point);
+    pixels.push_back(seen.pixel);
+  }
   return GainOf(points, pixels, camera_from_board);
 }
 

@@ -14,14 +14,14 @@ constexpr int kNumAxes = 4;
 
 class Search {
  public:
-  Search(const CameraKnowledge& knowledge, const Board& board,
+  Search(const CameraModel& camera, const Board& board, const ViewGain& gain,
          const std::vector<Pose>& avoided)
-      : knowledge_(knowledge), board_(board), avoided_(avoided) {}
+      : camera_(camera), board_(board), gain_(gain), avoided_(avoided) {}
 
   void Try(const BoardView& view) {
-    const auto pose = PoseOf(view, board_, knowledge_.camera());
+    const auto pose = PoseOf(view, board_, camera_);
     if (!pose || !ShowsHalf(*pose) || IsAvoided(*pose)) return;
-    found_.push_back({view, *pose, knowledge_.GainOfView(board_, *pose)});
+    found_.push_back({view, *pose, gain_(*pose)});
   }
   /// Keeps the best few.
   void Keep(size_t count) {
@@ -34,42 +34,42 @@ class Search {
 
  private:
   bool ShowsHalf(const Pose& pose) const {
-    const CameraModel& camera = knowledge_.camera();
-    const Area image = WholeImage(camera.image_size());
+    const Area image = WholeImage(camera_.image_size());
     int num_seen = 0, num_all = 0;
     for (int row = 0; row < board_.rows; ++row)
       for (int column = 0; column < board_.columns; ++column) {
         if (!board_.HasFeature(column, row)) continue;
         ++num_all;
-        const auto pixel = camera.Project(
+        const auto pixel = camera_.Project(
             pose * board_.points[board_.PointIndex(column, row)]);
-        num_seen += pixel && image.Contains(*pixel) && camera.IsLit(*pixel);
+        num_seen += pixel && image.Contains(*pixel) && camera_.IsLit(*pixel);
       }
     return 2 * num_seen >= num_all;
   }
 
   bool IsAvoided(const Pose& pose) const {
-    return std::any_of(
-        avoided_.begin(), avoided_.end(), [&](const Pose& other) {
-          return IsThere(knowledge_.camera(), board_, pose, other);
-        });
+    return std::any_of(avoided_.begin(), avoided_.end(),
+                       [&](const Pose& other) {
+                         return IsThere(camera_, board_, pose, other);
+                       });
   }
 
-  const CameraKnowledge& knowledge_;
+  const CameraModel& camera_;
   const Board& board_;
+  const ViewGain& gain_;
   const std::vector<Pose>& avoided_;
   std::vector<NextView> found_;
 };
 
 }  // namespace
 
-std::optional<NextView> BestNextView(const CameraKnowledge& knowledge,
-                                     const Board& board,
+std::optional<NextView> BestNextView(const CameraModel& camera,
+                                     const Board& board, const ViewGain& gain,
                                      const std::vector<Pose>& avoided) {
   constexpr int kColumns = 7, kRows = 5;
   constexpr double kWidths[] = {0.4, 0.7, 1.1};  // of the image's
-  const ImageSize size = knowledge.camera().image_size();
-  Search search(knowledge, board, avoided);
+  const ImageSize size = camera.image_size();
+  Search search(camera, board, gain, avoided);
   int turn = 0;
   for (int j = 0; j < kRows; ++j)
     for (int i = 0; i < kColumns; ++i)
@@ -111,6 +111,15 @@ std::optional<NextView> BestNextView(const CameraKnowledge& knowledge,
       }
   search.Keep(1);
   return search.found().front();
+}
+
+std::optional<NextView> BestNextView(const CameraKnowledge& knowledge,
+                                     const Board& board,
+                                     const std::vector<Pose>& avoided) {
+  return BestNextView(
+      knowledge.camera(), board,
+      [&](const Pose& pose) { return knowledge.GainOfView(board, pose); },
+      avoided);
 }
 
 BoardView FirstView(int index, const ImageSize& size) {

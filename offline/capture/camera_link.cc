@@ -1,0 +1,190 @@
+#include "capture/camera_link.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "calibration/calibration_problem.h"
+#include "capture/camera_knowledge.h"
+
+namespace raygrid {
+namespace {
+
+// A board in an image, as an adjusted camera has it.
+struct AdjustedView {
+  Pose camera_from_board;
+  std::vector<SeenPoint> seen;
+};
+
+using ViewsByInstant = std::map<std::pair<std::string, int>, AdjustedView>;
+
+ViewsByInstant ViewsOf(const Adjusted& adjusted) {
+  ViewsByInstant views;
+  const CalibrationProblem& problem = adjusted.problem;
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    AdjustedView& view = views[{problem.images[v], problem.boards[v]}];
+    view.camera_from_board = adjusted.state.CameraFromPattern(problem.views[v]);
+    for (const Observation& o : problem.views[v].observations)
+      view.seen.push_back({adjusted.state.points[o.point], o.pixel});
+  }
+  return views;
+}
+
+// The information that features give of their board's small motion before the
+// camera, for a noise of 1 px.
+MotionMatrix MotionInformation(const CameraModel& camera,
+                               const std::vector<SeenPoint>& features,
+                               const Pose& camera_from_board) {
+  MotionMatrix information = MotionMatrix::Zero();
+  for (const SeenPoint& feature : features) {
+    const Eigen::Vector3d point = camera_from_board * feature.point;
+    LinearizedProjection linear;
+    if (!camera.Linearize(point, &feature.pixel, 1, &linear)) continue;
+    const Eigen::Matrix<double, 2, 6> by_motion =
+        linear.by_point * PointByMotion(point);
+    information += by_motion.transpose() * by_motion;
+  }
+  return information;
+}
+
+// The small motion of the first frame as the second sees it.
+MotionMatrix AdjointOf(const Pose& second_from_first) {
+  const Eigen::Matrix3d rotation =
+      second_from_first.rotation.toRotationMatrix();
+  MotionMatrix adjoint = MotionMatrix::Zero();
+  adjoint.topLeftCorner<3, 3>() = rotation;
+  adjoint.bottomRightCorner<3, 3>() = rotation;
+  adjoint.bottomLeftCorner<3, 3>() =
+      CrossMatrix(second_from_first.translation) * rotation;
+  return adjoint;
+}
+
+// Zero where a matrix has no inverse.
+MotionMatrix InverseOf(const MotionMatrix& matrix) {
+  const Eigen::LDLT<MotionMatrix> factor(matrix);
+  if (!(factor.vectorD().minCoeff() > 0)) return MotionMatrix::Zero();
+  return factor.solve(MotionMatrix::Identity());
+}
+
+// The motion, small or not so, that takes one pose to another.
+Eigen::Matrix<double, 6, 1> MotionBetween(const Pose& from, const Pose& to) {
+  const Pose motion = to * from.Inverse();
+  const Eigen::AngleAxisd turn(motion.rotation);
+  Eigen::Matrix<double, 6, 1> vector;
+  vector << turn.angle() * turn.axis(), motion.translation;
+  return vector;
+}
+
+}  // namespace
+
+std::optional<CameraLink> CameraLink::Of(const LiveCamera& first,
+                                         const LiveCamera& second) {
+  if (!first.adjusted() || !second.adjusted()) return std::nullopt;
+  const auto camera_of = [](const Adjusted& adjusted) {
+    return Camera{
+        std::shared_ptr<const CameraModel>(adjusted.state.camera().Clone()),
+        adjusted.summary.noise_px};
+  };
+  CameraLink link;
+  link.first_ = camera_of(*first.adjusted());
+  link.second_ = camera_of(*second.adjusted());
+  const ViewsByInstant in_second = ViewsOf(*second.adjusted());
+  std::vector<SharedBoard> boards;
+  for (const auto& [instant, view] : ViewsOf(*first.adjusted())) {
+    const auto other = in_second.find(instant);
+    if (other == in_second.end()) continue;
+    boards.push_back({view.camera_from_board, other->second.camera_from_board,
+                      view.seen, other->second.seen});
+  }
+  if (boards.empty()) return std::nullopt;
+  link.FindPose(boards);
+  link.FindScatter(boards);
+  double num_features = 0;
+  for (const SharedBoard& board : boards) {
+    link.information_ += link.InformationOf(board);
+    link.weighing_ += MotionInformation(*link.second_.model, board.in_second,
+                                        board.second_from_board);
+    num_features += static_cast<double>(board.in_second.size());
+  }
+  link.weighing_ /= num_features;
+  if (InverseOf(link.information_).isZero(0)) return std::nullopt;
+  return link;
+}
+
+// The mean of the boards' relative poses, each weighed by its information.
+void CameraLink::FindPose(const std::vector<SharedBoard>& boards) {
+  second_from_first_ =
+      boards[0].second_from_board * boards[0].first_from_board.Inverse();
+  constexpr int kSteps = 5;
+  for (int step = 0; step < kSteps; ++step) {
+    MotionMatrix sum = MotionMatrix::Zero();
+    Eigen::Matrix<double, 6, 1> weighed = Eigen::Matrix<double, 6, 1>::Zero();
+    for (const SharedBoard& board : boards) {
+      const MotionMatrix information = InformationOf(board);
+      sum += information;
+      weighed +=
+          information * MotionBetween(second_from_first_,
+                                      board.second_from_board *
+                                          board.first_from_board.Inverse());
+    }
+    const Eigen::Matrix<double, 6, 1> motion = InverseOf(sum) * weighed;
+    const Pose moved{RotationFromVector(motion.head<3>()), motion.tail<3>()};
+    second_from_first_ = moved * second_from_first_;
+  }
+}
+
+void CameraLink::FindScatter(const std::vector<SharedBoard>& boards) {
+  if (boards.size() < 2) return;
+  double sum = 0;
+  for (const SharedBoard& board : boards) {
+    const Eigen::Matrix<double, 6, 1> motion =
+        MotionBetween(second_from_first_, board.second_from_board *
+                                              board.first_from_board.Inverse());
+    sum += motion.dot(InformationOf(board) * motion);
+  }
+  constexpr double kPoseSize = 6;
+  scatter_ =
+      std::max(1.0, sum / (kPoseSize * static_cast<double>(boards.size() - 1)));
+}
+
+MotionMatrix CameraLink::InformationOf(const SharedBoard& shared) const {
+  const MotionMatrix of_first = InverseOf(MotionInformation(
+      *first_.model, shared.in_first, shared.first_from_board));
+  const MotionMatrix of_second = InverseOf(MotionInformation(
+      *second_.model, shared.in_second, shared.second_from_board));
+  if (of_first.isZero(0) || of_second.isZero(0)) return MotionMatrix::Zero();
+  const MotionMatrix adjoint = AdjointOf(second_from_first_);
+  return InverseOf(first_.noise_px * first_.noise_px * adjoint * of_first *
+                       adjoint.transpose() +
+                   second_.noise_px * second_.noise_px * of_second);
+}
+
+double CameraLink::RmsPx() const {
+  return std::sqrt(scatter_ * (weighing_ * InverseOf(information_)).trace());
+}
+
+double CameraLink::GainOf(const SharedBoard& shared) const {
+  if (shared.in_first.size() < kMinViewFeatures ||
+      shared.in_second.size() < kMinViewFeatures)
+    return 0;
+  const double before = (weighing_ * InverseOf(information_)).trace();
+  const double after =
+      (weighing_ * InverseOf(information_ + InformationOf(shared))).trace();
+  return 1 - after / before;
+}
+
+double CameraLink::GainOfView(const Board& board,
+                              const Pose& first_from_board) const {
+  SharedBoard shared;
+  shared.first_from_board = first_from_board;
+  shared.second_from_board = second_from_first_ * first_from_board;
+  shared.in_second =
+      SeenPoints(*second_.model, board, shared.second_from_board);
+  if (shared.in_second.size() < kMinViewFeatures) return 0;
+  shared.in_first = SeenPoints(*first_.model, board, first_from_board);
+  return GainOf(shared);
+}
+
+}  // namespace raygrid
