@@ -139,18 +139,28 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
 void UseSession(CalibrateArguments* arguments) {
   if (arguments->images.size() == 1 && IsSession(arguments->images[0])) {
     const std::filesystem::path folder = arguments->images[0];
-    const Session session = ReadSession(folder.string());
-    arguments->capture = CaptureOf(session);
-    if (session.frames.empty())
-      throw Error(ExitCode::kTooFew,
-                  folder.string() +
-                      ": kept no frame; go on with it by raygrid "
-                      "capture --resume");
-    // A frame that was deleted may still lie there, if that was interrupted.
+    const std::vector<Session> cameras = ReadSession(folder.string());
     arguments->images.clear();
-    for (const SessionFrame& frame : session.frames)
-      arguments->images.push_back(
-          (folder / kSessionFrames / frame.image).string());
+    for (const Session& session : cameras) {
+      if (session.frames.empty())
+        throw Error(ExitCode::kTooFew,
+                    fmt::format("{}: {}kept no frame; go on with it by raygrid "
+                                "capture --resume",
+                                folder.string(),
+                                session.camera.empty()
+                                    ? ""
+                                    : "camera " + session.camera + " "));
+      arguments->captures.push_back(CaptureOf(session));
+      // A frame that was deleted may still lie there, if that was interrupted.
+      std::vector<std::string> images;
+      for (const SessionFrame& frame : session.frames)
+        images.push_back(
+            SessionFramePath(folder.string(), session.camera, frame.image));
+      if (cameras.size() == 1)
+        arguments->images = images;
+      else
+        arguments->rig.push_back({session.camera, images});
+    }
     if (arguments->pattern.empty())
       arguments->pattern = (folder / kSessionPattern).string();
     if (arguments->output.empty())
@@ -175,7 +185,8 @@ void CompleteResult(const std::vector<Measurements>& cameras,
     const std::vector<RejectedImage>& left_out = cameras[c].left_out;
     CalibrationResult& camera = result->cameras[c];
     camera.camera.serial = arguments.serial;
-    if (arguments.capture.KnowsAny()) camera.camera.capture = arguments.capture;
+    if (c < arguments.captures.size() && arguments.captures[c].KnowsAny())
+      camera.camera.capture = arguments.captures[c];
     camera.rejected_images.insert(camera.rejected_images.end(),
                                   left_out.begin(), left_out.end());
   }
@@ -230,7 +241,7 @@ void RequireSuccess(const Verdict& verdict, bool is_interrupted,
 void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
   const FeaturesByCamera given = ReadGivenFeatures(arguments);
   RequireOfSingleCamera(arguments,
-                        given.size() > 1 || !arguments.cameras.empty());
+                        given.size() > 1 || arguments.HasCameraImages());
   const Pattern pattern = MeantPattern(arguments.pattern, common);
   RequireNoInputReplaced(arguments, FindImages(arguments.images).paths);
   RequireWritableFolder(arguments.output);

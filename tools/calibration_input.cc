@@ -15,7 +15,6 @@
 #include "dataset/files.h"
 #include "dataset/image_files.h"
 #include "dataset/repeated_images.h"
-#include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
 #include "features/board_guess.h"
 #include "features/image_circle_detection.h"
@@ -24,6 +23,7 @@
 #include "image_size_option.h"
 #include "interruption.h"
 #include "mode_options.h"
+#include "named_camera.h"
 
 namespace raygrid {
 namespace {
@@ -207,45 +207,13 @@ std::optional<ImageCircle> ImageCircleOf(const Measurements& measurements,
 
 // ---- Cameras ---------------------------------------------------------------
 
-// The texts before and after the '=' of NAME=VALUE; all is value without one.
-struct NamedValue {
-  std::string name, value;
-};
-NamedValue Parse(const std::string& text) {
-  const size_t equals = text.find('=');
-  if (equals == std::string::npos) return {"", text};
-  return {text.substr(0, equals), text.substr(equals + 1)};
-}
-
-// Names become folders and fields of CSV files.
-void RequireCameraName(const std::string& name) {
-  if (!IsRigCameraName(name))
-    throw Error(ExitCode::kUsage,
-                fmt::format("camera name '{}': give it one of letters, digits, "
-                            "'-' and '_'",
-                            name));
-}
-
-// The images of each camera, a single one without a name.
-struct NamedImages {
-  std::string camera;
-  std::vector<std::string> images;
-};
 std::vector<NamedImages> ParseCameras(const CalibrateArguments& arguments) {
+  if (!arguments.rig.empty()) return arguments.rig;
   if (arguments.cameras.empty()) return {{"", arguments.images}};
   std::vector<NamedImages> cameras;
-  std::set<std::string> names;
-  for (const std::string& text : arguments.cameras) {
-    const auto& [name, folder] = Parse(text);
-    if (name.empty())
-      throw Error(ExitCode::kUsage,
-                  fmt::format("--camera {}: expected NAME=FOLDER", text));
-    RequireCameraName(name);
-    if (!names.insert(name).second)
-      throw Error(ExitCode::kUsage,
-                  fmt::format("--camera {}: two cameras of one name", name));
+  for (const auto& [name, folder] :
+       ParseNamedCameras("--camera", "FOLDER", arguments.cameras))
     cameras.push_back({name, {folder}});
-  }
   if (cameras.size() == 1)
     throw Error(ExitCode::kUsage,
                 "a rig needs two cameras or more; give the images of a single "
@@ -268,7 +236,7 @@ ImageSize SizeOfCamera(const std::string& camera,
                        const CalibrateArguments& arguments) {
   std::string size;
   for (const std::string& text : arguments.image_sizes) {
-    const NamedValue given = Parse(text);
+    const NamedValue given = ParseNamedValue(text);
     if (given.name == camera || (given.name.empty() && size.empty()))
       size = given.value;
   }
@@ -283,7 +251,7 @@ ImageSize SizeOfCamera(const std::string& camera,
 void RequireSizesOfCameras(const CalibrateArguments& arguments,
                            const FeaturesByCamera& given) {
   for (const std::string& text : arguments.image_sizes) {
-    const std::string name = Parse(text).name;
+    const std::string name = ParseNamedValue(text).name;
     if (!name.empty() && !given.count(name))
       throw Error(ExitCode::kUsage,
                   fmt::format("--image-size {}: {} has no camera '{}'", text,
@@ -434,7 +402,7 @@ std::vector<Measurements> MeasureCameras(const CalibrateArguments& arguments,
 
 FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
   if (!arguments.images.empty() + !arguments.features.empty() +
-          !arguments.cameras.empty() !=
+          arguments.HasCameraImages() !=
       1)
     throw Error(ExitCode::kUsage, "give either images, --camera or --features");
   if (!arguments.features.empty() && !arguments.modes.empty())

@@ -17,6 +17,12 @@
 
 namespace raygrid {
 
+/// The images of a rig's camera, or of a single one, without a name.
+struct NamedImages {
+  std::string camera;
+  std::vector<std::string> images;
+};
+
 struct CalibrateArguments {
   std::vector<std::string> images, cameras, image_sizes, hold_out, modes;
   std::string features, pattern, output, name, serial;
@@ -26,7 +32,11 @@ struct CalibrateArguments {
   bool flat_board = false, rigid_board = false, boards_move = false,
        measure_once = false, resume = false;
   bool skip_comparison = false;
-  Capture capture;  ///< how a session's camera stood
+  std::vector<NamedImages> rig;   ///< of a session, instead of cameras
+  std::vector<Capture> captures;  ///< how a session's cameras stood
+
+  /// Whether there are images of several cameras.
+  bool HasCameraImages() const { return !cameras.empty() || !rig.empty(); }
 };
 
 /// The features of the only camera, or those of several by its name.

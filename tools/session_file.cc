@@ -9,6 +9,7 @@
 
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "named_camera.h"
 
 namespace raygrid {
 namespace {
@@ -61,6 +62,30 @@ SessionFrame ParseFrame(const Json& json) {
   return frame;
 }
 
+Json FormatCamera(const Session& session) {
+  Json json = {
+      {"image_size", {session.image_size.width, session.image_size.height}}};
+  if (!session.locked.empty()) json["locked"] = session.locked;
+  if (!session.not_locked.empty()) json["not_locked"] = session.not_locked;
+  json["frames"] = Json::array();
+  for (const SessionFrame& frame : session.frames)
+    json["frames"].push_back(FormatFrame(frame));
+  return json;
+}
+
+Session ParseCamera(const Json& json) {
+  Session session;
+  const auto size = json.at("image_size").get<std::array<int, 2>>();
+  session.image_size = {size[0], size[1]};
+  for (const Json& frame : json.at("frames"))
+    session.frames.push_back(ParseFrame(frame));
+  for (const auto& [key, list] : {std::pair("locked", &session.locked),
+                                  std::pair("not_locked", &session.not_locked)})
+    if (json.contains(key))
+      *list = json.at(key).get<std::vector<std::string>>();
+  return session;
+}
+
 // The value that all frames have, to a tolerance.
 std::optional<double> ValueOfAll(const Session& session,
                                  std::optional<double> SessionFrame::*value,
@@ -93,40 +118,47 @@ bool IsSession(const std::string& folder) {
   return fs::is_regular_file(fs::path(folder) / kSessionFile, error);
 }
 
-std::string FormatSession(const Session& session) {
-  Json json = {
-      {"raygrid_session", 1},
-      {"image_size", {session.image_size.width, session.image_size.height}}};
-  if (!session.locked.empty()) json["locked"] = session.locked;
-  if (!session.not_locked.empty()) json["not_locked"] = session.not_locked;
-  json["frames"] = Json::array();
-  for (const SessionFrame& frame : session.frames)
-    json["frames"].push_back(FormatFrame(frame));
+std::string SessionFramePath(const std::string& folder,
+                             const std::string& camera,
+                             const std::string& image) {
+  return (fs::path(folder) / kSessionFrames / camera / image).string();
+}
+
+std::string FormatSession(const std::vector<Session>& cameras) {
+  Json json = {{"raygrid_session", 1}};
+  if (cameras.size() == 1) {
+    json.update(FormatCamera(cameras[0]));
+  } else {
+    json["cameras"] = Json::array();
+    for (const Session& camera : cameras) {
+      Json named = {{"camera", camera.camera}};
+      named.update(FormatCamera(camera));
+      json["cameras"].push_back(named);
+    }
+  }
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-Session ReadSession(const std::string& folder) {
+std::vector<Session> ReadSession(const std::string& folder) {
   const std::string path = (fs::path(folder) / kSessionFile).string();
   const std::string text = ReadFile(path);
   try {
     const Json json = Json::parse(text);
     if (json.at("raygrid_session") != 1)
       throw InputError("is of a newer raygrid");
-    Session session;
-    const auto size = json.at("image_size").get<std::array<int, 2>>();
-    session.image_size = {size[0], size[1]};
-    for (const Json& frame : json.at("frames"))
-      session.frames.push_back(ParseFrame(frame));
-    for (const auto& [key, list] :
-         {std::pair("locked", &session.locked),
-          std::pair("not_locked", &session.not_locked)})
-      if (json.contains(key))
-        *list = json.at(key).get<std::vector<std::string>>();
-    return session;
+    if (!json.contains("cameras")) return {ParseCamera(json)};
+    std::vector<Session> cameras;
+    for (const Json& camera : json.at("cameras")) {
+      cameras.push_back(ParseCamera(camera));
+      cameras.back().camera = camera.at("camera").get<std::string>();
+      RequireCameraName(cameras.back().camera);
+    }
+    if (cameras.empty()) throw InputError("has no camera");
+    return cameras;
   } catch (const Json::exception& error) {
     throw InputError(fmt::format("{}: is no session ({}); capture anew", path,
                                  error.what()));
-  } catch (const InputError& error) {
+  } catch (const Error& error) {
     throw InputError(fmt::format("{}: {}", path, error.what()));
   }
 }

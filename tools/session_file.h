@@ -27,7 +27,9 @@ struct SessionFrame {
   std::optional<double> variance_taken;  ///< part that the frame took away
 };
 
+/// The frames of one camera.
 struct Session {
+  std::string camera;  ///< its name in a rig; empty: the only one
   ImageSize image_size;
   std::vector<SessionFrame> frames;  ///< in the order in which they were kept
   std::vector<std::string> locked, not_locked;  ///< the camera's settings
@@ -39,10 +41,16 @@ constexpr char kSessionPattern[] = "pattern.yaml";
 
 /// Whether a folder is a session's.
 bool IsSession(const std::string& folder);
+/// FOLDER/frames/IMAGE, or FOLDER/frames/CAMERA/IMAGE of a rig.
+std::string SessionFramePath(const std::string& folder,
+                             const std::string& camera,
+                             const std::string& image);
 
-std::string FormatSession(const Session& session);
+/// The cameras of a rig, or the only one. Frames of one name were taken at one
+/// instant.
+std::string FormatSession(const std::vector<Session>& cameras);
 /// Reads FOLDER/session.json. Throws InputError.
-Session ReadSession(const std::string& folder);
+std::vector<Session> ReadSession(const std::string& folder);
 
 /// How the camera stood in all frames; nothing of what differs between them or
 /// was not told.

@@ -91,7 +91,10 @@ class CaptureLoopTest : public testing::Test {
 
   // The words of the frames that were still and new.
   std::vector<std::string> Run() {
-    SessionFolder session(folder_ / "session", pattern_, false);
+    std::vector<NamedFrames> cameras(1);
+    cameras[0].frames = std::move(frames_);
+    PairedFrames frames(std::move(cameras), 0);
+    SessionFolder session(folder_ / "session", pattern_, frames.names(), false);
     CaptureWishes wishes;
     std::vector<std::string> words;
     CaptureViewers viewers;
@@ -102,11 +105,11 @@ class CaptureLoopTest : public testing::Test {
         words.push_back(word);
       remarks_ = state.remarks;
     };
-    CaptureLoop(CaptureLoopOptions{}, pattern_, frames_.get(), &session,
-                viewers, &wishes)
+    CaptureLoop(CaptureLoopOptions{}, pattern_, &frames, &session, viewers,
+                &wishes)
         .Run();
-    session_ = session.session();
-    num_locks_ = frames_->camera_source.num_locks;
+    session_ = session.cameras().front();
+    num_locks_ = static_cast<LockableSource*>(frames.source(0))->num_locks;
     return words;
   }
 

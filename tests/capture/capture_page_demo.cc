@@ -6,6 +6,7 @@
 // Prints the link, then each command that the page sends. Reads lines:
 //
 //   word WORD HINT   keep NAME   known FACTOR   next   done   remark TEXT
+//   rig              two cameras, the first one shown
 //   picture SECONDS  one picture, of the board at that time
 //   live             pictures from now on, 20 a second
 //   quit             so does the end of the input
@@ -155,6 +156,10 @@ class Demo {
     } else if (verb == "done") {
       state_.is_done = true;
       state_.num_expected = 0;
+    } else if (verb == "rig") {
+      state_.camera = "left";
+      state_.cameras = {{"left", "moving", 0.04}, {"right", "kept", 0.2}};
+      state_.links = {{"left", "right", 0.013}};
     } else if (verb == "remark") {
       state_.remarks.push_back(rest);
     } else if (verb == "picture" && words >> number) {

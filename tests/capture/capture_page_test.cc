@@ -139,6 +139,8 @@ TEST_F(CapturePageTest, TellsTheStateAsJson) {
   state.width = 640;
   state.height = 480;
   state.camera = "left";
+  state.cameras = {{"left", "kept", 0.1}, {"right", "absent", 0}};
+  state.links = {{"left", "right", 0.2}};
   state.word = "kept";
   state.hint = "Tilt \"it\"\nnow";
   state.is_done = true;
@@ -160,6 +162,12 @@ TEST_F(CapturePageTest, TellsTheStateAsJson) {
   EXPECT_EQ(told["width"], 640);
   EXPECT_EQ(told["height"], 480);
   EXPECT_EQ(told["camera"], "left");
+  EXPECT_EQ(
+      told["cameras"],
+      Json({{{"name", "left"}, {"word", "kept"}, {"deviation_px", 0.1}},
+            {{"name", "right"}, {"word", "absent"}, {"deviation_px", 0.0}}}));
+  EXPECT_EQ(told["links"][0]["cameras"], Json({"left", "right"}));
+  EXPECT_EQ(told["links"][0]["deviation_px"], 0.2);
   EXPECT_EQ(told["word"], "kept");
   EXPECT_EQ(told["hint"], state.hint);
   EXPECT_EQ(told["is_done"], true);

@@ -117,6 +117,14 @@ class Page(unittest.TestCase):
         width = "parseFloat(getComputedStyle(document.getElementById('%s')).strokeWidth)"
         self.assertGreater(self.evaluate(width % "top"), 2 * self.evaluate(width % "next"))
 
+    def test_a_rig_shows_all_its_cameras(self):
+        self.assertTrue(self.evaluate("document.getElementById('rig').hidden"))
+        self.tell("rig", "next", "picture 2")
+        self.shows("rig", "left \u2194 0.04 pxright \u2713 0.2 pxleft\u2013right 0.013 px")
+        self.assertEqual(self.evaluate("document.querySelector('#rig .shown').textContent"),
+                         "left \u2194 0.04 px")
+        self.take_picture("rig")
+
     def test_map(self):
         label = "document.getElementById('map').getAttribute('aria-label')"
         self.assertEqual(self.evaluate(label), "Nothing is known yet")

@@ -12,6 +12,7 @@
 #include "dataset/error.h"
 #include "frame_sources.h"
 #include "image_size_option.h"
+#include "named_camera.h"
 #include "pattern_input.h"
 
 namespace raygrid {
@@ -44,13 +45,54 @@ bool ParseCamera(const std::string& source, CameraArguments* camera) {
   return false;
 }
 
+// Opens a source; NULL if a signal came first.
+std::unique_ptr<LiveFrames> OpenLiveFrames(const CaptureArguments& arguments,
+                                           const std::string& name) {
+  CameraArguments camera;
+  camera.format = arguments.format;
+  camera.timeout_s = arguments.loop.timeout_s;
+  if (!arguments.size.empty()) {
+    const ImageSize size = ParseImageSize("--size", arguments.size);
+    camera.width = static_cast<unsigned>(size.width);
+    camera.height = static_cast<unsigned>(size.height);
+  }
+  for (const std::string& control : arguments.controls)
+    camera.controls.push_back(ParseControl(control));
+  const bool is_input = name == "-";
+  if (is_input || ParseCamera(name, &camera)) {
+    if (is_input) camera.recording = "-";
+    const bool can_wait = is_input && CanFramesWait(camera);
+    camera.every_frame = can_wait;
+    auto source = OpenFrameSource(camera);
+    if (!source) return nullptr;  // a signal came first
+    return MakeSourceFrames(std::move(source), !can_wait);
+  }
+  struct stat status;
+  if (stat(name.c_str(), &status) != 0)
+    throw InputError(name +
+                     ": is neither a camera, as v4l2:/dev/video0 or libcamera, "
+                     "nor a file or folder; raygrid-camera --list names "
+                     "cameras");
+  return S_ISDIR(status.st_mode) ? MakeFolderFrames(name)
+                                 : MakeVideoFrames(name);
+}
+
 }  // namespace
 
 void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
-  app->add_option("--source", arguments->source,
+  app->add_option("--source", arguments->sources,
                   "libcamera[:ID], v4l2[:DEVICE], a video, a folder of images, "
-                  "or - for Y4M, JPEGs or raw frames on standard input")
-      ->required();
+                  "or - for Y4M, JPEGs or raw frames on standard input; of a "
+                  "rig NAME=SOURCE, once for each camera")
+      ->required()
+      ->type_name("SOURCE")
+      ->allow_extra_args(false);
+  app->add_option("--pair-within-ms", arguments->pair_within_ms,
+                  "a rig's frames are of one instant if their time stamps "
+                  "differ by no more; photographs are by their names, frames "
+                  "of videos by their numbers")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
   AddPatternOption(app, &arguments->pattern)->required();
   AddYes(app, &arguments->common);
   app->add_option("-o,--output", arguments->output,
@@ -113,38 +155,23 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
 void FinishCaptureArguments(CaptureArguments* arguments) {
   if (!arguments->until.empty())
     arguments->loop.guide.target_px = ParsePixels("--until", arguments->until);
-  arguments->loop.source = arguments->source;
+  arguments->loop.source =
+      fmt::format("{}", fmt::join(arguments->sources, ", "));
   arguments->loop.num_threads = arguments->common.threads;
 }
 
-std::unique_ptr<LiveFrames> OpenLiveFrames(const CaptureArguments& arguments) {
-  CameraArguments camera;
-  camera.format = arguments.format;
-  camera.timeout_s = arguments.loop.timeout_s;
-  if (!arguments.size.empty()) {
-    const ImageSize size = ParseImageSize("--size", arguments.size);
-    camera.width = static_cast<unsigned>(size.width);
-    camera.height = static_cast<unsigned>(size.height);
+std::unique_ptr<PairedFrames> OpenFrames(const CaptureArguments& arguments) {
+  std::vector<NamedValue> sources = {{"", arguments.sources[0]}};
+  if (arguments.sources.size() > 1)
+    sources = ParseNamedCameras("--source", "SOURCE", arguments.sources);
+  std::vector<NamedFrames> cameras;
+  for (const auto& [name, source] : sources) {
+    auto frames = OpenLiveFrames(arguments, source);
+    if (!frames) return nullptr;
+    cameras.push_back({name, std::move(frames)});
   }
-  for (const std::string& control : arguments.controls)
-    camera.controls.push_back(ParseControl(control));
-  const bool is_input = arguments.source == "-";
-  if (is_input || ParseCamera(arguments.source, &camera)) {
-    if (is_input) camera.recording = "-";
-    const bool can_wait = is_input && CanFramesWait(camera);
-    camera.every_frame = can_wait;
-    auto source = OpenFrameSource(camera);
-    if (!source) return nullptr;  // a signal came first
-    return MakeSourceFrames(std::move(source), !can_wait);
-  }
-  struct stat status;
-  if (stat(arguments.source.c_str(), &status) != 0)
-    throw InputError(arguments.source +
-                     ": is neither a camera, as v4l2:/dev/video0 or libcamera, "
-                     "nor a file or folder; raygrid-camera --list names "
-                     "cameras");
-  return S_ISDIR(status.st_mode) ? MakeFolderFrames(arguments.source)
-                                 : MakeVideoFrames(arguments.source);
+  return std::make_unique<PairedFrames>(std::move(cameras),
+                                        arguments.pair_within_ms * 1e-3);
 }
 
 }  // namespace raygrid

@@ -13,10 +13,12 @@ namespace raygrid {
 
 struct CaptureArguments {
   CommonOptions common;
-  std::string source, pattern, output;
+  std::vector<std::string> sources;
+  std::string pattern, output;
   std::string size, format, until;
   std::vector<std::string> controls;
   CaptureLoopOptions loop;
+  double pair_within_ms = 17;
   bool resume = false, no_calibrate = false, no_page = false;
   PageAddress page;
 };
@@ -27,8 +29,8 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments);
 /// Reads what options hold as text. Throws Error(kUsage).
 void FinishCaptureArguments(CaptureArguments* arguments);
 
-/// Opens --source. Throws Error, CameraError.
-std::unique_ptr<LiveFrames> OpenLiveFrames(const CaptureArguments& arguments);
+/// Opens all --source. NULL: a signal came first. Throws Error, CameraError.
+std::unique_ptr<PairedFrames> OpenFrames(const CaptureArguments& arguments);
 
 }  // namespace raygrid
 

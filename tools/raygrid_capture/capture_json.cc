@@ -39,9 +39,19 @@ std::string CaptureJson(const CaptureState& state) {
     places.push_back(RoundedPixel(place.pixel.y()));
     places.push_back(Rounded(place.deviation_px));
   }
+  Json cameras = Json::array(), links = Json::array();
+  for (const CameraShown& camera : state.cameras)
+    cameras.push_back({{"name", camera.name},
+                       {"word", camera.word},
+                       {"deviation_px", Rounded(camera.deviation_px)}});
+  for (const LinkShown& link : state.links)
+    links.push_back({{"cameras", {link.first, link.second}},
+                     {"deviation_px", Rounded(link.deviation_px)}});
   const Json json = {{"width", state.width},
                      {"height", state.height},
                      {"camera", state.camera},
+                     {"cameras", cameras},
+                     {"links", links},
                      {"word", state.word},
                      {"hint", state.hint},
                      {"is_done", state.is_done},

@@ -13,6 +13,8 @@ namespace raygrid {
 ///   width, height, camera, word, hint, is_done, is_paused, deviation_px,
 ///   target_px, kept, num_expected, sharpness_px, brightness,
 ///   frames_per_second, remarks   the fields of the state
+///   cameras    [{"name", "word", "deviation_px"}] of a rig; else []
+///   links      [{"cameras": [FIRST, SECOND], "deviation_px"}]
 ///   features   [x, y, x, y, ...]
 ///   next       [{"outline": [x, y, ...], "top": [x, y, ...]}]
 ///   arrow      [x, y, x, y] or []

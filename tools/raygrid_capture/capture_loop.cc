@@ -33,64 +33,19 @@ ViewShown ShowView(const CameraModel& camera, const Board& board,
   return shown;
 }
 
-// The board of the pattern with most features in an image; NULL without any.
-const Board* LargestBoard(const Pattern& pattern, const ImageFeatures& image) {
-  const Board* largest = nullptr;
-  std::ptrdiff_t most = 0;
-  for (const Board& board : pattern.boards) {
-    const auto count = std::count_if(
-        image.features.begin(), image.features.end(),
-        [&board](const Feature& feature) { return feature.board == board.id; });
-    if (count <= most) continue;
-    most = count;
-    largest = &board;
-  }
-  return largest;
+void RequireSize(const Session& session, const ImageSize& size) {
+  if (session.frames.empty() || session.image_size == size) return;
+  throw Error(ExitCode::kUsage,
+              fmt::format("the session's frames have {} x {} pixels, the "
+                          "source's {} x {}; choose the same --size",
+                          session.image_size.width, session.image_size.height,
+                          size.width, size.height));
 }
 
-std::optional<double> Told(double value) {
-  return value > 0 ? std::optional(value) : std::nullopt;
-}
-
-// How the camera stood.
-SessionFrame StateOf(const FrameInfo& info) {
-  SessionFrame record;
-  record.lens_position = info.lens_position;
-  record.focus_steps = info.focus_steps;
-  record.exposure_us = info.exposure_us;
-  record.analogue_gain = info.analogue_gain;
-  record.zoom = info.zoom;
-  record.orientation = info.orientation;
-  record.sensor_temperature_c = info.sensor_temperature_c;
-  if (info.crop)
-    record.crop = {info.crop->x, info.crop->y,
-                   static_cast<int>(info.crop->width),
-                   static_cast<int>(info.crop->height)};
-  return record;
-}
-
-// The word on a frame that shows another camera than the first one kept: its
-// lens has moved, or another part of the sensor is shown. NULL: the same.
-const char* WordOfOtherState(const SessionFrame& first,
-                             const SessionFrame& now) {
-  const bool has_lens_moved =
-      first.lens_position && now.lens_position &&
-      std::abs(*first.lens_position - *now.lens_position) >
-          kDefaultLensTolerance;
-  if (has_lens_moved || first.focus_steps != now.focus_steps)
-    return "refocused";
-  return first.crop != now.crop || first.zoom != now.zoom ? "cropped" : nullptr;
-}
-
-SessionFrame RecordOf(const LiveFrame& frame, const SeenFrame& seen,
-                      double variance_taken) {
-  SessionFrame record = StateOf(frame.info);
-  record.image = seen.features.image;
-  record.seconds = frame.time_s;
-  record.edge_spread_px = Told(seen.quality.most_spread_px);
-  record.white = Told(seen.quality.white);
-  record.variance_taken = variance_taken;
-  return record;
+bool HasFrame(const Session& session, const std::string& name) {
+  return std::any_of(
+      session.frames.begin(), session.frames.end(),
+      [&name](const SessionFrame& frame) { return frame.image == name; });
 }
 
 }  // namespace
@@ -116,7 +71,7 @@ void CaptureWishes::Delete(const std::string& name) {
 }
 
 CaptureLoop::CaptureLoop(const CaptureLoopOptions& options,
-                         const Pattern& pattern, LiveFrames* frames,
+                         const Pattern& pattern, PairedFrames* frames,
                          SessionFolder* session, CaptureViewers viewers,
                          CaptureWishes* wishes)
     : options_(options),
@@ -125,10 +80,11 @@ CaptureLoop::CaptureLoop(const CaptureLoopOptions& options,
       session_(session),
       viewers_(std::move(viewers)),
       wishes_(wishes),
-      detector_(pattern, {}),
-      judge_(options.judge) {
-  for (const Board& board : pattern.boards)
-    meters_.emplace(board.id, QualityMeter(board));
+      live_(frames->size()),
+      guides_(frames->size()),
+      avoided_(frames->size()) {
+  for (size_t c = 0; c < frames->size(); ++c)
+    cameras_.emplace_back(pattern, options.judge);
   state_.target_px = options.guide.target_px;
 }
 
@@ -141,9 +97,8 @@ void CaptureLoop::Run() {
   while (!IsFinished()) {
     FollowWishes();
     TakeGuide(false);
-    if (const auto frame = frames_->Next()) {
-      has_seen_frames_ = true;
-      TakeFrame(*frame);
+    if (const auto instant = frames_->Next()) {
+      TakeInstant(*instant);
       last = SteadyClock::now();
     } else if (frames_->is_live() && !frames_->is_finished() &&
                SecondsSince(last) > options_.timeout_s) {
@@ -169,153 +124,240 @@ bool CaptureLoop::IsFinished() {
   return wishes_->is_finished_ || (guide_ && guide_->is_done());
 }
 
-// ---- The camera so far ------------------------------------------------------
+// ---- The cameras so far -----------------------------------------------------
 
-void CaptureLoop::UpdateCamera(Update update) {
+void CaptureLoop::UpdateCameras(const std::vector<bool>& changed,
+                                const Update& update) {
   TakeGuide(true);
-  adjusting_ =
-      std::async(std::launch::async, [this, update, options = options_.guide] {
-        update(live_.get());
-        return std::make_unique<CaptureGuide>(*live_, pattern_, options);
-      });
+  adjusting_ = std::async(std::launch::async, [this, changed, update] {
+    for (size_t c = 0; c < live_.size(); ++c)
+      if (changed[c]) update(c, live_[c].get());
+    MakeGuide(changed);
+  });
   if (!frames_->is_live()) TakeGuide(true);
 }
 
-void CaptureLoop::TakeGuide(bool wait) {
-  if (!adjusting_.valid()) return;
-  if (!wait &&
-      adjusting_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
-    return;
-  guide_ = adjusting_.get();
-  guided_since_ = SteadyClock::now();
+void CaptureLoop::MakeGuide(const std::vector<bool>& changed) {
+  GuideOptions options = options_.guide;
+  options.leaves_connecting = has_connected_in_vain_;
+  std::vector<GuidedCamera> cameras(live_.size());
+  for (size_t c = 0; c < live_.size(); ++c) {
+    if (!live_[c]) continue;
+    options.avoided = avoided_[c];
+    if (changed[c] || !guides_[c])
+      guides_[c] = std::make_shared<CaptureGuide>(*live_[c], pattern_, options);
+    cameras[c] = {live_[c].get(), guides_[c], avoided_[c]};
+  }
+  next_guide_ = std::make_unique<RigGuide>(cameras, pattern_, options);
 }
 
-// Some views cannot be shown: the board does not fit there, or is not found.
+void CaptureLoop::TakeGuide(bool wait) {
+  if (adjusting_.valid()) {
+    if (!wait && adjusting_.wait_for(std::chrono::seconds(0)) !=
+                     std::future_status::ready)
+      return;
+    adjusting_.get();
+  }
+  if (!next_guide_) return;
+  guide_ = std::move(next_guide_);
+  guided_since_ = SteadyClock::now();
+  ChooseCameraShown();
+}
+
+void CaptureLoop::ChooseCameraShown() {
+  if (guide_->next())
+    shown_ = guide_->next()->camera;
+  else if (guide_->to_connect())
+    shown_ = guide_->to_connect()->first;
+  if (!guide_->guide(shown_))
+    for (shown_ = 0; !guide_->guide(shown_);) ++shown_;
+}
+
+// Some views cannot be shown: the board does not fit there, or is not found, or
+// two cameras see no place together.
 void CaptureLoop::LeaveViewInVain() {
   constexpr double kPatienceS = 20;
   if (!frames_->is_live() || adjusting_.valid() || state_.is_paused ||
-      !guide_->knowledge() || !guide_->next() ||
       SecondsSince(guided_since_) < kPatienceS)
     return;
-  options_.guide.avoided.push_back(guide_->next()->camera_from_board);
-  UpdateCamera([](LiveCamera*) {});
+  std::vector<bool> changed(live_.size(), false);
+  if (guide_->to_connect() && !guide_->next()) {
+    if (has_connected_in_vain_) return;
+    has_connected_in_vain_ = true;
+  } else if (guide().knowledge() && guide_->next()) {
+    avoided_[shown_].push_back(guide_->next()->view.camera_from_board);
+    changed[shown_] = true;
+  } else {
+    return;
+  }
+  UpdateCameras(changed, [](size_t, LiveCamera*) {});
 }
 
 // The frames of the session so far, which are looked at anew.
 void CaptureLoop::Resume() {
-  std::vector<ImageFeatures> images;
-  for (const SessionFrame& frame : session_->session().frames) {
-    const GreyImage grey =
-        MakeGreyImage(ReadGreyLevels(session_->PathOf(frame.image)));
-    if (viewers_.add_kept) viewers_.add_kept(frame.image, grey);
-    state_.kept.push_back(frame.image);
-    images.push_back({frame.image, detector_.Detect(grey).features});
+  std::vector<std::vector<ImageFeatures>> images(cameras_.size());
+  for (const std::string& name : session_->Instants()) {
+    std::vector<GreyImage> greys;
+    for (size_t c = 0; c < cameras_.size(); ++c) {
+      if (!HasFrame(session_->cameras()[c], name)) continue;
+      greys.push_back(MakeGreyImage(ReadGreyLevels(session_->PathOf(c, name))));
+      images[c].push_back(cameras_[c].Detect(name, greys.back()));
+    }
+    std::vector<const GreyImage*> shown;
+    for (const GreyImage& grey : greys) shown.push_back(&grey);
+    if (viewers_.add_kept) viewers_.add_kept(name, shown);
+    state_.kept.push_back(name);
   }
-  UpdateCamera([images](LiveCamera* live) { live->Add(images); });
+  if (state_.kept.empty()) return;
+  std::vector<bool> changed(cameras_.size(), false);
+  for (size_t c = 0; c < cameras_.size(); ++c) {
+    changed[c] = !images[c].empty();
+    if (changed[c])
+      live_[c] = std::make_unique<LiveCamera>(
+          pattern_, session_->cameras()[c].image_size, options_.num_threads);
+  }
+  UpdateCameras(changed,
+                [images](size_t c, LiveCamera* live) { live->Add(images[c]); });
   TakeGuide(true);
 }
 
-// ---- Frames -----------------------------------------------------------------
-
-SeenFrame CaptureLoop::See(const LiveFrame& frame) const {
-  SeenFrame seen;
-  seen.features.features = detector_.Detect(frame.grey).features;
-  seen.time_s = frame.time_s;
-  if (frame.info.exposure_us) seen.exposure_s = *frame.info.exposure_us * 1e-6;
-  if (const Board* const board = LargestBoard(pattern_, seen.features)) {
-    std::vector<Feature> own;
-    for (const Feature& feature : seen.features.features)
-      if (feature.board == board->id) own.push_back(feature);
-    seen.quality =
-        meters_.at(board->id).Measure(frame.grey.size, frame.grey.levels, own);
+// Cameras are known by their first frames.
+void CaptureLoop::Begin(const Instant& instant) {
+  if (!has_seen_frames_) Resume();
+  has_seen_frames_ = true;
+  bool is_new = false;
+  for (size_t c = 0; c < instant.size(); ++c) {
+    if (!instant[c]) continue;
+    const ImageSize& size = instant[c]->grey.size;
+    RequireSize(session_->cameras()[c], size);
+    is_new |= !guide_ || !guide_->guide(c);
+    if (live_[c]) continue;
+    TakeGuide(true);
+    live_[c] =
+        std::make_unique<LiveCamera>(pattern_, size, options_.num_threads);
   }
-  return seen;
+  if (!is_new) return;
+  TakeGuide(true);
+  MakeGuide(std::vector<bool>(live_.size(), false));
+  TakeGuide(true);
 }
 
-void CaptureLoop::TakeFrame(const LiveFrame& frame) {
-  if (!live_) {
-    live_ = std::make_unique<LiveCamera>(pattern_, frame.grey.size,
-                                         options_.num_threads);
-    if (!session_->session().frames.empty()) {
-      const ImageSize size = session_->session().image_size;
-      if (size != frame.grey.size)
-        throw Error(ExitCode::kUsage,
-                    fmt::format("the session's frames have {} x {} pixels, the "
-                                "source's {} x {}; choose the same --size",
-                                size.width, size.height, frame.grey.size.width,
-                                frame.grey.size.height));
-      Resume();
-    }
-    if (!guide_)
-      guide_ = std::make_unique<CaptureGuide>(*live_, pattern_, options_.guide);
+// ---- Instants ---------------------------------------------------------------
+
+void CaptureLoop::TakeInstant(const Instant& instant) {
+  Begin(instant);
+  JudgedFrames judged_frames = Judge(instant);
+  if (IsWanted(judged_frames)) {
+    Forbid(&judged_frames);
+    if (IsWanted(judged_frames)) Keep(&judged_frames);
   }
-  SeenFrame seen = See(frame);
-  if (IsKept(frame, seen)) {
-    seen.features.image = session_->NewName(frame.name);
-    Keep(frame, seen);
-  }
-  CountFrame();
+  CountInstant();
   LeaveViewInVain();
-  Describe(frame, seen);
-  if (viewers_.show_picture) viewers_.show_picture(frame.grey);
+  Describe(judged_frames);
+  if (viewers_.show_picture && judged_frames[shown_].frame)
+    viewers_.show_picture(judged_frames[shown_].frame->grey);
   if (viewers_.show) viewers_.show(state_);
 }
 
-// Says the word on a frame, too.
-bool CaptureLoop::IsKept(const LiveFrame& frame, const SeenFrame& seen) {
-  const FrameWord word = judge_.Judge(seen, *guide_);
-  state_.word = WordOf(word);
-  state_.hint = RemedyOf(word);
-  if (word != FrameWord::kKept) return false;
-  const auto& kept = session_->session().frames;
-  const char* const other =
-      kept.empty() ? nullptr
-                   : WordOfOtherState(kept.front(), StateOf(frame.info));
-  if (state_.is_paused) {
-    state_.word = "paused";
-  } else if (IsLocking(frame)) {
-    state_.word = "locking";
-  } else if (other) {
-    state_.word = other;
-    state_.hint =
-        "the camera stands otherwise than in the first frame: begin "
-        "anew, or set it back with --control";
-  } else if (adjusting_.valid()) {
-    state_.word = "busy";
+CaptureLoop::JudgedFrames CaptureLoop::Judge(const Instant& instant) {
+  std::vector<std::future<SeenFrame>> seen(instant.size());
+  for (size_t c = 1; c < instant.size(); ++c)
+    if (instant[c])
+      seen[c] = std::async(std::launch::async, [this, c, &instant] {
+        return cameras_[c].See(*instant[c]);
+      });
+  JudgedFrames judged_frames(instant.size());
+  for (size_t c = 0; c < instant.size(); ++c) {
+    if (!instant[c]) continue;
+    Judged& judged = judged_frames[c];
+    judged.frame = &*instant[c];
+    judged.seen = c == 0 ? cameras_[c].See(*instant[c]) : seen[c].get();
+    const FrameWord word = cameras_[c].Judge(judged.seen, *guide_->guide(c));
+    judged.word = WordOf(word);
+    judged.hint = RemedyOf(word);
   }
-  return state_.word == "kept";
+  return judged_frames;
 }
 
-void CaptureLoop::Keep(const LiveFrame& frame, const SeenFrame& seen) {
-  session_->Keep(
-      frame.grey.size, RecordOf(frame, seen, judge_.gain()),
-      frame.path.empty() ? EncodePng(frame.image) : ReadImageFile(frame.path));
-  state_.kept.push_back(seen.features.image);
-  if (viewers_.add_kept) viewers_.add_kept(seen.features.image, frame.grey);
-  options_.guide.avoided.clear();
-  UpdateCamera([image = seen.features](LiveCamera* live) { live->Add(image); });
+// For what a frame tells of its camera, or some together of the rig.
+bool CaptureLoop::IsWanted(const JudgedFrames& judged_frames) const {
+  std::vector<const ImageFeatures*> usable(judged_frames.size(), nullptr);
+  for (size_t c = 0; c < judged_frames.size(); ++c) {
+    if (!judged_frames[c].IsUsable()) continue;
+    usable[c] = &judged_frames[c].seen.features;
+    const bool is_needed =
+        judged_frames.size() == 1 || !guide_->guide(c)->is_done();
+    if (judged_frames[c].word == "kept" && is_needed) return true;
+  }
+  return guide_->TellsLinks(usable);
 }
 
-// Once a frame is good enough to be kept, the camera is to stay so. Frames that
-// arrived before, or just behind, may not tell yet how it stands: V4L2 is asked
-// once a second.
-bool CaptureLoop::IsLocking(const LiveFrame& frame) {
-  constexpr std::chrono::milliseconds kSettlingTime(1200);
-  if (!lock_time_) LockCamera();
-  return is_locked_ && frame.arrived < *lock_time_ + kSettlingTime;
+void CaptureLoop::Forbid(JudgedFrames* judged_frames) {
+  for (size_t c = 0; c < judged_frames->size(); ++c) {
+    Judged& judged = (*judged_frames)[c];
+    if (!judged.IsUsable()) continue;
+    if (state_.is_paused) {
+      judged.word = "paused";
+      continue;
+    }
+    const auto& kept = session_->cameras()[c].frames;
+    FrameSource* const source =
+        frames_->is_live() ? frames_->source(c) : nullptr;
+    const std::string word = cameras_[c].WordOfState(
+        *judged.frame, source, kept.empty() ? nullptr : &kept.front());
+    NoteLock(c);
+    if (word == "refocused" || word == "cropped")
+      judged.hint =
+          "the camera stands otherwise than in the first frame: begin "
+          "anew, or set it back with --control";
+    if (!word.empty())
+      judged.word = word;
+    else if (adjusting_.valid())
+      judged.word = "busy";
+  }
 }
 
-void CaptureLoop::LockCamera() {
-  lock_time_ = SteadyClock::now();
-  FrameSource* const source = frames_->source();
-  if (!source || !frames_->is_live()) return;
-  const StateLock lock = source->LockState();
-  is_locked_ = !lock.locked.empty();
-  session_->NoteLocked(lock.locked, lock.open);
-  for (const std::string& text : lock.locked)
-    state_.remarks.push_back("locked: " + text);
-  for (const std::string& text : lock.open)
-    state_.remarks.push_back("not locked: " + text);
+void CaptureLoop::NoteLock(size_t camera) {
+  const std::optional<StateLock> lock = cameras_[camera].TakeLock();
+  if (!lock) return;
+  session_->NoteLocked(camera, lock->locked, lock->open);
+  const std::string start =
+      cameras_.size() > 1 ? frames_->name(camera) + ": " : "";
+  for (const std::string& text : lock->locked)
+    lock_remarks_.push_back(start + "locked: " + text);
+  for (const std::string& text : lock->open)
+    lock_remarks_.push_back(start + "not locked: " + text);
+}
+
+void CaptureLoop::Keep(JudgedFrames* judged_frames) {
+  std::string name;
+  std::vector<KeptFrame> frames;
+  std::vector<const GreyImage*> greys;
+  std::vector<bool> changed(judged_frames->size(), false);
+  std::vector<ImageFeatures> images(judged_frames->size());
+  for (size_t c = 0; c < judged_frames->size(); ++c) {
+    Judged& judged = (*judged_frames)[c];
+    if (!judged.IsUsable()) continue;
+    const LiveFrame& frame = *judged.frame;
+    if (name.empty()) name = session_->NewName(frame.name);
+    judged.seen.features.image = name;
+    judged.word = "kept";
+    judged.hint.clear();
+    frames.push_back({c, frame.grey.size,
+                      cameras_[c].RecordOf(frame, judged.seen),
+                      frame.path.empty() ? EncodePng(frame.image)
+                                         : ReadImageFile(frame.path)});
+    greys.push_back(&frame.grey);
+    images[c] = judged.seen.features;
+    changed[c] = true;
+  }
+  session_->Keep(std::move(frames));
+  state_.kept.push_back(name);
+  if (viewers_.add_kept) viewers_.add_kept(name, greys);
+  for (auto& avoided : avoided_) avoided.clear();
+  has_connected_in_vain_ = false;
+  UpdateCameras(changed,
+                [images](size_t c, LiveCamera* live) { live->Add(images[c]); });
 }
 
 void CaptureLoop::Remove(const std::string& name) {
@@ -323,8 +365,12 @@ void CaptureLoop::Remove(const std::string& name) {
   const auto found = std::find(kept.begin(), kept.end(), name);
   if (found == kept.end()) return;
   kept.erase(found);
+  std::vector<bool> changed;
+  for (const Session& session : session_->cameras())
+    changed.push_back(HasFrame(session, name));
   session_->Remove(name);
-  UpdateCamera([name](LiveCamera* live) { live->Remove(name); });
+  UpdateCameras(changed,
+                [name](size_t, LiveCamera* live) { live->Remove(name); });
 }
 
 void CaptureLoop::FollowWishes() {
@@ -343,7 +389,7 @@ void CaptureLoop::FollowWishes() {
 
 // ---- What is shown ----------------------------------------------------------
 
-void CaptureLoop::CountFrame() {
+void CaptureLoop::CountInstant() {
   constexpr size_t kMost = 30;
   taken_.push_back(SteadyClock::now());
   if (taken_.size() > kMost) taken_.erase(taken_.begin());
@@ -352,22 +398,32 @@ void CaptureLoop::CountFrame() {
                                std::max(1e-6, SecondsSince(taken_.front()));
 }
 
-void CaptureLoop::Describe(const LiveFrame& frame, const SeenFrame& seen) {
-  state_.width = frame.grey.size.width;
-  state_.height = frame.grey.size.height;
-  state_.features.clear();
-  for (const Feature& feature : seen.features.features)
-    state_.features.push_back(feature.pixel);
-  state_.sharpness_px = seen.quality.most_spread_px;
-  state_.brightness = seen.quality.white / 255;
+void CaptureLoop::Describe(const JudgedFrames& judged_frames) {
+  state_.camera = frames_->name(shown_);
+  state_.remarks = lock_remarks_;
+  const Judged& judged = judged_frames[shown_];
+  if (judged.frame) DescribeFrame(judged);
   DescribeKnown();
-  DescribeNext(seen);
+  if (judged.frame) DescribeNext(judged.seen);
+  if (judged_frames.size() > 1) DescribeRig(judged_frames);
+}
+
+void CaptureLoop::DescribeFrame(const Judged& judged) {
+  state_.word = judged.word;
+  state_.hint = judged.hint;
+  state_.width = judged.frame->grey.size.width;
+  state_.height = judged.frame->grey.size.height;
+  state_.features.clear();
+  for (const Feature& feature : judged.seen.features.features)
+    state_.features.push_back(feature.pixel);
+  state_.sharpness_px = judged.seen.quality.most_spread_px;
+  state_.brightness = judged.seen.quality.white / 255;
 }
 
 void CaptureLoop::DescribeKnown() {
   state_.places.clear();
   state_.deviation_px = 0;
-  if (const CameraKnowledge* const knowledge = guide_->knowledge()) {
+  if (const CameraKnowledge* const knowledge = guide().knowledge()) {
     state_.deviation_px = knowledge->Percentile95Px();
     for (const KnownPlace& place : knowledge->places())
       state_.places.push_back({place.pixel, place.deviation_px});
@@ -383,21 +439,19 @@ void CaptureLoop::DescribeNext(const SeenFrame& seen) {
     state_.hint = "done";
     return;
   }
-  const auto& next = guide_->next();
-  if (!next) return;
-  const CameraModel& camera = guide_->camera();
-  state_.next.push_back(
-      ShowView(camera, *next->board, next->camera_from_board));
-  for (const LocatedBoard& located : guide_->Locate(seen.features)) {
-    if (located.board->id != next->board->id) continue;
+  if (!guide_->next()) return;
+  const GuidedView& next = guide_->next()->view;
+  const CameraModel& camera = guide().camera();
+  state_.next.push_back(ShowView(camera, *next.board, next.camera_from_board));
+  for (const LocatedBoard& located : guide().Locate(seen.features)) {
+    if (located.board->id != next.board->id) continue;
     const Eigen::Vector3d middle = MiddleOf(*located.board);
     const auto from = camera.Project(located.camera_from_board * middle);
-    const auto to = camera.Project(next->camera_from_board * middle);
+    const auto to = camera.Project(next.camera_from_board * middle);
     if (from && to) state_.arrow = {*from, *to};
     if (state_.hint.empty())
-      state_.hint =
-          DescribeMove(camera, *next->board, located.camera_from_board,
-                       next->camera_from_board);
+      state_.hint = DescribeMove(camera, *next.board, located.camera_from_board,
+                                 next.camera_from_board);
   }
   if (state_.hint.empty()) state_.hint = "fill the outline with the board";
   constexpr int kManyFrames = 300;
@@ -405,6 +459,38 @@ void CaptureLoop::DescribeNext(const SeenFrame& seen) {
       seen.features.features.empty() ? num_without_board_ + 1 : 0;
   if (num_without_board_ > kManyFrames)
     state_.hint += "; is it the one that --pattern says?";
+}
+
+// All cameras in short, and how they stand to each other.
+void CaptureLoop::DescribeRig(const JudgedFrames& judged_frames) {
+  state_.cameras.resize(judged_frames.size());
+  for (size_t c = 0; c < judged_frames.size(); ++c) {
+    CameraShown& shown = state_.cameras[c];
+    shown.name = frames_->name(c);
+    if (judged_frames[c].frame) shown.word = judged_frames[c].word;
+    const CaptureGuide* const own = guide_->guide(c);
+    shown.deviation_px =
+        own && own->knowledge() ? own->knowledge()->Percentile95Px() : 0;
+    if (shown.word == "kept") state_.word = "kept";
+  }
+  if (guide_->next() && !state_.hint.empty() && judged_frames[shown_].frame)
+    state_.hint = state_.camera + ": " + state_.hint;
+  state_.links.clear();
+  for (const RigGuide::Link& link : guide_->links())
+    state_.links.push_back({frames_->name(link.first),
+                            frames_->name(link.second), link.link.RmsPx()});
+  if (const auto& pair = guide_->to_connect()) {
+    const std::string& first = frames_->name(pair->first);
+    const std::string& second = frames_->name(pair->second);
+    if (!guide_->next())
+      state_.hint =
+          fmt::format("show the board to {} and {} at once", first, second);
+    state_.remarks.push_back(
+        fmt::format("{} and {} have seen no board at once yet", first, second));
+  }
+  if (frames_->is_unpaired())
+    state_.remarks.push_back(
+        "the cameras' frames are further apart in time than --pair-within-ms");
 }
 
 }  // namespace raygrid

@@ -2,9 +2,10 @@
 #ifndef RAYGRID_CAPTURE_CAPTURE_LOOP_H
 #define RAYGRID_CAPTURE_CAPTURE_LOOP_H
 
+#include <chrono>
+#include <deque>
 #include <functional>
 #include <future>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -13,9 +14,10 @@
 #include "capture/capture_guide.h"
 #include "capture/frame_judge.h"
 #include "capture/live_camera.h"
+#include "capture/rig_guide.h"
 #include "capture_state.h"
-#include "features/pattern_detector.h"
-#include "live_frames.h"
+#include "captured_camera.h"
+#include "paired_frames.h"
 #include "session_folder.h"
 
 namespace raygrid {
@@ -30,12 +32,14 @@ struct CaptureLoopOptions {
 
 /// The ones who are told; those that are empty are not.
 struct CaptureViewers {
-  /// After each frame.
+  /// After each instant.
   std::function<void(const CaptureState&)> show;
-  /// The frame's grey levels, before that.
+  /// The grey levels of the frame that the state tells of, before that.
   std::function<void(const GreyImage&)> show_picture;
-  /// A frame was kept, or is there from the start.
-  std::function<void(const std::string& name, const GreyImage&)> add_kept;
+  /// An instant was kept, or is there from the start: the frames that it has.
+  std::function<void(const std::string& name,
+                     const std::vector<const GreyImage*>&)>
+      add_kept;
 };
 
 /// Wishes of people. Any thread may have some.
@@ -54,63 +58,86 @@ class CaptureWishes {
   std::vector<std::string> deleted_;
 };
 
-/// Takes frames until the guide says done, the source ends, someone wishes it
-/// or a signal comes. The camera is adjusted by a thread of its own: a live
-/// source's frames are judged meanwhile, by what was known before; those of
-/// files wait for it, so that the same files give the same session.
+/// Takes frames of a camera, or of a rig's cameras at one instant each, until
+/// the guide says done, the source ends, someone wishes it or a signal comes.
+/// An instant is kept if one of its frames tells enough of its camera, or some
+/// together of how cameras stand to each other; all its good frames are.
+/// Cameras are adjusted by a thread of its own: live frames are judged
+/// meanwhile, by what was known before; those of files wait for it, so that the
+/// same files give the same session.
 class CaptureLoop {
  public:
   /// All but the options outlive it.
   CaptureLoop(const CaptureLoopOptions& options, const Pattern& pattern,
-              LiveFrames* frames, SessionFolder* session,
+              PairedFrames* frames, SessionFolder* session,
               CaptureViewers viewers, CaptureWishes* wishes);
   ~CaptureLoop();
 
   /// Throws Error, CameraError, also where no frame came; what was kept is in
   /// the session.
   void Run();
-  /// The state after the last frame.
+  /// The state after the last instant.
   const CaptureState& state() const { return state_; }
 
  private:
-  using Update = std::function<void(LiveCamera*)>;
+  /// A frame of an instant, and the word on it.
+  struct Judged {
+    const LiveFrame* frame = nullptr;  // NULL: the camera has none
+    SeenFrame seen;
+    std::string word, hint;
+
+    // Good enough to be kept with others of its instant.
+    bool IsUsable() const {
+      return frame && (word == "kept" || word == "known");
+    }
+  };
+  using JudgedFrames = std::vector<Judged>;  // by camera
+  using Update = std::function<void(size_t camera, LiveCamera*)>;
 
   void Resume();
-  void TakeFrame(const LiveFrame& frame);
-  bool IsKept(const LiveFrame& frame, const SeenFrame& seen);
-  void Keep(const LiveFrame& frame, const SeenFrame& seen);
-  bool IsLocking(const LiveFrame& frame);
-  void LockCamera();
+  void Begin(const Instant& instant);
+  void TakeInstant(const Instant& instant);
+  JudgedFrames Judge(const Instant& instant);
+  bool IsWanted(const JudgedFrames& frames) const;
+  void Forbid(JudgedFrames* frames);
+  void Keep(JudgedFrames* frames);
+  void NoteLock(size_t camera);
   void FollowWishes();
   void Remove(const std::string& name);
-  void UpdateCamera(Update update);
+  void UpdateCameras(const std::vector<bool>& changed, const Update& update);
+  void MakeGuide(const std::vector<bool>& changed);
   void TakeGuide(bool wait);
-  SeenFrame See(const LiveFrame& frame) const;
-  void Describe(const LiveFrame& frame, const SeenFrame& seen);
+  void ChooseCameraShown();
+  void Describe(const JudgedFrames& frames);
+  void DescribeFrame(const Judged& judged);
   void DescribeKnown();
   void DescribeNext(const SeenFrame& seen);
-  void CountFrame();
+  void DescribeRig(const JudgedFrames& frames);
+  void CountInstant();
   void LeaveViewInVain();
   bool IsFinished();
+  const CaptureGuide& guide() const { return *guide_->guide(shown_); }
 
   CaptureLoopOptions options_;
   const Pattern& pattern_;
-  LiveFrames* const frames_;
+  PairedFrames* const frames_;
   SessionFolder* const session_;
   const CaptureViewers viewers_;
   CaptureWishes* const wishes_;
-  PatternDetector detector_;
-  std::map<int, QualityMeter> meters_;  // by board
-  FrameJudge judge_;
-  std::unique_ptr<LiveCamera> live_;  // of the thread while it adjusts
-  std::unique_ptr<CaptureGuide> guide_;
-  std::future<std::unique_ptr<CaptureGuide>> adjusting_;
+  std::deque<CapturedCamera> cameras_;  // they cannot be moved
+  // Of the thread while it adjusts.
+  std::vector<std::unique_ptr<LiveCamera>> live_;
+  std::vector<std::shared_ptr<const CaptureGuide>> guides_;
+  std::vector<std::vector<Pose>> avoided_;  // by camera
+  std::unique_ptr<RigGuide> next_guide_;
+  std::unique_ptr<RigGuide> guide_;
+  std::future<void> adjusting_;
+  size_t shown_ = 0;  // the camera that the state tells of
   CaptureState state_;
+  std::vector<std::string> lock_remarks_;
   std::vector<std::chrono::steady_clock::time_point> taken_;
-  std::optional<std::chrono::steady_clock::time_point> lock_time_;
-  bool is_locked_ = false;
-  bool has_seen_frames_ = false;
-  int num_without_board_ = 0;  // frames, one after the other
+  bool has_seen_frames_ = false, has_connected_in_vain_ = false;
+  int num_without_board_ = 0;  // instants, one after the other
   std::chrono::steady_clock::time_point guided_since_;
 };
 

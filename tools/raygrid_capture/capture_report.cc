@@ -45,6 +45,21 @@ class CharacterMap {
   std::vector<std::string> cells_;
 };
 
+// A line of a rig's cameras, and of how they stand to each other.
+std::string RigLine(const CaptureState& state) {
+  std::string text;
+  for (const CameraShown& camera : state.cameras) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : "   ", camera.name,
+                        camera.word);
+    if (camera.deviation_px > 0)
+      text += fmt::format(" {:.3f} px", camera.deviation_px);
+  }
+  for (const LinkShown& link : state.links)
+    text += fmt::format("   {}-{} {:.3f} px", link.first, link.second,
+                        link.deviation_px);
+  return text.empty() ? "" : text + "\n";
+}
+
 // Darker the less a place is known: by factors of two over what is wanted.
 char ShadeOf(double deviation_px, double good_px) {
   constexpr char kShades[] = " .:*@";
@@ -83,6 +98,7 @@ std::string DrawState(const CaptureState& state, int num_columns) {
   }
   std::string text = map.Text();
   text += fmt::format("{:<8} {}\n", state.word, state.hint);
+  text += RigLine(state);
   text += Progress(state) + "\n";
   text += fmt::format("edges {:.1f} px   white {:.0f} %   {:.1f} frames/s\n",
                       state.sharpness_px, 100 * state.brightness,

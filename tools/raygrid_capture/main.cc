@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -21,6 +22,7 @@
 #include "dataset/text_encoding.h"
 #include "neighbour_program.h"
 #include "pattern_input.h"
+#include "side_by_side.h"
 
 namespace raygrid {
 namespace {
@@ -104,9 +106,15 @@ std::unique_ptr<CapturePage> MakePage(const CaptureArguments& arguments,
   };
   const auto read = [&session](const std::string& name, GreyPicture* picture) {
     try {
-      Image image = ReadImage(session.PathOf(name), true);
-      *picture = {image.size.width, image.size.height, std::move(image.pixels)};
-      return true;
+      std::vector<GreyImage> greys;
+      for (size_t c = 0; c < session.cameras().size(); ++c)
+        if (const std::string path = session.PathOf(c, name);
+            std::filesystem::exists(path))
+          greys.push_back(MakeGreyImage(ReadImage(path, true)));
+      std::vector<const GreyImage*> shown;
+      for (const GreyImage& grey : greys) shown.push_back(&grey);
+      *picture = SideBySide(shown);
+      return !greys.empty();
     } catch (const std::exception&) {
       return false;
     }
@@ -121,8 +129,12 @@ std::unique_ptr<CapturePage> MakePage(const CaptureArguments& arguments,
 }
 
 void SayEnd(const CaptureArguments& arguments, const CaptureState& state) {
-  if (arguments.common.quiet || arguments.common.json) return;
-  fmt::print("{} frames kept in {}{}\n", state.kept.size(), arguments.output,
+  if (arguments.common.quiet) return;
+  for (const std::string& remark : state.remarks)
+    fmt::print(stderr, "raygrid-capture: {}\n", Printable(remark));
+  if (arguments.common.json) return;
+  fmt::print("{} {} kept in {}{}\n", state.kept.size(),
+             state.cameras.empty() ? "frames" : "instants", arguments.output,
              state.deviation_px > 0
                  ? fmt::format("; 95 % of the image known to {:.3f} px",
                                state.deviation_px)
@@ -151,7 +163,9 @@ int Run(int argc, char** argv) {
   app.footer(
       "Example:\n  raygrid capture --source v4l2:/dev/video0 --pattern "
       "pattern.yaml -o session/\n  raygrid capture --source photos/ --pattern "
-      "pattern.yaml -o session/ --until 0.02px\n\n" +
+      "pattern.yaml -o session/ --until 0.02px\n  raygrid capture --source "
+      "left=v4l2:/dev/video0 --source right=v4l2:/dev/video2 --pattern "
+      "pattern.yaml -o session/\n\n" +
       ExitCodesHelp());
   try {
     app.parse(argc, argv);
@@ -164,13 +178,14 @@ int Run(int argc, char** argv) {
   FinishCaptureArguments(&arguments);
   const Pattern pattern = MeantPattern(arguments.pattern, arguments.common);
   NoteSignals();
-  const auto frames = OpenLiveFrames(arguments);
+  const auto frames = OpenFrames(arguments);
   if (!frames) return 0;
   // Nobody follows what is said of photographs and videos that are there.
   constexpr double kPartWithoutOperator = 0.15;
   if (!frames->is_live())
     arguments.loop.guide.part_of_next = kPartWithoutOperator;
-  SessionFolder session(arguments.output, pattern, arguments.resume);
+  SessionFolder session(arguments.output, pattern, frames->names(),
+                        arguments.resume);
   StandardOutput output(arguments);
   CaptureWishes wishes;
   std::unique_ptr<CapturePage> page;
@@ -186,9 +201,11 @@ int Run(int argc, char** argv) {
       page->ShowPicture(grey.bytes.data(), grey.size.width, grey.size.height,
                         static_cast<size_t>(grey.size.width));
     };
-    viewers.add_kept = [&page](const std::string& name, const GreyImage& grey) {
-      page->AddKept(name, grey.bytes.data(), grey.size.width, grey.size.height,
-                    static_cast<size_t>(grey.size.width));
+    viewers.add_kept = [&page](const std::string& name,
+                               const std::vector<const GreyImage*>& greys) {
+      const GreyPicture picture = SideBySide(greys);
+      page->AddKept(name, picture.bytes.data(), picture.width, picture.height,
+                    static_cast<size_t>(picture.width));
     };
   }
   CaptureLoop loop(arguments.loop, pattern, frames.get(), &session, viewers,

@@ -17,6 +17,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
+void RequireSameCameras(const std::string& folder,
+                        const std::vector<Session>& sessions,
+                        const std::vector<std::string>& cameras) {
+  std::vector<std::string> names;
+  for (const Session& session : sessions) names.push_back(session.camera);
+  if (names == cameras) return;
+  throw Error(
+      ExitCode::kUsage,
+      names.size() == 1
+          ? folder + ": is a session of one camera; give one --source"
+          : fmt::format("{}: is a session of the cameras {}; give each a "
+                        "--source NAME=..., in this order",
+                        folder, fmt::join(names, ", ")));
+}
+
 // Nothing of the folder is one's own before.
 int LockFolder(const std::string& folder) {
   const int lock = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -32,6 +47,7 @@ int LockFolder(const std::string& folder) {
 }  // namespace
 
 SessionFolder::SessionFolder(const std::string& folder, const Pattern& pattern,
+                             const std::vector<std::string>& cameras,
                              bool resume)
     : folder_(folder) {
   const bool is_session = IsSession(folder);
@@ -49,7 +65,8 @@ SessionFolder::SessionFolder(const std::string& folder, const Pattern& pattern,
   const std::string text = FormatPattern(pattern);
   const std::string path = (fs::path(folder) / kSessionPattern).string();
   if (resume) {
-    session_ = ReadSession(folder);
+    cameras_ = ReadSession(folder);
+    RequireSameCameras(folder, cameras_, cameras);
     if (FormatPattern(ReadPattern(path)) != text)
       throw Error(ExitCode::kUsage,
                   folder +
@@ -59,30 +76,64 @@ SessionFolder::SessionFolder(const std::string& folder, const Pattern& pattern,
   } else {
     is_new_ = true;
     WriteFile(path, text);
+    for (const std::string& camera : cameras) {
+      cameras_.emplace_back();
+      cameras_.back().camera = camera;
+    }
   }
   RequireWritableFolder((fs::path(folder) / kSessionFrames).string());
+  for (const std::string& camera : cameras)
+    if (!camera.empty())
+      RequireWritableFolder(
+          (fs::path(folder) / kSessionFrames / camera).string());
 }
 
 SessionFolder::~SessionFolder() {
-  if (is_new_ && session_.frames.empty()) RemoveAll();
+  if (is_new_ && IsEmpty()) RemoveAll();
   if (lock_ >= 0) close(lock_);
+}
+
+bool SessionFolder::IsEmpty() const {
+  return std::all_of(
+      cameras_.begin(), cameras_.end(),
+      [](const Session& session) { return session.frames.empty(); });
 }
 
 // Leaves files of others, and the folders that have some.
 void SessionFolder::RemoveAll() const {
   std::error_code error;
+  const fs::path frames = fs::path(folder_) / kSessionFrames;
+  for (const Session& session : cameras_)
+    if (!session.camera.empty()) fs::remove(frames / session.camera, error);
   for (const char* name : {kSessionFile, kSessionPattern, kSessionFrames, ""})
     fs::remove(fs::path(folder_) / name, error);
 }
 
-std::string SessionFolder::PathOf(const std::string& image) const {
-  return (fs::path(folder_) / kSessionFrames / image).string();
+std::vector<std::string> SessionFolder::Instants() const {
+  // Those of the first camera in their order, and between them others'.
+  std::vector<std::string> names;
+  for (const Session& session : cameras_) {
+    auto at = names.begin();
+    for (const SessionFrame& frame : session.frames) {
+      const auto found = std::find(names.begin(), names.end(), frame.image);
+      at = found != names.end() ? found + 1 : names.insert(at, frame.image) + 1;
+    }
+  }
+  return names;
+}
+
+std::string SessionFolder::PathOf(size_t camera,
+                                  const std::string& image) const {
+  return SessionFramePath(folder_, cameras_[camera].camera, image);
 }
 
 std::string SessionFolder::NewName(const std::string& photograph) {
   const auto is_taken = [this](const std::string& name) {
-    std::error_code error;
-    return fs::exists(PathOf(name), error);
+    for (size_t c = 0; c < cameras_.size(); ++c) {
+      std::error_code error;
+      if (fs::exists(PathOf(c, name), error)) return true;
+    }
+    return false;
   };
   if (!photograph.empty() && !is_taken(photograph)) return photograph;
   std::string name;
@@ -91,36 +142,45 @@ std::string SessionFolder::NewName(const std::string& photograph) {
   return name;
 }
 
-void SessionFolder::Keep(const ImageSize& size, const SessionFrame& frame,
-                         std::string image_bytes) {
-  if (session_.frames.empty()) session_.image_size = size;
-  WriteFile(PathOf(frame.image), std::move(image_bytes));
-  session_.frames.push_back(frame);
+void SessionFolder::Keep(std::vector<KeptFrame> frames) {
+  for (KeptFrame& frame : frames)
+    WriteFile(PathOf(frame.camera, frame.record.image), std::move(frame.bytes));
+  for (const KeptFrame& frame : frames) {
+    Session& session = cameras_[frame.camera];
+    if (session.frames.empty()) session.image_size = frame.size;
+    session.frames.push_back(frame.record);
+  }
   Write();
 }
 
 void SessionFolder::Remove(const std::string& image) {
-  auto& frames = session_.frames;
-  const auto found = std::find_if(
-      frames.begin(), frames.end(),
-      [&image](const SessionFrame& frame) { return frame.image == image; });
-  if (found == frames.end()) return;
-  frames.erase(found);
+  std::vector<std::string> paths;
+  for (size_t c = 0; c < cameras_.size(); ++c) {
+    auto& frames = cameras_[c].frames;
+    const auto found = std::find_if(
+        frames.begin(), frames.end(),
+        [&image](const SessionFrame& frame) { return frame.image == image; });
+    if (found == frames.end()) continue;
+    frames.erase(found);
+    paths.push_back(PathOf(c, image));
+  }
+  if (paths.empty()) return;
   Write();
   std::error_code error;
-  fs::remove(PathOf(image), error);
+  for (const std::string& path : paths) fs::remove(path, error);
 }
 
-void SessionFolder::NoteLocked(const std::vector<std::string>& locked,
+void SessionFolder::NoteLocked(size_t camera,
+                               const std::vector<std::string>& locked,
                                const std::vector<std::string>& not_locked) {
-  session_.locked = locked;
-  session_.not_locked = not_locked;
+  cameras_[camera].locked = locked;
+  cameras_[camera].not_locked = not_locked;
   Write();
 }
 
 void SessionFolder::Write() {
   WriteFile((fs::path(folder_) / kSessionFile).string(),
-            FormatSession(session_));
+            FormatSession(cameras_));
 }
 
 }  // namespace raygrid

@@ -175,6 +175,30 @@ function showTop(view, width, height) {
   text.setAttribute('stroke-width', size / 6);
 }
 
+// ---- The cameras of a rig, the one in the picture marked, and how they stand to each other ----
+let rigKey = '';
+
+function showRig() {
+  const {cameras, links, camera} = state, list = byId('rig'), key = JSON.stringify([cameras, links, camera]);
+  if (key === rigKey) return;
+  rigKey = key;
+  list.hidden = cameras.length === 0;
+  const known = (px) => px > 0 ? ` ${pixels(px)} px` : '';
+  const shown = cameras.map(({name, word, deviation_px: px}) => {
+    const [sign, text, kind] = WORDS[word] || ['\u2022', word, 'idle'], item = make('li');
+    const mark = make('i', {textContent: sign});
+    mark.dataset.kind = kind;
+    item.append(`${name} `, mark, known(px));
+    item.title = `${text}${px > 0 ? `; 95 % known to ${pixels(px)} px` : ''}`;
+    item.classList.toggle('shown', name === camera);
+    if (name === camera) item.setAttribute('aria-current', 'true');
+    return item;
+  });
+  const pairs = links.map(({cameras: [first, second], deviation_px: px}) =>
+    make('li', {textContent: `${first}\u2013${second}${known(px)}`, title: 'A board seen by one is so well predicted in the other'}));
+  list.replaceChildren(...shown, ...pairs);
+}
+
 let liveNumber = 0, liveTimer = 0;
 const live = byId('live');
 
@@ -517,6 +541,7 @@ function show(newState) {
   state = newState;
   const isNew = showKept() && !isFirst;
   showOverlay();
+  showRig();
   showMap();
   showProgress();
   showGauges();

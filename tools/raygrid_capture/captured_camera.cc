@@ -1,0 +1,133 @@
+#include "captured_camera.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "camera_session.h"
+
+namespace raygrid {
+namespace {
+
+// The board of the pattern with most features in an image; NULL without any.
+const Board* LargestBoard(const Pattern& pattern, const ImageFeatures& image) {
+  const Board* largest = nullptr;
+  std::ptrdiff_t most = 0;
+  for (const Board& board : pattern.boards) {
+    const auto count = std::count_if(
+        image.features.begin(), image.features.end(),
+        [&board](const Feature& feature) { return feature.board == board.id; });
+    if (count <= most) continue;
+    most = count;
+    largest = &board;
+  }
+  return largest;
+}
+
+std::optional<double> Told(double value) {
+  return value > 0 ? std::optional(value) : std::nullopt;
+}
+
+// How the camera stood.
+SessionFrame StateOf(const FrameInfo& info) {
+  SessionFrame record;
+  record.lens_position = info.lens_position;
+  record.focus_steps = info.focus_steps;
+  record.exposure_us = info.exposure_us;
+  record.analogue_gain = info.analogue_gain;
+  record.zoom = info.zoom;
+  record.orientation = info.orientation;
+  record.sensor_temperature_c = info.sensor_temperature_c;
+  if (info.crop)
+    record.crop = {info.crop->x, info.crop->y,
+                   static_cast<int>(info.crop->width),
+                   static_cast<int>(info.crop->height)};
+  return record;
+}
+
+// The word on a frame that shows another camera than the first one kept: its
+// lens has moved, or another part of the sensor is shown. NULL: the same.
+const char* WordOfOtherState(const SessionFrame& first,
+                             const SessionFrame& now) {
+  const bool has_lens_moved =
+      first.lens_position && now.lens_position &&
+      std::abs(*first.lens_position - *now.lens_position) >
+          kDefaultLensTolerance;
+  if (has_lens_moved || first.focus_steps != now.focus_steps)
+    return "refocused";
+  return first.crop != now.crop || first.zoom != now.zoom ? "cropped" : nullptr;
+}
+
+}  // namespace
+
+CapturedCamera::CapturedCamera(const Pattern& pattern,
+                               const JudgeOptions& options)
+    : pattern_(pattern), detector_(pattern, {}), judge_(options) {
+  for (const Board& board : pattern_.boards)
+    meters_.emplace(board.id, QualityMeter(board));
+}
+
+ImageFeatures CapturedCamera::Detect(const std::string& name,
+                                     const GreyImage& grey) const {
+  return {name, detector_.Detect(grey).features};
+}
+
+SeenFrame CapturedCamera::See(const LiveFrame& frame) const {
+  SeenFrame seen;
+  seen.features = Detect("", frame.grey);
+  seen.time_s = frame.time_s;
+  if (frame.info.exposure_us) seen.exposure_s = *frame.info.exposure_us * 1e-6;
+  if (const Board* const board = LargestBoard(pattern_, seen.features)) {
+    std::vector<Feature> own;
+    for (const Feature& feature : seen.features.features)
+      if (feature.board == board->id) own.push_back(feature);
+    seen.quality =
+        meters_.at(board->id).Measure(frame.grey.size, frame.grey.levels, own);
+  }
+  return seen;
+}
+
+FrameWord CapturedCamera::Judge(const SeenFrame& seen,
+                                const CaptureGuide& guide) {
+  return judge_.Judge(seen, guide);
+}
+
+std::string CapturedCamera::WordOfState(const LiveFrame& frame,
+                                        FrameSource* source,
+                                        const SessionFrame* first) {
+  if (IsLocking(frame, source)) return "locking";
+  const char* const other =
+      first ? WordOfOtherState(*first, StateOf(frame.info)) : nullptr;
+  return other ? other : "";
+}
+
+// Once a frame is good enough to be kept, the camera is to stay so. Frames that
+// arrived before, or just behind, may not tell yet how it stands: V4L2 is asked
+// once a second.
+bool CapturedCamera::IsLocking(const LiveFrame& frame, FrameSource* source) {
+  constexpr std::chrono::milliseconds kSettlingTime(1200);
+  if (!lock_time_) {
+    lock_time_ = Clock::now();
+    if (source) new_lock_ = source->LockState();
+    is_locked_ = new_lock_ && !new_lock_->locked.empty();
+  }
+  return is_locked_ && frame.arrived < *lock_time_ + kSettlingTime;
+}
+
+std::optional<StateLock> CapturedCamera::TakeLock() {
+  std::optional<StateLock> lock;
+  lock.swap(new_lock_);
+  return lock;
+}
+
+SessionFrame CapturedCamera::RecordOf(const LiveFrame& frame,
+                                      const SeenFrame& seen) const {
+  SessionFrame record = StateOf(frame.info);
+  record.image = seen.features.image;
+  record.seconds = frame.time_s;
+  record.edge_spread_px = Told(seen.quality.most_spread_px);
+  record.white = Told(seen.quality.white);
+  record.variance_taken = judge_.gain();
+  return record;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,108 @@
+#include "paired_frames.h"
+
+#include <algorithm>
+
+#include "dataset/error.h"
+
+namespace raygrid {
+
+PairedFrames::PairedFrames(std::vector<NamedFrames> cameras, double tolerance_s)
+    : cameras_(std::move(cameras)),
+      tolerance_s_(tolerance_s),
+      pending_(cameras_.size()),
+      last_pair_(Clock::now()) {
+  for (const NamedFrames& camera : cameras_)
+    if (camera.frames->is_live() != is_live())
+      throw Error(ExitCode::kUsage,
+                  "--source: a rig's sources are all cameras, or all files; "
+                  "record the cameras first, or leave the files out");
+}
+
+std::vector<std::string> PairedFrames::names() const {
+  std::vector<std::string> names;
+  for (const NamedFrames& camera : cameras_) names.push_back(camera.camera);
+  return names;
+}
+
+bool PairedFrames::is_finished() const {
+  const auto is_finished = [](const NamedFrames& camera) {
+    return camera.frames->is_finished();
+  };
+  if (is_live())
+    return std::any_of(cameras_.begin(), cameras_.end(), is_finished);
+  return std::all_of(cameras_.begin(), cameras_.end(), is_finished) &&
+         std::none_of(pending_.begin(), pending_.end(),
+                      [](const auto& frame) { return frame.has_value(); });
+}
+
+std::optional<Instant> PairedFrames::Next() {
+  if (size() > 1) return is_live() ? NextLive() : NextOfFiles();
+  auto frame = cameras_[0].frames->Next();
+  if (!frame) return std::nullopt;
+  Instant instant;
+  instant.push_back(std::move(frame));
+  return instant;
+}
+
+// False: a camera has none.
+bool PairedFrames::FillPending() {
+  bool is_full = true;
+  for (size_t c = 0; c < size(); ++c) {
+    if (!pending_[c] && !cameras_[c].frames->is_finished())
+      pending_[c] = cameras_[c].frames->Next();
+    is_full &= pending_[c].has_value();
+  }
+  return is_full;
+}
+
+Instant PairedFrames::TakePending(const std::vector<bool>& taken) {
+  Instant instant(size());
+  for (size_t c = 0; c < size(); ++c)
+    if (taken[c]) instant[c].swap(pending_[c]);
+  return instant;
+}
+
+std::optional<Instant> PairedFrames::NextLive() {
+  constexpr std::chrono::seconds kPatience(1);
+  const bool is_full = FillPending();
+  const auto now = Clock::now();
+  const auto time_of = [&](size_t c) { return pending_[c]->info.timestamp_ns; };
+  std::optional<size_t> oldest, newest;
+  for (size_t c = 0; c < size(); ++c) {
+    if (!pending_[c]) continue;
+    if (!oldest || time_of(c) < time_of(*oldest)) oldest = c;
+    if (!newest || time_of(c) > time_of(*newest)) newest = c;
+  }
+  if (!oldest) return std::nullopt;
+  if (is_full &&
+      static_cast<double>(time_of(*newest) - time_of(*oldest)) * 1e-9 <=
+          tolerance_s_) {
+    last_pair_ = now;
+    is_unpaired_ = false;
+    return TakePending(std::vector<bool>(size(), true));
+  }
+  // Its partner will not come any more, or a camera is late.
+  is_unpaired_ = now - last_pair_ > kPatience;
+  if (!is_full && !is_unpaired_) return std::nullopt;
+  std::vector<bool> taken(size(), false);
+  taken[*oldest] = true;
+  Instant alone = TakePending(taken);
+  return is_unpaired_ ? std::optional(std::move(alone)) : std::nullopt;
+}
+
+std::optional<Instant> PairedFrames::NextOfFiles() {
+  FillPending();
+  for (size_t c = 0; c < size(); ++c)
+    if (!pending_[c] && !cameras_[c].frames->is_finished())
+      return std::nullopt;  // it will come
+  std::vector<bool> taken(size(), false);
+  const std::string* first = nullptr;  // of the names; videos' are empty
+  for (const auto& frame : pending_)
+    if (frame && (!first || frame->name < *first)) first = &frame->name;
+  if (!first) return std::nullopt;
+  for (size_t c = 0; c < size(); ++c)
+    taken[c] = pending_[c] && pending_[c]->name == *first;
+  return TakePending(taken);
+}
+
+}  // namespace raygrid

@@ -1,0 +1,16 @@
+#ifndef RAYGRID_CAPTURE_SIDE_BY_SIDE_H
+#define RAYGRID_CAPTURE_SIDE_BY_SIDE_H
+
+#include <vector>
+
+#include "capture_page.h"
+#include "features/board_view/detection.h"
+
+namespace raygrid {
+
+/// Pictures from left to right, top sides in one line; black below lower ones.
+GreyPicture SideBySide(const std::vector<const GreyImage*>& pictures);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAPTURE_SIDE_BY_SIDE_H
