@@ -24,8 +24,8 @@ struct GuideOptions {
   double part_of_next = 0.5;
   /// Views, camera_from_board, that nobody could show.
   std::vector<Pose> avoided = {};
-  /// Nobody could show a board to two cameras of a rig at once. Views of
-  /// cameras go on.
+  /// Nobody could show a board to two cameras of a rig at once. Each camera's
+  /// own views go on.
   bool leaves_connecting = false;
 };
 

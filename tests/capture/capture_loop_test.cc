@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <thread>
 
 #include "capture/board_view.h"
@@ -72,16 +73,25 @@ class MadeFrames : public LiveFrames {
 
 class CaptureLoopTest : public testing::Test {
  protected:
+  LiveFrame Render(const Pose& camera_from_board) const {
+    const BoardSurface surface(pattern_.boards.front());
+    LiveFrame frame;
+    frame.image =
+        AddNoiseAndQuantize(RenderImage(PixelRays(camera_, 2),
+                                        {{&surface, camera_from_board}}, {}, 2),
+                            {});
+    frame.grey = MakeGreyImage(frame.image);
+    return frame;
+  }
+  Pose PoseOfView(int index) const {
+    return *PoseOf(FirstView(index, {640, 480}), pattern_.boards.front(),
+                   camera_);
+  }
+
   // Frames of the first views, each twice, since only the second is still.
   void AddView(int index, double lens_position,
                std::chrono::milliseconds pause = {}) {
-    const Board& board = pattern_.boards.front();
-    const auto pose = PoseOf(FirstView(index, {640, 480}), board, camera_);
-    const BoardSurface surface(board);
-    LiveFrame frame;
-    frame.image = AddNoiseAndQuantize(
-        RenderImage(PixelRays(camera_, 2), {{&surface, *pose}}, {}, 2), {});
-    frame.grey = MakeGreyImage(frame.image);
+    LiveFrame frame = Render(PoseOfView(index));
     frame.info.lens_position = static_cast<float>(lens_position);
     for (int k = 0; k < 2; ++k) {
       frame.time_s = time_s_ += 0.033;
@@ -118,6 +128,7 @@ class CaptureLoopTest : public testing::Test {
   }
 
   const SimulatedCamera camera_ = ExampleSimulatedCamera();
+  const PixelRays rays_{camera_, 2};
   const Pattern pattern_ = ReadPatternOrSpec("chessboard:9x6:25mm");
   const TemporaryFolder folder_;
   std::unique_ptr<MadeFrames> frames_;
@@ -162,6 +173,84 @@ TEST_F(CaptureLoopTest, KeepsNoFrameOfAnotherLensPosition) {
   EXPECT_EQ(words[0], "kept");
   EXPECT_EQ(words[1], "refocused");
   EXPECT_EQ(std::count(words.begin(), words.end(), "refocused"), 1);
+}
+
+// Two cameras, 0.1 m apart, before a board that stands still for two frames.
+class RigLoopTest : public CaptureLoopTest {
+ protected:
+  void AddInstant(int index, bool is_seen_by_second, uint64_t apart_ns) {
+    const Pose first = PoseOfView(index);
+    const Eigen::Quaterniond upright = Eigen::Quaterniond::Identity();
+    const Pose aside{upright, {-0.1, 0, 0}};
+    LiveFrame frames[] = {Render(first), Render(aside * first)};
+    if (!is_seen_by_second) frames[1] = Render({upright, {0, 0, -1}});
+    for (int k = 0; k < 2; ++k) {
+      time_ns_ += 33000000;
+      for (int c = 0; c < 2; ++c) {
+        frames[c].info.timestamp_ns = time_ns_ + (c == 1 ? apart_ns : 0);
+        frames[c].time_s = static_cast<double>(time_ns_) * 1e-9;
+        cameras_[c]->frames.push_back({frames[c]});
+      }
+    }
+  }
+
+  void Run() {
+    std::vector<NamedFrames> cameras;
+    cameras.push_back({"left", std::move(cameras_[0])});
+    cameras.push_back({"right", std::move(cameras_[1])});
+    PairedFrames frames(std::move(cameras), 5e-3);
+    SessionFolder session(folder_ / "session", pattern_, frames.names(), false);
+    CaptureViewers viewers;
+    viewers.show = [&](const CaptureState& state) {
+      states_.push_back(state);
+      if (state.kept.size() == 3 && !is_undone_) wishes_.Undo();
+      is_undone_ |= state.kept.size() == 3;
+    };
+    viewers.add_kept = [&](const std::string& name,
+                           const std::vector<const GreyImage*>& greys) {
+      num_frames_[name] = greys.size();
+    };
+    CaptureLoop(CaptureLoopOptions{}, pattern_, &frames, &session, viewers,
+                &wishes_)
+        .Run();
+    sessions_ = session.cameras();
+  }
+  std::vector<std::string> Kept(size_t camera) const {
+    std::vector<std::string> names;
+    for (const SessionFrame& frame : sessions_[camera].frames)
+      names.push_back(frame.image);
+    return names;
+  }
+
+  std::unique_ptr<MadeFrames> cameras_[2] = {
+      std::make_unique<MadeFrames>(false), std::make_unique<MadeFrames>(false)};
+  CaptureWishes wishes_;
+  std::vector<CaptureState> states_;
+  std::map<std::string, size_t> num_frames_;
+  std::vector<Session> sessions_;
+  uint64_t time_ns_ = 0;
+  bool is_undone_ = false;
+};
+
+TEST_F(RigLoopTest, KeepsTheFramesOfAnInstantTogether) {
+  AddInstant(0, true, 0);
+  AddInstant(1, false, 4000000);
+  AddInstant(2, true, 4000000);  // undone
+  AddInstant(3, true, 0);
+  Run();
+  EXPECT_EQ(Kept(0),
+            (Words{"frame-0001.png", "frame-0002.png", "frame-0004.png"}));
+  EXPECT_EQ(Kept(1), (Words{"frame-0001.png", "frame-0004.png"}));
+  EXPECT_EQ(num_frames_["frame-0001.png"], 2u);
+  EXPECT_EQ(num_frames_["frame-0002.png"], 1u);
+  EXPECT_EQ(num_frames_["frame-0003.png"], 2u);
+  EXPECT_EQ(sessions_[1].not_locked, Words{"focus at 2 dioptres"});
+  const CaptureState& last = states_.back();
+  ASSERT_EQ(last.cameras.size(), 2u);
+  EXPECT_EQ(last.cameras[1].name, "right");
+  EXPECT_EQ(last.remarks.front(), "left: not locked: focus at 2 dioptres");
+  for (const CaptureState& state : states_)
+    EXPECT_EQ(state.camera, "left");  // the first one that is not known
 }
 
 }  // namespace
