@@ -187,4 +187,7 @@ void rg_blob_capture(const rg_blob* blob, rg_capture_section* capture) {
   capture->crop_height = rg_load_u32(section + RG_CAPTURE_CROP_HEIGHT);
   capture->zoom_q16 = rg_load_u32(section + RG_CAPTURE_ZOOM);
   capture->orientation = section[RG_CAPTURE_ORIENTATION];
+  capture->temperature_q16 = rg_load_i32(section + RG_CAPTURE_TEMPERATURE);
+  capture->exposure_us = rg_load_u32(section + RG_CAPTURE_EXPOSURE);
+  capture->analogue_gain_q16 = rg_load_u32(section + RG_CAPTURE_ANALOGUE_GAIN);
 }

@@ -271,8 +271,11 @@ enum rg_capture_field {
   RG_CAPTURE_ZOOM = 24,          /* u32, q16: magnification over the widest */
   RG_CAPTURE_KNOWN = 28,         /* u8: bits of rg_capture_known */
   RG_CAPTURE_ORIENTATION = 29,   /* u8: 1 to 8, as EXIF has it */
-  RG_CAPTURE_RESERVED = 30       /* u16: 0 */
+  RG_CAPTURE_RESERVED = 30,      /* u16: 0 */
+  RG_CAPTURE_TEMPERATURE = 32,   /* i32, q16 degrees Celsius, of the sensor */
+  RG_CAPTURE_EXPOSURE = 36,      /* u32, microseconds */
+  RG_CAPTURE_ANALOGUE_GAIN = 40  /* u32, q16: analogue, a factor */
 };
-#define RG_CAPTURE_SIZE 32u
+#define RG_CAPTURE_SIZE 44u
 
 #endif /* RAYGRID_BLOB_LAYOUT_H */

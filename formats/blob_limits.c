@@ -279,19 +279,37 @@ static int is_orientation(uint32_t orientation, int is_known) {
   return is_known ? orientation - 1 < RG_MAX_ORIENTATION : orientation == 0;
 }
 
+static int is_temperature(int32_t degrees_q16, int is_known) {
+  const int32_t limit_q16 = is_known ? RG_TEMPERATURE_LIMIT_Q16 : 0;
+  return degrees_q16 <= limit_q16 && degrees_q16 >= -limit_q16;
+}
+
+/* A value from 1 to the limit, or 0 where it is not known. */
+static int is_up_to(uint32_t limit, uint32_t value, int is_known) {
+  return is_known ? value - 1 < limit : value == 0;
+}
+
 static rg_status check_capture(const uint8_t* section, uint32_t size,
                                const uint8_t* camera) {
   if (size < RG_CAPTURE_SIZE) return RG_ERR_SECTION_SIZE;
   if (rg_load_u16(section + RG_CAPTURE_RESERVED) != 0) return RG_ERR_RESERVED;
   const uint32_t known = section[RG_CAPTURE_KNOWN];
-  return known - 1 < 2 * RG_KNOWS_ORIENTATION - 1 &&
+  return known - 1 < 2 * RG_KNOWS_GAIN - 1 &&
                  is_lens_position(section,
                                   (known & RG_KNOWS_LENS_POSITION) != 0) &&
                  is_crop(section, (known & RG_KNOWS_CROP) != 0, camera) &&
                  is_zoom(rg_load_u32(section + RG_CAPTURE_ZOOM),
                          (known & RG_KNOWS_ZOOM) != 0) &&
                  is_orientation(section[RG_CAPTURE_ORIENTATION],
-                                (known & RG_KNOWS_ORIENTATION) != 0)
+                                (known & RG_KNOWS_ORIENTATION) != 0) &&
+                 is_temperature(rg_load_i32(section + RG_CAPTURE_TEMPERATURE),
+                                (known & RG_KNOWS_TEMPERATURE) != 0) &&
+                 is_up_to(RG_MAX_EXPOSURE_US,
+                          rg_load_u32(section + RG_CAPTURE_EXPOSURE),
+                          (known & RG_KNOWS_EXPOSURE) != 0) &&
+                 is_up_to(RG_MAX_ANALOGUE_GAIN_Q16,
+                          rg_load_u32(section + RG_CAPTURE_ANALOGUE_GAIN),
+                          (known & RG_KNOWS_GAIN) != 0)
              ? RG_OK
              : RG_ERR_CAPTURE;
 }

@@ -40,7 +40,7 @@ INVERSE = struct.Struct("<4i2H2I2HIi")
 LINE_POINTS = struct.Struct("<2HI")
 MASK = struct.Struct("<2H2BHI")
 UNCERTAINTY = struct.Struct("<2H3I")
-CAPTURE = struct.Struct("<iI2i3I2BH")
+CAPTURE = struct.Struct("<iI2i3I2BHi2I")
 CRC_COVERED_HEADER = 28
 
 TYPE_CAMERA = 1
@@ -99,7 +99,11 @@ CROP_LIMIT = 65536
 MAX_CROP_SCALE = 64
 ZOOMS_Q16 = range(1 << 16, (1024 << 16) + 1)
 ORIENTATIONS = range(1, 9)
+TEMPERATURE_LIMIT_Q16 = 1024 << 16
+EXPOSURES_US = range(1, (1 << 30) + 1)
+ANALOGUE_GAINS_Q16 = range(1, (1024 << 16) + 1)
 KNOWS_LENS_POSITION, KNOWS_CROP, KNOWS_ZOOM, KNOWS_ORIENTATION = 1, 2, 4, 8
+KNOWS_TEMPERATURE, KNOWS_EXPOSURE, KNOWS_GAIN = 16, 32, 64
 
 EXIT_FAILURE = 1
 EXIT_INVALID = 8
@@ -319,6 +323,9 @@ class Capture:
     crop: tuple[int, ...] = ()  # x, y, width, height
     zoom: int | None = None
     orientation: int | None = None
+    temperature: int | None = None  # q16 degrees Celsius
+    exposure: int | None = None  # microseconds
+    gain: int | None = None  # q16
 
 
 @dataclass(frozen=True)
@@ -849,21 +856,26 @@ def read_uncertainty(section: bytes, grid: CentralGrid) -> Uncertainty:
 def read_capture(section: bytes, camera: Camera) -> Capture:
     """Capture (type 11)."""
     fields = unpack_fields(CAPTURE, section, "capture")
-    position, tolerance, *crop, zoom, known, orientation, reserved = fields
+    position, tolerance, *crop, zoom, known, orientation, reserved, degrees, exposure, gain = fields
     require(reserved == 0, "RG_ERR_RESERVED", "the reserved field of the capture is not 0")
-    require(0 < known <= 15 and all(
+    require(0 < known <= 127 and all(
         in_range if known & bit else not any(values) for bit, values, in_range in (
             (KNOWS_LENS_POSITION, (position, tolerance),
              max(abs(position), tolerance) <= LENS_POSITION_LIMIT_Q16),
             (KNOWS_CROP, crop, is_crop(crop, camera)),
             (KNOWS_ZOOM, (zoom,), zoom in ZOOMS_Q16),
-            (KNOWS_ORIENTATION, (orientation,), orientation in ORIENTATIONS))),
+            (KNOWS_ORIENTATION, (orientation,), orientation in ORIENTATIONS),
+            (KNOWS_TEMPERATURE, (degrees,), abs(degrees) <= TEMPERATURE_LIMIT_Q16),
+            (KNOWS_EXPOSURE, (exposure,), exposure in EXPOSURES_US),
+            (KNOWS_GAIN, (gain,), gain in ANALOGUE_GAINS_Q16))),
         "RG_ERR_CAPTURE", f"the capture is {fields}")
     return Capture(*(value if known & bit else None for bit, value in (
         (KNOWS_LENS_POSITION, position), (KNOWS_LENS_POSITION, tolerance))),
         tuple(crop) if known & KNOWS_CROP else (),
         zoom if known & KNOWS_ZOOM else None,
-        orientation if known & KNOWS_ORIENTATION else None)
+        *(value if known & bit else None for bit, value in (
+            (KNOWS_ORIENTATION, orientation), (KNOWS_TEMPERATURE, degrees),
+            (KNOWS_EXPOSURE, exposure), (KNOWS_GAIN, gain))))
 
 
 def is_crop(crop: list[int], camera: Camera) -> bool:
@@ -1656,10 +1668,14 @@ def pack_capture(capture: Capture) -> bytes:
     known = sum(bit for bit, is_known in (
         (KNOWS_LENS_POSITION, capture.lens_position is not None), (KNOWS_CROP, capture.crop != ()),
         (KNOWS_ZOOM, capture.zoom is not None),
-        (KNOWS_ORIENTATION, capture.orientation is not None)) if is_known)
+        (KNOWS_ORIENTATION, capture.orientation is not None),
+        (KNOWS_TEMPERATURE, capture.temperature is not None),
+        (KNOWS_EXPOSURE, capture.exposure is not None),
+        (KNOWS_GAIN, capture.gain is not None)) if is_known)
     return CAPTURE.pack(capture.lens_position or 0, capture.lens_tolerance or 0,
                         *(capture.crop or (0, 0, 0, 0)), capture.zoom or 0, known,
-                        capture.orientation or 0, 0)
+                        capture.orientation or 0, 0, capture.temperature or 0,
+                        capture.exposure or 0, capture.gain or 0)
 
 
 def pack_mode(mode: Mode) -> bytes:

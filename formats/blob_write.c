@@ -281,6 +281,9 @@ static void write_capture(const rg_capture_section* capture, uint8_t* section) {
   section[RG_CAPTURE_KNOWN] = capture->known;
   section[RG_CAPTURE_ORIENTATION] = capture->orientation;
   rg_store_u16(section + RG_CAPTURE_RESERVED, 0);
+  rg_store_i32(section + RG_CAPTURE_TEMPERATURE, capture->temperature_q16);
+  rg_store_u32(section + RG_CAPTURE_EXPOSURE, capture->exposure_us);
+  rg_store_u32(section + RG_CAPTURE_ANALOGUE_GAIN, capture->analogue_gain_q16);
 }
 
 typedef struct section_writer {

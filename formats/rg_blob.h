@@ -74,6 +74,9 @@ enum rg_section_type {
 #define RG_MIN_ZOOM_Q16 (UINT32_C(1) << 16)
 #define RG_MAX_ZOOM_Q16 (UINT32_C(1024) << 16)
 #define RG_MAX_ORIENTATION 8u
+#define RG_TEMPERATURE_LIMIT_Q16 (INT32_C(1024) << 16) /* degrees Celsius */
+#define RG_MAX_EXPOSURE_US (UINT32_C(1) << 30)
+#define RG_MAX_ANALOGUE_GAIN_Q16 (UINT32_C(1024) << 16)
 
 /* Identity of the camera. */
 typedef struct rg_camera_section {
@@ -182,7 +185,10 @@ enum rg_capture_known {
   RG_KNOWS_LENS_POSITION = 1, /* and its tolerance */
   RG_KNOWS_CROP = 2,
   RG_KNOWS_ZOOM = 4,
-  RG_KNOWS_ORIENTATION = 8
+  RG_KNOWS_ORIENTATION = 8,
+  RG_KNOWS_TEMPERATURE = 16,
+  RG_KNOWS_EXPOSURE = 32,
+  RG_KNOWS_GAIN = 64
 };
 
 /* How the camera stood while it was calibrated. What is not known is 0. */
@@ -192,8 +198,11 @@ typedef struct rg_capture_section {
   uint32_t lens_tolerance_q16;
   int32_t crop_x, crop_y; /* the shown part of the sensor, in its pixels */
   uint32_t crop_width, crop_height;
-  uint32_t zoom_q16;   /* magnification over the widest */
-  uint8_t orientation; /* 1 to 8, as EXIF has it */
+  uint32_t zoom_q16;       /* magnification over the widest */
+  uint8_t orientation;     /* 1 to 8, as EXIF has it */
+  int32_t temperature_q16; /* of the sensor, degrees Celsius */
+  uint32_t exposure_us;
+  uint32_t analogue_gain_q16; /* a factor */
 } rg_capture_section;
 
 /* A validated blob. Offsets are from the first byte; 0 means absent. */

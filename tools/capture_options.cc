@@ -15,7 +15,7 @@ const char kCaptureWordsHelp[] =
     "crop=X,Y,W,H (the pixels of the sensor that frames showed), lens=DIOPTRES "
     "(libcamera's LensPosition), tolerance=DIOPTRES (0.1 if it is not there), "
     "zoom=FACTOR (over the widest), orientation=1 to 8 (as EXIF and libcamera "
-    "have it)";
+    "have it), temperature=CELSIUS, exposure=MICROSECONDS, gain=FACTOR";
 
 namespace {
 
@@ -50,6 +50,12 @@ void TakeWord(const std::string& word, const std::string& text,
     capture->lens_tolerance = CaptureNumbers(word, text, 1, "0.1")[0];
   } else if (word == "zoom") {
     capture->zoom = CaptureNumbers(word, text, 1, "1")[0];
+  } else if (word == "temperature") {
+    capture->sensor_temperature_c = CaptureNumbers(word, text, 1, "41")[0];
+  } else if (word == "exposure") {
+    capture->exposure_us = CaptureNumbers(word, text, 1, "8333")[0];
+  } else if (word == "gain") {
+    capture->analogue_gain = CaptureNumbers(word, text, 1, "1.5")[0];
   } else {
     capture->orientation =
         WholeNumber(word, CaptureNumbers(word, text, 1, "1")[0]);
@@ -61,8 +67,9 @@ void TakeWord(const std::string& word, const std::string& text,
 std::optional<Capture> ParseCaptureWords(const std::vector<std::string>& texts,
                                          const std::optional<Capture>& known,
                                          const ImageSize& size) {
-  static const std::set<std::string> kKnown = {"crop", "lens", "tolerance",
-                                               "zoom", "orientation"};
+  static const std::set<std::string> kKnown = {
+      "crop",        "lens",        "tolerance", "zoom",
+      "orientation", "temperature", "exposure",  "gain"};
   if (texts.empty()) return known;
   if (texts.size() == 1 && texts[0] == "none") return std::nullopt;
   Capture capture = known.value_or(Capture());

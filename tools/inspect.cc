@@ -114,6 +114,10 @@ Json CaptureFacts(const Capture& capture) {
   if (capture.crop) json["crop"] = *capture.crop;
   if (capture.zoom) json["zoom"] = *capture.zoom;
   if (capture.orientation) json["orientation"] = *capture.orientation;
+  if (capture.sensor_temperature_c)
+    json["sensor_temperature_c"] = *capture.sensor_temperature_c;
+  if (capture.exposure_us) json["exposure_us"] = *capture.exposure_us;
+  if (capture.analogue_gain) json["analogue_gain"] = *capture.analogue_gain;
   return json;
 }
 
@@ -325,12 +329,14 @@ std::string ValueText(const Json& value, int digits = 6) {
 // A key without its unit, and the unit: "median_px" is "median" and " px".
 std::pair<std::string, std::string> NameAndUnit(std::string key) {
   std::string unit;
-  for (const char* known : {"px", "rad", "m", "dpt"}) {
+  for (const auto& [known, sign] :
+       {std::pair("px", "px"), std::pair("rad", "rad"), std::pair("m", "m"),
+        std::pair("dpt", "dpt"), std::pair("us", "us"), std::pair("c", "°C")}) {
     const std::string ending = std::string("_") + known;
     if (key.size() <= ending.size() ||
         key.compare(key.size() - ending.size(), ending.size(), ending) != 0)
       continue;
-    unit = std::string(" ") + known;
+    unit = std::string(" ") + sign;
     key.resize(key.size() - ending.size());
     break;
   }

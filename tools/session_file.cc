@@ -169,6 +169,14 @@ Capture CaptureOf(const Session& session) {
       ValueOfAll(session, &SessionFrame::lens_position, kDefaultLensTolerance);
   constexpr double kZoomTolerance = 1e-3;
   capture.zoom = ValueOfAll(session, &SessionFrame::zoom, kZoomTolerance);
+  constexpr double kWarmingC = 10;  // in the course of a session
+  capture.sensor_temperature_c =
+      ValueOfAll(session, &SessionFrame::sensor_temperature_c, kWarmingC);
+  constexpr double kExposureToleranceUs = 100, kGainTolerance = 0.01;
+  capture.exposure_us =
+      ValueOfAll(session, &SessionFrame::exposure_us, kExposureToleranceUs);
+  capture.analogue_gain =
+      ValueOfAll(session, &SessionFrame::analogue_gain, kGainTolerance);
   capture.crop = SameInAll(session, &SessionFrame::crop);
   capture.orientation = SameInAll(session, &SessionFrame::orientation);
   return capture;

@@ -8,6 +8,8 @@ namespace {
 
 // The limits of formats/SPEC.md.
 constexpr double kLargestDioptres = 1024, kLargestZoom = 1024;
+constexpr double kHottestC = 1024, kLongestUs = 1 << 30;
+constexpr double kSmallestGain = 1 / 65536.0, kLargestGain = 1024;
 constexpr int kLargestCrop = 65536, kLargestScale = 64;
 
 // A row or column of a crop that an image shows.
@@ -36,6 +38,16 @@ const char* FindImpossible(const Capture& capture, const ImageSize& size) {
   if (capture.orientation &&
       !(*capture.orientation >= 1 && *capture.orientation <= 8))
     return "orientation: from 1 to 8, as EXIF and libcamera number them";
+  const auto is_in = [](const std::optional<double>& value, double least,
+                        double most) {
+    return !value || (*value >= least && *value <= most);
+  };
+  if (!is_in(capture.sensor_temperature_c, -kHottestC, kHottestC))
+    return "temperature: degrees Celsius from -1024 to 1024";
+  if (!is_in(capture.exposure_us, 1, kLongestUs))
+    return "exposure: microseconds, from 1 to 2^30";
+  if (!is_in(capture.analogue_gain, kSmallestGain, kLargestGain))
+    return "gain: a factor from 1/65536 to 1024";
   return nullptr;
 }
 

@@ -23,8 +23,14 @@ struct Capture {
   std::optional<std::array<int, 4>> crop;
   std::optional<double> zoom;      ///< magnification over the widest
   std::optional<int> orientation;  ///< 1 to 8, as EXIF and libcamera have it
+  std::optional<double> sensor_temperature_c;  ///< degrees Celsius
+  std::optional<double> exposure_us;           ///< microseconds
+  std::optional<double> analogue_gain;         ///< a factor
 
-  bool KnowsAny() const { return lens_position || crop || zoom || orientation; }
+  bool KnowsAny() const {
+    return lens_position || crop || zoom || orientation ||
+           sensor_temperature_c || exposure_us || analogue_gain;
+  }
 };
 
 /// The name of a value that no camera with images of that size has, and which

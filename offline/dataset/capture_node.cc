@@ -12,17 +12,26 @@
 namespace raygrid {
 namespace {
 
+// Numbers that nothing is compared with.
+struct CaptureNumber {
+  const char* key;
+  std::optional<double> Capture::*value;
+};
+constexpr CaptureNumber kNumbers[] = {
+    {"sensor_temperature_c", &Capture::sensor_temperature_c},
+    {"exposure_us", &Capture::exposure_us},
+    {"analogue_gain", &Capture::analogue_gain}};
+
 // A key that is misspelt would compare nothing.
 void RequireCaptureKeys(const YAML::Node& node) {
   static const std::set<std::string> kKnown = {
-      "lens_position", "lens_tolerance", "crop", "zoom", "orientation"};
+      "lens_position", "lens_tolerance",       "crop",        "zoom",
+      "orientation",   "sensor_temperature_c", "exposure_us", "analogue_gain"};
   if (!node.IsMap()) throw InputError("capture: not a mapping");
   for (const auto& entry : node)
     if (const auto key = entry.first.as<std::string>(); !kKnown.count(key))
-      throw InputError(
-          fmt::format("capture: unknown key '{}'; lens_position, "
-                      "lens_tolerance, crop, zoom and orientation are known",
-                      Printable(key)));
+      throw InputError(fmt::format("capture: unknown key '{}'; {} are known",
+                                   Printable(key), fmt::join(kKnown, ", ")));
 }
 
 }  // namespace
@@ -47,6 +56,10 @@ std::optional<Capture> ParseCapture(const YAML::Node& node,
   }
   if (node["zoom"]) capture.zoom = YamlNumber(node["zoom"], "capture: zoom");
   if (node["orientation"]) capture.orientation = node["orientation"].as<int>();
+  for (const CaptureNumber& number : kNumbers)
+    if (node[number.key])
+      capture.*number.value =
+          YamlNumber(node[number.key], std::string("capture: ") + number.key);
   if (!capture.KnowsAny()) throw InputError("capture: says nothing");
   if (const char* const impossible = FindImpossible(capture, size))
     throw InputError(std::string("capture: ") + impossible);
@@ -70,6 +83,10 @@ void EmitCapture(const Capture& capture, YAML::Emitter* out) {
          << fmt::format("{}", *capture.zoom);
   if (capture.orientation)
     *out << YAML::Key << "orientation" << YAML::Value << *capture.orientation;
+  for (const CaptureNumber& number : kNumbers)
+    if (const auto& value = capture.*number.value)
+      *out << YAML::Key << number.key << YAML::Value
+           << fmt::format("{}", *value);
   *out << YAML::EndMap;
 }
 

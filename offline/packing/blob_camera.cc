@@ -195,6 +195,12 @@ std::optional<Capture> BlobCamera::CaptureAtCalibration() const {
   if (section.known & RG_KNOWS_ZOOM) capture.zoom = section.zoom_q16 / 65536.0;
   if (section.known & RG_KNOWS_ORIENTATION)
     capture.orientation = section.orientation;
+  if (section.known & RG_KNOWS_TEMPERATURE)
+    capture.sensor_temperature_c = section.temperature_q16 / 65536.0;
+  if (section.known & RG_KNOWS_EXPOSURE)
+    capture.exposure_us = section.exposure_us;
+  if (section.known & RG_KNOWS_GAIN)
+    capture.analogue_gain = section.analogue_gain_q16 / 65536.0;
   return capture;
 }
 

@@ -81,6 +81,21 @@ rg_capture_section QuantizeCapture(const Capture& capture) {
     section.known |= RG_KNOWS_ORIENTATION;
     section.orientation = static_cast<uint8_t>(*capture.orientation);
   }
+  if (capture.sensor_temperature_c) {
+    section.known |= RG_KNOWS_TEMPERATURE;
+    section.temperature_q16 =
+        static_cast<int32_t>(q16(*capture.sensor_temperature_c));
+  }
+  if (capture.exposure_us) {
+    section.known |= RG_KNOWS_EXPOSURE;
+    section.exposure_us =
+        static_cast<uint32_t>(std::lround(*capture.exposure_us));
+  }
+  if (capture.analogue_gain) {
+    section.known |= RG_KNOWS_GAIN;
+    section.analogue_gain_q16 =
+        static_cast<uint32_t>(q16(*capture.analogue_gain));
+  }
   return section;
 }
 

@@ -203,11 +203,30 @@ void CaptureGuard::SayWhatIsNotTold() {
          "; check that by hand, or leave it out of raygrid pack --capture");
 }
 
+// A camera that warms up moves its lens, by how much is the camera's own.
+void CaptureGuard::SayTemperature(const FrameInfo& info) {
+  constexpr double kOtherC = 20;
+  if (was_temperature_said_ || !IsKnown(RG_KNOWS_TEMPERATURE) ||
+      !info.sensor_temperature_c)
+    return;
+  const double now_c = *info.sensor_temperature_c;
+  const double then_c = recorded_->temperature_q16 / 65536.0;
+  if (!(std::abs(now_c - then_c) > kOtherC)) return;
+  was_temperature_said_ = true;
+  char text[120];
+  std::snprintf(text, sizeof(text),
+                "the sensor has %.0f degrees Celsius, where calibration had "
+                "%.0f; calibrate at the temperature of use",
+                now_c, then_c);
+  say_(text);
+}
+
 bool CaptureGuard::Check(const FrameInfo& info, const rg_mode* in_use,
                          bool shows_mode, Clock::time_point arrived) {
   if (is_idle()) return true;
   if (num_frames_++ == 0) first_arrived_ = arrived;
   NoteTold(info);
+  SayTemperature(info);
   if (num_frames_ == kFramesToTell) SayWhatIsNotTold();
   const Faults faults = Compare(info, in_use, shows_mode);
   const std::string* first = nullptr;

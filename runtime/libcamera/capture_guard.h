@@ -39,7 +39,9 @@ std::optional<Flips> FlipsBetween(int orientation, int other);
 
 /// Compares lens position, crop, zoom and orientation of each frame with those
 /// that calibration recorded. Says once what is not as then, and what cannot
-/// be compared since the source does not tell it. Counts such frames.
+/// be compared since the source does not tell it. Counts such frames. A sensor
+/// that is much warmer or colder than then is said once, and counts for
+/// nothing.
 class CaptureGuard {
  public:
   using Say = std::function<void(const std::string&)>;
@@ -89,6 +91,7 @@ class CaptureGuard {
   bool IsKnown(uint8_t bit) const { return (recorded_->known & bit) != 0; }
   void NoteTold(const FrameInfo& info);
   void SayWhatIsNotTold();
+  void SayTemperature(const FrameInfo& info);
 
   const std::optional<rg_capture_section> recorded_;
   const std::string what_;
@@ -96,6 +99,7 @@ class CaptureGuard {
   const Say say_;
   bool was_said_[kNumKinds] = {}, is_told_[kNumKinds] = {};
   bool was_told_all_ = false;  // what is not told was said
+  bool was_temperature_said_ = false;
   bool was_as_calibrated_ = false;
   uint64_t num_frames_ = 0;
   Clock::time_point first_arrived_;

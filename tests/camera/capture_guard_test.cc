@@ -194,6 +194,25 @@ TEST(CaptureGuard, WhatIsNotToldIsSaidOnceAndCountsForNothing) {
   EXPECT_TRUE(crop.lines.empty());
 }
 
+TEST(CaptureGuard, AnotherTemperatureIsSaidOnceAndCountsForNothing) {
+  rg_capture_section recorded = Recorded(RG_KNOWS_TEMPERATURE);
+  recorded.temperature_q16 = 35 << 16;
+  Heard heard(recorded, true);
+  FrameInfo info = {};
+  EXPECT_TRUE(heard.Check(info));
+  for (const float temperature_c : {35.f, 16.f, 54.f, 55.5f, 60.f}) {
+    info.sensor_temperature_c = temperature_c;
+    EXPECT_TRUE(heard.Check(info));
+  }
+  heard.guard.Finish();
+  EXPECT_EQ(heard.guard.num_not_as_calibrated(), 0u);
+  ASSERT_EQ(heard.lines.size(), 1u);
+  EXPECT_TRUE(Has(heard.lines[0],
+                  "sensor has 56 degrees Celsius, where "
+                  "calibration had 35;"))
+      << heard.lines[0];
+}
+
 TEST(CaptureGuard, StrictStopsAtTheFirstFrameThatLeavesWhatWasCalibrated) {
   Heard heard(Recorded(), true);
   EXPECT_TRUE(heard.Check(AsCalibrated()));

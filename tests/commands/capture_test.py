@@ -14,12 +14,17 @@ CAPTURE = """capture:
   crop: [8, -4, 320, 240]
   zoom: 1
   orientation: 3
+  sensor_temperature_c: -5.5
+  exposure_us: 8333
+  analogue_gain: 1.5
 """
 FACTS = {"lens_position_dpt": 2.5, "lens_tolerance_dpt": 0.25, "crop": [8, -4, 320, 240],
-         "zoom": 1.0, "orientation": 3}
+         "zoom": 1.0, "orientation": 3, "sensor_temperature_c": -5.5, "exposure_us": 8333.0,
+         "analogue_gain": 1.5}
 # Offsets in the section, and values that no writer writes.
 NONSENSE = ((16, 0), (20, 0), (16, 0xffffffff), (8, 0x80000000), (0, 0x7fffffff), (4, 0xffffffff),
-            (24, 0), (28, 0), (28, 0x030f00ff), (28, 0x0000090f))
+            (24, 0), (28, 0), (28, 0x030f00ff), (28, 0x0000090f), (28, 0x0000037e), (28, 0x000003ff), (32, 0x04000001), (36, 0), (36, 0x40000001),
+            (40, 0), (40, 0x04000001))
 
 
 def with_word(blob, offset, value):
@@ -58,17 +63,20 @@ class CaptureTest(CommandTest):
         self.assertEqual(self.facts("known.yaml")["capture"], FACTS)
         text = run("inspect", self.path("known.raygrid")).stdout
         self.assertIn("capture: lens position 2.5 dpt, lens tolerance 0.25 dpt, crop 8, -4, 320, 240, "
-                      "zoom 1, orientation 3\n", text)
+                      "zoom 1, orientation 3, sensor temperature -5.5 °C, exposure 8333 us, "
+                      "analogue gain 1.5\n", text)
 
     def test_independent_reader_agrees(self):
         told = subprocess.run([sys.executable, programs.reference, "inspect",
                                self.path("known.raygrid")], capture_output=True, text=True, check=True)
         self.assertIn("capture:\n  lens_position: 163840\n  lens_tolerance: 16384\n"
-                      "  crop: (8, -4, 320, 240)\n  zoom: 65536\n  orientation: 3\n", told.stdout)
+                      "  crop: (8, -4, 320, 240)\n  zoom: 65536\n  orientation: 3\n  temperature: -360448\n"
+                      "  exposure: 8333\n  gain: 98304\n", told.stdout)
 
     def test_words_say_it_by_hand(self):
         self.assert_done(self.pack("--capture", "crop=8,-4,320,240,lens=2.5", "--capture",
-                                   "tolerance=0.25,zoom=1,orientation=3"))
+                                   "tolerance=0.25,zoom=1,orientation=3,temperature=-5.5,exposure=8333,"
+                                   "gain=1.5"))
         self.assertEqual(read(self.path("c.raygrid")), read(self.path("known.raygrid")))
         self.assert_done(self.pack("--capture", "lens=1"))
         self.assertEqual(self.facts()["capture"], {"lens_position_dpt": 1.0, "lens_tolerance_dpt":
@@ -86,7 +94,7 @@ class CaptureTest(CommandTest):
         self.assertEqual(self.facts()["format"], "1.3")
         self.assert_done(self.pack("--capture", "none", camera=self.known))
         self.assertEqual(read(self.path("c.raygrid")), plain)
-        self.assertEqual(len(read(self.path("known.raygrid"))), len(plain) + 16 + 32)
+        self.assertEqual(len(read(self.path("known.raygrid"))), len(plain) + 16 + 44)
 
     def test_fit_keeps_it(self):
         for camera in ("known.yaml", "known.raygrid"):

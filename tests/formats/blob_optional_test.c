@@ -167,15 +167,28 @@ static const field_value kValues[] = {
     {"zoom below 1", 11, 24, 4, 65535, RG_ERR_CAPTURE},
     {"zoom above 1024", 11, 24, 4, (1024u << 16) + 1, RG_ERR_CAPTURE},
     {"nothing known", 11, 28, 1, 0, RG_ERR_CAPTURE},
-    {"lens position that is not known", 11, 28, 1, 14, RG_ERR_CAPTURE},
-    {"crop that is not known", 11, 28, 1, 13, RG_ERR_CAPTURE},
-    {"zoom that is not known", 11, 28, 1, 11, RG_ERR_CAPTURE},
-    {"orientation that is not known", 11, 28, 1, 7, RG_ERR_CAPTURE},
-    {"what later versions may know", 11, 28, 1, 31, RG_ERR_CAPTURE},
+    {"lens position that is not known", 11, 28, 1, 126, RG_ERR_CAPTURE},
+    {"crop that is not known", 11, 28, 1, 125, RG_ERR_CAPTURE},
+    {"zoom that is not known", 11, 28, 1, 123, RG_ERR_CAPTURE},
+    {"orientation that is not known", 11, 28, 1, 119, RG_ERR_CAPTURE},
+    {"temperature that is not known", 11, 28, 1, 111, RG_ERR_CAPTURE},
+    {"exposure that is not known", 11, 28, 1, 95, RG_ERR_CAPTURE},
+    {"gain that is not known", 11, 28, 1, 63, RG_ERR_CAPTURE},
+    {"what later versions may know", 11, 28, 1, 255, RG_ERR_CAPTURE},
     {"orientation 0", 11, 29, 1, 0, RG_ERR_CAPTURE},
     {"orientation 8", 11, 29, 1, 8, RG_OK},
     {"orientation 9", 11, 29, 1, 9, RG_ERR_CAPTURE},
     {"reserved field of the capture", 11, 30, 2, 1, RG_ERR_RESERVED},
+    {"coldest sensor", 11, 32, 4, 0xfc000000, RG_OK},
+    {"colder sensor", 11, 32, 4, 0xfbffffff, RG_ERR_CAPTURE},
+    {"smallest number as temperature", 11, 32, 4, 0x80000000, RG_ERR_CAPTURE},
+    {"hotter sensor", 11, 32, 4, (1024u << 16) + 1, RG_ERR_CAPTURE},
+    {"no exposure", 11, 36, 4, 0, RG_ERR_CAPTURE},
+    {"longest exposure", 11, 36, 4, 1u << 30, RG_OK},
+    {"longer exposure", 11, 36, 4, (1u << 30) + 1, RG_ERR_CAPTURE},
+    {"no gain", 11, 40, 4, 0, RG_ERR_CAPTURE},
+    {"smallest gain", 11, 40, 4, 1, RG_OK},
+    {"gain beyond", 11, 40, 4, (1024u << 16) + 1, RG_ERR_CAPTURE},
 };
 
 static const uint8_t* blob_with(uint32_t type) {
@@ -380,7 +393,7 @@ static void capture_is_read(void** state) {
   assert_int_equal(rg_blob_open(kCaptureBlob, sizeof(kCaptureBlob), &blob),
                    RG_OK);
   rg_blob_capture(&blob, &capture);
-  assert_int_equal(capture.known, 15);
+  assert_int_equal(capture.known, 127);
   assert_int_equal(capture.lens_position_q16, 2 << 16);
   assert_int_equal(capture.lens_tolerance_q16, 6553);
   assert_int_equal(capture.crop_x, 4);
@@ -389,6 +402,9 @@ static void capture_is_read(void** state) {
   assert_int_equal(capture.crop_height, 192);
   assert_int_equal(capture.zoom_q16, 66191);
   assert_int_equal(capture.orientation, 3);
+  assert_int_equal(capture.temperature_q16, -5 * 65536);
+  assert_int_equal(capture.exposure_us, 8333);
+  assert_int_equal(capture.analogue_gain_q16, 98304);
   assert_int_equal(rg_blob_open(kWideBlob, sizeof(kWideBlob), &blob), RG_OK);
   assert_int_equal(blob.capture, 0);
 }
@@ -398,8 +414,9 @@ static void capture_of_one_thing_is_read(void** state) {
   (void)state;
   const uint32_t section =
       rg_load_u32(kCaptureBlob + entry_of_type(RG_SECTION_CAPTURE) + 4);
-  static const uint8_t kBytes[4][2] = {{0, 8}, {8, 24}, {24, 28}, {29, 30}};
-  for (uint32_t k = 0; k < 4; ++k) {
+  static const uint8_t kBytes[7][2] = {{0, 8},   {8, 24},  {24, 28}, {29, 30},
+                                       {32, 36}, {36, 40}, {40, 44}};
+  for (uint32_t k = 0; k < 7; ++k) {
     const uint32_t size = sizeof(kCaptureBlob);
     memcpy(edited, kCaptureBlob, size);
     memset(edited + section, 0, RG_CAPTURE_SIZE);

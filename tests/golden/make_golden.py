@@ -508,8 +508,9 @@ def make_lines(example: reference.Blob) -> reference.Blob:
 
 def make_capture(example: reference.Blob) -> reference.Blob:
     """The example's camera, focused to half a metre, of the middle of a sensor of 264 x 200 pixels,
-    upside down."""
-    capture = reference.Capture(2 * Q16, Q16 // 10, (4, 4, 256, 192), 66191, 3)
+    upside down, at 5 degrees below zero."""
+    capture = reference.Capture(2 * Q16, Q16 // 10, (4, 4, 256, 192), 66191, 3,
+                                -5 * Q16, 8333, 3 * Q16 // 2)
     return dataclasses.replace(example, remap=None, quality=None, capture=capture)
 
 

@@ -35,6 +35,20 @@ std::string DescribeCapture(const FrameInfo& info) {
     std::snprintf(text, sizeof(text), "orientation=%d", *info.orientation);
     add();
   }
+  if (info.sensor_temperature_c) {
+    std::snprintf(text, sizeof(text), "temperature=%.4g",
+                  double{*info.sensor_temperature_c});
+    add();
+  }
+  if (info.exposure_us) {
+    std::snprintf(text, sizeof(text), "exposure=%.6g",
+                  double{*info.exposure_us});
+    add();
+  }
+  if (info.analogue_gain) {
+    std::snprintf(text, sizeof(text), "gain=%.4g", double{*info.analogue_gain});
+    add();
+  }
   return words.empty() ? "" : "; as pack --capture has it: " + words;
 }
 

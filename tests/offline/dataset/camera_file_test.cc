@@ -250,6 +250,9 @@ Capture ExampleCapture() {
   capture.crop = {8, -4, 3280, 2464};
   capture.zoom = 1.25;
   capture.orientation = 6;
+  capture.sensor_temperature_c = 41.25;
+  capture.exposure_us = 8333;
+  capture.analogue_gain = 1.5;
   return capture;
 }
 
@@ -265,6 +268,9 @@ TEST(CameraFile, HoldsHowTheCameraStood) {
   EXPECT_EQ(read->crop, file.capture->crop);
   EXPECT_EQ(read->zoom, 1.25);
   EXPECT_EQ(read->orientation, 6);
+  EXPECT_EQ(read->sensor_temperature_c, 41.25);
+  EXPECT_EQ(read->exposure_us, 8333);
+  EXPECT_EQ(read->analogue_gain, 1.5);
   EXPECT_EQ(FormatCameraFile(ReadCameraText(text)), text);
   for (const auto& [word, bad] :
        {std::pair("lens_position: 2.1", "lens_position: 1025"),
@@ -274,7 +280,9 @@ TEST(CameraFile, HoldsHowTheCameraStood) {
         std::pair("[8, -4, 3280, 2464]", "[8, -4, 3280, 0]"),
         std::pair("[8, -4, 3280, 2464]", "[8, -4, 40961, 2464]"),
         std::pair("[8, -4, 3280, 2464]", "[8, -4, 3280]"),
-        std::pair("orientation: 6", "orientation: 0")})
+        std::pair("orientation: 6", "orientation: 0"),
+        std::pair("41.25", "1025"), std::pair("8333", "0"),
+        std::pair("analogue_gain: 1.5", "analogue_gain: 0")})
     ExpectCameraRefused(Replaced(text, word, bad));
 }
 

@@ -223,8 +223,11 @@ TEST(PackCamera, RecordsHowTheCameraStood) {
   capture.lens_position = -1.0 / 3;
   capture.crop = {-65536, 65536, 40960, 8};
   capture.zoom = 1024;
+  capture.sensor_temperature_c = -40.5;
+  capture.exposure_us = 8333;
+  capture.analogue_gain = 1.5;
   const std::string blob = PackCamera(file, PackOptions()).blob;
-  EXPECT_EQ(blob.size(), without.size() + 16 + 32);
+  EXPECT_EQ(blob.size(), without.size() + 16 + 44);
   const auto read = BlobCamera("blob", blob).CaptureAtCalibration();
   ASSERT_TRUE(read);
   EXPECT_NEAR(*read->lens_position, -1.0 / 3, 1.0 / 131072);
@@ -232,6 +235,9 @@ TEST(PackCamera, RecordsHowTheCameraStood) {
   EXPECT_EQ(read->crop, capture.crop);
   EXPECT_EQ(read->zoom, 1024);
   EXPECT_FALSE(read->orientation);
+  EXPECT_EQ(read->sensor_temperature_c, -40.5);
+  EXPECT_EQ(read->exposure_us, 8333);
+  EXPECT_EQ(read->analogue_gain, 1.5);
   // Packed again, it has the same bytes.
   file.capture = read;
   EXPECT_EQ(PackCamera(file, PackOptions()).blob, blob);
