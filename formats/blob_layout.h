@@ -278,4 +278,19 @@ enum rg_capture_field {
 };
 #define RG_CAPTURE_SIZE 44u
 
+/* ---- Slots -------------------------------------------------------------- */
+
+/* In front of a blob in flash, where two have room. */
+enum rg_slot_field {
+  RG_SLOT_MAGIC = 0,        /* u8[8]: "RGSLOTS" and a zero */
+  RG_SLOT_MAJOR = 8,        /* u16: version that readers must know */
+  RG_SLOT_BLOB_OFFSET = 10, /* u16: RG_SLOT_HEADER_SIZE */
+  RG_SLOT_SEQUENCE = 12,    /* u32: one more than that of the blob before */
+  RG_SLOT_BLOB_SIZE = 16,   /* u32: bytes of the blob, which follows */
+  RG_SLOT_BLOB_CRC = 20,    /* u32: CRC of these bytes */
+  RG_SLOT_ROOM = 24,        /* u8[36]: 0; readers do not look at it */
+  RG_SLOT_HEADER_CRC = 60   /* u32: CRC of the bytes before it */
+};
+#define RG_SLOT_HEADER_SIZE 64u
+
 #endif /* RAYGRID_BLOB_LAYOUT_H */

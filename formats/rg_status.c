@@ -97,6 +97,8 @@ const char* rg_status_text(rg_status status) {
       return "a plane of the target overlaps another plane";
     case RG_ERR_NO_INVERSE:
       return "blob has no inverse grid, as before format 1.3; pack it anew";
+    case RG_ERR_NO_SLOT:
+      return "neither slot has a whole blob";
   }
   return "unknown status";
 }

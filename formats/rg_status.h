@@ -69,7 +69,10 @@ typedef enum rg_status {
   RG_ERR_NONCENTRAL = -57,   /* the camera has lines, not rays */
   RG_ERR_UNKNOWN = -58,      /* the blob does not say */
   RG_ERR_OVERLAP = -59,      /* a plane of the target lies in another plane */
-  RG_ERR_NO_INVERSE = -60    /* the blob has no inverse grid: pack it anew */
+  RG_ERR_NO_INVERSE = -60,   /* the blob has no inverse grid: pack it anew */
+
+  /* Slots (formats/SPEC.md, "Slots"). */
+  RG_ERR_NO_SLOT = -70 /* neither slot has a whole blob */
 } rg_status;
 
 /* The status as a short English text, for messages; never NULL. */

@@ -44,7 +44,7 @@ static RG_INLINE int rg_turn(uint32_t* length) {
 
 /* A value in a register of its own: else the compiler composes it anew where it
  * is used. With -O2 it saves 20 bytes and 7 instructions of an un-projection in
- * one place. In two others it keeps clang from calling memset(). */
+ * one place. In three others it keeps compilers from calling memset(). */
 #if defined(__GNUC__)
 #define RG_IN_REGISTER(value) __asm__("" : "+r"(value))
 #else

@@ -425,6 +425,43 @@ typedef struct rg_band {
 rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
                         const rg_band* band);
 
+/* A blob in one of two slots of flash (formats/SPEC.md, "Slots"). */
+typedef struct rg_slot {
+  const void* blob; /* in place, for rg_camera_open() */
+  uint32_t num_bytes;
+  uint32_t sequence;
+  uint32_t index; /* 0: in the first slot, 1: in the second */
+} rg_slot;
+
+/* Finds the newest whole blob of two slots, of which one may be erased, damaged
+ * or half written. Write the next blob to the other slot. Whether the bytes are
+ * a blob of this camera, rg_camera_open() and rg_match() say. Who wrote them
+ * nothing here says: signatures are for what boots the device.
+ *
+ * first, second  multiples of 4, slot_size bytes each. NULL: not looked at, as
+ *                a slot whose blob rg_camera_open() refuses.
+ * slot_size      bytes, more than a slot's header has
+ * newest         written only when RG_OK is returned; of two with the same
+ *                sequence the first
+ *
+ * RG_OK, RG_ERR_MISALIGNED, RG_ERR_ARGUMENT, or RG_ERR_NO_SLOT if neither slot
+ * has a whole blob. Nothing outside the slots is read, whatever they hold.
+ * Cost: one pass over both blobs for their CRCs. */
+rg_status rg_choose_slot(const void* first, const void* second,
+                         uint32_t slot_size, rg_slot* newest);
+
+/* The header of a slot, for devices that write blobs by themselves: erase the
+ * slot, its first bytes first, then write the blob from byte 64 on, and the
+ * header last. Power may be cut at any moment of that.
+ *
+ * num_bytes  of the blob, at most the slot's size less 64
+ * sequence   that of the newest slot plus 1, which may wrap around
+ * header     64 bytes; written only when RG_OK is returned
+ *
+ * RG_OK, or RG_ERR_ARGUMENT for null pointers or no bytes. */
+rg_status rg_make_slot_header(const void* blob, uint32_t num_bytes,
+                              uint32_t sequence, uint32_t header[16]);
+
 #if defined(__GNUC__)
 #pragma GCC visibility pop
 #endif

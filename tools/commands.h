@@ -54,6 +54,7 @@ void AddReport(CLI::App* app, CommonOptions* common);
 void AddSimulate(CLI::App* app, CommonOptions* common);
 void AddUndistort(CLI::App* app, CommonOptions* common);
 void AddUnproject(CLI::App* app, CommonOptions* common);
+void AddUpdate(CLI::App* app, CommonOptions* common);
 void AddView(CLI::App* app, CommonOptions* common);
 
 }  // namespace raygrid

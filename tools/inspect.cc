@@ -17,6 +17,7 @@
 #include "exchange/format.h"
 #include "exchange/opencv_forms.h"
 #include "exchange/table_format.h"
+#include "packing/slot_file.h"
 #include "target/board_spec.h"
 #include "view_options.h"
 
@@ -289,10 +290,38 @@ Json ForeignFacts(const Format& format, const std::string& path,
   return json;
 }
 
+// ---- Slots -----------------------------------------------------------------
+
+Json SlotFacts(const std::string& path, const BlobSlot& slot) {
+  if (!slot.is_valid)
+    return {{"state", slot.is_erased ? "erased" : "not whole"}};
+  Json json = {{"state", "whole"}, {"sequence", slot.sequence}};
+  json.update(BlobFacts(BlobCamera(path, slot.blob)));
+  return json;
+}
+
+Json SlotsFacts(const std::string& path, const std::string& bytes) {
+  const BlobSlots read = ReadSlots(bytes);
+  if (!read.newest)
+    throw Error(ExitCode::kBlob,
+                path +
+                    ": neither slot has a whole blob; write one with "
+                    "raygrid update");
+  Json json = {{"kind", "slots"},
+               {"slot_size", bytes.size() / 2},
+               {"newest", *read.newest}};
+  for (size_t k = 0; k < read.slots.size(); ++k)
+    json[fmt::format("slot {}", k)] = SlotFacts(path, read.slots[k]);
+  return json;
+}
+
+// ---- Kinds of files --------------------------------------------------------
+
 Json FactsOf(const std::string& path) {
   if (IsBoardSpec(path)) return PatternFacts(ParseBoardSpec(path));
   const std::string bytes = ReadFile(path);
   if (IsBlob(path, bytes)) return BlobFacts(BlobCamera(path, bytes));
+  if (IsSlotFile(bytes)) return SlotsFacts(path, bytes);
   if (bytes.find("raygrid_camera:") != std::string::npos)
     return CameraFacts(ParseCameraFile(path, bytes));
   if (bytes.find("raygrid_rig:") != std::string::npos)

@@ -148,6 +148,7 @@ int Run(int argc, char** argv) {
   AddExport(&app, &common);
   AddImport(&app, &common);
   AddPack(&app, &common);
+  AddUpdate(&app, &common);
   AddRectify(&app, &common);
   AddInspect(&app, &common);
   AddView(&app, &common);

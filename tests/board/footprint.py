@@ -27,7 +27,7 @@ EVERYTHING = RAYS + (
     "rg_remap_grey", "rg_choose_ray_kernels")
 # .text of what these need.
 SETS = {"rays": RAYS, "grey": RAYS + ("rg_select_remap", "rg_remap_size", "rg_remap_grey"),
-        "everything": EVERYTHING}
+        "everything": EVERYTHING, "slots": ("rg_choose_slot",)}
 # Stack of these, each for itself, and the deepest of the others.
 STACKS = ("rg_camera_open", "rg_select_remap", "rg_unproject", "rg_unproject_line", "rg_project",
           "rg_undistort_point", "rg_remap_grey", "rg_remap", "rg_remap_source_rows", "rg_match")

@@ -11,7 +11,7 @@ from command_test import (CommandTest, SIMULATED_PATTERN, main, programs, read, 
 README = os.path.join(os.path.dirname(__file__), "../../README.md")
 COMMANDS = ("calibrate", "capture", "check", "compare", "detect", "evaluate", "experiment", "export", "fit",
             "import", "inspect", "pack", "pattern", "project", "rectify", "report", "simulate", "undistort",
-            "unproject", "view")
+            "unproject", "update", "view")
 KINDS = ("star", "chessboard", "charuco", "aprilgrid")
 
 

@@ -303,6 +303,11 @@ class Case:
     def run_unproject(self):
         return [self.camera(), "--pixels", self.numbers("xy"), *self.printed_or_written()]
 
+    def run_update(self):
+        slots = self.output(".bin") if self.chance(0.7) else self.file(".bin", b"\xff" * 16384)
+        size = ["--slot-size", self.random.choice(("64K", "8K", "7", *NUMBERS))] if self.chance(0.5) else []
+        return [self.camera(), "--slots", slots, *size]
+
     def run_view(self):
         image = ["--image", self.image()] if self.chance(0.5) else []
         remap = ["--remap", self.size() + ",hfov=60"] if self.chance(0.3) else []

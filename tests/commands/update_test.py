@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+"""update keeps two blobs for a device: a run that is cut leaves the one that was there."""
+import json
+import os
+import resource
+import struct
+import subprocess
+import zlib
+
+from command_test import CommandTest, main, programs, read, run, write
+
+SLOT = 32768
+
+
+def read_slot(data):
+    """Sequence and blob of a slot, by formats/SPEC.md; None if it is not valid."""
+    magic, major, offset, sequence, size, crc = struct.unpack_from("<8sHHIII", data)
+    header_crc, = struct.unpack_from("<I", data, 60)
+    blob = data[64:64 + size]
+    valid = (magic == b"RGSLOTS\0" and (major, offset) == (1, 64) and zlib.crc32(data[:60]) == header_crc
+             and 1 <= size <= len(data) - 64 and zlib.crc32(blob) == crc)
+    return (sequence, blob) if valid else None
+
+
+def newest(data):
+    """Index, sequence and blob of the newest slot."""
+    half = len(data) // 2
+    slots = [read_slot(data[:half]), read_slot(data[half:])]
+    valid = [(k, *slot) for k, slot in enumerate(slots) if slot]
+    if len(valid) == 2:
+        ahead = (valid[1][1] - valid[0][1]) % 2 ** 32
+        return valid[1 if 1 <= ahead < 2 ** 31 else 0]
+    return valid[0] if valid else None
+
+
+class Update(CommandTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        camera = cls.simulated_camera("wide")
+        for name, more in (("a", ()), ("b", ("--remap", "160x120,hfov=60")), ("c", ("--serial", "c"))):
+            result = run("pack", camera, *more, "-o", cls.path(name + ".raygrid"))
+            assert result.returncode == 0, result.stderr
+        cls.blobs = {name: read(cls.path(name + ".raygrid")) for name in "abc"}
+
+    def setUp(self):
+        self.slots = os.path.join(self.folder, self.id().split(".")[-1], "slots.bin")
+
+    def update(self, name, *more, **options):
+        return run("update", self.path(name + ".raygrid"), "--slots", self.slots, *more, **options)
+
+    def check_newest(self, index, sequence, name):
+        self.assertEqual(newest(read(self.slots)), (index, sequence, self.blobs[name]))
+
+    def test_slots_take_turns_and_the_other_one_stays(self):
+        self.assert_done(self.update("a", "--slot-size", "32K"))
+        self.assertEqual(os.path.getsize(self.slots), 2 * SLOT)
+        self.check_newest(0, 1, "a")
+        for turn, name in enumerate("bcab"):
+            before = read(self.slots)
+            result = self.update(name, "--json")
+            self.assert_done(result)
+            told = json.loads(result.stdout)
+            index = 1 - turn % 2
+            self.assertEqual((told["slot"], told["sequence"], told["written"]), (index, turn + 2, True))
+            self.check_newest(index, turn + 2, name)
+            kept = slice(SLOT, None) if index == 0 else slice(SLOT)
+            self.assertEqual(read(self.slots)[kept], before[kept])
+
+    def test_the_newest_blob_is_not_written_again(self):
+        for name in ("a", "b"):
+            self.assert_done(self.update(name, "--slot-size", SLOT))
+        before = read(self.slots)
+        result = self.update("b")
+        self.assert_done(result)
+        self.assertIn("already", result.stdout)
+        self.assertEqual(read(self.slots), before)
+
+    def test_a_run_that_is_cut_leaves_the_newest_blob(self):
+        """At a byte of the second slot no more can be written."""
+        for name in "abc":  # the newest one in the first slot, an older one in the second
+            self.assert_done(self.update(name, "--slot-size", SLOT))
+        before = read(self.slots)
+        for limit in [*range(SLOT + 1, SLOT + 66, 8), SLOT + 500, 2 * SLOT - 1]:
+            write(self.slots, before)
+
+            def limit_size(limit=limit):
+                resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+            result = subprocess.run([programs.raygrid, "update", self.path("a.raygrid"), "--slots", self.slots],
+                                    preexec_fn=limit_size, capture_output=True, text=True, check=False)
+            self.assert_refused(result, 7, "slots.bin")
+            self.assertNotEqual(read(self.slots), before)
+            self.check_newest(0, 3, "c")
+            self.assert_done(self.update("a"))
+            self.check_newest(1, 4, "a")
+
+    def test_sequence_wraps_around(self):
+        self.assert_done(self.update("a", "--slot-size", SLOT))
+        slots = bytearray(read(self.slots))
+        struct.pack_into("<I", slots, 12, 2 ** 32 - 1)
+        struct.pack_into("<I", slots, 60, zlib.crc32(slots[:60]))
+        write(self.slots, bytes(slots))
+        self.assert_done(self.update("b"))
+        self.check_newest(1, 0, "b")
+
+    def test_a_damaged_slot_is_written_next(self):
+        for name in "ab":
+            self.assert_done(self.update(name, "--slot-size", SLOT))
+        slots = bytearray(read(self.slots))
+        slots[SLOT + 100] ^= 1
+        write(self.slots, bytes(slots))
+        self.check_newest(0, 1, "a")
+        facts = json.loads(run("inspect", self.slots, "--json").stdout)
+        self.assertEqual(facts["newest"], 0)
+        self.assertEqual(facts["slot 0"]["bytes"], len(self.blobs["a"]))
+        self.assertEqual(facts["slot 1"]["state"], "not whole")
+        self.assert_done(self.update("c"))
+        self.check_newest(1, 2, "c")
+        slots[100] ^= 1
+        write(self.slots, bytes(slots))
+        self.assert_refused(run("inspect", self.slots), 8, "neither slot")
+
+    def test_what_cannot_be_is_refused_and_nothing_is_written(self):
+        damaged = write(self.path("damaged.raygrid"), self.blobs["a"][:-4] + b"abcd")
+        self.assert_refused(run("update", damaged, "--slots", self.slots), 8, "damaged.raygrid")
+        self.assert_refused(self.update("b", "--slot-size", 1024), 7, "b.raygrid", "--slot-size")
+        self.assert_refused(self.update("b", "--slot-size", 32770), 1, "--slot-size")
+        self.assertFalse(os.path.exists(self.slots))
+        blob = self.path("a.raygrid")
+        self.assert_refused(run("update", blob, "--slots", blob), 7, "replace")
+        photo = write(self.path("photo.bin"), bytes(range(256)) * 256)
+        self.assert_refused(run("update", blob, "--slots", photo), 2, "--new")
+        self.assert_refused(run("update", blob, "--slots", photo, "--slot-size", "4K"), 2, "65536 bytes")
+        self.assertEqual(read(photo), bytes(range(256)) * 256)
+        self.assert_done(run("update", blob, "--slots", photo, "--new"))
+        self.assertEqual(newest(read(photo)), (0, 1, self.blobs["a"]))
+        self.assert_refused(run("update", blob, "--slots", "/dev/null"), 7, "/dev/null")
+        self.assert_refused(run("update", blob, "--slots", self.folder), 7, "cannot be written")
+        self.assert_refused(run("update", blob, "--slots", write(self.path("empty.bin"), b"")), 7,
+                            "slots have 0")
+
+
+if __name__ == "__main__":
+    main(__name__)

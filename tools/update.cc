@@ -1,0 +1,231 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "commands.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+#include "packing/blob_camera.h"
+#include "packing/slot_file.h"
+
+namespace raygrid {
+namespace {
+
+constexpr uint64_t kDefaultSlotSize = 64 << 10;
+constexpr uint64_t kMaxSlotSize = 1 << 30;
+
+struct UpdateArguments {
+  std::string blob, slots;
+  std::optional<uint64_t> slot_size;
+  bool is_new = false;
+};
+
+// The bytes of a blob that is whole, without what lies behind it.
+std::string ReadWholeBlob(const std::string& path) {
+  std::string bytes = ReadFile(path);
+  bytes.resize(BlobCamera(path, bytes).blob().size);
+  return bytes;
+}
+
+// A file or block device that is written in place, and locked for that.
+class SlotStore {
+ public:
+  explicit SlotStore(const std::string& path)
+      : path_(path),
+        file_(open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK)) {
+    struct stat status = {};
+    if (file_ < 0 || fstat(file_, &status) != 0) FailToWrite(path_, errno);
+    if (!S_ISREG(status.st_mode) && !S_ISBLK(status.st_mode)) {
+      close(file_);
+      throw Error(ExitCode::kOutput,
+                  path_ +
+                      ": is neither a file nor a block device; of an MTD name "
+                      "its /dev/mtdblock, or write the file that update made");
+    }
+    is_device_ = S_ISBLK(status.st_mode);
+    while (flock(file_, LOCK_EX) != 0 && errno == EINTR) {
+    }
+  }
+  ~SlotStore() { close(file_); }
+  SlotStore(const SlotStore&) = delete;
+  SlotStore& operator=(const SlotStore&) = delete;
+
+  bool is_device() const { return is_device_; }
+
+  uint64_t Size() const {
+    const off_t size = lseek(file_, 0, SEEK_END);
+    if (size < 0) FailToWrite(path_, errno);
+    return static_cast<uint64_t>(size);
+  }
+
+  std::string Read(uint64_t num_bytes) const {
+    std::string bytes(num_bytes, '\0');
+    for (size_t done = 0; done < bytes.size();) {
+      const ssize_t size = pread(file_, bytes.data() + done,
+                                 bytes.size() - done, static_cast<off_t>(done));
+      if (size < 0 && errno == EINTR) continue;
+      if (size <= 0)
+        throw InputError(fmt::format(
+            "{}: cannot be read ({})", path_,
+            size == 0 ? "it became shorter" : std::strerror(errno)));
+      done += static_cast<size_t>(size);
+    }
+    return bytes;
+  }
+
+  // On disk when it returns.
+  void Write(const SlotWrite& write) const {
+    for (size_t done = 0; done < write.bytes.size();) {
+      const ssize_t size =
+          pwrite(file_, write.bytes.data() + done, write.bytes.size() - done,
+                 static_cast<off_t>(write.offset + done));
+      if (size < 0 && errno == EINTR) continue;
+      if (size < 0) FailToWrite(path_, errno);
+      done += static_cast<size_t>(size);
+    }
+    if (fsync(file_) != 0) FailToWrite(path_, errno);
+  }
+
+ private:
+  std::string path_;
+  int file_;
+  bool is_device_ = false;
+};
+
+void RequireSlotSize(uint64_t slot_size, const UpdateArguments& arguments,
+                     const std::string& blob) {
+  if (slot_size % 4 != 0 || slot_size > kMaxSlotSize)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--slot-size {}: is no multiple of 4 bytes up to "
+                            "1 GiB; take one of the flash's erase blocks",
+                            slot_size));
+  if (SlotSizeFor(blob) > slot_size)
+    throw Error(
+        ExitCode::kOutput,
+        fmt::format("{}: needs {} bytes with its header, and slots have {}; "
+                    "pack it smaller, or make larger slots with --slot-size",
+                    arguments.blob, SlotSizeFor(blob), slot_size));
+}
+
+// The size of slots that are there already.
+uint64_t SizeOfSlots(const SlotStore& store, const UpdateArguments& arguments) {
+  const uint64_t size = store.Size();
+  if (store.is_device() && !arguments.slot_size)
+    throw Error(ExitCode::kUsage, arguments.slots +
+                                      ": is a device; say with --slot-size how "
+                                      "large its two slots are");
+  const uint64_t slot_size = arguments.slot_size.value_or(size / 2);
+  if (store.is_device() ? 2 * slot_size > size
+                        : 2 * slot_size != size || size % 8 != 0)
+    throw InputError(
+        fmt::format("{}: has {} bytes, not two slots{}; name another file",
+                    arguments.slots, size,
+                    arguments.slot_size ? fmt::format(" of {}", slot_size)
+                                        : " of a multiple of 4"));
+  return slot_size;
+}
+
+void RequireSlots(const BlobSlots& read, const UpdateArguments& arguments) {
+  const bool is_erased = read.slots[0].is_erased && read.slots[1].is_erased;
+  if (!read.newest && !is_erased && !arguments.is_new)
+    throw InputError(arguments.slots +
+                     ": has neither a whole blob in a slot nor erased slots; "
+                     "if it may be overwritten, say --new");
+}
+
+void Tell(const UpdateArguments& arguments, const CommonOptions& common,
+          uint32_t index, uint32_t sequence, uint64_t num_bytes,
+          uint64_t slot_size, bool is_written) {
+  if (common.json)
+    fmt::print("{}\n", nlohmann::ordered_json({{"slot", index},
+                                               {"sequence", sequence},
+                                               {"bytes", num_bytes},
+                                               {"slot_size", slot_size},
+                                               {"written", is_written}})
+                           .dump(2));
+  else
+    fmt::print("{}: slot {} {}, sequence {}, {} of {} bytes\n", arguments.slots,
+               index,
+               is_written ? "written" : "has this blob already, and is newest",
+               sequence, num_bytes, slot_size - SlotSizeFor(""));
+}
+
+void MakeSlots(const UpdateArguments& arguments, const CommonOptions& common,
+               const std::string& blob) {
+  const uint64_t slot_size = arguments.slot_size.value_or(kDefaultSlotSize);
+  RequireSlotSize(slot_size, arguments, blob);
+  std::string bytes(2 * slot_size, '\xff');
+  const SlotUpdate update = PlanSlotUpdate({}, slot_size, blob);
+  for (const SlotWrite& write : update.writes)
+    bytes.replace(write.offset, write.bytes.size(), write.bytes);
+  WriteFile(arguments.slots, bytes);
+  Tell(arguments, common, update.index, update.sequence, blob.size(), slot_size,
+       true);
+}
+
+void UpdateSlots(const UpdateArguments& arguments, const CommonOptions& common,
+                 const std::string& blob) {
+  const SlotStore store(arguments.slots);
+  const uint64_t slot_size = SizeOfSlots(store, arguments);
+  RequireSlotSize(slot_size, arguments, blob);
+  const BlobSlots read = ReadSlots(store.Read(2 * slot_size));
+  RequireSlots(read, arguments);
+  if (read.newest && read.slots[*read.newest].blob == blob) {
+    Tell(arguments, common, *read.newest, read.slots[*read.newest].sequence,
+         blob.size(), slot_size, false);
+    return;
+  }
+  const SlotUpdate update = PlanSlotUpdate(read, slot_size, blob);
+  for (const SlotWrite& write : update.writes) store.Write(write);
+  Tell(arguments, common, update.index, update.sequence, blob.size(), slot_size,
+       true);
+}
+
+void RunUpdate(const UpdateArguments& arguments, const CommonOptions& common) {
+  const std::string blob = ReadWholeBlob(arguments.blob);
+  RequireNoInputReplaced({arguments.blob}, {arguments.slots});
+  struct stat status = {};
+  if (stat(arguments.slots.c_str(), &status) != 0 && errno == ENOENT)
+    MakeSlots(arguments, common, blob);
+  else
+    UpdateSlots(arguments, common, blob);
+}
+
+}  // namespace
+
+void AddUpdate(CLI::App* app, CommonOptions* common) {
+  CLI::App* command = AddCommand(
+      app, "update",
+      "Brings a blob into the older of two slots of a device's flash, or of a "
+      "file that goes there. The other slot stays as it is, so one blob is "
+      "whole whenever power is cut. The blob is verified; who made it is for "
+      "signatures of what boots the device.",
+      "raygrid update front.raygrid --slots slots.bin --slot-size 64K", common);
+  auto arguments = std::make_shared<UpdateArguments>();
+  command->add_option("blob", arguments->blob, "the blob, from raygrid pack")
+      ->required();
+  command
+      ->add_option("--slots", arguments->slots,
+                   "the two slots, behind each other: a file, which is made if "
+                   "there is none, or a block device")
+      ->required();
+  command
+      ->add_option("--slot-size", arguments->slot_size,
+                   "bytes of one slot, such as 64K or 1M; a multiple of what "
+                   "the flash erases at once. Half of a file that is there; "
+                   "else 64K")
+      ->transform(CLI::AsSizeValue(false));
+  command->add_flag("--new", arguments->is_new,
+                    "overwrite what has no slots yet");
+  command->callback([arguments, common] { RunUpdate(*arguments, *common); });
+}
+
+}  // namespace raygrid
