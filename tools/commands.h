@@ -34,6 +34,7 @@ void AddHoldOut(CLI::App* command, const std::string& help,
 /// --huge, for commands that read images or are told their size.
 void AddHugeOption(CLI::App* command);
 
+void AddBatch(CLI::App* app, CommonOptions* common);
 void AddCalibrate(CLI::App* app, CommonOptions* common);
 /// raygrid capture, with options of its own.
 void AddCapture(CLI::App* app);

@@ -140,6 +140,7 @@ int Run(int argc, char** argv) {
 #endif
   AddDetect(&app, &common);
   AddCalibrate(&app, &common);
+  AddBatch(&app, &common);
   AddCheck(&app, &common);
   AddCompare(&app, &common);
   AddEvaluate(&app, &common);

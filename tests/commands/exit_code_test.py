@@ -9,7 +9,7 @@ import subprocess
 from command_test import (CommandTest, SIMULATED_PATTERN, main, programs, read, run, write)
 
 README = os.path.join(os.path.dirname(__file__), "../../README.md")
-COMMANDS = ("calibrate", "capture", "check", "compare", "detect", "evaluate", "experiment", "export", "fit",
+COMMANDS = ("batch", "calibrate", "capture", "check", "compare", "detect", "evaluate", "experiment", "export", "fit",
             "import", "inspect", "pack", "pattern", "project", "rectify", "report", "simulate", "undistort",
             "unproject", "update", "view")
 KINDS = ("star", "chessboard", "charuco", "aprilgrid")

@@ -303,6 +303,13 @@ class Case:
     def run_unproject(self):
         return [self.camera(), "--pixels", self.numbers("xy"), *self.printed_or_written()]
 
+    def run_batch(self):
+        options = self.with_numbers("model: opencv\nimage_size: [ 160 , 120 ]\nlimits: {focal_px: [ 1 , 2 ]}\n")
+        serials = [self.random.choice(("A1", "A2", "..", "a b", "7")) for _ in range(2)]
+        units = [f"  - {{serial: {serial}, features: {self.text('features.csv', '.csv')}}}\n" for serial in serials]
+        plan = f"raygrid_batch: 1\npattern: {self.base}/pattern.yaml\nskip_comparison: true\n{options}units:\n"
+        return [self.file(".yaml", self.damaged((plan + "".join(units)).encode())), "-o", self.output()]
+
     def run_update(self):
         slots = self.output(".bin") if self.chance(0.7) else self.file(".bin", b"\xff" * 16384)
         size = ["--slot-size", self.random.choice(("64K", "8K", "7", *NUMBERS))] if self.chance(0.5) else []

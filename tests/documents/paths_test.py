@@ -12,7 +12,7 @@ import sys
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 # Stages of the calibrator with a page on why they are as they are.
 STAGES = ("adjustment", "calibration", "camera", "dataset", "evaluation", "features",
-          "initialization", "packing", "report")
+          "fleet", "initialization", "packing", "report")
 DOCUMENTS = ("README.md", "CONTRIBUTING.md", "runtime/README.md", "runtime/DESIGN.md",
              "runtime/COST.md", "runtime/libcamera/README.md", "runtime/micropython/README.md",
              "runtime/python/README.md", "runtime/v4l2/README.md",
@@ -22,7 +22,7 @@ DOCUMENTS = ("README.md", "CONTRIBUTING.md", "runtime/README.md", "runtime/DESIG
              *(f"offline/{stage}/DESIGN.md" for stage in STAGES))
 NAMED = re.compile(r"`([\w./*-]+\.(?:c|h|cc|py|js|md|txt|toml|json|\*))`")
 # Files that a command writes.
-MADE = {"raygrid.c", "result.json", "resume.json", "thumbnails.json"}
+MADE = {"SERIAL.failed.json", "raygrid.c", "result.json", "resume.json", "thumbnails.json", "unit.json"}
 NO_FOLDERS = {".git", "build"}
 
 

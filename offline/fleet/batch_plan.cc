@@ -1,0 +1,194 @@
+#include "fleet/batch_plan.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <limits>
+#include <set>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "dataset/yaml_file.h"
+
+namespace raygrid {
+namespace {
+
+constexpr size_t kMaxSerialSize = 31;  // as blobs have it
+
+// Keys of a plan or a unit, and the options of raygrid calibrate that they
+// become: with a value, or without one.
+const std::vector<std::pair<std::string, std::string>> kValueOptions = {
+    {"model", "--model"},
+    {"cell_px", "--cell-px"},
+    {"image_size", "--image-size"},
+    {"area", "--area"},
+    {"same_view_px", "--same-view-px"},
+    {"image_circle", "--image-circle"},
+    {"seed", "--seed"},
+    {"name", "--name"}};
+const std::vector<std::pair<std::string, std::string>> kFlagOptions = {
+    {"flat_board", "--flat-board"},
+    {"rigid_board", "--rigid-board"},
+    {"measure_once", "--measure-once"},
+    {"skip_comparison", "--skip-comparison"}};
+
+void RequireKnownKeys(const YAML::Node& map, const std::string& what,
+                      const std::set<std::string>& own_keys) {
+  std::set<std::string> known = own_keys;
+  for (const auto* options : {&kValueOptions, &kFlagOptions})
+    for (const auto& option : *options) known.insert(option.first);
+  for (const auto& entry : map) {
+    const std::string key = entry.first.as<std::string>();
+    if (known.count(key) == 0)
+      throw InputError(fmt::format("{}: key '{}' is not known; there are {}",
+                                   what, Printable(key),
+                                   fmt::join(known, ", ")));
+  }
+}
+
+// A number, a word, or [width, height].
+std::string OptionText(const YAML::Node& value, const std::string& key) {
+  if (value.IsSequence() && key == "image_size") {
+    RequireYamlList(value, "image_size", 2);
+    return fmt::format("{}x{}", value[0].as<int>(), value[1].as<int>());
+  }
+  if (!value.IsScalar())
+    throw InputError(fmt::format("key '{}' has no single value", key));
+  return value.as<std::string>();
+}
+
+// A unit's own value, or the plan's.
+YAML::Node Find(const YAML::Node& unit, const YAML::Node& plan,
+                const std::string& key) {
+  return unit[key] ? unit[key] : plan[key];
+}
+
+std::vector<std::string> ReadOptions(const YAML::Node& unit,
+                                     const YAML::Node& plan) {
+  std::vector<std::string> options;
+  for (const auto& [key, option] : kValueOptions)
+    if (const YAML::Node value = Find(unit, plan, key))
+      options.push_back(option + "=" + OptionText(value, key));
+  for (const auto& [key, option] : kFlagOptions)
+    if (const YAML::Node value = Find(unit, plan, key);
+        value && value.as<bool>())
+      options.push_back(option);
+  return options;
+}
+
+void RequireSerial(const std::string& serial) {
+  const std::string kLetters =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-+";
+  if (serial.empty() || serial.size() > kMaxSerialSize ||
+      serial.find_first_not_of(kLetters) != std::string::npos ||
+      serial[0] == '.' || serial[0] == '-' || serial == "fleet.csv" ||
+      serial.find(".failed") != std::string::npos)
+    throw InputError(
+        fmt::format("serial '{}': names a folder, so it has 1 to {} letters, "
+                    "digits or . _ - +, a letter or digit first",
+                    Printable(serial), kMaxSerialSize));
+}
+
+std::string ReadText(const YAML::Node& node) {
+  return node ? node.as<std::string>() : std::string();
+}
+
+BatchUnit ReadUnit(const YAML::Node& node, const YAML::Node& plan) {
+  if (!node.IsMap() || !node["serial"])
+    throw InputError("units: one has no serial");
+  BatchUnit unit;
+  unit.serial = ReadText(node["serial"]);
+  RequireSerial(unit.serial);
+  const std::string what = "unit " + unit.serial;
+  RequireKnownKeys(node, what,
+                   {"serial", "images", "features", "cameras", "pattern"});
+  unit.pattern = ReadText(Find(node, plan, "pattern"));
+  unit.images = ReadText(node["images"]);
+  unit.features = ReadText(node["features"]);
+  if (node["cameras"])
+    for (const auto& camera : node["cameras"])
+      unit.cameras[camera.first.as<std::string>()] =
+          camera.second.as<std::string>();
+  if (!unit.images.empty() + !unit.features.empty() + !unit.cameras.empty() !=
+      1)
+    throw InputError(what +
+                     ": has not one of images (a folder), features (a file) "
+                     "and cameras (a folder of each)");
+  if (unit.pattern.empty())
+    throw InputError(what + ": has no pattern, nor has the plan");
+  unit.options = ReadOptions(node, plan);
+  return unit;
+}
+
+FigureLimits ReadLimits(const YAML::Node& node) {
+  FigureLimits limits;
+  const std::vector<std::string>& names = FigureNames();
+  for (const auto& entry : node) {
+    const std::string name = entry.first.as<std::string>();
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      throw InputError(fmt::format("limits: '{}' is not known; there are {}",
+                                   Printable(name), fmt::join(names, ", ")));
+    if (entry.second.IsSequence()) {
+      RequireYamlList(entry.second, name.c_str(), 2);
+      limits[name] = {YamlNumber(entry.second[0], name),
+                      YamlNumber(entry.second[1], name)};
+    } else {
+      limits[name] = {-std::numeric_limits<double>::infinity(),
+                      YamlNumber(entry.second, name)};
+    }
+    if (limits[name].first > limits[name].second)
+      throw InputError(fmt::format("limits: {} has the lower one last", name));
+  }
+  return limits;
+}
+
+BatchPlan ReadPlan(const YAML::Node& root) {
+  RequireKind(root, "batch");
+  if (root["raygrid_batch"].as<int>() != 1)
+    throw InputError("raygrid_batch: only version 1 is known");
+  RequireKnownKeys(root, "plan",
+                   {"raygrid_batch", "pattern", "limits", "units"});
+  BatchPlan plan;
+  if (root["limits"]) plan.limits = ReadLimits(root["limits"]);
+  if (!root["units"] || !root["units"].IsSequence() ||
+      root["units"].size() == 0)
+    throw InputError("units: no list of units");
+  for (const YAML::Node& node : root["units"])
+    plan.units.push_back(ReadUnit(node, root));
+  std::sort(plan.units.begin(), plan.units.end(),
+            [](const BatchUnit& a, const BatchUnit& b) {
+              return a.serial < b.serial;
+            });
+  for (size_t k = 1; k < plan.units.size(); ++k)
+    if (plan.units[k].serial == plan.units[k - 1].serial)
+      throw InputError(
+          fmt::format("serial '{}' stands twice; units share no folder",
+                      plan.units[k].serial));
+  return plan;
+}
+
+}  // namespace
+
+const std::vector<std::string>& FigureNames() {
+  static const std::vector<std::string> kNames = {"center_x_px",
+                                                  "center_y_px",
+                                                  "focal_px",
+                                                  "held_out_max_px",
+                                                  "held_out_median_px",
+                                                  "held_out_rms_px",
+                                                  "images",
+                                                  "training_median_px",
+                                                  "trusted_part",
+                                                  "worst_deviation_px"};
+  return kNames;
+}
+
+BatchPlan ParseBatchPlan(const std::string& path, const std::string& text) {
+  return ReadNamingFile(path, [&] {
+    RequireYamlFile(path, text);
+    return ReadPlan(YAML::Load(text));
+  });
+}
+
+}  // namespace raygrid

@@ -1,0 +1,133 @@
+#include "fleet/fleet_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "dataset/camera_file.h"
+#include "dataset/csv.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+
+namespace raygrid {
+namespace {
+
+using Json = nlohmann::json;
+
+// Columns of fleet.csv that are figures, between reason and seconds.
+const std::vector<std::string> kColumns = {
+    "focal_px",           "center_x_px",     "center_y_px",
+    "held_out_median_px", "held_out_rms_px", "held_out_max_px",
+    "worst_deviation_px", "trusted_part",    "images"};
+
+// A number at keys behind each other, if there is one.
+void AddNumber(const Json& json, const std::vector<std::string>& keys,
+               const std::string& name, UnitRow* row) {
+  const Json* at = &json;
+  for (const std::string& key : keys) {
+    if (!at->is_object() || !at->contains(key)) return;
+    at = &at->at(key);
+  }
+  if (at->is_number()) row->figures[name] = at->get<double>();
+}
+
+void AddResult(const Json& result, UnitRow* row) {
+  for (const char* figure : {"median_px", "rms_px", "max_px"})
+    AddNumber(result, {"held_out", figure}, std::string("held_out_") + figure,
+              row);
+  AddNumber(result, {"training", "median_px"}, "training_median_px", row);
+  AddNumber(result, {"images", "used"}, "images", row);
+  AddNumber(result, {"uncertainty", "trusted_part"}, "trusted_part", row);
+  row->status = result.value("verdict", "");
+  if (row->status == "fail" && !result.at("reasons").empty())
+    row->reason = result.at("reasons")[0].get<std::string>();
+}
+
+// Pixels per radian about the z axis, over both of the image's axes.
+std::optional<double> FocalLength(const CameraModel& camera) {
+  constexpr double kStep = 1e-3;
+  double area = 0;
+  const auto left = camera.Project({-kStep, 0, 1}),
+             right = camera.Project({kStep, 0, 1}),
+             above = camera.Project({0, -kStep, 1}),
+             below = camera.Project({0, kStep, 1});
+  if (!left || !right || !above || !below) return std::nullopt;
+  const Eigen::Vector2d across = *right - *left, down = *below - *above;
+  area = across.x() * down.y() - across.y() * down.x();
+  return area > 0 ? std::optional(std::sqrt(area) / (2 * kStep)) : std::nullopt;
+}
+
+void AddCamera(const CameraFile& file, UnitRow* row) {
+  if (const auto center = file.camera->Project({0, 0, 1})) {
+    row->figures["center_x_px"] = center->x();
+    row->figures["center_y_px"] = center->y();
+  }
+  if (const auto focal = FocalLength(*file.camera))
+    row->figures["focal_px"] = *focal;
+  double worst = 0;
+  if (file.uncertainty)
+    for (const double deviation : file.uncertainty->lattice.deviation_px)
+      if (std::isfinite(deviation)) worst = std::max(worst, deviation);
+  if (worst > 0) row->figures["worst_deviation_px"] = worst;
+}
+
+// The first figure that is beyond its limits; empty if all are within.
+std::string WhyBeyond(const UnitRow& row, const FigureLimits& limits) {
+  for (const auto& [name, range] : limits) {
+    const auto figure = row.figures.find(name);
+    if (figure == row.figures.end()) return name + " is not known";
+    if (figure->second > range.second)
+      return fmt::format("{} is {:.6g}, above {:.6g}", name, figure->second,
+                         range.second);
+    if (figure->second < range.first)
+      return fmt::format("{} is {:.6g}, below {:.6g}", name, figure->second,
+                         range.first);
+  }
+  return "";
+}
+
+}  // namespace
+
+UnitRow ReadUnitRow(const std::string& serial, const std::string& folder,
+                    const FigureLimits& limits) {
+  UnitRow row;
+  row.serial = serial;
+  const std::string path = folder + "/result.json";
+  try {
+    AddResult(Json::parse(ReadFile(path)), &row);
+  } catch (const Json::exception&) {
+    throw InputError(path +
+                     ": is no result of raygrid calibrate; remove the "
+                     "folder, and run the batch again");
+  }
+  if (std::filesystem::exists(folder + "/camera.yaml"))
+    AddCamera(ReadCameraFile(folder + "/camera.yaml"), &row);
+  const std::string beyond = WhyBeyond(row, limits);
+  if (!beyond.empty() && row.status != "fail") {
+    row.status = "fail";
+    row.reason = beyond;
+  }
+  return row;
+}
+
+std::string FormatFleetTable(const std::vector<UnitRow>& rows) {
+  std::string text = fmt::format("serial,status,reason,{},seconds\n",
+                                 fmt::join(kColumns, ","));
+  for (const UnitRow& row : rows) {
+    text +=
+        fmt::format("{},{},{}", row.serial, row.status, CsvField(row.reason));
+    for (const std::string& column : kColumns) {
+      const auto figure = row.figures.find(column);
+      text += figure == row.figures.end()
+                  ? ","
+                  : fmt::format(",{:.9g}", figure->second);
+    }
+    text += row.seconds > 0 ? fmt::format(",{:.2f}\n", row.seconds) : ",\n";
+  }
+  return text;
+}
+
+}  // namespace raygrid

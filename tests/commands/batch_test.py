@@ -1,0 +1,224 @@
+#!/usr/bin/env python3
+"""batch calibrates many units: one that fails stops no other, and a run that was killed goes on."""
+import csv
+import io
+import json
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import time
+
+from command_test import CommandTest, SIMULATED_PATTERN, main, programs, read, run, write
+
+PLAN = """raygrid_batch: 1
+pattern: board.yaml
+model: opencv
+skip_comparison: true
+flat_board: true
+image_size: [160, 120]
+limits: {%s}
+units:
+"""
+GOOD = ("A1", "A2", "A3")
+
+
+class Batch(CommandTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
+        for seed, serial in enumerate(GOOD):
+            result = run("simulate", "--images", 10, "--features-per-image", 60, "--pattern", board, "--seed", seed,
+                         "--lens", "wide", "--size", "160x120", "-o", cls.path(serial))
+            assert result.returncode == 0, result.stderr
+        lines = read(cls.path("A1/features.csv")).decode().splitlines(keepends=True)
+        few = [line for line in lines if line.startswith(("image,", "sim0000"))]
+        write(cls.path("few/features.csv"), "".join(few))
+
+    def plan(self, serials=GOOD, limits="", more=()):
+        units = [f"  - {{serial: {serial}, features: {serial}/features.csv}}\n" for serial in serials]
+        name = self.id().split(".")[-1] + ".yaml"
+        return write(self.path(name), PLAN % limits + "".join([*units, *more]))
+
+    def batch(self, plan, *more, output="", **options):
+        self.out = self.path("out-" + self.id().split(".")[-1] + output)
+        return run("batch", plan, "-o", self.out, *more, **options)
+
+    def table(self):
+        rows = csv.DictReader(io.StringIO(read(self.out + "/fleet.csv").decode()))
+        return {row["serial"]: row for row in rows}
+
+    def files(self):
+        """All files by their names, but for the times and the memory that a run took."""
+        files = {}
+        for place, _, names in os.walk(self.out):
+            for name in names:
+                path = os.path.join(place, name)
+                contents = read(path)
+                if name in ("result.json", "unit.json"):
+                    contents = json.loads(contents)
+                    for key in ("seconds", "peak_memory_bytes"):
+                        contents.pop(key, None)
+                elif name == "fleet.csv":
+                    contents = [line.rsplit(b",", 1)[0] for line in contents.splitlines()]
+                files[os.path.relpath(path, self.out)] = contents
+        return files
+
+    def assert_same_files(self, files, expected):
+        self.assertEqual(sorted(files), sorted(expected))
+        for name, contents in expected.items():
+            self.assertEqual(files[name], contents, name)
+
+    def test_units_have_results_and_lines(self):
+        result = self.batch(self.plan(), "--json")
+        self.assert_done(result)
+        told = json.loads(result.stdout)["units"]
+        self.assertEqual([unit["serial"] for unit in told], list(GOOD))
+        table = self.table()
+        self.assertEqual(list(table), list(GOOD))
+        for serial in GOOD:
+            facts = json.loads(run("inspect", f"{self.out}/{serial}/camera.yaml", "--json").stdout)
+            self.assertEqual(facts["camera"]["serial"], serial)
+            row, lens = table[serial], facts["lens"]
+            self.assertAlmostEqual(float(row["focal_px"]), (lens["fx"] * lens["fy"]) ** 0.5, delta=1e-3)
+            self.assertAlmostEqual(float(row["center_x_px"]), lens["cx"], delta=1e-6)
+            self.assertAlmostEqual(float(row["held_out_median_px"]), facts["held-out_error"]["median_px"], delta=1e-6)
+            self.assertGreater(float(row["seconds"]), 0)
+
+    def test_one_that_fails_is_named_and_stops_no_other(self):
+        more = ["  - {serial: A0, features: few/features.csv}\n", "  - {serial: B0, images: gone/}\n"]
+        result = self.batch(self.plan(("A3", "A1"), more=more))
+        self.assertEqual(result.returncode, 3, result.stderr)
+        lines = result.stderr.splitlines()
+        self.assertEqual(len(lines), 2, result.stderr)
+        self.assertIn("A0: error: only 1 images", lines[0])
+        self.assertIn("B0: error", lines[1])
+        self.assertIn("gone", lines[1])
+        table = self.table()
+        self.assertEqual([table[serial]["status"] for serial in ("A0", "A1", "A3", "B0")],
+                         ["error", "warn", "warn", "error"])
+        self.assertEqual(sorted(os.listdir(self.out)), ["A0.failed.json", "A1", "A3", "B0.failed.json", "fleet.csv"])
+
+    def test_limits_end_in_6_and_cost_no_calibration(self):
+        self.assert_done(self.batch(self.plan()))
+        before = self.files()
+        result = self.batch(self.plan(limits="focal_px: [10, 20], held_out_median_px: 0.5"))
+        self.assertEqual(result.returncode, 6)
+        self.assertIn("A1: fail: focal_px is 83", result.stderr)
+        self.assertEqual({row["status"] for row in self.table().values()}, {"fail"})
+        after = self.files()
+        del before["fleet.csv"], after["fleet.csv"]
+        self.assert_same_files(after, before)
+
+    def test_neither_order_nor_threads_change_a_byte(self):
+        self.assert_done(self.batch(self.plan(), "--threads", 1))
+        expected = self.files()
+        self.assert_done(self.batch(self.plan(GOOD[::-1]), "--threads", 2, output="-turned"))
+        self.assert_same_files(self.files(), expected)
+
+    def test_single_units_gathered_are_the_same(self):
+        plan = self.plan(GOOD[::-1])
+        self.assert_done(self.batch(plan))
+        expected = self.files()
+        for unit in (2, 0):
+            self.assert_done(self.batch(plan, "--unit", unit, output="-single"))
+        self.assertEqual(sorted(os.listdir(self.out)), ["A1", "A3"])
+        result = self.batch(plan, "--gather", output="-single")
+        self.assert_refused(result, 2, "A2: missing")
+        self.assert_done(self.batch(plan, "--unit", 1, output="-single"))
+        self.assert_done(self.batch(plan, "--gather", output="-single"))
+        self.assert_same_files(self.files(), expected)
+        self.assert_refused(self.batch(plan, "--unit", 3, output="-single"), 1, "count from 0")
+
+    def kill_after_first(self, plan, number):
+        """Ends a run by a signal while it works on the second unit; how that ended."""
+        self.out = self.path("killed")
+        shutil.rmtree(self.out, ignore_errors=True)
+        with subprocess.Popen([programs.raygrid, "batch", plan, "-o", self.out]) as process:
+            end = time.monotonic() + 60
+            while not os.path.exists(self.out + "/A1/unit.json") and time.monotonic() < end:
+                time.sleep(0.005)
+            process.send_signal(number)
+            return process.wait(timeout=60)
+
+    def test_a_run_that_was_killed_goes_on_to_the_same_bytes(self):
+        plan = self.plan()
+        self.assert_done(self.batch(plan))
+        expected = self.files()
+        for number in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT):
+            self.assertEqual(self.kill_after_first(plan, number), -number)
+            self.assertFalse(os.path.exists(self.out + "/A3/unit.json"))
+            first = os.stat(self.out + "/A1/camera.yaml")
+            self.assert_done(run("batch", plan, "-o", self.out))
+            self.assert_same_files(self.files(), expected)
+            # What was finished was not done again.
+            self.assertEqual(os.stat(self.out + "/A1/camera.yaml").st_mtime_ns, first.st_mtime_ns)
+
+    def test_changed_inputs_are_calibrated_anew_and_no_others(self):
+        shutil.copytree(self.path("A1"), self.path("C1"))
+        plan = self.plan(("A2", "C1"))
+        self.assert_done(self.batch(plan))
+        times = {serial: os.stat(f"{self.out}/{serial}/camera.yaml").st_mtime_ns for serial in ("A2", "C1")}
+        shutil.copy(self.path("A3/features.csv"), self.path("C1/features.csv"))
+        self.assert_done(self.batch(plan))
+        self.assertEqual(os.stat(self.out + "/A2/camera.yaml").st_mtime_ns, times["A2"])
+        self.assertNotEqual(os.stat(self.out + "/C1/camera.yaml").st_mtime_ns, times["C1"])
+        # One that vanishes leaves its result.
+        os.remove(self.path("C1/features.csv"))
+        camera = read(self.out + "/C1/camera.yaml")
+        self.assert_refused(self.batch(plan), 2, "C1: error", "features.csv")
+        self.assertEqual(read(self.out + "/C1/camera.yaml"), camera)
+        shutil.copy(self.path("A3/features.csv"), self.path("C1/features.csv"))
+        self.assert_done(self.batch(plan))
+        self.assertEqual(self.table()["C1"]["status"], "warn")
+        self.assertNotIn("C1.failed.json", os.listdir(self.out))
+
+    def test_a_full_disk_ends_the_run_and_loses_nothing(self):
+        plan = self.plan()
+        self.assert_done(self.batch(plan, "--unit", 0))
+        before = self.files()
+
+        def limit_size():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000))
+        result = subprocess.run([programs.raygrid, "batch", plan, "-o", self.out], preexec_fn=limit_size,
+                                capture_output=True, text=True, check=False)
+        self.assert_refused(result, 7, "A2", "cannot be written")
+        files = self.files()
+        self.assert_same_files({name: files[name] for name in before}, before)
+        self.assert_done(self.batch(plan))
+
+    def test_a_rig_is_a_unit(self):
+        self.assert_done(run("simulate", "--images", 8, "--features-per-image", 60, "--cameras", 2, "--lens", "wide",
+                             "--size", "160x120", "--pattern", self.path("board.yaml"), "-o", self.path("rig")))
+        os.makedirs(self.path("rig/l"))
+        folders = "  - {serial: R2, cameras: {left: rig/l, right: rig/r}}\n"
+        result = self.batch(self.plan(("rig",), more=[folders]))
+        self.assertEqual(self.table()["rig"]["status"], "warn")
+        self.assertLess(float(self.table()["rig"]["held_out_median_px"]), 0.2)
+        self.assertIn("rig.yaml", os.listdir(self.out + "/rig"))
+        self.assert_refused(result, 2, "R2: error", "rig/r")
+
+    def test_bad_plans_are_refused_before_the_work(self):
+        for words, change in (
+                (("stands twice", "A1"), lambda text: text.replace("serial: A2", "serial: A1")),
+                (("names a folder",), lambda text: text.replace("serial: A2", "serial: ../A2")),
+                (("names a folder",), lambda text: text.replace("serial: A2", "serial: ''")),
+                (("'colour' is not known",), lambda text: text + "colour: red\n"),
+                (("'sharpness' is not known",), lambda text: text.replace("{}", "{sharpness: 1}", 1)),
+                (("not one of images",), lambda text: text.replace("features: A2/features.csv", "model: opencv")),
+                (("no pattern",), lambda text: text.replace("pattern: board.yaml\n", "")),
+                (("no list of units",), lambda text: text.split("units:")[0]),
+                (("not a batch",), lambda text: text.replace("raygrid_batch: 1\n", "")),
+                (("line",), lambda text: text + "\t- ["),
+                (("line 4",), lambda text: text.replace("comparison: true", "comparison: perhaps"))):
+            with self.subTest(words):
+                plan = self.plan()
+                write(plan, change(read(plan).decode()))
+                self.assert_refused(self.batch(plan), 2, os.path.basename(plan), *words)
+                self.assertFalse(os.path.exists(self.out))
+
+
+if __name__ == "__main__":
+    main(__name__)

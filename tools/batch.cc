@@ -1,0 +1,353 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "child_program.h"
+#include "commands.h"
+#include "dataset/content_hash.h"
+#include "dataset/dataset.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+#include "dataset/text_encoding.h"
+#include "fleet/batch_plan.h"
+#include "fleet/fleet_table.h"
+#include "progress_bar.h"
+#include "target/board_spec.h"
+
+namespace raygrid {
+namespace {
+
+namespace fs = std::filesystem;
+using BatchJson = nlohmann::ordered_json;
+
+constexpr char kUnitFile[] = "unit.json";  // the last file of a finished unit
+constexpr char kFleetFile[] = "fleet.csv";
+
+struct BatchArguments {
+  std::string plan, output;
+  std::optional<int> unit;
+  bool gather = false;
+};
+
+// A unit as it is on this machine.
+struct UnitJob {
+  BatchUnit unit;  // paths lead from the working directory
+  std::string folder, failure_file;
+};
+
+// ---- What is to be done ----------------------------------------------------
+
+// Paths in a plan begin at its folder.
+std::string Resolve(const fs::path& base, const std::string& path) {
+  return path.empty() ? path : (base / path).string();
+}
+
+std::vector<UnitJob> MakeJobs(const BatchPlan& plan,
+                              const BatchArguments& arguments) {
+  fs::path base = fs::path(arguments.plan).parent_path();
+  if (base.empty()) base = ".";
+  std::vector<UnitJob> jobs;
+  for (const BatchUnit& unit : plan.units) {
+    const std::string folder =
+        (fs::path(arguments.output) / unit.serial).string();
+    jobs.push_back({unit, folder, folder + ".failed.json"});
+    BatchUnit& resolved = jobs.back().unit;
+    if (!IsBoardSpec(unit.pattern))
+      resolved.pattern = Resolve(base, unit.pattern);
+    resolved.images = Resolve(base, unit.images);
+    resolved.features = Resolve(base, unit.features);
+    for (auto& camera : resolved.cameras)
+      camera.second = Resolve(base, camera.second);
+  }
+  return jobs;
+}
+
+void HashFolder(const std::string& folder, ContentHash* hash) {
+  std::vector<std::string> files;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end;
+       !error && it != end; it.increment(error))
+    if (it->is_regular_file(error)) files.push_back(it->path().string());
+  if (error)
+    throw InputError(
+        fmt::format("{}: cannot be read ({}); check the name and "
+                    "permissions",
+                    folder, error.message()));
+  std::sort(files.begin(), files.end());
+  for (const std::string& file : files) {
+    hash->Add(fs::path(file).lexically_relative(folder).string());
+    hash->Add(ReadFile(file));
+  }
+}
+
+// Tells whether a unit's inputs, options and program are those that its result
+// is of. Throws InputError if an input cannot be read.
+std::string Fingerprint(const BatchUnit& unit, uint64_t seed) {
+  ContentHash hash;
+  hash.Add(RAYGRID_VERSION);
+  hash.Add(fmt::format("{}", seed));
+  hash.Add(IsBoardSpec(unit.pattern) ? unit.pattern : ReadFile(unit.pattern));
+  for (const std::string& option : unit.options) hash.Add(option);
+  if (!unit.features.empty()) hash.Add(ReadFile(unit.features));
+  if (!unit.images.empty()) HashFolder(unit.images, &hash);
+  for (const auto& [camera, folder] : unit.cameras) {
+    hash.Add(camera);
+    HashFolder(folder, &hash);
+  }
+  return hash.Text();
+}
+
+// The record in a unit's last file; nothing if there is none.
+std::optional<BatchJson> ReadRecord(const std::string& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return std::nullopt;
+  const BatchJson record = BatchJson::parse(ReadFile(path), nullptr, false);
+  return record.is_object() ? std::optional(record) : std::nullopt;
+}
+
+bool IsFinished(const UnitJob& job, const std::string& fingerprint) {
+  const auto record = ReadRecord(job.folder + "/" + kUnitFile);
+  return record && record->value("inputs", "") == fingerprint;
+}
+
+// ---- One unit --------------------------------------------------------------
+
+// Features of several cameras are a rig's. Of malformed ones the calibration
+// says what is wrong.
+bool IsRig(const BatchUnit& unit) {
+  if (unit.features.empty()) return !unit.cameras.empty();
+  try {
+    return ParseFeatures(unit.features, ReadFile(unit.features)).size() > 1;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+std::vector<std::string> WordsOfUnit(const UnitJob& job,
+                                     const CommonOptions& common) {
+  const BatchUnit& unit = job.unit;
+  std::vector<std::string> words = {"calibrate", "--quiet"};
+  words.push_back(fmt::format("--threads={}", common.threads));
+  words.push_back(fmt::format("--seed={}", common.seed));
+  words.push_back("--pattern=" + unit.pattern);
+  words.push_back("--output=" + job.folder);
+  if (!IsRig(unit)) words.push_back("--serial=" + unit.serial);
+  words.insert(words.end(), unit.options.begin(), unit.options.end());
+  for (const auto& [camera, folder] : unit.cameras)
+    words.push_back("--camera=" + camera + "=" + folder);
+  if (!unit.features.empty()) words.push_back("--features=" + unit.features);
+  if (!unit.images.empty()) {
+    words.push_back("--");
+    words.push_back(unit.images);
+  }
+  return words;
+}
+
+void RecordFailure(const UnitJob& job, int exit_code,
+                   const std::string& reason) {
+  rmdir(job.folder.c_str());  // if it is empty; else an earlier result is there
+  WriteFile(
+      job.failure_file,
+      BatchJson({{"exit_code", exit_code}, {"reason", reason}}).dump(2) + "\n");
+}
+
+void CalibrateUnit(const UnitJob& job, const std::string& fingerprint,
+                   const CommonOptions& common) {
+  const std::string record = job.folder + "/" + kUnitFile;
+  unlink(record.c_str());  // from here on the result may be another one
+  const auto start = std::chrono::steady_clock::now();
+  const ChildEnd end = RunChild(WordsOfUnit(job, common));
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+          .count();
+  const int code =
+      end.signal ? static_cast<int>(ExitCode::kInput) : end.exit_code;
+  if (code == static_cast<int>(ExitCode::kOutput))
+    throw Error(ExitCode::kOutput, job.unit.serial + ": " + end.last_error);
+  const bool is_done =
+      code == 0 || code == static_cast<int>(ExitCode::kQuality);
+  if (end.signal || !is_done || !fs::exists(job.folder + "/result.json")) {
+    RecordFailure(job, code,
+                  end.signal ? fmt::format("the calibration was ended by "
+                                           "signal {} ({})",
+                                           end.signal, strsignal(end.signal))
+                             : end.last_error);
+    return;
+  }
+  WriteFile(record,
+            BatchJson({{"inputs", fingerprint}, {"seconds", seconds}}).dump(2) +
+                "\n");
+  unlink(job.failure_file.c_str());
+}
+
+struct PendingUnit {
+  const UnitJob* job;
+  std::string fingerprint;
+};
+
+// Those that are not finished. Units whose inputs cannot be read are recorded
+// as failed, and an earlier result of them stays.
+std::vector<PendingUnit> FindPending(const std::vector<const UnitJob*>& jobs,
+                                     uint64_t seed) {
+  std::vector<PendingUnit> pending;
+  for (const UnitJob* job : jobs) try {
+      const std::string fingerprint = Fingerprint(job->unit, seed);
+      if (!IsFinished(*job, fingerprint))
+        pending.push_back({job, fingerprint});
+      else
+        unlink(job->failure_file.c_str());
+    } catch (const InputError& error) {
+      RecordFailure(*job, static_cast<int>(ExitCode::kInput), error.what());
+    }
+  return pending;
+}
+
+void RunUnits(const std::vector<const UnitJob*>& jobs,
+              const CommonOptions& common) {
+  const std::vector<PendingUnit> pending = FindPending(jobs, common.seed);
+  ProgressBar bar(common.quiet);
+  for (size_t k = 0; k < pending.size(); ++k) {
+    bar.Show(fmt::format("{} ({} of {})", pending[k].job->unit.serial, k + 1,
+                         pending.size()),
+             static_cast<double>(k) / static_cast<double>(pending.size()));
+    CalibrateUnit(*pending[k].job, pending[k].fingerprint, common);
+  }
+}
+
+// ---- All units -------------------------------------------------------------
+
+UnitRow ReadRow(const UnitJob& job, const FigureLimits& limits) {
+  UnitRow row;
+  row.serial = job.unit.serial;
+  if (const auto failure = ReadRecord(job.failure_file)) {
+    row.status = "error";
+    row.reason = failure->value("reason", "");
+    row.exit_code = failure->value("exit_code", 2);
+    return row;
+  }
+  const auto record = ReadRecord(job.folder + "/" + kUnitFile);
+  if (!record) {
+    row.reason = "not calibrated yet";
+    row.exit_code = static_cast<int>(ExitCode::kInput);
+    return row;
+  }
+  row = ReadUnitRow(row.serial, job.folder, limits);
+  row.seconds = record->value("seconds", 0.0);
+  return row;
+}
+
+std::vector<UnitRow> ReadRows(const std::vector<const UnitJob*>& jobs,
+                              const FigureLimits& limits) {
+  std::vector<UnitRow> rows;
+  for (const UnitJob* job : jobs) rows.push_back(ReadRow(*job, limits));
+  return rows;
+}
+
+bool HasNoResult(const UnitRow& row) {
+  return row.status == "error" || row.status == "missing";
+}
+
+void TellUnits(const std::vector<UnitRow>& rows, const CommonOptions& common) {
+  BatchJson units = BatchJson::array();
+  for (const UnitRow& row : rows) {
+    if (HasNoResult(row) || row.status == "fail")
+      fmt::print(stderr, "raygrid: unit {}: {}: {}\n", row.serial, row.status,
+                 Printable(row.reason));
+    else if (!common.json && !common.quiet)
+      fmt::print("{}: {}, {:.2f} s\n", row.serial, row.status, row.seconds);
+    units.push_back({{"serial", row.serial}, {"status", row.status}});
+    if (!row.reason.empty()) units.back()["reason"] = row.reason;
+    for (const auto& [name, value] : row.figures) units.back()[name] = value;
+    if (row.seconds > 0) units.back()["seconds"] = row.seconds;
+  }
+  if (common.json) fmt::print("{}\n", BatchJson({{"units", units}}).dump(2));
+}
+
+// 6 if one fails; else that of the first one without a result.
+int ExitCodeOf(const std::vector<UnitRow>& rows) {
+  int code = 0;
+  for (const UnitRow& row : rows) {
+    if (row.status == "fail") return static_cast<int>(ExitCode::kQuality);
+    if (code == 0 && HasNoResult(row)) code = row.exit_code;
+  }
+  return code;
+}
+
+std::vector<const UnitJob*> ChooseJobs(const std::vector<UnitJob>& jobs,
+                                       const std::optional<int>& unit) {
+  std::vector<const UnitJob*> chosen;
+  if (unit && static_cast<size_t>(*unit) >= jobs.size())
+    throw Error(ExitCode::kUsage,
+                fmt::format("--unit {}: the plan's {} units count from 0",
+                            *unit, jobs.size()));
+  for (size_t k = 0; k < jobs.size(); ++k)
+    if (!unit || k == static_cast<size_t>(*unit)) chosen.push_back(&jobs[k]);
+  return chosen;
+}
+
+void RunBatch(const BatchArguments& arguments, const CommonOptions& common) {
+  const BatchPlan plan =
+      ParseBatchPlan(arguments.plan, ReadFile(arguments.plan));
+  const std::vector<UnitJob> jobs = MakeJobs(plan, arguments);
+  const std::vector<const UnitJob*> chosen = ChooseJobs(jobs, arguments.unit);
+  RequireWritableFolder(arguments.output);
+  const std::string table = (fs::path(arguments.output) / kFleetFile).string();
+  RequireNoInputReplaced({arguments.plan}, {table});
+  if (!arguments.gather) RunUnits(chosen, common);
+  const std::vector<UnitRow> rows = ReadRows(chosen, plan.limits);
+  if (!arguments.unit) WriteFile(table, FormatFleetTable(rows));
+  TellUnits(rows, common);
+  if (const int code = ExitCodeOf(rows)) throw CLI::RuntimeError(code);
+}
+
+}  // namespace
+
+void AddBatch(CLI::App* app, CommonOptions* common) {
+  CLI::App* command = AddCommand(
+      app, "batch",
+      "Calibrates many units, each into a folder of its serial number, one "
+      "after the other in the order of their serials. A unit that has no "
+      "result is named with its reason, and the others go on. Called again, it "
+      "goes on where it was ended: finished units stay, those whose images or "
+      "options changed are calibrated anew, and those without a result are "
+      "tried again. fleet.csv in the folder has a line for each unit.",
+      "raygrid batch plan.yaml -o out/\n\n"
+      "plan.yaml, whose paths begin at its folder:\n"
+      "  raygrid_batch: 1\n"
+      "  pattern: board/pattern.yaml   # or a board in a word\n"
+      "  model: central-generic        # and other options of calibrate, with\n"
+      "                                # _ for -: cell_px, image_size, ...\n"
+      "  limits: {held_out_median_px: 0.2, focal_px: [790, 810]}\n"
+      "  units:\n"
+      "    - {serial: A001, images: A001/}\n"
+      "    - {serial: A002, features: A002.csv, image_size: [640, 480]}\n"
+      "    - {serial: R001, cameras: {left: R001/l, right: R001/r}}",
+      common);
+  auto arguments = std::make_shared<BatchArguments>();
+  command->add_option("plan", arguments->plan, "the units and their options")
+      ->required();
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "folder of the units' folders and fleet.csv")
+      ->required();
+  CLI::Option* const unit =
+      command
+          ->add_option("--unit", arguments->unit,
+                       "calibrate this unit alone, counted from 0 in the order "
+                       "of serials; fleet.csv stays as it is")
+          ->check(CLI::Range(0, 999999));
+  command
+      ->add_flag("--gather", arguments->gather,
+                 "calibrate nothing: write fleet.csv of what is there")
+      ->excludes(unit);
+  command->callback([arguments, common] { RunBatch(*arguments, *common); });
+}
+
+}  // namespace raygrid

@@ -1,0 +1,23 @@
+#ifndef RAYGRID_TOOLS_CHILD_PROGRAM_H
+#define RAYGRID_TOOLS_CHILD_PROGRAM_H
+
+#include <string>
+#include <vector>
+
+namespace raygrid {
+
+/// How a program ended.
+struct ChildEnd {
+  int exit_code = 0;       ///< if no signal ended it
+  int signal = 0;          ///< or 0
+  std::string last_error;  ///< the last line of its standard error
+};
+
+/// Runs raygrid itself, which sees no terminal, until it ends. What it prints
+/// is dropped. It ends with this program, however that ends. Throws
+/// Error(kOutput) if no program can be started.
+ChildEnd RunChild(const std::vector<std::string>& arguments);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_TOOLS_CHILD_PROGRAM_H
