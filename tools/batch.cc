@@ -292,11 +292,39 @@ std::vector<const UnitJob*> ChooseJobs(const std::vector<UnitJob>& jobs,
   return chosen;
 }
 
+// The folders that a unit's images are in.
+std::vector<std::string> ImageFolders(const BatchUnit& unit) {
+  std::vector<std::string> folders;
+  if (!unit.images.empty()) folders.push_back(unit.images);
+  for (const auto& camera : unit.cameras) folders.push_back(camera.second);
+  return folders;
+}
+
+// A result among images would be one of the inputs that it is of.
+void RequireResultsApart(const std::vector<UnitJob>& jobs) {
+  std::error_code ignored;
+  for (const UnitJob& job : jobs) {
+    const fs::path result =
+        fs::weakly_canonical(fs::absolute(job.folder), ignored);
+    for (const std::string& images : ImageFolders(job.unit)) {
+      const fs::path folder = fs::canonical(images, ignored);
+      if (!folder.empty() && std::mismatch(folder.begin(), folder.end(),
+                                           result.begin(), result.end())
+                                     .first == folder.end())
+        throw Error(ExitCode::kOutput,
+                    fmt::format("{}: the result of unit {} would lie among its "
+                                "images; choose another folder with -o",
+                                job.folder, job.unit.serial));
+    }
+  }
+}
+
 void RunBatch(const BatchArguments& arguments, const CommonOptions& common) {
   const BatchPlan plan =
       ParseBatchPlan(arguments.plan, ReadFile(arguments.plan));
   const std::vector<UnitJob> jobs = MakeJobs(plan, arguments);
   const std::vector<const UnitJob*> chosen = ChooseJobs(jobs, arguments.unit);
+  RequireResultsApart(jobs);
   RequireWritableFolder(arguments.output);
   const std::string table = (fs::path(arguments.output) / kFleetFile).string();
   RequireNoInputReplaced({arguments.plan}, {table});

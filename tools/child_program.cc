@@ -12,7 +12,6 @@
 #include <cstring>
 
 #include "dataset/error.h"
-#include "neighbour_program.h"
 
 namespace raygrid {
 namespace {
@@ -25,8 +24,15 @@ namespace {
 }
 
 // In the new process: a signal for a terminal's processes is its parent's.
+// The program is the very one that runs, also if another version took its
+// place.
 [[noreturn]] void BecomeChild(const std::vector<std::string>& arguments,
                               pid_t parent, int errors) {
+  std::string name = "raygrid";
+  std::vector<char*> texts = {name.data()};
+  for (const std::string& argument : arguments)
+    texts.push_back(const_cast<char*>(argument.c_str()));
+  texts.push_back(nullptr);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
   setpgid(0, 0);
@@ -34,7 +40,10 @@ namespace {
   dup2(null, STDIN_FILENO);
   dup2(null, STDOUT_FILENO);
   dup2(errors, STDERR_FILENO);
-  _exit(BecomeNeighbour("raygrid", arguments));
+  execv("/proc/self/exe", texts.data());
+  std::fprintf(stderr, "raygrid: cannot be started (%s)\n",
+               std::strerror(errno));
+  _exit(static_cast<int>(ExitCode::kUsage));
 }
 
 // All that is written to a pipe, or its last 64 kB.

@@ -156,6 +156,27 @@ class Batch(CommandTest):
             # What was finished was not done again.
             self.assertEqual(os.stat(self.out + "/A1/camera.yaml").st_mtime_ns, first.st_mtime_ns)
 
+    def test_a_unit_whose_process_is_killed_is_named_and_the_others_go_on(self):
+        self.out = self.path("crashed")
+        with subprocess.Popen([programs.raygrid, "batch", self.plan(), "-o", self.out], stderr=subprocess.PIPE,
+                              text=True) as process:
+            children, end = [], time.monotonic() + 60
+            while not (children and os.path.isdir(self.out + "/A1")) and time.monotonic() < end:
+                children = read(f"/proc/{process.pid}/task/{process.pid}/children").split()
+            os.kill(int(children[0]), signal.SIGKILL)
+            errors = process.communicate(timeout=60)[1]
+        self.assertEqual(process.returncode, 2)
+        self.assertEqual([line for line in errors.splitlines() if "signal 9" not in line], [])
+        self.assertIn("unit A1: error", errors)
+        self.assertEqual([row["status"] for row in self.table().values()], ["error", "warn", "warn"])
+
+    def test_results_do_not_lie_among_images(self):
+        os.makedirs(self.path("among/X1"))
+        plan = write(self.path("among/plan.yaml"), "raygrid_batch: 1\npattern: ../board.yaml\n"
+                     "units: [{serial: X1, images: X1/}]\n")
+        self.assert_refused(run("batch", plan, "-o", self.path("among")), 7, "X1", "among its images")
+        self.assertEqual(os.listdir(self.path("among/X1")), [])
+
     def test_changed_inputs_are_calibrated_anew_and_no_others(self):
         shutil.copytree(self.path("A1"), self.path("C1"))
         plan = self.plan(("A2", "C1"))
