@@ -295,9 +295,15 @@ Json ForeignFacts(const Format& format, const std::string& path,
 Json SlotFacts(const std::string& path, const BlobSlot& slot) {
   if (!slot.is_valid)
     return {{"state", slot.is_erased ? "erased" : "not whole"}};
-  Json json = {{"state", "whole"}, {"sequence", slot.sequence}};
-  json.update(BlobFacts(BlobCamera(path, slot.blob)));
-  return json;
+  const BlobCamera camera(path, slot.blob);
+  rg_camera_section identity;
+  rg_blob_camera(&camera.blob(), &identity);
+  return {{"state", "whole"},
+          {"sequence", slot.sequence},
+          {"bytes", slot.blob.size()},
+          {"name", Printable(identity.name)},
+          {"serial", Printable(identity.serial)},
+          {"image_size", {identity.width, identity.height}}};
 }
 
 Json SlotsFacts(const std::string& path, const std::string& bytes) {

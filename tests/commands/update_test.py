@@ -113,6 +113,7 @@ class Update(CommandTest):
         facts = json.loads(run("inspect", self.slots, "--json").stdout)
         self.assertEqual(facts["newest"], 0)
         self.assertEqual(facts["slot 0"]["bytes"], len(self.blobs["a"]))
+        self.assertEqual(facts["slot 0"]["image_size"], [160, 120])
         self.assertEqual(facts["slot 1"]["state"], "not whole")
         self.assert_done(self.update("c"))
         self.check_newest(1, 2, "c")
