@@ -1,6 +1,7 @@
 #include "capture/camera_knowledge.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 
@@ -15,39 +16,87 @@ namespace {
 // The features of a view that stand for all of them, each counting for more.
 constexpr size_t kMaxFeatures = 64;
 
-// The derivatives of a view's pixels by the camera's parameters, two rows a
-// feature, less what the view's pose can make up for. Features that the camera
-// does not see are left out.
-Eigen::MatrixXd PoseFreeJacobian(const CameraModel& camera, int num_parameters,
-                                 const std::vector<Eigen::Vector3d>& points,
-                                 const std::vector<Eigen::Vector2d>& pixels,
-                                 const Pose& camera_from_points) {
+// The derivatives of a view's pixels, two rows a feature. A feature knows few
+// of the camera's parameters: those of the grid's nodes around its pixel.
+struct ViewDerivatives {
+  Eigen::SparseMatrix<double, Eigen::RowMajor> by_parameters;
+  Eigen::Matrix<double, Eigen::Dynamic, 6> by_pose;
+};
+
+void AddRows(const LinearizedProjection& linear, int row,
+             std::vector<Eigen::Triplet<double>>* entries) {
+  const auto add = [&](int column, const Eigen::Vector2d& derivative) {
+    for (int i = 0; i < 2; ++i)
+      entries->emplace_back(row + i, column, derivative[i]);
+  };
+  for (int n = 0; n < linear.num_nodes; ++n)
+    for (int i = 0; i < linear.num_per_node; ++i)
+      add(linear.node_parameter[n] + i,
+          linear.node_weight[n] * linear.by_node.col(i));
+  for (int i = 0; i < linear.num_global; ++i)
+    add(linear.first_global + i, linear.by_global.col(i));
+}
+
+// Of some features, each counting for more. Those that the camera does not see
+// are left out.
+ViewDerivatives DerivativesOf(const CameraModel& camera, int num_parameters,
+                              const std::vector<Eigen::Vector3d>& points,
+                              const std::vector<Eigen::Vector2d>& pixels,
+                              const Pose& camera_from_points) {
   const size_t count = std::min(points.size(), kMaxFeatures);
-  Eigen::MatrixXd by_parameters = Eigen::MatrixXd::Zero(
-      2 * static_cast<Eigen::Index>(count), num_parameters);
-  Eigen::Matrix<double, Eigen::Dynamic, 6> by_pose(by_parameters.rows(), 6);
-  by_pose.setZero();
+  const double root = std::sqrt(static_cast<double>(points.size()) /
+                                std::max<double>(1, count));
+  ViewDerivatives view;
+  view.by_parameters.resize(2 * static_cast<Eigen::Index>(count),
+                            num_parameters);
+  view.by_pose.setZero(view.by_parameters.rows(), 6);
+  std::vector<Eigen::Triplet<double>> entries;
   for (size_t k = 0; k < count; ++k) {
     const size_t i = k * points.size() / count;
     const Eigen::Vector3d point = camera_from_points * points[i];
     LinearizedProjection linear;
     if (!camera.Linearize(point, &pixels[i], 1, &linear)) continue;
-    const auto row = 2 * static_cast<Eigen::Index>(k);
-    auto rows = by_parameters.middleRows<2>(row);
-    for (int n = 0; n < linear.num_nodes; ++n)
-      rows.middleCols(linear.node_parameter[n], linear.num_per_node) +=
-          linear.node_weight[n] * linear.by_node.leftCols(linear.num_per_node);
-    if (linear.num_global > 0)
-      rows.middleCols(linear.first_global, linear.num_global) +=
-          linear.by_global.leftCols(linear.num_global);
-    by_pose.middleRows<2>(row) = linear.by_point * PointByMotion(point);
+    AddRows(linear, static_cast<int>(2 * k), &entries);
+    view.by_pose.middleRows<2>(2 * static_cast<Eigen::Index>(k)) =
+        linear.by_point * PointByMotion(point);
   }
-  const double root = std::sqrt(static_cast<double>(points.size()) /
-                                std::max<size_t>(1, count));
-  const MotionMatrix square = by_pose.transpose() * by_pose;
-  const Eigen::MatrixXd made_up =
-      square.ldlt().solve(by_pose.transpose() * by_parameters);
-  return root * (by_parameters - by_pose * made_up);
+  view.by_parameters.setFromTriplets(entries.begin(), entries.end());
+  view.by_parameters *= root;
+  return view;
+}
+
+// What the view's pose can make up for is by_pose times this times the
+// derivatives.
+Eigen::Matrix<double, 6, Eigen::Dynamic> PoseTakenBy(
+    const ViewDerivatives& view) {
+  const MotionMatrix square = view.by_pose.transpose() * view.by_pose;
+  return square.ldlt().solve(view.by_pose.transpose());
+}
+
+// J^T J, where J are the derivatives by the parameters less what the pose can
+// make up for.
+Eigen::MatrixXd PoseFreeSquare(const ViewDerivatives& view) {
+  Eigen::MatrixXd j = view.by_parameters;
+  const Eigen::MatrixXd made_up = PoseTakenBy(view) * view.by_parameters;
+  j.noalias() -= view.by_pose * made_up;
+  return j.transpose() * j;
+}
+
+// J M J^T of a symmetric matrix. The pose is taken out last, so that products
+// have the derivatives' few entries.
+Eigen::MatrixXd PoseFreeProduct(const ViewDerivatives& view,
+                                const Eigen::MatrixXd& matrix) {
+  // Whole rows are added where the matrix lies row by row.
+  using RowMatrix =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const RowMatrix half =
+      view.by_parameters *
+      Eigen::Map<const RowMatrix>(matrix.data(), matrix.rows(), matrix.cols());
+  Eigen::MatrixXd product = view.by_parameters * half.transpose();
+  const Eigen::Matrix<double, 6, Eigen::Dynamic> pose = PoseTakenBy(view);
+  product -= view.by_pose * (pose * product).eval();
+  product -= (product * pose.transpose()).eval() * view.by_pose.transpose();
+  return product;
 }
 
 }  // namespace
@@ -68,10 +117,8 @@ std::optional<CameraKnowledge> CameraKnowledge::Of(const Adjusted& adjusted) {
       points.push_back(state.points[o.point]);
       pixels.push_back(o.pixel);
     }
-    const Eigen::MatrixXd j =
-        PoseFreeJacobian(*knowledge.camera_, size, points, pixels,
-                         state.CameraFromPattern(view));
-    h.noalias() += j.transpose() * j;
+    h += PoseFreeSquare(DerivativesOf(*knowledge.camera_, size, points, pixels,
+                                      state.CameraFromPattern(view)));
   }
   const Eigen::LLT<Eigen::MatrixXd> factor(h);
   if (factor.info() != Eigen::Success) return std::nullopt;
@@ -115,12 +162,12 @@ double CameraKnowledge::GainOf(const std::vector<Eigen::Vector3d>& points,
                                const std::vector<Eigen::Vector2d>& pixels,
                                const Pose& camera_from_points) const {
   if (points.empty()) return 0;
-  const Eigen::MatrixXd j =
-      PoseFreeJacobian(*camera_, static_cast<int>(inverse_.rows()), points,
-                       pixels, camera_from_points);
-  Eigen::MatrixXd scatter = j * inverse_ * j.transpose();
+  const ViewDerivatives view =
+      DerivativesOf(*camera_, static_cast<int>(inverse_.rows()), points, pixels,
+                    camera_from_points);
+  Eigen::MatrixXd scatter = PoseFreeProduct(view, inverse_);
   scatter.diagonal().array() += 1;
-  const Eigen::MatrixXd gained = j * weighing_ * j.transpose();
+  const Eigen::MatrixXd gained = PoseFreeProduct(view, weighing_);
   return scatter.llt().solve(gained).trace();
 }
 
