@@ -85,7 +85,10 @@ class SourceFrames : public LiveFrames {
     ++num_taken_;
     return frame;
   }
-  bool is_finished() const override { return source_->is_finished(); }
+  // Not while there is a fault, which Next() tells.
+  bool is_finished() const override {
+    return source_->is_finished() && source_->fault().empty();
+  }
   bool is_live() const override { return is_live_; }
   FrameSource* source() override { return source_.get(); }
 

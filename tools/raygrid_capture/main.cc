@@ -39,7 +39,8 @@ class StandardOutput {
   void Show(const CaptureState& state) {
     const bool is_new = state.word != word_ || state.hint != hint_ ||
                         state.kept.size() != num_kept_;
-    const bool is_kept = state.kept.size() > num_kept_;
+    // Those of a session that goes on are no news.
+    const bool is_kept = state.word == "kept" && state.kept.size() > num_kept_;
     word_ = state.word;
     hint_ = state.hint;
     num_kept_ = state.kept.size();
