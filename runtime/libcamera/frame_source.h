@@ -48,6 +48,12 @@ struct FrameInfo {
   std::optional<int> focus_steps;
 };
 
+/// The focus that a FrameInfo tells.
+struct LensFocus {
+  std::optional<float> lens_position;  // dioptres
+  std::optional<int> focus_steps;
+};
+
 /// A frame in the source's own memory, which is the caller's until it is given
 /// back.
 struct CapturedFrame {
@@ -96,6 +102,9 @@ class FrameSource {
   virtual StateLock LockState() {
     return NothingLocked("this source of frames is no camera");
   }
+  /// Where LockState() is to move the lens, instead of where it is: the focus
+  /// of a frame taken before.
+  virtual void FocusAt(const LensFocus&) {}
   /// Puts the automatic modes that LockState() ended back as they were. Stop()
   /// does it, too, since some cameras keep their controls after a program.
   virtual void UnlockState() {}

@@ -250,11 +250,17 @@ StateLock LibcameraSource::LockState() {
   if (is_disconnected_ || (last_info_ && !is_running_))
     return NothingLocked("no more frames come");
   if (!last_info_) return NothingLocked("no frame has come yet");
-  LibcameraLock state =
-      MakeLibcameraLock(camera_->controls(), controls_, *last_info_);
+  FrameInfo info = *last_info_;
+  if (focus_.lens_position) info.lens_position = focus_.lens_position;
+  LibcameraLock state = MakeLibcameraLock(camera_->controls(), controls_, info);
   next_controls_ = std::move(state.fixing);
   releasing_ = std::move(state.releasing);
   return state.told;
+}
+
+void LibcameraSource::FocusAt(const LensFocus& focus) {
+  const std::lock_guard<std::mutex> lock(state_mutex_);
+  focus_ = focus;
 }
 
 void LibcameraSource::UnlockState() {

@@ -58,6 +58,7 @@ class LibcameraSource : public FrameSource {
   std::string fault() const override;
   SourceCounts counts() const override;
   StateLock LockState() override;
+  void FocusAt(const LensFocus& focus) override;
   void UnlockState() override;
   void Stop() override;
 
@@ -82,8 +83,9 @@ class LibcameraSource : public FrameSource {
   std::unique_ptr<MappedBuffers> buffers_;
   std::vector<std::unique_ptr<libcamera::Request>> requests_;
   std::unique_ptr<BoundedQueue<CapturedFrame>> queue_;
-  std::mutex state_mutex_;  // of the next three
+  std::mutex state_mutex_;  // of the next four
   std::optional<FrameInfo> last_info_;
+  LensFocus focus_;                       // that a lock is to have
   libcamera::ControlList next_controls_;  // for the next request
   libcamera::ControlList releasing_;      // what UnlockState() sets
   std::atomic<bool> is_running_{false}, is_disconnected_{false};

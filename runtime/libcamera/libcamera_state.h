@@ -14,7 +14,8 @@ struct LibcameraLock {
 };
 
 /// The camera has these controls. `given` were set at the start: modes go back
-/// to them, or to the camera's defaults. `now` is the last frame's.
+/// to them, or to the camera's defaults. `now` is the last frame's, with the
+/// lens position to fix.
 LibcameraLock MakeLibcameraLock(const libcamera::ControlInfoMap& controls,
                                 const libcamera::ControlList& given,
                                 const FrameInfo& now);

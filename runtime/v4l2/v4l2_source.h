@@ -50,6 +50,9 @@ class V4l2Source : public FrameSource {
   std::string fault() const override;
   SourceCounts counts() const override;
   StateLock LockState() override;
+  void FocusAt(const LensFocus& focus) override {
+    state_.FocusAt(focus.focus_steps);
+  }
   void UnlockState() override;
   void Stop() override;
 

@@ -71,6 +71,10 @@ int V4l2StateLock::EndMode(const Subject& subject) {
   return error;
 }
 
+std::optional<int32_t> V4l2StateLock::Wanted(uint32_t id) const {
+  return id == V4L2_CID_FOCUS_ABSOLUTE ? focus_ : std::nullopt;
+}
+
 // Returns whether it is fixed.
 bool V4l2StateLock::Fix(const Subject& subject, StateLock* lock) {
   const bool has_mode = QueryV4l2Control(device_, subject.mode).has_value();
@@ -91,13 +95,22 @@ bool V4l2StateLock::Fix(const Subject& subject, StateLock* lock) {
   }
   std::optional<int32_t> value =
       control ? GetV4l2Control(device_, control->id) : std::nullopt;
-  if (before && value != before &&
-      SetV4l2Control(device_, control->id, *before) == 0)
+  const std::optional<int32_t> wanted =
+      control && Wanted(control->id) ? Wanted(control->id) : before;
+  if (wanted && value != wanted &&
+      SetV4l2Control(device_, control->id, *wanted) == 0) {
+    if (wanted != before && before) ended_.push_back({control->id, *before});
     value = GetV4l2Control(device_, control->id);
+  }
   lock->locked.push_back(
       value ? DescribeFixed(subject.name, *control, *value)
             : subject.name + " at a value that the camera does not tell");
   return true;
+}
+
+void V4l2StateLock::FocusAt(std::optional<int> focus_steps) {
+  const std::lock_guard<std::mutex> guard(mutex_);
+  focus_ = focus_steps;
 }
 
 StateLock V4l2StateLock::Lock() {

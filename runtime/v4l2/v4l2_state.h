@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "state_lock.h"
@@ -21,9 +22,12 @@ class V4l2StateLock {
   V4l2StateLock(const V4l2StateLock&) = delete;
   V4l2StateLock& operator=(const V4l2StateLock&) = delete;
 
+  /// Where Lock() is to move the lens; nothing: it stays where it is.
+  void FocusAt(std::optional<int> focus_steps);
   /// Ends automatic modes, one control after the other.
   StateLock Lock();
-  /// Puts the modes that Lock() ended back, as far as the device takes them.
+  /// Puts the modes that Lock() ended back, and the focus that it left, as far
+  /// as the device takes them.
   void Unlock();
 
  private:
@@ -34,11 +38,13 @@ class V4l2StateLock {
   };
 
   int EndMode(const Subject& subject);
+  std::optional<int32_t> Wanted(uint32_t id) const;
   bool Fix(const Subject& subject, StateLock* lock);
 
   V4l2Device* const device_;
   std::mutex mutex_;         // of all below, and of a lock as a whole
   std::vector<Mode> ended_;  // with their values before that
+  std::optional<int32_t> focus_;
 };
 
 }  // namespace raygrid

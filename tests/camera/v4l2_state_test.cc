@@ -80,6 +80,25 @@ TEST(V4l2State, AutomaticModesEndAndComeBack) {
   EXPECT_EQ(state.settings, Settings());
 }
 
+TEST(V4l2State, TheLensGoesBackToAFocusOfBefore) {
+  for (const bool is_manual : {false, true}) {
+    FakeV4l2State state;
+    MakeAutomatic(&state);
+    if (is_manual) ControlOf(&state, V4L2_CID_FOCUS_AUTO).value = 0;
+    FakeV4l2Device device(&state);
+    V4l2StateLock state_lock(&device);
+    state_lock.FocusAt(47);
+    EXPECT_EQ(state_lock.Lock().locked[0], "focus at 47 (0 to 250)");
+    EXPECT_EQ(ControlOf(&state, V4L2_CID_FOCUS_ABSOLUTE).value, 47);
+    state_lock.Unlock();
+    EXPECT_EQ(ControlOf(&state, V4L2_CID_FOCUS_AUTO).value, is_manual ? 0 : 1);
+    // A lens that nothing moves by itself is put back, too.
+    if (is_manual) {
+      EXPECT_EQ(ControlOf(&state, V4L2_CID_FOCUS_ABSOLUTE).value, 40);
+    }
+  }
+}
+
 TEST(V4l2State, ModesThatWereManualStaySo) {
   FakeV4l2State state;
   MakeAutomatic(&state);

@@ -6,6 +6,7 @@
 #include <map>
 #include <thread>
 
+#include "camera_error.h"
 #include "capture/board_view.h"
 #include "simulation/board_surface.h"
 #include "simulation/image_rendering.h"
@@ -28,8 +29,8 @@ class LockableSource : public FrameSource {
     return std::nullopt;
   }
   void Release(const CapturedFrame&) override {}
-  bool is_finished() const override { return false; }
-  std::string fault() const override { return ""; }
+  bool is_finished() const override { return !fault_.empty(); }
+  std::string fault() const override { return fault_; }
   SourceCounts counts() const override { return {}; }
   StateLock LockState() override {
     ++num_locks;
@@ -37,12 +38,16 @@ class LockableSource : public FrameSource {
     (can_lock_ ? lock.locked : lock.open).push_back("focus at 2 dioptres");
     return lock;
   }
+  void FocusAt(const LensFocus& wanted) override { focus = wanted; }
   void Stop() override {}
+  void Fail(const std::string& fault) { fault_ = fault; }
 
   int num_locks = 0;
+  LensFocus focus;
 
  private:
   const bool can_lock_;
+  std::string fault_;
   const StreamFormat format_;
 };
 
@@ -100,11 +105,12 @@ class CaptureLoopTest : public testing::Test {
   }
 
   // The words of the frames that were still and new.
-  std::vector<std::string> Run() {
+  std::vector<std::string> Run(bool resume = false) {
     std::vector<NamedFrames> cameras(1);
     cameras[0].frames = std::move(frames_);
     PairedFrames frames(std::move(cameras), 0);
-    SessionFolder session(folder_ / "session", pattern_, frames.names(), false);
+    SessionFolder session(folder_ / "session", pattern_, frames.names(),
+                          resume);
     CaptureWishes wishes;
     std::vector<std::string> words;
     CaptureViewers viewers;
@@ -119,7 +125,9 @@ class CaptureLoopTest : public testing::Test {
                 &wishes)
         .Run();
     session_ = session.cameras().front();
-    num_locks_ = static_cast<LockableSource*>(frames.source(0))->num_locks;
+    const auto* const source = static_cast<LockableSource*>(frames.source(0));
+    num_locks_ = source->num_locks;
+    focus_ = source->focus;
     return words;
   }
 
@@ -136,6 +144,7 @@ class CaptureLoopTest : public testing::Test {
   std::vector<std::string> remarks_;
   double time_s_ = 0;
   int num_locks_ = 0;
+  LensFocus focus_;
 };
 
 using Words = std::vector<std::string>;
@@ -153,6 +162,26 @@ TEST_F(CaptureLoopTest, KeepsFramesOnceTheCameraIsLocked) {
   EXPECT_EQ(session_.locked, Words{"focus at 2 dioptres"});
   EXPECT_EQ(remarks_, Words{"locked: focus at 2 dioptres"});
   EXPECT_EQ(CaptureOf(session_).lens_position, 2);
+}
+
+TEST_F(CaptureLoopTest, ASessionThatGoesOnHasTheFocusOfItsFirstFrame) {
+  Begin(true);
+  AddView(0, 2);
+  AddView(1, 2, std::chrono::milliseconds(1300));
+  Run();
+  EXPECT_FALSE(focus_.lens_position);
+  Begin(true);
+  AddView(2, 3);
+  Run(true);
+  EXPECT_EQ(focus_.lens_position, 2.0f);
+}
+
+TEST(SourceFrames, AnUnpluggedCameraIsNoEndInOrder) {
+  auto source = std::make_unique<LockableSource>(true);
+  source->Fail("camera: was unplugged");
+  const auto frames = MakeSourceFrames(std::move(source), true);
+  EXPECT_FALSE(frames->is_finished());
+  EXPECT_THROW(frames->Next(), CameraError);
 }
 
 TEST_F(CaptureLoopTest, SaysWhatCannotBeLockedAndGoesOn) {

@@ -85,6 +85,7 @@ class Benchmark::TimedSource : public FrameSource {
   std::string fault() const override { return source_->fault(); }
   SourceCounts counts() const override { return source_->counts(); }
   StateLock LockState() override { return source_->LockState(); }
+  void FocusAt(const LensFocus& focus) override { source_->FocusAt(focus); }
   void UnlockState() override { source_->UnlockState(); }
   void Stop() override { source_->Stop(); }
 

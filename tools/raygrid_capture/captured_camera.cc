@@ -44,6 +44,14 @@ SessionFrame StateOf(const FrameInfo& info) {
   return record;
 }
 
+LensFocus FocusOf(const SessionFrame& frame) {
+  LensFocus focus;
+  if (frame.lens_position)
+    focus.lens_position = static_cast<float>(*frame.lens_position);
+  focus.focus_steps = frame.focus_steps;
+  return focus;
+}
+
 // The word on a frame that shows another camera than the first one kept: its
 // lens has moved, or another part of the sensor is shown. NULL: the same.
 const char* WordOfOtherState(const SessionFrame& first,
@@ -94,7 +102,7 @@ FrameWord CapturedCamera::Judge(const SeenFrame& seen,
 std::string CapturedCamera::WordOfState(const LiveFrame& frame,
                                         FrameSource* source,
                                         const SessionFrame* first) {
-  if (IsLocking(frame, source)) return "locking";
+  if (IsLocking(frame, source, first)) return "locking";
   const char* const other =
       first ? WordOfOtherState(*first, StateOf(frame.info)) : nullptr;
   return other ? other : "";
@@ -103,10 +111,13 @@ std::string CapturedCamera::WordOfState(const LiveFrame& frame,
 // Once a frame is good enough to be kept, the camera is to stay so. Frames that
 // arrived before, or just behind, may not tell yet how it stands: V4L2 is asked
 // once a second.
-bool CapturedCamera::IsLocking(const LiveFrame& frame, FrameSource* source) {
+bool CapturedCamera::IsLocking(const LiveFrame& frame, FrameSource* source,
+                               const SessionFrame* first) {
   constexpr std::chrono::milliseconds kSettlingTime(1200);
   if (!lock_time_) {
     lock_time_ = Clock::now();
+    // A session that goes on has a focus already.
+    if (source && first) source->FocusAt(FocusOf(*first));
     if (source) new_lock_ = source->LockState();
     is_locked_ = new_lock_ && !new_lock_->locked.empty();
   }

@@ -39,7 +39,8 @@ class CapturedCamera {
   SessionFrame RecordOf(const LiveFrame& frame, const SeenFrame& seen) const;
 
  private:
-  bool IsLocking(const LiveFrame& frame, FrameSource* source);
+  bool IsLocking(const LiveFrame& frame, FrameSource* source,
+                 const SessionFrame* first);
 
   Pattern pattern_;
   PatternDetector detector_;
