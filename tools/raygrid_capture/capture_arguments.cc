@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 
 #include "camera_arguments.h"
@@ -71,8 +72,7 @@ std::unique_ptr<LiveFrames> OpenLiveFrames(const CaptureArguments& arguments,
   if (stat(name.c_str(), &status) != 0)
     throw InputError(name +
                      ": is neither a camera, as v4l2:/dev/video0 or libcamera, "
-                     "nor a file or folder; raygrid-camera --list names "
-                     "cameras");
+                     "nor a file or folder; --list names cameras");
   return S_ISDIR(status.st_mode) ? MakeFolderFrames(name)
                                  : MakeVideoFrames(name);
 }
@@ -80,6 +80,14 @@ std::unique_ptr<LiveFrames> OpenLiveFrames(const CaptureArguments& arguments,
 }  // namespace
 
 void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
+  app->add_flag_callback(
+      "--list",
+      [] {
+        std::fputs(DescribeCameras().c_str(), stdout);
+        throw CLI::Success();
+      },
+      "print the cameras, their formats, sizes and controls; nothing else is "
+      "needed");
   app->add_option("--source", arguments->sources,
                   "libcamera[:ID], v4l2[:DEVICE], a video, a folder of images, "
                   "or - for Y4M, JPEGs or raw frames on standard input; of a "
