@@ -3,9 +3,10 @@
  *
  *   emulated_camera SOCKET WIDTHxHEIGHT FRAMES_PER_SECOND FILE [UNPLUG_AFTER]
  *
- * It focuses, exposes and balances white by itself until controls end that. It
- * ends when QEMU does, tells how its controls were set, and unplugs itself
- * after UNPLUG_AFTER frames. */
+ * For the FILE "-" it plays the newest YUYV picture of standard input, whose
+ * orders emulated_frames.h has. It focuses, exposes and balances white by
+ * itself until controls end that. It ends when QEMU does, tells how its
+ * controls were set, and unplugs itself after UNPLUG_AFTER frames. */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
 #include <fcntl.h>
@@ -20,172 +21,11 @@
 #include <unistd.h>
 #include <usbredirparser.h>
 
-enum {
-  CONTROL_INTERFACE = 0,
-  STREAM_INTERFACE = 1,
-  VIDEO_CLASS = 0x0e,
-  STREAM_ENDPOINT = 0x81,
-  STREAM_PACKET = 512,
-  MAX_PAYLOAD = 16384, /* what uvcvideo reads at once */
-  PAYLOAD_HEADER = 2,
-  PROBE_SIZE = 26, /* of UVC 1.0 */
-  MAX_READS = 256,
-  MAX_SETTINGS = 64,
-  MAX_FRAMES = 1024
-};
+#include "emulated_controls.h"
+#include "emulated_descriptors.h"
+#include "emulated_frames.h"
 
-/* ---- Descriptors --------------------------------------------------------- */
-
-typedef struct bytes {
-  uint8_t data[256];
-  int size;
-} bytes;
-
-static void add8(bytes* to, unsigned value) {
-  to->data[to->size++] = (uint8_t)value;
-}
-
-static void add16(bytes* to, unsigned value) {
-  add8(to, value & 255);
-  add8(to, value >> 8 & 255);
-}
-
-static void add32(bytes* to, uint32_t value) {
-  add16(to, value & 0xffff);
-  add16(to, value >> 16);
-}
-
-static void add_list(bytes* to, const uint8_t* values, int count) {
-  for (int i = 0; i < count; ++i) add8(to, values[i]);
-}
-
-#define ADD(to, ...)                           \
-  add_list(to, (const uint8_t[]){__VA_ARGS__}, \
-           (int)sizeof((const uint8_t[]){__VA_ARGS__}))
-
-static const uint8_t kDevice[18] = {18,   1,  0x00, 0x02, 0xef, 2,
-                                    1,    64, 0x09, 0x12, 0x01, 0x00,
-                                    0x00, 1,  1,    2,    0,    1};
-
-/* Writes a length over the two bytes at a place. */
-static void set16(bytes* to, int place, int value) {
-  to->data[place] = (uint8_t)(value & 255);
-  to->data[place + 1] = (uint8_t)(value >> 8);
-}
-
-/* Camera terminal 1 and processing unit 3 to output terminal 2. */
-static void add_control_interface(bytes* to) {
-  ADD(to, 9, 4, CONTROL_INTERFACE, 0, 0, VIDEO_CLASS, 1, 0, 0);
-  const int start = to->size;
-  ADD(to, 13, 0x24, 1, 0x00, 0x01, 0, 0);
-  add32(to, 48000000);
-  ADD(to, 1, STREAM_INTERFACE);
-  /* Its last bytes name the controls that are in kControls. */
-  ADD(to, 18, 0x24, 2, 1, 0x01, 0x02, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0x2a, 0, 2);
-  ADD(to, 11, 0x24, 5, 3, 1, 0, 0, 2, 0x40, 0x12, 0);
-  ADD(to, 9, 0x24, 3, 2, 0x01, 0x01, 0, 3, 0);
-  set16(to, start + 5, to->size - start);
-}
-
-static const uint8_t kYuyv[16] = {'Y',  'U',  'Y',  '2',  0, 0,
-                                  0x10, 0,    0x80, 0x00, 0, 0xaa,
-                                  0x00, 0x38, 0x9b, 0x71};
-
-/* subtype: 5 of frames of pixels, 7 of JPEGs */
-static void add_frame_sizes(bytes* to, uint8_t subtype, unsigned width,
-                            unsigned height, unsigned interval) {
-  const uint32_t frame_size = width * height * 2;
-  const uint32_t bits = frame_size * 8 * (10000000 / interval);
-  ADD(to, 30, 0x24, subtype, 1, 0);
-  add16(to, width);
-  add16(to, height);
-  add32(to, bits);
-  add32(to, bits);
-  add32(to, frame_size);
-  add32(to, interval);
-  add8(to, 1);
-  add32(to, interval);
-}
-
-static void add_stream_interface(bytes* to, int is_jpeg, unsigned width,
-                                 unsigned height, unsigned interval) {
-  ADD(to, 9, 4, STREAM_INTERFACE, 0, 1, VIDEO_CLASS, 2, 0, 0);
-  const int start = to->size;
-  ADD(to, 14, 0x24, 1, 1, 0, 0, STREAM_ENDPOINT, 0, 2, 0, 0, 0, 1, 0);
-  if (is_jpeg) {
-    ADD(to, 11, 0x24, 6, 1, 1, 0, 1, 0, 0, 0, 0);
-  } else {
-    ADD(to, 27, 0x24, 4, 1, 1);
-    add_list(to, kYuyv, 16);
-    ADD(to, 16, 1, 0, 0, 0, 0);
-  }
-  add_frame_sizes(to, is_jpeg ? 7 : 5, width, height, interval);
-  ADD(to, 6, 0x24, 13, 1, 1, 4);
-  set16(to, start + 4, to->size - start);
-  ADD(to, 7, 5, STREAM_ENDPOINT, 2, STREAM_PACKET & 255, STREAM_PACKET >> 8, 0);
-}
-
-static bytes make_configuration(int is_jpeg, unsigned width, unsigned height,
-                                unsigned interval) {
-  bytes all = {{0}, 0};
-  ADD(&all, 9, 2, 0, 0, 2, 1, 0, 0x80, 50);
-  ADD(&all, 8, 11, CONTROL_INTERFACE, 2, VIDEO_CLASS, 3, 0, 0);
-  add_control_interface(&all);
-  add_stream_interface(&all, is_jpeg, width, height, interval);
-  set16(&all, 2, all.size);
-  return all;
-}
-
-/* The only stream there is, as probe and commit answer it. */
-static bytes make_probe(unsigned width, unsigned height, unsigned interval) {
-  bytes probe = {{0}, 0};
-  ADD(&probe, 1, 0, 1, 1);
-  add32(&probe, interval);
-  ADD(&probe, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0);
-  add32(&probe, width * height * 2);
-  add32(&probe, MAX_PAYLOAD);
-  return probe;
-}
-
-static bytes make_text(const char* text) {
-  bytes result = {{0}, 0};
-  ADD(&result, (uint8_t)(2 + 2 * strlen(text)), 3);
-  for (; *text; ++text) add16(&result, (uint8_t)*text);
-  return result;
-}
-
-/* ---- Controls ------------------------------------------------------------ */
-
-enum {
-  AE_MODE,
-  EXPOSURE,
-  FOCUS,
-  FOCUS_AUTO,
-  GAIN,
-  WHITE,
-  WHITE_AUTO,
-  NUM_CONTROLS,
-  AE_MANUAL = 1,
-  AE_APERTURE_PRIORITY = 8,
-  FOLLOWS = 8 /* in info: the value changes by itself */
-};
-
-/* The step of AE_MODE is a mask of the modes that there are, as UVC has it. */
-typedef struct usb_control {
-  const char* name;
-  uint8_t entity, selector, size, info;
-  uint16_t minimum, maximum, step, initial, value;
-} usb_control;
-
-static const usb_control kControls[NUM_CONTROLS] = {
-    [AE_MODE] = {"exposure mode", 1, 2, 1, 3, 1, 8, 9, AE_APERTURE_PRIORITY,
-                 AE_APERTURE_PRIORITY},
-    [EXPOSURE] = {"exposure", 1, 4, 4, 3, 3, 2047, 1, 100, 100},
-    [FOCUS] = {"focus", 1, 6, 2, 3 | FOLLOWS, 0, 250, 1, 40, 40},
-    [FOCUS_AUTO] = {"focus mode", 1, 8, 1, 3, 0, 1, 1, 1, 1},
-    [GAIN] = {"gain", 3, 4, 2, 3, 0, 255, 1, 64, 64},
-    [WHITE] = {"white", 3, 0x0a, 2, 3, 2000, 6500, 1, 4600, 4600},
-    [WHITE_AUTO] = {"white mode", 3, 0x0b, 1, 3, 0, 1, 1, 1, 1}};
+enum { PAYLOAD_HEADER = 2, MAX_READS = 256 };
 
 /* ---- State --------------------------------------------------------------- */
 
@@ -193,9 +33,8 @@ typedef struct usb_camera {
   struct usbredirparser* parser;
   int socket;
   bytes configuration, probe;
-  uint8_t* frames;
-  size_t starts[MAX_FRAMES + 1]; /* of frames, and the end of the last one */
-  size_t num_frames;
+  played_frames frames;
+  live_orders orders;
   double interval_s;
   long unplug_after; /* 0: never */
 
@@ -213,12 +52,7 @@ typedef struct usb_camera {
   int is_unplugged;
   uint8_t configured;
 
-  usb_control controls[NUM_CONTROLS];
-  struct {
-    const char* name;
-    unsigned value, exposure, focus; /* as it is, and as the camera stands */
-  } settings[MAX_SETTINGS];          /* of controls, the first ones */
-  int num_settings;
+  usb_controls controls;
 } usb_camera;
 
 static double now_s(void) {
@@ -252,9 +86,11 @@ static void log_message(void* state, int level, const char* message) {
     fprintf(stderr, "emulated_camera: %s\n", message);
 }
 
-static void on_hello(void* state, struct usb_redir_hello_header* hello) {
-  struct usbredirparser* const parser = ((usb_camera*)state)->parser;
-  (void)hello;
+static void plug_in(usb_camera* camera) {
+  struct usbredirparser* const parser = camera->parser;
+  reset_controls(&camera->controls);
+  camera->configured = 0;
+  camera->is_unplugged = 0;
   struct usb_redir_interface_info_header interfaces = {.interface_count = 2};
   for (uint8_t i = 0; i < 2; ++i) {
     interfaces.interface[i] = i;
@@ -280,6 +116,11 @@ static void on_hello(void* state, struct usb_redir_hello_header* hello) {
       .vendor_id = 0x1209,
       .product_id = 0x0001};
   usbredirparser_send_device_connect(parser, &device);
+}
+
+static void on_hello(void* state, struct usb_redir_hello_header* hello) {
+  (void)hello;
+  plug_in((usb_camera*)state);
 }
 
 static void on_reset(void* state) { forget_reads((usb_camera*)state); }
@@ -363,60 +204,14 @@ static int answer_stream(const usb_camera* camera, unsigned request,
   return 1;
 }
 
-/* Each frame has a focus and an exposure of its own while they follow. */
-static void follow(usb_camera* camera) {
-  if (camera->controls[AE_MODE].value != AE_MANUAL)
-    camera->controls[EXPOSURE].value = (uint16_t)(100 + camera->num_sent % 50);
-  if (camera->controls[FOCUS_AUTO].value != 0)
-    camera->controls[FOCUS].value = (uint16_t)(40 + camera->num_sent % 20);
-}
-
-static usb_control* find_control(
-    usb_camera* camera, const struct usb_redir_control_packet_header* packet) {
-  if ((packet->index & 255) != CONTROL_INTERFACE) return NULL;
-  follow(camera);
-  for (int i = 0; i < NUM_CONTROLS; ++i)
-    if (camera->controls[i].entity == packet->index >> 8 &&
-        camera->controls[i].selector == packet->value >> 8)
-      return &camera->controls[i];
-  return NULL;
-}
-
-static int get_control(const usb_control* control, unsigned request,
-                       bytes* answer) {
-  enum { CURRENT = 0x81, MINIMUM, MAXIMUM, STEP, LENGTH, INFORMATION, DEFAULT };
-  if (!control) return 0;
-  if (request == LENGTH) add16(answer, control->size);
-  if (request == INFORMATION) add8(answer, control->info);
-  if (request == LENGTH || request == INFORMATION) return 1;
-  add32(answer, request == CURRENT   ? control->value
-                : request == MINIMUM ? control->minimum
-                : request == MAXIMUM ? control->maximum
-                : request == STEP    ? control->step
-                                     : control->initial);
-  answer->size = control->size;
-  return 1;
-}
-
-static void set_control(usb_camera* camera, usb_control* control,
-                        const uint8_t* data, int size) {
-  if (!control || size < control->size) return;
-  control->value =
-      (uint16_t)(control->size == 1 ? data[0] : data[0] | data[1] << 8);
-  if (camera->num_settings == MAX_SETTINGS) return;
-  const int i = camera->num_settings++;
-  camera->settings[i].name = control->name;
-  camera->settings[i].value = control->value;
-  camera->settings[i].exposure = camera->controls[EXPOSURE].value;
-  camera->settings[i].focus = camera->controls[FOCUS].value;
-}
-
 static int answer_control(usb_camera* camera,
                           const struct usb_redir_control_packet_header* packet,
                           const uint8_t* data, int size, bytes* answer) {
   enum { GET_STATUS = 0, CLEAR_FEATURE = 1, GET_DESCRIPTOR = 6 };
   const unsigned interface = packet->index & 255;
   const unsigned selector = packet->value >> 8; /* 1: probe, 2: commit */
+  usb_control* const control = find_control(&camera->controls, packet->index,
+                                            packet->value, camera->num_sent);
   switch (packet->requesttype) {
     case 0x80:
       if (packet->request == GET_DESCRIPTOR)
@@ -425,15 +220,14 @@ static int answer_control(usb_camera* camera,
       return packet->request == GET_STATUS;
     case 0xa1:
       if (interface == CONTROL_INTERFACE)
-        return get_control(find_control(camera, packet), packet->request,
-                           answer);
+        return get_control(control, packet->request, answer);
       if (interface != STREAM_INTERFACE || selector < 1 || selector > 2)
         return 0;
       return answer_stream(camera, packet->request, answer);
     case 0x21: /* what is set is what there is */
       if (interface == STREAM_INTERFACE && selector == 2) forget_reads(camera);
       if (interface == CONTROL_INTERFACE)
-        set_control(camera, find_control(camera, packet), data, size);
+        set_control(&camera->controls, control, data, size);
       return 1;
     case 0x02:
       if (packet->request == CLEAR_FEATURE) forget_reads(camera);
@@ -484,12 +278,14 @@ static void answer_read(usb_camera* camera) {
   uint32_t size = camera->reads[0].size;
   if (size > MAX_PAYLOAD) size = MAX_PAYLOAD;
   size_t part = size - PAYLOAD_HEADER;
-  const size_t index = (size_t)camera->num_sent % camera->num_frames;
-  const size_t frame_size = camera->starts[index + 1] - camera->starts[index];
+  const size_t index = (size_t)camera->num_sent % camera->frames.num_frames;
+  const size_t frame_size =
+      camera->frames.starts[index + 1] - camera->frames.starts[index];
   const size_t left = frame_size - camera->sent;
   if (part > left) part = left;
   memcpy(payload + PAYLOAD_HEADER,
-         camera->frames + camera->starts[index] + camera->sent, part);
+         camera->frames.bytes + camera->frames.starts[index] + camera->sent,
+         part);
   camera->sent += part;
   const int is_end = camera->sent == frame_size;
   payload[0] = PAYLOAD_HEADER;
@@ -515,7 +311,19 @@ static void answer_read(usb_camera* camera) {
 static void unplug(usb_camera* camera) {
   usbredirparser_send_device_disconnect(camera->parser);
   camera->is_unplugged = 1;
-  camera->num_reads = 0;
+  forget_reads(camera);
+}
+
+/* A frame is of one picture. */
+static void follow_orders(usb_camera* camera) {
+  for (;;) {
+    read_orders(&camera->orders);
+    const int order = whole_order(&camera->orders);
+    if (order == 0 || (order == ORDER_PICTURE && camera->sent > 0)) return;
+    if (order == ORDER_UNPLUG) unplug(camera);
+    if (order == ORDER_PLUG) plug_in(camera);
+    end_order(&camera->orders, &camera->frames);
+  }
 }
 
 static void send_frames(usb_camera* camera) {
@@ -533,44 +341,6 @@ static void send_frames(usb_camera* camera) {
 }
 
 /* ---- Program ------------------------------------------------------------- */
-
-static void fail(const char* what) {
-  fprintf(stderr, "emulated_camera: %s\n", what);
-  exit(1);
-}
-
-/* A JPEG begins with these three bytes, which nothing within it is. */
-static int begins_jpeg(const uint8_t* data) {
-  return data[0] == 0xff && data[1] == 0xd8 && data[2] == 0xff;
-}
-
-/* Returns whether the frames are JPEGs. */
-static int find_frames(usb_camera* camera, size_t size, size_t frame_size) {
-  const int is_jpeg = size > 3 && begins_jpeg(camera->frames);
-  const size_t step = is_jpeg ? 1 : frame_size;
-  const size_t least = is_jpeg ? 3 : frame_size;
-  for (size_t i = 0; i + least <= size && camera->num_frames < MAX_FRAMES;
-       i += step)
-    if (!is_jpeg || begins_jpeg(camera->frames + i))
-      camera->starts[camera->num_frames++] = i;
-  if (camera->num_frames == 0) fail("not a whole frame in the file");
-  camera->starts[camera->num_frames] =
-      is_jpeg ? size : camera->num_frames * frame_size;
-  return is_jpeg;
-}
-
-static int read_frames(usb_camera* camera, const char* path,
-                       size_t frame_size) {
-  FILE* const file = fopen(path, "rb");
-  if (!file || fseek(file, 0, SEEK_END) != 0) fail("no file of frames");
-  const size_t size = (size_t)ftell(file);
-  rewind(file);
-  camera->frames = (uint8_t*)malloc(size);
-  if (!camera->frames || fread(camera->frames, 1, size, file) != size)
-    fail("the frames cannot be read");
-  fclose(file);
-  return find_frames(camera, size, frame_size);
-}
 
 static int wait_for_qemu(const char* path) {
   const int listener = socket(AF_UNIX, SOCK_STREAM, 0);
@@ -618,16 +388,27 @@ static void say_hello(usb_camera* camera) {
                       usbredirparser_fl_usb_host);
 }
 
+/* Waits until something is to be done. An order that waits for the frame's end
+ * is no reason. */
+static short wait_for_work(const usb_camera* camera) {
+  const int is_full = usbredirparser_has_data_to_write(camera->parser) > 0;
+  const int takes_orders =
+      camera->orders.is_open && whole_order(&camera->orders) == 0;
+  struct pollfd ready[2] = {
+      {camera->socket, (short)(POLLIN | (is_full ? POLLOUT : 0)), 0},
+      {STDIN_FILENO, POLLIN, 0}};
+  poll(ready, takes_orders ? 2 : 1, camera->num_reads > 0 ? 2 : 100);
+  return ready[0].revents;
+}
+
 /* Until QEMU has gone. */
 static void serve(usb_camera* camera) {
   for (;;) {
-    const int is_full = usbredirparser_has_data_to_write(camera->parser) > 0;
-    struct pollfd ready = {camera->socket,
-                           (short)(POLLIN | (is_full ? POLLOUT : 0)), 0};
-    poll(&ready, 1, camera->num_reads > 0 ? 2 : 100);
-    if ((ready.revents & (POLLIN | POLLHUP)) != 0 &&
+    const short events = wait_for_work(camera);
+    if ((events & (POLLIN | POLLHUP)) != 0 &&
         usbredirparser_do_read(camera->parser) != 0)
       return;
+    if (camera->orders.is_open) follow_orders(camera);
     send_frames(camera);
     if (usbredirparser_has_data_to_write(camera->parser) > 0 &&
         usbredirparser_do_write(camera->parser) != 0)
@@ -643,10 +424,13 @@ int main(int argc, char** argv) {
     fail("usage: SOCKET WIDTHxHEIGHT FRAMES_PER_SECOND FILE [UNPLUG_AFTER]");
   static usb_camera camera;
   const unsigned interval = 10000000 / rate; /* 100 ns */
-  const int is_jpeg = read_frames(&camera, argv[4], (size_t)width * height * 2);
+  const size_t frame_size = (size_t)width * height * 2;
+  const int is_live = strcmp(argv[4], "-") == 0;
+  if (is_live) open_orders(&camera.orders, &camera.frames, frame_size);
+  const int is_jpeg =
+      !is_live && read_frames(&camera.frames, argv[4], frame_size);
   camera.configuration = make_configuration(is_jpeg, width, height, interval);
   camera.probe = make_probe(width, height, interval);
-  memcpy(camera.controls, kControls, sizeof(kControls));
   camera.interval_s = 1.0 / rate;
   camera.unplug_after = argc == 6 ? atol(argv[5]) : 0;
   camera.socket = wait_for_qemu(argv[1]);
@@ -654,11 +438,9 @@ int main(int argc, char** argv) {
   say_hello(&camera);
   serve(&camera);
   printf("%ld frames sent\n", camera.num_sent);
-  for (int i = 0; i < camera.num_settings; ++i)
-    printf("%s %u, exposure %u, focus %u\n", camera.settings[i].name,
-           camera.settings[i].value, camera.settings[i].exposure,
-           camera.settings[i].focus);
+  print_settings(&camera.controls);
   usbredirparser_destroy(camera.parser);
-  free(camera.frames);
+  free(camera.frames.bytes);
+  free(camera.orders.bytes);
   return 0;
 }

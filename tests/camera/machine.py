@@ -1,18 +1,21 @@
 """A machine in QEMU with Debian's kernel and emulated USB cameras; and the frames they play."""
 import os
+import socket
 import subprocess
 
 
 class Player:
-    """Plays YUYV frames as a USB camera, for a machine that is to connect."""
+    """Plays YUYV frames as a USB camera, for a machine that is to connect. The frames "-" are
+    the orders of a pipe."""
 
-    def __init__(self, program, folder, name, size, rate, frames, unplug_after=0):
+    # pylint: disable=too-many-arguments
+    def __init__(self, program, folder, name, size, rate, frames, unplug_after=0, orders=None):
         self.output = ""  # after end()
         self.socket = os.path.join(folder, name + ".socket")
         # pylint: disable=consider-using-with
         self.process = subprocess.Popen(
             [program, self.socket, "{}x{}".format(*size), str(rate), frames, str(unplug_after)],
-            stdout=subprocess.PIPE, text=True)
+            stdin=orders, stdout=subprocess.PIPE, text=True)
         self.process.stdout.readline()  # ready
 
     def kill(self):
@@ -30,20 +33,30 @@ def build_image(fetched_kernel, image, programs):
     subprocess.run([os.path.join(here, "make_image"), fetched_kernel, image, *programs], check=True)
 
 
-def boot(kernel, image, shared, players, job, timeout):
+def free_port():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return server.getsockname()[1]
+
+
+# pylint: disable=too-many-arguments
+def boot(kernel, image, shared, players, job, timeout, cpu="max", forward=None):
     """Runs a shell script in the machine, and returns its status and what it printed. The folder
-    shared is /shared there; camera i of the players is at USB port i + 1."""
+    shared is /shared there; camera i of the players is at USB port i + 1. forward is a port of
+    127.0.0.1 and the machine's own that is reached there, at 10.0.2.15."""
     with open(os.path.join(shared, "job"), "w", encoding="utf-8") as file:
         file.write(job)
     boot_folder = os.path.join(kernel, "boot")
     linux = next(name for name in os.listdir(boot_folder) if name.startswith("vmlinuz"))
-    command = ["qemu-system-x86_64", "-machine", "q35,accel=tcg", "-cpu", "max", "-smp", "2",
-               "-m", "1024", "-nographic", "-no-reboot", "-nic", "none",
+    command = ["qemu-system-x86_64", "-machine", "q35,accel=tcg", "-cpu", cpu, "-smp", "2",
+               "-m", "1024", "-nographic", "-no-reboot",
                "-kernel", os.path.join(boot_folder, linux), "-initrd", image,
                "-append", "console=ttyS0 quiet loglevel=4 panic=-1",
                "-fsdev", f"local,id=shared,path={shared},security_model=none",
                "-device", "virtio-9p-pci,fsdev=shared,mount_tag=shared",
                "-device", "qemu-xhci,p2=8,p3=8"]
+    if forward:
+        forward = "hostfwd=tcp:127.0.0.1:{}-:{}".format(*forward)
+    command += ["-nic", f"user,restrict=on,model=virtio-net-pci,{forward}" if forward else "none"]
     for i, player in enumerate(players):
         command += ["-chardev", f"socket,id=camera{i},path={player.socket}",
                     "-device", f"usb-redir,chardev=camera{i},port={i + 1}"]

@@ -53,6 +53,7 @@ class MachineCase(unittest.TestCase):
     """A class names its cameras, and its job is a shell script for the machine."""
     CAMERAS = ()  # names of SIZES
     PLAYERS = ()  # what play() takes, of each camera at the bus
+    MACHINE = {}  # more arguments of machine.boot()
     PROGRAMS = ()  # besides raygrid-camera, and libraries that are loaded by name: all in /bin
 
     @classmethod
@@ -70,7 +71,7 @@ class MachineCase(unittest.TestCase):
         machine.build_image(kernel, cls.path("image"), [programs.camera, *cls.PROGRAMS])
         players = [cls.play(*player) for player in cls.PLAYERS]
         status, log = machine.boot(kernel, cls.path("image"), cls.shared, players, SETUP + job,
-                                   timeout=500)
+                                   **{"timeout": 500, **cls.MACHINE})
         assert status == 0, log
         for player in players:
             print(f"{player.end()} frames sent")
@@ -216,7 +217,10 @@ def main(name):
         parser.add_argument("--" + option, required=True)
     parser.add_argument("--heap-kernel", default="")
     parser.add_argument("--plugin", default="")
+    parser.add_argument("--play-to-outline", default="")
     parser.add_argument("--lock-camera-state", default="")
+    parser.add_argument("--until-done", action="store_true",
+                        help="a capture comes to its end")
     parser.add_argument("--only-ends", action="store_true",
                         help="not the long streams: for programs that are slow")
     _, rest = parser.parse_known_args(namespace=programs)

@@ -1,6 +1,8 @@
 // A person before a camera: looks at the page, holds the board where its
 // outline is, a little off, until the page says done. The camera's images are
 // rendered, so that its truth is known.
+#include "capture_operator.h"
+
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <spawn.h>
@@ -12,21 +14,11 @@
 #include <csignal>
 #include <cstring>
 #include <mutex>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <thread>
 
-#include "camera/pose.h"
-#include "capture/board_outline.h"
-#include "capture/board_view.h"
 #include "dataset/camera_file.h"
 #include "evaluation/model_difference.h"
 #include "evaluation/residual_statistics.h"
-#include "http_client.h"
-#include "initialization/localization.h"
-#include "simulation/board_surface.h"
-#include "simulation/image_rendering.h"
-#include "simulation/random.h"
 #include "simulation/simulated_lenses.h"
 #include "target/board_spec.h"
 #include "temporary_folder.h"
@@ -36,7 +28,6 @@ extern char** environ;
 namespace raygrid {
 namespace {
 
-using Json = nlohmann::json;
 using namespace std::chrono_literals;
 
 constexpr ImageSize kOperatedSize = {640, 480};
@@ -170,48 +161,6 @@ class Camera {
   std::thread thread_;
 };
 
-// Holds the board, and is off by some.
-class Operator {
- public:
-  Operator(const CameraModel& camera, const Board& board)
-      : camera_(camera), board_(board), surface_(board), rays_(camera, 2) {}
-
-  // The picture of a board in an outline; nothing if that tells no pose.
-  std::optional<std::vector<uint8_t>> Fill(const Json& outline) {
-    const std::vector<Eigen::Vector3d> points = OutlinePoints(board_);
-    if (outline.size() != 2 * points.size()) return std::nullopt;
-    std::vector<PointOnPixel> matches;
-    for (size_t k = 0; k < points.size(); ++k)
-      matches.push_back(
-          {points[k], Eigen::Vector2d(outline[2 * k].get<double>(),
-                                      outline[2 * k + 1].get<double>())});
-    const auto pose = Localize(camera_, matches);
-    if (!pose) return std::nullopt;
-    constexpr double kOffM = 0.01, kOffRad = 0.035;
-    Eigen::Matrix<double, 6, 1> off;
-    for (int k = 0; k < 6; ++k)
-      off[k] = random_.Normal() * (k < 3 ? kOffRad : kOffM);
-    const Eigen::Vector3d middle = MiddleOf(board_);
-    Pose held = *pose;
-    held.rotation = RotationFromVector(off.head<3>()) * pose->rotation;
-    held.translation = *pose * middle - held.rotation * middle + off.tail<3>();
-    ImagingOptions imaging;
-    imaging.read_noise = 1;
-    imaging.seed = ++num_pictures_;
-    return AddNoiseAndQuantize(
-               RenderImage(rays_, {{&surface_, held}}, imaging, 2), imaging)
-        .pixels;
-  }
-
- private:
-  const CameraModel& camera_;
-  const Board board_;
-  const BoardSurface surface_;
-  const PixelRays rays_;
-  Random random_{11};
-  uint64_t num_pictures_ = 0;
-};
-
 TEST(CaptureOperator, FollowsThePageToAnAccurateCamera) {
   const std::string spec = "star:14x10:18mm";
   const auto truth = SimulatedLens("wide", kOperatedSize);
@@ -222,32 +171,18 @@ TEST(CaptureOperator, FollowsThePageToAnAccurateCamera) {
   Camera camera(program);
   const uint16_t port = program.Port();
   ASSERT_NE(port, 0);
-  Operator person(*truth, ReadPatternOrSpec(spec).boards.front());
+  constexpr int kPatience = 20;
+  CaptureOperator person(*truth, ReadPatternOrSpec(spec).boards.front(),
+                         kPatience);
   HttpClient page(port, "GET /state");
-  size_t num_kept = 0;
-  int num_views = 0, num_looks = 0;
-  bool is_done = false;
   const auto end = std::chrono::steady_clock::now() + 240s;
-  while (!is_done && std::chrono::steady_clock::now() < end) {
-    const std::string event = page.Until("\n\n");
-    const size_t data = event.find("data: ");
-    if (data == std::string::npos) break;
-    const Json state = Json::parse(event.substr(data + 6), nullptr, false);
-    if (state.is_discarded() || !state.contains("kept")) continue;
-    is_done = state["is_done"];
-    // A view that was taken, or one that is of no use.
-    constexpr int kPatience = 20;
-    const bool is_taken = state["kept"].size() != num_kept;
-    if (is_done || state["next"].empty() || state["word"] == "busy") continue;
-    if (!is_taken && num_views > 0 && ++num_looks < kPatience) continue;
-    num_kept = state["kept"].size();
-    num_looks = 0;
-    if (auto picture = person.Fill(state["next"][0]["outline"])) {
-      camera.Show(std::move(*picture));
-      ++num_views;
-    }
+  while (!person.is_done() && std::chrono::steady_clock::now() < end) {
+    const auto state = NextState(&page);
+    if (!state) break;
+    if (auto picture = person.Look(*state)) camera.Show(std::move(*picture));
   }
-  EXPECT_TRUE(is_done) << num_kept << " frames kept of " << num_views;
+  EXPECT_TRUE(person.is_done())
+      << person.num_kept() << " frames kept of " << person.num_views();
   camera.Stop();
   program.CloseFrames();
   EXPECT_EQ(program.Wait(), 0);
@@ -256,9 +191,9 @@ TEST(CaptureOperator, FollowsThePageToAnAccurateCamera) {
   std::vector<double> errors_px;
   for (const Eigen::Vector2d& error : difference.error_px)
     errors_px.push_back(error.norm());
-  RecordProperty("frames", static_cast<int>(num_kept));
+  RecordProperty("frames", static_cast<int>(person.num_kept()));
   std::printf("%zu frames kept of %d views, median %.4f px, 95 %% %.4f px\n",
-              num_kept, num_views, Quantile(errors_px, 0.5),
+              person.num_kept(), person.num_views(), Quantile(errors_px, 0.5),
               Quantile(errors_px, 0.95));
   EXPECT_LT(Quantile(errors_px, 0.5), 0.02);
 }
