@@ -37,8 +37,8 @@ void AddRows(const LinearizedProjection& linear, int row,
     add(linear.first_global + i, linear.by_global.col(i));
 }
 
-// Of some features, each counting for more. Those that the camera does not see
-// are left out.
+// The derivatives of some features, each counting for more. Those that the
+// camera does not see are left out.
 ViewDerivatives DerivativesOf(const CameraModel& camera, int num_parameters,
                               const std::vector<Eigen::Vector3d>& points,
                               const std::vector<Eigen::Vector2d>& pixels,
@@ -65,8 +65,7 @@ ViewDerivatives DerivativesOf(const CameraModel& camera, int num_parameters,
   return view;
 }
 
-// What the view's pose can make up for is by_pose times this times the
-// derivatives.
+// The view's pose can make up for by_pose times this times the derivatives.
 Eigen::Matrix<double, 6, Eigen::Dynamic> PoseTakenBy(
     const ViewDerivatives& view) {
   const MotionMatrix square = view.by_pose.transpose() * view.by_pose;

@@ -102,8 +102,8 @@ class FrameSource {
   virtual StateLock LockState() {
     return NothingLocked("this source of frames is no camera");
   }
-  /// Where LockState() is to move the lens, instead of where it is: the focus
-  /// of a frame taken before.
+  /// Makes LockState() move the lens to the focus of a frame taken before,
+  /// instead of leaving it where it is.
   virtual void FocusAt(const LensFocus&) {}
   /// Puts the automatic modes that LockState() ended back as they were. Stop()
   /// does it, too, since some cameras keep their controls after a program.

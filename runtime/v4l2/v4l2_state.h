@@ -22,7 +22,7 @@ class V4l2StateLock {
   V4l2StateLock(const V4l2StateLock&) = delete;
   V4l2StateLock& operator=(const V4l2StateLock&) = delete;
 
-  /// Where Lock() is to move the lens; nothing: it stays where it is.
+  /// Makes Lock() move the lens there; nothing: it stays where it is.
   void FocusAt(std::optional<int> focus_steps);
   /// Ends automatic modes, one control after the other.
   StateLock Lock();
