@@ -12,6 +12,7 @@
 #include "dataset/image_files.h"
 #include "dataset/text_encoding.h"
 #include "pattern_input.h"
+#include "session_file.h"
 
 namespace raygrid {
 namespace {
@@ -30,6 +31,30 @@ std::string PatternPath(const CheckArguments& arguments) {
                 "check: no pattern.yaml beside the camera; name one with "
                 "--pattern, best that which calibrate wrote");
   return beside.string();
+}
+
+// The images of a session of capture instead of its folder, and how its camera
+// stands otherwise than it was calibrated.
+std::vector<std::string> UseSession(const CameraFile& file,
+                                    CheckArguments* arguments) {
+  if (arguments->images.size() != 1 || !IsSession(arguments->images[0]))
+    return {};
+  const std::string folder = arguments->images[0];
+  const std::vector<Session> cameras = ReadSession(folder);
+  if (cameras.size() > 1)
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}: is the session of a rig; check a camera with "
+                            "{}/{}/NAME",
+                            folder, folder, kSessionFrames));
+  arguments->images.clear();
+  for (const SessionFrame& frame : cameras[0].frames)
+    arguments->images.push_back(SessionFramePath(folder, "", frame.image));
+  if (arguments->images.empty())
+    throw Error(ExitCode::kTooFew, folder +
+                                       ": kept no frame; go on with it by "
+                                       "raygrid capture --resume");
+  return file.capture ? DifferencesOf(*file.capture, CaptureOf(cameras[0]))
+                      : std::vector<std::string>();
 }
 
 // Images that could not be measured are added to those rejected.
@@ -67,7 +92,8 @@ const char* Word(const CameraChange& change) {
   return change.is_degraded ? "DEGRADED" : "OK";
 }
 
-nlohmann::ordered_json ToJson(const CameraCheck& check) {
+nlohmann::ordered_json ToJson(const CameraCheck& check,
+                              const std::vector<std::string>& stands) {
   const CameraChange& change = check.change;
   nlohmann::ordered_json json = {{"status", Word(change)},
                                  {"moved", change.moved},
@@ -91,6 +117,7 @@ nlohmann::ordered_json ToJson(const CameraCheck& check) {
         {"px", change.largest_local_px},
         {"x", change.largest_local_pixel.x()},
         {"y", change.largest_local_pixel.y()}};
+  if (!stands.empty()) json["stands_otherwise"] = stands;
   json["rejected"] = nlohmann::ordered_json::array();
   for (const RejectedImage& image : check.rejected_images)
     json["rejected"].push_back(
@@ -119,7 +146,7 @@ std::string Amount(const CameraChange& change, const Movement& movement) {
                      change.largest_local_pixel.y());
 }
 
-void Print(const CameraCheck& check) {
+void Print(const CameraCheck& check, const std::vector<std::string>& stands) {
   const CameraChange& change = check.change;
   fmt::print("{}", Word(change));
   if (change.is_degraded)
@@ -135,15 +162,18 @@ void Print(const CameraCheck& check) {
   fmt::print(
       "  each as if it alone had moved, found 99 times of 100; shift and tilt "
       "differ little to a board\n");
+  for (const std::string& difference : stands)
+    fmt::print("  stands otherwise: {}\n", difference);
   for (const RejectedImage& image : check.rejected_images)
     fmt::print("not used: {} ({})\n", Printable(image.image),
                Printable(image.reason));
 }
 
-void Run(const CheckArguments& arguments, const CommonOptions& common) {
+void Run(CheckArguments arguments, const CommonOptions& common) {
   if (arguments.images.empty() == arguments.features.empty())
     throw Error(ExitCode::kUsage, "check: give either images or --features");
   const CameraInput input = ReadCamera(arguments.camera);
+  const std::vector<std::string> stands = UseSession(input.file, &arguments);
   const Pattern pattern = GivenPattern(PatternPath(arguments));
   std::vector<RejectedImage> rejected;
   const Dataset dataset =
@@ -152,9 +182,9 @@ void Run(const CheckArguments& arguments, const CommonOptions& common) {
   check.rejected_images.insert(check.rejected_images.end(), rejected.begin(),
                                rejected.end());
   if (common.json)
-    fmt::print("{}\n", ToJson(check).dump(2));
+    fmt::print("{}\n", ToJson(check, stands).dump(2));
   else if (!common.quiet)
-    Print(check);
+    Print(check, stands);
   if (check.change.is_degraded)
     throw Error(ExitCode::kQuality,
                 fmt::format("the camera has changed ({}); calibrate it again",
@@ -180,7 +210,8 @@ void AddCheck(CLI::App* app, CommonOptions* common) {
       ->add_option("camera", arguments->camera,
                    "camera.yaml, as calibrate wrote it")
       ->required();
-  command->add_option("images", arguments->images, "images or folders");
+  command->add_option("images", arguments->images,
+                      "images or folders, or the session of a capture");
   command->add_option("--features", arguments->features,
                       "features.csv instead of images");
   AddPatternOption(command, &arguments->pattern,

@@ -1,6 +1,7 @@
 #include "session_file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,9 @@ namespace raygrid {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kZoomTolerance = 1e-3;
+
 using Json = nlohmann::ordered_json;
 
 // The numbers of a frame by their keys in the file.
@@ -167,7 +171,6 @@ Capture CaptureOf(const Session& session) {
   Capture capture;
   capture.lens_position =
       ValueOfAll(session, &SessionFrame::lens_position, kDefaultLensTolerance);
-  constexpr double kZoomTolerance = 1e-3;
   capture.zoom = ValueOfAll(session, &SessionFrame::zoom, kZoomTolerance);
   constexpr double kWarmingC = 10;  // in the course of a session
   capture.sensor_temperature_c =
@@ -180,6 +183,34 @@ Capture CaptureOf(const Session& session) {
   capture.crop = SameInAll(session, &SessionFrame::crop);
   capture.orientation = SameInAll(session, &SessionFrame::orientation);
   return capture;
+}
+
+std::vector<std::string> DifferencesOf(const Capture& calibrated,
+                                       const Capture& now) {
+  std::vector<std::string> differences;
+  const auto compare = [&](const char* what, const std::optional<double>& then,
+                           const std::optional<double>& current,
+                           double tolerance, const char* unit) {
+    if (then && current && std::abs(*then - *current) > tolerance)
+      differences.push_back(fmt::format("{} {:.4g}{}, calibrated at {:.4g}{}",
+                                        what, *current, unit, *then, unit));
+  };
+  compare("lens at", calibrated.lens_position, now.lens_position,
+          calibrated.lens_tolerance, " dioptres");
+  if (calibrated.crop && now.crop && *calibrated.crop != *now.crop)
+    differences.push_back(fmt::format("crop {}, calibrated with {}",
+                                      fmt::join(*now.crop, ","),
+                                      fmt::join(*calibrated.crop, ",")));
+  compare("zoom", calibrated.zoom, now.zoom, kZoomTolerance, "");
+  if (calibrated.orientation && now.orientation &&
+      *calibrated.orientation != *now.orientation)
+    differences.push_back(fmt::format("orientation {}, calibrated with {}",
+                                      *now.orientation,
+                                      *calibrated.orientation));
+  constexpr double kOtherC = 20;
+  compare("sensor at", calibrated.sensor_temperature_c,
+          now.sensor_temperature_c, kOtherC, " degrees Celsius");
+  return differences;
 }
 
 }  // namespace raygrid

@@ -56,6 +56,12 @@ std::vector<Session> ReadSession(const std::string& folder);
 /// was not told.
 Capture CaptureOf(const Session& session);
 
+/// How a camera stands otherwise than it was calibrated, each in half a
+/// sentence: lens position, crop, zoom, orientation, and a temperature that is
+/// more than 20 K away. What one of them does not tell is not compared.
+std::vector<std::string> DifferencesOf(const Capture& calibrated,
+                                       const Capture& now);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_TOOLS_SESSION_FILE_H

@@ -105,6 +105,29 @@ class Session(CommandTest):
         result = run("compare", camera, self.path("simulated/true_camera.yaml"), "--json")
         self.assertLess(json.loads(result.stdout)["median_px"], 0.05)
 
+    def test_a_check_says_how_a_camera_stands_otherwise(self):
+        self.assert_done(self.capture())
+        told = self.told()
+        for frame in told["frames"]:
+            frame.update(lens_position=2.0, sensor_temperature_c=30.5, exposure_us=8000)
+        write(os.path.join(self.session, "session.json"), json.dumps(told).encode())
+        self.assert_done(run("calibrate", self.session, "--skip-comparison"))
+        camera = os.path.join(self.session, "calibration/camera.yaml")
+        self.assertIn(b"sensor_temperature_c: 30.5\n  exposure_us: 8000\n", read(camera))
+        check = run("check", camera, self.session)
+        self.assert_done(check)
+        self.assertNotIn("otherwise", check.stdout)
+        for frame in told["frames"]:
+            frame.update(lens_position=2.5, sensor_temperature_c=52, exposure_us=99)
+        write(os.path.join(self.session, "session.json"), json.dumps(told).encode())
+        check = run("check", camera, self.session)
+        self.assert_done(check)
+        self.assertIn("stands otherwise: lens at 2.5 dioptres, calibrated at 2 dioptres\n", check.stdout)
+        self.assertIn("stands otherwise: sensor at 52 degrees Celsius, calibrated at 30.5", check.stdout)
+        self.assertEqual(check.stdout.count("otherwise"), 2)
+        check = json.loads(run("check", camera, self.session, "--json").stdout)
+        self.assertEqual(len(check["stands_otherwise"]), 2)
+
     def test_frames_say_how_good_they_are(self):
         self.assert_done(self.capture())
         frames = self.told()["frames"]
