@@ -15,8 +15,8 @@ namespace raygrid {
 /// A frame in the session's folder "frames". What the camera did not tell is
 /// not there.
 struct SessionFrame {
-  std::string image;                    ///< name of the file
-  std::optional<double> seconds;        ///< since the session's first frame
+  std::string image;              ///< name of the file
+  std::optional<double> seconds;  ///< from the first one, or the first resumed
   std::optional<double> lens_position;  ///< dioptres
   std::optional<double> exposure_us, analogue_gain, zoom;
   std::optional<double> sensor_temperature_c;

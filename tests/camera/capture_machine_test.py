@@ -27,7 +27,7 @@ ifconfig eth0 10.0.2.15 netmask 255.255.255.0 up
 capture() {{  # NAME OPTIONS: leaves NAME.status, .out and .err, how long it took to end
   name=$1
   shift
-  raygrid-capture --source $(device -1:1.0) --pattern {BOARD} -o session --until 0.02px \\
+  raygrid-capture --source $(device -1:1.0) --pattern {BOARD} -o session --until 0.03px \\
     --no-calibrate --listen 0.0.0.0 --port {PORT} --token-file token --timeout 60 \\
     "$@" >$name.out 2>$name.err
   echo $? >$name.status
@@ -50,7 +50,7 @@ class CaptureInMachine(MachineCase):
     def setUpClass(cls):
         # Emulated AVX2 takes eight times as long as what is without it.
         cls.MACHINE = {"cpu": "max,-avx,-avx2,-fma", "forward": (machine.free_port(), PORT),
-                       "timeout": 1500 if programs.until_done else 500}
+                       "timeout": 2700 if programs.until_done else 500}
         folder = os.path.dirname(programs.raygrid)
         cls.PROGRAMS = [os.path.join(folder, "raygrid-capture"),
                         os.path.join(folder, "../lib/raygrid/raygrid_image_codecs.so")]
