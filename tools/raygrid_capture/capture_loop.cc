@@ -8,9 +8,6 @@
 
 #include "camera_error.h"
 #include "camera_session.h"
-#include "capture/board_outline.h"
-#include "capture/board_view.h"
-#include "capture/view_hint.h"
 #include "dataset/error.h"
 
 namespace raygrid {
@@ -20,17 +17,6 @@ using SteadyClock = std::chrono::steady_clock;
 
 double SecondsSince(SteadyClock::time_point start) {
   return std::chrono::duration<double>(SteadyClock::now() - start).count();
-}
-
-// The outline of a board, and its first row's side by itself.
-ViewShown ShowView(const CameraModel& camera, const Board& board,
-                   const Pose& camera_from_board) {
-  ViewShown shown;
-  shown.outline = OutlineOf(camera, board, camera_from_board);
-  if (!shown.outline.empty())
-    shown.top.assign(shown.outline.begin(),
-                     shown.outline.begin() + kOutlineSteps + 1);
-  return shown;
 }
 
 void RequireSize(const Session& session, const ImageSize& size) {
@@ -114,7 +100,7 @@ void CaptureLoop::Run() {
   if (!guide_) return;
   state_.is_done = guide_->is_done();
   if (!state_.kept.empty()) state_.hint = state_.is_done ? "done" : "finished";
-  DescribeKnown();
+  DescribeKnown(*guide_, shown_, &state_);
   if (viewers_.show) viewers_.show(state_);
 }
 
@@ -259,7 +245,7 @@ void CaptureLoop::TakeInstant(const Instant& instant) {
   if (viewers_.show) viewers_.show(state_);
 }
 
-CaptureLoop::JudgedFrames CaptureLoop::Judge(const Instant& instant) {
+JudgedFrames CaptureLoop::Judge(const Instant& instant) {
   std::vector<std::future<SeenFrame>> seen(instant.size());
   for (size_t c = 1; c < instant.size(); ++c)
     if (instant[c])
@@ -269,7 +255,7 @@ CaptureLoop::JudgedFrames CaptureLoop::Judge(const Instant& instant) {
   JudgedFrames judged_frames(instant.size());
   for (size_t c = 0; c < instant.size(); ++c) {
     if (!instant[c]) continue;
-    Judged& judged = judged_frames[c];
+    JudgedFrame& judged = judged_frames[c];
     judged.frame = &*instant[c];
     judged.seen = c == 0 ? cameras_[c].See(*instant[c]) : seen[c].get();
     const FrameWord word = cameras_[c].Judge(judged.seen, *guide_->guide(c));
@@ -294,7 +280,7 @@ bool CaptureLoop::IsWanted(const JudgedFrames& judged_frames) const {
 
 void CaptureLoop::Forbid(JudgedFrames* judged_frames) {
   for (size_t c = 0; c < judged_frames->size(); ++c) {
-    Judged& judged = (*judged_frames)[c];
+    JudgedFrame& judged = (*judged_frames)[c];
     if (!judged.IsUsable()) continue;
     if (state_.is_paused) {
       judged.word = "paused";
@@ -336,7 +322,7 @@ void CaptureLoop::Keep(JudgedFrames* judged_frames) {
   std::vector<bool> changed(judged_frames->size(), false);
   std::vector<ImageFeatures> images(judged_frames->size());
   for (size_t c = 0; c < judged_frames->size(); ++c) {
-    Judged& judged = (*judged_frames)[c];
+    JudgedFrame& judged = (*judged_frames)[c];
     if (!judged.IsUsable()) continue;
     const LiveFrame& frame = *judged.frame;
     if (name.empty()) name = session_->NewName(frame.name);
@@ -401,96 +387,20 @@ void CaptureLoop::CountInstant() {
 void CaptureLoop::Describe(const JudgedFrames& judged_frames) {
   state_.camera = frames_->name(shown_);
   state_.remarks = lock_remarks_;
-  const Judged& judged = judged_frames[shown_];
-  if (judged.frame) DescribeFrame(judged);
-  DescribeKnown();
-  if (judged.frame) DescribeNext(judged.seen);
-  if (judged_frames.size() > 1) DescribeRig(judged_frames);
+  const JudgedFrame& judged = judged_frames[shown_];
+  if (judged.frame) DescribeFrame(judged, &state_);
+  DescribeKnown(*guide_, shown_, &state_);
+  if (judged.frame) DescribeNext(*guide_, judged.seen.features, &state_);
+  if (judged.frame) AskForPattern(judged.seen.features);
+  if (judged_frames.size() > 1)
+    DescribeRig(*guide_, *frames_, judged_frames, shown_, &state_);
 }
 
-void CaptureLoop::DescribeFrame(const Judged& judged) {
-  state_.word = judged.word;
-  state_.hint = judged.hint;
-  state_.width = judged.frame->grey.size.width;
-  state_.height = judged.frame->grey.size.height;
-  state_.features.clear();
-  for (const Feature& feature : judged.seen.features.features)
-    state_.features.push_back(feature.pixel);
-  state_.sharpness_px = judged.seen.quality.most_spread_px;
-  state_.brightness = judged.seen.quality.white / 255;
-}
-
-void CaptureLoop::DescribeKnown() {
-  state_.places.clear();
-  state_.deviation_px = 0;
-  if (const CameraKnowledge* const knowledge = guide().knowledge()) {
-    state_.deviation_px = knowledge->Percentile95Px();
-    for (const KnownPlace& place : knowledge->places())
-      state_.places.push_back({place.pixel, place.deviation_px});
-  }
-  state_.is_done = guide_->is_done();
-  state_.num_expected = guide_->num_expected().value_or(-1);
-}
-
-void CaptureLoop::DescribeNext(const SeenFrame& seen) {
-  state_.next.clear();
-  state_.arrow.clear();
-  if (guide_->is_done()) {
-    state_.hint = "done";
-    return;
-  }
-  if (!guide_->next()) return;
-  const GuidedView& next = guide_->next()->view;
-  const CameraModel& camera = guide().camera();
-  state_.next.push_back(ShowView(camera, *next.board, next.camera_from_board));
-  for (const LocatedBoard& located : guide().Locate(seen.features)) {
-    if (located.board->id != next.board->id) continue;
-    const Eigen::Vector3d middle = MiddleOf(*located.board);
-    const auto from = camera.Project(located.camera_from_board * middle);
-    const auto to = camera.Project(next.camera_from_board * middle);
-    if (from && to) state_.arrow = {*from, *to};
-    if (state_.hint.empty())
-      state_.hint = DescribeMove(camera, *next.board, located.camera_from_board,
-                                 next.camera_from_board);
-  }
-  if (state_.hint.empty()) state_.hint = "fill the outline with the board";
+void CaptureLoop::AskForPattern(const ImageFeatures& seen) {
   constexpr int kManyFrames = 300;
-  num_without_board_ =
-      seen.features.features.empty() ? num_without_board_ + 1 : 0;
-  if (num_without_board_ > kManyFrames)
+  num_without_board_ = seen.features.empty() ? num_without_board_ + 1 : 0;
+  if (num_without_board_ > kManyFrames && guide_->next())
     state_.hint += "; is it the one that --pattern says?";
-}
-
-// All cameras in short, and how they stand to each other.
-void CaptureLoop::DescribeRig(const JudgedFrames& judged_frames) {
-  state_.cameras.resize(judged_frames.size());
-  for (size_t c = 0; c < judged_frames.size(); ++c) {
-    CameraShown& shown = state_.cameras[c];
-    shown.name = frames_->name(c);
-    if (judged_frames[c].frame) shown.word = judged_frames[c].word;
-    const CaptureGuide* const own = guide_->guide(c);
-    shown.deviation_px =
-        own && own->knowledge() ? own->knowledge()->Percentile95Px() : 0;
-    if (shown.word == "kept") state_.word = "kept";
-  }
-  if (guide_->next() && !state_.hint.empty() && judged_frames[shown_].frame)
-    state_.hint = state_.camera + ": " + state_.hint;
-  state_.links.clear();
-  for (const RigGuide::Link& link : guide_->links())
-    state_.links.push_back({frames_->name(link.first),
-                            frames_->name(link.second), link.link.RmsPx()});
-  if (const auto& pair = guide_->to_connect()) {
-    const std::string& first = frames_->name(pair->first);
-    const std::string& second = frames_->name(pair->second);
-    if (!guide_->next())
-      state_.hint =
-          fmt::format("show the board to {} and {} at once", first, second);
-    state_.remarks.push_back(
-        fmt::format("{} and {} have seen no board at once yet", first, second));
-  }
-  if (frames_->is_unpaired())
-    state_.remarks.push_back(
-        "the cameras' frames are further apart in time than --pair-within-ms");
 }
 
 }  // namespace raygrid

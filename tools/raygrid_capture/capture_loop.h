@@ -15,6 +15,7 @@
 #include "capture/frame_judge.h"
 #include "capture/live_camera.h"
 #include "capture/rig_guide.h"
+#include "capture_description.h"
 #include "capture_state.h"
 #include "captured_camera.h"
 #include "paired_frames.h"
@@ -80,18 +81,6 @@ class CaptureLoop {
   const CaptureState& state() const { return state_; }
 
  private:
-  /// A frame of an instant, and the word on it.
-  struct Judged {
-    const LiveFrame* frame = nullptr;  // NULL: the camera has none
-    SeenFrame seen;
-    std::string word, hint;
-
-    // Good enough to be kept with others of its instant.
-    bool IsUsable() const {
-      return frame && (word == "kept" || word == "known");
-    }
-  };
-  using JudgedFrames = std::vector<Judged>;  // by camera
   using Update = std::function<void(size_t camera, LiveCamera*)>;
 
   void Resume();
@@ -109,10 +98,7 @@ class CaptureLoop {
   void TakeGuide(bool wait);
   void ChooseCameraShown();
   void Describe(const JudgedFrames& frames);
-  void DescribeFrame(const Judged& judged);
-  void DescribeKnown();
-  void DescribeNext(const SeenFrame& seen);
-  void DescribeRig(const JudgedFrames& frames);
+  void AskForPattern(const ImageFeatures& seen);
   void CountInstant();
   void LeaveViewInVain();
   bool IsFinished();

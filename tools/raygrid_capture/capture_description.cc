@@ -1,0 +1,111 @@
+#include "capture_description.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "capture/board_outline.h"
+#include "capture/board_view.h"
+#include "capture/view_hint.h"
+
+namespace raygrid {
+namespace {
+
+// The outline of a board, and its first row's side by itself.
+ViewShown ShowView(const CameraModel& camera, const Board& board,
+                   const Pose& camera_from_board) {
+  ViewShown shown;
+  shown.outline = OutlineOf(camera, board, camera_from_board);
+  if (!shown.outline.empty())
+    shown.top.assign(shown.outline.begin(),
+                     shown.outline.begin() + kOutlineSteps + 1);
+  return shown;
+}
+
+}  // namespace
+
+void DescribeFrame(const JudgedFrame& judged, CaptureState* state) {
+  state->word = judged.word;
+  state->hint = judged.hint;
+  state->width = judged.frame->grey.size.width;
+  state->height = judged.frame->grey.size.height;
+  state->features.clear();
+  for (const Feature& feature : judged.seen.features.features)
+    state->features.push_back(feature.pixel);
+  state->sharpness_px = judged.seen.quality.most_spread_px;
+  state->brightness = judged.seen.quality.white / 255;
+}
+
+void DescribeKnown(const RigGuide& rig, size_t camera, CaptureState* state) {
+  const CaptureGuide& guide = *rig.guide(camera);
+  state->places.clear();
+  state->deviation_px = 0;
+  if (const CameraKnowledge* const knowledge = guide.knowledge()) {
+    state->deviation_px = knowledge->Percentile95Px();
+    for (const KnownPlace& place : knowledge->places())
+      state->places.push_back({place.pixel, place.deviation_px});
+  }
+  state->is_done = rig.is_done();
+  state->num_expected = rig.num_expected().value_or(-1);
+}
+
+void DescribeNext(const RigGuide& rig, const ImageFeatures& features,
+                  CaptureState* state) {
+  state->next.clear();
+  state->arrow.clear();
+  if (rig.is_done()) {
+    state->hint = "done";
+    return;
+  }
+  if (!rig.next()) return;
+  const GuidedView& next = rig.next()->view;
+  const CaptureGuide& guide = *rig.guide(rig.next()->camera);
+  const CameraModel& camera = guide.camera();
+  state->next.push_back(ShowView(camera, *next.board, next.camera_from_board));
+  for (const LocatedBoard& located : guide.Locate(features)) {
+    if (located.board->id != next.board->id) continue;
+    const Eigen::Vector3d middle = MiddleOf(*located.board);
+    const auto from = camera.Project(located.camera_from_board * middle);
+    const auto to = camera.Project(next.camera_from_board * middle);
+    if (from && to) state->arrow = {*from, *to};
+    if (state->hint.empty())
+      state->hint = DescribeMove(camera, *next.board, located.camera_from_board,
+                                 next.camera_from_board);
+  }
+  if (state->hint.empty()) state->hint = "fill the outline with the board";
+}
+
+void DescribeRig(const RigGuide& rig, const PairedFrames& frames,
+                 const JudgedFrames& judged, size_t shown,
+                 CaptureState* state) {
+  state->cameras.resize(judged.size());
+  for (size_t c = 0; c < judged.size(); ++c) {
+    CameraShown& camera = state->cameras[c];
+    camera.name = frames.name(c);
+    if (judged[c].frame) camera.word = judged[c].word;
+    const CaptureGuide* const own = rig.guide(c);
+    camera.deviation_px =
+        own && own->knowledge() ? own->knowledge()->Percentile95Px() : 0;
+    if (camera.word == "kept") state->word = "kept";
+  }
+  if (rig.next() && !state->hint.empty() && judged[shown].frame)
+    state->hint = state->camera + ": " + state->hint;
+  state->links.clear();
+  for (const RigGuide::Link& link : rig.links())
+    state->links.push_back(
+        {frames.name(link.first), frames.name(link.second), link.link.RmsPx()});
+  if (const auto& pair = rig.to_connect()) {
+    const std::string& first = frames.name(pair->first);
+    const std::string& second = frames.name(pair->second);
+    if (!rig.next())
+      state->hint =
+          fmt::format("show the board to {} and {} at once", first, second);
+    state->remarks.push_back(
+        fmt::format("{} and {} have seen no board at once yet", first, second));
+  }
+  if (frames.is_unpaired())
+    state->remarks.push_back(
+        "the cameras' frames are further apart in time than --pair-within-ms");
+}
+
+}  // namespace raygrid
