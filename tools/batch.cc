@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,6 +18,7 @@
 #include "dataset/files.h"
 #include "dataset/text_encoding.h"
 #include "fleet/batch_plan.h"
+#include "fleet/fleet_input.h"
 #include "fleet/fleet_table.h"
 #include "progress_bar.h"
 #include "target/board_spec.h"
@@ -254,7 +256,37 @@ bool HasNoResult(const UnitRow& row) {
   return row.status == "error" || row.status == "missing";
 }
 
-void TellUnits(const std::vector<UnitRow>& rows, const CommonOptions& common) {
+// Marks units that are unusual, and says so, and where a mean jumps.
+FleetStatistics FindUnusual(const std::vector<const UnitJob*>& jobs,
+                            std::vector<UnitRow>* rows) {
+  std::vector<std::string> folders;
+  for (const UnitJob* job : jobs) folders.push_back(job->folder);
+  const ComparedUnits units = CompareUnits(*rows, folders);
+  FleetStatistics statistics = FindOutliers(units.input);
+  for (const UnusualUnit& unusual : statistics.unusual)
+    (*rows)[units.rows[unusual.unit]].unusual = unusual.charts;
+  for (MeanJump& jump : statistics.jumps)
+    jump.unit = static_cast<int>(units.rows[jump.unit]);
+  return statistics;
+}
+
+void TellFleet(const std::vector<UnitRow>& rows,
+               const FleetStatistics& statistics) {
+  for (const UnitRow& row : rows)
+    if (!row.unusual.empty())
+      fmt::print("{}: unusual in {}\n", row.serial,
+                 fmt::join(row.unusual, ", "));
+  for (const MeanJump& jump : statistics.jumps)
+    fmt::print("{}: from this unit on, {} is another one{} ({:.1f} sigma)\n",
+               rows[jump.unit].serial, jump.name,
+               jump.name == "lens" ? ""
+                                   : fmt::format(": {:.6g}, before {:.6g}",
+                                                 jump.after, jump.before),
+               jump.sigmas);
+}
+
+void TellUnits(const std::vector<UnitRow>& rows,
+               const FleetStatistics& statistics, const CommonOptions& common) {
   BatchJson units = BatchJson::array();
   for (const UnitRow& row : rows) {
     if (HasNoResult(row) || row.status == "fail")
@@ -264,10 +296,19 @@ void TellUnits(const std::vector<UnitRow>& rows, const CommonOptions& common) {
       fmt::print("{}: {}, {:.2f} s\n", row.serial, row.status, row.seconds);
     units.push_back({{"serial", row.serial}, {"status", row.status}});
     if (!row.reason.empty()) units.back()["reason"] = row.reason;
+    if (!row.unusual.empty()) units.back()["unusual"] = row.unusual;
     for (const auto& [name, value] : row.figures) units.back()[name] = value;
     if (row.seconds > 0) units.back()["seconds"] = row.seconds;
   }
-  if (common.json) fmt::print("{}\n", BatchJson({{"units", units}}).dump(2));
+  if (!common.json) return;
+  BatchJson jumps = BatchJson::array();
+  for (const MeanJump& jump : statistics.jumps)
+    jumps.push_back({{"serial", rows[jump.unit].serial},
+                     {"figure", jump.name},
+                     {"before", jump.before},
+                     {"after", jump.after},
+                     {"sigmas", jump.sigmas}});
+  fmt::print("{}\n", BatchJson({{"units", units}, {"jumps", jumps}}).dump(2));
 }
 
 // 6 if one fails; else that of the first one without a result.
@@ -329,9 +370,11 @@ void RunBatch(const BatchArguments& arguments, const CommonOptions& common) {
   const std::string table = (fs::path(arguments.output) / kFleetFile).string();
   RequireNoInputReplaced({arguments.plan}, {table});
   if (!arguments.gather) RunUnits(chosen, common);
-  const std::vector<UnitRow> rows = ReadRows(chosen, plan.limits);
+  std::vector<UnitRow> rows = ReadRows(chosen, plan.limits);
+  const FleetStatistics statistics = FindUnusual(chosen, &rows);
   if (!arguments.unit) WriteFile(table, FormatFleetTable(rows));
-  TellUnits(rows, common);
+  TellUnits(rows, statistics, common);
+  if (!common.json && !common.quiet) TellFleet(rows, statistics);
   if (const int code = ExitCodeOf(rows)) throw CLI::RuntimeError(code);
 }
 

@@ -18,10 +18,16 @@ namespace {
 using Json = nlohmann::json;
 
 // Columns of fleet.csv that are figures, between reason and seconds.
-const std::vector<std::string> kColumns = {
-    "focal_px",           "center_x_px",     "center_y_px",
-    "held_out_median_px", "held_out_rms_px", "held_out_max_px",
-    "worst_deviation_px", "trusted_part",    "images"};
+const std::vector<std::string> kColumns = {"focal_px",
+                                           "center_x_px",
+                                           "center_y_px",
+                                           "held_out_median_px",
+                                           "held_out_rms_px",
+                                           "held_out_max_px",
+                                           "worst_deviation_px",
+                                           "trusted_part",
+                                           "images",
+                                           "sensor_temperature_c"};
 
 // A number at keys behind each other, if there is one.
 void AddNumber(const Json& json, const std::vector<std::string>& keys,
@@ -65,6 +71,8 @@ void AddCamera(const CameraFile& file, UnitRow* row) {
     row->figures["center_x_px"] = center->x();
     row->figures["center_y_px"] = center->y();
   }
+  if (file.capture && file.capture->sensor_temperature_c)
+    row->figures["sensor_temperature_c"] = *file.capture->sensor_temperature_c;
   if (const auto focal = FocalLength(*file.camera))
     row->figures["focal_px"] = *focal;
   double worst = 0;
@@ -114,7 +122,7 @@ UnitRow ReadUnitRow(const std::string& serial, const std::string& folder,
 }
 
 std::string FormatFleetTable(const std::vector<UnitRow>& rows) {
-  std::string text = fmt::format("serial,status,reason,{},seconds\n",
+  std::string text = fmt::format("serial,status,reason,{},unusual,seconds\n",
                                  fmt::join(kColumns, ","));
   for (const UnitRow& row : rows) {
     text +=
@@ -125,6 +133,7 @@ std::string FormatFleetTable(const std::vector<UnitRow>& rows) {
                   ? ","
                   : fmt::format(",{:.9g}", figure->second);
     }
+    text += "," + CsvField(fmt::format("{}", fmt::join(row.unusual, " ")));
     text += row.seconds > 0 ? fmt::format(",{:.2f}\n", row.seconds) : ",\n";
   }
   return text;

@@ -19,6 +19,8 @@ struct UnitRow {
   int exit_code = 0;                      ///< of an error
   std::map<std::string, double> figures;  ///< those of FigureNames() known
   double seconds = 0;                     ///< of its calibration; 0: not known
+  /// Names of charts whose limits it leaves (FindOutliers()).
+  std::vector<std::string> unusual;
 };
 
 /// The row of a unit from the files of its result. A figure beyond its limits,

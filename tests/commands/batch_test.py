@@ -4,6 +4,8 @@ import csv
 import io
 import json
 import os
+import random
+import re
 import resource
 import shutil
 import signal
@@ -100,6 +102,35 @@ class Batch(CommandTest):
         self.assertEqual([table[serial]["status"] for serial in ("A0", "A1", "A3", "B0")],
                          ["error", "warn", "warn", "error"])
         self.assertEqual(sorted(os.listdir(self.out)), ["A0.failed.json", "A1", "A3", "B0.failed.json", "fleet.csv"])
+
+    def test_unusual_units_and_jumps_are_named(self):
+        """24 units made of one: its lens is another one in each, as those of a fleet are."""
+        self.assert_done(self.batch(self.plan(("A1",))))
+        lens = read(self.out + "/A1/camera.yaml").decode()
+        random.seed(3)
+        serials = [f"U{k:02d}" for k in range(24)]
+        for k, serial in enumerate(serials):
+            shutil.copytree(self.out + "/A1", f"{self.out}/{serial}")
+            text, scale = lens, 1 + 0.002 * random.gauss(0, 1) + (0.02 if k >= 14 else 0)
+            for name, change in (("fx", lambda fx: fx * scale), ("fy", lambda fy: fy * scale),
+                                 ("cx", lambda cx: cx + random.gauss(0, 0.5)),
+                                 ("cy", lambda cy: cy + random.gauss(0, 0.5)),
+                                 ("p1", lambda p1: p1 + (0.01 if k == 8 else 0))):
+                text = re.sub(rf"\b{name}: (\S+)", lambda found: f"{name}: {change(float(found[1])):.9f}", text)
+            write(f"{self.out}/{serial}/camera.yaml", text)
+        plan = self.path("fleet.yaml")
+        write(plan, PLAN % "" + "".join(f"  - {{serial: {serial}, features: A1/features.csv}}\n"
+                                        for serial in serials))
+        result = run("batch", plan, "-o", self.out, "--gather")
+        self.assert_done(result)
+        unusual = [line for line in result.stdout.splitlines() if "unusual" in line]
+        self.assertEqual(len(unusual), 1, result.stdout)
+        self.assertRegex(unusual[0], "^U08: unusual in .*shape")
+        self.assertEqual([serial for serial, row in self.table().items() if row["unusual"]], ["U08"])
+        self.assertRegex(result.stdout, r"U14: from this unit on, focal_px is another one: \d+\.?\d*, before \d")
+        jumps = json.loads(run("batch", plan, "-o", self.out, "--gather", "--json").stdout)["jumps"]
+        self.assertEqual({jump["serial"] for jump in jumps}, {"U14"})
+        self.assertEqual({jump["figure"] for jump in jumps}, {"lens", "focal_px"})
 
     def test_limits_end_in_6_and_cost_no_calibration(self):
         self.assert_done(self.batch(self.plan()))

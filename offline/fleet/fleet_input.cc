@@ -1,0 +1,98 @@
+#include "fleet/fleet_input.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "dataset/camera_file.h"
+
+namespace raygrid {
+namespace {
+
+// The directions of a lattice of pixels.
+std::vector<Eigen::Vector3d> DirectionsOfLattice(const CameraModel& camera) {
+  constexpr int kColumns = 9, kRows = 7;
+  const ImageSize size = camera.image_size();
+  std::vector<Eigen::Vector3d> directions;
+  for (int j = 0; j < kRows; ++j)
+    for (int i = 0; i < kColumns; ++i) {
+      const Eigen::Vector2d pixel((i + 0.5) / kColumns * size.width - 0.5,
+                                  (j + 0.5) / kRows * size.height - 0.5);
+      if (const auto ray = camera.Unproject(pixel)) directions.push_back(*ray);
+    }
+  return directions;
+}
+
+std::vector<std::optional<Eigen::Vector2d>> PixelsOf(
+    const CameraModel& camera, const std::vector<Eigen::Vector3d>& directions) {
+  std::vector<std::optional<Eigen::Vector2d>> pixels;
+  for (const Eigen::Vector3d& direction : directions)
+    pixels.push_back(camera.Project(direction));
+  return pixels;
+}
+
+// Figures that scatter by themselves; the others follow from the lens.
+FleetFigure FigureOf(const std::string& name, bool is_positive,
+                     const std::vector<UnitRow>& rows,
+                     const std::vector<size_t>& compared) {
+  FleetFigure figure{name, {}, is_positive};
+  for (const size_t row : compared) {
+    const auto found = rows[row].figures.find(name);
+    figure.values.push_back(found == rows[row].figures.end() ? std::nan("")
+                                                             : found->second);
+  }
+  return figure;
+}
+
+}  // namespace
+
+ComparedUnits CompareUnits(const std::vector<UnitRow>& rows,
+                           const std::vector<std::string>& folders) {
+  ComparedUnits units;
+  std::optional<ImageSize> size;
+  std::vector<Eigen::Vector3d> directions;
+  std::vector<std::vector<std::optional<Eigen::Vector2d>>> pixels;
+  for (size_t k = 0; k < rows.size(); ++k) {
+    const std::string path = folders[k] + "/camera.yaml";
+    if (rows[k].status == "error" || rows[k].status == "missing" ||
+        !std::filesystem::exists(path))
+      continue;
+    const CameraFile file = ReadCameraFile(path);
+    if (!size) {
+      size = file.camera->image_size();
+      directions = DirectionsOfLattice(*file.camera);
+    }
+    if (file.camera->image_size() != *size) continue;
+    units.rows.push_back(k);
+    pixels.push_back(PixelsOf(*file.camera, directions));
+  }
+  std::vector<size_t> seen_by_all;
+  for (size_t d = 0; d < directions.size(); ++d) {
+    bool is_seen = true;
+    for (const auto& of_unit : pixels) is_seen &= of_unit[d].has_value();
+    if (is_seen) seen_by_all.push_back(d);
+  }
+  units.input.pixels.resize(static_cast<Eigen::Index>(pixels.size()),
+                            2 * static_cast<Eigen::Index>(seen_by_all.size()));
+  for (size_t u = 0; u < pixels.size(); ++u)
+    for (size_t k = 0; k < seen_by_all.size(); ++k)
+      units.input.pixels.block<1, 2>(static_cast<Eigen::Index>(u),
+                                     2 * static_cast<Eigen::Index>(k)) =
+          pixels[u][seen_by_all[k]]->transpose();
+  for (const auto& [name, is_positive] :
+       {std::pair("focal_px", false), std::pair("center_x_px", false),
+        std::pair("center_y_px", false), std::pair("held_out_median_px", true),
+        std::pair("worst_deviation_px", true),
+        std::pair("sensor_temperature_c", false)}) {
+    FleetFigure figure = FigureOf(name, is_positive, rows, units.rows);
+    const bool is_known =
+        std::any_of(figure.values.begin(), figure.values.end(),
+                    [](double value) { return std::isfinite(value); });
+    if (is_known) units.input.figures.push_back(std::move(figure));
+  }
+  return units;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,173 @@
+#include "fleet/fleet_statistics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "simulation/random.h"
+
+namespace raygrid {
+namespace {
+
+// A lens of a family: focal length, centre and distortion scatter, and each
+// calibration adds a smooth error of its own.
+struct FamilyLens {
+  double focal_px = 800, center_x_px = 640, center_y_px = 360, k1 = -0.2;
+  double tilt_rad = 0;  // of the sensor, about its columns
+};
+
+class Family {
+ public:
+  explicit Family(uint64_t seed) : random_(seed) {}
+
+  FamilyLens Draw(double focal_px) {
+    FamilyLens lens;
+    lens.focal_px = focal_px * (1 + 0.003 * random_.Normal());
+    lens.center_x_px += 3 * random_.Normal();
+    lens.center_y_px += 3 * random_.Normal();
+    lens.k1 += 0.004 * random_.Normal();
+    return lens;
+  }
+
+  // The pixels that see 63 directions.
+  Eigen::VectorXd PixelsOf(const FamilyLens& lens) {
+    Eigen::VectorXd pixels(2 * kColumns * kRows);
+    const double error_px[] = {0.03 * random_.Normal(), 0.03 * random_.Normal(),
+                               0.03 * random_.Normal(),
+                               0.03 * random_.Normal()};
+    Eigen::Index at = 0;
+    for (int j = 0; j < kRows; ++j)
+      for (int i = 0; i < kColumns; ++i) {
+        const double x = 1.4 * (i / (kColumns - 1.0) - 0.5);
+        const double y = 0.8 * (j / (kRows - 1.0) - 0.5);
+        const double factor = lens.focal_px * (1 + lens.k1 * (x * x + y * y));
+        const double keystone = 1 + std::tan(lens.tilt_rad) * x;
+        pixels[at++] = lens.center_x_px + factor * x / keystone +
+                       error_px[0] * std::sin(3 * x + 2 * y) +
+                       error_px[1] * std::cos(4 * y);
+        pixels[at++] = lens.center_y_px + factor * y / keystone +
+                       error_px[2] * std::sin(2 * x - 3 * y) +
+                       error_px[3] * std::cos(5 * x);
+      }
+    return pixels;
+  }
+
+  FleetInput MakeFleet(const std::vector<FamilyLens>& lenses) {
+    FleetInput fleet;
+    fleet.pixels.resize(static_cast<Eigen::Index>(lenses.size()),
+                        2 * kColumns * kRows);
+    fleet.figures = {{"focal_px", {}, false},
+                     {"center_x_px", {}, false},
+                     {"center_y_px", {}, false},
+                     {"held_out_median_px", {}, true}};
+    for (size_t u = 0; u < lenses.size(); ++u) {
+      fleet.pixels.row(static_cast<Eigen::Index>(u)) = PixelsOf(lenses[u]);
+      fleet.figures[0].values.push_back(lenses[u].focal_px);
+      fleet.figures[1].values.push_back(lenses[u].center_x_px);
+      fleet.figures[2].values.push_back(lenses[u].center_y_px);
+      fleet.figures[3].values.push_back(0.03 *
+                                        std::exp(0.2 * random_.Normal()));
+    }
+    return fleet;
+  }
+
+ private:
+  static constexpr int kColumns = 9, kRows = 7;
+  Random random_;
+};
+
+std::vector<int> UnusualUnits(const FleetStatistics& statistics) {
+  std::vector<int> units;
+  for (const UnusualUnit& unusual : statistics.unusual)
+    units.push_back(unusual.unit);
+  return units;
+}
+
+TEST(FleetStatistics, FindsTiltedSensorsAShiftedLensAndAJump) {
+  int num_false_alarms = 0, num_false_jumps = 0;
+  constexpr int kFleets = 10;
+  for (uint64_t seed = 1; seed <= kFleets; ++seed) {
+    Family family(seed);
+    std::vector<FamilyLens> lenses;
+    for (int u = 0; u < 200; ++u)
+      lenses.push_back(family.Draw(u < 120 ? 800 : 803));
+    for (const int tilted : {17, 88, 150}) lenses[tilted].tilt_rad = 0.005;
+    lenses[61].center_x_px += 25;
+    const FleetStatistics statistics = FindOutliers(family.MakeFleet(lenses));
+    const std::vector<int> units = UnusualUnits(statistics);
+    for (const int wanted : {17, 61, 88, 150})
+      EXPECT_EQ(std::count(units.begin(), units.end(), wanted), 1)
+          << seed << " " << wanted;
+    num_false_alarms += static_cast<int>(units.size()) - 4;
+    bool is_jump_found = false;
+    for (const MeanJump& jump : statistics.jumps) {
+      const bool is_focal = jump.name == "focal_px";
+      if (!is_focal && jump.name != "lens") {
+        ++num_false_jumps;
+        continue;
+      }
+      EXPECT_NEAR(jump.unit, 120, 12) << seed;
+      if (is_focal) {
+        EXPECT_NEAR(jump.after - jump.before, 3, 1.5) << seed;
+      }
+      is_jump_found |= is_focal;
+    }
+    EXPECT_TRUE(is_jump_found) << seed;
+  }
+  RecordProperty("false_alarms", num_false_alarms);
+  RecordProperty("false_jumps", num_false_jumps);
+  EXPECT_LE(num_false_alarms, kFleets / 2);
+  EXPECT_LE(num_false_jumps, kFleets / 5);
+}
+
+TEST(FleetStatistics, SeldomGivesAnAlarmWhereNothingIsUnusual) {
+  int num_alarms = 0, num_jumps = 0;
+  constexpr int kFleets = 40;
+  for (uint64_t seed = 100; seed < 100 + kFleets; ++seed) {
+    Family family(seed);
+    std::vector<FamilyLens> lenses;
+    for (int u = 0; u < 100; ++u) lenses.push_back(family.Draw(800));
+    const FleetStatistics statistics = FindOutliers(family.MakeFleet(lenses));
+    num_alarms += !statistics.unusual.empty();
+    num_jumps += !statistics.jumps.empty();
+    EXPECT_GE(statistics.num_directions, 2);
+    EXPECT_LE(statistics.num_directions, 8);
+  }
+  RecordProperty("alarms", num_alarms);
+  RecordProperty("jumps", num_jumps);
+  EXPECT_LE(num_alarms, 8);
+  EXPECT_LE(num_jumps, 4);
+}
+
+TEST(FleetStatistics, HasNoLimitsOfAFewUnits) {
+  Family family(3);
+  std::vector<FamilyLens> lenses(kFewestFleetUnits - 1);
+  const FleetStatistics statistics = FindOutliers(family.MakeFleet(lenses));
+  EXPECT_TRUE(statistics.charts.empty());
+  EXPECT_TRUE(statistics.unusual.empty());
+  EXPECT_TRUE(statistics.jumps.empty());
+}
+
+// A figure that some units have not is compared where it is known.
+TEST(FleetStatistics, LeavesOutWhatIsNotKnown) {
+  Family family(4);
+  std::vector<FamilyLens> lenses;
+  for (int u = 0; u < 40; ++u) lenses.push_back(family.Draw(800));
+  FleetInput fleet = family.MakeFleet(lenses);
+  FleetFigure temperature{"sensor_temperature_c", {}, false};
+  for (int u = 0; u < 40; ++u)
+    temperature.values.push_back(u % 3 == 0
+                                     ? std::numeric_limits<double>::quiet_NaN()
+                                     : 40 + 0.1 * (u * 7 % 11));
+  temperature.values[31] = 60;
+  fleet.figures.push_back(temperature);
+  const FleetStatistics statistics = FindOutliers(fleet);
+  ASSERT_EQ(statistics.unusual.size(), 1u);
+  EXPECT_EQ(statistics.unusual[0].unit, 31);
+  EXPECT_EQ(statistics.unusual[0].charts,
+            std::vector<std::string>{"sensor_temperature_c"});
+}
+
+}  // namespace
+}  // namespace raygrid
