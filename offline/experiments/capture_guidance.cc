@@ -20,7 +20,10 @@ namespace {
 
 constexpr double kTargetPx = 0.02;
 constexpr double kFeatureNoisePx = 0.05;
-constexpr int kMostImages = 80;
+constexpr int kMostImages = 200;
+// From so many on, the camera is looked at after each ten, unless the next view
+// depends on it.
+constexpr int kManyImages = 80, kAtOnce = 10;
 constexpr double kHandM = 0.03, kHandRad = 5 * M_PI / 180;  // of operators
 
 // 50 to 140 degrees across the image's width, somewhat off centre.
@@ -243,10 +246,19 @@ CaptureRun CaptureUntilKnown(Follows follows, const ThinPrismFisheye& truth,
   noise.noise_px = kFeatureNoisePx;
   CaptureRun capture;
   while (capture.num_images < kMostImages && !capture.is_done) {
-    std::vector<Feature> seen = hand.Next(live);
-    AddNoise(noise, &hand.random, &seen);
-    live.Add({fmt::format("{:04d}.png", capture.num_images), seen});
-    ++capture.num_images;
+    std::vector<ImageFeatures> images;
+    const bool is_each_looked_at =
+        capture.num_images < kManyImages || follows == Follows::kNextView;
+    const int count = is_each_looked_at ? 1 : kAtOnce;
+    for (int k = 0; k < count; ++k) {
+      std::vector<Feature> seen = hand.Next(live);
+      AddNoise(noise, &hand.random, &seen);
+      images.push_back({fmt::format("{:04d}.png", capture.num_images++), seen});
+    }
+    if (count == 1)
+      live.Add(images[0]);
+    else
+      live.Add(images);
     capture.is_done =
         live.adjusted() &&
         TrueError95(truth, live.adjusted()->state.camera()) <= kTargetPx;

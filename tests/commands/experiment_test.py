@@ -107,10 +107,11 @@ class Experiment(CommandTest):
         self.assertEqual(rows[0]["is_known"], "yes")
         # One lens tells little of the number of images, by luck.
         self.assertGreater(images["next view"], 4)
-        self.assertLess(images["next view"], images["ROS's bars"])
+        self.assertLess(images["next view"], 0.5 * images["ROS's bars"])
         predicted = {row["operator_follows"]: float(row["predicted_px"]) for row in rows}
         self.assertLess(0.005, predicted["next view"])
-        self.assertLess(predicted["next view"], 0.5 * predicted["ROS's bars"])
+        # With many more images the bars' camera is predicted to be known less.
+        self.assertLess(predicted["next view"], predicted["ROS's bars"])
 
     def fine(self, name, *options):
         """The rows of model-validation --fine, small, and its pictures."""
