@@ -176,10 +176,11 @@ Area AreaOfFeatures(const ImageSize& size) {
           size.height - 1 - kWindowPx};
 }
 
-std::vector<SeenPoint> SeenPoints(const CameraModel& camera, const Board& board,
-                                  const Pose& camera_from_board) {
+std::vector<PointOnPixel> SeenPoints(const CameraModel& camera,
+                                     const Board& board,
+                                     const Pose& camera_from_board) {
   const Area image = AreaOfFeatures(camera.image_size());
-  std::vector<SeenPoint> seen;
+  std::vector<PointOnPixel> seen;
   for (int row = 0; row < board.rows; ++row)
     for (int column = 0; column < board.columns; ++column) {
       if (!board.HasFeature(column, row)) continue;
@@ -195,7 +196,8 @@ double CameraKnowledge::GainOfView(const Board& board,
                                    const Pose& camera_from_board) const {
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector2d> pixels;
-  for (const SeenPoint& seen : SeenPoints(*camera_, board, camera_from_board)) {
+  for (const PointOnPixel& seen :
+       SeenPoints(*camera_, board, camera_from_board)) {
     points.push_back(seen.point);
     pixels.push_back(seen.pixel);
   }

@@ -8,6 +8,7 @@
 
 #include "calibration/model_adjustment.h"
 #include "dataset/pattern.h"
+#include "initialization/localization.h"
 
 namespace raygrid {
 
@@ -15,14 +16,10 @@ namespace raygrid {
 /// not leave the image.
 Area AreaOfFeatures(const ImageSize& size);
 
-/// A point of a board, and where a camera sees it.
-struct SeenPoint {
-  Eigen::Vector3d point;  ///< in the board's frame
-  Eigen::Vector2d pixel;
-};
-/// The features of a board that detection would find.
-std::vector<SeenPoint> SeenPoints(const CameraModel& camera, const Board& board,
-                                  const Pose& camera_from_board);
+/// The features of a board that detection would find, in the board's frame.
+std::vector<PointOnPixel> SeenPoints(const CameraModel& camera,
+                                     const Board& board,
+                                     const Pose& camera_from_board);
 
 /// How well a place of the image is known: the root mean square of how far its
 /// ray may be seen from there.

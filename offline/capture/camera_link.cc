@@ -15,7 +15,7 @@ namespace {
 // A board in an image, as an adjusted camera has it.
 struct AdjustedView {
   Pose camera_from_board;
-  std::vector<SeenPoint> seen;
+  std::vector<PointOnPixel> seen;
 };
 
 using ViewsByInstant = std::map<std::pair<std::string, int>, AdjustedView>;
@@ -35,10 +35,10 @@ ViewsByInstant ViewsOf(const Adjusted& adjusted) {
 // The information that features give of their board's small motion before the
 // camera, for a noise of 1 px.
 MotionMatrix MotionInformation(const CameraModel& camera,
-                               const std::vector<SeenPoint>& features,
+                               const std::vector<PointOnPixel>& features,
                                const Pose& camera_from_board) {
   MotionMatrix information = MotionMatrix::Zero();
-  for (const SeenPoint& feature : features) {
+  for (const PointOnPixel& feature : features) {
     const Eigen::Vector3d point = camera_from_board * feature.point;
     LinearizedProjection linear;
     if (!camera.Linearize(point, &feature.pixel, 1, &linear)) continue;

@@ -38,7 +38,7 @@ class CameraLink {
   /// A board by its pose before each camera, and the features that each sees.
   struct SharedBoard {
     Pose first_from_board, second_from_board;
-    std::vector<SeenPoint> in_first, in_second;
+    std::vector<PointOnPixel> in_first, in_second;
   };
   /// The part of the variance, RmsPx() squared, that a board would take away.
   /// 0 if one camera sees fewer than 8 features.

@@ -22,18 +22,6 @@ std::shared_ptr<const CameraModel> AssumedCamera(const ImageSize& size) {
                                        (size.height - 1) / 2.0});
 }
 
-// The features of one board, with their points.
-std::vector<PointOnPixel> MatchesOf(const Board& board,
-                                    const ImageFeatures& image) {
-  std::vector<PointOnPixel> matches;
-  for (const Feature& feature : image.features)
-    if (feature.board == board.id)
-      matches.push_back(
-          {board.points[board.PointIndex(feature.column, feature.row)],
-           feature.pixel});
-  return matches;
-}
-
 double AngleBetween(const LocatedBoard& a, const LocatedBoard& b) {
   // The normal as seen along the line of sight: a board moved aside is not
   // tilted.
@@ -48,6 +36,17 @@ double AngleBetween(const LocatedBoard& a, const LocatedBoard& b) {
 }
 
 }  // namespace
+
+std::vector<PointOnPixel> MatchesOf(const Board& board,
+                                    const ImageFeatures& image) {
+  std::vector<PointOnPixel> matches;
+  for (const Feature& feature : image.features)
+    if (feature.board == board.id)
+      matches.push_back(
+          {board.points[board.PointIndex(feature.column, feature.row)],
+           feature.pixel});
+  return matches;
+}
 
 FeaturePlaces PlacesOf(const ImageFeatures& image) {
   FeaturePlaces places;

@@ -29,6 +29,10 @@ struct GuideOptions {
   bool leaves_connecting = false;
 };
 
+/// The features of one board in an image, with their points in its frame.
+std::vector<PointOnPixel> MatchesOf(const Board& board,
+                                    const ImageFeatures& image);
+
 /// Features' places by board, row and column.
 using FeaturePlaces = std::map<std::tuple<int, int, int>, Eigen::Vector2d>;
 FeaturePlaces PlacesOf(const ImageFeatures& image);

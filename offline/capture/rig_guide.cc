@@ -24,18 +24,6 @@ class ConnectedCameras {
   std::vector<size_t> set_;
 };
 
-// The features of a located board, as a link wants them.
-std::vector<SeenPoint> FeaturesOf(const Board& board,
-                                  const ImageFeatures& image) {
-  std::vector<SeenPoint> seen;
-  for (const Feature& feature : image.features)
-    if (feature.board == board.id)
-      seen.push_back(
-          {board.points[board.PointIndex(feature.column, feature.row)],
-           feature.pixel});
-  return seen;
-}
-
 const LocatedBoard* FindBoard(const std::vector<LocatedBoard>& located,
                               int id) {
   const auto found = std::find_if(
@@ -189,8 +177,8 @@ bool RigGuide::TellsLink(
     if (!link) continue;
     left *= 1 - link->link.GainOf({board.camera_from_board,
                                    other->camera_from_board,
-                                   FeaturesOf(*board.board, in_first),
-                                   FeaturesOf(*board.board, in_second)});
+                                   MatchesOf(*board.board, in_first),
+                                   MatchesOf(*board.board, in_second)});
     is_next |= link->next && link->next->board->id == board.board->id &&
                IsThere(guide(first)->camera(), *board.board,
                        board.camera_from_board, link->next->camera_from_board);
