@@ -12,8 +12,9 @@ namespace {
 // Frames that are all there, with time stamps in milliseconds and names.
 class ListedFrames : public LiveFrames {
  public:
-  ListedFrames(bool is_live, const std::vector<std::pair<int, std::string>>& of)
-      : is_live_(is_live), frames_(of) {}
+  ListedFrames(bool is_live, const std::vector<std::pair<int, std::string>>& of,
+               bool is_folder = false)
+      : is_live_(is_live), is_folder_(is_folder), frames_(of) {}
   std::optional<LiveFrame> Next() override {
     if (next_ == frames_.size()) return std::nullopt;
     LiveFrame frame;
@@ -27,9 +28,12 @@ class ListedFrames : public LiveFrames {
     return !is_live_ && next_ == frames_.size();
   }
   bool is_live() const override { return is_live_; }
+  std::optional<double> done() const override {
+    return is_folder_ ? std::optional(0.0) : std::nullopt;
+  }
 
  private:
-  const bool is_live_;
+  const bool is_live_, is_folder_;
   const std::vector<std::pair<int, std::string>> frames_;
   size_t next_ = 0;
 };
@@ -40,10 +44,11 @@ std::unique_ptr<LiveFrames> Camera(const std::vector<int>& times_ms) {
   return std::make_unique<ListedFrames>(true, frames);
 }
 
-std::unique_ptr<LiveFrames> Files(const std::vector<std::string>& names) {
+std::unique_ptr<LiveFrames> Files(const std::vector<std::string>& names,
+                                  bool is_folder = false) {
   std::vector<std::pair<int, std::string>> frames;
   for (const std::string& name : names) frames.emplace_back(0, name);
-  return std::make_unique<ListedFrames>(false, frames);
+  return std::make_unique<ListedFrames>(false, frames, is_folder);
 }
 
 PairedFrames Pair(std::unique_ptr<LiveFrames> left,
@@ -124,6 +129,7 @@ TEST(PairedFrames, PairsVideosFrameByFrame) {
 
 TEST(PairedFrames, RefusesAMixture) {
   EXPECT_THROW(Pair(Camera({0}), Files({"a.png"})), Error);
+  EXPECT_THROW(Pair(Files({"", ""}), Files({"a.png"}, true)), Error);
 }
 
 }  // namespace

@@ -184,7 +184,7 @@ class Batch(CommandTest):
             first = os.stat(self.out + "/A1/camera.yaml")
             self.assert_done(run("batch", plan, "-o", self.out))
             self.assert_same_files(self.files(), expected)
-            # What was finished was not done again.
+            # Finished units were not done again.
             self.assertEqual(os.stat(self.out + "/A1/camera.yaml").st_mtime_ns, first.st_mtime_ns)
 
     def test_a_unit_whose_process_is_killed_is_named_and_the_others_go_on(self):

@@ -111,7 +111,7 @@ class CaptureLoop {
   const CaptureViewers viewers_;
   CaptureWishes* const wishes_;
   std::deque<CapturedCamera> cameras_;  // they cannot be moved
-  // Of the thread while it adjusts.
+  // The thread has these while it adjusts.
   std::vector<std::unique_ptr<LiveCamera>> live_;
   std::vector<std::shared_ptr<const CaptureGuide>> guides_;
   std::vector<std::vector<Pose>> avoided_;  // by camera

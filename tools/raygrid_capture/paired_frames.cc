@@ -12,10 +12,13 @@ PairedFrames::PairedFrames(std::vector<NamedFrames> cameras, double tolerance_s)
       pending_(cameras_.size()),
       last_pair_(Clock::now()) {
   for (const NamedFrames& camera : cameras_)
-    if (camera.frames->is_live() != is_live())
-      throw Error(ExitCode::kUsage,
-                  "--source: a rig's sources are all cameras, or all files; "
-                  "record the cameras first, or leave the files out");
+    if (camera.frames->is_live() != is_live() ||
+        camera.frames->done().has_value() !=
+            cameras_[0].frames->done().has_value())
+      throw Error(
+          ExitCode::kUsage,
+          "--source: a rig's sources are all cameras, all videos or all "
+          "folders; they are paired by time, number or name");
 }
 
 std::vector<std::string> PairedFrames::names() const {
