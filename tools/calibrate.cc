@@ -7,6 +7,7 @@
 
 #include "calibration_input.h"
 #include "calibration_summary.h"
+#include "condition_input.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
@@ -153,9 +154,12 @@ void UseSession(CalibrateArguments* arguments) {
       arguments->captures.push_back(CaptureOf(session));
       // A frame that was deleted may still lie there, if that was interrupted.
       std::vector<std::string> images;
-      for (const SessionFrame& frame : session.frames)
+      for (const SessionFrame& frame : session.frames) {
         images.push_back(
             SessionFramePath(folder.string(), session.camera, frame.image));
+        if (const auto value = ValueOf(*arguments, frame))
+          arguments->session_values[frame.image] = *value;
+      }
       if (cameras.size() == 1)
         arguments->images = images;
       else
@@ -240,8 +244,9 @@ void RequireSuccess(const Verdict& verdict, bool is_interrupted,
 
 void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
   const FeaturesByCamera given = ReadGivenFeatures(arguments);
-  RequireOfSingleCamera(arguments,
-                        given.size() > 1 || arguments.HasCameraImages());
+  const bool is_rig = given.size() > 1 || arguments.HasCameraImages();
+  RequireOfSingleCamera(arguments, is_rig);
+  RequireConditionOptions(arguments, is_rig);
   const Pattern pattern = MeantPattern(arguments.pattern, common);
   RequireNoInputReplaced(arguments, FindImages(arguments.images).paths);
   RequireWritableFolder(arguments.output);
@@ -258,9 +263,12 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
     CheckpointFile checkpoints(arguments.output, inputs, cameras.size());
     if (arguments.resume) checkpoints.Read();
     NoteInterruptions();
-    result = Calibrate(
-        CalibrationInputs(cameras, arguments, common.threads, &checkpoints),
-        pattern, options);
+    const std::vector<CalibrationInput> calibration_inputs =
+        CalibrationInputs(cameras, arguments, common.threads, &checkpoints);
+    const auto conditions = ConditionsOf(arguments, cameras.front());
+    result = conditions ? CalibrateStack(calibration_inputs.front(),
+                                         *conditions, pattern, options)
+                        : Calibrate(calibration_inputs, pattern, options);
     FinishUndisturbed();
     CompleteResult(cameras, arguments, &result);
     bar.Show("packing", 0.9);
@@ -325,6 +333,7 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                    "are called by this number then")
       ->check(CLI::IsMember({"name", "number"}))
       ->capture_default_str();
+  AddConditionOptions(command, arguments.get());
   AddPatternOption(command, &arguments->pattern,
                    "; not needed for the session of a capture");
   AddYes(command, common);

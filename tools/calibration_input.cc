@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "camera_input.h"
+#include "condition_input.h"
 #include "dataset/content_hash.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -310,7 +311,7 @@ FoldersByMode SortByMode(const std::vector<std::string>& images,
     folders.calibrated.erase(found);
     folders.modes.emplace_back(folder, text);
   }
-  if (folders.calibrated.empty())
+  if (folders.calibrated.empty() && !modes.empty())
     throw Error(ExitCode::kUsage,
                 "--mode: all images are of other modes; give some of the mode "
                 "to calibrate without it");
@@ -339,18 +340,10 @@ void AppendOfMode(const SensorMode& mode, const std::string& folder,
         "with --mode how they lie in the calibrated ones",
         folder, size.width, size.height, mode.size.width, mode.size.height));
   RequireOtherNames(*measurements, more, folder);
-  std::vector<ImageFeatures>& images = measurements->dataset.images;
-  measurements->modes.push_back({mode, images.size()});
+  measurements->modes.push_back({mode, measurements->dataset.images.size()});
   MovePixels(mode, &SensorMode::ToCalibrated, 0, more.dataset.images.size(),
              &more.dataset);
-  const auto append = [](auto& from, auto* to) {
-    to->insert(to->end(), std::make_move_iterator(from.begin()),
-               std::make_move_iterator(from.end()));
-  };
-  append(more.dataset.images, &images);
-  append(more.paths, &measurements->paths);
-  append(more.skipped, &measurements->skipped);
-  append(more.left_out, &measurements->left_out);
+  Append(std::move(more), measurements);
 }
 
 // Measures the images of one camera, of all its modes.
@@ -360,7 +353,10 @@ Measurements MeasureModes(const std::vector<std::string>& images,
                           const std::function<void(double)>& progress) {
   const FoldersByMode folders = SortByMode(images, arguments.modes);
   Measurements measurements =
-      Measure(folders.calibrated, pattern, arguments.pattern, common, progress);
+      arguments.cameras_at.empty()
+          ? Measure(folders.calibrated, pattern, arguments.pattern, common,
+                    progress)
+          : MeasureFoldersAt(arguments, common, pattern, progress);
   for (const auto& [folder, text] : folders.modes)
     AppendOfMode(
         ParseMode(text, measurements.dataset.image_size), folder,
@@ -381,7 +377,8 @@ std::vector<Measurements> MeasureCameras(const CalibrateArguments& arguments,
                 "--mode is for the images of a single camera; calibrate a "
                 "rig's cameras one by one");
   for (const NamedImages& camera : named)
-    FindImages(camera.images);  // throws before anything takes long
+    if (!camera.images.empty())
+      FindImages(camera.images);  // throws before anything takes long
   std::vector<Measurements> cameras;
   for (const auto& [name, images] : named) {
     const std::string start = name.empty() ? "" : name + ": ";
@@ -402,9 +399,10 @@ std::vector<Measurements> MeasureCameras(const CalibrateArguments& arguments,
 
 FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
   if (!arguments.images.empty() + !arguments.features.empty() +
-          arguments.HasCameraImages() !=
+          !arguments.cameras_at.empty() + arguments.HasCameraImages() !=
       1)
-    throw Error(ExitCode::kUsage, "give either images, --camera or --features");
+    throw Error(ExitCode::kUsage,
+                "give either images, --camera, --camera-at or --features");
   if (!arguments.features.empty() && !arguments.modes.empty())
     throw Error(ExitCode::kUsage,
                 "--mode is for images; features are of calibrated frames");
@@ -415,6 +413,19 @@ FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
 size_t NumCalibratedImages(const Measurements& measurements) {
   return measurements.modes.empty() ? measurements.dataset.images.size()
                                     : measurements.modes[0].first;
+}
+
+void Append(Measurements more, Measurements* measurements) {
+  const auto append = [](auto& from, auto* to) {
+    to->insert(to->end(), std::make_move_iterator(from.begin()),
+               std::make_move_iterator(from.end()));
+  };
+  measurements->dataset.image_size = more.dataset.image_size;
+  append(more.dataset.images, &measurements->dataset.images);
+  append(more.paths, &measurements->paths);
+  append(more.skipped, &measurements->skipped);
+  append(more.left_out, &measurements->left_out);
+  measurements->condition_values.merge(more.condition_values);
 }
 
 Measurements Measure(const std::vector<std::string>& images,
@@ -535,6 +546,11 @@ std::string InputsOf(const CalibrateArguments& arguments,
       arguments.measure_once, common.seed));
   for (const std::string& image : arguments.hold_out) hash.Add(image);
   for (const std::string& mode : arguments.modes) hash.Add(mode);
+  if (const auto conditions = ConditionsOf(arguments, cameras.front())) {
+    hash.Add(arguments.condition);
+    for (const auto& [image, value] : conditions->values)
+      hash.Add(fmt::format("{} {:.17g}", image, value));
+  }
   return hash.Text();
 }
 

@@ -34,6 +34,11 @@ struct CalibrateArguments {
   bool skip_comparison = false;
   std::vector<NamedImages> rig;   ///< of a session, instead of cameras
   std::vector<Capture> captures;  ///< how a session's cameras stood
+  std::string condition;          ///< to calibrate over; empty: none
+  std::vector<std::string> cameras_at;
+  std::string conditions;  ///< CSV file
+  /// Of a session's frames, the values of the condition.
+  std::map<std::string, double> session_values;
 
   /// Whether there are images of several cameras.
   bool HasCameraImages() const { return !cameras.empty() || !rig.empty(); }
@@ -56,6 +61,8 @@ struct Measurements {
   Dataset dataset;
   std::vector<std::string> paths;   ///< of the dataset's images
   std::vector<ImagesOfMode> modes;  ///< the last of the dataset's images
+  /// By image, with --camera-at: the value of the condition.
+  std::map<std::string, double> condition_values;
   std::optional<ImageCircle> image_circle;
   std::vector<RejectedImage> skipped;   ///< could not be measured
   std::vector<RejectedImage> left_out;  ///< no photographs, copies
@@ -63,6 +70,9 @@ struct Measurements {
 
 /// How many of the images, the first ones, are as calibrated.
 size_t NumCalibratedImages(const Measurements& measurements);
+
+/// Adds more images of the same camera.
+void Append(Measurements more, Measurements* measurements);
 
 /// Detects the pattern in images and folders; those that cannot be used are
 /// named on stderr, and the

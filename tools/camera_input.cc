@@ -31,13 +31,39 @@ CameraFile ParseForeignCamera(const Format& format, const std::string& path,
   return CameraFileOf(contents.cameras.front());
 }
 
-}  // namespace
-
-CameraInput ReadCamera(const std::string& path) {
-  return ParseCamera(path, ReadFile(path));
+// A stack's camera at a value, in place of that in the middle. Returns whether
+// it was a stack.
+bool TakeAt(const std::string& path, std::optional<double> at,
+            CameraFile* file) {
+  if (!file->stack) return false;
+  const CameraStack& stack = file->stack->cameras;
+  const std::string range =
+      fmt::format("{:g} to {:g} {}", stack.low(), stack.high(),
+                  ConditionUnit(stack.condition()));
+  if (!at) {
+    fmt::print(stderr,
+               "raygrid: {}: was calibrated over {}, and is taken at {:g}; "
+               "--at says another\n",
+               Printable(path), range, stack.middle());
+    return true;
+  }
+  if (!stack.Contains(*at))
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("{}: --at {:g}: was calibrated over {}", path, *at, range));
+  *file = FileAt(*file, *at);
+  return true;
 }
 
-CameraInput ParseCamera(const std::string& path, const std::string& bytes) {
+Error NoStack(const std::string& path) {
+  return Error(ExitCode::kUsage,
+               path +
+                   ": --at: the camera was not calibrated over lens "
+                   "positions or temperatures; leave the option out");
+}
+
+CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
+                           std::optional<double> at) {
   CameraInput input;
   if (!IsBlob(path, bytes)) {
     if (const TableFormat* table = RecognizeTable(bytes))
@@ -45,6 +71,7 @@ CameraInput ParseCamera(const std::string& path, const std::string& bytes) {
     const Format* format = RecognizeFormat(bytes);
     input.file = format ? ParseForeignCamera(*format, path, bytes)
                         : ParseCameraFile(path, bytes);
+    input.is_of_stack = TakeAt(path, at, &input.file);
     return input;
   }
   input.blob.emplace(path, bytes);
@@ -56,6 +83,30 @@ CameraInput ParseCamera(const std::string& path, const std::string& bytes) {
   input.file.serial = Printable(identity.serial);
   input.file.capture = input.blob->CaptureAtCalibration();
   return input;
+}
+
+}  // namespace
+
+CameraInput ReadCamera(const std::string& path, std::optional<double> at) {
+  return ParseCamera(path, ReadFile(path), at);
+}
+
+CameraInput ParseCamera(const std::string& path, const std::string& bytes,
+                        std::optional<double> at) {
+  CameraInput input = ParseAnyCamera(path, bytes, at);
+  if (at && !input.is_of_stack) throw NoStack(path);
+  return input;
+}
+
+std::array<CameraInput, 2> ReadTwoCameras(const std::string& first,
+                                          const std::string& second,
+                                          std::optional<double> at) {
+  std::array<CameraInput, 2> cameras = {
+      ParseAnyCamera(first, ReadFile(first), at),
+      ParseAnyCamera(second, ReadFile(second), at)};
+  if (at && !cameras[0].is_of_stack && !cameras[1].is_of_stack)
+    throw NoStack(first + ", " + second);
+  return cameras;
 }
 
 std::optional<TrustMask> TrustOf(const CameraInput& input) {

@@ -2,6 +2,7 @@
 #define RAYGRID_TOOLS_CAMERA_INPUT_H
 
 #include <Eigen/Geometry>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,12 +17,24 @@ namespace raygrid {
 struct CameraInput {
   CameraFile file;                 ///< a blob's grid in double precision
   std::optional<BlobCamera> blob;  ///< if it was one
+  bool is_of_stack = false;        ///< was taken out of one, by --at
 };
 
-CameraInput ReadCamera(const std::string& path);
+/// at: the value of the condition, of a camera that is a stack; without, it is
+/// the one in the middle, which is said on standard error. Throws Error(kUsage)
+/// for values out of range and for cameras that are no stack.
+CameraInput ReadCamera(const std::string& path,
+                       std::optional<double> at = std::nullopt);
 /// The camera in a file's bytes; path is used in errors. Says on standard error
 /// what of another program's file was not taken as it stands.
-CameraInput ParseCamera(const std::string& path, const std::string& bytes);
+CameraInput ParseCamera(const std::string& path, const std::string& bytes,
+                        std::optional<double> at = std::nullopt);
+
+/// Reads two cameras, of which at is for those that are stacks. Throws
+/// Error(kUsage) if none is.
+std::array<CameraInput, 2> ReadTwoCameras(const std::string& first,
+                                          const std::string& second,
+                                          std::optional<double> at);
 
 /// The cells in which a camera can be trusted, if its file or blob says so.
 std::optional<TrustMask> TrustOf(const CameraInput& input);

@@ -172,7 +172,7 @@ void Print(const CameraCheck& check, const std::vector<std::string>& stands) {
 void Run(CheckArguments arguments, const CommonOptions& common) {
   if (arguments.images.empty() == arguments.features.empty())
     throw Error(ExitCode::kUsage, "check: give either images or --features");
-  const CameraInput input = ReadCamera(arguments.camera);
+  const CameraInput input = ReadCamera(arguments.camera, common.at);
   const std::vector<std::string> stands = UseSession(input.file, &arguments);
   const Pattern pattern = GivenPattern(PatternPath(arguments));
   std::vector<RejectedImage> rejected;
@@ -206,6 +206,7 @@ void AddCheck(CLI::App* app, CommonOptions* common) {
       "its covariance is allowed for.",
       "raygrid check result/camera.yaml field/*.jpg", common);
   auto arguments = std::make_shared<CheckArguments>();
+  AddAtOption(command, common);
   command
       ->add_option("camera", arguments->camera,
                    "camera.yaml, as calibrate wrote it")

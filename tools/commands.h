@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct CommonOptions {
   bool quiet = false;
   bool json = false;
   bool yes = false;  ///< lengths that look like mistakes are meant
+  /// Of a camera that is a stack: the lens position or temperature meant.
+  std::optional<double> at;
 };
 
 /// A command with the common options and an example in its help.
@@ -30,6 +33,9 @@ std::string ExitCodesHelp();
 /// --hold-out, names of images; help says what they are for.
 void AddHoldOut(CLI::App* command, const std::string& help,
                 std::vector<std::string>* names);
+
+/// --at, for commands that read a camera.
+void AddAtOption(CLI::App* command, CommonOptions* common);
 
 /// --huge, for commands that read images or are told their size.
 void AddHugeOption(CLI::App* command);

@@ -84,9 +84,10 @@ std::optional<ErrorFigures> WhereTrusted(const ModelDifference& difference,
   return ComputeErrorFigures(places);
 }
 
-Comparison Compare(const CompareArguments& arguments, int num_threads) {
-  const CameraInput first = ReadCamera(arguments.first);
-  const CameraInput second = ReadCamera(arguments.second);
+Comparison Compare(const CompareArguments& arguments,
+                   const CommonOptions& common) {
+  const auto [first, second] =
+      ReadTwoCameras(arguments.first, arguments.second, common.at);
   Comparison comparison;
   comparison.size = first.file.camera->image_size();
   const ImageSize other = second.file.camera->image_size();
@@ -112,7 +113,7 @@ Comparison Compare(const CompareArguments& arguments, int num_threads) {
           Eigen::Quaterniond::Identity());
   if (!arguments.features.empty())
     comparison.prediction = Predict(arguments, *first.file.camera,
-                                    *second.file.camera, num_threads);
+                                    *second.file.camera, common.threads);
   return comparison;
 }
 
@@ -241,7 +242,7 @@ void Run(const CompareArguments& arguments, const CommonOptions& common) {
                             (folder / "predictions.csv").string()});
     RequireWritableFolder(arguments.output);
   }
-  const Comparison comparison = Compare(arguments, common.threads);
+  const Comparison comparison = Compare(arguments, common);
   if (!arguments.output.empty()) Write(comparison, arguments.output);
   const ModelDifference& d = comparison.difference;
   if (common.json) {
@@ -290,6 +291,7 @@ void AddCompare(CLI::App* app, CommonOptions* common) {
       "difference/",
       common);
   auto arguments = std::make_shared<CompareArguments>();
+  AddAtOption(command, common);
   command->add_option("first", arguments->first, "camera.yaml or a blob")
       ->required();
   command->add_option("second", arguments->second, "camera.yaml or a blob")

@@ -125,7 +125,7 @@ void RequireResiduals(size_t count) {
 
 void RunCamera(const EvaluateArguments& arguments, const std::string& bytes,
                const CommonOptions& common) {
-  const CameraInput input = ParseCamera(arguments.camera, bytes);
+  const CameraInput input = ParseCamera(arguments.camera, bytes, common.at);
   const Pattern pattern = PatternOf(arguments);
   Dataset dataset = ReadSingleCamera(arguments.features);
   dataset.image_size = input.file.camera->image_size();
@@ -250,6 +250,7 @@ void AddEvaluate(CLI::App* app, CommonOptions* common) {
       "result/pattern.yaml",
       common);
   auto arguments = std::make_shared<EvaluateArguments>();
+  AddAtOption(command, common);
   command
       ->add_option("camera", arguments->camera,
                    "camera.yaml, a blob, or rig.yaml")

@@ -97,7 +97,8 @@ void RequireNoCsv(const std::string& path, const std::string& bytes) {
 }
 
 // The cameras of a rig, or the one camera.
-std::vector<Exported> ReadExported(const std::string& path, bool* is_rig) {
+std::vector<Exported> ReadExported(const std::string& path,
+                                   std::optional<double> at, bool* is_rig) {
   const std::string bytes = ReadFile(path);
   RequireNoCsv(path, bytes);
   std::vector<Exported> cameras;
@@ -105,7 +106,7 @@ std::vector<Exported> ReadExported(const std::string& path, bool* is_rig) {
   if (*is_rig) return ReadPairOfViews(path, bytes);
   *is_rig = bytes.find("raygrid_rig:") != std::string::npos;
   if (!*is_rig) {
-    cameras.push_back(MakeExported(path, ParseCamera(path, bytes)));
+    cameras.push_back(MakeExported(path, ParseCamera(path, bytes, at)));
     return cameras;
   }
   const std::filesystem::path folder =
@@ -436,7 +437,8 @@ void ExportLenses(const ExportArguments& arguments, const Format& format,
     throw Error(ExitCode::kUsage,
                 fmt::format("--{}: is for a view; add --rectified", word));
   bool is_rig = false;
-  std::vector<Exported> cameras = ReadExported(arguments.input, &is_rig);
+  std::vector<Exported> cameras =
+      ReadExported(arguments.input, common.at, &is_rig);
   std::vector<std::string> inputs = {arguments.input, arguments.poses};
   for (Exported& camera : cameras) {
     inputs.push_back(camera.path);
@@ -520,6 +522,7 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       "--max-fit-error 0.5",
       common);
   auto arguments = std::make_shared<ExportArguments>();
+  AddAtOption(command, common);
   command->add_option(
       "camera", arguments->input,
       "camera.yaml, rig.yaml, rectified.yaml, a blob or another "

@@ -92,9 +92,9 @@ std::optional<TrustedErrors> ErrorsWhereTrusted(
                        Quantile(norms, 0.99), Quantile(norms, 1), norms.size()};
 }
 
-Fit FitCamera(const FitArguments& arguments,
+Fit FitCamera(const FitArguments& arguments, std::optional<double> at,
               const std::optional<SplinedStereographic::Grid>& grid) {
-  const CameraInput input = ReadCamera(arguments.camera);
+  const CameraInput input = ReadCamera(arguments.camera, at);
   const CameraModel& camera = *input.file.camera;
   if (!camera.IsCentral())
     throw Error(ExitCode::kUsage,
@@ -168,7 +168,7 @@ void Run(const FitArguments& arguments, const CommonOptions& common) {
   std::optional<SplinedStereographic::Grid> grid;
   if (!arguments.spline.empty()) grid = ParseSplineGrid(arguments.spline);
   RequireNoInputReplaced({arguments.camera}, {arguments.output});
-  const Fit fit = FitCamera(arguments, grid);
+  const Fit fit = FitCamera(arguments, common.at, grid);
   WriteFile(arguments.output, FormatCameraFile(fit.file));
   if (common.json) {
     fmt::print("{}", FormatJson(fit));
@@ -206,6 +206,7 @@ void AddFit(CLI::App* app, CommonOptions* common) {
       "central camera, and is not turned.",
       "raygrid fit camera.yaml --model opencv -o opencv.yaml", common);
   auto arguments = std::make_shared<FitArguments>();
+  AddAtOption(command, common);
   command
       ->add_option("camera", arguments->camera,
                    "camera.yaml, a blob, or another program's camera")

@@ -53,6 +53,15 @@ void AddHoldOut(CLI::App* command, const std::string& help,
       ->type_name("NAMES");
 }
 
+void AddAtOption(CLI::App* command, CommonOptions* common) {
+  command
+      ->add_option("--at", common->at,
+                   "the lens position (dioptres) or temperature (°C) of a "
+                   "camera that was calibrated over a range of it; default: "
+                   "the middle")
+      ->type_name("VALUE");
+}
+
 void AddHugeOption(CLI::App* command) {
   command->add_flag_callback(
       "--huge", AllowHugeImages,

@@ -177,7 +177,7 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
   for (size_t k = 0; k < num_tables; ++k)
     outputs.push_back(ViewPath(arguments.output, k, num_tables));
   RequireNoInputReplaced({arguments.camera}, outputs);
-  CameraInput input = ReadCamera(arguments.camera);
+  CameraInput input = ReadCamera(arguments.camera, common.at);
   if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
   if (input.blob)
     throw Error(ExitCode::kUsage,
@@ -218,6 +218,7 @@ void AddPack(CLI::App* app, CommonOptions* common) {
       "--serial 0042",
       common);
   auto arguments = std::make_shared<PackArguments>();
+  AddAtOption(command, common);
   command->add_option("camera", arguments->camera, "camera.yaml")->required();
   command->add_option("-o,--output", arguments->output, "blob to write")
       ->required();

@@ -45,10 +45,10 @@ void RequireProjection(const std::string& path, const CameraInput& input) {
                           path));
 }
 
-void Run(const ProjectArguments& arguments, bool json) {
+void Run(const ProjectArguments& arguments, const CommonOptions& common) {
   RequireNoInputReplaced({arguments.camera, arguments.points},
                          {arguments.output});
-  const CameraInput input = ReadCamera(arguments.camera);
+  const CameraInput input = ReadCamera(arguments.camera, common.at);
   RequireProjection(arguments.camera, input);
   const CsvTable table(arguments.points, ReadFile(arguments.points),
                        {"x", "y", "z"});
@@ -62,7 +62,7 @@ void Run(const ProjectArguments& arguments, bool json) {
     text += pixel ? fmt::format("{:.8f},{:.8f},1\n", pixel->x(), pixel->y())
                   : std::string(",,0\n");
   }
-  if (json) text = CsvAsJson(text, {"x", "y", "z", "u", "v", "valid"});
+  if (common.json) text = CsvAsJson(text, {"x", "y", "z", "u", "v", "valid"});
   PrintOrWrite(arguments.output, text);
 }
 
@@ -76,13 +76,14 @@ void AddProject(CLI::App* app, CommonOptions* common) {
       "camera.yaml in double precision.",
       "raygrid project camera.yaml --points xyz.csv -o px.csv", common);
   auto arguments = std::make_shared<ProjectArguments>();
+  AddAtOption(command, common);
   command->add_option("camera", arguments->camera, "camera.yaml or a blob")
       ->required();
   command->add_option("--points", arguments->points, "CSV with x,y,z")
       ->required();
   command->add_option("-o,--output", arguments->output,
                       "CSV, or JSON with --json, to write (default: print)");
-  command->callback([arguments, common] { Run(*arguments, common->json); });
+  command->callback([arguments, common] { Run(*arguments, *common); });
 }
 
 }  // namespace raygrid

@@ -50,17 +50,32 @@ constexpr double kTruthCells = 80;
 // Between boards that hang side by side.
 constexpr double kGapSquares = 2;
 
+std::unique_ptr<CameraModel> LensNamed(const std::string& name,
+                                       std::optional<double> at,
+                                       const ImageSize& size) {
+  if (name == "focusing")
+    return ChangingLens(CameraCondition::kLensPosition, at.value_or(0), size);
+  if (name == "warming")
+    return ChangingLens(CameraCondition::kTemperature, at.value_or(20), size);
+  if (at)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--at is for --lens focusing (dioptres) and "
+                            "warming (°C), not for {}",
+                            name));
+  return SimulatedLens(name, size);
+}
+
 std::shared_ptr<const CameraModel> MakeCamera(
-    const SimulateArguments& arguments) {
+    const SimulateArguments& arguments, std::optional<double> at) {
   if (!arguments.camera.empty()) {
-    auto camera = ReadCamera(arguments.camera).file.camera;
+    auto camera = ReadCamera(arguments.camera, at).file.camera;
     const ImageSize size = camera->image_size();
     const std::string why = WhySizeIsRefused(size.width, size.height);
     if (!why.empty()) throw InputError(arguments.camera + ": " + why);
     return camera;
   }
   const ImageSize size = ParseImageSize("--size", arguments.size);
-  std::shared_ptr<CameraModel> camera = SimulatedLens(arguments.lens, size);
+  std::shared_ptr<CameraModel> camera = LensNamed(arguments.lens, at, size);
   if (arguments.image_circle_px > 0)
     camera->SetImageCircle(
         ImageCircle{WholeImage(size).center(),
@@ -138,7 +153,7 @@ class Photographer {
   Photographer(const SimulateArguments& arguments, const CommonOptions& common)
       : arguments_(arguments),
         common_(common),
-        camera_(MakeCamera(arguments)),
+        camera_(MakeCamera(arguments, common.at)),
         rays_(*camera_, NumThreads(common.threads)) {
     Pattern& pattern = truth_.true_pattern;
     pattern = MakePattern(arguments);
@@ -209,7 +224,8 @@ class Photographer {
 // The observations of several cameras.
 SimulatedObservations ObserveRig(const SimulateArguments& arguments,
                                  const CommonOptions& common) {
-  const std::shared_ptr<const CameraModel> camera = MakeCamera(arguments);
+  const std::shared_ptr<const CameraModel> camera =
+      MakeCamera(arguments, common.at);
   SimulationOptions options = arguments.simulation;
   options.seed = common.seed;
   options.features_per_image =
@@ -272,7 +288,8 @@ int NumFeatures(const Board& board) {
 
 SimulatedObservations Observe(const SimulateArguments& arguments,
                               const CommonOptions& common) {
-  const std::shared_ptr<const CameraModel> camera = MakeCamera(arguments);
+  const std::shared_ptr<const CameraModel> camera =
+      MakeCamera(arguments, common.at);
   const Pattern pattern = MakePattern(arguments);
   const int num_features = NumFeatures(pattern.boards[0]);
   SimulationOptions options = arguments.simulation;
@@ -400,7 +417,9 @@ void AddCameraOptions(CLI::App* command, SimulateArguments* arguments) {
           ->add_option("--lens", arguments->lens,
                        "pinhole, example, wide, fisheye, fisheye190, "
                        "noncentral, glass; without an axis of symmetry: "
-                       "anamorphic, off-axis, halves, decentred, mirror")
+                       "anamorphic, off-axis, halves, decentred, mirror; "
+                       "changing with --at: focusing (0 to 10 dioptres), "
+                       "warming (°C)")
           ->capture_default_str();
   CLI::Option* const size =
       command->add_option("--size", arguments->size, "of images, WxH")
@@ -479,6 +498,7 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
       "  true_poses.csv     camera_from_board",
       "raygrid simulate --noise-px 0.05 -o simulated/", common);
   auto arguments = std::make_shared<SimulateArguments>();
+  AddAtOption(command, common);
   SimulationOptions& simulation = arguments->simulation;
   command->add_option("--images", simulation.num_images, "number of views")
       ->check(CLI::Range(1, 100000))

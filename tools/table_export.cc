@@ -96,7 +96,7 @@ struct SeenView {
 
 SeenView ReadView(const TableArguments& arguments,
                   const CommonOptions& common) {
-  CameraInput input = ReadCamera(arguments.input);
+  CameraInput input = ReadCamera(arguments.input, common.at);
   if (!common.quiet) WarnOfFailedCalibration(arguments.input, input.file);
   if (!input.blob) TurnIntoCameraFrame(&input.file.camera);
   const VirtualView view = RectifiedView(input, arguments.view);
@@ -141,7 +141,7 @@ int ParseEvery(const std::string& text) {
 RayTable TableOfRays(const TableArguments& arguments,
                      const CommonOptions& common) {
   const int every = arguments.every.empty() ? 1 : ParseEvery(arguments.every);
-  const CameraInput input = ReadCamera(arguments.input);
+  const CameraInput input = ReadCamera(arguments.input, common.at);
   if (!common.quiet) WarnOfFailedCalibration(arguments.input, input.file);
   const CameraModel& camera = *input.file.camera;
   RayTable table;
@@ -191,7 +191,7 @@ TableOutput MakeCameraTable(const TableFormat& format,
   CameraTable table;
   table.path = arguments.output;
   table.model = ModelOf(format, arguments.model);
-  const CameraInput input = ReadCamera(arguments.input);
+  const CameraInput input = ReadCamera(arguments.input, common.at);
   if (!common.quiet) WarnOfFailedCalibration(arguments.input, input.file);
   const std::optional<TrustMask> trusted = TrustOf(input);
   const auto camera = Central(arguments.input, *input.file.camera);

@@ -252,7 +252,7 @@ ImageMapper Prepare(const UndistortArguments& arguments,
                     const CommonOptions& common) {
   UndistortRequest request;
   request.view = ParseViewOptions(arguments.view);
-  CameraInput input = ReadCamera(arguments.camera);
+  CameraInput input = ReadCamera(arguments.camera, common.at);
   if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
   if (arguments.is_reverse) RequireNoFrames(arguments);
   CompleteRequest(arguments, input, &request);
@@ -379,6 +379,7 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
       "of pictures of the view.",
       "raygrid undistort camera.yaml photos/ -o flat/ --hfov 80", common);
   auto arguments = std::make_shared<UndistortArguments>();
+  AddAtOption(command, common);
   command->add_option("camera", arguments->camera, "camera.yaml or a blob")
       ->required();
   command->add_option("images", arguments->images, "images or folders")

@@ -20,10 +20,10 @@ std::string FormatVector(const Eigen::Vector3d& vector) {
                      vector.z());
 }
 
-void Run(const UnprojectArguments& arguments, bool json) {
+void Run(const UnprojectArguments& arguments, const CommonOptions& common) {
   RequireNoInputReplaced({arguments.camera, arguments.pixels},
                          {arguments.output});
-  const CameraInput input = ReadCamera(arguments.camera);
+  const CameraInput input = ReadCamera(arguments.camera, common.at);
   const CsvTable table(arguments.pixels, ReadFile(arguments.pixels),
                        {"x", "y"});
   const CameraModel& camera = *input.file.camera;
@@ -47,7 +47,7 @@ void Run(const UnprojectArguments& arguments, bool json) {
     }
     text += "\n";
   }
-  if (json) text = CsvAsJson(text, columns);
+  if (common.json) text = CsvAsJson(text, columns);
   PrintOrWrite(arguments.output, text);
 }
 
@@ -63,13 +63,14 @@ void AddUnproject(CLI::App* app, CommonOptions* common) {
       "runtime, a camera.yaml in double precision.",
       "raygrid unproject camera.raygrid --pixels px.csv -o rays.csv", common);
   auto arguments = std::make_shared<UnprojectArguments>();
+  AddAtOption(command, common);
   command->add_option("camera", arguments->camera, "camera.yaml or a blob")
       ->required();
   command->add_option("--pixels", arguments->pixels, "CSV with x,y")
       ->required();
   command->add_option("-o,--output", arguments->output,
                       "CSV, or JSON with --json, to write (default: print)");
-  command->callback([arguments, common] { Run(*arguments, common->json); });
+  command->callback([arguments, common] { Run(*arguments, *common); });
 }
 
 }  // namespace raygrid

@@ -277,7 +277,7 @@ ViewedRow RowOfFile(const std::string& path, const std::string& image,
   ViewedCamera viewed;
   viewed.name = ShownName(path);
   viewed.image = image;
-  viewed.input = ReadCamera(path);
+  viewed.input = ReadCamera(path, common.at);
   if (!common.quiet) WarnOfFailedCalibration(path, viewed.input.file);
   auto view = ViewOfCamera(viewed.camera());
   const auto& pose = viewed.input.file.camera_from_view;
@@ -366,6 +366,7 @@ void AddView(CLI::App* app, CommonOptions* common) {
       "NAME.camera.yaml, as pack writes it, is shown as it is.",
       "raygrid view front.raygrid --image photo.png -o sheet.png", common);
   auto arguments = std::make_shared<ViewArguments>();
+  AddAtOption(command, common);
   command
       ->add_option("files", arguments->files,
                    "blobs, camera.yaml, NAME.camera.yaml: a row each")

@@ -2,7 +2,19 @@
 
 #include <utility>
 
+#include "camera/stacked_grid.h"
+
 namespace raygrid {
+
+SeeingCamera::SeeingCamera(const CameraModel& camera, const View& view)
+    : camera_(&camera) {
+  const auto* stack = dynamic_cast<const StackedGrid*>(&camera);
+  if (!stack || stack->value() == view.condition) return;
+  auto own = std::make_unique<StackedGrid>(*stack);
+  own->SetValue(view.condition);
+  own_ = std::move(own);
+  camera_ = own_.get();
+}
 
 AdjustmentState& AdjustmentState::operator=(const AdjustmentState& other) {
   if (this == &other) return *this;

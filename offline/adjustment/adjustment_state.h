@@ -23,6 +23,20 @@ struct View {
   std::vector<Observation> observations;
   int camera = 0, pose = 0;
   int place = -1;  ///< of the board on the body; -1: its frame is the body's
+  double condition = 0;  ///< that a stack of cameras was in
+};
+
+/// A camera as it was for one view: a stack at the view's condition, another
+/// one as it always is. The camera must outlive it.
+class SeeingCamera {
+ public:
+  SeeingCamera(const CameraModel& camera, const View& view);
+  const CameraModel& operator*() const { return *camera_; }
+  const CameraModel* operator->() const { return camera_; }
+
+ private:
+  std::unique_ptr<const CameraModel> own_;
+  const CameraModel* camera_;
 };
 
 /// The unknowns of bundle adjustment. A single camera is a rig of one. Copies
@@ -48,6 +62,9 @@ struct AdjustmentState {
   const CameraModel& camera() const { return *cameras.front(); }
 
   Pose CameraFromPattern(const View& view) const;
+  SeeingCamera CameraOf(const View& view) const {
+    return SeeingCamera(*cameras[view.camera], view);
+  }
   /// A point of a board that stands at a pose, as it is bent there.
   Eigen::Vector3d PointAt(int pose, int point) const {
     if (modes.count() == 0) return points[point];

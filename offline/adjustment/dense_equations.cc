@@ -160,15 +160,12 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
 
     const NodeContribution products = {jacobian, i,        first,
                                        others,   by_block, error};
-    // The numbers of central and non-central grids, known to the compiler.
-    if (num_nodes == 0)
-      continue;
-    else if (jacobian.num_per_node == 2)
-      products.AddTo<2>(&a_, &w, &gradient_.kept);
-    else if (jacobian.num_per_node == 5)
-      products.AddTo<5>(&a_, &w, &gradient_.kept);
-    else
-      products.AddTo<Eigen::Dynamic>(&a_, &w, &gradient_.kept);
+    WithNumPerNode(num_nodes == 0 ? 0 : jacobian.num_per_node,
+                   [&](auto per_node) {
+                     constexpr int kPerNode =
+                         per_node == 0 ? Eigen::Dynamic : int{per_node};
+                     products.AddTo<kPerNode>(&a_, &w, &gradient_.kept);
+                   });
   }
 }
 

@@ -25,6 +25,8 @@ struct Term {
 // The parameters of each control point, out of per_point, that make a field.
 struct FieldParameters {
   int per_point, first, count;
+
+  int ParameterOf(int point) const { return per_point * point + first; }
 };
 
 class DifferenceRows {
@@ -183,13 +185,13 @@ struct LensDisplacements {
 
 // How control points move with each of these.
 Eigen::MatrixXd ByLensDisplacements(const BSplineSurface& surface,
-                                    int per_point) {
+                                    const FieldParameters& field) {
   Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(
-      per_point * surface.num_points(), LensDisplacements::kCount);
+      field.per_point * surface.num_points(), LensDisplacements::kCount);
   for (int j = 0; j < surface.rows(); ++j) {
     for (int i = 0; i < surface.columns(); ++i) {
       const Eigen::Vector2d pixel = ControlPointPixel(surface, i, j);
-      directions.middleRows<2>(per_point * (j * surface.columns() + i)) =
+      directions.middleRows<2>(field.ParameterOf(j * surface.columns() + i)) =
           ChartDerivative(surface, pixel) *
           LensDisplacements::At(surface.area(), pixel);
     }
@@ -201,11 +203,12 @@ Eigen::MatrixXd ByLensDisplacements(const BSplineSurface& surface,
 // linear function of the control points. Over the control points themselves the
 // camera could turn while those at its corners, that little is seen of, turned
 // the other way.
-Eigen::MatrixXd RotationOverArea(const BSplineSurface& surface, int per_point,
+Eigen::MatrixXd RotationOverArea(const BSplineSurface& surface,
+                                 const FieldParameters& field,
                                  double middle_px) {
   constexpr int kPerCell = 4;
   Eigen::MatrixXd rotation =
-      Eigen::MatrixXd::Zero(per_point * surface.num_points(), 3);
+      Eigen::MatrixXd::Zero(field.per_point * surface.num_points(), 3);
   const std::vector<Eigen::Vector2d> pixels = surface.SamplePixels(kPerCell);
   for (const Eigen::Vector2d& pixel : pixels) {
     // Pixels where the lens folds or is continued count for little: a unit of
@@ -217,29 +220,28 @@ Eigen::MatrixXd RotationOverArea(const BSplineSurface& surface, int per_point,
     const SplineSupport support = surface.Support(pixel);
     for (int j = 0; j < 4; ++j)
       for (int i = 0; i < 4; ++i)
-        rotation.middleRows<2>(
-            per_point *
-            ((support.row + j) * surface.columns() + support.column + i)) +=
+        rotation.middleRows<2>(field.ParameterOf(
+            (support.row + j) * surface.columns() + support.column + i)) +=
             support.wx[i] * support.wy[j] * by_rotation;
   }
   return rotation / static_cast<double>(pixels.size());
 }
 
-// The prior, without its mean, of directions that are the first two of a
+// The prior of directions, or of how they change, without its mean: two of a
 // control point's parameters.
-CameraPrior DirectionsPrior(const BSplineSurface& base, int per_point) {
+CameraPrior DirectionsPrior(const BSplineSurface& base,
+                            const FieldParameters& field) {
   CameraPrior prior;
-  prior.groups = {
-      SmoothField(base, {per_point, 0, 2}, PixelsPerChartUnit(base))};
-  prior.groups[0].Free(ByLensDisplacements(base, per_point),
+  prior.groups = {SmoothField(base, field, PixelsPerChartUnit(base))};
+  prior.groups[0].Free(ByLensDisplacements(base, field),
                        LensDisplacements::Holds());
   // The orientation is that of displacements in pixels: in the chart,
   // displacements behind the camera, which nothing is seen of, would outweigh
   // all others. The orientation is as firm as the observations, which have no
   // say in it, are in everything else.
   const double middle_px = PixelsPerChartUnitAt(base, base.area().center());
-  prior.orientation = std::sqrt(base.num_points()) *
-                      RotationOverArea(base, per_point, middle_px);
+  prior.orientation =
+      std::sqrt(base.num_points()) * RotationOverArea(base, field, middle_px);
   prior.orientation_weight = middle_px * middle_px;
   return prior;
 }
@@ -309,19 +311,39 @@ double CameraPrior::Cost(const Eigen::VectorXd& parameters) const {
 Eigen::VectorXd CameraPrior::OrientationError(
     const Eigen::VectorXd& parameters) const {
   if (orientation.cols() == 0) return Eigen::VectorXd(0);
-  return orientation.transpose() * (parameters - mean) - orientation_difference;
+  const Eigen::VectorXd turn = orientation.transpose() * (parameters - mean);
+  if (orientation_difference.size() == 0) return turn;
+  return turn - orientation_difference;
 }
 
 CameraPrior SmoothnessPrior(const CentralGeneric& base) {
-  CameraPrior prior = DirectionsPrior(base.surface(), 2);
+  CameraPrior prior = DirectionsPrior(base.surface(), {2, 0, 2});
   prior.mean = base.Parameters();
+  return prior;
+}
+
+CameraPrior StackPrior(const CentralGeneric& base, int order) {
+  const int num_terms = order + 1;
+  const BSplineSurface& surface = base.surface();
+  CameraPrior prior;
+  prior.mean = Eigen::VectorXd::Zero(2 * num_terms * surface.num_points());
+  for (int k = 0; k < surface.num_points(); ++k)
+    prior.mean.segment<2>(2 * num_terms * k) = surface.points()[k];
+  prior.orientation.resize(prior.mean.size(), 3 * num_terms);
+  for (int term = 0; term < num_terms; ++term) {
+    CameraPrior of_term =
+        DirectionsPrior(surface, {2 * num_terms, 2 * term, 2});
+    prior.groups.push_back(std::move(of_term.groups[0]));
+    prior.orientation.middleCols<3>(3 * term) = of_term.orientation;
+    prior.orientation_weight = of_term.orientation_weight;
+  }
   return prior;
 }
 
 CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m) {
   constexpr int kPerNode = NonCentralGeneric::kPerNode;
   const BSplineSurface& surface = base.surface();
-  CameraPrior prior = DirectionsPrior(surface, kPerNode);
+  CameraPrior prior = DirectionsPrior(surface, {kPerNode, 0, 2});
   prior.mean = NonCentralGeneric(base).Parameters();
   const int middle = surface.num_points() / 2;
   const double chart_per_radian =

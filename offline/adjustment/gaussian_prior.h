@@ -58,8 +58,8 @@ struct CameraPrior {
   Eigen::VectorXd mean;
   std::vector<PriorGroup> groups;
 
-  Eigen::MatrixXd orientation;  ///< G, three columns; may be empty
-  Eigen::Vector3d orientation_difference = Eigen::Vector3d::Zero();  ///< g0
+  Eigen::MatrixXd orientation;  ///< G, three columns a field; may be empty
+  Eigen::VectorXd orientation_difference;  ///< g0; empty: zero
   double orientation_weight = 0;
 
   double Cost(const Eigen::VectorXd& parameters) const;
@@ -91,6 +91,13 @@ struct GaussianPrior {
 /// holds the camera's orientation, which no observation can see,
 /// to base's.
 CameraPrior SmoothnessPrior(const CentralGeneric& base);
+
+/// The smoothness priors of a stack's terms, each as that of a grid and a group
+/// of its own: the first around base, those by which the camera changes with
+/// the condition around none. What the data do not tell of a term's change
+/// stays none. The camera does not turn with the condition: observations cannot
+/// tell, since each has its pose.
+CameraPrior StackPrior(const CentralGeneric& base, int order);
 
 /// The smoothness prior of the directions of a grid of lines, and, as a group
 /// of its own, of the lines' points around the origin: three smooth fields, in

@@ -24,7 +24,8 @@ Eigen::Matrix<double, 3, 6> UpdateDerivative(const Eigen::Vector3d& rotated) {
   return derivative;
 }
 
-LinearizedResidual Linearize(const AdjustmentState& state, const View& view,
+LinearizedResidual Linearize(const AdjustmentState& state,
+                             const CameraModel& camera, const View& view,
                              const Observation& observation) {
   LinearizedResidual result;
   result.camera = view.camera;
@@ -43,9 +44,9 @@ LinearizedResidual Linearize(const AdjustmentState& state, const View& view,
   const Eigen::Vector3d rotated = pose.rotation * point;
   const Eigen::Vector3d rotated_to_camera =
       camera_pose.rotation * (rotated + pose.translation);
-  if (!state.cameras[view.camera]->Linearize(
-          rotated_to_camera + camera_pose.translation, &observation.pixel,
-          kAdjustmentMarginPx, &result.projection))
+  if (!camera.Linearize(rotated_to_camera + camera_pose.translation,
+                        &observation.pixel, kAdjustmentMarginPx,
+                        &result.projection))
     return result;
   result.residual = {true, result.projection.pixel - observation.pixel};
   const Eigen::Matrix<double, 2, 3>& by_point = result.projection.by_point;
@@ -74,13 +75,13 @@ std::vector<Residual> ComputeResiduals(const AdjustmentState& state,
   const std::vector<int> first = FirstObservations(views);
   std::vector<Residual> residuals(first.back());
   ParallelFor(static_cast<int>(views.size()), num_threads, [&](int v) {
-    const CameraModel& camera = *state.cameras[views[v].camera];
+    const SeeingCamera camera = state.CameraOf(views[v]);
     const Pose pose = state.CameraFromPattern(views[v]);
     for (size_t i = 0; i < views[v].observations.size(); ++i) {
       const Observation& observation = views[v].observations[i];
-      const auto pixel =
-          camera.Project(pose * state.PointAt(views[v].pose, observation.point),
-                         &observation.pixel, kAdjustmentMarginPx);
+      const auto pixel = camera->Project(
+          pose * state.PointAt(views[v].pose, observation.point),
+          &observation.pixel, kAdjustmentMarginPx);
       if (pixel) residuals[first[v] + i] = {true, *pixel - observation.pixel};
     }
   });
@@ -91,8 +92,9 @@ std::vector<LinearizedResidual> LinearizeView(const AdjustmentState& state,
                                               const View& view) {
   std::vector<LinearizedResidual> residuals;
   residuals.reserve(view.observations.size());
+  const SeeingCamera camera = state.CameraOf(view);
   for (const Observation& observation : view.observations)
-    residuals.push_back(Linearize(state, view, observation));
+    residuals.push_back(Linearize(state, *camera, view, observation));
   return residuals;
 }
 

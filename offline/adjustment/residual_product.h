@@ -28,12 +28,12 @@ class ResidualProduct {
   Eigen::Matrix<double, 2, kNum> Times(const Columns<kNum>& x, int i) const {
     const ViewJacobian& j = jacobian_;
     Eigen::Matrix<double, 2, kNum> u = Eigen::Matrix<double, 2, kNum>::Zero();
-    if (j.num_per_node == 2)
-      u = Nodes<2>(x, i);
-    else if (j.num_per_node == 5)
-      u = Nodes<5>(x, i);
-    else if (j.num_per_node > 0)
-      u = AnyNodes(x, i);
+    WithNumPerNode(j.num_per_node, [&](auto per_node) {
+      if constexpr (per_node == 0)
+        u = AnyNodes(x, i);
+      else
+        u = Nodes<per_node>(x, i);
+    });
     if (j.num_global > 0)
       u += ViewJacobian::Block(j.by_global, i) *
            x.middleRows(first_ + j.first_global, j.num_global);
@@ -53,12 +53,12 @@ class ResidualProduct {
   void AddTransposed(const Eigen::Matrix<double, 2, kNum>& u, int i,
                      Columns<kNum>* y) const {
     const ViewJacobian& j = jacobian_;
-    if (j.num_per_node == 2)
-      AddNodes<2>(u, i, y);
-    else if (j.num_per_node == 5)
-      AddNodes<5>(u, i, y);
-    else if (j.num_per_node > 0)
-      AddAnyNodes(u, i, y);
+    WithNumPerNode(j.num_per_node, [&](auto per_node) {
+      if constexpr (per_node == 0)
+        AddAnyNodes(u, i, y);
+      else
+        AddNodes<per_node>(u, i, y);
+    });
     if (j.num_global > 0)
       y->middleRows(first_ + j.first_global, j.num_global) +=
           ViewJacobian::Block(j.by_global, i).transpose() * u;

@@ -2,6 +2,7 @@
 #define RAYGRID_ADJUSTMENT_VIEW_JACOBIAN_H
 
 #include <Eigen/Core>
+#include <type_traits>
 #include <vector>
 
 #include "adjustment/reprojection_error.h"
@@ -52,6 +53,29 @@ ViewJacobian WeightedJacobian(const std::vector<LinearizedResidual>& residuals,
 std::vector<ViewJacobian> WeightedJacobians(const AdjustmentState& state,
                                             const std::vector<View>& views,
                                             double huber_px, int num_threads);
+
+/// Calls a body with a node's number of parameters as a constant that the
+/// compiler knows: those of central and non-central grids and of stacks; 0 for
+/// others. Without nodes it is not called.
+template <typename Body>
+void WithNumPerNode(int num_per_node, const Body& body) {
+  switch (num_per_node) {
+    case 0:
+      return;
+    case 2:
+      return body(std::integral_constant<int, 2>());
+    case 4:
+      return body(std::integral_constant<int, 4>());
+    case 5:
+      return body(std::integral_constant<int, 5>());
+    case 6:
+      return body(std::integral_constant<int, 6>());
+    case 8:
+      return body(std::integral_constant<int, 8>());
+    default:
+      return body(std::integral_constant<int, 0>());
+  }
+}
 
 }  // namespace raygrid
 

@@ -139,25 +139,63 @@ ErrorModes ModesOf(const Eigen::MatrixXd& joint_px2,
   return coarse;
 }
 
+LinearResponse ResponseOf(const Adjusted& adjusted, int num_threads) {
+  AdjustmentOptions options;
+  options.num_threads = num_threads;
+  options.fix_points = !HavePointsMoved(adjusted);
+  return LinearResponse(adjusted.problem.views, adjusted.prior, options,
+                        adjusted.state);
+}
+
+ObservationNoise NoiseOf(const LinearResponse& response,
+                         const Adjusted& adjusted, int camera,
+                         const UncertaintyOptions& size) {
+  return MeasureNoise(
+      response, adjusted.state, camera, response.layout().first_camera[camera],
+      MovesOfSeenPixels(adjusted.problem.views, adjusted.state, camera, size),
+      adjusted.summary.noise_px);
+}
+
+double SeenDeviation(const PixelUncertainty& pixel) {
+  return WorseDeviation(pixel.noise_px2 +
+                        pixel.smoothing_px * pixel.smoothing_px.transpose());
+}
+
 }  // namespace
+
+std::vector<DeviationLattice> DeviationsOf(
+    const Adjusted& adjusted, int camera,
+    const std::vector<const CameraModel*>& as, int num_threads) {
+  if (!(adjusted.summary.noise_px > 0)) return {};
+  const UncertaintyOptions size =
+      LatticeOver(adjusted.state.cameras[camera]->area());
+  const LinearResponse response = ResponseOf(adjusted, num_threads);
+  const ObservationNoise noise = NoiseOf(response, adjusted, camera, size);
+  AdjustmentState state = adjusted.state;
+  std::vector<DeviationLattice> lattices;
+  for (const CameraModel* model : as) {
+    state.cameras[camera] = model->Clone();
+    DeviationLattice& lattice = lattices.emplace_back();
+    lattice.columns = size.columns;
+    lattice.rows = size.rows;
+    for (const PixelUncertainty& pixel : ProjectionUncertainty(
+             response, noise, adjusted.problem.views, state, camera, size))
+      lattice.deviation_px.push_back(SeenDeviation(pixel));
+    if (lattice.deviation_px.empty()) return {};
+  }
+  return lattices;
+}
 
 std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
                                                int camera, int num_threads) {
   const double noise_px = adjusted.summary.noise_px;
   if (!(noise_px > 0)) return std::nullopt;
-  AdjustmentOptions options;
-  options.num_threads = num_threads;
-  options.fix_points = !HavePointsMoved(adjusted);
   const Area& area = adjusted.state.cameras[camera]->area();
   const UncertaintyOptions size = LatticeOver(area);
   const TrustMask near = CellsNearFeatures(adjusted, camera);
   Eigen::MatrixXd joint_px2;
-  const LinearResponse response(adjusted.problem.views, adjusted.prior, options,
-                                adjusted.state);
-  const ObservationNoise noise = MeasureNoise(
-      response, adjusted.state, camera, response.layout().first_camera[camera],
-      MovesOfSeenPixels(adjusted.problem.views, adjusted.state, camera, size),
-      noise_px);
+  const LinearResponse response = ResponseOf(adjusted, num_threads);
+  const ObservationNoise noise = NoiseOf(response, adjusted, camera, size);
   const std::vector<PixelUncertainty> pixels =
       ProjectionUncertainty(response, noise, adjusted.problem.views,
                             adjusted.state, camera, size, &joint_px2);
@@ -165,8 +203,7 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
                    scatter = seen;
   for (const PixelUncertainty& pixel : pixels) {
     scatter.deviation_px.push_back(std::sqrt(pixel.noise_px2.trace() / 2));
-    const double seen_px = WorseDeviation(
-        pixel.noise_px2 + pixel.smoothing_px * pixel.smoothing_px.transpose());
+    const double seen_px = SeenDeviation(pixel);
     seen.deviation_px.push_back(seen_px);
     const double factor = near.Trusts(pixel.pixel) ? 1 : kBeyondFeatures;
     total.deviation_px.push_back(

@@ -2,6 +2,7 @@
 #define RAYGRID_CALIBRATION_CAMERA_TRUST_H
 
 #include <optional>
+#include <vector>
 
 #include "calibration/model_adjustment.h"
 #include "camera/camera_uncertainty.h"
@@ -16,6 +17,13 @@ namespace raygrid {
 /// equations are singular or the adjustment ended before it knew the noise.
 std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
                                                int camera, int num_threads);
+
+/// How well a camera is known as each of several others that have its
+/// parameters: those of a stack. Deviations are those of noise and of what
+/// smoothing takes away. None if the equations are singular.
+std::vector<DeviationLattice> DeviationsOf(
+    const Adjusted& adjusted, int camera,
+    const std::vector<const CameraModel*>& as, int num_threads);
 
 /// Cells that are not lit as a whole are not trusted.
 void DistrustBeyond(const ImageCircle& circle, TrustMask* mask);

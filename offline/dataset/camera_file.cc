@@ -13,10 +13,12 @@
 #include "camera/splined_stereographic.h"
 #include "camera/view_camera.h"
 #include "dataset/capture_node.h"
+#include "dataset/deviation_node.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_header.h"
 #include "dataset/pose_node.h"
+#include "dataset/stack_node.h"
 #include "dataset/yaml_file.h"
 
 namespace raygrid {
@@ -164,26 +166,6 @@ std::optional<ErrorFigures> ParseFigures(const YAML::Node& node) {
                       node["count"].as<int>()};
 }
 
-DeviationLattice ParseDeviations(const YAML::Node& node) {
-  DeviationLattice lattice;
-  lattice.columns = node["columns"].as<int>();
-  lattice.rows = node["rows"].as<int>();
-  if (std::min(lattice.columns, lattice.rows) < 2 ||
-      std::max(lattice.columns, lattice.rows) > 65)
-    throw InputError("uncertainty: columns and rows must be 2 to 65");
-  const YAML::Node rows = node["deviation_px"];
-  RequireYamlList(rows, "uncertainty: deviation_px", lattice.rows);
-  for (const YAML::Node& row : rows) {
-    RequireYamlList(row, "uncertainty: a row of deviation_px", lattice.columns);
-    for (const YAML::Node& value : row) {
-      lattice.deviation_px.push_back(value.IsNull() ? NAN : value.as<double>());
-      if (!value.IsNull() && !(lattice.deviation_px.back() >= 0))
-        throw InputError("uncertainty: deviation_px is negative or none");
-    }
-  }
-  return lattice;
-}
-
 // The section is missing in files of earlier versions.
 MovementErrors ParseBeyond(const YAML::Node& node) {
   if (!node) return {};
@@ -325,6 +307,7 @@ CameraFile Parse(const YAML::Node& root) {
   }
   file.uncertainty = ParseUncertainty(root, image_size);
   file.capture = ParseCapture(root["capture"], image_size);
+  file.stack = ParseStack(root["stack"], *file.camera);
   return file;
 }
 
@@ -364,30 +347,15 @@ void EmitModes(const ErrorModes& modes, YAML::Emitter* out) {
   *out << YAML::EndSeq << YAML::EndMap;
 }
 
-void EmitDeviations(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
-  const DeviationLattice& lattice = uncertainty.lattice;
-  *out << YAML::Key << "uncertainty" << YAML::Value << YAML::BeginMap
-       << YAML::Key << "columns" << YAML::Value << lattice.columns << YAML::Key
-       << "rows" << YAML::Value << lattice.rows << YAML::Key << "deviation_px"
-       << YAML::Value << YAML::BeginSeq;
-  for (int row = 0; row < lattice.rows; ++row) {
-    *out << YAML::Flow << YAML::BeginSeq;
-    for (int column = 0; column < lattice.columns; ++column) {
-      const double value = lattice.deviation_px[row * lattice.columns + column];
-      if (std::isfinite(value))
-        *out << fmt::format("{:.6f}", value);
-      else
-        *out << YAML::Null;
-    }
-    *out << YAML::EndSeq;
-  }
-  *out << YAML::EndSeq;
+void EmitLattice(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
+  *out << YAML::Key << "uncertainty" << YAML::Value << YAML::BeginMap;
+  EmitDeviations(uncertainty.lattice, out);
   EmitModes(uncertainty.modes, out);
   *out << YAML::EndMap;
 }
 
 void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
-  if (uncertainty.TellsDeviations()) EmitDeviations(uncertainty, out);
+  if (uncertainty.TellsDeviations()) EmitLattice(uncertainty, out);
   const TrustMask& mask = uncertainty.mask;
   *out << YAML::Key << "trusted" << YAML::Value << YAML::BeginMap;
   if (uncertainty.TellsDeviations())
@@ -402,6 +370,25 @@ void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
     *out << YAML::DoubleQuoted << text;
   }
   *out << YAML::EndSeq << YAML::EndMap;
+}
+
+// The lattice's deviations at a value, where some are known below and above it
+// on lattices of its shape.
+void TakeDeviationsAt(const std::vector<StackDeviation>& known, double value,
+                      DeviationLattice* lattice) {
+  for (size_t k = 1; k < known.size(); ++k) {
+    const StackDeviation &below = known[k - 1], &above = known[k];
+    const size_t count = lattice->deviation_px.size();
+    if (value < below.value || value > above.value ||
+        below.lattice.deviation_px.size() != count ||
+        above.lattice.deviation_px.size() != count)
+      continue;
+    const double part = (value - below.value) / (above.value - below.value);
+    for (size_t i = 0; i < count; ++i)
+      lattice->deviation_px[i] = (1 - part) * below.lattice.deviation_px[i] +
+                                 part * above.lattice.deviation_px[i];
+    return;
+  }
 }
 
 void EmitPose(const Pose& pose, YAML::Emitter* out) {
@@ -473,6 +460,24 @@ void EmitModel(const CameraModel& camera, Digits digits, YAML::Emitter* out) {
 
 }  // namespace
 
+CameraFile FileAt(const CameraFile& stack, double value) {
+  CameraFile file = stack;
+  CentralGeneric camera = stack.stack->cameras.At(value);
+  camera.SetImageCircle(stack.camera->image_circle());
+  file.camera = std::make_shared<CentralGeneric>(std::move(camera));
+  if (file.uncertainty)
+    TakeDeviationsAt(stack.stack->deviations, value,
+                     &file.uncertainty->lattice);
+  if (file.capture) {
+    if (stack.stack->cameras.condition() == CameraCondition::kLensPosition)
+      file.capture->lens_position = value;
+    else
+      file.capture->sensor_temperature_c = value;
+  }
+  file.stack.reset();
+  return file;
+}
+
 CameraFile ReadCameraFile(const std::string& path) {
   return ParseCameraFile(path, ReadFile(path));
 }
@@ -517,6 +522,7 @@ std::string FormatCameraFile(const CameraFile& file, Digits digits) {
   if (file.uncertainty) EmitUncertainty(*file.uncertainty, &out);
   if (file.camera_from_view) EmitPose(*file.camera_from_view, &out);
   if (file.capture) EmitCapture(*file.capture, &out);
+  if (file.stack) EmitStack(*file.stack, &out);
   // The model, which no camera lacks, comes last: a file that was cut is no
   // camera.
   EmitModel(camera, digits, &out);

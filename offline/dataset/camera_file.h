@@ -6,6 +6,7 @@
 #include <string>
 
 #include "camera/camera_model.h"
+#include "camera/camera_stack.h"
 #include "camera/camera_uncertainty.h"
 #include "camera/pose.h"
 #include "dataset/capture.h"
@@ -18,6 +19,18 @@ struct ErrorFigures {
   int count = 0;
 };
 
+/// How well a stack is known at a value of its condition.
+struct StackDeviation {
+  double value = 0;
+  DeviationLattice lattice;
+};
+
+/// A camera over the range of a condition, and how well it is known there.
+struct StackOfCameras {
+  CameraStack cameras;
+  std::vector<StackDeviation> deviations;  ///< by value, ascending
+};
+
 /// camera.yaml: a camera and what is known of it.
 struct CameraFile {
   std::shared_ptr<const CameraModel> camera;
@@ -28,7 +41,14 @@ struct CameraFile {
   /// The pose of a view that is turned against the camera it is made from.
   std::optional<Pose> camera_from_view;
   std::optional<Capture> capture;  ///< knows something, if it is there
+  /// The cameras that it is one of: the one in the middle, unless it was taken
+  /// at another value.
+  std::optional<StackOfCameras> stack;
 };
+
+/// The file of a stack's camera at a value of its condition, which lies in its
+/// range: deviations are linear between the values at which they are known.
+CameraFile FileAt(const CameraFile& stack, double value);
 
 /// Throws InputError.
 CameraFile ReadCameraFile(const std::string& path);

@@ -59,6 +59,24 @@ OpenCvModel Parametric(const ImageSize& size, double f_of_width, double k1,
        k1, k2, 0, k4, 0, 0, 2e-4, -1e-4});
 }
 
+// By how much a lens differs from what it is at 0 dioptres, or at 20 degrees.
+struct LensChange {
+  double focal_part = 0, k1 = 0;
+  Eigen::Vector2d center_px = {0, 0};
+};
+
+LensChange ChangeOf(CameraCondition condition, double value) {
+  if (condition == CameraCondition::kTemperature) {
+    const double part = (value - 20) / 50;
+    return {-40e-6 * (value - 20), 0,
+            part * (1.25 - 0.25 * part) * Eigen::Vector2d(0.4, -0.3)};
+  }
+  const double part = value / 10;
+  return {0.04 * part + 0.005 * part * (1 - part), 0.015 * part,
+          part * Eigen::Vector2d(1.6, -0.9) +
+              part * part * Eigen::Vector2d(0.3, 0.8)};
+}
+
 std::unique_ptr<CameraModel> WithBumps(std::shared_ptr<const CameraModel> lens,
                                        const ImageSize& size) {
   return std::make_unique<SimulatedCamera>(std::move(lens), WithMargin(size, 1),
@@ -109,6 +127,17 @@ std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
       "fisheye, fisheye190, noncentral, glass, anamorphic, off-axis, "
       "halves, decentred or mirror",
       name));
+}
+
+std::unique_ptr<CameraModel> ChangingLens(CameraCondition condition,
+                                          double value, const ImageSize& size) {
+  const LensChange change = ChangeOf(condition, value);
+  OpenCvModel lens = Parametric(size, 0.83, -0.28 + change.k1, 0.09, 0);
+  Eigen::VectorXd parameters = lens.Parameters();
+  parameters.head<2>() *= 1 + change.focal_part;
+  parameters.segment<2>(2) += change.center_px * size.width / 640;
+  lens.SetParameters(parameters);
+  return std::make_unique<SimulatedCamera>(lens, Bumps(size));
 }
 
 }  // namespace raygrid

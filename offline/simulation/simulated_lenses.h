@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "camera/camera_model.h"
+#include "camera/camera_stack.h"
 
 namespace raygrid {
 
@@ -23,6 +23,15 @@ namespace raygrid {
 /// Throws InputError for other names and for sizes a lens does not have.
 std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
                                            const ImageSize& size);
+
+/// A lens that changes with a condition, 62 degrees with barrel distortion and
+/// local bumps, over the image and one pixel around it:
+///   lens_position  0 to 10 dioptres: the focal length grows by 4 %, not quite
+///                  evenly; the centre and the distortion move with it
+///   temperature    degrees Celsius: the focal length shrinks by 40 ppm/K; the
+///                  centre moves by 0.5 px over 50 K, less the warmer it is
+std::unique_ptr<CameraModel> ChangingLens(CameraCondition condition,
+                                          double value, const ImageSize& size);
 
 }  // namespace raygrid
 

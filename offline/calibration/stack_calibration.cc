@@ -1,0 +1,219 @@
+#include "calibration/stack_calibration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "calibration/camera_in_progress.h"
+#include "calibration/camera_result.h"
+#include "calibration/camera_trust.h"
+#include "calibration/stack_start.h"
+#include "calibration/stopwatch.h"
+#include "camera/stacked_grid.h"
+#include "dataset/error.h"
+
+namespace raygrid {
+namespace {
+
+void RequireConditions(const Dataset& dataset,
+                       const ImageConditions& conditions,
+                       const CalibrationOptions& options) {
+  const std::string name = ConditionName(conditions.condition);
+  if (options.model != "central-generic")
+    throw Error(ExitCode::kUsage,
+                fmt::format("--condition {}: the model is central-generic, not "
+                            "{}",
+                            name, options.model));
+  std::set<double> values;
+  for (const ImageFeatures& image : dataset.images) {
+    const auto value = conditions.values.find(image.image);
+    if (value == conditions.values.end() || !std::isfinite(value->second))
+      throw Error(ExitCode::kUsage,
+                  fmt::format("image {} has no {}: give each image one, or "
+                              "leave it out",
+                              image.image, name));
+    values.insert(value->second);
+  }
+  if (values.size() < 2)
+    throw Error(ExitCode::kUsage,
+                fmt::format("all images have one {}: nothing tells how the "
+                            "camera changes with it; calibrate without "
+                            "--condition, or add images at others",
+                            name));
+}
+
+using FeatureKey = std::tuple<std::string, int, int, int>;
+
+// The features of the images that have poses, where images show them, but for
+// those that were rejected.
+Dataset UsedOf(const Dataset& given, const CalibrationResult& result) {
+  std::set<FeatureKey> rejected;
+  for (const FeatureResidual& f : result.rejected_features)
+    rejected.insert({f.image, f.board, f.column, f.row});
+  std::set<std::string> placed;
+  for (const BoardPose& pose : result.poses) placed.insert(pose.image);
+  Dataset used = {given.image_size, {}};
+  for (const ImageFeatures& image : given.images) {
+    if (placed.count(image.image) == 0) continue;
+    used.images.push_back({image.image, {}});
+    for (const Feature& f : image.features)
+      if (rejected.count({image.image, f.board, f.column, f.row}) == 0)
+        used.images.back().features.push_back(f);
+  }
+  return used;
+}
+
+// The problem of all images at their conditions, from where the camera in the
+// middle left poses and boards.
+Adjusted StartFrom(const CalibrationResult& result, const Dataset& used,
+                   const ImageConditions& conditions, const Pattern& pattern,
+                   const CameraStack& stack) {
+  Adjusted adjusted;
+  std::vector<RejectedImage> rejected;
+  adjusted.problem = BuildProblem({used}, pattern, &rejected);
+  CalibrationProblem& problem = adjusted.problem;
+  AdjustmentState& state = adjusted.state;
+  state.SetCamera(StackedGrid(stack, stack.middle()));
+  for (const Board& board : result.pattern.boards)
+    state.points.insert(state.points.end(), board.points.begin(),
+                        board.points.end());
+  std::map<std::pair<std::string, int>, Pose> poses;
+  for (const BoardPose& pose : result.poses)
+    poses[{pose.image, pose.board}] = pose.camera_from_board;
+  const auto pose_of = [&](size_t v) {
+    return poses.find(
+        {problem.images[v], pattern.boards[problem.boards[v]].id});
+  };
+  std::vector<bool> are_lost;
+  for (size_t v = 0; v < problem.views.size(); ++v)
+    are_lost.push_back(pose_of(v) == poses.end());
+  RemoveViews(are_lost, &problem);
+  state.rig_from_pattern.resize(problem.num_poses);
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    View& view = problem.views[v];
+    view.condition = conditions.values.at(problem.images[v]);
+    state.rig_from_pattern[view.pose] = pose_of(v)->second;
+  }
+  adjusted.prior.cameras = {
+      StackPrior(stack.At(stack.middle()), stack.order())};
+  adjusted.prior.points_mean = problem.nominal;
+  adjusted.rejected_features = {result.rejected_features};
+  return adjusted;
+}
+
+// Goes on to all images at their conditions.
+void AdjustStack(const CalibrationResult& result, const Pattern& pattern,
+                 const CalibrationOptions& options, Adjusted* adjusted) {
+  AdjustmentOptions adjustment = StoppableAdjustment(options);
+  if (!HavePointsMoved(*adjusted)) adjustment.fix_points = true;
+  AdjustmentOptions first = adjustment;
+  first.fix_points = true;
+  first.is_start = true;
+  const auto adjust = [&](const AdjustmentOptions& with) {
+    adjusted->summary = AdjustWithLearnedPrior(
+        adjusted->problem.views, with, &adjusted->prior, &adjusted->state);
+  };
+  adjust(first);
+  if (result.bends) {
+    adjusted->state.SetModes(ModesOf(adjusted->problem));
+    adjustment.rigid_boards = false;
+  }
+  adjust(adjustment);
+  AlignBoards(pattern, adjusted);
+}
+
+// The standard deviations of the stack's cameras at values over its range.
+std::vector<StackDeviation> StackDeviations(const Adjusted& adjusted,
+                                            int num_threads) {
+  constexpr int kNumValues = 5;
+  const auto& stack =
+      dynamic_cast<const StackedGrid&>(adjusted.state.camera()).stack();
+  std::vector<StackedGrid> cameras;
+  std::vector<const CameraModel*> as;
+  for (int k = 0; k < kNumValues; ++k)
+    cameras.emplace_back(stack, stack.low() + (stack.high() - stack.low()) * k /
+                                                  (kNumValues - 1));
+  for (const StackedGrid& camera : cameras) as.push_back(&camera);
+  std::vector<StackDeviation> deviations;
+  for (const DeviationLattice& lattice :
+       DeviationsOf(adjusted, 0, as, num_threads))
+    deviations.push_back({cameras[deviations.size()].value(), lattice});
+  return deviations;
+}
+
+// The result of all images in place of that of the camera in the middle.
+void PutResult(const CalibrationInput& input, const Pattern& pattern,
+               const CalibrationOptions& options, const Adjusted& adjusted,
+               CalibrationResult* result) {
+  const auto& stack =
+      dynamic_cast<const StackedGrid&>(adjusted.state.camera()).stack();
+  result->poses.clear();
+  FillResult(pattern, adjusted, 0, input.image_circle, options.num_threads,
+             result);
+  CentralGeneric middle = stack.At(stack.middle());
+  middle.SetImageCircle(input.image_circle);
+  result->camera.camera = middle.Clone();
+  result->camera.stack =
+      StackOfCameras{stack, StackDeviations(adjusted, options.num_threads)};
+  JudgeResult(options.num_threads, result);
+}
+
+}  // namespace
+
+int MaxStackOrder(int num_values) {
+  return std::clamp((num_values + 1) / 2, 1, CameraStack::kMaxOrder);
+}
+
+RigResult CalibrateStack(const CalibrationInput& input,
+                         const ImageConditions& conditions,
+                         const Pattern& pattern,
+                         const CalibrationOptions& options) {
+  RequireConditions(input.dataset, conditions, options);
+  const auto report = [&](const char* stage, double done) {
+    if (options.progress) options.progress(stage, done);
+  };
+  report("start over the condition", 0);
+  std::map<std::string, double> seconds;
+  std::optional<CameraStack> start;
+  {
+    const Stopwatch stopwatch(&seconds["stack_start"]);
+    start = StartStack(input.dataset, conditions, pattern, options);
+  }
+  CalibrationInput in_middle = input;
+  in_middle.dataset = BringToMiddle(input.dataset, conditions, *start);
+  // It would look where features were moved to.
+  in_middle.measure_again = nullptr;
+  CalibrationOptions of_middle = options;
+  of_middle.progress = [&](const std::string& stage, double done) {
+    if (options.progress) options.progress(stage, 0.1 + 0.7 * done);
+  };
+  RigResult result = Calibrate({in_middle}, pattern, of_middle);
+  if (options.ShouldStop()) return result;
+  report("adjustment over the condition", 0.8);
+  CalibrationResult& camera = result.cameras.front();
+  const CameraStack stack = ChangesOnGrid(
+      *start, dynamic_cast<const CentralGeneric&>(*camera.camera.camera));
+  Adjusted adjusted = StartFrom(camera, UsedOf(input.dataset, camera),
+                                conditions, pattern, stack);
+  adjusted.problem.area = options.area;
+  {
+    const Stopwatch stopwatch(&seconds["stack_adjustment"]);
+    AdjustStack(camera, pattern, options, &adjusted);
+  }
+  {
+    const Stopwatch stopwatch(&seconds["stack_figures"]);
+    PutResult(input, pattern, options, adjusted, &camera);
+  }
+  result.seconds.merge(seconds);
+  result.pattern = camera.pattern;
+  result.converged = camera.converged;
+  result.verdict = JudgeRig(result);
+  report("done", 1);
+  return result;
+}
+
+}  // namespace raygrid

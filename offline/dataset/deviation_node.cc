@@ -1,0 +1,51 @@
+#include "dataset/deviation_node.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "dataset/error.h"
+#include "dataset/yaml_file.h"
+
+namespace raygrid {
+
+DeviationLattice ParseDeviations(const YAML::Node& node) {
+  DeviationLattice lattice;
+  lattice.columns = node["columns"].as<int>();
+  lattice.rows = node["rows"].as<int>();
+  if (std::min(lattice.columns, lattice.rows) < 2 ||
+      std::max(lattice.columns, lattice.rows) > 65)
+    throw InputError("uncertainty: columns and rows must be 2 to 65");
+  const YAML::Node rows = node["deviation_px"];
+  RequireYamlList(rows, "uncertainty: deviation_px", lattice.rows);
+  for (const YAML::Node& row : rows) {
+    RequireYamlList(row, "uncertainty: a row of deviation_px", lattice.columns);
+    for (const YAML::Node& value : row) {
+      lattice.deviation_px.push_back(value.IsNull() ? NAN : value.as<double>());
+      if (!value.IsNull() && !(lattice.deviation_px.back() >= 0))
+        throw InputError("uncertainty: deviation_px is negative or none");
+    }
+  }
+  return lattice;
+}
+
+void EmitDeviations(const DeviationLattice& lattice, YAML::Emitter* out) {
+  *out << YAML::Key << "columns" << YAML::Value << lattice.columns << YAML::Key
+       << "rows" << YAML::Value << lattice.rows << YAML::Key << "deviation_px"
+       << YAML::Value << YAML::BeginSeq;
+  for (int row = 0; row < lattice.rows; ++row) {
+    *out << YAML::Flow << YAML::BeginSeq;
+    for (int column = 0; column < lattice.columns; ++column) {
+      const double value = lattice.deviation_px[row * lattice.columns + column];
+      if (std::isfinite(value))
+        *out << fmt::format("{:.6f}", value);
+      else
+        *out << YAML::Null;
+    }
+    *out << YAML::EndSeq;
+  }
+  *out << YAML::EndSeq;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+"""calibrate --condition: a camera over a range of lens positions, and --at of the other commands."""
+import json
+
+from command_test import CommandTest, main, read, run, write
+
+BOARD = "chessboard:13x9:30mm"
+POSITIONS = (0, 2, 4, 6, 8, 10)
+
+
+class Condition(CommandTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        features, values = [], ["image,value"]
+        for position in POSITIONS:
+            cls.simulate(position, "--images", 7, "--noise-px", 0.03)
+            lines = read(cls.path("at%g/features.csv" % position)).decode().splitlines()
+            features = features or lines[:1]
+            features += ["%g_%s" % (position, line) for line in lines[1:]]
+            values += ["%g_sim%04d.png,%g" % (position, i, position) for i in range(7)]
+        cls.features = write(cls.path("features.csv"), "\n".join(features) + "\n")
+        cls.values = write(cls.path("values.csv"), "\n".join(values) + "\n")
+        result = cls.calibrate("--condition", "lens_position", "--conditions", cls.values,
+                               out="out")
+        assert result.returncode == 0, result.stderr
+        cls.camera = cls.path("out/camera.yaml")
+
+    @classmethod
+    def simulate(cls, position, *options):
+        result = run("simulate", "--lens", "focusing", "--at", position, "--pattern", BOARD,
+                     "--seed", int(position) + 1, *options, "-o", cls.path("at%g" % position))
+        assert result.returncode == 0, result.stderr
+
+    @classmethod
+    def calibrate(cls, *options, out="refused"):
+        return run("calibrate", "--features", cls.features, "--image-size", "640x480",
+                   "--pattern", BOARD, "--cell-px", 80, "--skip-comparison", "--flat-board",
+                   "--hold-out", "0_sim0000.png", *options, "-o", cls.path(out))
+
+    def error_px(self, position, *options):
+        result = run("compare", self.path("at%g/true_camera.yaml" % position), self.camera,
+                     *options, "--json")
+        self.assert_done(result)
+        return json.loads(result.stdout)["median_px"], result.stderr
+
+    def test_the_camera_is_told_where_no_image_was(self):
+        for position in (3, 7.5):
+            self.simulate(position, "--images", 1)
+            error_px, said = self.error_px(position, "--at", position)
+            self.assertLess(error_px, 0.03)
+            self.assertEqual(said, "")
+        error_px, said = self.error_px(0)
+        self.assertGreater(error_px, 1)
+        self.assertIn("was calibrated over 0 to 10 dioptres, and is taken at 5", said)
+
+    def test_other_commands_take_the_camera_at_a_value(self):
+        points = write(self.path("points.csv"), "x,y,z\n0.3,0.2,1\n")
+        pixels = []
+        for at in (0, 10):
+            result = run("project", self.camera, "--at", at, "--points", points)
+            self.assert_done(result)
+            pixels.append(float(result.stdout.splitlines()[1].split(",")[3]))
+        # 320 px plus 0.3 times the focal length, which grows by 4 %.
+        self.assertGreater(pixels[1], pixels[0] + 4)
+        result = run("pack", self.camera, "--at", 2.5, "-o", self.path("near.raygrid"))
+        self.assert_done(result)
+
+    def test_values_that_cannot_be(self):
+        for at, told in ((10.5, "--at 10.5: was calibrated over 0 to 10 dioptres"),
+                         ("nan", "--at nan: was calibrated over")):
+            result = run("project", self.camera, "--at", at, "--points", "none.csv")
+            self.assert_refused(result, 1, told)
+        result = run("project", self.path("at0/true_camera.yaml"), "--at", 3, "--points", "none.csv")
+        self.assert_refused(result, 1, "was not calibrated over")
+
+    def test_conditions_that_are_missing(self):
+        self.assert_refused(self.calibrate("--condition", "temperature"), 1, "nothing says it")
+        self.assert_refused(self.calibrate("--conditions", self.values), 1, "--condition lens_position")
+        few = write(self.path("few.csv"), "image,value\n0_sim0000.png,0\n")
+        self.assert_refused(self.calibrate("--condition", "lens_position", "--conditions", few), 1,
+                          "has no lens_position")
+        one = write(self.path("one.csv"), "\n".join(
+            line.rsplit(",", 1)[0] + (",3" if i else ",value")
+            for i, line in enumerate(read(self.values).decode().splitlines())) + "\n")
+        self.assert_refused(self.calibrate("--condition", "lens_position", "--conditions", one), 1,
+                          "all images have one lens_position")
+        twice = write(self.path("twice.csv"), "image,value\n0_sim0000.png,0\n0_sim0000.png,1\n")
+        self.assert_refused(self.calibrate("--condition", "lens_position", "--conditions", twice), 2,
+                          "has a value already")
+        self.assert_refused(self.calibrate("--condition", "lens_position", "--conditions", self.values,
+                                         "--model", "opencv"), 1, "the model is central-generic")
+        self.assert_nothing_in(self.path("refused"))
+
+    def test_folders_of_images_at_values(self):
+        folders = []
+        for position in (0, 10):
+            folder = self.path("photographs/%g" % position)
+            result = run("simulate", "--lens", "focusing", "--at", position, "--render", "--images",
+                         4, "--size", "320x240", "--pattern", "chessboard:8x6:40mm", "--seed",
+                         position, "-o", folder)
+            assert result.returncode == 0, result.stderr
+            folders += ["--camera-at", "%g=%s" % (position, folder)]
+        options = ("--pattern", "chessboard:8x6:40mm", "--cell-px", 80, "--skip-comparison",
+                   "--hold-out", "0/sim0000.png", "-o", self.path("folders"))
+        result = run("calibrate", "--condition", "lens_position", *folders, *options)
+        self.assertIn(result.returncode, (0, 5), result.stderr)
+        self.assertIn(b"10/sim0001.png", read(self.path("folders/features.csv")))
+        self.assertIn(b"range: [0, 10]", read(self.path("folders/camera.yaml")))
+        result = run("calibrate", "--condition", "lens_position", *folders, *folders, *options)
+        self.assert_refused(result, 1, "two folders are called 0")
+        result = run("calibrate", "--condition", "lens_position", "--camera-at", "near=x", *options)
+        self.assert_refused(result, 1, "expected VALUE=FOLDER")
+
+
+if __name__ == "__main__":
+    main(__name__)

@@ -1,0 +1,171 @@
+#include "condition_input.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+#include <utility>
+
+#include "dataset/csv.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+#include "named_camera.h"
+#include "session_file.h"
+
+namespace raygrid {
+namespace {
+
+struct FolderAt {
+  double value = 0;
+  std::string folder;
+};
+
+std::vector<FolderAt> ParseFolders(const std::vector<std::string>& texts) {
+  std::vector<FolderAt> folders;
+  for (const std::string& text : texts) {
+    const NamedValue given = ParseNamedValue(text);
+    char* end;
+    const double value = std::strtod(given.name.c_str(), &end);
+    if (given.name.empty() || *end != 0 || !std::isfinite(value) ||
+        given.value.empty())
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--camera-at {}: expected VALUE=FOLDER, as "
+                              "2.5=photos/near",
+                              text));
+    folders.push_back({value, given.value});
+  }
+  return folders;
+}
+
+// The last part of a folder's path, also of "photos/near/".
+std::string NameOfFolder(const std::string& folder) {
+  return std::filesystem::absolute(std::filesystem::path(folder) / "")
+      .lexically_normal()
+      .parent_path()
+      .filename()
+      .string();
+}
+
+void ReadValues(const std::string& path,
+                std::map<std::string, double>* values) {
+  const CsvTable table(path, ReadFile(path), {"image", "value"});
+  for (size_t i = 0; i < table.num_rows(); ++i)
+    if (!values->emplace(table.Text(i, "image"), table.Number(i, "value"))
+             .second)
+      throw InputError(fmt::format("{}: {} has a value already", table.Place(i),
+                                   table.Text(i, "image")));
+}
+
+CameraCondition ConditionOf(const CalibrateArguments& arguments) {
+  return arguments.condition == ConditionName(CameraCondition::kTemperature)
+             ? CameraCondition::kTemperature
+             : CameraCondition::kLensPosition;
+}
+
+}  // namespace
+
+void AddConditionOptions(CLI::App* command, CalibrateArguments* arguments) {
+  command
+      ->add_option("--condition", arguments->condition,
+                   "calibrate over a range of it, the camera being a function "
+                   "of it: lens_position (dioptres) or temperature (°C of the "
+                   "sensor). The values are those of a session's frames, of "
+                   "--camera-at or of --conditions")
+      ->check(CLI::IsMember({"lens_position", "temperature"}));
+  command
+      ->add_option("--camera-at", arguments->cameras_at,
+                   "VALUE=FOLDER, once for each lens position or temperature "
+                   "that images were taken at, instead of images")
+      ->type_name("VALUE=FOLDER")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--conditions", arguments->conditions,
+                   "CSV with the columns image, value: the lens position or "
+                   "temperature in each image")
+      ->type_name("FILE");
+}
+
+void RequireConditionOptions(const CalibrateArguments& arguments, bool is_rig) {
+  const bool has_values =
+      !arguments.cameras_at.empty() || !arguments.conditions.empty();
+  if (arguments.condition.empty() && has_values)
+    throw Error(ExitCode::kUsage,
+                "say what the values of --camera-at or --conditions are: "
+                "--condition lens_position or --condition temperature");
+  if (arguments.condition.empty()) return;
+  if (is_rig)
+    throw Error(ExitCode::kUsage,
+                "--condition is for a single camera; calibrate a rig's cameras "
+                "one by one");
+  if (!arguments.cameras_at.empty() && !arguments.conditions.empty())
+    throw Error(ExitCode::kUsage,
+                "give either --camera-at or --conditions, not both");
+  if (!has_values && arguments.session_values.empty())
+    throw Error(ExitCode::kUsage,
+                fmt::format("--condition {}: nothing says it of the images; "
+                            "give --camera-at VALUE=FOLDER for each value, or "
+                            "--conditions FILE.csv",
+                            arguments.condition));
+}
+
+Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
+                              const CommonOptions& common,
+                              const Pattern& pattern,
+                              const std::function<void(double)>& progress) {
+  const std::vector<FolderAt> folders = ParseFolders(arguments.cameras_at);
+  std::set<std::string> names;
+  for (const FolderAt& folder : folders)
+    if (!names.insert(NameOfFolder(folder.folder)).second)
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--camera-at: two folders are called {}, and "
+                              "images are named after them; rename one",
+                              NameOfFolder(folder.folder)));
+  Measurements measurements;
+  for (size_t k = 0; k < folders.size(); ++k) {
+    const auto part = [&](double done) {
+      progress((static_cast<double>(k) + done) /
+               static_cast<double>(folders.size()));
+    };
+    Measurements more =
+        Measure({folders[k].folder}, pattern, arguments.pattern, common, part);
+    for (ImageFeatures& image : more.dataset.images) {
+      image.image = NameOfFolder(folders[k].folder) + "/" + image.image;
+      more.condition_values[image.image] = folders[k].value;
+    }
+    if (k > 0 && more.dataset.image_size != measurements.dataset.image_size)
+      throw InputError(
+          fmt::format("{}: images of {} x {} pixels, but those of "
+                      "{} are {} x {}",
+                      folders[k].folder, more.dataset.image_size.width,
+                      more.dataset.image_size.height, folders[0].folder,
+                      measurements.dataset.image_size.width,
+                      measurements.dataset.image_size.height));
+    Append(std::move(more), &measurements);
+  }
+  return measurements;
+}
+
+std::optional<double> ValueOf(const CalibrateArguments& arguments,
+                              const SessionFrame& frame) {
+  if (arguments.condition.empty()) return std::nullopt;
+  return ConditionOf(arguments) == CameraCondition::kLensPosition
+             ? frame.lens_position
+             : frame.sensor_temperature_c;
+}
+
+std::optional<ImageConditions> ConditionsOf(const CalibrateArguments& arguments,
+                                            const Measurements& measurements) {
+  if (arguments.condition.empty()) return std::nullopt;
+  ImageConditions conditions;
+  conditions.condition = ConditionOf(arguments);
+  conditions.values = measurements.condition_values;
+  if (!arguments.conditions.empty())
+    ReadValues(arguments.conditions, &conditions.values);
+  else if (conditions.values.empty())
+    conditions.values = arguments.session_values;
+  return conditions;
+}
+
+}  // namespace raygrid

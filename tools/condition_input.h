@@ -1,0 +1,39 @@
+/// The lens positions or temperatures that a calibration goes over.
+#ifndef RAYGRID_TOOLS_CONDITION_INPUT_H
+#define RAYGRID_TOOLS_CONDITION_INPUT_H
+
+#include <functional>
+#include <optional>
+
+#include "calibration/stack_calibration.h"
+#include "calibration_input.h"
+
+namespace raygrid {
+
+struct SessionFrame;
+
+/// The options of raygrid calibrate for them.
+void AddConditionOptions(CLI::App* command, CalibrateArguments* arguments);
+
+/// Throws Error(kUsage) for options that do not go together.
+void RequireConditionOptions(const CalibrateArguments& arguments, bool is_rig);
+
+/// Measures the folders of --camera-at. Their images are named after the
+/// folder, too: FOLDER/IMAGE. Throws Error(kUsage), InputError.
+Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
+                              const CommonOptions& common,
+                              const Pattern& pattern,
+                              const std::function<void(double)>& progress);
+
+/// The value of the condition that is asked for, as a session's frame has it.
+std::optional<double> ValueOf(const CalibrateArguments& arguments,
+                              const SessionFrame& frame);
+
+/// The value in each image; nothing if no condition is asked for. Throws
+/// Error(kUsage), InputError.
+std::optional<ImageConditions> ConditionsOf(const CalibrateArguments& arguments,
+                                            const Measurements& measurements);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_TOOLS_CONDITION_INPUT_H
