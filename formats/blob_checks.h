@@ -41,6 +41,17 @@ static inline const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,
   return 0;
 }
 
+/* The camera section. The table was checked, so that there is one. */
+static inline const uint8_t* rg_find_identity(const uint8_t* bytes) {
+  const uint8_t* const entry = rg_find_entry(bytes, RG_SECTION_CAMERA, 0);
+  return bytes + rg_load_u32(entry + RG_ENTRY_OFFSET);
+}
+
+/* The size of the camera's images: width, and height times 2^16. */
+static inline uint32_t rg_camera_size(const uint8_t* bytes) {
+  return rg_load_u32(rg_find_identity(bytes) + RG_CAMERA_WIDTH);
+}
+
 /* A mode by its number, counted from 1, or NULL if the blob lacks it. */
 static inline const uint8_t* rg_find_mode(const uint8_t* bytes,
                                           uint32_t number) {

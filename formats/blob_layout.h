@@ -278,6 +278,17 @@ enum rg_capture_field {
 };
 #define RG_CAPTURE_SIZE 44u
 
+/* ---- Stack -------------------------------------------------------------- */
+
+/* The camera at other conditions, knot after knot. */
+enum rg_stack_field {
+  RG_STACK_CONDITION = 0,  /* u16: rg_condition */
+  RG_STACK_KNOTS = 2,      /* u16: how many */
+  RG_STACK_DATA_OFFSET = 4 /* u32: knots, from the section's first byte */
+};
+/* Behind them an i32, q16, for each knot: its value. */
+#define RG_STACK_FIELDS_SIZE 8u
+
 /* ---- Slots -------------------------------------------------------------- */
 
 /* In front of a blob in flash, where two have room. */

@@ -1,5 +1,7 @@
 /* rg_blob_open(): all limits of SPEC.md, "Sections", those too that no board
  * depends on. */
+#include "blob_limits.h"
+
 #include "blob_checks.h"
 #include "bytes.h"
 #include "rg_blob.h"
@@ -14,7 +16,8 @@ static rg_status check_entry(const uint8_t* bytes, const uint8_t* entry,
   const uint32_t type = rg_load_u16(entry + RG_ENTRY_TYPE);
   const uint32_t flags = rg_load_u16(entry + RG_ENTRY_FLAGS);
   if (flags > RG_SECTION_CRITICAL) return RG_ERR_SECTION_FLAGS;
-  if (type == RG_SECTION_CAPTURE && rg_find_entry(bytes, type, 0) != entry)
+  if ((type == RG_SECTION_CAPTURE || type == RG_SECTION_STACK) &&
+      rg_find_entry(bytes, type, 0) != entry)
     return RG_ERR_SECTION_DUPLICATE;
   if (type >= RG_NUM_SECTION_TYPES || !sections->of[type].bytes) return RG_OK;
   if (flags != (CRITICAL_TYPES >> type & 1u)) return RG_ERR_SECTION_FLAGS;
@@ -90,9 +93,8 @@ static int is_plane_in_range(const uint8_t* plane, const uint8_t* section,
   return 1;
 }
 
-/* The central grid or, without a camera, the inverse one. */
-static rg_status check_grid(const uint8_t* section, uint32_t size,
-                            const uint8_t* camera) {
+rg_status rg_check_whole_grid(const uint8_t* section, uint32_t size,
+                              const uint8_t* camera) {
   const uint32_t fraction_bits = rg_load_u16(section + RG_GRID_FRACTION_BITS);
   const int is_wide = fraction_bits == RG_CONTROL_POINT_BITS;
   if (camera && rg_load_u32(section + RG_GRID_RESERVED) != 0)
@@ -314,8 +316,8 @@ static rg_status check_capture(const uint8_t* section, uint32_t size,
              : RG_ERR_CAPTURE;
 }
 
-static rg_status check_remap(const uint8_t* bytes, const uint8_t* section,
-                             uint32_t size, const uint8_t* camera) {
+rg_status rg_check_whole_remap(const uint8_t* bytes, const uint8_t* section,
+                               uint32_t size, const uint8_t* camera) {
   if (section[RG_REMAP_PART_LOG2] == 0 && rg_bend_shift(section) != 0)
     return RG_ERR_RESERVED;
   rg_status status = rg_check_remap(
@@ -341,9 +343,9 @@ static rg_status check_section(const uint8_t* bytes, const uint8_t* entry,
     case RG_SECTION_CAMERA:
       return check_camera(section);
     case RG_SECTION_CENTRAL_GRID:
-      return check_grid(section, size, camera);
+      return rg_check_whole_grid(section, size, camera);
     case RG_SECTION_REMAP:
-      return check_remap(bytes, section, size, camera);
+      return rg_check_whole_remap(bytes, section, size, camera);
     case RG_SECTION_LINE_POINTS:
       return check_line_points(section, size, grid);
     case RG_SECTION_MASK:
@@ -353,9 +355,11 @@ static rg_status check_section(const uint8_t* bytes, const uint8_t* entry,
     case RG_SECTION_MODES:
       return check_modes(section, size);
     case RG_SECTION_INVERSE:
-      return check_grid(section, size, 0);
+      return rg_check_whole_grid(section, size, 0);
     case RG_SECTION_CAPTURE:
       return check_capture(section, size, camera);
+    case RG_SECTION_STACK:
+      return rg_check_stack(bytes, section, size, sections);
     default:
       return RG_OK;
   }
@@ -414,5 +418,6 @@ rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
   blob->uncertainty = offset_of(first, RG_SECTION_UNCERTAINTY);
   blob->modes = offset_of(first, RG_SECTION_MODES);
   blob->capture = offset_of(first, RG_SECTION_CAPTURE);
+  blob->stack = offset_of(first, RG_SECTION_STACK);
   return RG_OK;
 }

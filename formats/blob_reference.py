@@ -41,6 +41,7 @@ LINE_POINTS = struct.Struct("<2HI")
 MASK = struct.Struct("<2H2BHI")
 UNCERTAINTY = struct.Struct("<2H3I")
 CAPTURE = struct.Struct("<iI2i3I2BHi2I")
+STACK = struct.Struct("<2HI")
 CRC_COVERED_HEADER = 28
 
 TYPE_CAMERA = 1
@@ -53,14 +54,15 @@ TYPE_UNCERTAINTY = 7
 TYPE_MODES = 8
 TYPE_INVERSE = 10
 TYPE_CAPTURE = 11
+TYPE_STACK = 12
 CRITICAL = 1
 FLAGS_OF_TYPE = {TYPE_CAMERA: CRITICAL, TYPE_GRID: CRITICAL, TYPE_REMAP: 0, TYPE_QUALITY: 0,
                  TYPE_LINE_POINTS: CRITICAL, TYPE_MASK: 0, TYPE_UNCERTAINTY: 0,
-                 TYPE_MODES: 0, TYPE_INVERSE: 0, TYPE_CAPTURE: 0}
+                 TYPE_MODES: 0, TYPE_INVERSE: 0, TYPE_CAPTURE: 0, TYPE_STACK: 0}
 REQUIRED_TYPES = (TYPE_CAMERA, TYPE_GRID)
 SINGLE_TYPES = (TYPE_CAMERA, TYPE_GRID, TYPE_QUALITY, TYPE_LINE_POINTS,
-                TYPE_MASK, TYPE_UNCERTAINTY, TYPE_MODES, TYPE_INVERSE, TYPE_CAPTURE)
-TYPES_SKIPPED_BY_BOARDS = (TYPE_CAPTURE,)
+                TYPE_MASK, TYPE_UNCERTAINTY, TYPE_MODES, TYPE_INVERSE, TYPE_CAPTURE, TYPE_STACK)
+TYPES_SKIPPED_BY_BOARDS = (TYPE_CAPTURE, TYPE_STACK)  # on opening
 
 MAX_IMAGE_SIDE = 16384
 MAX_REMAP_SIDE = 8192
@@ -102,6 +104,10 @@ ORIENTATIONS = range(1, 9)
 TEMPERATURE_LIMIT_Q16 = 1024 << 16
 EXPOSURES_US = range(1, (1 << 30) + 1)
 ANALOGUE_GAINS_Q16 = range(1, (1024 << 16) + 1)
+CONDITIONS = (LENS_POSITION, TEMPERATURE) = (1, 2)
+KNOT_COUNTS = range(2, 65)
+CONDITION_LIMIT_Q16 = 1024 << 16
+WEIGHT_BITS = 14
 KNOWS_LENS_POSITION, KNOWS_CROP, KNOWS_ZOOM, KNOWS_ORIENTATION = 1, 2, 4, 8
 KNOWS_TEMPERATURE, KNOWS_EXPOSURE, KNOWS_GAIN = 16, 32, 64
 
@@ -329,6 +335,33 @@ class Capture:
 
 
 @dataclass(frozen=True)
+class Knot:
+    """Stack: the camera at one value of the condition."""
+
+    grid: CentralGrid
+    inverse: InverseGrid | None
+    remaps: tuple[Remap, ...]
+
+
+@dataclass(frozen=True)
+class Stack:
+    """Stack (type 12); `values` in q16, of the knots in their order."""
+
+    condition: int
+    values: tuple[int, ...]
+    knots: tuple[Knot, ...]
+
+
+@dataclass(frozen=True)
+class BlendedGrid(CentralGrid):
+    """Stack, "Rays at a condition": a grid of the lower knot, whose values are blended with those of
+    the upper knot's."""
+
+    upper: CentralGrid | None = None
+    weight: int = 0  # of the upper one, q14
+
+
+@dataclass(frozen=True)
 class Blob:
     """The contents that this reader takes from a blob; `remap` is the first remap section."""
 
@@ -344,6 +377,12 @@ class Blob:
     uncertainty: Uncertainty | None = None
     modes: tuple[Mode, ...] = ()
     capture: Capture | None = None
+    stack: Stack | None = None
+
+    @property
+    def remaps(self) -> tuple[Remap, ...]:
+        """All remap sections."""
+        return () if self.remap is None else (self.remap, *self.more_remaps)
 
 
 def ceil_divide(a: int, b: int) -> int:
@@ -493,7 +532,8 @@ def parse(data: bytes) -> Blob:
                TYPE_MASK: lambda section: read_valid_mask(section, camera),
                TYPE_UNCERTAINTY: lambda section: read_uncertainty(section, grid),
                TYPE_INVERSE: read_inverse,
-               TYPE_CAPTURE: lambda section: read_capture(section, camera)}
+               TYPE_CAPTURE: lambda section: read_capture(section, camera),
+               TYPE_STACK: lambda section: read_stack(section, data, table)}
     found = {kind: [] for kind in readers}
     for entry in table:
         if entry.type in readers:
@@ -501,7 +541,7 @@ def parse(data: bytes) -> Blob:
     first = {kind: next(iter(values), None) for kind, values in found.items()}
     return Blob(camera, grid, first[TYPE_REMAP], first[TYPE_QUALITY], first[TYPE_INVERSE],
                 tuple(found[TYPE_REMAP][1:]), first[TYPE_LINE_POINTS], first[TYPE_MASK],
-                first[TYPE_UNCERTAINTY], first[TYPE_MODES] or (), first[TYPE_CAPTURE])
+                first[TYPE_UNCERTAINTY], first[TYPE_MODES] or (), first[TYPE_CAPTURE], first[TYPE_STACK])
 
 
 def sections(data: bytes, table: list[Entry], wanted: int) -> Iterator[bytes]:
@@ -878,11 +918,118 @@ def read_capture(section: bytes, camera: Camera) -> Capture:
             (KNOWS_EXPOSURE, exposure), (KNOWS_GAIN, gain))))
 
 
+def knot_parts(data: bytes, table: list[Entry]) -> list[tuple[int, bytes]]:
+    """Stack: type and bytes of the blob's own sections that a knot has a part for."""
+    return [(entry.type, section_bytes(data, entry)) for entry in table
+            if entry.type in (TYPE_GRID, TYPE_INVERSE, TYPE_REMAP)]
+
+
+def read_stack(section: bytes, data: bytes, table: list[Entry]) -> Stack:
+    """Stack (type 12)."""
+    condition, count, data_offset = unpack_fields(STACK, section, "stack")
+    require(condition in CONDITIONS and count in KNOT_COUNTS
+            and not any(sections(data, table, TYPE_LINE_POINTS)), "RG_ERR_STACK",
+            f"the stack has {count} knots of condition {condition}")
+    values_layout = struct.Struct(f"{STACK.format}{count}i")
+    values = unpack_fields(values_layout, section, "stack")[3:]
+    require(all(low < high for low, high in zip(values, values[1:]))
+            and max(map(abs, values)) <= CONDITION_LIMIT_Q16, "RG_ERR_STACK",
+            f"the values are {values}")
+    own = knot_parts(data, table)
+    check_data_offset(data_offset, values_layout, "stack")
+    array = array_bytes(section, data_offset, count * sum(len(part) for _, part in own), "stack")
+    camera = read_camera(first_section(data, table, TYPE_CAMERA))
+    sizes = mode_sizes(next(sections(data, table, TYPE_MODES), b""))
+    knots, position = [], 0
+    for _ in range(count):
+        found = {TYPE_GRID: [], TYPE_INVERSE: [], TYPE_REMAP: []}
+        for kind, like in own:
+            part = array[position:position + len(like)]
+            position += len(like)
+            found[kind].append(read_knot_part(kind, part, like, camera, sizes))
+        knots.append(Knot(found[TYPE_GRID][0], next(iter(found[TYPE_INVERSE]), None),
+                          tuple(found[TYPE_REMAP])))
+    return Stack(condition, values, tuple(knots))
+
+
+def read_knot_part(kind: int, part: bytes, like: bytes, camera: Camera,
+                   sizes: list[Size]) -> CentralGrid | InverseGrid | Remap:
+    """Stack: a grid or a table of a knot, whose fields, and mask, are those of the blob's own."""
+    if kind == TYPE_REMAP:
+        read = read_remap(part, camera, sizes)
+        data_offset = REMAP.unpack_from(part)[24]
+        mask = len(part) - mask_size(block_count(read))
+        same = part[mask:] == like[mask:]
+    else:
+        read = read_grid(part, camera) if kind == TYPE_GRID else read_inverse(part)
+        data_offset = GRID.unpack_from(part)[10]
+        same = True
+    require(same and knot_fields(kind, part, data_offset) == knot_fields(kind, like, data_offset),
+            "RG_ERR_STACK", "a knot has other fields than the blob")
+    return read
+
+
+def knot_fields(kind: int, section: bytes, data_offset: int) -> bytes:
+    """Stack: the bytes in front of the arrays, but for the tables' max_error_upx."""
+    fields = section[:data_offset]
+    return fields[:72] + fields[76:] if kind == TYPE_REMAP else fields
+
+
 def is_crop(crop: list[int], camera: Camera) -> bool:
     """Capture: a part of the sensor that images can show."""
     return all(abs(start) <= CROP_LIMIT and 1 <= span <= CROP_LIMIT
                and span <= MAX_CROP_SCALE * side and side <= MAX_CROP_SCALE * span
                for start, span, side in zip(crop[:2], crop[2:], (camera.width, camera.height)))
+
+
+# Conditions
+
+
+def weight_at(stack: Stack, value: int) -> Pair:
+    """Stack, "Conditions": the lower knot, and the weight of the next one in q14."""
+    values = stack.values
+    clamped = min(max(value, values[0]), values[-1])
+    lower = max(k for k, knot_value in enumerate(values) if knot_value <= clamped)
+    if lower == len(values) - 1:
+        return lower, 0
+    return lower, ((clamped - values[lower]) << WEIGHT_BITS) // (values[lower + 1] - values[lower])
+
+
+def at_condition(blob: Blob, value: int) -> Blob:
+    """Stack: the camera at a value of the condition, in q16."""
+    if blob.stack is None:
+        raise BlobError("RG_ERR_NO_STACK", "the blob has no stack")
+    k, weight = weight_at(blob.stack, value)
+    lower, upper = blob.stack.knots[k], blob.stack.knots[k + (weight != 0)]
+    inverse = lower.inverse and dataclasses.replace(
+        lower.inverse, grid=blended_grid(lower.inverse.grid, upper.inverse.grid, weight))
+    remap, *others = (*map(functools.partial(blended_remap, weight=weight),
+                           lower.remaps, upper.remaps), None)
+    return dataclasses.replace(
+        blob, grid=blended_grid(lower.grid, upper.grid, weight), inverse=inverse, remap=remap,
+        more_remaps=tuple(others[:-1]), stack=None)
+
+
+def blended_grid(lower: CentralGrid, upper: CentralGrid, weight: int) -> CentralGrid:
+    """Stack, "Rays at a condition": two grids as one."""
+    if weight == 0:
+        return lower
+    fields = {field.name: getattr(lower, field.name) for field in dataclasses.fields(lower)}
+    return BlendedGrid(**fields, upper=upper, weight=weight)
+
+
+def blended_remap(lower: Remap, upper: Remap, weight: int) -> Remap:
+    """Stack, "A table at a condition": again a table, of blended residuals and bends."""
+    def blend(pairs: tuple, others: tuple) -> tuple:
+        return tuple(tuple(blended(p, q, weight) for p, q in zip(*both))
+                     for both in zip(pairs, others))
+    return dataclasses.replace(lower, vertices=blend(lower.vertices, upper.vertices),
+                               bends=blend(lower.bends, upper.bends))
+
+
+def blended(p: int, q: int, weight: int) -> int:
+    """Stack, "A table at a condition": a residual or a bend."""
+    return p + (fit(weight * (q - p) + (1 << WEIGHT_BITS - 1), 32) >> WEIGHT_BITS)
 
 
 # Meaning
@@ -1026,6 +1173,15 @@ def spline_sum(points: tuple, columns: int, place: Place) -> tuple[int, ...]:
 
 
 def value_at(grid: CentralGrid, place: Place) -> tuple[int, ...]:
+    """Arithmetic of rays, "Values", and Stack, "Rays at a condition"."""
+    value = value_of_grid(grid, place)
+    if not isinstance(grid, BlendedGrid):
+        return value
+    return tuple(fit(p + high(fit(2 * (q - p), 32), fit(grid.weight << 31 - WEIGHT_BITS, 32)), 32)
+                 for p, q in zip(value, value_of_grid(grid.upper, place)))
+
+
+def value_of_grid(grid: CentralGrid, place: Place) -> tuple[int, ...]:
     """Arithmetic of rays, "Values": both coordinates, in 2 bits less than the control points."""
     if grid.fraction_bits == FRACTION_BITS:
         return spline_sum(grid.control_points, grid.columns, place)
@@ -1536,7 +1692,7 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
     yield TYPE_GRID, pack_grid(blob.grid)
     if blob.modes:
         yield TYPE_MODES, b"".join(map(pack_mode, blob.modes))
-    for remap in () if blob.remap is None else (blob.remap, *blob.more_remaps):
+    for remap in blob.remaps:
         yield TYPE_REMAP, pack_remap(remap)
     if blob.quality is not None:
         yield TYPE_QUALITY, QUALITY.pack(*dataclasses.astuple(blob.quality))
@@ -1550,11 +1706,13 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
         yield TYPE_INVERSE, pack_inverse(blob.inverse)
     if blob.capture is not None:
         yield TYPE_CAPTURE, pack_capture(blob.capture)
+    if blob.stack is not None:
+        yield TYPE_STACK, pack_stack(blob.stack)
 
 
 def minor_version(packed: list[tuple[int, bytes]]) -> int:
     """Duties, "A writer": the minor version whose fields it uses."""
-    if any(kind == TYPE_CAPTURE for kind, _ in packed):
+    if any(kind in (TYPE_CAPTURE, TYPE_STACK) for kind, _ in packed):
         return 6
     remaps = [REMAP.unpack_from(section) for kind, section in packed if kind == TYPE_REMAP]
     if any(fields[7] & HAS_VIEW for fields in remaps) or any(
@@ -1678,6 +1836,20 @@ def pack_capture(capture: Capture) -> bytes:
                         capture.exposure or 0, capture.gain or 0)
 
 
+def pack_stack(stack: Stack) -> bytes:
+    """Stack (type 12)."""
+    count = len(stack.values)
+    fields = STACK.pack(stack.condition, count, STACK.size + 4 * count)
+    return (fields + struct.pack(f"<{count}i", *stack.values)
+            + b"".join(map(pack_knot, stack.knots)))
+
+
+def pack_knot(knot: Knot) -> bytes:
+    """Stack: a knot's grids and tables, in the order of packed_sections()."""
+    inverse = b"" if knot.inverse is None else pack_inverse(knot.inverse)
+    return pack_grid(knot.grid) + b"".join(map(pack_remap, knot.remaps)) + inverse
+
+
 def pack_mode(mode: Mode) -> bytes:
     """Sensor modes: one of them."""
     return MODE.pack(mode.width, mode.height, *mode.offset, *mode.scale, *mode.flips, 0, 0, 0,
@@ -1705,7 +1877,8 @@ def field_lines(title: str, record: object) -> Iterator[str]:
     yield f"{title}:"
     for field in dataclasses.fields(record):
         value = getattr(record, field.name)
-        if field.name in ("control_points", "vertices", "values", "bends"):
+        if field.name in ("control_points", "vertices", "bends", "knots") or (
+                field.name == "values" and title == "uncertainty"):
             value = f"{len(value)}"
         elif field.name in ("empty_blocks", "bits"):
             value = f"{sum(value)} of {len(value)}"
@@ -1730,7 +1903,7 @@ def inspect_lines(data: bytes) -> Iterator[str]:
     yield from field_lines("camera", blob.camera)
     yield from field_lines("grid", blob.grid)
     yield from derived_lines(blob.grid, ("scale_x", "scale_y"))
-    for remap in () if blob.remap is None else (blob.remap, *blob.more_remaps):
+    for remap in blob.remaps:
         yield from field_lines("remap", remap)
         yield from derived_lines(remap, ("columns", "rows"))
     if blob.quality is not None:
@@ -1747,6 +1920,8 @@ def inspect_lines(data: bytes) -> Iterator[str]:
         yield from field_lines("mode", mode)
     if blob.capture is not None:
         yield from field_lines("capture", blob.capture)
+    if blob.stack is not None:
+        yield from field_lines("stack", blob.stack)
 
 
 def hexdump_lines(data: bytes) -> Iterator[str]:

@@ -58,7 +58,21 @@ static uint32_t num_sections(const rg_blob_contents* contents) {
          (contents->quality != 0) + (contents->line_points_q28 != 0) +
          (contents->mask != 0) + (contents->uncertainty != 0) +
          (contents->inverse != 0) + (contents->num_modes != 0) +
-         (contents->capture != 0);
+         (contents->capture != 0) + (contents->stack != 0);
+}
+
+/* How many tables the blob has. */
+static uint32_t num_remaps(const rg_blob_contents* contents) {
+  return contents->remap ? 1 + contents->num_more_remaps : 0;
+}
+
+static uint32_t stack_size(const rg_blob_contents* contents) {
+  uint32_t knot_size = grid_size(contents);
+  if (contents->inverse) knot_size += inverse_size(contents->inverse);
+  if (contents->remap) knot_size += rg_remap_section_size(contents->remap);
+  for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
+    knot_size += rg_remap_section_size(contents->more_remaps[k].section);
+  return RG_STACK_FIELDS_SIZE + (4 + knot_size) * contents->stack->num_knots;
 }
 
 uint32_t rg_blob_size(const rg_blob_contents* contents) {
@@ -74,6 +88,7 @@ uint32_t rg_blob_size(const rg_blob_contents* contents) {
   if (contents->uncertainty) size += uncertainty_size(contents->uncertainty);
   if (contents->inverse) size += inverse_size(contents->inverse);
   if (contents->capture) size += RG_CAPTURE_SIZE;
+  if (contents->stack) size += stack_size(contents);
   return size + RG_MODE_SIZE * contents->num_modes;
 }
 
@@ -110,9 +125,9 @@ static void write_number_format(uint32_t fraction_bits, uint8_t* section) {
   rg_store_u32(section + RG_GRID_DATA_OFFSET, RG_GRID_FIELDS_SIZE);
 }
 
-static void write_grid(const rg_blob_contents* contents, uint8_t* section) {
-  const rg_grid_section* const grid = contents->grid;
-  const rg_narrow_grid* const narrow = contents->narrow;
+/* narrow: NULL, or instead of the other control points. */
+static void write_grid(const rg_grid_section* grid, const int32_t* points_q29,
+                       const rg_narrow_grid* narrow, uint8_t* section) {
   rg_store_i32(section + RG_GRID_X0, grid->x0_q16);
   rg_store_i32(section + RG_GRID_Y0, grid->y0_q16);
   rg_store_i32(section + RG_GRID_X1, grid->x1_q16);
@@ -131,7 +146,7 @@ static void write_grid(const rg_blob_contents* contents, uint8_t* section) {
     return;
   }
   for (uint32_t i = 0; i < count; ++i)
-    rg_store_i32(data + 4 * i, contents->control_points_q29[i]);
+    rg_store_i32(data + 4 * i, points_q29[i]);
 }
 
 /* The padding is zero. */
@@ -286,6 +301,38 @@ static void write_capture(const rg_capture_section* capture, uint8_t* section) {
   rg_store_u32(section + RG_CAPTURE_ANALOGUE_GAIN, capture->analogue_gain_q16);
 }
 
+/* Writes a knot's grids and tables in the order of write_sections(), and
+ * returns where the next one goes. */
+static uint8_t* write_knot(const rg_blob_contents* contents,
+                           const rg_knot_contents* knot, uint8_t* part) {
+  write_grid(contents->grid, knot->control_points_q29, knot->narrow, part);
+  part += grid_size(contents);
+  for (uint32_t k = 0; k < num_remaps(contents); ++k) {
+    const rg_remap_contents* const remap = &knot->remaps[k];
+    rg_write_remap(remap->section, remap->residuals, part);
+    part += rg_remap_section_size(remap->section);
+  }
+  if (contents->inverse) {
+    write_inverse(contents->inverse, knot->inverse_points, part);
+    part += inverse_size(contents->inverse);
+  }
+  return part;
+}
+
+static void write_stack(const rg_blob_contents* contents, uint8_t* section) {
+  const rg_stack_contents* const stack = contents->stack;
+  const uint32_t fields_size = RG_STACK_FIELDS_SIZE + 4u * stack->num_knots;
+  rg_store_u16(section + RG_STACK_CONDITION, stack->condition);
+  rg_store_u16(section + RG_STACK_KNOTS, stack->num_knots);
+  rg_store_u32(section + RG_STACK_DATA_OFFSET, fields_size);
+  uint8_t* knot = section + fields_size;
+  for (uint32_t k = 0; k < stack->num_knots; ++k) {
+    rg_store_i32(section + RG_STACK_FIELDS_SIZE + 4 * k,
+                 stack->knots[k].value_q16);
+    knot = write_knot(contents, &stack->knots[k], knot);
+  }
+}
+
 typedef struct section_writer {
   uint8_t* bytes;
   uint8_t* entry;
@@ -334,6 +381,9 @@ static void write_new_sections(const rg_blob_contents* contents,
   if (contents->capture)
     write_capture(contents->capture, begin_section(writer, RG_SECTION_CAPTURE,
                                                    0, RG_CAPTURE_SIZE));
+  if (contents->stack)
+    write_stack(contents, begin_section(writer, RG_SECTION_STACK, 0,
+                                        stack_size(contents)));
 }
 
 static void write_modes(const rg_blob_contents* contents,
@@ -349,8 +399,9 @@ static void write_sections(const rg_blob_contents* contents,
   write_camera(contents->camera,
                begin_section(writer, RG_SECTION_CAMERA, RG_SECTION_CRITICAL,
                              RG_CAMERA_SIZE));
-  write_grid(contents, begin_section(writer, RG_SECTION_CENTRAL_GRID,
-                                     RG_SECTION_CRITICAL, grid_size(contents)));
+  write_grid(contents->grid, contents->control_points_q29, contents->narrow,
+             begin_section(writer, RG_SECTION_CENTRAL_GRID, RG_SECTION_CRITICAL,
+                           grid_size(contents)));
   if (contents->num_modes != 0) write_modes(contents, writer);
   if (contents->remap)
     begin_remap(contents->remap, contents->residuals, writer);
@@ -380,7 +431,7 @@ static uint16_t version_of_remaps(const rg_blob_contents* contents) {
 
 /* The lowest minor version that has what the blob uses. */
 static uint16_t minor_version(const rg_blob_contents* contents) {
-  if (contents->capture) return 6;
+  if (contents->capture || contents->stack) return 6;
   if (contents->num_modes != 0) return 5;
   const uint16_t version = version_of_remaps(contents);
   if (version != 0) return version;
@@ -454,6 +505,38 @@ static int has_arrays(const rg_remap_section* remap, const int16_t* residuals) {
          (remap->part_log2 == 0 || remap->bends);
 }
 
+/* Whether a knot's grids and tables have arrays of the blob's own sizes. */
+static int is_like_own(const rg_blob_contents* contents,
+                       const rg_knot_contents* knot) {
+  if (!knot->narrow != !contents->narrow ||
+      (knot->narrow ? !knot->narrow->residuals : !knot->control_points_q29))
+    return 0;
+  if (contents->inverse &&
+      (!knot->inverse_points || !knot->inverse_points->residuals))
+    return 0;
+  if (contents->remap && !knot->remaps) return 0;
+  for (uint32_t k = 0; k < num_remaps(contents); ++k) {
+    const rg_remap_contents* const remap = &knot->remaps[k];
+    const rg_remap_section* const own =
+        k == 0 ? contents->remap : contents->more_remaps[k - 1].section;
+    if (!has_arrays(remap->section, remap->residuals) ||
+        remap->section->columns != own->columns ||
+        remap->section->rows != own->rows ||
+        remap_fields_size(remap->section) != remap_fields_size(own) ||
+        vertex_size(remap->section) != vertex_size(own))
+      return 0;
+  }
+  return 1;
+}
+
+static int is_whole_stack(const rg_blob_contents* contents) {
+  const rg_stack_contents* const stack = contents->stack;
+  if (!stack->knots || stack->num_knots > RG_MAX_KNOTS) return 0;
+  for (uint32_t k = 0; k < stack->num_knots; ++k)
+    if (!is_like_own(contents, &stack->knots[k])) return 0;
+  return 1;
+}
+
 /* Every array that the contents speak of is there. */
 static int is_complete(const rg_blob_contents* contents) {
   if (!contents->camera || !contents->grid) return 0;
@@ -475,6 +558,7 @@ static int is_complete(const rg_blob_contents* contents) {
   if (contents->num_modes != 0 && !contents->modes) return 0;
   for (uint32_t k = 0; k < contents->num_modes; ++k)
     if (!contents->modes[k].name) return 0;
+  if (contents->stack && !is_whole_stack(contents)) return 0;
   return (!contents->mask || contents->mask->bits) &&
          (!contents->uncertainty || contents->uncertainties_q12);
 }

@@ -36,7 +36,8 @@ enum rg_section_type {
   RG_SECTION_MODES = 8,
   RG_SECTION_INVERSE = 10,
   RG_NUM_SECTION_TYPES = 11, /* those that boards know */
-  RG_SECTION_CAPTURE = 11    /* whole readers know it alone */
+  RG_SECTION_CAPTURE = 11,   /* whole readers know it alone */
+  RG_SECTION_STACK = 12      /* on boards rg_set_condition() knows it alone */
 };
 
 #define RG_MAX_IMAGE_SIZE 16384u
@@ -77,6 +78,9 @@ enum rg_section_type {
 #define RG_TEMPERATURE_LIMIT_Q16 (INT32_C(1024) << 16) /* degrees Celsius */
 #define RG_MAX_EXPOSURE_US (UINT32_C(1) << 30)
 #define RG_MAX_ANALOGUE_GAIN_Q16 (UINT32_C(1024) << 16)
+#define RG_MIN_KNOTS 2u
+#define RG_MAX_KNOTS 64u
+#define RG_CONDITION_LIMIT_Q16 (INT32_C(1024) << 16) /* dioptres or degrees */
 
 /* Identity of the camera. */
 typedef struct rg_camera_section {
@@ -205,12 +209,27 @@ typedef struct rg_capture_section {
   uint32_t analogue_gain_q16; /* a factor */
 } rg_capture_section;
 
+typedef enum rg_condition {
+  RG_CONDITION_LENS_POSITION = 1, /* dioptres */
+  RG_CONDITION_TEMPERATURE = 2    /* of the sensor, degrees Celsius */
+} rg_condition;
+
+/* The camera at other conditions. A knot has its like of each grid and table of
+ * the blob, in the order of the section table, and as large. */
+typedef struct rg_stack_section {
+  uint16_t condition;        /* rg_condition */
+  uint16_t num_knots;        /* RG_MIN_KNOTS to RG_MAX_KNOTS */
+  const uint8_t* values_q16; /* in the blob, little-endian i32, ascending */
+  const uint8_t* knots;      /* in the blob */
+  uint32_t knot_size;        /* bytes from one to the next */
+} rg_stack_section;
+
 /* A validated blob. Offsets are from the first byte; 0 means absent. */
 typedef struct rg_blob {
   const uint8_t* bytes;
   uint32_t size;
   uint32_t camera, grid, remap, quality, inverse;
-  uint32_t line_points, mask, uncertainty, modes, capture;
+  uint32_t line_points, mask, uncertainty, modes, capture, stack;
 } rg_blob;
 
 /* Validates num_bytes bytes, by every limit of SPEC.md, and finds the sections.
@@ -219,8 +238,8 @@ typedef struct rg_blob {
  * bytes  multiple of 4. Bytes after the blob's own end are not looked at.
  *
  * Nothing outside bytes[0, num_bytes) is read, whatever they hold. Every
- * status from RG_ERR_MISALIGNED to RG_ERR_MODE, and RG_ERR_CAPTURE, names one
- * fault. */
+ * status from RG_ERR_MISALIGNED to RG_ERR_MODE, RG_ERR_CAPTURE and
+ * RG_ERR_STACK, names one fault. */
 rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob);
 
 /* Sections of a blob that rg_blob_open() accepted. The optional ones,
@@ -237,6 +256,7 @@ void rg_blob_mask(const rg_blob* blob, rg_mask_section* mask);
 void rg_blob_uncertainty(const rg_blob* blob,
                          rg_uncertainty_section* uncertainty);
 void rg_blob_capture(const rg_blob* blob, rg_capture_section* capture);
+void rg_blob_stack(const rg_blob* blob, rg_stack_section* stack);
 
 /* How many modes a blob has, and the index-th of them, counted from 0. */
 uint32_t rg_blob_num_modes(const rg_blob* blob);
@@ -262,6 +282,21 @@ typedef struct rg_remap_contents {
   const int16_t* residuals;
 } rg_remap_contents;
 
+/* A knot of a stack. What it does not have is the blob's own. */
+typedef struct rg_knot_contents {
+  int32_t value_q16;
+  const int32_t* control_points_q29;    /* of a wide grid */
+  const rg_narrow_grid* narrow;         /* or of a narrow one */
+  const rg_narrow_grid* inverse_points; /* if the blob has an inverse grid */
+  const rg_remap_contents* remaps;      /* as many as the blob has */
+} rg_knot_contents;
+
+typedef struct rg_stack_contents {
+  uint16_t condition; /* rg_condition */
+  uint16_t num_knots;
+  const rg_knot_contents* knots;
+} rg_stack_contents;
+
 typedef struct rg_blob_contents {
   const rg_camera_section* camera;
   const rg_grid_section* grid;       /* control_points: columns * rows pairs */
@@ -281,6 +316,7 @@ typedef struct rg_blob_contents {
   const rg_uncertainty_section* uncertainty; /* NULL: none */
   const uint16_t* uncertainties_q12;         /* in host order */
   const rg_capture_section* capture;         /* NULL: none */
+  const rg_stack_contents* stack;            /* NULL: none */
 } rg_blob_contents;
 
 /* Bytes that rg_blob_write() will need. */

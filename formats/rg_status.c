@@ -75,6 +75,8 @@ const char* rg_status_text(rg_status status) {
       return "sensor mode out of range, or a table's mode is missing";
     case RG_ERR_CAPTURE:
       return "what calibration recorded of the camera is out of range";
+    case RG_ERR_STACK:
+      return "stack of cameras contradicts the blob's own sections";
     case RG_ERR_OUTSIDE_AREA:
       return "pixel lies outside the calibrated area";
     case RG_ERR_NO_REMAP:
@@ -97,6 +99,10 @@ const char* rg_status_text(rg_status status) {
       return "a plane of the target overlaps another plane";
     case RG_ERR_NO_INVERSE:
       return "blob has no inverse grid, as before format 1.3; pack it anew";
+    case RG_ERR_NO_STACK:
+      return "blob has no stack of cameras: it is of one condition";
+    case RG_EXTRAPOLATED:
+      return "condition lies outside the stack: its nearest end is in use";
     case RG_ERR_NO_SLOT:
       return "neither slot has a whole blob";
   }

@@ -57,6 +57,8 @@ typedef enum rg_status {
   RG_ERR_UNCERTAINTY = -48, /* uncertainty: number of values, or its scale */
   RG_ERR_MODE = -49,    /* a sensor mode, or a table of one that is not there */
   RG_ERR_CAPTURE = -61, /* capture: a value, or one of what is not known */
+  RG_ERR_STACK = -62,   /* stack: condition or knots, or a knot's fields are not
+                           those of the blob's own sections */
 
   /* Use of an open camera. */
   RG_ERR_OUTSIDE_AREA = -50, /* pixel outside the calibrated area */
@@ -70,6 +72,9 @@ typedef enum rg_status {
   RG_ERR_UNKNOWN = -58,      /* the blob does not say */
   RG_ERR_OVERLAP = -59,      /* a plane of the target lies in another plane */
   RG_ERR_NO_INVERSE = -60,   /* the blob has no inverse grid: pack it anew */
+  RG_ERR_NO_STACK = -63,     /* the blob is of one condition alone */
+  RG_EXTRAPOLATED = -64,     /* no fault: the condition lies outside the stack's
+                                range, and its nearest end is in use */
 
   /* Slots (formats/SPEC.md, "Slots"). */
   RG_ERR_NO_SLOT = -70 /* neither slot has a whole blob */

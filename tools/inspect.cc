@@ -122,6 +122,19 @@ Json CaptureFacts(const Capture& capture) {
   return json;
 }
 
+Json StackFacts(const rg_blob& blob) {
+  rg_stack_section stack;
+  rg_blob_stack(&blob, &stack);
+  const bool is_position = stack.condition == RG_CONDITION_LENS_POSITION;
+  Json json = {
+      {"condition", is_position ? "lens_position_dpt" : "sensor_temperature_c"},
+      {"knots", Json::array()},
+      {"bytes_a_knot", stack.knot_size}};
+  for (int k = 0; k < stack.num_knots; ++k)
+    json["knots"].push_back(rg_load_i32(stack.values_q16 + 4 * k) / 65536.0);
+  return json;
+}
+
 Json BlobFacts(const BlobCamera& camera) {
   const rg_blob& blob = camera.blob();
   rg_camera_section identity;
@@ -163,6 +176,7 @@ Json BlobFacts(const BlobCamera& camera) {
   if (blob.mask) json["trusted"] = MaskFacts(blob);
   if (const auto capture = camera.CaptureAtCalibration())
     json["capture"] = CaptureFacts(*capture);
+  if (blob.stack) json["stack"] = StackFacts(blob);
   return json;
 }
 

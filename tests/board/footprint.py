@@ -16,7 +16,7 @@ import tempfile
 import cost_tables
 
 # Sources that do not go on a board.
-HOST_ONLY = ("blob_write", "blob_fields", "blob_limits", "rg_status")
+HOST_ONLY = ("blob_write", "blob_fields", "blob_limits", "blob_stack", "rg_status")
 RAYS = ("rg_camera_open", "rg_unproject", "rg_project")
 EVERYTHING = RAYS + (
     "rg_unproject_batch", "rg_unproject_row", "rg_project_batch", "rg_project_point",

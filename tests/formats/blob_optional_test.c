@@ -8,7 +8,7 @@
 #include "rg_blob.h"
 #include "unit_test.h"
 
-static uint8_t edited[sizeof(kWideBlob)] __attribute__((aligned(16)));
+static uint8_t edited[sizeof(kStackBlob)] __attribute__((aligned(16)));
 
 /* Stand for the type of a remap: of one with a view, and of one of a mode. */
 #define VIEW 100u
@@ -17,7 +17,8 @@ static uint8_t edited[sizeof(kWideBlob)] __attribute__((aligned(16)));
 /* A value of a field of the section of that type: in kNarrowBlob for the grid,
  * in kBentBlob for a remap, in kViewsBlob for one with a view, in kModesBlob
  * for one of a mode and for modes, in kLinesBlob for line points, in
- * kCaptureBlob for the capture, otherwise in kWideBlob. */
+ * kCaptureBlob for the capture, in kStackBlob for the stack, otherwise in
+ * kWideBlob. */
 typedef struct field_value {
   const char* what;
   uint32_t type, offset, num_bytes, value;
@@ -178,6 +179,24 @@ static const field_value kValues[] = {
     {"orientation 0", 11, 29, 1, 0, RG_ERR_CAPTURE},
     {"orientation 8", 11, 29, 1, 8, RG_OK},
     {"orientation 9", 11, 29, 1, 9, RG_ERR_CAPTURE},
+    {"other condition", 12, 0, 2, 2, RG_OK},
+    {"no condition", 12, 0, 2, 0, RG_ERR_STACK},
+    {"unknown condition", 12, 0, 2, 3, RG_ERR_STACK},
+    {"one knot", 12, 2, 2, 1, RG_ERR_STACK},
+    {"65 knots", 12, 2, 2, 65, RG_ERR_STACK},
+    {"fewer knots", 12, 2, 2, 2, RG_ERR_SECTION_SIZE},
+    {"most knots", 12, 2, 2, 64, RG_ERR_STACK},
+    {"knots in the values", 12, 4, 4, 16, RG_ERR_DATA_OFFSET},
+    {"knots behind a gap", 12, 4, 4, 24, RG_ERR_SECTION_SIZE},
+    {"lowest value", 12, 8, 4, 0xfc000000, RG_OK},
+    {"value below", 12, 8, 4, 0xfbffffff, RG_ERR_STACK},
+    {"smallest number as value", 12, 8, 4, 0x80000000, RG_ERR_STACK},
+    {"highest value", 12, 16, 4, 1024u << 16, RG_OK},
+    {"value above", 12, 16, 4, (1024u << 16) + 1, RG_ERR_STACK},
+    {"value twice", 12, 12, 4, 0xffff8000, RG_ERR_STACK},
+    {"value in reverse", 12, 12, 4, 0xffff0000, RG_ERR_STACK},
+    {"next value", 12, 12, 4, 0xffff8001, RG_OK},
+
     {"reserved field of the capture", 11, 30, 2, 1, RG_ERR_RESERVED},
     {"coldest sensor", 11, 32, 4, 0xfc000000, RG_OK},
     {"colder sensor", 11, 32, 4, 0xfbffffff, RG_ERR_CAPTURE},
@@ -199,6 +218,7 @@ static const uint8_t* blob_with(uint32_t type) {
          : type == RG_SECTION_MODES        ? kModesBlob
          : type == RG_SECTION_CENTRAL_GRID ? kNarrowBlob
          : type == RG_SECTION_CAPTURE      ? kCaptureBlob
+         : type == RG_SECTION_STACK        ? kStackBlob
                                            : kWideBlob;
 }
 
@@ -210,6 +230,7 @@ static uint32_t size_of_blob_with(uint32_t type) {
          : type == RG_SECTION_MODES        ? sizeof(kModesBlob)
          : type == RG_SECTION_CENTRAL_GRID ? sizeof(kNarrowBlob)
          : type == RG_SECTION_CAPTURE      ? sizeof(kCaptureBlob)
+         : type == RG_SECTION_STACK        ? sizeof(kStackBlob)
                                            : sizeof(kWideBlob);
 }
 
@@ -260,8 +281,10 @@ static void mirrors_are_no_rotations(void** state) {
   assert_int_equal(open_with_negated_rows(3), RG_ERR_REMAP_CAMERA);
 }
 
-static const uint16_t kTypes[] = {5, 6, 7, 10, 11};
+/* The last one, the stack, does not stand without tables. */
+static const uint16_t kTypes[] = {5, 6, 7, 10, 11, 12};
 #define NUM_TYPES (sizeof(kTypes) / sizeof(kTypes[0]))
+#define NUM_LONE_TYPES (NUM_TYPES - 1)
 
 static void only_line_points_are_critical(void** state) {
   (void)state;
@@ -270,8 +293,8 @@ static void only_line_points_are_critical(void** state) {
     memcpy(edited, blob_with(kTypes[i]), size);
     edited[entry_of_type(kTypes[i]) + 2] ^= RG_SECTION_CRITICAL;
     repair_crcs(edited, size);
-    /* Boards do not know captures. */
-    assert_int_equal(open_copy(edited, size), kTypes[i] == RG_SECTION_CAPTURE
+    /* On opening boards do not know captures and stacks. */
+    assert_int_equal(open_copy(edited, size), kTypes[i] >= RG_SECTION_CAPTURE
                                                   ? RG_ERR_SECTION_UNKNOWN
                                                   : RG_ERR_SECTION_FLAGS);
   }
@@ -291,7 +314,7 @@ static rg_status open_with_copies(uint32_t type, uint32_t num_copies,
 
 static void sections_stand_once(void** state) {
   (void)state;
-  for (size_t i = 0; i < NUM_TYPES; ++i) {
+  for (size_t i = 0; i < NUM_LONE_TYPES; ++i) {
     assert_int_equal(open_with_copies(kTypes[i], 1, 0), RG_OK);
     assert_int_equal(open_with_copies(kTypes[i], 2, 0),
                      RG_ERR_SECTION_DUPLICATE);
@@ -300,7 +323,7 @@ static void sections_stand_once(void** state) {
 
 static void short_sections_are_refused(void** state) {
   (void)state;
-  for (size_t i = 0; i < NUM_TYPES; ++i) {
+  for (size_t i = 0; i < NUM_LONE_TYPES; ++i) {
     const uint32_t size =
         rg_load_u32(blob_with(kTypes[i]) + entry_of_type(kTypes[i]) + 8);
     for (uint32_t length = 4; length < size; length += 4)
@@ -462,11 +485,11 @@ static void line_points_before_a_short_grid_are_refused(void** state) {
 
 static void every_flipped_bit_is_refused(void** state) {
   (void)state;
-  memcpy(edited, kWideBlob, sizeof(edited));
+  memcpy(edited, kWideBlob, sizeof(kWideBlob));
   rg_blob blob;
-  for (uint32_t bit = 0; bit < 8 * sizeof(edited); bit += 5) {
+  for (uint32_t bit = 0; bit < 8 * sizeof(kWideBlob); bit += 5) {
     edited[bit / 8] ^= (uint8_t)(1u << bit % 8);
-    assert_int_not_equal(rg_blob_open(edited, sizeof(edited), &blob), RG_OK);
+    assert_int_not_equal(rg_blob_open(edited, sizeof(kWideBlob), &blob), RG_OK);
     edited[bit / 8] ^= (uint8_t)(1u << bit % 8);
   }
 }

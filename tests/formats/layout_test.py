@@ -22,6 +22,7 @@ TABLES = {
     "### Uncertainty (": ("RG_UNCERTAINTY_", "RG_UNCERTAINTY_FIELDS_SIZE"),
     "### Inverse grid (": ("RG_INVERSE_", "RG_GRID_FIELDS_SIZE"),
     "### Capture (": ("RG_CAPTURE_", "RG_CAPTURE_SIZE"),
+    "### Stack (": ("RG_STACK_", "RG_STACK_FIELDS_SIZE"),
     "## Slots\n": ("RG_SLOT_", "RG_SLOT_HEADER_SIZE"),
 }
 # What SPEC.md says in words instead: the fields behind each other, and the size of all.

@@ -385,6 +385,13 @@ def measure_error(blob: reference.Blob, lens: Lens, view: View,
 # The blobs
 
 
+TURNED_LENS = Lens(centre=(81.3, 57.9), focal=72.0, k=0.25,
+                   roll=math.radians(170))
+# 1.92 rad or 110 degrees at the middle of the left and right edge.
+WIDE_LENS = Lens(centre=(158.2, 121.4), focal=74.0, k=0.25,
+                 roll=math.radians(-3))
+
+
 def make_blob(camera: reference.Camera, lens: Lens,
               area: tuple[float, float, float, float], cells: tuple[int, int],
               view: View, quality: reference.Quality) -> reference.Blob:
@@ -514,6 +521,70 @@ def make_capture(example: reference.Blob) -> reference.Blob:
     return dataclasses.replace(example, remap=None, quality=None, capture=capture)
 
 
+STACK_LENSES = tuple(
+    Lens(centre=(158.2 + x, 121.4 + y), focal=144.0 * scale, k=0.25, roll=math.radians(-3))
+    for x, y, scale in ((-0.9, 0.6, 0.98), (0.0, 0.0, 1.0), (1.3, -0.4, 1.025)))
+STACK_VALUES = (-Q16 // 2, 2 * Q16, 6 * Q16 + 12345)
+# Before the range, at its ends and at a knot, and between: close to a knot, too.
+STACK_CONDITIONS = (-3 * Q16, STACK_VALUES[0], STACK_VALUES[0] + 7, Q16, STACK_VALUES[1],
+                    5 * Q16 + 1, STACK_VALUES[2] - 1, STACK_VALUES[2], 9 * Q16)
+STACK_VIEWS = (
+    View(48, 36, block_log2=5, residual_shift=4, focal=24.0, bound_upx=9000000,
+         source=(60.3, 40.7, 250.2, 190.9), part_log2=3),
+    View(48, 36, block_log2=3, residual_shift=5, focal=7.0, bound_upx=9000000),
+    View(40, 30, block_log2=4, residual_shift=4, focal=22.0, bound_upx=9000000, part_log2=3,
+         projection="cylindrical", angles=(8, 3, 0)))
+
+
+def make_stack(wide: reference.Blob) -> reference.Blob:
+    """A camera as large as the wide one, of 150 degrees, whose focal length and centre change with
+    the position of the lens, with control points of 16 bits. The blob's own sections are the camera at 2 dioptres."""
+    area = (0.0, 0.0, 319.0, 239.0)
+    blobs = [reference.Blob(wide.camera, narrow_grid(make_grid(optics, area, (6, 5))))
+             for optics in STACK_LENSES]
+    seen = [chart for blob in blobs for chart in area_charts(blob)]
+    whole = [dataclasses.replace(blob, inverse=make_inverse(blob, optics, (8, 6), seen))
+             for blob, optics in zip(blobs, STACK_LENSES)]
+    tables = [[make_remap(blob, optics, view) for blob, optics in zip(blobs, STACK_LENSES)]
+              for view in STACK_VIEWS]
+    grids = alike_grids([blob.grid for blob in whole])
+    inverses = alike_grids([blob.inverse.grid for blob in whole])
+    knots = tuple(
+        reference.Knot(grid, reference.InverseGrid(inverse, blob.inverse.cos_limit), remaps)
+        for blob, grid, inverse, remaps in zip(whole, grids, inverses,
+                                               zip(*map(alike_tables, tables))))
+    own = knots[1]
+    return reference.Blob(
+        wide.camera, own.grid, own.remaps[0], inverse=own.inverse, more_remaps=own.remaps[1:],
+        stack=reference.Stack(reference.LENS_POSITION, STACK_VALUES, knots))
+
+
+def alike_grids(grids: list[reference.CentralGrid]) -> list[reference.CentralGrid]:
+    """Narrow grids with the fraction bits of the one that has fewest."""
+    bits = min(grid.fraction_bits for grid in grids)
+    unit = 1 << 29 - bits
+    return [dataclasses.replace(grid, fraction_bits=bits, control_points=tuple(
+        tuple(base + (value - base) // unit * unit for value, base in zip(point, plane))
+        for point, plane in zip(grid.control_points, reference.plane_points(grid, grid.plane))))
+            for grid in grids]
+
+
+def alike_tables(tables: list[reference.Remap]) -> list[reference.Remap]:
+    """Tables whose fields and masks are those of the middle one: residuals hold how they differ."""
+    middle = tables[len(tables) // 2]
+    shift = max(table.bend_shift for table in tables)
+    plane = reference.vertex_positions(
+        dataclasses.replace(middle, vertices=((0, 0),) * len(middle.vertices)))
+    unit = 1 << middle.residual_shift
+    empty = tuple(map(all, zip(*(table.empty_blocks for table in tables))))
+    return [dataclasses.replace(
+        middle, empty_blocks=empty, bend_shift=shift, max_error_upx=table.max_error_upx,
+        vertices=tuple(tuple(round((p - base) / unit) for p, base in zip(*pair))
+                       for pair in zip(reference.vertex_positions(table), plane)),
+        bends=tuple(tuple(bend << table.bend_shift >> shift for bend in bends)
+                    for bends in table.bends)) for table in tables]
+
+
 def make_narrow(lens: reference.Blob) -> reference.Blob:
     """The lens's camera with control points of 16 bits, and an inverse grid."""
     blob = reference.Blob(lens.camera, narrow_grid(lens.grid))
@@ -570,18 +641,16 @@ def line_lines(blob: reference.Blob) -> Iterator[str]:
             yield table_line((x, y), [round(value * Q28) for value in point])
 
 
-TURNED_LENS = Lens(centre=(81.3, 57.9), focal=72.0, k=0.25,
-                   roll=math.radians(170))
-# 1.92 rad or 110 degrees at the middle of the left and right edge.
-WIDE_LENS = Lens(centre=(158.2, 121.4), focal=74.0, k=0.25,
-                 roll=math.radians(-3))
+def area_charts(blob: reference.Blob) -> list[Point]:
+    """Chart positions that pixels of the area look along."""
+    return [chart_of(reference.unproject(blob, x, y)) for x, y in area_samples(blob.grid)]
 
 
-def make_inverse(blob: reference.Blob, lens: Lens,
-                 cells: tuple[int, int]) -> reference.InverseGrid:
-    """The grid of pixels that see chart positions in the blob's grid, to third order."""
-    charts = [chart_of(reference.unproject(blob, x, y))
-              for x, y in area_samples(blob.grid)]
+def make_inverse(blob: reference.Blob, lens: Lens, cells: tuple[int, int],
+                 seen: list[Point] | None = None) -> reference.InverseGrid:
+    """The grid of pixels that see chart positions in the blob's grid, to third order; over the
+    rectangle of those chart positions, or of what the blob sees."""
+    charts = seen or area_charts(blob)
     corners = []
     for axis in (0, 1):
         values = [chart[axis] for chart in charts]
@@ -1098,6 +1167,28 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
     yield ""
     yield "/* The example's camera without tables, and how it stood: version 1.6. */"
     yield from blob_lines("kCaptureBlob", reference.serialize(make_capture(example)))
+    stack = make_stack(wide)
+    yield "/* A lens of 150 degrees at three positions, with three tables: version 1.6. */"
+    yield from blob_lines("kStackBlob", reference.serialize(stack))
+    yield "/* q16 dioptres, and the CRCs of what the three tables undistort there. */"
+    yield "static const struct {"
+    yield "  int32_t value_q16;"
+    yield "  uint32_t crcs[3];"
+    yield "} kStackCrcs[] = {"
+    for value in STACK_CONDITIONS:
+        there = reference.at_condition(stack, value)
+        crcs = ", ".join(f"0x{remap_crc(dataclasses.replace(there, remap=table, more_remaps=())):08x}u"
+                         for table in there.remaps)
+        yield f"    {{{value}, {{{crcs}}}}},"
+    yield "};"
+    yield f"#define GOLDEN_STACK_VALUE {STACK_CONDITIONS[3]}"
+    yield "/* Like kFormatCrcs, at that condition, with two of the tables. */"
+    for name, k in (("kStackFormatCrcs", 0), ("kStackPlainFormatCrcs", 1)):
+        there = reference.at_condition(stack, STACK_CONDITIONS[3])
+        yield f"static const uint32_t {name}[][3] = {{"
+        yield from format_lines(dataclasses.replace(there, remap=there.remaps[k], more_remaps=()))
+        yield "};"
+    yield ""
     yield "/* q29 chart positions, up to the limit. */"
     yield "static const golden_ray kChartRays[] = {"
     yield from chart_lines()

@@ -1,0 +1,123 @@
+/* The stack of cameras, as whole readers see it: SPEC.md, "Stack". */
+#include <string.h>
+
+#include "blob_limits.h"
+#include "bytes.h"
+#include "rg_blob.h"
+
+/* Walks over the blob's sections that a knot has its like of. */
+typedef struct part_walk {
+  const uint8_t* bytes; /* of the blob */
+  uint32_t index;       /* of the next entry of the section table */
+  uint32_t type;        /* of the section at hand */
+  const uint8_t* own;   /* that section */
+  uint32_t size;        /* of it, and of its like */
+} part_walk;
+
+static int next_part(part_walk* walk) {
+  const uint32_t num = rg_load_u16(walk->bytes + RG_HEADER_SECTION_COUNT);
+  while (walk->index != num) {
+    const uint8_t* const entry =
+        walk->bytes + RG_HEADER_SIZE + walk->index++ * RG_SECTION_ENTRY_SIZE;
+    walk->type = rg_load_u16(entry + RG_ENTRY_TYPE);
+    walk->own = walk->bytes + rg_load_u32(entry + RG_ENTRY_OFFSET);
+    walk->size = rg_load_u32(entry + RG_ENTRY_SIZE);
+    if (walk->type == RG_SECTION_CENTRAL_GRID ||
+        walk->type == RG_SECTION_INVERSE || walk->type == RG_SECTION_REMAP)
+      return 1;
+  }
+  return 0;
+}
+
+static part_walk start_parts(const uint8_t* bytes) {
+  const part_walk walk = {bytes, 0, 0, 0, 0};
+  return walk;
+}
+
+/* Below 2^32: these sections lie in the blob. */
+static uint32_t size_of_knot(const uint8_t* bytes) {
+  uint32_t size = 0;
+  part_walk walk = start_parts(bytes);
+  while (next_part(&walk)) size += walk.size;
+  return size;
+}
+
+/* The bytes in front of a table's arrays, but for the measured error, and its
+ * mask are those of the blob's own. The part was checked. */
+static int is_like_own_table(const uint8_t* part, const part_walk* walk) {
+  const uint8_t* const own = walk->own;
+  const uint32_t data = rg_load_u32(part + RG_REMAP_DATA_OFFSET);
+  const uint32_t rest = RG_REMAP_DATA_OFFSET;
+  if (memcmp(part, own, RG_REMAP_MAX_ERROR_UPX) != 0 ||
+      memcmp(part + rest, own + rest, data - rest) != 0)
+    return 0;
+  const uint32_t mask = data + rg_vertex_size(part) *
+                                   rg_load_u16(part + RG_REMAP_COLUMNS) *
+                                   rg_load_u16(part + RG_REMAP_ROWS);
+  return memcmp(part + mask, own + mask, walk->size - mask) == 0;
+}
+
+static rg_status check_part(const uint8_t* part, const part_walk* walk,
+                            const uint8_t* camera) {
+  if (walk->type == RG_SECTION_REMAP) {
+    const rg_status status =
+        rg_check_whole_remap(walk->bytes, part, walk->size, camera);
+    if (status != RG_OK) return status;
+    return is_like_own_table(part, walk) ? RG_OK : RG_ERR_STACK;
+  }
+  const rg_status status = rg_check_whole_grid(
+      part, walk->size, walk->type == RG_SECTION_CENTRAL_GRID ? camera : 0);
+  if (status != RG_OK) return status;
+  return memcmp(part, walk->own, rg_load_u32(part + RG_GRID_DATA_OFFSET)) == 0
+             ? RG_OK
+             : RG_ERR_STACK;
+}
+
+static int are_values_in_order(const uint8_t* section, uint32_t num_knots) {
+  int64_t last = -(int64_t)RG_CONDITION_LIMIT_Q16 - 1;
+  for (uint32_t k = 0; k < num_knots; ++k) {
+    const int32_t value_q16 =
+        rg_load_i32(section + RG_STACK_FIELDS_SIZE + 4 * k);
+    if (value_q16 <= last || value_q16 > RG_CONDITION_LIMIT_Q16) return 0;
+    last = value_q16;
+  }
+  return 1;
+}
+
+rg_status rg_check_stack(const uint8_t* bytes, const uint8_t* section,
+                         uint32_t size, const rg_sections* sections) {
+  if (size < RG_STACK_FIELDS_SIZE) return RG_ERR_SECTION_SIZE;
+  const uint32_t num_knots = rg_load_u16(section + RG_STACK_KNOTS);
+  const uint32_t fields_size = RG_STACK_FIELDS_SIZE + 4 * num_knots;
+  if (rg_load_u16(section + RG_STACK_CONDITION) - 1u >=
+          RG_CONDITION_TEMPERATURE ||
+      num_knots < RG_MIN_KNOTS || num_knots > RG_MAX_KNOTS ||
+      sections->of[RG_SECTION_LINE_POINTS].bytes)
+    return RG_ERR_STACK;
+  if (size < fields_size) return RG_ERR_SECTION_SIZE;
+  if (!are_values_in_order(section, num_knots)) return RG_ERR_STACK;
+  const uint64_t knots_size = (uint64_t)num_knots * size_of_knot(bytes);
+  if (knots_size > size) return RG_ERR_SECTION_SIZE;
+  rg_status status = rg_check_extent(section + RG_STACK_DATA_OFFSET, size,
+                                     fields_size, (uint32_t)knots_size);
+  if (status != RG_OK) return status;
+  const uint8_t* part = section + rg_load_u32(section + RG_STACK_DATA_OFFSET);
+  for (uint32_t k = 0; k < num_knots; ++k) {
+    part_walk walk = start_parts(bytes);
+    while (next_part(&walk)) {
+      status = check_part(part, &walk, sections->of[RG_SECTION_CAMERA].bytes);
+      if (status != RG_OK) return status;
+      part += walk.size;
+    }
+  }
+  return RG_OK;
+}
+
+void rg_blob_stack(const rg_blob* blob, rg_stack_section* stack) {
+  const uint8_t* const section = blob->bytes + blob->stack;
+  stack->condition = rg_load_u16(section + RG_STACK_CONDITION);
+  stack->num_knots = rg_load_u16(section + RG_STACK_KNOTS);
+  stack->values_q16 = section + RG_STACK_FIELDS_SIZE;
+  stack->knots = section + rg_load_u32(section + RG_STACK_DATA_OFFSET);
+  stack->knot_size = size_of_knot(blob->bytes);
+}
