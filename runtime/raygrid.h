@@ -37,12 +37,16 @@ extern "C" {
  * for use outside the library. */
 typedef struct rg_camera {
   const uint8_t* blob;
-  const uint8_t* identity; /* sections; NULL where there is none: */
-  const uint8_t* grid;
+  const uint8_t* grid; /* sections, or their like in a knot; NULL where there is
+                          none: */
   const uint8_t* inverse;
   const uint8_t* line_points;         /* not the section, but its first point */
   const uint8_t* remap;               /* the one in use */
-  uint16_t width, height;             /* frames as calibrated */
+  const struct rg_stack_code* stack;  /* NULL: no condition was set */
+  uint32_t knot_size;                 /* bytes from one knot to the next */
+  uint16_t weight_q14;                /* of the knot above the one in use; 0: it
+                                         does not count */
+  uint16_t knot;                      /* the one in use */
   uint16_t frame_width, frame_height; /* frames that the table takes */
   uint16_t surface;                   /* the kernels of rays */
 } rg_camera;
@@ -231,6 +235,23 @@ rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
  * change. Cost: one pass over the table on Linux and 64-bit processors, which
  * refuse RG_ERR_REMAP_VERTEX; others do not look for it, and do no harm. */
 rg_status rg_select_remap(rg_camera* camera, uint32_t index);
+
+/* Makes the camera that of a condition, of a blob with a stack of cameras: the
+ * position of the lens, or the temperature of the sensor, as raygrid inspect
+ * tells. Rays, projections and frames are blended between the two knots around
+ * it, from then on, also with a table that is chosen later. Before a frame; not
+ * while others use the camera. rg_camera_open() undoes it.
+ *
+ * value_q16  dioptres, or degrees Celsius; the unit is that of the stack
+ *
+ * RG_OK            done
+ * RG_EXTRAPOLATED  done, but the value lies outside the stack's range: the
+ *                  camera is that of the nearest end of the range
+ * RG_ERR_NO_STACK, or the first fault found; then no change.
+ *
+ * The first call checks the grids of all knots, and the table in use as
+ * rg_select_remap() does. Others only read the knots' values. */
+rg_status rg_set_condition(rg_camera* camera, int32_t value_q16);
 
 /* Size of the undistorted image; RG_ERR_NO_REMAP if no table is in use. */
 rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,

@@ -143,6 +143,12 @@ std::unique_ptr<CameraModel> BlobCamera::ToModel() const {
                                              std::move(points));
 }
 
+ImageSize BlobCamera::image_size() const {
+  uint16_t width = 0, height = 0;
+  rg_calibrated_size(&camera_, &width, &height);
+  return {width, height};
+}
+
 uint32_t BlobCamera::NumRemaps() const {
   uint32_t count = 0;
   while (rg_find_section(blob_.bytes, RG_SECTION_REMAP, count)) ++count;

@@ -33,7 +33,7 @@ class BlobCamera {
 
   const rg_camera& camera() const { return camera_; }
   const rg_blob& blob() const { return blob_; }
-  ImageSize image_size() const { return {camera_.width, camera_.height}; }
+  ImageSize image_size() const;
   bool has_remap() const { return blob_.remap != 0; }
   uint32_t NumRemaps() const;
   /// Those that undistort frames as calibrated.

@@ -9,6 +9,7 @@
 #include "bytes.h"
 #include "fixed_point.h"
 #include "kernels/block.h"
+#include "raygrid.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -77,6 +78,16 @@ static RG_INLINE void rg_next_corners(rg_part_row* parts,
   else
     rg_next_corners_in_c(parts, corners);
 }
+
+/* rg_next_corners() between two knots of a stack, which the small walk alone
+ * asks for: rg_stack_code. */
+#if RG_FAST_WALK
+#define RG_NEXT_BLENDED_CORNERS 0
+#else
+void rg_next_blended_corners(const rg_camera* camera, rg_part_row* parts,
+                             rg_position corners[4]);
+#define RG_NEXT_BLENDED_CORNERS rg_next_blended_corners
+#endif
 
 /* Finds the part as a block, and goes on to the next one. */
 void rg_next_block(rg_part_row* parts, rg_block* block);

@@ -15,6 +15,7 @@
 #include "bytes.h"
 #include "frames/lattice_map.h"
 #include "kernels/block.h"
+#include "stack_code.h"
 
 /* ---- Lanes --------------------------------------------------------------- */
 
@@ -48,6 +49,8 @@ typedef struct rg_corner_lines {
   uint16_t row;         /* of parts */
   uint16_t next_part;   /* in the row */
   uint32_t vertex_size, row_size; /* of vertices, in bytes */
+  uint32_t knot_size;             /* as rg_camera has them */
+  int32_t weight;
   int32_t residual_shift, bend_shift[2], num_log2[2]; /* of a block's parts */
   uint32_t next_mark;                                 /* the next block's */
   const uint8_t* marks;         /* of empty blocks, in bits */
@@ -73,38 +76,75 @@ static RG_INLINE rg_lanes rg_cross_edges(const rg_corner_lines* lines,
   return from + ((sums + (1 << log2 >> 1)) >> log2);
 }
 
-/* The signed byte on top of each lane. */
-static RG_INLINE rg_lanes rg_load_bends(uint32_t a, uint32_t b, uint32_t c,
-                                        uint32_t d, int32_t shift) {
-  const rg_modular_lanes bytes = {a, b, c, d};
-  return (rg_lanes)((rg_modular_lanes)((rg_lanes)bytes >> 24) << shift);
+/* The residuals of two vertices. */
+static RG_INLINE rg_lanes rg_load_residuals(const uint8_t* above,
+                                            const uint8_t* below) {
+  const uint32_t a = rg_load_u32(above), b = rg_load_u32(below);
+  const rg_modular_lanes halves = {a << 16, a, b << 16, b};
+  return (rg_lanes)halves >> 16;
+}
+
+/* The bends of the edges from the left that lead to two vertices. */
+static RG_INLINE rg_lanes rg_load_level_bends(const uint8_t* above,
+                                              const uint8_t* below) {
+  const uint32_t a = rg_load_u32(above + RG_VERTEX_HX);
+  const uint32_t b = rg_load_u32(below + RG_VERTEX_HX);
+  const rg_modular_lanes bytes = {a << 24, a << 16, b << 24, b << 16};
+  return (rg_lanes)bytes >> 24;
+}
+
+/* The bend of the edge from the first vertex to the second, twice. */
+static RG_INLINE rg_lanes rg_load_steep_bend(const uint8_t* above,
+                                             const uint8_t* below) {
+  (void)above;
+  const uint32_t b = rg_load_u32(below + RG_VERTEX_HX);
+  const rg_modular_lanes bytes = {b << 8, b, b << 8, b};
+  return (rg_lanes)bytes >> 24;
+}
+
+/* Numbers of the next column's vertices as stored, by one of these functions;
+ * of a stack at its condition. */
+typedef rg_lanes rg_load_numbers(const uint8_t* above, const uint8_t* below);
+static RG_INLINE rg_lanes rg_load_column(const rg_corner_lines* lines,
+                                         rg_load_numbers* load) {
+  const uint8_t* const above = lines->above;
+  const uint8_t* const below = above + lines->row_size;
+  const rg_lanes lower = load(above, below);
+  if (lines->weight == 0) return lower;
+  const rg_lanes upper =
+      load(above + lines->knot_size, below + lines->knot_size);
+  return RG_BLEND_STORED(lower, upper, lines->weight);
+}
+
+static RG_INLINE rg_lanes rg_shift_lanes(rg_lanes lanes, int32_t shift) {
+  return (rg_lanes)((rg_modular_lanes)lanes << shift);
 }
 
 /* To the next column of vertices: where the lines cross it, and their bends
  * from the column before to it, twice, if blocks have several parts. */
 static RG_INLINE rg_lanes rg_next_column(rg_corner_lines* lines,
                                          rg_lanes* turns) {
-  const uint8_t* const above = lines->above;
-  const uint8_t* const below = above + lines->row_size;
-  const uint32_t a = rg_load_u32(above), b = rg_load_u32(below);
-  const rg_modular_lanes halves = {a << 16, a, b << 16, b};
-  const rg_modular_lanes residuals = (rg_modular_lanes)((rg_lanes)halves >> 16)
-                                     << lines->residual_shift;
-  const rg_lanes ends = (rg_lanes)(lines->plane + residuals);
   const rg_lanes none = {0, 0, 0, 0};
+  const rg_lanes residuals = rg_shift_lanes(
+      rg_load_column(lines, rg_load_residuals), lines->residual_shift);
+  rg_lanes ends = (rg_lanes)(lines->plane + (rg_modular_lanes)residuals);
   lines->plane += lines->column_step;
-  lines->above = above + lines->vertex_size;
   *turns = none;
-  if (lines->vertex_size != RG_BENT_VERTEX_SIZE) return ends;
-  const uint32_t c = rg_load_u32(above + RG_VERTEX_HX);
-  const uint32_t d = rg_load_u32(below + RG_VERTEX_HX);
-  if (lines->num_log2[0] != 0)
-    *turns = 2 * rg_cross_edges(lines,
-                                rg_load_bends(c << 24, c << 16, d << 24,
-                                              d << 16, lines->bend_shift[0]),
-                                none);
-  return rg_cross_edges(
-      lines, ends, rg_load_bends(d << 8, d, d << 8, d, lines->bend_shift[1]));
+  if (lines->vertex_size == RG_BENT_VERTEX_SIZE) {
+    if (lines->num_log2[0] != 0)
+      *turns =
+          2 * rg_cross_edges(
+                  lines,
+                  rg_shift_lanes(rg_load_column(lines, rg_load_level_bends),
+                                 lines->bend_shift[0]),
+                  none);
+    ends =
+        rg_cross_edges(lines, ends,
+                       rg_shift_lanes(rg_load_column(lines, rg_load_steep_bend),
+                                      lines->bend_shift[1]));
+  }
+  lines->above += lines->vertex_size;
+  return ends;
 }
 
 /* log2 of the parts of a block, across (axis 0) or down. */

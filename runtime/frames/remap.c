@@ -1,6 +1,7 @@
 /* rg_remap(): frames of any format. */
 #include <stddef.h>
 
+#include "blob_checks.h"
 #include "blob_layout.h"
 #include "bytes.h"
 #include "code_size.h"
@@ -91,8 +92,9 @@ void rg_frame_size(const rg_camera* camera, uint16_t* width, uint16_t* height) {
 
 void rg_calibrated_size(const rg_camera* camera, uint16_t* width,
                         uint16_t* height) {
-  *width = camera->width;
-  *height = camera->height;
+  const uint32_t size = rg_camera_size(camera->blob);
+  *width = (uint16_t)size;
+  *height = (uint16_t)(size >> 16);
 }
 
 rg_status rg_remap_view(const rg_camera* camera, rg_view* view) {

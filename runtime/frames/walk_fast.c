@@ -110,6 +110,8 @@ static void start_rows(fast_walk* walk, const rg_camera* camera,
   const uint8_t* const section = camera->remap;
   const rg_lattice* const lattice = walk->lattice;
   walk->lines.section = section;
+  walk->lines.knot_size = camera->knot_size;
+  walk->lines.weight = camera->weight_q14;
   rg_set_source_size(camera, lattice, &walk->source);
   walk->num_rows = walk->source.size[1];
   walk->run.first_source_row = 0;

@@ -15,9 +15,11 @@
 #include "frames/lattice_map.h"
 #include "frames/pixel_formats.h"
 #include "kernels/kernel.h"
+#include "stack_code.h"
 
 /* The walk over the parts of a lattice, and the part at hand as a run. */
 typedef struct small_walk {
+  const rg_camera* camera;
   rg_part_row parts;
   rg_source source;
   uint16_t width;        /* of the output, in the lattice's pixels */
@@ -74,7 +76,11 @@ static int next_part(small_walk* walk) {
   run->out_pixel = (uint16_t)pixel;
   run->num_pixels =
       (uint16_t)rg_lesser(walk->width - pixel, 1u << run->block.width_log2);
-  rg_next_corners(&walk->parts, run->block.corners);
+  const rg_camera* const camera = walk->camera;
+  if (camera->weight_q14 != 0)
+    camera->stack->next_corners(camera, &walk->parts, run->block.corners);
+  else
+    rg_next_corners(&walk->parts, run->block.corners);
   return 1;
 }
 
@@ -185,6 +191,7 @@ rg_status rg_walk_grey(const rg_camera* camera, const rg_frame* frame,
   small_walk* const walk = &whole.walk;
   rg_run* const run = &walk->run;
   whole.border = band->border;
+  walk->camera = camera;
   walk->parts.section = camera->remap;
   walk->source.size[0] = frame->width;
   walk->source.size[1] = frame->height;
@@ -230,6 +237,7 @@ static void start_rows(lattice_walk* whole, const rg_camera* camera,
                        uint32_t first_row, uint32_t end_row) {
   small_walk* const walk = &whole->walk;
   const rg_lattice* const lattice = &whole->lattice;
+  walk->camera = camera;
   walk->parts.section = camera->remap;
   rg_set_source_size(camera, lattice, &walk->source);
   set_table(walk, lattice);

@@ -18,8 +18,8 @@ import sysconfig
 from pathlib import Path
 from typing import NamedTuple
 
-OK, OUTSIDE_AREA, NO_REMAP, NOT_SEEN, NONCENTRAL, UNKNOWN, NO_INVERSE = (
-    0, -50, -51, -54, -57, -58, -60)
+OK, OUTSIDE_AREA, NO_REMAP, NOT_SEEN, NONCENTRAL, UNKNOWN, NO_INVERSE, EXTRAPOLATED = (
+    0, -50, -51, -54, -57, -58, -60, -64)
 NO_PIXEL = -2**31
 Q12, Q16, Q28, Q30 = 2**12, 2**16, 2**28, 2**30
 POINT_MAX_BITS = 27
@@ -51,12 +51,12 @@ class Error(Exception):
 
 
 class _Camera(ctypes.Structure):
-    _fields_ = [("blob", ctypes.c_void_p), ("identity", ctypes.c_void_p),
-                ("grid", ctypes.c_void_p), ("inverse", ctypes.c_void_p),
-                ("line_points", ctypes.c_void_p), ("remap", ctypes.c_void_p),
-                ("width", ctypes.c_uint16), ("height", ctypes.c_uint16),
-                ("frame_width", ctypes.c_uint16), ("frame_height", ctypes.c_uint16),
-                ("surface", ctypes.c_uint16)]
+    _fields_ = [("blob", ctypes.c_void_p), ("grid", ctypes.c_void_p),
+                ("inverse", ctypes.c_void_p), ("line_points", ctypes.c_void_p),
+                ("remap", ctypes.c_void_p), ("stack", ctypes.c_void_p),
+                ("knot_size", ctypes.c_uint32), ("weight", ctypes.c_uint16),
+                ("knot", ctypes.c_uint16), ("frame_width", ctypes.c_uint16),
+                ("frame_height", ctypes.c_uint16), ("surface", ctypes.c_uint16)]
 
 
 class _Pixel(ctypes.Structure):
@@ -227,7 +227,10 @@ class Camera:
         self._camera = _Camera()
         _check(_library.rg_camera_open(ctypes.byref(self._camera), self._blob,
                                        ctypes.c_uint32(len(data))))
-        self.width, self.height = self._camera.width, self._camera.height
+        width, height = ctypes.c_uint16(), ctypes.c_uint16()
+        _library.rg_calibrated_size(ctypes.byref(self._camera), ctypes.byref(width),
+                                    ctypes.byref(height))
+        self.width, self.height = width.value, height.value
         self.is_central = self._camera.line_points is None
         self.num_remaps = self._count_remaps()
         if self.num_remaps != 0:
@@ -310,6 +313,16 @@ class Camera:
         if not 0 <= index < 2**32:
             raise Error(NO_REMAP)
         _check(_library.rg_select_remap(ctypes.byref(self._camera), ctypes.c_uint32(index)))
+
+    def set_condition(self, value):
+        """Makes the camera that of a lens position in dioptres, or of a temperature in degrees
+        Celsius, as the blob's stack has it; from then on, with all tables. False: the value lies
+        outside the stack's range, and the camera is that of the nearest end."""
+        value_q16 = round(max(-32767.0, min(value, 32767.0)) * Q16)
+        status = _library.rg_set_condition(ctypes.byref(self._camera), ctypes.c_int32(value_q16))
+        if status != EXTRAPOLATED:
+            _check(status)
+        return status == OK
 
     def frame_size(self):
         """Width and height of the frames that undistort() takes."""

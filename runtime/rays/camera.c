@@ -4,6 +4,7 @@
 #include "raygrid.h"
 #include "rays/surface_choice.h"
 #include "rg_blob.h"
+#include "stack_code.h"
 
 /* Fails to compile if the handle outgrows what raygrid.h promises. */
 typedef char rg_camera_fits_64_bytes[sizeof(rg_camera) <= 64 ? 1 : -1];
@@ -40,7 +41,6 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
   if (status == RG_OK) status = check_rays(&sections);
   if (status != RG_OK) return status;
   camera->blob = blob;
-  camera->identity = sections.of[RG_SECTION_CAMERA].bytes;
   camera->grid = sections.of[RG_SECTION_CENTRAL_GRID].bytes;
   camera->inverse = sections.of[RG_SECTION_INVERSE].bytes;
   const uint8_t* line_points = sections.of[RG_SECTION_LINE_POINTS].bytes;
@@ -48,11 +48,10 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
     line_points += rg_load_u32(line_points + RG_LINE_POINTS_DATA_OFFSET);
   camera->line_points = line_points;
   camera->remap = 0;
+  camera->stack = 0;
+  camera->weight_q14 = 0;
   camera->surface = rg_best_surface();
-  const uint32_t size = rg_load_u32(camera->identity + RG_CAMERA_WIDTH);
-  camera->width = (uint16_t)size;
-  camera->height = (uint16_t)(size >> 16);
-  set_frame_size(camera, size);
+  set_frame_size(camera, rg_camera_size(blob));
   return RG_OK;
 }
 
@@ -60,14 +59,15 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
   const uint8_t* const entry =
       rg_find_entry(camera->blob, RG_SECTION_REMAP, index);
   if (!entry) return RG_ERR_NO_REMAP;
-  const uint8_t* const section =
-      camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
+  const uint8_t* section = camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
   const uint32_t size = rg_load_u32(entry + RG_ENTRY_SIZE);
-  const uint32_t frame_size = rg_source_size(
-      section, size, camera->width | (uint32_t)camera->height << 16);
+  const uint32_t frame_size =
+      rg_source_size(section, size, rg_camera_size(camera->blob));
   rg_status status = rg_check_remap(section, size, frame_size);
   /* Elsewhere, what is done with any harms nothing. */
   if (RG_FAST_WALK && status == RG_OK) status = rg_check_vertices(section);
+  if (camera->stack && status == RG_OK)
+    status = camera->stack->find_table(camera, &section);
   if (status == RG_OK) {
     camera->remap = section;
     set_frame_size(camera, frame_size);

@@ -56,8 +56,8 @@ static RG_INLINE int solve(const rg_camera* camera,
                            const rg_chart_point* target, int32_t pixel_q16[2]) {
   rg_place place;
   int32_t slopes_q5[2][2];
-  if (rg_find_in_grid(camera, camera->inverse, target->q27[0], target->q27[1],
-                      &place) != RG_OK)
+  if (rg_find_in_inverse(camera, target->q27[0], target->q27[1], &place) !=
+      RG_OK)
     return 0;
   rg_find_inverse_slopes(camera, &place, slopes_q5);
   for (int k = 0; k < 2; ++k)
@@ -66,7 +66,7 @@ static RG_INLINE int solve(const rg_camera* camera,
   uint32_t limit_q16 = FIRST_STEP_Q16;
   while (move_inside(camera->grid, limit_q16, pixel_q16)) {
     if (limit_q16 < LAST_STEP_Q16) return limit_q16 == EDGE_TOLERANCE_Q16;
-    rg_find_in_grid(camera, camera->grid, pixel_q16[0], pixel_q16[1], &place);
+    rg_find_in_grid(camera, pixel_q16[0], pixel_q16[1], &place);
     int32_t rest_q27[2];
     for (int c = 0; c < 2; ++c)
       rest_q27[c] = rg_subtract(target->q27[c], place.value.q27[c]);

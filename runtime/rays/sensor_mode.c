@@ -139,12 +139,11 @@ static int is_part(const mode_axis* axis, uint32_t calibrated_size) {
 }
 
 /* Whether a mode shows a part of the calibrated frames. */
-static int is_part_of_frames(const rg_mode* mode, const rg_camera* camera) {
+static int is_part_of_frames(const rg_mode* mode, const uint8_t* identity) {
   for (int c = 0; c < 2; ++c) {
     mode_axis axis;
-    if (!find_mode_axis(mode, c, &axis) ||
-        !is_part(&axis, c == 0 ? camera->width : camera->height))
-      return 0;
+    const uint32_t size = rg_load_u16(identity + RG_CAMERA_WIDTH + 2 * c);
+    if (!find_mode_axis(mode, c, &axis) || !is_part(&axis, size)) return 0;
   }
   return 1;
 }
@@ -169,8 +168,8 @@ static uint32_t find_table(const rg_camera* camera, const rg_mode* mode) {
     const uint8_t* const section =
         camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
     const uint32_t size = rg_load_u32(entry + RG_ENTRY_SIZE);
-    const uint32_t source_size = rg_source_size(
-        section, size, camera->width | (uint32_t)camera->height << 16);
+    const uint32_t source_size =
+        rg_source_size(section, size, rg_camera_size(camera->blob));
     rg_mode of_table;
     if (rg_check_remap(section, size, source_size) == RG_OK &&
         read_mode(camera, section, &of_table) == RG_OK &&
@@ -192,14 +191,15 @@ static int is_serial(const uint8_t* expected, const char* serial) {
 rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
                          uint16_t width, uint16_t height, const char* serial,
                          uint32_t* remap) {
+  const uint8_t* const identity = rg_find_identity(camera->blob);
   rg_mode calibrated;
   uint32_t table = RG_NO_TABLE;
   rg_match_result result = RG_MATCH_NONE;
   read_mode(camera, 0, &calibrated);
   if (!mode) mode = &calibrated;
   if (mode->width == width && mode->height == height &&
-      is_part_of_frames(mode, camera) &&
-      is_serial(camera->identity + RG_CAMERA_SERIAL, serial)) {
+      is_part_of_frames(mode, identity) &&
+      is_serial(identity + RG_CAMERA_SERIAL, serial)) {
     table = find_table(camera, mode);
     result = is_same_mode(mode, &calibrated) ? RG_MATCH_EXACT
              : table != RG_NO_TABLE          ? RG_MATCH_MODE

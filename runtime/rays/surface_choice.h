@@ -4,6 +4,7 @@
 
 #include "rays/surface.h"
 #include "rays/surface_avx2.h"
+#include "stack_code.h"
 
 /* The values of rg_camera.surface. */
 #define RG_SURFACE_PORTABLE 0
@@ -15,13 +16,30 @@ static RG_INLINE uint16_t rg_best_surface(void) {
                                                     : RG_SURFACE_PORTABLE;
 }
 
-/* rg_find_place() in one of the camera's grids. */
-static RG_INLINE rg_status rg_find_in_grid(const rg_camera* camera,
+/* rg_find_place() in a grid, which is taken as it is. */
+static RG_INLINE rg_status rg_find_in_knot(const rg_camera* camera,
                                            const uint8_t* grid, int32_t x,
                                            int32_t y, rg_place* place) {
   if (RG_CHOOSE_SURFACE && camera->surface == RG_SURFACE_AVX2)
     return rg_find_place_avx2(grid, x, y, place);
   return rg_find_place(grid, x, y, place);
+}
+
+/* rg_find_place() in the camera's central grid, at its condition. */
+static RG_INLINE rg_status rg_find_in_grid(const rg_camera* camera, int32_t x,
+                                           int32_t y, rg_place* place) {
+  if (camera->weight_q14 != 0)
+    return camera->stack->find_in_grid(camera, x, y, place);
+  return rg_find_in_knot(camera, camera->grid, x, y, place);
+}
+
+/* rg_find_place() in the camera's inverse grid, at its condition. */
+static RG_INLINE rg_status rg_find_in_inverse(const rg_camera* camera,
+                                              int32_t x, int32_t y,
+                                              rg_place* place) {
+  if (camera->weight_q14 != 0)
+    return camera->stack->find_in_inverse(camera, x, y, place);
+  return rg_find_in_knot(camera, camera->inverse, x, y, place);
 }
 
 /* rg_find_slopes() in the camera's inverse grid. */

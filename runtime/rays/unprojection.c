@@ -17,7 +17,7 @@ rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray) {
   rg_place place;
   if (camera->line_points) return RG_ERR_NONCENTRAL;
   const rg_status status =
-      rg_find_in_grid(camera, camera->grid, pixel.x_q16, pixel.y_q16, &place);
+      rg_find_in_grid(camera, pixel.x_q16, pixel.y_q16, &place);
   if (status == RG_OK)
     find_direction(place.value.q27[0], place.value.q27[1], ray);
   return status;
@@ -50,8 +50,7 @@ static RG_INLINE void find_line_point(const rg_camera* camera,
 rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
                             rg_line* line) {
   rg_place place;
-  rg_status status =
-      rg_find_in_grid(camera, camera->grid, pixel.x_q16, pixel.y_q16, &place);
+  rg_status status = rg_find_in_grid(camera, pixel.x_q16, pixel.y_q16, &place);
   if (status == RG_OK) {
     find_direction(place.value.q27[0], place.value.q27[1], &line->direction);
     RG_IN_MEMORY(status);

@@ -30,9 +30,11 @@ static int32_t random_position(uint32_t* random, uint32_t size) {
 static void make_pixels(const rg_camera* camera, rg_pixel* result) {
   uint32_t random = 7;
   uint32_t num_made = 0;
+  uint16_t width, height;
+  rg_calibrated_size(camera, &width, &height);
   while (num_made < NUM_POINTS) {
-    const rg_pixel pixel = {random_position(&random, camera->width),
-                            random_position(&random, camera->height)};
+    const rg_pixel pixel = {random_position(&random, width),
+                            random_position(&random, height)};
     if (rg_is_valid(camera, pixel)) result[num_made++] = pixel;
   }
 }

@@ -22,7 +22,7 @@ static const golden_blob kBlobs[] = {
     {kNarrowBlob, sizeof(kNarrowBlob)},   {kWideBlob, sizeof(kWideBlob)},
     {kLinesBlob, sizeof(kLinesBlob)},     {kBentBlob, sizeof(kBentBlob)},
     {kViewsBlob, sizeof(kViewsBlob)},     {kModesBlob, sizeof(kModesBlob)},
-    {kCaptureBlob, sizeof(kCaptureBlob)}};
+    {kCaptureBlob, sizeof(kCaptureBlob)}, {kStackBlob, sizeof(kStackBlob)}};
 #define NUM_BLOBS (sizeof(kBlobs) / sizeof(kBlobs[0]))
 
 static uint32_t state;

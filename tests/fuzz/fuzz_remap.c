@@ -135,7 +135,9 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   rg_camera camera;
   if (rg_camera_open(&camera, bytes, blob_size) == RG_OK) {
     uint16_t first, num;
+    if (data[51] % 4 == 0) rg_set_condition(&camera, near_condition(data));
     rg_select_remap(&camera, data[45] % 4);
+    if (data[51] % 4 > 1) rg_set_condition(&camera, near_condition(data));
     if (camera.remap) {
       rg_remap_source_rows(&camera, (rg_format)(data[46] % 16),
                            (uint16_t)setting(data, 47),

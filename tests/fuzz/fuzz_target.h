@@ -20,6 +20,12 @@ static inline uint32_t setting(const uint8_t* data, uint32_t offset) {
          (uint32_t)data[offset + 2] << 16 | (uint32_t)data[offset + 3] << 24;
 }
 
+/* A condition, mostly in the range of the golden blob with a stack. */
+static inline int32_t near_condition(const uint8_t* data) {
+  const uint32_t value = setting(data, 52);
+  return (int32_t)(data[56] % 8 == 0 ? value : value % (8u << 16)) - (1 << 16);
+}
+
 /* Stops the program where a promise of the library is not kept. */
 void require(int is_true, const char* promise);
 

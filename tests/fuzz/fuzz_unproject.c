@@ -94,6 +94,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   rg_camera camera;
   if (rg_camera_open(&camera, bytes, blob_size) == RG_OK) {
     rg_select_remap(&camera, 0);
+    if (data[2] % 2 != 0) rg_set_condition(&camera, near_condition(data));
     const rg_pixel pixel = {(int32_t)setting(data, 4),
                             (int32_t)setting(data, 8)};
     const rg_ray direction = {(int32_t)setting(data, 12),
@@ -101,9 +102,11 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
                               (int32_t)setting(data, 20)};
     try_pixel(&camera, pixel);
     /* One that is likely to lie inside. */
+    uint16_t width, height;
+    rg_calibrated_size(&camera, &width, &height);
     const rg_pixel inside = {
-        (int32_t)(setting(data, 24) % ((camera.width % 16384u + 1) << 16)),
-        (int32_t)(setting(data, 28) % ((camera.height % 16384u + 1) << 16))};
+        (int32_t)(setting(data, 24) % ((width % 16384u + 1) << 16)),
+        (int32_t)(setting(data, 28) % ((height % 16384u + 1) << 16))};
     try_pixel(&camera, inside);
     const rg_pixel far_corner = {rg_load_i32(camera.grid + RG_GRID_X1),
                                  rg_load_i32(camera.grid + RG_GRID_Y1)};

@@ -42,6 +42,20 @@ class ModuleTest(unittest.TestCase):
         self.assertEqual(camera.unproject([(-1, 0), (1e9, -1e9)]), [None, None])
         self.assertEqual(camera.is_valid([(-1, 0), PIXELS[0]]), [False, True])
 
+    def test_condition_moves_the_camera(self):
+        stack = make_golden.make_stack(WIDE)
+        camera = open_blob(stack)
+        frame = make_golden.make_frame(320, 240)
+        for value, is_inside in ((-0.75, False), (1.0, True), (5.5, True), (float("inf"), False)):
+            self.assertEqual(camera.set_condition(value), is_inside)
+            there = reference.at_condition(stack, round(min(value, 99) * 65536))
+            expected = reference.unproject_q16(there, 80 << 16, 60 << 16)
+            self.assert_close(camera.unproject([(80, 60)])[0], [v / 2**30 for v in expected], 1e-9)
+            self.assertEqual(camera.undistort(frame, border_values=(make_golden.BORDER,) * 4),
+                             reference.remap_grey(there, frame, make_golden.BORDER))
+        with self.assertRaises(raygrid.Error):
+            open_blob(LENS).set_condition(1)
+
     def test_projection_inverts_at_any_length(self):
         camera = open_blob(WIDE)
         rays = [tuple(1e6 * v for v in ray) for ray in camera.unproject(PIXELS)]

@@ -12,6 +12,8 @@ import make_golden
 
 COUNT = int(os.environ.get("RAYGRID_REFERENCE_COUNT", "10000"))  # or more: pixels, points
 NONE = -2**31
+EXTRAPOLATED = -64
+CONDITIONS = {}  # of the camera that a stack is at a condition, by its id: the stack, and that value
 LARGEST = 2**31 - 1
 
 library = ctypes.CDLL(os.environ["RAYGRID_LIBRARY"])
@@ -27,14 +29,18 @@ class PixelValue(ctypes.Structure):
 
 
 class Camera:
-    """Opened by the runtime."""
+    """Opened by the runtime; of a stack at a condition."""
 
     def __init__(self, blob):
-        data = reference.serialize(blob)
+        stack, condition = CONDITIONS.get(id(blob), (blob, None))
+        data = reference.serialize(stack)
         self._memory = (ctypes.c_uint32 * (len(data) // 4)).from_buffer_copy(data)
         self._camera = (ctypes.c_uint64 * 8)()
         status = library.rg_camera_open(self._camera, self._memory, len(data))
         assert status == 0, status
+        if condition is not None:
+            status = library.rg_set_condition(self._camera, ctypes.c_int32(condition))
+            assert status in (0, EXTRAPOLATED), status
 
     def line(self, pixel):
         line = Line()
@@ -143,7 +149,27 @@ def make_blobs():
     limit = reference.LINE_POINT_LIMIT  # so far away that distances wrap
     far = tuple((limit - abs(x), y - limit // 2, abs(z) - limit) for x, y, z in seen.line_points)
     blobs["wild, far"] = dataclasses.replace(seen, line_points=far)
+    stack = make_golden.make_stack(wide)
+    for name, blob, values in (("stack", stack, make_golden.STACK_CONDITIONS),
+                               ("stack, 32 bits", with_wide_knots(stack), (0, 3 << 16))):
+        for value in values:
+            there = reference.at_condition(blob, value)
+            CONDITIONS[id(there)] = blob, value
+            blobs[f"{name} at {value}"] = there
     return blobs
+
+
+def with_wide_knots(stack):
+    """With control points of 32 bits, of which the upper knots' differ as much as they may."""
+    def widened(grid, sign):
+        points = tuple(tuple(max(-reference.CONTROL_POINT_LIMIT, min(
+            value + sign * index * 99999999, reference.CONTROL_POINT_LIMIT)) for value in point)
+            for index, point in enumerate(grid.control_points))
+        return dataclasses.replace(grid, control_points=points, fraction_bits=29, plane=())
+    knots = tuple(dataclasses.replace(knot, grid=widened(knot.grid, k - 1))
+                  for k, knot in enumerate(stack.stack.knots))
+    return dataclasses.replace(stack, grid=widened(stack.grid, 0),
+                               stack=dataclasses.replace(stack.stack, knots=knots))
 
 
 def pixels_of(grid, count, generator):

@@ -36,7 +36,9 @@ typedef struct golden_table {
 static const golden_table kTables[] = {
     {kWideBlob, sizeof(kWideBlob), 0, kFormatCrcs},
     {kBentBlob, sizeof(kBentBlob), 0, kBentFormatCrcs},
-    {kBentBlob, sizeof(kBentBlob), 1, kMoreBentFormatCrcs}};
+    {kBentBlob, sizeof(kBentBlob), 1, kMoreBentFormatCrcs},
+    {kStackBlob, sizeof(kStackBlob), 0, kStackFormatCrcs},
+    {kStackBlob, sizeof(kStackBlob), 1, kStackPlainFormatCrcs}};
 #define NUM_TABLES (sizeof(kTables) / sizeof(kTables[0]))
 
 static rg_camera wide; /* with the table */
@@ -49,8 +51,11 @@ static uint8_t whole[3][(4 * WIDTH + PADDING) * HEIGHT];
 
 static int open_table(const golden_table* table) {
   crcs = table->crcs;
+  const int is_stack = table->blob == kStackBlob;
   return rg_camera_open(&wide, table->blob, table->blob_size) == RG_OK &&
-                 rg_select_remap(&wide, table->index) == RG_OK
+                 rg_select_remap(&wide, table->index) == RG_OK &&
+                 rg_set_condition(&wide, GOLDEN_STACK_VALUE) ==
+                     (is_stack ? RG_OK : RG_ERR_NO_STACK)
              ? 0
              : -1;
 }

@@ -37,8 +37,8 @@ endfunction()
 # The walk of small boards, in front of the library's in programs that link it.
 if(RAYGRID_HOST)
   add_library(raygrid_small_walk OBJECT)
-  foreach(source rays/camera frames/remap frames/remap_grey frames/remap_source_rows
-      frames/walk_fast frames/walk_small kernels/dispatch kernels/portable)
+  foreach(source rays/camera rays/stack cortex_m/blended_corners frames/remap frames/remap_grey
+      frames/remap_source_rows frames/walk_fast frames/walk_small kernels/dispatch kernels/portable)
     target_sources(raygrid_small_walk PRIVATE ${PROJECT_SOURCE_DIR}/runtime/${source}.c)
   endforeach()
   target_compile_definitions(raygrid_small_walk PUBLIC RG_FAST_WALK=0)

@@ -1,0 +1,42 @@
+/* Code of a camera at a condition of its stack. Only what
+ * rg_set_condition() puts into a camera leads to the functions, so that
+ * programs without that call do not link them. */
+#ifndef RAYGRID_STACK_CODE_H
+#define RAYGRID_STACK_CODE_H
+
+#include "code_size.h"
+#include "raygrid.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct rg_place;
+struct rg_part_row;
+struct rg_position;
+
+typedef struct rg_stack_code {
+  /* rg_find_place() in the central and in the inverse grid, between two knots:
+   * where weight_q14 is not 0. */
+  rg_status (*find_in_grid)(const rg_camera* camera, int32_t x, int32_t y,
+                            struct rg_place* place);
+  rg_status (*find_in_inverse)(const rg_camera* camera, int32_t x, int32_t y,
+                               struct rg_place* place);
+  /* In place of a table of the blob, which was checked, that of the knot in
+   * use. */
+  rg_status (*find_table)(const rg_camera* camera, const uint8_t** section);
+  /* rg_next_corners() between two knots: where weight_q14 is not 0. */
+  void (*next_corners)(const rg_camera* camera, struct rg_part_row* parts,
+                       struct rg_position* corners);
+} rg_stack_code;
+
+/* Between a number of the lower knot's table and one of the upper knot's. */
+#define RG_WEIGHT_BITS 14
+#define RG_BLEND_STORED(lower, upper, weight) \
+  ((lower) + (((weight) * ((upper) - (lower)) + 0x2000) >> RG_WEIGHT_BITS))
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* RAYGRID_STACK_CODE_H */
