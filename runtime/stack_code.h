@@ -32,8 +32,10 @@ typedef struct rg_stack_code {
 
 /* Between a number of the lower knot's table and one of the upper knot's. */
 #define RG_WEIGHT_BITS 14
+#define RG_HALF_WEIGHT (1 << (RG_WEIGHT_BITS - 1))
 #define RG_BLEND_STORED(lower, upper, weight) \
-  ((lower) + (((weight) * ((upper) - (lower)) + 0x2000) >> RG_WEIGHT_BITS))
+  ((lower) +                                  \
+   (((weight) * ((upper) - (lower)) + RG_HALF_WEIGHT) >> RG_WEIGHT_BITS))
 
 #ifdef __cplusplus
 }

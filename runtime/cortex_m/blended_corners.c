@@ -19,12 +19,8 @@ void rg_next_blended_corners(const rg_camera* camera, rg_part_row* parts,
   const uint32_t vertex_size = rg_vertex_size(section);
   const uint8_t* const data =
       section + rg_load_u32(section + RG_REMAP_DATA_OFFSET);
-  rg_store_u32(table + RG_REMAP_BLOCK_LOG2,
-               rg_load_u32(section + RG_REMAP_BLOCK_LOG2));
   for (uint32_t k = RG_REMAP_ORIGIN; k != RG_REMAP_FX; k += 4)
     rg_store_u32(table + k, rg_load_u32(section + k));
-  rg_store_u32(table + RG_REMAP_COLUMNS, 0x20002);
-  rg_store_u32(table + RG_REMAP_DATA_OFFSET, RG_REMAP_FIELDS_SIZE);
   for (uint8_t* origin = table + RG_REMAP_ORIGIN;
        origin != table + RG_REMAP_COLUMN_STEP; origin += 4)
     rg_store_u32(
@@ -32,6 +28,10 @@ void rg_next_blended_corners(const rg_camera* camera, rg_part_row* parts,
         rg_load_u32(origin) +
             i * rg_load_u32(origin + RG_REMAP_COLUMN_STEP - RG_REMAP_ORIGIN) +
             j * rg_load_u32(origin + RG_REMAP_ROW_STEP - RG_REMAP_ORIGIN));
+  rg_store_u32(table + RG_REMAP_BLOCK_LOG2,
+               rg_load_u32(section + RG_REMAP_BLOCK_LOG2));
+  rg_store_u32(table + RG_REMAP_COLUMNS, 0x20002);
+  rg_store_u32(table + RG_REMAP_DATA_OFFSET, RG_REMAP_FIELDS_SIZE);
 
   const int32_t weight = camera->weight_q14;
   const uint32_t knot_size = camera->knot_size;
@@ -57,10 +57,15 @@ void rg_next_blended_corners(const rg_camera* camera, rg_part_row* parts,
       data + rg_load_u16(section + RG_REMAP_ROWS) * columns * vertex_size;
   rg_store_u32(blended, (uint32_t)marks[mark >> 3] >> (mark & 7));
 
-  rg_part_row part = *parts;
+  /* Field by field, as compilers may call memcpy() for a whole structure. */
+  rg_part_row part;
   part.section = table;
-  part.spans[0].before = (uint16_t)part.spans[0].before;
-  part.spans[1].before = (uint16_t)part.spans[1].before;
+  part.bend_shift = parts->bend_shift;
+  part.num_log2 = parts->num_log2;
+  for (int c = 0; c < 2; ++c) {
+    part.spans[c].before = (uint16_t)parts->spans[c].before;
+    part.spans[c].size = parts->spans[c].size;
+  }
   rg_next_corners(&part, corners);
   parts->is_empty = part.is_empty;
   parts->spans[0].before += parts->spans[0].size;

@@ -19,7 +19,6 @@
 
 /* The walk over the parts of a lattice, and the part at hand as a run. */
 typedef struct small_walk {
-  const rg_camera* camera;
   rg_part_row parts;
   rg_source source;
   uint16_t width;        /* of the output, in the lattice's pixels */
@@ -66,7 +65,7 @@ static RG_INLINE int start_parts(small_walk* walk) {
 
 /* To the next part, with the corners that its block has in the image; 0 if
  * there is none. */
-static int next_part(small_walk* walk) {
+static int next_part(small_walk* walk, const rg_camera* camera) {
   rg_run* const run = &walk->run;
   uint32_t pixel = (uint32_t)run->out_pixel + run->num_pixels;
   if (pixel >= walk->width) {
@@ -76,7 +75,6 @@ static int next_part(small_walk* walk) {
   run->out_pixel = (uint16_t)pixel;
   run->num_pixels =
       (uint16_t)rg_lesser(walk->width - pixel, 1u << run->block.width_log2);
-  const rg_camera* const camera = walk->camera;
   if (camera->weight_q14 != 0)
     camera->stack->next_corners(camera, &walk->parts, run->block.corners);
   else
@@ -191,7 +189,6 @@ rg_status rg_walk_grey(const rg_camera* camera, const rg_frame* frame,
   small_walk* const walk = &whole.walk;
   rg_run* const run = &walk->run;
   whole.border = band->border;
-  walk->camera = camera;
   walk->parts.section = camera->remap;
   walk->source.size[0] = frame->width;
   walk->source.size[1] = frame->height;
@@ -205,7 +202,7 @@ rg_status rg_walk_grey(const rg_camera* camera, const rg_frame* frame,
   run->out = band->data;
   run->num_rows = run->out_pixel = 0;
   run->num_pixels = walk->width; /* behind a row's last part */
-  while (next_part(walk)) do_grey_part(walk);
+  while (next_part(walk, camera)) do_grey_part(walk);
   return RG_OK;
 }
 
@@ -237,7 +234,6 @@ static void start_rows(lattice_walk* whole, const rg_camera* camera,
                        uint32_t first_row, uint32_t end_row) {
   small_walk* const walk = &whole->walk;
   const rg_lattice* const lattice = &whole->lattice;
-  walk->camera = camera;
   walk->parts.section = camera->remap;
   rg_set_source_size(camera, lattice, &walk->source);
   set_table(walk, lattice);
@@ -390,7 +386,7 @@ rg_status rg_walk_image(const rg_camera* camera, const rg_image* image,
   for (uint32_t k = 0; rg_find_lattice(image->format, k, &whole->lattice);
        k = whole->lattice.index + 1u) {
     start_lattice(&walk, camera, image);
-    while (next_part(&whole->walk)) remap_part(&walk);
+    while (next_part(&whole->walk, camera)) remap_part(&walk);
   }
   return RG_OK;
 }
@@ -444,7 +440,7 @@ void rg_walk_source_rows(const rg_camera* camera, rg_format format,
        k = whole->lattice.index + 1u) {
     start_rows(whole, camera, walk.search->output.first,
                walk.search->output.end);
-    while (next_part(&whole->walk)) {
+    while (next_part(&whole->walk, camera)) {
       bring_to_lattice(whole);
       add_part(&walk, is_part_safe(&whole->walk));
     }

@@ -51,7 +51,8 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
   camera->stack = 0;
   camera->weight_q14 = 0;
   camera->surface = rg_best_surface();
-  set_frame_size(camera, rg_camera_size(blob));
+  set_frame_size(camera, rg_load_u32(sections.of[RG_SECTION_CAMERA].bytes +
+                                     RG_CAMERA_WIDTH));
   return RG_OK;
 }
 

@@ -18,7 +18,7 @@ static rg_camera lens, narrow, lines, seen_lines, wide, inner;
 static rg_pixel pixels[NUM_POINTS], line_pixels[NUM_POINTS], points[NUM_POINTS];
 static rg_ray rays[NUM_POINTS], wide_rays[NUM_POINTS], outside[NUM_POINTS];
 static int32_t near_points[NUM_POINTS][3];
-static uint8_t source[WIDTH * HEIGHT * 4] __attribute__((aligned(4)));
+static uint8_t source[160 * 120] __attribute__((aligned(4)));
 static uint8_t output[WIDTH * HEIGHT * 4] __attribute__((aligned(4)));
 
 /* In q16, from 0 to a number of pixels. */

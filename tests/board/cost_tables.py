@@ -10,7 +10,8 @@ import tomllib
 # How the heading of a kind's table begins in COST.md.
 HEADINGS = {"text": "| core | .text: rays |", "stack": "| core | stack: open |",
             "instructions": "| core | un-project |", "points": "| target | un-project |",
-            "frames": "| target | GREY8 |"}
+            "frames": "| target | GREY8 |", "conditions": "| core | .text: condition |",
+            "conditions of Linux": "| target | .text: condition |"}
 
 
 def find_row(lines, title, name):

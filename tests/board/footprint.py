@@ -31,8 +31,15 @@ SETS = {"rays": RAYS, "grey": RAYS + ("rg_select_remap", "rg_remap_size", "rg_re
 # Stack of these, each for itself, and the deepest of the others.
 STACKS = ("rg_camera_open", "rg_select_remap", "rg_unproject", "rg_unproject_line", "rg_project",
           "rg_undistort_point", "rg_remap_grey", "rg_remap", "rg_remap_source_rows", "rg_match")
-# Functions that call by a pointer that may be NULL, and then do not.
-MAY_CALL_NOTHING = ("do_part_by_rows",)
+# Functions that call by a pointer that may be NULL, and then do not: with conditions of a stack,
+# what rg_set_condition() points to.
+MAY_CALL_NOTHING = ("do_part_by_rows", "rg_unproject", "rg_unproject_line", "find_pixel",
+                    "rg_project_batch", "next_part", "rg_select_remap")
+# Who calls what rg_set_condition() points to; other calls by pointers are of other functions.
+CALLERS_WITH_CONDITIONS = {
+    "find_in_grid": ("rg_unproject", "rg_unproject_line", "find_pixel", "rg_project_batch"),
+    "find_in_inverse": ("find_pixel", "rg_project_batch"), "find_table": ("rg_select_remap",),
+    "rg_next_blended_corners": ("next_part",)}
 
 
 def parse_arguments():
@@ -145,6 +152,13 @@ def read_call_graph(compiler, objects):
     return stack, calls
 
 
+def may_call(function, pointed):
+    """Whether a function that calls by a pointer may call another one."""
+    callers = CALLERS_WITH_CONDITIONS.get(name_of(pointed))
+    with_conditions = {name for names in CALLERS_WITH_CONDITIONS.values() for name in names}
+    return name_of(function) in callers if callers else name_of(function) not in with_conditions
+
+
 def deepest(function, stack, calls, path=()):
     """Stack of the deepest path from a function. Functions that are called by pointers are those
     that data or a function of the path takes the address of."""
@@ -155,7 +169,7 @@ def deepest(function, stack, calls, path=()):
     for callee, kind in calls.get(function, ()):
         if callee == "__indirect_call":
             taken = {pointed for caller in ("",) + path for pointed, kind in calls.get(caller, ())
-                     if kind == "taken"} - set(path)
+                     if kind == "taken" and may_call(function, pointed)} - set(path)
             if not taken and name_of(function) not in MAY_CALL_NOTHING:
                 sys.exit(f"footprint: {function} calls a function that no one points to")
             below += [own + deepest(pointed, stack, calls, path) for pointed in taken]
@@ -186,9 +200,22 @@ def measure_texts(arguments, objects):
     return texts
 
 
-def measure_stacks(arguments, objects):
-    """Bytes of stack of the calls that stand by themselves, and the most of all others."""
+def measure_conditions(arguments, objects, texts, bench):
+    """What conditions of a stack cost: bytes of .text beside those of grey frames, bytes of the
+    deepest stack of all calls, and the bench's figures."""
+    text = measure_text(arguments, objects, SETS["grey"] + ("rg_set_condition",)) - texts["grey"]
     stack, calls = read_call_graph(arguments.compiler, objects)
+    depth = max(deepest(entry, stack, calls) for entry in EVERYTHING + ("rg_set_condition",))
+    print(f".text of conditions: {text} B\nstack of conditions: {depth} B")
+    figures = {name: bench.pop(name) for name in list(bench) if name.startswith("stack_")}
+    return {"text": text, "stack": depth, **figures}
+
+
+def measure_stacks(arguments, objects):
+    """Bytes of stack of the calls that stand by themselves, and the most of all others, of programs
+    without conditions."""
+    plain = [path for path in objects if not os.path.basename(path).startswith("stack.")]
+    stack, calls = read_call_graph(arguments.compiler, plain)
     missing = [entry for entry in EVERYTHING if entry not in stack]
     if missing:
         sys.exit(f"footprint: no call graph for {missing}")
@@ -213,8 +240,12 @@ def main():
     arguments = parse_arguments()
     objects = board_objects(arguments.formats + arguments.runtime)
     kinds = {"text": measure_texts(arguments, objects), "stack": measure_stacks(arguments, objects)}
-    if arguments.bench:
-        kinds["instructions"] = measure_instructions(arguments.bench)
+    bench = measure_instructions(arguments.bench) if arguments.bench else {}
+    kinds["conditions"] = measure_conditions(arguments, objects, kinds["text"], bench)
+    if bench:
+        kinds["instructions"] = bench
+    else:
+        kinds["conditions of Linux"] = kinds.pop("conditions")
     cost_tables.settle(arguments, arguments.core, kinds)
 
 

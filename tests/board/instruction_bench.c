@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "bench_scene.h"
+#include "bench_stack.h"
 
 #if defined(__arm__)
 
@@ -147,10 +148,47 @@ static void measure_remaps(void) {
   measure_remap("remap_bayer10p", RG_FORMAT_BAYER10P, packed);
 }
 
+/* A grey frame of the stack's camera. */
+static void measure_stack_frame(const char* name, uint8_t part_log2,
+                                int is_between) {
+  rg_camera camera;
+  rg_status status = open_stack(part_log2, is_between, &camera);
+  const rg_frame frame = {source, 160, 160, 120};
+  const rg_band band = {output, WIDTH, 0, HEIGHT, 0};
+  const uint32_t begin = read_clock();
+  if (status == RG_OK) status = rg_remap_grey(&camera, &frame, &band);
+  const uint32_t end = read_clock();
+  if (status != RG_OK) printf("%s: %s\n", name, rg_status_text(status));
+  print_cost(name, end - begin, WIDTH * HEIGHT);
+}
+
+/* At a knot of a stack, and between two. */
+static void measure_stacks(void) {
+  static const char* const kNames[2][4] = {
+      {"stack_unproject_knot", "stack_project_knot", "stack_grey8_16_knot",
+       "stack_grey8_8_knot"},
+      {"stack_unproject", "stack_project", "stack_grey8_16", "stack_grey8_8"}};
+  for (int is_between = 0; is_between < 2; ++is_between) {
+    const char* const* const names = kNames[is_between];
+    rg_camera camera;
+    if (open_stack(4, is_between, &camera) != RG_OK) printf("stack: fails\n");
+    make_pixels(&camera, pixels);
+    measure_unprojection(names[0], &camera, pixels, rg_unproject);
+    rg_unproject_batch(&camera, pixels, rays, NUM_POINTS);
+    const uint32_t begin = read_clock();
+    for (uint32_t k = 0; k < NUM_POINTS * REPEATS; ++k)
+      rg_project(&camera, &rays[k % NUM_POINTS], &points[k % NUM_POINTS]);
+    print_cost(names[1], read_clock() - begin, NUM_POINTS * REPEATS);
+    measure_stack_frame(names[2], 4, is_between);
+    measure_stack_frame(names[3], 3, is_between);
+  }
+}
+
 int main(void) {
   if (!make_scene(4)) return 1;
   start_clock();
   measure_points();
   measure_remaps();
+  measure_stacks();
   return 0;
 }
