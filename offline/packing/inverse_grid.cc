@@ -131,8 +131,11 @@ class InverseFitting {
   }
 
   // Nothing if 16 bits do not hold it.
-  std::optional<InverseGrid> InFixedPoint(const BSplineSurface& fit) const {
-    const std::optional<NarrowGrid> points = Narrow(Quantize(fit));
+  std::optional<InverseGrid> InFixedPoint(
+      const BSplineSurface& fit,
+      uint32_t max_fraction_bits = RG_NARROW_MAX_BITS) const {
+    const std::optional<NarrowGrid> points =
+        Narrow(Quantize(fit), max_fraction_bits);
     if (!points) return std::nullopt;
     InverseGrid inverse;
     inverse.points = *points;
@@ -231,6 +234,85 @@ std::optional<MeasuredInverse> FitInverseGrid(const BSplineSurface& surface,
       SearchCells({surface, near, around}, samples.trusted, measure, &best);
   }
   if (best) best->error = *measure(best->grid, kManyPixels);
+  return best;
+}
+
+namespace {
+
+// The inverses of several surfaces with so many cells, of alike fields; nothing
+// if 16 bits do not hold one of them.
+std::optional<std::vector<MeasuredInverse>> FitAlike(
+    const std::vector<InverseFitting>& fittings,
+    const std::vector<InverseSamples>& samples, int cells) {
+  std::vector<BSplineSurface> fits;
+  std::vector<MeasuredInverse> made;
+  uint32_t bits = RG_NARROW_MAX_BITS;
+  int32_t cos_limit_q30 = INT32_MAX;
+  for (size_t k = 0; k < fittings.size(); ++k) {
+    fits.push_back(fittings[k].Fit(cells));
+    const std::optional<InverseGrid> grid =
+        fittings[k].InFixedPoint(fits.back());
+    if (!grid) return std::nullopt;
+    bits = std::min(bits, grid->points.section.fraction_bits);
+    cos_limit_q30 = std::min(cos_limit_q30, grid->section.cos_limit_q30);
+  }
+  for (size_t k = 0; k < fittings.size(); ++k) {
+    std::optional<InverseGrid> grid = fittings[k].InFixedPoint(fits[k], bits);
+    if (!grid) return std::nullopt;
+    grid->section.cos_limit_q30 = cos_limit_q30;
+    made.push_back({*std::move(grid),
+                    {},
+                    fittings[k].IsCloseEnough(fits[k], samples[k].trusted)});
+  }
+  return made;
+}
+
+// How much all of them miss.
+double MissedPart(const std::vector<MeasuredInverse>& inverses) {
+  double missed = 0;
+  for (const MeasuredInverse& inverse : inverses)
+    missed +=
+        inverse.error.trusted.MissedPart() + (inverse.is_close ? 0 : 1e-9);
+  return missed;
+}
+
+}  // namespace
+
+std::optional<std::vector<MeasuredInverse>> FitAlikeInverseGrids(
+    const std::vector<const BSplineSurface*>& surfaces,
+    const TrustMask* trusted, const MeasureOneInverse& measure) {
+  std::vector<InverseSamples> samples;
+  std::vector<SurfaceSample> all;
+  for (const BSplineSurface* surface : surfaces) {
+    samples.push_back(SurfaceSampling(*surface, trusted).Samples());
+    if (samples.back().trusted.empty()) return std::nullopt;
+    for (const auto* some : {&samples.back().trusted, &samples.back().others})
+      all.insert(all.end(), some->begin(), some->end());
+  }
+  const Area chart = ChartAround(all);
+  std::vector<InverseFitting> fittings;
+  for (size_t k = 0; k < surfaces.size(); ++k) {
+    std::vector<SurfaceSample> own = samples[k].trusted;
+    own.insert(own.end(), samples[k].others.begin(), samples[k].others.end());
+    fittings.emplace_back(*surfaces[k], chart, std::move(own));
+  }
+  std::optional<std::vector<MeasuredInverse>> best;
+  for (const int cells : kNumCells) {
+    if (cells > kMaxCellsForMore) break;
+    std::optional<std::vector<MeasuredInverse>> made =
+        FitAlike(fittings, samples, cells);
+    if (!made) continue;
+    bool is_measured = true;
+    for (size_t k = 0; k < made->size() && is_measured; ++k) {
+      const auto error = measure(k, (*made)[k].grid, kManyPixels);
+      is_measured = error.has_value();
+      if (error) (*made)[k].error = *error;
+    }
+    if (!is_measured || (best && MissedPart(*made) >= MissedPart(*best)))
+      continue;
+    best = std::move(made);
+    if (MissedPart(*best) == 0) break;
+  }
   return best;
 }
 

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "camera/bspline_surface.h"
 #include "camera/camera_uncertainty.h"
@@ -39,6 +40,20 @@ struct MeasuredInverse {
 std::optional<MeasuredInverse> FitInverseGrid(const BSplineSurface& surface,
                                               const TrustMask* trusted,
                                               const MeasureInverse& measure);
+
+/// Measures the runtime's projection with the inverse grid of one of several
+/// surfaces; otherwise as MeasureInverse.
+using MeasureOneInverse = std::function<std::optional<ProjectionError>(
+    size_t surface, const InverseGrid&, double max_pixels)>;
+
+/// The inverses of the surfaces of one camera at several conditions, alike but
+/// for their control points: over a rectangle and a cone that do for all, with
+/// as few cells, up to 24, as let the runtime find all trusted pixels of each
+/// surface in one step, or else with those that lose fewest. Nothing if 16 bits
+/// hold none.
+std::optional<std::vector<MeasuredInverse>> FitAlikeInverseGrids(
+    const std::vector<const BSplineSurface*>& surfaces,
+    const TrustMask* trusted, const MeasureOneInverse& measure);
 
 }  // namespace raygrid
 

@@ -50,14 +50,15 @@ std::vector<int64_t> BeyondPlane(const ControlPoints& points,
 
 }  // namespace
 
-std::optional<NarrowGrid> Narrow(const ControlPoints& points) {
+std::optional<NarrowGrid> Narrow(const ControlPoints& points,
+                                 uint32_t max_fraction_bits) {
   NarrowGrid narrow;
   for (int c = 0; c < 2; ++c) FitPlane(points, c, &narrow.section);
   const std::vector<int64_t> beyond = BeyondPlane(points, narrow.section);
   int64_t largest = 0;
   for (const int64_t value : beyond)
     largest = std::max(largest, std::abs(value));
-  int shift = RG_CONTROL_POINT_BITS - RG_NARROW_MAX_BITS;
+  int shift = static_cast<int>(RG_CONTROL_POINT_BITS - max_fraction_bits);
   while (largest >= int64_t{32767} << shift) ++shift;
   if (shift > static_cast<int>(RG_CONTROL_POINT_BITS - RG_NARROW_MIN_BITS))
     return std::nullopt;
@@ -66,6 +67,23 @@ std::optional<NarrowGrid> Narrow(const ControlPoints& points) {
     narrow.residuals.push_back(
         static_cast<int16_t>((value + (int64_t{1} << (shift - 1))) >> shift));
   return narrow;
+}
+
+std::optional<std::vector<NarrowGrid>> NarrowAlike(
+    const std::vector<ControlPoints>& grids) {
+  uint32_t bits = RG_NARROW_MAX_BITS;
+  for (const ControlPoints& points : grids) {
+    const std::optional<NarrowGrid> narrow = Narrow(points);
+    if (!narrow) return std::nullopt;
+    bits = std::min(bits, narrow->section.fraction_bits);
+  }
+  std::vector<NarrowGrid> alike;
+  for (const ControlPoints& points : grids) {
+    std::optional<NarrowGrid> narrow = Narrow(points, bits);
+    if (!narrow) return std::nullopt;
+    alike.push_back(*std::move(narrow));
+  }
+  return alike;
 }
 
 }  // namespace raygrid

@@ -21,9 +21,15 @@ struct NarrowGrid {
   std::vector<int16_t> residuals;
 };
 
-/// The grid with as many fraction bits as fit; nothing where 16 bits do not
-/// reach.
-std::optional<NarrowGrid> Narrow(const ControlPoints& points);
+/// The grid with as many fraction bits as fit, up to a limit; nothing where 16
+/// bits do not reach.
+std::optional<NarrowGrid> Narrow(
+    const ControlPoints& points,
+    uint32_t max_fraction_bits = RG_NARROW_MAX_BITS);
+
+/// Grids with the same number of fraction bits; nothing where one has none.
+std::optional<std::vector<NarrowGrid>> NarrowAlike(
+    const std::vector<ControlPoints>& grids);
 
 }  // namespace raygrid
 

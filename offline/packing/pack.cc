@@ -94,9 +94,9 @@ void RequireFewTables(const CameraFile& file, const PackOptions& options) {
   const bool has_modes =
       std::any_of(options.remaps.begin(), options.remaps.end(),
                   [](const RemapRequest& remap) { return remap.mode; });
-  const size_t num_others = size_t{4} + !file.camera->IsCentral() +
-                            (file.uncertainty ? 2 : 0) + has_modes +
-                            file.capture.has_value();
+  const size_t num_others =
+      size_t{4} + !file.camera->IsCentral() + (file.uncertainty ? 2 : 0) +
+      has_modes + file.capture.has_value() + options.stack.has_value();
   const size_t max_tables = RG_MAX_SECTIONS - num_others;
   if (options.remaps.size() > max_tables)
     throw Error(ExitCode::kUsage,
@@ -112,107 +112,163 @@ void ThrowIfStopped(const PackOptions& options) {
                 "of camera.yaml");
 }
 
-// Adds control points of 16 bits where they keep the bounds. Throws
-// Error(kQuality) where those of 32 bits do not, either.
-class NarrowSection {
+// Adds the control points of grids that are alike, of which the first is the
+// blob's own: of 16 bits where all keep the bounds. Throws Error(kQuality)
+// where those of 32 bits do not, either.
+class GridPoints {
  public:
-  NarrowSection(const ControlPoints& points, bool is_allowed,
-                const PackingTruth& truth, int num_threads,
-                rg_blob_contents* contents) {
-    if (is_allowed) narrow_ = Narrow(points);
-    if (narrow_) {
-      narrow_->section.residuals = narrow_->residuals.data();
-      contents->narrow = &narrow_->section;
-      if (IsWritable(*contents))
-        error_ = MeasureUnprojection(truth, WriteBlob(*contents), num_threads);
+  // truths: of each grid.
+  GridPoints(const std::vector<GridSection>& grids, bool is_allowed,
+             const std::vector<PackingTruth>& truths, int num_threads,
+             rg_blob_contents* contents)
+      : grids_(grids) {
+    std::vector<ControlPoints> points;
+    for (const GridSection& grid : grids) points.push_back(grid.control_points);
+    if (is_allowed) narrow_ = NarrowAlike(points);
+    if (narrow_)
+      for (NarrowGrid& narrow : *narrow_)
+        narrow.section.residuals = narrow.residuals.data();
+    if (!narrow_ || !Measure(truths, num_threads, contents) ||
+        error_.px > kMaxPackingErrorPx || error_.rad > kMaxNarrowErrorRad) {
+      narrow_.reset();
+      Measure(truths, num_threads, contents);
     }
-    if (error_.px <= kMaxPackingErrorPx && error_.rad <= kMaxNarrowErrorRad)
-      return;
-    contents->narrow = nullptr;
-    error_ = MeasureUnprojection(truth, WriteBlob(*contents), num_threads);
     if (error_.px > kMaxPackingErrorPx)
       throw Error(
           ExitCode::kQuality,
           fmt::format("packing would add {:.4f} px to un-projection, more "
                       "than {}",
                       error_.px, kMaxPackingErrorPx));
+    Point(0, contents);
   }
-  NarrowSection(const NarrowSection&) = delete;
-  NarrowSection& operator=(const NarrowSection&) = delete;
+  GridPoints(const GridPoints&) = delete;
+  GridPoints& operator=(const GridPoints&) = delete;
 
   const UnprojectionError& error() const { return error_; }
 
+  // Makes contents those of a grid, or of a knot.
+  template <typename Contents>
+  void Point(size_t k, Contents* contents) const {
+    contents->control_points_q29 = grids_[k].control_points.values.data();
+    contents->narrow = narrow_ ? &(*narrow_)[k].section : nullptr;
+  }
+
  private:
-  std::optional<NarrowGrid> narrow_;
+  // The worst errors of all; false if the format does not hold one of them.
+  bool Measure(const std::vector<PackingTruth>& truths, int num_threads,
+               rg_blob_contents* contents) {
+    error_ = {};
+    for (size_t k = 0; k < truths.size(); ++k) {
+      Point(k, contents);
+      if (narrow_ && !IsWritable(*contents)) return false;
+      const UnprojectionError error =
+          MeasureUnprojection(truths[k], WriteBlob(*contents), num_threads);
+      error_.px = std::max(error_.px, error.px);
+      error_.rad = std::max(error_.rad, error.rad);
+    }
+    return true;
+  }
+
+  const std::vector<GridSection>& grids_;
+  std::optional<std::vector<NarrowGrid>> narrow_;
   UnprojectionError error_ = {INFINITY, INFINITY};
 };
 
-// Adds the inverse grid that leads back to the pixels of contents.
-class InverseSection {
+// Adds the inverse grid that leads back to the pixels of contents, and finds
+// alike ones of the other surfaces.
+class InverseSections {
  public:
-  InverseSection(const BSplineSurface& surface, const TrustMask* trusted,
-                 int num_threads, const std::function<void()>& go_on,
-                 rg_blob_contents* contents)
-      : contents_(contents) {
-    inverse_ = FitInverseGrid(
-        surface, trusted, [&](const InverseGrid& grid, double max_pixels) {
-          go_on();
-          Point(grid);
-          return IsWritable(*contents_)
-                     ? std::optional(MeasureProjection(
-                           BlobCamera("blob", WriteBlob(*contents_)), trusted,
-                           max_pixels, num_threads))
-                     : std::nullopt;
-        });
-    contents_->inverse = nullptr;
-    if (inverse_) Point(inverse_->grid);
+  InverseSections(const std::vector<const BSplineSurface*>& surfaces,
+                  const GridPoints& points, const TrustMask* trusted,
+                  int num_threads, const std::function<void()>& go_on,
+                  rg_blob_contents* contents) {
+    const auto measure = [&](size_t k, const InverseGrid& grid,
+                             double max_pixels) {
+      go_on();
+      rg_blob_contents measured = *contents;
+      points.Point(k, &measured);
+      const rg_narrow_grid inverse_points = PointsOf(grid);
+      measured.inverse = &grid.section;
+      measured.inverse_points = &inverse_points;
+      return IsWritable(measured) ? std::optional(MeasureProjection(
+                                        BlobCamera("blob", WriteBlob(measured)),
+                                        trusted, max_pixels, num_threads))
+                                  : std::nullopt;
+    };
+    if (surfaces.size() == 1) {
+      if (auto inverse =
+              FitInverseGrid(*surfaces[0], trusted,
+                             [&](const InverseGrid& grid, double max_pixels) {
+                               return measure(0, grid, max_pixels);
+                             }))
+        inverses_.push_back(*std::move(inverse));
+    } else if (auto inverses =
+                   FitAlikeInverseGrids(surfaces, trusted, measure)) {
+      inverses_ = *std::move(inverses);
+    }
+    for (const MeasuredInverse& inverse : inverses_)
+      points_.push_back(PointsOf(inverse.grid));
+    if (inverses_.empty()) return;
+    contents->inverse = &inverses_[0].grid.section;
+    contents->inverse_points = &points_[0];
   }
-  InverseSection(const InverseSection&) = delete;
-  InverseSection& operator=(const InverseSection&) = delete;
+  InverseSections(const InverseSections&) = delete;
+  InverseSections& operator=(const InverseSections&) = delete;
 
+  // The worst of them.
   std::optional<ProjectionError> error() const {
-    return inverse_ ? std::optional(inverse_->error) : std::nullopt;
+    if (inverses_.empty()) return std::nullopt;
+    return std::max_element(inverses_.begin(), inverses_.end(),
+                            [](const auto& a, const auto& b) {
+                              return a.error.trusted.MissedPart() <
+                                     b.error.trusted.MissedPart();
+                            })
+        ->error;
+  }
+
+  // NULL if there is none.
+  const rg_narrow_grid* points(size_t k) const {
+    return inverses_.empty() ? nullptr : &points_[k];
   }
 
  private:
-  void Point(const InverseGrid& grid) {
-    points_ = grid.points.section;
-    points_.residuals = grid.points.residuals.data();
-    contents_->inverse = &grid.section;
-    contents_->inverse_points = &points_;
+  static rg_narrow_grid PointsOf(const InverseGrid& grid) {
+    rg_narrow_grid points = grid.points.section;
+    points.residuals = grid.points.residuals.data();
+    return points;
   }
 
-  rg_blob_contents* const contents_;
-  std::optional<MeasuredInverse> inverse_;
-  rg_narrow_grid points_ = {};
+  std::vector<MeasuredInverse> inverses_;
+  std::vector<rg_narrow_grid> points_;
 };
 
-// A table for the view that is as sharp as the image, or else for the
-// calibrated area's.
-std::optional<RemapTable> FitDefaultTable(const CameraModel& camera,
-                                          double max_error_px, int num_threads,
-                                          const std::function<void()>& go_on,
-                                          std::vector<std::string>* remarks) {
+// Tables of the view that is as sharp as the first camera's image, or else of
+// its calibrated area; none, if neither can be.
+std::vector<RemapTable> FitDefaultTables(
+    const std::vector<const CameraModel*>& cameras, double max_error_px,
+    int num_threads, const std::function<void()>& go_on,
+    std::vector<std::string>* remarks) {
+  const CameraModel& camera = *cameras.front();
   std::string fault;
   try {
-    return FitRemapTable(camera, MakeView(camera, {}), max_error_px,
-                         num_threads, go_on);
+    return FitRemapTables(cameras, MakeView(camera, {}), max_error_px,
+                          num_threads, go_on);
   } catch (const Error& error) {
     fault = error.what();
   }
   try {
-    RemapTable table = FitRemapTable(camera, MakeViewOfArea(camera),
-                                     max_error_px, num_threads, go_on);
+    std::vector<RemapTable> tables = FitRemapTables(
+        cameras, MakeViewOfArea(camera), max_error_px, num_threads, go_on);
     remarks->push_back(
         "its undistortion table shows the calibrated area alone, which lies "
         "far from where the camera looks, or too close to the side");
-    return table;
+    return tables;
   } catch (const Error&) {
     remarks->push_back(
         "has no undistortion table, which raygrid pack --remap may make of "
         "another view: " +
         fault);
-    return std::nullopt;
+    return {};
   }
 }
 
@@ -272,60 +328,76 @@ ShownPixels TrustedPixels(const TrustMask& trusted,
 // Remap tables as rg_blob_write() takes them.
 class RemapSections {
  public:
-  // Fits the tables that are asked for, and tells packed of them.
-  // lines: NULL of a central camera, which the other one always is. trusted:
+  // Fits the tables that are asked for, and tells packed of them: of the first
+  // camera, and alike ones of the others.
+  // lines: NULL of a central camera, which the first one always is. trusted:
   // what alone they show, or NULL.
-  void Fit(const CameraModel& camera, const NonCentralGeneric* lines,
-           const PackOptions& options, const TrustMask* trusted,
-           int num_threads, const std::function<void()>& go_on,
-           PackedCamera* packed) {
+  void Fit(const std::vector<const CameraModel*>& cameras,
+           const NonCentralGeneric* lines, const PackOptions& options,
+           const TrustMask* trusted, int num_threads,
+           const std::function<void()>& go_on, PackedCamera* packed) {
     for (const RemapRequest& request : options.remaps) {
-      const std::unique_ptr<CameraModel> source =
-          CameraOfRequest(camera, lines, request);
-      packed->remaps.push_back(
-          Add(FitTable(*source, request, options, trusted, num_threads, go_on),
-              request.mode));
+      std::vector<std::unique_ptr<CameraModel>> sources;
+      std::vector<const CameraModel*> pointers;
+      for (const CameraModel* camera : cameras) {
+        sources.push_back(CameraOfRequest(*camera, lines, request));
+        pointers.push_back(sources.back().get());
+      }
+      packed->remaps.push_back(Add(
+          FitTables(pointers, request, options, trusted, num_threads, go_on),
+          request.mode));
       packed->remaps.back().distorts = request.distorts;
       if (lines && request.scene)
         packed->remaps.back().far_error_px = FarError(
-            *source, *CameraOfRequest(camera, nullptr, request), request.view);
+            *sources[0], *CameraOfRequest(*cameras[0], nullptr, request),
+            request.view);
     }
     if (!options.has_default_remap) return;
-    if (auto table = FitDefaultTable(camera, options.max_error_px, num_threads,
-                                     go_on, &packed->remarks))
-      packed->remaps.push_back(Add(*std::move(table)));
+    std::vector<RemapTable> tables = FitDefaultTables(
+        cameras, options.max_error_px, num_threads, go_on, &packed->remarks);
+    if (!tables.empty()) packed->remaps.push_back(Add(std::move(tables)));
   }
 
-  // Adds the tables to contents, which point to memory that lives as long as
-  // this.
+  // Adds the first camera's tables to contents, which point to memory that
+  // lives as long as this.
   void AddTo(rg_blob_contents* contents) {
-    for (RemapTable& table : tables_) {
-      table.section.empty_blocks = table.empty_blocks.data();
-      table.section.bends = table.bends.data();
-      contents_.push_back({&table.section, table.residuals.data()});
+    for (std::vector<RemapTable>& tables : tables_) {
+      contents_.resize(tables.size());
+      for (size_t k = 0; k < tables.size(); ++k) {
+        RemapTable& table = tables[k];
+        table.section.empty_blocks = table.empty_blocks.data();
+        table.section.bends = table.bends.data();
+        contents_[k].push_back({&table.section, table.residuals.data()});
+      }
     }
     if (contents_.empty()) return;
-    contents->remap = contents_[0].section;
-    contents->residuals = contents_[0].residuals;
-    contents->more_remaps = contents_.data() + 1;
-    contents->num_more_remaps = static_cast<uint32_t>(contents_.size() - 1);
+    const std::vector<rg_remap_contents>& own = contents_[0];
+    contents->remap = own[0].section;
+    contents->residuals = own[0].residuals;
+    contents->more_remaps = own.data() + 1;
+    contents->num_more_remaps = static_cast<uint32_t>(own.size() - 1);
     for (size_t k = 0; k < modes_.size(); ++k)
       modes_[k].name = mode_names_[k].data();
     contents->modes = modes_.data();
     contents->num_modes = static_cast<uint32_t>(modes_.size());
   }
 
+  // The tables of a camera, after AddTo(); NULL if there are none.
+  const rg_remap_contents* contents(size_t camera) const {
+    return contents_.empty() ? nullptr : contents_[camera].data();
+  }
+
  private:
   // An error says which of several tables it is of.
-  static RemapTable FitTable(const CameraModel& source,
-                             const RemapRequest& request,
-                             const PackOptions& options,
-                             const TrustMask* trusted, int num_threads,
-                             const std::function<void()>& go_on) {
-    const auto fit = request.distorts ? FitDistortionTable : FitRemapTable;
+  static std::vector<RemapTable> FitTables(
+      const std::vector<const CameraModel*>& sources,
+      const RemapRequest& request, const PackOptions& options,
+      const TrustMask* trusted, int num_threads,
+      const std::function<void()>& go_on) {
+    const auto fit = request.distorts ? FitDistortionTables : FitRemapTables;
     try {
       return fit(
-          source, request.view, options.max_error_px, num_threads, go_on,
+          sources, request.view, options.max_error_px, num_threads, go_on,
           trusted ? TrustedPixels(*trusted, request.mode) : ShownPixels());
     } catch (const Error& error) {
       if (options.remaps.size() == 1) throw;
@@ -335,12 +407,16 @@ class RemapSections {
     }
   }
 
-  PackedRemap Add(RemapTable table,
+  // Tables of each camera.
+  PackedRemap Add(std::vector<RemapTable> tables,
                   const std::optional<SensorMode>& mode = std::nullopt) {
     if (mode) {
-      table.section.has_view = 1;
-      table.section.mode = NumberOfMode(*mode);
+      for (RemapTable& each : tables) {
+        each.section.has_view = 1;
+        each.section.mode = NumberOfMode(*mode);
+      }
     }
+    const RemapTable& table = tables.front();
     const rg_remap_section& s = table.section;
     const int block_size = 1 << s.block_log2;
     PackedRemap packed;
@@ -350,7 +426,12 @@ class RemapSections {
     packed.chroma_error_px = table.max_chroma_error_px;
     packed.block_size = block_size;
     packed.part_size = s.part_log2 != 0 ? 1 << s.part_log2 : block_size;
-    tables_.push_back(std::move(table));
+    for (const RemapTable& each : tables) {
+      packed.error_px = std::max(packed.error_px, each.max_error_px);
+      packed.chroma_error_px =
+          std::max(packed.chroma_error_px, each.max_chroma_error_px);
+    }
+    tables_.push_back(std::move(tables));
     return packed;
   }
 
@@ -366,11 +447,56 @@ class RemapSections {
     return static_cast<uint8_t>(number);
   }
 
-  std::vector<RemapTable> tables_;
+  std::vector<std::vector<RemapTable>> tables_;  // of a request, of each camera
   std::vector<rg_mode_section> modes_;
   std::vector<std::string> mode_names_;
-  std::vector<rg_remap_contents> contents_;
+  std::vector<std::vector<rg_remap_contents>> contents_;  // of each camera
 };
+
+// Throws where the knots are not of one kind with each other.
+void RequireAlikeKnots(const StackKnots& stack, const CameraModel& camera) {
+  const auto require = [](bool is_good, const char* what) {
+    if (!is_good) ThrowDoesNotFitBlob(what);
+  };
+  const size_t num = stack.values.size();
+  require(camera.IsCentral(), "a stack is of central cameras");
+  require(
+      num == stack.cameras.size() && num >= RG_MIN_KNOTS && num <= RG_MAX_KNOTS,
+      "a stack has 2 to 64 knots");
+  for (size_t k = 0; k < num; ++k) {
+    const BSplineSurface& a = stack.cameras[0].surface();
+    const BSplineSurface& b = stack.cameras[k].surface();
+    require(std::abs(stack.values[k]) <= 1024 &&
+                (k == 0 || std::lround(stack.values[k] * 65536) >
+                               std::lround(stack.values[k - 1] * 65536)),
+            "the values of a stack's knots ascend, and are 1024 at most");
+    require(a.columns() == b.columns() && a.rows() == b.rows() &&
+                a.area().x0 == b.area().x0 && a.area().y0 == b.area().y0 &&
+                a.area().x1 == b.area().x1 && a.area().y1 == b.area().y1 &&
+                stack.cameras[k].image_size() == camera.image_size(),
+            "a stack's knots have grids of one size over one area");
+  }
+}
+
+// The camera's own grid, and of a stack those of its knots, with which it then
+// has area and size in common.
+std::vector<CentralGeneric> MakeBlobGrids(const CameraModel& camera,
+                                          const TrustMask* trusted,
+                                          const StackKnots* stack) {
+  if (!stack) return {MakeBlobGrid(camera, trusted)};
+  const BSplineSurface& like = stack->cameras[0].surface();
+  std::vector<CentralGeneric> grids = {MakeBlobGrid(
+      FitCentralGeneric(camera, like.area(), like.columns(), like.rows()),
+      trusted)};
+  for (const CentralGeneric& knot : stack->cameras)
+    grids.push_back(MakeBlobGrid(knot, trusted));
+  for (const CentralGeneric& grid : grids)
+    if (grid.surface().columns() != like.columns() ||
+        grid.surface().rows() != like.rows())
+      ThrowDoesNotFitBlob(
+          "the area of a stack's knots is finer than 1/65536 px");
+  return grids;
+}
 
 }  // namespace
 
@@ -399,8 +525,21 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   const int num_threads = NumThreads(options.num_threads);
   const std::function<void()> go_on = [&options] { ThrowIfStopped(options); };
 
-  const CentralGeneric model = MakeBlobGrid(central, trusted);
-  const GridSection grid = QuantizeGrid(model);
+  const StackKnots* stack = options.stack ? &*options.stack : nullptr;
+  if (stack) RequireAlikeKnots(*stack, camera);
+  const std::vector<CentralGeneric> models =
+      MakeBlobGrids(central, trusted, stack);
+  std::vector<const CameraModel*> cameras = {&central};
+  std::vector<const BSplineSurface*> surfaces = {&models[0].surface()};
+  std::vector<PackingTruth> truths = {{central, models[0], trusted}};
+  for (size_t k = 1; k < models.size(); ++k) {
+    cameras.push_back(&stack->cameras[k - 1]);
+    surfaces.push_back(&models[k].surface());
+    truths.push_back({stack->cameras[k - 1], models[k], trusted});
+  }
+  std::vector<GridSection> grids;
+  for (const CentralGeneric& model : models)
+    grids.push_back(QuantizeGrid(model));
   const std::string name = PaddedText("name", file.name);
   const std::string serial = PaddedText("serial", file.serial);
   const rg_camera_section identity = {
@@ -409,42 +548,58 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
       serial.data()};
   rg_blob_contents contents = {};
   contents.camera = &identity;
-  contents.grid = &grid.section;
-  contents.control_points_q29 = grid.control_points.values.data();
-  const NarrowSection narrow(grid.control_points, options.is_narrow_allowed,
-                             {central, model, trusted}, num_threads, &contents);
+  contents.grid = &grids[0].section;
+  const GridPoints points(grids, options.is_narrow_allowed, truths, num_threads,
+                          &contents);
 
   PackedCamera packed;
-  packed.unproject_error_px = narrow.error().px;
-  packed.unproject_error_rad = narrow.error().rad;
+  packed.unproject_error_px = points.error().px;
+  packed.unproject_error_rad = points.error().rad;
   // To the pixels that look into a direction, also where those are of lines.
-  const InverseSection inverse(model.surface(), trusted, num_threads, go_on,
-                               &contents);
+  const InverseSections inverse(surfaces, points, trusted, num_threads, go_on,
+                                &contents);
   packed.projection = inverse.error();
   if (const auto remark =
           RemarkOnProjection(packed.projection, trusted != nullptr))
     packed.remarks.push_back(*remark);
   RemapSections remaps;
-  remaps.Fit(central, lines, options, options.shown ? &*options.shown : nullptr,
+  remaps.Fit(cameras, lines, options, options.shown ? &*options.shown : nullptr,
              num_threads, go_on, &packed);
   remaps.AddTo(&contents);
 
-  const rg_quality_section quality = QualityOf(file, narrow.error());
+  const rg_quality_section quality = QualityOf(file, points.error());
   contents.quality = &quality;
   std::vector<int32_t> line_points;
   if (lines) {
-    line_points = QuantizeLinePoints(*lines, model.surface());
+    line_points = QuantizeLinePoints(*lines, models[0].surface());
     contents.line_points_q28 = line_points.data();
   }
   UncertaintySections sections;
   if (file.uncertainty) {
-    sections = QuantizeUncertainty(*file.uncertainty, grid.section);
+    sections = QuantizeUncertainty(*file.uncertainty, grids[0].section);
     sections.AddTo(&contents);
   }
   rg_capture_section capture;
   if (file.capture) {
     capture = QuantizeCapture(*file.capture);
     contents.capture = &capture;
+  }
+  std::vector<rg_knot_contents> knots;
+  rg_stack_contents stack_contents = {};
+  if (stack) {
+    for (size_t k = 1; k < models.size(); ++k) {
+      rg_knot_contents knot = {};
+      knot.value_q16 =
+          static_cast<int32_t>(std::lround(stack->values[k - 1] * 65536));
+      points.Point(k, &knot);
+      knot.inverse_points = inverse.points(k);
+      knot.remaps = remaps.contents(k);
+      knots.push_back(knot);
+    }
+    stack_contents.condition = static_cast<uint16_t>(stack->condition);
+    stack_contents.num_knots = static_cast<uint16_t>(knots.size());
+    stack_contents.knots = knots.data();
+    contents.stack = &stack_contents;
   }
   packed.blob = WriteBlob(contents);
   return packed;

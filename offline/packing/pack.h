@@ -7,11 +7,13 @@
 #include <vector>
 
 #include "camera/camera_of_scene.h"
+#include "camera/central_generic.h"
 #include "camera/sensor_mode.h"
 #include "dataset/camera_file.h"
 #include "packing/blob_limits.h"
 #include "packing/projection_error.h"
 #include "packing/view.h"
+#include "rg_blob.h"
 
 namespace raygrid {
 
@@ -31,6 +33,24 @@ struct RemapRequest {
   bool distorts = false;
 };
 
+/// A central camera at several values of a condition, between which boards
+/// blend it.
+struct StackKnots {
+  rg_condition condition = RG_CONDITION_LENS_POSITION;
+  std::vector<double> values;  ///< ascending; dioptres, or degrees Celsius
+  /// One camera a value, with grids of one size over one area.
+  std::vector<CentralGeneric> cameras;
+};
+
+/// Chooses knots for a camera over a range of a condition: evenly spaced ones,
+/// as few as keep the blend between any two within a bound of the camera, in
+/// pixels over its area, at three values between them. All cameras have grids
+/// of one size over one area. Throws Error(kQuality) if 64 knots do not keep
+/// the bound.
+StackKnots ChooseKnots(rg_condition condition, double low, double high,
+                       const std::function<CentralGeneric(double)>& camera_at,
+                       double max_error_px = 0.01);
+
 struct PackOptions {
   std::vector<RemapRequest> remaps;  ///< one table each
   /// One more of the view that the camera can give; a remark if it has none.
@@ -39,6 +59,8 @@ struct PackOptions {
   /// The pixels that tables show: blocks in which none is are border. Without,
   /// all are shown.
   std::optional<TrustMask> shown;
+  /// A stack beside the camera, which is the one at a reference.
+  std::optional<StackKnots> stack;
   bool is_narrow_allowed = true;  ///< control points of 16 bits
   int num_threads = 0;
   /// Once true, packing ends by Error(kNotConverged).

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <memory>
 #include <optional>
 
 #include "cortex_m/part_corners.h"
@@ -57,54 +58,67 @@ int FittingShift(double largest, double limit) {
 }
 
 // The bends in 8 bits, as 4 / N of how far an edge of N parts bends, with the
-// smallest shift that lets all fit; false if none does.
-bool QuantizeBends(const Blocks& blocks, const NodePositions& nodes,
-                   RemapTable* table) {
-  table->bends.clear();
-  table->section.bend_shift = 0;
+// smallest shift that lets all of all tables fit; false if none does.
+bool QuantizeBends(const Blocks& blocks,
+                   const std::vector<NodePositions>& nodes,
+                   std::vector<RemapTable>* tables) {
+  for (RemapTable& table : *tables) {
+    table.bends.clear();
+    table.section.bend_shift = 0;
+  }
   if (!blocks.layout.IsBent()) return true;
   const std::vector<bool> needed = NeededNodes(blocks);
   const double unit =
       kQ12 * std::ldexp(4, blocks.layout.part_log2 - blocks.size_log2());
-  const auto value = [&](int node, int c) {
-    return needed[node] ? unit * nodes(node, c) : 0.0;
+  const auto value = [&](size_t t, int node, int c) {
+    return needed[node] ? unit * nodes[t](node, c) : 0.0;
   };
   double largest = 0;
-  for (int k = blocks.num_vertices(); k < blocks.num_nodes(); ++k)
-    for (int c = 0; c < 2; ++c)
-      largest = std::max(largest, std::abs(value(k, c)));
+  for (size_t t = 0; t < nodes.size(); ++t)
+    for (int k = blocks.num_vertices(); k < blocks.num_nodes(); ++k)
+      for (int c = 0; c < 2; ++c)
+        largest = std::max(largest, std::abs(value(t, k, c)));
   const int shift = FittingShift(largest, 127);
   if (shift > static_cast<int>(RG_MAX_BEND_SHIFT)) return false;
-  table->section.bend_shift = static_cast<uint8_t>(shift);
-  for (int j = 0; j <= blocks.rows; ++j)
-    for (int i = 0; i <= blocks.columns; ++i)
-      for (const int bend : {blocks.LeftBend(i, j), blocks.UpperBend(i, j)})
-        for (int c = 0; c < 2; ++c)
-          table->bends.push_back(
-              static_cast<int8_t>(std::lround(value(bend, c) / (1 << shift))));
+  for (size_t t = 0; t < nodes.size(); ++t) {
+    RemapTable& table = (*tables)[t];
+    table.section.bend_shift = static_cast<uint8_t>(shift);
+    for (int j = 0; j <= blocks.rows; ++j)
+      for (int i = 0; i <= blocks.columns; ++i)
+        for (const int bend : {blocks.LeftBend(i, j), blocks.UpperBend(i, j)})
+          for (int c = 0; c < 2; ++c)
+            table.bends.push_back(static_cast<int8_t>(
+                std::lround(value(t, bend, c) / (1 << shift))));
+  }
   return true;
 }
 
-// q12 rounding of affine part and residuals with the smallest shift that lets
-// all residuals fit; false if none does. Vertices that are not needed are
-// brought near.
-bool QuantizeVertices(const Blocks& blocks, const NodePositions& vertices,
-                      RemapTable* table) {
-  const Eigen::Matrix<double, 3, 2> affine = FitAffine(blocks, vertices);
+// The affine map of the first table's vertices, for all tables.
+void QuantizePlane(const Blocks& blocks,
+                   const std::vector<NodePositions>& vertices,
+                   std::vector<RemapTable>* tables) {
+  const Eigen::Matrix<double, 3, 2> affine = FitAffine(blocks, vertices[0]);
   const auto q12 = [](double value) {
     return static_cast<int32_t>(std::lround(value * kQ12));
   };
-  rg_remap_section& s = table->section;
-  s.origin_x_q12 = q12(affine(0, 0));
-  s.origin_y_q12 = q12(affine(0, 1));
-  s.column_step_x_q12 = q12(affine(1, 0));
-  s.column_step_y_q12 = q12(affine(1, 1));
-  s.row_step_x_q12 = q12(affine(2, 0));
-  s.row_step_y_q12 = q12(affine(2, 1));
+  for (RemapTable& table : *tables) {
+    rg_remap_section& s = table.section;
+    s.origin_x_q12 = q12(affine(0, 0));
+    s.origin_y_q12 = q12(affine(0, 1));
+    s.column_step_x_q12 = q12(affine(1, 0));
+    s.column_step_y_q12 = q12(affine(1, 1));
+    s.row_step_x_q12 = q12(affine(2, 0));
+    s.row_step_y_q12 = q12(affine(2, 1));
+  }
+}
 
+// How far vertices lie from the section's affine map; those that are not needed
+// are brought near. *largest grows to the largest that is needed.
+std::vector<double> ResidualsQ12(const Blocks& blocks,
+                                 const NodePositions& vertices,
+                                 const rg_remap_section& s, double* largest) {
   const std::vector<bool> needed = NeededNodes(blocks);
   std::vector<double> residuals_q12;
-  double largest = 0;
   for (int j = 0; j <= blocks.rows; ++j) {
     for (int i = 0; i <= blocks.columns; ++i) {
       const int k = blocks.VertexIndex(i, j);
@@ -120,17 +134,34 @@ bool QuantizeVertices(const Blocks& blocks, const NodePositions& vertices,
             needed[k] ? vertices(k, c) * kQ12 : std::clamp(base[c], 0.0, 1.0);
         residuals_q12.push_back(std::clamp(target, -kLimit, kLimit) - base[c]);
         if (needed[k])
-          largest = std::max(largest, std::abs(residuals_q12.back()));
+          *largest = std::max(*largest, std::abs(residuals_q12.back()));
       }
     }
   }
+  return residuals_q12;
+}
+
+// q12 rounding of affine part and residuals with the smallest shift that lets
+// all residuals of all tables fit; false if none does.
+bool QuantizeVertices(const Blocks& blocks,
+                      const std::vector<NodePositions>& vertices,
+                      std::vector<RemapTable>* tables) {
+  QuantizePlane(blocks, vertices, tables);
+  std::vector<std::vector<double>> residuals_q12;
+  double largest = 0;
+  for (size_t t = 0; t < vertices.size(); ++t)
+    residuals_q12.push_back(
+        ResidualsQ12(blocks, vertices[t], (*tables)[t].section, &largest));
   const int shift = FittingShift(largest, 32766);
   if (shift > static_cast<int>(RG_MAX_RESIDUAL_SHIFT)) return false;
-  s.residual_shift = static_cast<uint8_t>(shift);
-  table->residuals.clear();
-  for (const double residual : residuals_q12)
-    table->residuals.push_back(static_cast<int16_t>(
-        std::clamp<long>(std::lround(residual / (1 << shift)), -32768, 32767)));
+  for (size_t t = 0; t < vertices.size(); ++t) {
+    RemapTable& table = (*tables)[t];
+    table.section.residual_shift = static_cast<uint8_t>(shift);
+    table.residuals.clear();
+    for (const double residual : residuals_q12[t])
+      table.residuals.push_back(static_cast<int16_t>(std::clamp<long>(
+          std::lround(residual / (1 << shift)), -32768, 32767)));
+  }
   return true;
 }
 
@@ -461,7 +492,7 @@ void RequireFormatLimits(const ImageSize& source, const ImageSize& output) {
 // that the lens throws light on. Nothing: all.
 ShownPixels ShownOfCamera(const CameraModel& camera, const ShownPixels& asked) {
   if (!camera.image_circle()) return asked;
-  return [&camera, &asked](const Eigen::Vector2d& pixel) {
+  return [&camera, asked](const Eigen::Vector2d& pixel) {
     return camera.IsLit(pixel) && (!asked || asked(pixel));
   };
 }
@@ -483,60 +514,177 @@ void HideCells(const Shows& shows, SourceMap* map) {
   }
 }
 
-// The table of an output image whose source is a camera's image; the view is
-// what the table is said to be of. hide says which cells are border.
-RemapTable FitTable(const CameraModel& camera, const OutputImage& output,
-                    const VirtualView& view, double max_error_px,
-                    int num_threads, const std::function<void()>& go_on,
-                    const std::function<void(SourceMap*)>& hide) {
-  RequireFormatLimits(camera.image_size(), output.size);
+// One of several alike tables is made from this: an output image whose source
+// is a camera's image, and which cells of its map are border.
+struct TableInput {
+  const CameraModel* camera;
+  OutputImage output;
+  std::function<void(SourceMap*)> hide;
+};
+
+// A table's input, and what does not depend on its blocks.
+struct MappedInput {
+  MappedInput(const TableInput& table, int num_threads)
+      : input(table),
+        map(MakeMap(table, num_threads)),
+        sums(map, num_threads),
+        has_hidden(std::find(map.is_hidden.begin(), map.is_hidden.end(),
+                             true) != map.is_hidden.end()) {}
+
+  const TableInput& input;
+  const SourceMap map;
+  const CellSums sums;
+  const bool has_hidden;
+
+ private:
+  static SourceMap MakeMap(const TableInput& table, int num_threads) {
+    SourceMap map = MakeSourceMap(*table.camera, table.output, num_threads);
+    table.hide(&map);
+    return map;
+  }
+};
+
+// Moves nodes that a table lacks, where no block of it has a source, to where
+// those of the nearest other table lie, by the affine map that is closest to
+// how the two differ elsewhere.
+void ContinueNodes(const Blocks& all, const std::vector<Blocks>& own,
+                   size_t table, std::vector<NodePositions>* nodes) {
+  const std::vector<bool> needed = NeededNodes(all);
+  const std::vector<bool> here = NeededNodes(own[table]);
+  if (here == needed) return;
+  const auto basis = [&](int k) {
+    return Eigen::Vector3d(1, k % (all.columns + 1), k / (all.columns + 1));
+  };
+  std::vector<bool> is_done = here;
+  for (size_t apart = 1; apart < own.size(); ++apart) {
+    for (const size_t other : {table - apart, table + apart}) {
+      if (other >= own.size()) continue;
+      const std::vector<bool> there = NeededNodes(own[other]);
+      Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
+      Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
+      for (int k = 0; k < all.num_vertices(); ++k) {
+        if (!here[k] || !there[k]) continue;
+        normal += basis(k) * basis(k).transpose();
+        right += basis(k) * ((*nodes)[table].row(k) - (*nodes)[other].row(k));
+      }
+      const Eigen::Matrix<double, 3, 2> moved = normal.ldlt().solve(right);
+      for (int k = 0; k < all.num_nodes(); ++k) {
+        if (!needed[k] || is_done[k] || !there[k]) continue;
+        is_done[k] = true;
+        (*nodes)[table].row(k) = (*nodes)[other].row(k);
+        if (k < all.num_vertices())
+          (*nodes)[table].row(k) += basis(k).transpose() * moved;
+      }
+    }
+  }
+}
+
+// The blocks in which any table has a source.
+Blocks UnionOf(const std::vector<Blocks>& own) {
+  Blocks all = own.front();
+  for (const Blocks& blocks : own)
+    for (size_t k = 0; k < all.used.size(); ++k)
+      all.used[k] = all.used[k] || blocks.used[k];
+  return all;
+}
+
+// Tables with blocks of a layout, as far as the format holds them; nothing if
+// it does not.
+std::optional<std::vector<RemapTable>> FitWithLayout(
+    const std::vector<std::unique_ptr<MappedInput>>& inputs,
+    const std::vector<Blocks>& own, const Blocks& all,
+    const VirtualView& view) {
+  std::vector<RemapTable> tables(inputs.size());
+  std::vector<NodePositions> nodes;
+  for (size_t t = 0; t < inputs.size(); ++t) {
+    const MappedInput& input = *inputs[t];
+    FillFields(input.input.camera->image_size(), input.map, view, all,
+               &tables[t]);
+    nodes.push_back(FitNodes(input.map, input.sums, own[t]));
+  }
+  for (size_t t = 0; t < inputs.size(); ++t) ContinueNodes(all, own, t, &nodes);
+  if (!QuantizeVertices(all, nodes, &tables) ||
+      !QuantizeBends(all, nodes, &tables))
+    return std::nullopt;
+  return tables;
+}
+
+// Measures a table in the blocks in which it has sources itself; false if it is
+// off by more than the limit.
+bool MeasureTable(const MappedInput& input, const Blocks& own,
+                  double max_error_px, double limit_px, int num_threads,
+                  RemapTable* table) {
+  RemapTable measured = *table;
+  FillFields(input.input.camera->image_size(), input.map, table->view, own,
+             &measured);
+  const TableErrors errors(*input.input.camera, input.input.output, input.map,
+                           own, measured, num_threads);
+  const std::optional<double> worst = errors.Worst(limit_px);
+  if (!worst) return false;
+  table->max_error_px = *worst;
+  if (*worst > max_error_px) return false;
+  table->max_chroma_error_px = WorstOfChroma(input.map, measured, num_threads);
+  table->section.bound_upx =
+      static_cast<uint32_t>(std::min(max_error_px * 1e6, 4e9));
+  table->section.max_error_upx =
+      static_cast<uint32_t>(std::ceil(table->max_error_px * 1e6));
+  return true;
+}
+
+// Tables that are alike but for residuals, bends and errors; the view is what
+// they are said to be of.
+std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
+                                  const VirtualView& view, double max_error_px,
+                                  int num_threads,
+                                  const std::function<void()>& go_on) {
   num_threads = NumThreads(num_threads);
-  SourceMap map = MakeSourceMap(camera, output, num_threads);
-  hide(&map);
-  go_on();
-  const CellSums sums(map, num_threads);
-  const bool has_hidden = std::find(map.is_hidden.begin(), map.is_hidden.end(),
-                                    true) != map.is_hidden.end();
-  RemapTable table;
+  std::vector<std::unique_ptr<MappedInput>> inputs;
+  bool has_hidden = false;
+  for (const TableInput& input : asked) {
+    RequireFormatLimits(input.camera->image_size(), input.output.size);
+    inputs.push_back(std::make_unique<MappedInput>(input, num_threads));
+    has_hidden |= inputs.back()->has_hidden;
+    go_on();
+  }
+  double worst_px = 0;
   for (const BlockLayout& layout : kLayouts) {
     go_on();
     if (has_hidden && layout.block_log2 > kMaxHidingLog2) continue;
     const bool is_last = &layout == std::end(kLayouts) - 1;
-    if (!is_last && LeastError(map, layout.SmallestLog2()) > max_error_px)
+    if (!is_last &&
+        std::any_of(inputs.begin(), inputs.end(), [&](const auto& input) {
+          return LeastError(input->map, layout.SmallestLog2()) > max_error_px;
+        }))
       continue;
-    const Blocks blocks = CutBlocks(map, layout);
-    if (std::count(blocks.used.begin(), blocks.used.end(), true) == 0)
+    std::vector<Blocks> own;
+    for (const auto& input : inputs)
+      own.push_back(CutBlocks(input->map, layout));
+    const Blocks all = UnionOf(own);
+    if (std::count(all.used.begin(), all.used.end(), true) == 0)
       throw Error(
           ExitCode::kUsage,
           "the view sees nothing of the calibrated area; turn it there, or "
           "ask for a larger field of view");
-    FillFields(camera.image_size(), map, view, blocks, &table);
-    const NodePositions nodes = FitNodes(map, sums, blocks);
+    std::optional<std::vector<RemapTable>> tables =
+        FitWithLayout(inputs, own, all, view);
     go_on();
-    if (!QuantizeVertices(blocks, nodes, &table) ||
-        !QuantizeBends(blocks, nodes, &table))
-      continue;
-    const TableErrors errors(camera, output, map, blocks, table, num_threads);
-    const std::optional<double> worst =
-        errors.Worst(is_last ? INFINITY : max_error_px);
-    if (!worst) continue;
-    table.max_error_px = *worst;
-    if (*worst <= max_error_px) {
-      table.max_chroma_error_px = WorstOfChroma(map, table, num_threads);
-      table.section.bound_upx =
-          static_cast<uint32_t>(std::min(max_error_px * 1e6, 4e9));
-      table.section.max_error_upx =
-          static_cast<uint32_t>(std::ceil(table.max_error_px * 1e6));
-      return table;
+    if (!tables) continue;
+    bool are_good = true;
+    for (size_t t = 0; t < inputs.size() && are_good; ++t) {
+      are_good = MeasureTable(*inputs[t], own[t], max_error_px,
+                              is_last ? INFINITY : max_error_px, num_threads,
+                              &(*tables)[t]);
+      worst_px = std::max(worst_px, (*tables)[t].max_error_px);
     }
+    if (are_good) return *std::move(tables);
   }
   // More is no picture that anybody means.
   constexpr double kUsefulErrorPx = 1;
   throw Error(ExitCode::kQuality,
               fmt::format("the remap's geometric error is {:.3f} px with the "
                           "smallest blocks; {}",
-                          table.max_error_px,
-                          table.max_error_px <= kUsefulErrorPx
+                          worst_px,
+                          worst_px <= kUsefulErrorPx
                               ? "allow that with --max-error-px, or ask for a "
                                 "smaller field of view"
                               : "ask for a smaller field of view, or calibrate "
@@ -545,34 +693,43 @@ RemapTable FitTable(const CameraModel& camera, const OutputImage& output,
 
 }  // namespace
 
-RemapTable FitRemapTable(const CameraModel& camera, const VirtualView& view,
-                         double max_error_px, int num_threads,
-                         const std::function<void()>& go_on,
-                         const ShownPixels& asked) {
-  const ShownPixels shows = ShownOfCamera(camera, asked);
-  return FitTable(
-      camera, OutputOfView(view), view, max_error_px, num_threads, go_on,
-      [&shows](SourceMap* map) {
-        if (shows)
-          HideCells([&](int x, int y) { return shows(map->At(x, y)); }, map);
-      });
+std::vector<RemapTable> FitRemapTables(
+    const std::vector<const CameraModel*>& cameras, const VirtualView& view,
+    double max_error_px, int num_threads, const std::function<void()>& go_on,
+    const ShownPixels& asked) {
+  std::vector<TableInput> inputs;
+  for (const CameraModel* camera : cameras) {
+    const ShownPixels shows = ShownOfCamera(*camera, asked);
+    inputs.push_back(
+        {camera, OutputOfView(view), [shows](SourceMap* map) {
+           if (shows)
+             HideCells([&](int x, int y) { return shows(map->At(x, y)); }, map);
+         }});
+  }
+  return FitTables(inputs, view, max_error_px, num_threads, go_on);
 }
 
-RemapTable FitDistortionTable(const CameraModel& camera,
-                              const VirtualView& view, double max_error_px,
-                              int num_threads,
-                              const std::function<void()>& go_on,
-                              const ShownPixels& asked) {
-  const ShownPixels shows = ShownOfCamera(camera, asked);
-  RemapTable table =
-      FitTable(*CameraOfTurnedView(view), OutputOfCamera(camera), view,
-               max_error_px, num_threads, go_on, [&shows](SourceMap* map) {
-                 if (shows)
-                   HideCells([&](int x, int y) { return shows({x, y}); }, map);
-               });
-  table.section.has_view = 1;
-  table.section.direction = RG_DISTORT;
-  return table;
+std::vector<RemapTable> FitDistortionTables(
+    const std::vector<const CameraModel*>& cameras, const VirtualView& view,
+    double max_error_px, int num_threads, const std::function<void()>& go_on,
+    const ShownPixels& asked) {
+  const std::unique_ptr<CameraModel> turned = CameraOfTurnedView(view);
+  std::vector<TableInput> inputs;
+  for (const CameraModel* camera : cameras) {
+    const ShownPixels shows = ShownOfCamera(*camera, asked);
+    inputs.push_back(
+        {turned.get(), OutputOfCamera(*camera), [shows](SourceMap* map) {
+           if (shows)
+             HideCells([&](int x, int y) { return shows({x, y}); }, map);
+         }});
+  }
+  std::vector<RemapTable> tables =
+      FitTables(inputs, view, max_error_px, num_threads, go_on);
+  for (RemapTable& table : tables) {
+    table.section.has_view = 1;
+    table.section.direction = RG_DISTORT;
+  }
+  return tables;
 }
 
 }  // namespace raygrid

@@ -36,21 +36,44 @@ using ShownPixels = std::function<bool(const Eigen::Vector2d& pixel)>;
 /// bound, Error(kUsage) if the images are too large for the format or the
 /// virtual camera sees nothing. Blocks none of whose sources are shown become
 /// border, too. go_on is called now and then, and may throw.
-RemapTable FitRemapTable(
-    const CameraModel& camera, const VirtualView& view, double max_error_px,
-    int num_threads, const std::function<void()>& go_on = [] {},
-    const ShownPixels& shows = {});
+///
+/// Of several cameras, which are one at several conditions: a table of each,
+/// that only differ as those of a stack's knots do. A block is border if it is
+/// with all of them.
+std::vector<RemapTable> FitRemapTables(
+    const std::vector<const CameraModel*>& cameras, const VirtualView& view,
+    double max_error_px, int num_threads,
+    const std::function<void()>& go_on = [] {}, const ShownPixels& shows = {});
 
-/// The table of the other direction, which distorts: its output pixels are
-/// those of the camera's image, its sources lie in the view's picture. The
+/// The tables of the other direction, which distort: their output pixels are
+/// those of the camera's image, their sources lie in the view's picture. The
 /// section has the camera's size, a rectangle of sources within the view's
 /// picture, and projection, K and rotation of the view. The bound holds for
 /// calibrated pixels; others of the same blocks may show something. Throws as
-/// FitRemapTable().
-RemapTable FitDistortionTable(
+/// FitRemapTables().
+std::vector<RemapTable> FitDistortionTables(
+    const std::vector<const CameraModel*>& cameras, const VirtualView& view,
+    double max_error_px, int num_threads,
+    const std::function<void()>& go_on = [] {}, const ShownPixels& shows = {});
+
+/// The table of one camera.
+inline RemapTable FitRemapTable(
     const CameraModel& camera, const VirtualView& view, double max_error_px,
     int num_threads, const std::function<void()>& go_on = [] {},
-    const ShownPixels& shows = {});
+    const ShownPixels& shows = {}) {
+  return FitRemapTables({&camera}, view, max_error_px, num_threads, go_on,
+                        shows)
+      .front();
+}
+
+inline RemapTable FitDistortionTable(
+    const CameraModel& camera, const VirtualView& view, double max_error_px,
+    int num_threads, const std::function<void()>& go_on = [] {},
+    const ShownPixels& shows = {}) {
+  return FitDistortionTables({&camera}, view, max_error_px, num_threads, go_on,
+                             shows)
+      .front();
+}
 
 }  // namespace raygrid
 

@@ -1,0 +1,78 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "dataset/error.h"
+#include "packing/pack.h"
+
+namespace raygrid {
+namespace {
+
+// The largest distance, in pixels, of what a camera sees from what the blend of
+// two others does, over a lattice of its area.
+double BlendError(const CentralGeneric& lower, const CentralGeneric& upper,
+                  double weight, const CentralGeneric& truth) {
+  constexpr int kSteps = 24;
+  const Area& area = truth.area();
+  double worst = 0;
+  for (int j = 0; j <= kSteps; ++j) {
+    for (int i = 0; i <= kSteps; ++i) {
+      const Eigen::Vector2d pixel(area.x0 + area.width() * i / kSteps,
+                                  area.y0 + area.height() * j / kSteps);
+      Eigen::Matrix2d slope;
+      const Eigen::Vector2d chart = truth.surface().Evaluate(pixel, &slope);
+      const Eigen::Vector2d blend =
+          (1 - weight) * lower.surface().Evaluate(pixel) +
+          weight * upper.surface().Evaluate(pixel);
+      // Chart positions to pixels, by the surface there.
+      const Eigen::Matrix2d inverse = slope.inverse();
+      if (inverse.allFinite())
+        worst = std::max(worst, (inverse * (blend - chart)).norm());
+    }
+  }
+  return worst;
+}
+
+// So many evenly spaced knots; nothing if they do not keep the bound.
+std::optional<StackKnots> MakeKnots(
+    int num_knots, double low, double high,
+    const std::function<CentralGeneric(double)>& camera_at,
+    double max_error_px) {
+  StackKnots stack;
+  for (int k = 0; k < num_knots; ++k) {
+    stack.values.push_back(low + (high - low) * k / (num_knots - 1));
+    stack.cameras.push_back(camera_at(stack.values.back()));
+  }
+  for (int k = 0; k + 1 < num_knots; ++k)
+    for (const double weight : {0.25, 0.5, 0.75}) {
+      const double value =
+          stack.values[k] + weight * (stack.values[k + 1] - stack.values[k]);
+      if (BlendError(stack.cameras[k], stack.cameras[k + 1], weight,
+                     camera_at(value)) > max_error_px)
+        return std::nullopt;
+    }
+  return stack;
+}
+
+}  // namespace
+
+StackKnots ChooseKnots(rg_condition condition, double low, double high,
+                       const std::function<CentralGeneric(double)>& camera_at,
+                       double max_error_px) {
+  for (int num_knots = RG_MIN_KNOTS;
+       num_knots <= static_cast<int>(RG_MAX_KNOTS); ++num_knots) {
+    std::optional<StackKnots> stack =
+        MakeKnots(num_knots, low, high, camera_at, max_error_px);
+    if (!stack) continue;
+    stack->condition = condition;
+    return *std::move(stack);
+  }
+  throw Error(ExitCode::kQuality,
+              fmt::format("{} knots do not follow the camera from {} to {} to "
+                          "{} px; ask for a smaller range",
+                          RG_MAX_KNOTS, low, high, max_error_px));
+}
+
+}  // namespace raygrid
