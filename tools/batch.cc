@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,15 +9,16 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "batch_fleet.h"
 #include "child_program.h"
 #include "commands.h"
 #include "dataset/content_hash.h"
 #include "dataset/dataset.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
-#include "dataset/text_encoding.h"
 #include "fleet/batch_plan.h"
-#include "fleet/fleet_input.h"
+#include "fleet/fleet_analysis.h"
+#include "fleet/fleet_page.h"
 #include "fleet/fleet_table.h"
 #include "progress_bar.h"
 #include "target/board_spec.h"
@@ -31,6 +31,7 @@ using BatchJson = nlohmann::ordered_json;
 
 constexpr char kUnitFile[] = "unit.json";  // the last file of a finished unit
 constexpr char kFleetFile[] = "fleet.csv";
+constexpr char kFleetPage[] = "fleet.html";
 
 struct BatchArguments {
   std::string plan, output;
@@ -248,67 +249,15 @@ UnitRow ReadRow(const UnitJob& job, const FigureLimits& limits) {
 std::vector<UnitRow> ReadRows(const std::vector<const UnitJob*>& jobs,
                               const FigureLimits& limits) {
   std::vector<UnitRow> rows;
-  for (const UnitJob* job : jobs) rows.push_back(ReadRow(*job, limits));
-  return rows;
-}
-
-bool HasNoResult(const UnitRow& row) {
-  return row.status == "error" || row.status == "missing";
-}
-
-// Marks units that are unusual, and says so, and where a mean jumps.
-FleetStatistics FindUnusual(const std::vector<const UnitJob*>& jobs,
-                            std::vector<UnitRow>* rows) {
-  std::vector<std::string> folders;
-  for (const UnitJob* job : jobs) folders.push_back(job->folder);
-  const ComparedUnits units = CompareUnits(*rows, folders);
-  FleetStatistics statistics = FindOutliers(units.input);
-  for (const UnusualUnit& unusual : statistics.unusual)
-    (*rows)[units.rows[unusual.unit]].unusual = unusual.charts;
-  for (MeanJump& jump : statistics.jumps)
-    jump.unit = static_cast<int>(units.rows[jump.unit]);
-  return statistics;
-}
-
-void TellFleet(const std::vector<UnitRow>& rows,
-               const FleetStatistics& statistics) {
-  for (const UnitRow& row : rows)
-    if (!row.unusual.empty())
-      fmt::print("{}: unusual in {}\n", row.serial,
-                 fmt::join(row.unusual, ", "));
-  for (const MeanJump& jump : statistics.jumps)
-    fmt::print("{}: from this unit on, {} is another one{} ({:.1f} sigma)\n",
-               rows[jump.unit].serial, jump.name,
-               jump.name == "lens" ? ""
-                                   : fmt::format(": {:.6g}, before {:.6g}",
-                                                 jump.after, jump.before),
-               jump.sigmas);
-}
-
-void TellUnits(const std::vector<UnitRow>& rows,
-               const FleetStatistics& statistics, const CommonOptions& common) {
-  BatchJson units = BatchJson::array();
-  for (const UnitRow& row : rows) {
-    if (HasNoResult(row) || row.status == "fail")
-      fmt::print(stderr, "raygrid: unit {}: {}: {}\n", row.serial, row.status,
-                 Printable(row.reason));
-    else if (!common.json && !common.quiet)
-      fmt::print("{}: {}, {:.2f} s\n", row.serial, row.status, row.seconds);
-    units.push_back({{"serial", row.serial}, {"status", row.status}});
-    if (!row.reason.empty()) units.back()["reason"] = row.reason;
-    if (!row.unusual.empty()) units.back()["unusual"] = row.unusual;
-    for (const auto& [name, value] : row.figures) units.back()[name] = value;
-    if (row.seconds > 0) units.back()["seconds"] = row.seconds;
+  for (const UnitJob* job : jobs) {
+    rows.push_back(ReadRow(*job, limits));
+    UnitRow& row = rows.back();
+    row.lens_batch = job->unit.lens_batch;
+    row.repeats = job->unit.repeats;
+    row.person = job->unit.person;
+    row.station = job->unit.station;
   }
-  if (!common.json) return;
-  BatchJson jumps = BatchJson::array();
-  for (const MeanJump& jump : statistics.jumps)
-    jumps.push_back({{"serial", rows[jump.unit].serial},
-                     {"figure", jump.name},
-                     {"before", jump.before},
-                     {"after", jump.after},
-                     {"sigmas", jump.sigmas}});
-  fmt::print("{}\n", BatchJson({{"units", units}, {"jumps", jumps}}).dump(2));
+  return rows;
 }
 
 // 6 if one fails; else that of the first one without a result.
@@ -367,15 +316,24 @@ void RunBatch(const BatchArguments& arguments, const CommonOptions& common) {
   const std::vector<const UnitJob*> chosen = ChooseJobs(jobs, arguments.unit);
   RequireResultsApart(jobs);
   RequireWritableFolder(arguments.output);
-  const std::string table = (fs::path(arguments.output) / kFleetFile).string();
-  RequireNoInputReplaced({arguments.plan}, {table});
+  const auto output = [&](const char* name) {
+    return (fs::path(arguments.output) / name).string();
+  };
+  RequireNoInputReplaced({arguments.plan},
+                         {output(kFleetFile), output(kFleetPage)});
   if (!arguments.gather) RunUnits(chosen, common);
-  std::vector<UnitRow> rows = ReadRows(chosen, plan.limits);
-  const FleetStatistics statistics = FindUnusual(chosen, &rows);
-  if (!arguments.unit) WriteFile(table, FormatFleetTable(rows));
-  TellUnits(rows, statistics, common);
-  if (!common.json && !common.quiet) TellFleet(rows, statistics);
-  if (const int code = ExitCodeOf(rows)) throw CLI::RuntimeError(code);
+  std::vector<std::string> folders;
+  for (const UnitJob* job : chosen) folders.push_back(job->folder);
+  const FleetAnalysis fleet =
+      AnalyseFleet(ReadRows(chosen, plan.limits), folders, plan.limits);
+  if (!arguments.unit) {
+    OutputFiles files;
+    files.Add(output(kFleetFile), FormatFleetTable(fleet.rows));
+    files.Add(output(kFleetPage), FormatFleetPage(fleet));
+    files.Commit();
+  }
+  TellUnits(fleet, common);
+  if (const int code = ExitCodeOf(fleet.rows)) throw CLI::RuntimeError(code);
 }
 
 }  // namespace
@@ -388,7 +346,9 @@ void AddBatch(CLI::App* app, CommonOptions* common) {
       "result is named with its reason, and the others go on. Called again, it "
       "goes on where it was ended: finished units stay, those whose images or "
       "options changed are calibrated anew, and those without a result are "
-      "tried again. fleet.csv in the folder has a line for each unit.",
+      "tried again. fleet.csv in the folder has a line for each unit, and "
+      "fleet.html shows the fleet: unusual units, changes of means, batches of "
+      "lenses, and how well a golden unit is repeated.",
       "raygrid batch plan.yaml -o out/\n\n"
       "plan.yaml, whose paths begin at its folder:\n"
       "  raygrid_batch: 1\n"
@@ -399,24 +359,28 @@ void AddBatch(CLI::App* app, CommonOptions* common) {
       "  units:\n"
       "    - {serial: A001, images: A001/}\n"
       "    - {serial: A002, features: A002.csv, image_size: [640, 480]}\n"
-      "    - {serial: R001, cameras: {left: R001/l, right: R001/r}}",
+      "    - {serial: A003, images: A003/, lens_batch: L7}\n"
+      "    - {serial: R001, cameras: {left: R001/l, right: R001/r}}\n"
+      "    - {serial: G-1, images: G-1/, repeats: A001, operator: ann, "
+      "station: s1}",
       common);
   auto arguments = std::make_shared<BatchArguments>();
   command->add_option("plan", arguments->plan, "the units and their options")
       ->required();
   command
       ->add_option("-o,--output", arguments->output,
-                   "folder of the units' folders and fleet.csv")
+                   "folder of the units' folders, fleet.csv and fleet.html")
       ->required();
   CLI::Option* const unit =
       command
           ->add_option("--unit", arguments->unit,
                        "calibrate this unit alone, counted from 0 in the order "
-                       "of serials; fleet.csv stays as it is")
+                       "of serials; fleet.csv and fleet.html stay as they are")
           ->check(CLI::Range(0, 999999));
   command
       ->add_flag("--gather", arguments->gather,
-                 "calibrate nothing: write fleet.csv of what is there")
+                 "calibrate nothing: write fleet.csv and fleet.html of what is "
+                 "there")
       ->excludes(unit);
   command->callback([arguments, common] { RunBatch(*arguments, *common); });
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 #include <set>
+#include <tuple>
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
@@ -83,7 +84,7 @@ void RequireSerial(const std::string& serial) {
   if (serial.empty() || serial.size() > kMaxSerialSize ||
       serial.find_first_not_of(kLetters) != std::string::npos ||
       serial[0] == '.' || serial[0] == '-' || serial == "fleet.csv" ||
-      serial.find(".failed") != std::string::npos)
+      serial == "fleet.html" || serial.find(".failed") != std::string::npos)
     throw InputError(
         fmt::format("serial '{}': names a folder, so it has 1 to {} letters, "
                     "digits or . _ - +, a letter or digit first",
@@ -102,7 +103,8 @@ BatchUnit ReadUnit(const YAML::Node& node, const YAML::Node& plan) {
   RequireSerial(unit.serial);
   const std::string what = "unit " + unit.serial;
   RequireKnownKeys(node, what,
-                   {"serial", "images", "features", "cameras", "pattern"});
+                   {"serial", "images", "features", "cameras", "pattern",
+                    "lens_batch", "repeats", "operator", "station"});
   unit.pattern = ReadText(Find(node, plan, "pattern"));
   unit.images = ReadText(node["images"]);
   unit.features = ReadText(node["features"]);
@@ -118,6 +120,11 @@ BatchUnit ReadUnit(const YAML::Node& node, const YAML::Node& plan) {
   if (unit.pattern.empty())
     throw InputError(what + ": has no pattern, nor has the plan");
   unit.options = ReadOptions(node, plan);
+  unit.lens_batch = ReadText(node["lens_batch"]);
+  unit.repeats = ReadText(node["repeats"]);
+  if (!unit.repeats.empty()) RequireSerial(unit.repeats);
+  unit.person = ReadText(node["operator"]);
+  unit.station = ReadText(node["station"]);
   return unit;
 }
 
@@ -143,6 +150,36 @@ FigureLimits ReadLimits(const YAML::Node& node) {
   return limits;
 }
 
+// A repeat is of a unit of its own, and all calibrations of golden units tell
+// their operator, or none does, and their station.
+void RequireRepeatsFit(const std::vector<BatchUnit>& units) {
+  std::set<std::string> goldens, repeats;
+  for (const BatchUnit& unit : units)
+    if (!unit.repeats.empty()) {
+      goldens.insert(unit.repeats);
+      repeats.insert(unit.serial);
+    }
+  const BatchUnit* first = nullptr;
+  for (const BatchUnit& unit : units) {
+    const bool is_golden = goldens.count(unit.serial) > 0;
+    if (repeats.count(unit.serial) > 0 && is_golden)
+      throw InputError(
+          fmt::format("unit {0}: repeats {1}, and is repeated itself; let all "
+                      "of them repeat {1}",
+                      unit.serial, unit.repeats));
+    if (!is_golden && unit.repeats.empty()) continue;
+    if (!first) first = &unit;
+    for (const auto& [key, text, of_first] :
+         {std::tuple("operator", &unit.person, &first->person),
+          std::tuple("station", &unit.station, &first->station)})
+      if (text->empty() != of_first->empty())
+        throw InputError(fmt::format(
+            "unit {}: of units {} and {}, which are of golden units, one has "
+            "no {}; say it of all of them, or of none",
+            unit.serial, first->serial, unit.serial, key));
+  }
+}
+
 BatchPlan ReadPlan(const YAML::Node& root) {
   RequireKind(root, "batch");
   if (root["raygrid_batch"].as<int>() != 1)
@@ -165,6 +202,7 @@ BatchPlan ReadPlan(const YAML::Node& root) {
       throw InputError(
           fmt::format("serial '{}' stands twice; units share no folder",
                       plan.units[k].serial));
+  RequireRepeatsFit(plan.units);
   return plan;
 }
 

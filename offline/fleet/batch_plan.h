@@ -17,6 +17,10 @@ struct BatchUnit {
   std::map<std::string, std::string> cameras;
   /// Options of raygrid calibrate, in one order for the same plan.
   std::vector<std::string> options;
+  std::string lens_batch;  ///< the batch of lenses that it has one of, or ""
+  /// The golden unit that this is another calibration of, or "".
+  std::string repeats;
+  std::string person, station;  ///< who calibrated it, and where, or ""
 };
 
 /// The least and the most that a figure may be; both may be infinite.

@@ -49,12 +49,13 @@ FleetFigure FigureOf(const std::string& name, bool is_positive,
 }  // namespace
 
 ComparedUnits CompareUnits(const std::vector<UnitRow>& rows,
-                           const std::vector<std::string>& folders) {
+                           const std::vector<std::string>& folders,
+                           const std::vector<size_t>& chosen) {
   ComparedUnits units;
   std::optional<ImageSize> size;
   std::vector<Eigen::Vector3d> directions;
   std::vector<std::vector<std::optional<Eigen::Vector2d>>> pixels;
-  for (size_t k = 0; k < rows.size(); ++k) {
+  for (const size_t k : chosen) {
     const std::string path = folders[k] + "/camera.yaml";
     if (rows[k].status == "error" || rows[k].status == "missing" ||
         !std::filesystem::exists(path))

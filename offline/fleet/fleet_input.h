@@ -15,12 +15,13 @@ struct ComparedUnits {
   FleetInput input;
 };
 
-/// Takes the units with a camera of the size that the first one has; rigs and
-/// units without a result are left out. They see 9 x 7 directions, evenly over
-/// the first one's image, as far as all of them do. folders are those of the
-/// rows' units.
+/// Takes those of the chosen rows' units with a camera of the size that the
+/// first one has; rigs and units without a result are left out. They see 9 x 7
+/// directions, evenly over the first one's image, as far as all of them do.
+/// folders are those of the rows' units.
 ComparedUnits CompareUnits(const std::vector<UnitRow>& rows,
-                           const std::vector<std::string>& folders);
+                           const std::vector<std::string>& folders,
+                           const std::vector<size_t>& chosen);
 
 }  // namespace raygrid
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "fleet/mean_changes.h"
+
 namespace raygrid {
 
 /// A figure of each unit in their order; NaN where it is not known.
@@ -12,6 +14,9 @@ struct FleetFigure {
   std::string name;
   std::vector<double> values;
   bool is_positive = false;  ///< its logarithm is what scatters evenly
+
+  /// The values, or their logarithms: NaN of what is not positive.
+  std::vector<double> Scattering() const;
 };
 
 /// Units in their order, which is that of time.
@@ -29,15 +34,7 @@ struct ControlChart {
   std::vector<double> values;
   std::vector<double> middle;   ///< of the units before and behind each jump
   double lower = 0, upper = 0;  ///< from the middle; infinite: no limit
-};
-
-/// The mean of a figure changes from one unit to the next, or that of the
-/// lenses along any of the directions in which they vary.
-struct MeanJump {
-  std::string name;              ///< of the figure, or "lens"
-  int unit = 0;                  ///< the first one with the new mean
-  double before = 0, after = 0;  ///< middle values of the figure; lenses: 0
-  double sigmas = 0;             ///< the change over its standard deviation
+  bool is_logarithm = false;    ///< values and middle are those of a figure
 };
 
 struct UnusualUnit {
@@ -48,21 +45,26 @@ struct UnusualUnit {
 struct FleetStatistics {
   std::vector<ControlChart> charts;
   std::vector<MeanJump> jumps;       ///< by unit
+  std::vector<MeanDrift> drifts;     ///< in the order of charts
   std::vector<UnusualUnit> unusual;  ///< by unit
   int num_directions = 0;            ///< in which the fleet's lenses vary
 };
 
 /// The fewest units of which limits can be told.
 constexpr int kFewestFleetUnits = 20;
+/// The chance of any alarm in a fleet in which nothing is unusual, and that of
+/// any change of a steady mean.
+constexpr double kFleetChance = 0.05;
 
-/// Finds what is unusual in a fleet. Jumps of a mean come first, by the largest
-/// change over all places of it, each part searched again. Within the parts,
-/// two charts of the lenses themselves: "lens" is Hotelling's T^2 over the
-/// principal directions in which lenses vary, "shape" the squared distance from
-/// these directions, which no usual lens has. Then a chart for each figure.
+/// Finds what is unusual in a fleet. Changes of a mean come first
+/// (FindMeanChanges()). About the changing means, there are two charts of the
+/// lenses themselves: "lens" is Hotelling's T^2 over the principal directions
+/// in which lenses vary, "shape" the squared distance in pixels from these
+/// directions, which no usual lens has. Then a chart for each figure.
 ///
-/// A fleet without outliers or jumps gives an alarm with a chance of 5 %, all
-/// charts and units together, and a jump with another 5 %.
+/// A fleet without outliers gives an alarm with a chance of kFleetChance, all
+/// charts and units together, and a steady one a jump or a drift with another
+/// kFleetChance.
 ///
 /// Fewer than kFewestFleetUnits units have no charts.
 FleetStatistics FindOutliers(const FleetInput& input);

@@ -122,8 +122,9 @@ UnitRow ReadUnitRow(const std::string& serial, const std::string& folder,
 }
 
 std::string FormatFleetTable(const std::vector<UnitRow>& rows) {
-  std::string text = fmt::format("serial,status,reason,{},unusual,seconds\n",
-                                 fmt::join(kColumns, ","));
+  std::string text =
+      fmt::format("serial,status,reason,{},lens_batch,unusual,seconds\n",
+                  fmt::join(kColumns, ","));
   for (const UnitRow& row : rows) {
     text +=
         fmt::format("{},{},{}", row.serial, row.status, CsvField(row.reason));
@@ -133,7 +134,8 @@ std::string FormatFleetTable(const std::vector<UnitRow>& rows) {
                   ? ","
                   : fmt::format(",{:.9g}", figure->second);
     }
-    text += "," + CsvField(fmt::format("{}", fmt::join(row.unusual, " ")));
+    text += "," + CsvField(row.lens_batch) + "," +
+            CsvField(fmt::format("{}", fmt::join(row.unusual, " ")));
     text += row.seconds > 0 ? fmt::format(",{:.2f}\n", row.seconds) : ",\n";
   }
   return text;

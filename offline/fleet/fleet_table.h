@@ -21,6 +21,8 @@ struct UnitRow {
   double seconds = 0;                     ///< of its calibration; 0: not known
   /// Names of charts whose limits it leaves (FindOutliers()).
   std::vector<std::string> unusual;
+  /// From the plan, or "" (BatchUnit).
+  std::string lens_batch, repeats, person, station;
 };
 
 /// The row of a unit from the files of its result. A figure beyond its limits,

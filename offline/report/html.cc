@@ -94,14 +94,14 @@ std::string HtmlPicture(const Image& picture, const std::string& caption,
       HtmlImage(picture, caption), Ticks(axes.x_ticks), axes.x_label, legend);
 }
 
-std::string PageStart(const std::string& heading) {
+std::string PageStart(const std::string& heading, const std::string& title) {
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, "
       "initial-scale=1\">\n"
-      "<title>raygrid calibration</title>\n<style>{}</style></head>\n<body>\n"
+      "<title>{}</title>\n<style>{}</style></head>\n<body>\n"
       "<h1>{}</h1>\n",
-      kReportStyle, heading);
+      title, kReportStyle, heading);
 }
 
 std::string PageEnd(const std::string& data_json, bool has_trial) {

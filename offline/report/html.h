@@ -39,7 +39,8 @@ std::string HtmlImage(const Image& picture, const std::string& alt);
 
 /// Style, heading; then, with data for the script, the end. A trial runs the
 /// runtime in the page.
-std::string PageStart(const std::string& heading);
+std::string PageStart(const std::string& heading,
+                      const std::string& title = "raygrid calibration");
 std::string PageEnd(const std::string& data_json, bool has_trial = false);
 
 }  // namespace raygrid

@@ -11,6 +11,7 @@ import shutil
 import signal
 import subprocess
 import time
+import xml.dom.minidom
 
 from command_test import CommandTest, SIMULATED_PATTERN, main, programs, read, run, write
 
@@ -63,6 +64,8 @@ class Batch(CommandTest):
                     contents = json.loads(contents)
                     for key in ("seconds", "peak_memory_bytes"):
                         contents.pop(key, None)
+                elif name == "fleet.html":
+                    contents = re.sub(rb"<td>[0-9.]+</td>(?=<td>[^<]*</td></tr>)|A unit took [^<]*", b"", contents)
                 elif name == "fleet.csv":
                     contents = [line.rsplit(b",", 1)[0] for line in contents.splitlines()]
                 files[os.path.relpath(path, self.out)] = contents
@@ -101,36 +104,86 @@ class Batch(CommandTest):
         table = self.table()
         self.assertEqual([table[serial]["status"] for serial in ("A0", "A1", "A3", "B0")],
                          ["error", "warn", "warn", "error"])
-        self.assertEqual(sorted(os.listdir(self.out)), ["A0.failed.json", "A1", "A3", "B0.failed.json", "fleet.csv"])
+        self.assertEqual(sorted(os.listdir(self.out)), ["A0.failed.json", "A1", "A3", "B0.failed.json", "fleet.csv",
+                                                         "fleet.html"])
 
-    def test_unusual_units_and_jumps_are_named(self):
-        """24 units made of one: its lens is another one in each, as those of a fleet are."""
+    def make_fleet(self):
+        """A plan of units made of one: 24 of a family with a tilted sensor and a jump, a golden one again."""
         self.assert_done(self.batch(self.plan(("A1",))))
         lens = read(self.out + "/A1/camera.yaml").decode()
         random.seed(3)
-        serials = [f"U{k:02d}" for k in range(24)]
-        for k, serial in enumerate(serials):
+        units = []
+
+        def add(serial, changes, more):
             shutil.copytree(self.out + "/A1", f"{self.out}/{serial}")
-            text, scale = lens, 1 + 0.002 * random.gauss(0, 1) + (0.02 if k >= 14 else 0)
-            for name, change in (("fx", lambda fx: fx * scale), ("fy", lambda fy: fy * scale),
-                                 ("cx", lambda cx: cx + random.gauss(0, 0.5)),
-                                 ("cy", lambda cy: cy + random.gauss(0, 0.5)),
-                                 ("p1", lambda p1: p1 + (0.01 if k == 8 else 0))):
-                text = re.sub(rf"\b{name}: (\S+)", lambda found: f"{name}: {change(float(found[1])):.9f}", text)
+            text = lens
+            for name, change in changes.items():
+                text = re.sub(rf"\b{name}: (\S+)",
+                              lambda found, f=change: f"{found[0].split()[0]} {f(float(found[1])):.9f}", text)
             write(f"{self.out}/{serial}/camera.yaml", text)
-        plan = self.path("fleet.yaml")
-        write(plan, PLAN % "" + "".join(f"  - {{serial: {serial}, features: A1/features.csv}}\n"
-                                        for serial in serials))
+            units.append(f"  - {{serial: {serial}, features: A1/features.csv, {more}}}\n")
+        for k in range(24):
+            scale, (x, y) = 1 + 0.002 * random.gauss(0, 1) + (0.02 if k >= 14 else 0), random.choices(range(-9, 9), k=2)
+            add(f"U{k:02d}", {"fx": lambda fx, by=scale: fx * by, "fy": lambda fy, by=scale: fy * by,
+                              "cx": lambda cx, by=x: cx + by / 15, "cy": lambda cy, by=y: cy + by / 15,
+                              "p1": lambda p1, by=0.01 if k == 8 else 0: p1 + by},
+                "lens_batch: " + ("<old>" if k < 14 else "new"))
+        for k in range(8):
+            add(f"Z{k}", {"cx": lambda cx, by=k % 2 + k // 4: cx + 0.1 * by},
+                f"repeats: G, operator: {'ann' if k % 2 else 'bob'}, station: s{k // 4}")
+        return write(self.path("fleet.yaml"), PLAN % "focal_px: [80, 90]" + "".join(units))
+
+    def test_unusual_units_jumps_batches_and_the_gauge_are_told(self):
+        plan = self.make_fleet()
         result = run("batch", plan, "-o", self.out, "--gather")
         self.assert_done(result)
         unusual = [line for line in result.stdout.splitlines() if "unusual" in line]
         self.assertEqual(len(unusual), 1, result.stdout)
         self.assertRegex(unusual[0], "^U08: unusual in .*shape")
         self.assertEqual([serial for serial, row in self.table().items() if row["unusual"]], ["U08"])
-        self.assertRegex(result.stdout, r"U14: from this unit on, focal_px is another one: \d+\.?\d*, before \d")
-        jumps = json.loads(run("batch", plan, "-o", self.out, "--gather", "--json").stdout)["jumps"]
-        self.assertEqual({jump["serial"] for jump in jumps}, {"U14"})
-        self.assertEqual({jump["figure"] for jump in jumps}, {"lens", "focal_px"})
+        self.assertEqual(self.table()["U23"]["lens_batch"], "new")
+        self.assertRegex(result.stdout, r"from U14, which has the first lens of batch new, on, the mean of the focal "
+                                        r"length \(focal_px\) is another one: \d+\.?\d* px, before \d")
+        self.assertRegex(result.stdout, r"batches of lenses differ in the focal length \(focal_px\): .* in <old>, ")
+        told = json.loads(run("batch", plan, "-o", self.out, "--gather", "--json").stdout)
+        self.assertEqual({jump["serial"] for jump in told["jumps"]}, {"U14"})
+        self.assertEqual({jump["figure"] for jump in told["jumps"]}, {"lens", "focal_px"})
+        self.assertEqual(told["lens_batches"]["units"], {"<old>": 13, "new": 10})
+        differing = [name for name, figure in told["lens_batches"]["figures"].items() if figure["differs"]]
+        self.assertEqual(differing, ["lens", "focal_px"])
+        gauge = told["gauge"]
+        self.assertEqual((gauge["repeats"], gauge["golden_units"], gauge["degrees_of_freedom"]), (8, 1, 5))
+        center = gauge["figures"]["center_x_px"]
+        # Operators are 0.1 px apart, and so are stations; nothing else differs.
+        self.assertAlmostEqual(center["repeatability"], 0, delta=1e-6)
+        for factor in ("operator", "station"):
+            self.assertAlmostEqual(center[factor]["deviation"], 0.1 / 2 ** 0.5, delta=1e-4)
+        self.assertGreater(center["part_of_fleet"], 0.05)
+
+    def test_the_page_shows_the_fleet(self):
+        plan = self.make_fleet()
+        self.assert_done(run("batch", plan, "-o", self.out, "--gather"))
+        page = read(self.out + "/fleet.html").decode()
+        for heading in ("32 units", "Unusual units", "Changes over time", "Control charts", "Batches of lenses",
+                        "Gauge repeatability", "All units"):
+            self.assertIn(heading, page)
+        self.assertNotIn("<old>", page)  # names are text, not tags
+        self.assertIn("&lt;old&gt;", page)
+        self.assertNotRegex(page, r"(src|href)=.(https?:)?//")
+        charts = dict(re.findall(r'aria-label="control chart of (\w+)">(.*?)</svg>', page, re.DOTALL))
+        self.assertEqual(list(charts)[:5], ["lens", "shape", "focal_px", "center_x_px", "center_y_px"])
+        self.assertEqual(re.findall(r"<title>(\w+):", charts["shape"]), ["U08"])
+        # A point for each other unit, an upper limit; limits on both sides about two middles.
+        points = re.search(r'class="units" d="([^"]*)"', charts["shape"])[1]
+        self.assertEqual(points.count("M"), 23)
+        self.assertEqual(charts["shape"].count('class="limit"'), 1)
+        self.assertEqual([d.count("M") for d in re.findall(r'class="limit" d="([^"]*)"', charts["focal_px"])], [2, 2])
+        limits = re.search(r"\(focal_px\). Limits: ([\d.]+) to ([\d.]+) px, from U14 on ([\d.]+) to", page)
+        self.assertLess(float(limits[1]), float(limits[2]))
+        self.assertGreater(float(limits[3]), float(limits[1]))
+        xml.dom.minidom.parseString(f"<svg>{charts['focal_px']}</svg>")
+        self.assert_done(run("batch", plan, "-o", self.out, "--gather"))
+        self.assertEqual(read(self.out + "/fleet.html").decode(), page)
 
     def test_limits_end_in_6_and_cost_no_calibration(self):
         self.assert_done(self.batch(self.plan()))
@@ -140,7 +193,8 @@ class Batch(CommandTest):
         self.assertIn("A1: fail: focal_px is 83", result.stderr)
         self.assertEqual({row["status"] for row in self.table().values()}, {"fail"})
         after = self.files()
-        del before["fleet.csv"], after["fleet.csv"]
+        for name in ("fleet.csv", "fleet.html"):
+            del before[name], after[name]
         self.assert_same_files(after, before)
 
     def test_neither_order_nor_threads_change_a_byte(self):
@@ -260,6 +314,12 @@ class Batch(CommandTest):
                 (("'colour' is not known",), lambda text: text + "colour: red\n"),
                 (("'sharpness' is not known",), lambda text: text.replace("{}", "{sharpness: 1}", 1)),
                 (("not one of images",), lambda text: text.replace("features: A2/features.csv", "model: opencv")),
+                (("A2: repeats A1", "repeated itself"), lambda text: text.replace(
+                    "serial: A2,", "serial: A2, repeats: A1,").replace("serial: A3,", "serial: A3, repeats: A2,")),
+                (("A2", "no operator"), lambda text: text.replace(
+                    "serial: A2,", "serial: A2, repeats: A1, operator: ann,")),
+                (("names a folder",), lambda text: text.replace("serial: A2,", "serial: A2, repeats: ../A1,")),
+                (("names a folder",), lambda text: text.replace("serial: A2", "serial: fleet.html")),
                 (("no pattern",), lambda text: text.replace("pattern: board.yaml\n", "")),
                 (("no list of units",), lambda text: text.split("units:")[0]),
                 (("not a batch",), lambda text: text.replace("raygrid_batch: 1\n", "")),

@@ -306,7 +306,9 @@ class Case:
     def run_batch(self):
         options = self.with_numbers("model: opencv\nimage_size: [ 160 , 120 ]\nlimits: {focal_px: [ 1 , 2 ]}\n")
         serials = [self.random.choice(("A1", "A2", "..", "a b", "7")) for _ in range(2)]
-        units = [f"  - {{serial: {serial}, features: {self.text('features.csv', '.csv')}}}\n" for serial in serials]
+        more = self.random.choice(("", ", lens_batch: L1", ", repeats: A1", ", repeats: G, operator: ann, station: 2"))
+        units = [f"  - {{serial: {serial}, features: {self.text('features.csv', '.csv')}{more}}}\n"
+                 for serial in serials]
         plan = f"raygrid_batch: 1\npattern: {self.base}/pattern.yaml\nskip_comparison: true\n{options}units:\n"
         return [self.file(".yaml", self.damaged((plan + "".join(units)).encode())), "-o", self.output()]
 

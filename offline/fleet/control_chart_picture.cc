@@ -1,0 +1,288 @@
+#include "fleet/control_chart_picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "report/html.h"
+
+namespace raygrid {
+namespace {
+
+// In units of the picture.
+constexpr double kLeft = 76, kRight = 884, kTop = 16, kBottom = 204;
+constexpr int kWidth = 980, kHeight = 240;
+
+// ---- From values to places -------------------------------------------------
+
+// Ordinates are values, or natural logarithms of what the axis says.
+struct VerticalAxis {
+  bool is_logarithmic = false;
+  double low = 0, high = 1;
+
+  double At(double ordinate) const {
+    return kBottom - (ordinate - low) / (high - low) * (kBottom - kTop);
+  }
+  double FigureOf(double ordinate) const {
+    return is_logarithmic ? std::exp(ordinate) : ordinate;
+  }
+};
+
+double AcrossOf(double unit, size_t count) {
+  return kLeft + (unit + 0.5) / static_cast<double>(count) * (kRight - kLeft);
+}
+
+// A chart by its ordinates.
+struct DrawnChart {
+  std::vector<double> values, middle;
+  double lower = 0, upper = 0;  // from the middle
+  bool has_middle = true;
+  VerticalAxis axis = {};
+};
+
+void SpanAxis(DrawnChart* chart) {
+  double low = std::numeric_limits<double>::max(), high = -low;
+  const auto include = [&](double ordinate) {
+    if (!std::isfinite(ordinate)) return;
+    low = std::min(low, ordinate);
+    high = std::max(high, ordinate);
+  };
+  for (const double value : chart->values) include(value);
+  for (const double middle : chart->middle) {
+    include(middle + chart->lower);
+    include(middle + chart->upper);
+  }
+  const double margin =
+      std::max({0.06 * (high - low), 1e-4 * std::abs(high), 1e-9});
+  chart->axis.low = low - margin;
+  chart->axis.high = high + margin;
+}
+
+// Squares, which have an upper limit alone, are drawn as logarithms, from a
+// thousandth of the limit on.
+DrawnChart DrawnOf(const ControlChart& chart) {
+  DrawnChart drawn{chart.values, chart.middle, chart.lower, chart.upper};
+  drawn.axis.is_logarithmic = chart.is_logarithm;
+  if (!std::isfinite(chart.lower) && std::isfinite(chart.upper)) {
+    drawn.axis.is_logarithmic = true;
+    drawn.has_middle = false;
+    for (double& value : drawn.values)
+      value = std::log(std::max(value, 1e-3 * chart.upper));
+    drawn.upper = std::log(chart.upper);
+    drawn.middle.assign(drawn.values.size(), 0);
+  }
+  SpanAxis(&drawn);
+  return drawn;
+}
+
+// ---- Axes ------------------------------------------------------------------
+
+std::vector<double> EvenTicks(double low, double high) {
+  constexpr double kFewest = 3;
+  double step = std::pow(10, std::floor(std::log10((high - low) / kFewest)));
+  for (const double larger : {2.0, 2.5, 2.0})
+    if ((high - low) / (larger * step) >= kFewest) step *= larger;
+  std::vector<double> ticks;
+  for (double tick = std::ceil(low / step) * step; tick <= high; tick += step)
+    ticks.push_back(std::abs(tick) < 1e-6 * step ? 0 : tick);
+  return ticks;
+}
+
+// Ordinates of round figures.
+std::vector<double> TicksOf(const VerticalAxis& axis) {
+  const double low = axis.FigureOf(axis.low), high = axis.FigureOf(axis.high);
+  if (!axis.is_logarithmic) return EvenTicks(low, high);
+  std::vector<double> ticks;
+  if (high / low < 5) {
+    for (const double tick : EvenTicks(low, high))
+      ticks.push_back(std::log(tick));
+    return ticks;
+  }
+  for (double ten = std::pow(10, std::floor(std::log10(low))); ten <= high;
+       ten *= 10)
+    for (const double digit : {1.0, 3.0})
+      if (const double tick = digit * ten;
+          tick >= low && tick <= high && (digit == 1 || high / low < 300))
+        ticks.push_back(std::log(tick));
+  return ticks;
+}
+
+std::string SvgText(double x, double y, const char* anchor,
+                    const std::string& text) {
+  return fmt::format(
+      "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>", x, y,
+      anchor, EscapeHtml(text));
+}
+
+std::string AxesSvg(const VerticalAxis& axis,
+                    const std::vector<std::string>& serials) {
+  std::string svg = fmt::format("<path class=\"axis\" d=\"M{0} {1}V{2}H{3}\"/>",
+                                kLeft, kTop, kBottom, kRight);
+  for (const double tick : TicksOf(axis)) {
+    svg += fmt::format("<path class=\"tick\" d=\"M{} {:.1f}H{}\"/>", kLeft,
+                       axis.At(tick), kRight);
+    svg += SvgText(kLeft - 6, axis.At(tick) + 4, "end",
+                   ChartFigure(axis.FigureOf(tick)));
+  }
+  size_t longest = 4;
+  for (const std::string& serial : serials)
+    longest = std::max(longest, serial.size());
+  const auto most = static_cast<size_t>(
+      (kRight - kLeft) / (7.0 * static_cast<double>(longest) + 24));
+  const size_t step = (serials.size() + most - 1) / std::max<size_t>(most, 1);
+  for (size_t u = 0; u < serials.size(); u += std::max<size_t>(step, 1))
+    svg += SvgText(AcrossOf(static_cast<double>(u), serials.size()),
+                   kBottom + 30, "middle", serials[u]);
+  return svg;
+}
+
+// ---- Lines -----------------------------------------------------------------
+
+// The middle moved by an offset: straight from jump to jump.
+std::string LineSvg(const DrawnChart& chart, const std::vector<int>& jumps,
+                    double offset, const char* kind) {
+  const size_t count = chart.values.size();
+  std::string path;
+  int begin = 0;
+  for (size_t k = 0; k <= jumps.size(); ++k) {
+    const int end = k < jumps.size() ? jumps[k] : static_cast<int>(count);
+    path += fmt::format(
+        "M{:.1f} {:.1f}L{:.1f} {:.1f}", AcrossOf(begin - 0.5, count),
+        chart.axis.At(chart.middle[begin] + offset), AcrossOf(end - 0.5, count),
+        chart.axis.At(chart.middle[end - 1] + offset));
+    begin = end;
+  }
+  return fmt::format("<path class=\"{}\" d=\"{}\"/>", kind, path);
+}
+
+// Figures at the right ends of lines, apart from each other.
+std::string LineFiguresSvg(const DrawnChart& chart) {
+  std::vector<double> offsets;
+  if (std::isfinite(chart.upper)) offsets.push_back(chart.upper);
+  if (chart.has_middle) offsets.push_back(0);
+  if (std::isfinite(chart.lower)) offsets.push_back(chart.lower);
+  std::string svg;
+  double above = -100;
+  for (const double offset : offsets) {
+    const double ordinate = chart.middle.back() + offset;
+    const double y = std::max(chart.axis.At(ordinate) + 4, above + 12);
+    svg += SvgText(kRight + 6, y, "start",
+                   ChartFigure(chart.axis.FigureOf(ordinate)));
+    above = y;
+  }
+  return svg;
+}
+
+// ---- Units -----------------------------------------------------------------
+
+// One path, whose size is bounded by the picture's: points on others are left
+// out.
+std::string PointsSvg(const DrawnChart& chart,
+                      const std::vector<bool>& is_beyond) {
+  std::set<std::pair<int, int>> places;
+  for (size_t u = 0; u < chart.values.size(); ++u)
+    if (!is_beyond[u] && std::isfinite(chart.values[u]))
+      places.emplace(
+          std::lround(2 * AcrossOf(static_cast<double>(u), is_beyond.size())),
+          std::lround(2 * chart.axis.At(chart.values[u])));
+  std::string path;
+  for (const auto& [x, y] : places)
+    path += fmt::format("M{:g} {:g}h0", x / 2.0, y / 2.0);
+  return "<path class=\"units\" d=\"" + path + "\"/>";
+}
+
+std::string BeyondSvg(const DrawnChart& chart,
+                      const std::vector<bool>& is_beyond,
+                      const std::vector<std::string>& serials) {
+  std::string svg;
+  double free_from = -1;
+  for (size_t u = 0; u < is_beyond.size(); ++u) {
+    if (!is_beyond[u]) continue;
+    const double x = AcrossOf(static_cast<double>(u), is_beyond.size()),
+                 y = chart.axis.At(chart.values[u]);
+    svg += fmt::format(
+        "<path class=\"beyond\" d=\"M{:.1f} {:.1f}l5 9h-10z\"><title>{}: "
+        "{}</title></path>",
+        x, y - 6, serials[u],
+        ChartFigure(chart.axis.FigureOf(chart.values[u])));
+    const double half = 3.6 * static_cast<double>(serials[u].size());
+    if (x - half < free_from) continue;
+    const bool is_left = x + 10 + 2 * half < kRight;
+    svg += SvgText(is_left ? x + 8 : x - 8, y + 4, is_left ? "start" : "end",
+                   serials[u]);
+    free_from = x + 3 * half;
+  }
+  return svg;
+}
+
+std::string JumpsSvg(const std::vector<int>& jumps, size_t count) {
+  std::string path;
+  for (const int jump : jumps)
+    path += fmt::format("M{:.1f} {}V{}", AcrossOf(jump - 0.5, count), kTop,
+                        kBottom);
+  return path.empty() ? "" : "<path class=\"jump\" d=\"" + path + "\"/>";
+}
+
+std::string BatchesSvg(const ChartSurroundings& surroundings) {
+  const std::vector<int>& batches = surroundings.batches;
+  std::string svg;
+  for (size_t begin = 0; begin < batches.size();) {
+    size_t end = begin;
+    while (end < batches.size() && batches[end] == batches[begin]) ++end;
+    const double x = AcrossOf(static_cast<double>(begin) - 0.5, batches.size());
+    if (batches[begin] >= 0)
+      svg += fmt::format(
+          "<rect x=\"{:.1f}\" y=\"{}\" width=\"{:.1f}\" height=\"8\" "
+          "fill=\"{}\"><title>{}</title></rect>",
+          x, kBottom + 5,
+          AcrossOf(static_cast<double>(end) - 0.5, batches.size()) - x,
+          ColorOfBatch(batches[begin]),
+          EscapeHtml(surroundings.batch_names[batches[begin]]));
+    begin = end;
+  }
+  return svg;
+}
+
+}  // namespace
+
+std::string ControlChartSvg(const ControlChart& chart,
+                            const ChartSurroundings& surroundings) {
+  const DrawnChart drawn = DrawnOf(chart);
+  std::vector<bool> is_beyond;
+  for (size_t u = 0; u < chart.values.size(); ++u) {
+    const double offset = chart.values[u] - chart.middle[u];
+    is_beyond.push_back(offset < chart.lower || offset > chart.upper);
+  }
+  std::string svg = fmt::format(
+      "<svg class=\"control\" viewBox=\"0 0 {} {}\" role=\"img\" "
+      "aria-label=\"control chart of {}\">",
+      kWidth, kHeight, chart.name);
+  svg += AxesSvg(drawn.axis, surroundings.serials);
+  svg += JumpsSvg(surroundings.jumps, drawn.values.size());
+  if (drawn.has_middle) svg += LineSvg(drawn, surroundings.jumps, 0, "middle");
+  for (const double limit : {drawn.lower, drawn.upper})
+    if (std::isfinite(limit))
+      svg += LineSvg(drawn, surroundings.jumps, limit, "limit");
+  svg += PointsSvg(drawn, is_beyond);
+  svg += BeyondSvg(drawn, is_beyond, surroundings.serials);
+  svg += LineFiguresSvg(drawn);
+  return svg + BatchesSvg(surroundings) + "</svg>\n";
+}
+
+const char* ColorOfBatch(int batch) {
+  constexpr const char* kColors[] = {"#e69f00", "#56b4e9", "#009e73",
+                                     "#f0e442", "#0072b2", "#d55e00",
+                                     "#cc79a7", "#999999"};
+  return kColors[batch % 8];
+}
+
+std::string ChartFigure(double value) {
+  return std::abs(value) >= 1 ? fmt::format("{:.6g}", value)
+                              : fmt::format("{:.4g}", value);
+}
+
+}  // namespace raygrid

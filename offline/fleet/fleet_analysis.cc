@@ -1,0 +1,53 @@
+#include "fleet/fleet_analysis.h"
+
+#include <set>
+
+#include "fleet/fleet_input.h"
+
+namespace raygrid {
+namespace {
+
+// Golden units that are calibrated again, each with itself if it is a unit.
+GaugeStudy StudyRepeats(const std::vector<UnitRow>& rows,
+                        const std::vector<std::string>& folders,
+                        const FleetInput& fleet, const FigureLimits& limits) {
+  std::set<std::string> goldens;
+  for (const UnitRow& row : rows)
+    if (!row.repeats.empty()) goldens.insert(row.repeats);
+  std::vector<size_t> candidates;
+  for (size_t k = 0; k < rows.size(); ++k)
+    if (!rows[k].repeats.empty() || goldens.count(rows[k].serial) > 0)
+      candidates.push_back(k);
+  const ComparedUnits units = CompareUnits(rows, folders, candidates);
+  std::vector<GaugeRepeat> repeats;
+  for (const size_t k : units.rows)
+    repeats.push_back(
+        {rows[k].repeats.empty() ? rows[k].serial : rows[k].repeats,
+         rows[k].person, rows[k].station});
+  return StudyGauge(units.input, repeats, fleet, limits);
+}
+
+}  // namespace
+
+FleetAnalysis AnalyseFleet(const std::vector<UnitRow>& rows,
+                           const std::vector<std::string>& folders,
+                           const FigureLimits& limits) {
+  FleetAnalysis fleet;
+  fleet.rows = rows;
+  std::vector<size_t> candidates;
+  for (size_t k = 0; k < rows.size(); ++k)
+    if (rows[k].repeats.empty()) candidates.push_back(k);
+  const ComparedUnits units = CompareUnits(rows, folders, candidates);
+  fleet.compared = units.rows;
+  fleet.statistics = FindOutliers(units.input);
+  for (const UnusualUnit& unusual : fleet.statistics.unusual)
+    fleet.rows[units.rows[unusual.unit]].unusual = unusual.charts;
+  std::vector<std::string> batches;
+  for (const size_t row : units.rows) batches.push_back(rows[row].lens_batch);
+  fleet.batches =
+      CompareLensBatches(units.input, batches, fleet.statistics.unusual);
+  fleet.gauge = StudyRepeats(rows, folders, units.input, limits);
+  return fleet;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,31 @@
+#ifndef RAYGRID_FLEET_FLEET_ANALYSIS_H
+#define RAYGRID_FLEET_FLEET_ANALYSIS_H
+
+#include <string>
+#include <vector>
+
+#include "fleet/fleet_statistics.h"
+#include "fleet/fleet_table.h"
+#include "fleet/gauge_study.h"
+#include "fleet/lens_batches.h"
+
+namespace raygrid {
+
+/// Units and what is known of them together.
+struct FleetAnalysis {
+  std::vector<UnitRow> rows;     ///< of all units, with what is unusual
+  std::vector<size_t> compared;  ///< rows of the units below, in their order
+  FleetStatistics statistics;
+  BatchComparison batches;
+  GaugeStudy gauge;
+};
+
+/// Compares the units of a table with each other. Repeats of golden units are
+/// no units of the fleet. folders are those of the rows' units.
+FleetAnalysis AnalyseFleet(const std::vector<UnitRow>& rows,
+                           const std::vector<std::string>& folders,
+                           const FigureLimits& limits);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_FLEET_FLEET_ANALYSIS_H

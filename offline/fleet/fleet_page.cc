@@ -1,0 +1,343 @@
+#include "fleet/fleet_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "fleet/control_chart_picture.h"
+#include "fleet/fleet_words.h"
+#include "report/html.h"
+
+namespace raygrid {
+namespace {
+
+std::string Upper(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] -= 'a' - 'A';
+  return text;
+}
+
+std::string HtmlList(const std::vector<std::string>& sentences) {
+  std::string html = "<ul>\n";
+  for (const std::string& sentence : sentences)
+    html += "<li>" + EscapeHtml(Upper(sentence)) + ".</li>\n";
+  return html + "</ul>\n";
+}
+
+// Units without a folder have no report.
+bool HasReport(const UnitRow& row) {
+  return row.status != "error" && row.status != "missing";
+}
+
+std::string UnitLink(const UnitRow& row) {
+  return HasReport(row)
+             ? fmt::format("<a href=\"{0}/report.html\">{0}</a>", row.serial)
+             : row.serial;
+}
+
+// ---- The verdict -----------------------------------------------------------
+
+std::string CountsTold(const std::vector<UnitRow>& rows) {
+  std::map<std::string, int> counts;
+  for (const UnitRow& row : rows) ++counts[row.status];
+  std::string text;
+  for (const char* status : {"pass", "warn", "fail", "error", "missing"})
+    if (counts[status] > 0)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", counts[status],
+                          status);
+  return text;
+}
+
+std::string SecondsTold(const std::vector<UnitRow>& rows) {
+  std::vector<double> seconds;
+  double sum = 0;
+  for (const UnitRow& row : rows)
+    if (row.seconds > 0) {
+      seconds.push_back(row.seconds);
+      sum += row.seconds;
+    }
+  if (seconds.empty()) return "";
+  std::sort(seconds.begin(), seconds.end());
+  return fmt::format(
+      "a unit took {:.1f} s in the median, {:.1f} s at most, "
+      "all {} together {:.0f} s",
+      seconds[seconds.size() / 2], seconds.back(), seconds.size(), sum);
+}
+
+std::string SummarySection(const FleetAnalysis& fleet) {
+  bool has_failed = false;
+  for (const UnitRow& row : fleet.rows)
+    has_failed |= row.status == "fail" || !HasReport(row);
+  const FleetStatistics& statistics = fleet.statistics;
+  const bool is_unusual = !statistics.unusual.empty() ||
+                          !statistics.jumps.empty() ||
+                          !statistics.drifts.empty();
+  std::vector<std::string> told = {CountsTold(fleet.rows)};
+  if (statistics.charts.empty())
+    told.push_back(fmt::format(
+        "{} units can be compared; from {} on, charts say which are unusual",
+        fleet.compared.size(), kFewestFleetUnits));
+  else
+    told.push_back(
+        fmt::format("{} of {} units are unusual, means change {} times",
+                    statistics.unusual.size(), fleet.compared.size(),
+                    statistics.jumps.size() + statistics.drifts.size()));
+  if (const std::string seconds = SecondsTold(fleet.rows); !seconds.empty())
+    told.push_back(seconds);
+  return fmt::format("<div class=\"verdict {}\">\n{}</div>\n",
+                     has_failed   ? "fail"
+                     : is_unusual ? "warn"
+                                  : "pass",
+                     HtmlList(told));
+}
+
+// ---- What is unusual -------------------------------------------------------
+
+std::string UnusualSection(const FleetAnalysis& fleet) {
+  if (fleet.statistics.unusual.empty()) return "";
+  std::vector<HtmlRow> rows;
+  for (const UnusualUnit& unusual : fleet.statistics.unusual) {
+    std::string what;
+    for (const std::string& piece :
+         WhatIsUnusual(fleet.statistics, unusual.unit))
+      what += (what.empty() ? "" : "<br>") + EscapeHtml(Upper(piece));
+    const UnitRow& row = fleet.rows[fleet.compared[unusual.unit]];
+    rows.push_back({UnitLink(row), what});
+  }
+  return "<h2>Unusual units</h2>\n<div class=\"told\">" +
+         HtmlTable({"unit", "what is unusual"}, rows) + "</div>\n";
+}
+
+std::string ChangesSection(const FleetAnalysis& fleet) {
+  const std::vector<std::string> told = ChangesTold(fleet);
+  if (told.empty()) return "";
+  return "<h2>Changes over time</h2>\n" + HtmlList(told);
+}
+
+// ---- Charts ----------------------------------------------------------------
+
+std::string LimitsTold(const ControlChart& chart, const FleetAnalysis& fleet,
+                       const std::vector<int>& jumps, bool has_drift) {
+  const auto range = [&](size_t unit) {
+    const auto figure = [&](double value) {
+      return ChartFigure(chart.is_logarithm ? std::exp(value) : value);
+    };
+    return fmt::format("{} to {}{}", figure(chart.middle[unit] + chart.lower),
+                       figure(chart.middle[unit] + chart.upper),
+                       UnitOfFigure(chart.name));
+  };
+  if (!std::isfinite(chart.upper))
+    return "No limits: most neighbours are alike.";
+  if (!std::isfinite(chart.lower))
+    return fmt::format("Limit: {}{}.", ChartFigure(chart.upper),
+                       UnitOfFigure(chart.name));
+  const size_t last = chart.values.size() - 1;
+  if (has_drift)
+    return fmt::format("Limits: {} at first, {} at last.", range(0),
+                       range(last));
+  std::string text = "Limits: " + range(0);
+  for (const int jump : jumps)
+    text += fmt::format(", from {} on {}",
+                        fleet.rows[fleet.compared[jump]].serial, range(jump));
+  return text + ".";
+}
+
+std::string MeaningOfChart(const std::string& name, int num_directions) {
+  if (name == "lens")
+    return fmt::format(
+        " (Hotelling's T²): how far a lens is from the mean along the {} "
+        "directions in which lenses of this fleet vary, such as centre, focal "
+        "length and distortion. Changes of the mean are taken out.",
+        num_directions);
+  if (name == "shape")
+    return ": the squared distance from these directions. A tilted sensor, or "
+           "a lens of another kind, is far off.";
+  return fmt::format(" ({}).", name);
+}
+
+ChartSurroundings SurroundingsOf(const FleetAnalysis& fleet) {
+  ChartSurroundings surroundings;
+  surroundings.batch_names = fleet.batches.batches;
+  for (const size_t row : fleet.compared) {
+    surroundings.serials.push_back(fleet.rows[row].serial);
+    const auto& names = surroundings.batch_names;
+    const auto found =
+        std::find(names.begin(), names.end(), fleet.rows[row].lens_batch);
+    if (!names.empty())
+      surroundings.batches.push_back(
+          found == names.end() ? -1 : static_cast<int>(found - names.begin()));
+  }
+  return surroundings;
+}
+
+std::string ChartSection(const FleetAnalysis& fleet) {
+  if (fleet.statistics.charts.empty()) return "";
+  std::string html = fmt::format(
+      "<h2>Control charts</h2>\n<p>A point is a unit, in the order of serials. "
+      "Units beyond the dashed limits are triangles with their serials. The "
+      "solid line is the middle; dotted lines are where it jumps{}. In a fleet "
+      "in which nothing is unusual, a unit leaves any limit of any chart with "
+      "a "
+      "chance of {:.0f} %. Usual units alone set the limits.</p>\n",
+      fleet.batches.batches.empty()
+          ? ""
+          : "; the strip below has the colours of the batches of lenses",
+      100 * kFleetChance);
+  ChartSurroundings surroundings = SurroundingsOf(fleet);
+  for (const ControlChart& chart : fleet.statistics.charts) {
+    surroundings.jumps.clear();
+    for (const MeanJump& jump : fleet.statistics.jumps)
+      if (jump.name == chart.name) surroundings.jumps.push_back(jump.unit);
+    bool has_drift = false;
+    for (const MeanDrift& drift : fleet.statistics.drifts)
+      has_drift |= drift.name == chart.name;
+    html += fmt::format(
+        "<figure><figcaption><b>{}</b>{} {}</figcaption>\n{}</figure>\n",
+        EscapeHtml(Upper(TitleOfFigure(chart.name))),
+        MeaningOfChart(chart.name, fleet.statistics.num_directions),
+        LimitsTold(chart, fleet, surroundings.jumps, has_drift),
+        ControlChartSvg(chart, surroundings));
+  }
+  return html;
+}
+
+// ---- Batches and gauge -----------------------------------------------------
+
+std::string BatchesSection(const BatchComparison& batches) {
+  if (batches.batches.empty()) return "";
+  HtmlRow head = {"mean of"};
+  for (size_t b = 0; b < batches.batches.size(); ++b)
+    head.push_back(fmt::format(
+        "<i class=\"part\" style=\"background: {}\"></i>{} ({} units)",
+        ColorOfBatch(static_cast<int>(b)), EscapeHtml(batches.batches[b]),
+        batches.num_units[b]));
+  for (const char* column : {"deviation within", "by chance", ""})
+    head.emplace_back(column);
+  std::vector<HtmlRow> rows;
+  for (const BatchedFigure& figure : batches.figures) {
+    HtmlRow row = {EscapeHtml(TitleOfFigure(figure.name))};
+    for (size_t b = 0; b < batches.batches.size(); ++b)
+      row.push_back(figure.means.empty() ? "&ndash;"
+                                         : ChartFigure(figure.means[b]));
+    row.push_back(figure.means.empty()
+                      ? "&ndash;"
+                      : fmt::format("{:.3g}", figure.deviation_within));
+    row.push_back(EscapeHtml(ChanceText(figure.chance)));
+    row.emplace_back(figure.differs ? "<b>differs</b>" : "");
+    rows.push_back(row);
+  }
+  return "<h2>Batches of lenses</h2>\n" +
+         (BatchesTold(batches).empty()
+              ? "<p>No figure differs between batches.</p>\n"
+              : HtmlList(BatchesTold(batches))) +
+         HtmlTable(head, rows) +
+         fmt::format(
+             "<p>Analysis of variance; of the lens, Pillai's trace along the "
+             "directions in which lenses vary. Equal batches differ in any "
+             "figure with a chance of {:.0f} %. Unusual units and batches of "
+             "fewer than {} units are left out. Deviations of errors are parts "
+             "of them. A batch that was calibrated apart may differ by what "
+             "else was different then.</p>\n",
+             100 * kFleetChance, kFewestBatchUnits);
+}
+
+// A deviation that stays on one line.
+std::string DeviationCell(const GaugeFigure& figure, double deviation) {
+  std::string text = GaugeDeviation(figure, deviation);
+  return text.replace(text.find(' '), 1, "&nbsp;");
+}
+
+std::string PercentOrNone(const std::optional<double>& part) {
+  return part ? fmt::format("{:.1f} %", 100 * *part) : "&ndash;";
+}
+
+HtmlRow GaugeRow(const GaugeFigure& figure) {
+  HtmlRow row = {EscapeHtml(TitleOfFigure(figure.name)),
+                 DeviationCell(figure, figure.repeatability)};
+  for (const GaugeFactor& factor : figure.factors)
+    row.push_back(DeviationCell(figure, factor.deviation) +
+                  (factor.chance ? fmt::format(" (by chance: {})",
+                                               ChanceText(*factor.chance))
+                                 : ""));
+  row.push_back(DeviationCell(figure, figure.gauge));
+  row.push_back(PercentOrNone(figure.part_of_fleet));
+  row.push_back(figure.num_classes ? fmt::format("{:.0f}", *figure.num_classes)
+                                   : "&ndash;");
+  row.push_back(PercentOrNone(figure.part_of_limits));
+  return row;
+}
+
+std::string GaugeSection(const GaugeStudy& gauge) {
+  if (gauge.num_repeats == 0) return "";
+  std::string html = fmt::format(
+      "<h2>Gauge repeatability and reproducibility</h2>\n<p>{} calibrations of "
+      "{} golden unit{}, {} degrees of freedom of the repeatability.</p>\n",
+      gauge.num_repeats, gauge.num_goldens, gauge.num_goldens == 1 ? "" : "s",
+      gauge.freedoms);
+  if (!gauge.figures.empty()) {
+    HtmlRow head = {"deviation of", "repeats"};
+    for (const GaugeFactor& factor : gauge.figures[0].factors)
+      head.push_back(factor.name + "s");
+    for (const char* column : {"gauge in all", "of the fleet's spread",
+                               "classes told apart", "of the limits' width"})
+      head.emplace_back(column);
+    std::vector<HtmlRow> rows;
+    for (const GaugeFigure& figure : gauge.figures)
+      rows.push_back(GaugeRow(figure));
+    html += HtmlTable(head, rows);
+  }
+  if (!gauge.untold.empty()) html += HtmlList(gauge.untold);
+  return html +
+         "<p>One standard deviation, by analysis of variance. Pixels are the "
+         "root mean square over the image, the other rows single figures; of "
+         "errors it is a part of them. Of the fleet's spread, a gauge should "
+         "take less than 30 %, and tell 5 classes of units apart; six of its "
+         "deviations should take less than 30 % of the limits' width (AIAG, "
+         "Measurement Systems Analysis). The fewer degrees of freedom, the "
+         "less "
+         "sure: 10 are good to about 22 %.</p>\n";
+}
+
+// ---- All units -------------------------------------------------------------
+
+std::string FigureCell(const UnitRow& row, const char* name) {
+  const auto figure = row.figures.find(name);
+  return figure == row.figures.end() ? "" : ChartFigure(figure->second);
+}
+
+std::string UnitsSection(const std::vector<UnitRow>& units) {
+  std::vector<HtmlRow> rows;
+  for (const UnitRow& unit : units) {
+    const std::string remark =
+        unit.repeats.empty() ? unit.reason : "repeats " + unit.repeats;
+    rows.push_back(
+        {UnitLink(unit), unit.status, FigureCell(unit, "focal_px"),
+         FigureCell(unit, "center_x_px"), FigureCell(unit, "center_y_px"),
+         FigureCell(unit, "held_out_median_px"),
+         FigureCell(unit, "worst_deviation_px"), EscapeHtml(unit.lens_batch),
+         unit.seconds > 0 ? fmt::format("{:.1f}", unit.seconds) : "",
+         fmt::format("{}", fmt::join(unit.unusual, ", ")) +
+             (unit.unusual.empty() || remark.empty() ? "" : "; ") +
+             EscapeHtml(remark)});
+  }
+  return "<h2>All units</h2>\n<div class=\"told\">" +
+         HtmlTable({"unit", "status", "focal px", "centre x", "centre y",
+                    "held-out median px", "worst deviation px", "batch", "s",
+                    "unusual in, or remark"},
+                   rows) +
+         "</div>\n";
+}
+
+}  // namespace
+
+std::string FormatFleetPage(const FleetAnalysis& fleet) {
+  return PageStart(fmt::format("raygrid fleet: {} units", fleet.rows.size()),
+                   "raygrid fleet") +
+         SummarySection(fleet) + UnusualSection(fleet) + ChangesSection(fleet) +
+         ChartSection(fleet) + BatchesSection(fleet.batches) +
+         GaugeSection(fleet.gauge) + UnitsSection(fleet.rows) +
+         "</body></html>\n";
+}
+
+}  // namespace raygrid

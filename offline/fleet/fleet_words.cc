@@ -1,0 +1,173 @@
+#include "fleet/fleet_words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "fleet/control_chart_picture.h"
+
+namespace raygrid {
+namespace {
+
+const ControlChart* FindChart(const FleetStatistics& statistics,
+                              const std::string& name) {
+  for (const ControlChart& chart : statistics.charts)
+    if (chart.name == name) return &chart;
+  return nullptr;
+}
+
+std::string WithUnit(const std::string& name, double value) {
+  return ChartFigure(value) + UnitOfFigure(name);
+}
+
+const std::string& SerialOf(const FleetAnalysis& fleet, int unit) {
+  return fleet.rows[fleet.compared[unit]].serial;
+}
+
+// " (its lens is the first of batch B2)", if that is so.
+std::string BatchRemark(const FleetAnalysis& fleet, int unit) {
+  const std::string& batch = fleet.rows[fleet.compared[unit]].lens_batch;
+  if (batch.empty()) return "";
+  for (int u = 0; u < unit; ++u)
+    if (fleet.rows[fleet.compared[u]].lens_batch == batch) return "";
+  return fmt::format(", which has the first lens of batch {},", batch);
+}
+
+std::string JumpTold(const FleetAnalysis& fleet, const MeanJump& jump) {
+  const std::string values =
+      jump.name == "lens"
+          ? ""
+          : fmt::format(": {}, before {}", WithUnit(jump.name, jump.after),
+                        WithUnit(jump.name, jump.before));
+  return fmt::format(
+      "from {}{} on, the mean of {} ({}) is another one{} "
+      "({:.1f} standard deviations of it)",
+      SerialOf(fleet, jump.unit), BatchRemark(fleet, jump.unit),
+      TitleOfFigure(jump.name), jump.name, values, jump.sigmas);
+}
+
+std::string DriftTold(const FleetAnalysis& fleet, const MeanDrift& drift) {
+  const std::string values =
+      drift.name == "lens"
+          ? ""
+          : fmt::format(": from {} to {}", WithUnit(drift.name, drift.first),
+                        WithUnit(drift.name, drift.last));
+  return fmt::format(
+      "the mean of {} ({}) drifts from {} to {}{} ({:.1f} "
+      "standard deviations of its slope)",
+      TitleOfFigure(drift.name), drift.name, SerialOf(fleet, 0),
+      SerialOf(fleet, static_cast<int>(fleet.compared.size()) - 1), values,
+      drift.sigmas);
+}
+
+}  // namespace
+
+std::string TitleOfFigure(const std::string& name) {
+  static const std::map<std::string, std::string> kTitles = {
+      {"lens", "the lens as a whole"},
+      {"shape", "the shape that no usual lens has"},
+      {"focal_px", "the focal length"},
+      {"center_x_px", "the centre's x"},
+      {"center_y_px", "the centre's y"},
+      {"held_out_median_px", "the held-out error"},
+      {"worst_deviation_px", "the worst stated deviation"},
+      {"sensor_temperature_c", "the sensor's temperature"},
+      {"pixels", "pixels over the whole image"}};
+  const auto found = kTitles.find(name);
+  return found == kTitles.end() ? name : found->second;
+}
+
+std::string UnitOfFigure(const std::string& name) {
+  if (name == "lens") return "";
+  if (name == "shape") return " px²";
+  return name == "sensor_temperature_c" ? " °C" : " px";
+}
+
+std::vector<std::string> WhatIsUnusual(const FleetStatistics& statistics,
+                                       int unit) {
+  std::vector<std::string> told;
+  for (const UnusualUnit& unusual : statistics.unusual) {
+    if (unusual.unit != unit) continue;
+    for (const std::string& name : unusual.charts) {
+      const ControlChart& chart = *FindChart(statistics, name);
+      const auto figure = [&](double value) {
+        return ChartFigure(chart.is_logarithm ? std::exp(value) : value);
+      };
+      const double middle = chart.middle[unit];
+      const std::string usual =
+          std::isfinite(chart.lower)
+              ? fmt::format("usual are {} to {}", figure(middle + chart.lower),
+                            figure(middle + chart.upper))
+              : fmt::format("the limit is {}", figure(chart.upper));
+      told.push_back(fmt::format("{} ({}) is {}, {}{}", TitleOfFigure(name),
+                                 name, figure(chart.values[unit]), usual,
+                                 UnitOfFigure(name)));
+    }
+  }
+  return told;
+}
+
+std::vector<std::string> ChangesTold(const FleetAnalysis& fleet) {
+  std::vector<std::string> told;
+  for (const MeanJump& jump : fleet.statistics.jumps)
+    told.push_back(JumpTold(fleet, jump));
+  for (const MeanDrift& drift : fleet.statistics.drifts)
+    told.push_back(DriftTold(fleet, drift));
+  return told;
+}
+
+std::vector<std::string> BatchesTold(const BatchComparison& batches) {
+  std::vector<std::string> told;
+  for (const BatchedFigure& figure : batches.figures) {
+    if (!figure.differs) continue;
+    std::string means;
+    if (!figure.means.empty()) {
+      const auto [least, most] =
+          std::minmax_element(figure.means.begin(), figure.means.end());
+      means = fmt::format(": {} in {}, {} in {}", WithUnit(figure.name, *least),
+                          batches.batches[least - figure.means.begin()],
+                          WithUnit(figure.name, *most),
+                          batches.batches[most - figure.means.begin()]);
+    }
+    told.push_back(
+        fmt::format("batches of lenses differ in {} ({}){} (by chance: {})",
+                    TitleOfFigure(figure.name), figure.name, means,
+                    ChanceText(figure.chance)));
+  }
+  return told;
+}
+
+std::vector<std::string> GaugeTold(const GaugeStudy& gauge) {
+  std::vector<std::string> told;
+  for (const GaugeFigure& figure : gauge.figures) {
+    std::string sentence =
+        fmt::format("{} ({}) repeats to {}", TitleOfFigure(figure.name),
+                    figure.name, GaugeDeviation(figure, figure.repeatability));
+    for (const GaugeFactor& factor : figure.factors)
+      sentence += fmt::format(", {}s add {}", factor.name,
+                              GaugeDeviation(figure, factor.deviation));
+    if (figure.part_of_fleet)
+      sentence += fmt::format("; that is {:.1f} % of the fleet's spread",
+                              100 * *figure.part_of_fleet);
+    if (figure.part_of_limits)
+      sentence += fmt::format(", and six of it {:.1f} % of the limits' width",
+                              100 * *figure.part_of_limits);
+    told.push_back(sentence);
+  }
+  told.insert(told.end(), gauge.untold.begin(), gauge.untold.end());
+  return told;
+}
+
+std::string GaugeDeviation(const GaugeFigure& figure, double deviation) {
+  return figure.is_logarithm
+             ? fmt::format("{:.3g} %", 100 * deviation)
+             : fmt::format("{:.3g}{}", deviation, UnitOfFigure(figure.name));
+}
+
+std::string ChanceText(double chance) {
+  return chance < 1e-4 ? "< 0.0001" : fmt::format("{:.2g}", chance);
+}
+
+}  // namespace raygrid

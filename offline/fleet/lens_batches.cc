@@ -1,0 +1,146 @@
+#include "fleet/lens_batches.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "fleet/lens_directions.h"
+
+namespace raygrid {
+namespace {
+
+using UnitsOfBatch = std::map<std::string, std::vector<int>>;
+
+UnitsOfBatch ChooseUnits(const std::vector<std::string>& batches,
+                         const std::vector<UnusualUnit>& unusual) {
+  std::set<int> left_out;
+  for (const UnusualUnit& unit : unusual) left_out.insert(unit.unit);
+  UnitsOfBatch chosen;
+  for (int u = 0; u < static_cast<int>(batches.size()); ++u)
+    if (!batches[u].empty() && left_out.count(u) == 0)
+      chosen[batches[u]].push_back(u);
+  for (auto it = chosen.begin(); it != chosen.end();)
+    it = static_cast<int>(it->second.size()) < kFewestBatchUnits
+             ? chosen.erase(it)
+             : std::next(it);
+  if (chosen.size() < 2) chosen.clear();
+  return chosen;
+}
+
+double ChanceOf(double f, double freedoms, double freedoms_within) {
+  if (!std::isfinite(f)) return f > 0 ? 0 : 1;
+  return boost::math::cdf(boost::math::complement(
+      boost::math::fisher_f(freedoms, freedoms_within), std::max(f, 0.0)));
+}
+
+double MeanOfGroup(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+BatchedFigure CompareFigure(const FleetFigure& figure,
+                            const UnitsOfBatch& units) {
+  BatchedFigure compared;
+  compared.name = figure.name;
+  const std::vector<double> values = figure.Scattering();
+  std::vector<std::vector<double>> groups;
+  std::vector<double> all;
+  for (const auto& batch : units) {
+    groups.emplace_back();
+    for (const int unit : batch.second) {
+      const double value = values[unit];
+      if (!std::isfinite(value)) continue;
+      groups.back().push_back(value);
+      all.push_back(value);
+    }
+    const double mean = MeanOfGroup(groups.back());
+    compared.means.push_back(figure.is_positive ? std::exp(mean) : mean);
+  }
+  double between = 0, within = 0, num_groups = 0, squares = 0;
+  for (const std::vector<double>& group : groups) {
+    if (group.empty()) continue;
+    ++num_groups;
+    const double mean = MeanOfGroup(group);
+    between += static_cast<double>(group.size()) *
+               std::pow(mean - MeanOfGroup(all), 2);
+    for (const double value : group) {
+      within += std::pow(value - mean, 2);
+      squares += value * value;
+    }
+  }
+  const double freedoms = num_groups - 1,
+               freedoms_within = static_cast<double>(all.size()) - num_groups;
+  constexpr double kRounding = 1e-24;  // of equal values' squares
+  if (freedoms < 1 || freedoms_within < 1 ||
+      between + within <= kRounding * squares)
+    return compared;
+  compared.deviation_within = std::sqrt(within / freedoms_within);
+  compared.chance = ChanceOf(between / freedoms / (within / freedoms_within),
+                             freedoms, freedoms_within);
+  return compared;
+}
+
+// Pillai's trace of the lenses' places along the directions in which they vary,
+// and its approximation by F.
+BatchedFigure CompareLenses(const Eigen::MatrixXd& pixels,
+                            const UnitsOfBatch& units) {
+  BatchedFigure compared;
+  compared.name = "lens";
+  std::vector<int> rows;
+  for (const auto& batch : units)
+    rows.insert(rows.end(), batch.second.begin(), batch.second.end());
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd chosen(count, pixels.cols());
+  for (Eigen::Index i = 0; i < count; ++i) chosen.row(i) = pixels.row(rows[i]);
+  chosen.rowwise() -= chosen.colwise().mean().eval();
+  const Eigen::MatrixXd scores =
+      chosen * DirectionsOf(chosen, std::vector<bool>(rows.size(), true)).axes;
+  const Eigen::MatrixXd total = scores.transpose() * scores;
+  Eigen::MatrixXd between = Eigen::MatrixXd::Zero(total.rows(), total.cols());
+  Eigen::Index begin = 0;
+  for (const auto& batch : units) {
+    const auto size = static_cast<Eigen::Index>(batch.second.size());
+    const Eigen::RowVectorXd mean =
+        scores.middleRows(begin, size).colwise().mean();
+    between += static_cast<double>(size) * mean.transpose() * mean;
+    begin += size;
+  }
+  const auto p = static_cast<double>(scores.cols());
+  const double freedoms = static_cast<double>(units.size()) - 1,
+               freedoms_within = static_cast<double>(count) - freedoms - 1;
+  const double s = std::min(p, freedoms);
+  const double t = freedoms_within - p + s;
+  const double trace = total.fullPivLu().solve(between).trace();
+  if (!(t > 0) || !std::isfinite(trace)) return compared;
+  const double larger = std::max(p, freedoms);
+  compared.chance =
+      ChanceOf(t * trace / (larger * (s - trace)), s * larger, s * t);
+  return compared;
+}
+
+}  // namespace
+
+BatchComparison CompareLensBatches(const FleetInput& input,
+                                   const std::vector<std::string>& batches,
+                                   const std::vector<UnusualUnit>& unusual) {
+  BatchComparison comparison;
+  const UnitsOfBatch units = ChooseUnits(batches, unusual);
+  if (units.empty() || input.pixels.cols() == 0) return comparison;
+  for (const auto& batch : units) {
+    comparison.batches.push_back(batch.first);
+    comparison.num_units.push_back(static_cast<int>(batch.second.size()));
+  }
+  comparison.figures.push_back(CompareLenses(input.pixels, units));
+  for (const FleetFigure& figure : input.figures)
+    comparison.figures.push_back(CompareFigure(figure, units));
+  const auto num_figures = static_cast<double>(comparison.figures.size());
+  for (BatchedFigure& figure : comparison.figures)
+    figure.differs = figure.chance < kFleetChance / num_figures;
+  return comparison;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,31 @@
+#include "fleet/lens_directions.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+namespace raygrid {
+
+LensDirections DirectionsOf(const Eigen::MatrixXd& rows,
+                            const std::vector<bool>& is_usual) {
+  const auto count =
+      static_cast<double>(std::count(is_usual.begin(), is_usual.end(), true));
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(rows.cols(), rows.cols());
+  for (Eigen::Index i = 0; i < rows.rows(); ++i)
+    if (is_usual[i])
+      covariance.selfadjointView<Eigen::Lower>().rankUpdate(
+          rows.row(i).transpose());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance /
+                                                              (count - 1));
+  LensDirections all{solver.eigenvectors().rowwise().reverse(),
+                     solver.eigenvalues().reverse()};
+  // Those that make up nearly all of the variance, few against the units.
+  constexpr double kPart = 0.999;
+  const double total = all.variances.sum();
+  const auto most = std::min<Eigen::Index>(
+      all.variances.size(), static_cast<Eigen::Index>(count / 4));
+  Eigen::Index size = 1;
+  while (size < most && all.variances.head(size).sum() < kPart * total) ++size;
+  return {all.axes.leftCols(size), all.variances.head(size)};
+}
+
+}  // namespace raygrid

@@ -1,0 +1,132 @@
+#include "fleet/mean_changes.h"
+
+#include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+
+#include "fleet/robust_series.h"
+
+namespace raygrid {
+namespace {
+
+// A part of a series, from begin up to end.
+struct SeriesPart {
+  int begin = 0, end = 0;
+};
+
+// A series in standard deviations of its own, and its sums up to each place.
+struct StandardSeries {
+  std::vector<double> values, sums;
+
+  double MeanOf(const SeriesPart& part) const {
+    return (sums[part.end] - sums[part.begin]) / (part.end - part.begin);
+  }
+};
+
+std::vector<StandardSeries> Standardize(
+    const std::vector<std::vector<double>>& series) {
+  std::vector<StandardSeries> all;
+  for (const std::vector<double>& values : series) {
+    const double deviation = DeviationByNeighbours(values);
+    if (!(deviation > 0)) continue;
+    StandardSeries standard{Clipped(values, deviation), {0}};
+    for (double& value : standard.values) {
+      value = std::isfinite(value) ? value / deviation : 0;
+      standard.sums.push_back(standard.sums.back() + value);
+    }
+    all.push_back(std::move(standard));
+  }
+  return all;
+}
+
+// Cuts a part where the means change most, if the sum of the changes' squares
+// is beyond the limit, and searches both.
+void FindJumps(const std::vector<StandardSeries>& series,
+               const SeriesPart& part, double limit,
+               std::vector<MeanJump>* jumps) {
+  constexpr int kFewest = 5;
+  MeanJump best;
+  for (int cut = part.begin + kFewest; cut + kFewest <= part.end; ++cut) {
+    const double variance = 1.0 / (cut - part.begin) + 1.0 / (part.end - cut);
+    double squares = 0;
+    for (const StandardSeries& one : series)
+      squares +=
+          std::pow(one.MeanOf({cut, part.end}) - one.MeanOf({part.begin, cut}),
+                   2) /
+          variance;
+    if (squares > best.sigmas * best.sigmas)
+      best = {"", cut, 0, 0, std::sqrt(squares)};
+  }
+  if (!(best.sigmas * best.sigmas > limit)) return;
+  FindJumps(series, {part.begin, best.unit}, limit, jumps);
+  jumps->push_back(best);
+  FindJumps(series, {best.unit, part.end}, limit, jumps);
+}
+
+// The sum of squares that means of parts explain, beyond one mean.
+double ExplainedByParts(const StandardSeries& series,
+                        const std::vector<int>& cuts) {
+  const int count = static_cast<int>(series.values.size());
+  const double mean = series.MeanOf({0, count});
+  double explained = 0;
+  int begin = 0;
+  for (size_t k = 0; k <= cuts.size(); ++k) {
+    const int end = k < cuts.size() ? cuts[k] : count;
+    explained +=
+        (end - begin) * std::pow(series.MeanOf({begin, end}) - mean, 2);
+    begin = end;
+  }
+  return explained;
+}
+
+double ExplainedByLine(const StandardSeries& series) {
+  const auto count = static_cast<double>(series.values.size());
+  double products = 0;
+  for (size_t i = 0; i < series.values.size(); ++i)
+    products += (static_cast<double>(i) - (count - 1) / 2) * series.values[i];
+  return products * products / (count * (count * count - 1) / 12);
+}
+
+}  // namespace
+
+std::vector<int> MeanChanges::Cuts() const {
+  std::vector<int> cuts;
+  for (const MeanJump& jump : jumps) cuts.push_back(jump.unit);
+  return cuts;
+}
+
+MeanChanges FindMeanChanges(const std::vector<std::vector<double>>& series,
+                            double chance) {
+  MeanChanges changes;
+  const std::vector<StandardSeries> standard = Standardize(series);
+  if (standard.empty()) return changes;
+  const int count = static_cast<int>(standard[0].values.size());
+  // A sum of squares of normal values whose scatter is estimated, too.
+  const auto size = static_cast<double>(standard.size());
+  const boost::math::fisher_f f(size, count - size - 1);
+  const auto limit_of = [&](double part) {
+    return size * (count - 2) / (count - size - 1) *
+           boost::math::quantile(boost::math::complement(f, part));
+  };
+  FindJumps(standard, {0, count}, limit_of(chance / 2 / count), &changes.jumps);
+  double by_parts = 0, by_line = 0;
+  for (const StandardSeries& one : standard) {
+    by_parts += ExplainedByParts(one, changes.Cuts());
+    by_line += ExplainedByLine(one);
+  }
+  // A jump costs a place and a mean of each series, the line a slope of each.
+  const double penalty = std::log(count);
+  const auto num_jumps = static_cast<double>(changes.jumps.size());
+  if (by_line > limit_of(chance / 2) &&
+      by_line - size * penalty >= by_parts - num_jumps * (size + 1) * penalty)
+    changes = {{}, {{"", 0, 0, std::sqrt(by_line)}}};
+  return changes;
+}
+
+std::vector<double> MiddleOf(const std::vector<double>& values,
+                             const MeanChanges& changes) {
+  return changes.drifts.empty() ? MiddleOfParts(values, changes.Cuts())
+                                : MiddleLine(values);
+}
+
+}  // namespace raygrid

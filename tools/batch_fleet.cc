@@ -1,0 +1,132 @@
+#include "batch_fleet.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <nlohmann/json.hpp>
+
+#include "dataset/text_encoding.h"
+#include "fleet/fleet_words.h"
+
+namespace raygrid {
+namespace {
+
+using FleetJson = nlohmann::ordered_json;
+
+const std::string& SerialOfUnit(const FleetAnalysis& fleet, int unit) {
+  return fleet.rows[fleet.compared[unit]].serial;
+}
+
+FleetJson UnitJson(const UnitRow& row) {
+  FleetJson unit = {{"serial", row.serial}, {"status", row.status}};
+  if (!row.reason.empty()) unit["reason"] = row.reason;
+  if (!row.unusual.empty()) unit["unusual"] = row.unusual;
+  for (const auto& [name, value] : row.figures) unit[name] = value;
+  for (const auto& [name, text] : {std::pair("lens_batch", &row.lens_batch),
+                                   std::pair("repeats", &row.repeats)})
+    if (!text->empty()) unit[name] = *text;
+  if (row.seconds > 0) unit["seconds"] = row.seconds;
+  return unit;
+}
+
+FleetJson ChangesJson(const FleetAnalysis& fleet, FleetJson* drifts) {
+  FleetJson jumps = FleetJson::array();
+  for (const MeanJump& jump : fleet.statistics.jumps)
+    jumps.push_back({{"serial", SerialOfUnit(fleet, jump.unit)},
+                     {"figure", jump.name},
+                     {"before", jump.before},
+                     {"after", jump.after},
+                     {"sigmas", jump.sigmas}});
+  for (const MeanDrift& drift : fleet.statistics.drifts)
+    drifts->push_back({{"figure", drift.name},
+                       {"first", drift.first},
+                       {"last", drift.last},
+                       {"sigmas", drift.sigmas}});
+  return jumps;
+}
+
+FleetJson BatchesJson(const BatchComparison& batches) {
+  FleetJson units = FleetJson::object(), figures = FleetJson::object();
+  for (size_t b = 0; b < batches.batches.size(); ++b)
+    units[batches.batches[b]] = batches.num_units[b];
+  for (const BatchedFigure& figure : batches.figures) {
+    FleetJson json = {{"differs", figure.differs}, {"chance", figure.chance}};
+    for (size_t b = 0; b < figure.means.size(); ++b)
+      json["means"][batches.batches[b]] = figure.means[b];
+    if (!figure.means.empty())
+      json["deviation_within"] = figure.deviation_within;
+    figures[figure.name] = json;
+  }
+  return {{"units", units}, {"figures", figures}};
+}
+
+FleetJson GaugeFigureJson(const GaugeFigure& figure) {
+  FleetJson json = {{"repeatability", figure.repeatability}};
+  for (const GaugeFactor& factor : figure.factors) {
+    json[factor.name] = {{"deviation", factor.deviation}};
+    if (factor.chance) json[factor.name]["chance"] = *factor.chance;
+  }
+  json["gauge"] = figure.gauge;
+  for (const auto& [name, value] :
+       {std::pair("fleet", figure.fleet),
+        std::pair("part_of_fleet", figure.part_of_fleet),
+        std::pair("classes", figure.num_classes),
+        std::pair("part_of_limits", figure.part_of_limits)})
+    if (value) json[name] = *value;
+  if (figure.is_logarithm) json["relative"] = true;
+  return json;
+}
+
+FleetJson GaugeJson(const GaugeStudy& gauge) {
+  FleetJson figures = FleetJson::object();
+  for (const GaugeFigure& figure : gauge.figures)
+    figures[figure.name] = GaugeFigureJson(figure);
+  return {{"repeats", gauge.num_repeats},
+          {"golden_units", gauge.num_goldens},
+          {"degrees_of_freedom", gauge.freedoms},
+          {"figures", figures},
+          {"untold", gauge.untold}};
+}
+
+void PrintJson(const FleetAnalysis& fleet) {
+  FleetJson units = FleetJson::array(), drifts = FleetJson::array();
+  for (const UnitRow& row : fleet.rows) units.push_back(UnitJson(row));
+  const FleetJson jumps = ChangesJson(fleet, &drifts);
+  FleetJson json = {{"units", units}, {"jumps", jumps}, {"drifts", drifts}};
+  if (!fleet.batches.batches.empty())
+    json["lens_batches"] = BatchesJson(fleet.batches);
+  if (fleet.gauge.num_repeats > 0) json["gauge"] = GaugeJson(fleet.gauge);
+  fmt::print("{}\n", json.dump(2));
+}
+
+void PrintFleet(const FleetAnalysis& fleet) {
+  for (const UnitRow& row : fleet.rows)
+    if (!row.unusual.empty())
+      fmt::print("{}: unusual in {}\n", row.serial,
+                 fmt::join(row.unusual, ", "));
+  for (const auto& sentences :
+       {ChangesTold(fleet), BatchesTold(fleet.batches), GaugeTold(fleet.gauge)})
+    for (const std::string& sentence : sentences)
+      fmt::print("{}\n", Printable(sentence));
+}
+
+}  // namespace
+
+void TellUnits(const FleetAnalysis& fleet, const CommonOptions& common) {
+  for (const UnitRow& row : fleet.rows)
+    if (HasNoResult(row) || row.status == "fail")
+      fmt::print(stderr, "raygrid: unit {}: {}: {}\n", row.serial, row.status,
+                 Printable(row.reason));
+    else if (!common.json && !common.quiet)
+      fmt::print("{}: {}, {:.2f} s\n", row.serial, row.status, row.seconds);
+  if (common.json)
+    PrintJson(fleet);
+  else if (!common.quiet)
+    PrintFleet(fleet);
+}
+
+bool HasNoResult(const UnitRow& row) {
+  return row.status == "error" || row.status == "missing";
+}
+
+}  // namespace raygrid
