@@ -10,18 +10,21 @@
 #include <optional>
 
 #include "batch_fleet.h"
+#include "batch_slurm.h"
 #include "child_program.h"
 #include "commands.h"
 #include "dataset/content_hash.h"
 #include "dataset/dataset.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/text_encoding.h"
 #include "fleet/batch_plan.h"
 #include "fleet/fleet_analysis.h"
 #include "fleet/fleet_page.h"
 #include "fleet/fleet_table.h"
 #include "progress_bar.h"
 #include "target/board_spec.h"
+#include "unit_lock.h"
 
 namespace raygrid {
 namespace {
@@ -35,8 +38,8 @@ constexpr char kFleetPage[] = "fleet.html";
 
 struct BatchArguments {
   std::string plan, output;
-  std::optional<int> unit;
-  bool gather = false;
+  std::string units;  // a number, two of them with - between, or nothing
+  bool gather = false, slurm = false;
 };
 
 // A unit as it is on this machine.
@@ -213,14 +216,18 @@ std::vector<PendingUnit> FindPending(const std::vector<const UnitJob*>& jobs,
 }
 
 void RunUnits(const std::vector<const UnitJob*>& jobs,
-              const CommonOptions& common) {
+              const std::string& output, const CommonOptions& common) {
   const std::vector<PendingUnit> pending = FindPending(jobs, common.seed);
   ProgressBar bar(common.quiet);
   for (size_t k = 0; k < pending.size(); ++k) {
     bar.Show(fmt::format("{} ({} of {})", pending[k].job->unit.serial, k + 1,
                          pending.size()),
              static_cast<double>(k) / static_cast<double>(pending.size()));
-    CalibrateUnit(*pending[k].job, pending[k].fingerprint, common);
+    const UnitJob& job = *pending[k].job;
+    const UnitLock lock(output, job.unit.serial);
+    // Another process may have calibrated it since.
+    if (!IsFinished(job, pending[k].fingerprint))
+      CalibrateUnit(job, pending[k].fingerprint, common);
   }
 }
 
@@ -270,15 +277,35 @@ int ExitCodeOf(const std::vector<UnitRow>& rows) {
   return code;
 }
 
+std::optional<size_t> ParseUnitNumber(const std::string& text) {
+  constexpr size_t kMostDigits = 9;
+  if (text.empty() || text.size() > kMostDigits ||
+      text.find_first_not_of("0123456789") != std::string::npos)
+    return std::nullopt;
+  return std::stoul(text);
+}
+
+// All of them, unless words such as "3" or "3-7" choose some.
 std::vector<const UnitJob*> ChooseJobs(const std::vector<UnitJob>& jobs,
-                                       const std::optional<int>& unit) {
-  std::vector<const UnitJob*> chosen;
-  if (unit && static_cast<size_t>(*unit) >= jobs.size())
+                                       const std::string& words) {
+  const size_t dash = words.find('-');
+  const auto first = words.empty() ? std::optional<size_t>(0)
+                                   : ParseUnitNumber(words.substr(0, dash));
+  const auto last = words.empty() ? std::optional<size_t>(jobs.size() - 1)
+                    : dash == std::string::npos
+                        ? first
+                        : ParseUnitNumber(words.substr(dash + 1));
+  if (!first || !last || *last < *first)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--unit {}: neither a number, as 3, nor the first "
+                            "and the last one, as 3-7",
+                            Printable(words)));
+  if (*last >= jobs.size())
     throw Error(ExitCode::kUsage,
                 fmt::format("--unit {}: the plan's {} units count from 0",
-                            *unit, jobs.size()));
-  for (size_t k = 0; k < jobs.size(); ++k)
-    if (!unit || k == static_cast<size_t>(*unit)) chosen.push_back(&jobs[k]);
+                            words, jobs.size()));
+  std::vector<const UnitJob*> chosen;
+  for (size_t k = *first; k <= *last; ++k) chosen.push_back(&jobs[k]);
   return chosen;
 }
 
@@ -313,7 +340,7 @@ void RunBatch(const BatchArguments& arguments, const CommonOptions& common) {
   const BatchPlan plan =
       ParseBatchPlan(arguments.plan, ReadFile(arguments.plan));
   const std::vector<UnitJob> jobs = MakeJobs(plan, arguments);
-  const std::vector<const UnitJob*> chosen = ChooseJobs(jobs, arguments.unit);
+  const std::vector<const UnitJob*> chosen = ChooseJobs(jobs, arguments.units);
   RequireResultsApart(jobs);
   RequireWritableFolder(arguments.output);
   const auto output = [&](const char* name) {
@@ -321,12 +348,14 @@ void RunBatch(const BatchArguments& arguments, const CommonOptions& common) {
   };
   RequireNoInputReplaced({arguments.plan},
                          {output(kFleetFile), output(kFleetPage)});
-  if (!arguments.gather) RunUnits(chosen, common);
+  if (arguments.slurm)
+    return SubmitToSlurm(arguments.plan, arguments.output, jobs.size(), common);
+  if (!arguments.gather) RunUnits(chosen, arguments.output, common);
   std::vector<std::string> folders;
   for (const UnitJob* job : chosen) folders.push_back(job->folder);
   const FleetAnalysis fleet =
       AnalyseFleet(ReadRows(chosen, plan.limits), folders, plan.limits);
-  if (!arguments.unit) {
+  if (arguments.units.empty()) {
     OutputFiles files;
     files.Add(output(kFleetFile), FormatFleetTable(fleet.rows));
     files.Add(output(kFleetPage), FormatFleetPage(fleet));
@@ -371,17 +400,25 @@ void AddBatch(CLI::App* app, CommonOptions* common) {
       ->add_option("-o,--output", arguments->output,
                    "folder of the units' folders, fleet.csv and fleet.html")
       ->required();
-  CLI::Option* const unit =
+  CLI::Option* const unit = command->add_option(
+      "--unit", arguments->units,
+      "calibrate this unit alone, counted from 0 in the order of serials, or "
+      "the units from one to another, as 3-7; fleet.csv and fleet.html stay as "
+      "they are");
+  CLI::Option* const gather =
       command
-          ->add_option("--unit", arguments->unit,
-                       "calibrate this unit alone, counted from 0 in the order "
-                       "of serials; fleet.csv and fleet.html stay as they are")
-          ->check(CLI::Range(0, 999999));
+          ->add_flag("--gather", arguments->gather,
+                     "calibrate nothing: write fleet.csv and fleet.html of "
+                     "what is there")
+          ->excludes(unit);
   command
-      ->add_flag("--gather", arguments->gather,
-                 "calibrate nothing: write fleet.csv and fleet.html of what is "
-                 "there")
-      ->excludes(unit);
+      ->add_flag("--slurm", arguments->slurm,
+                 "submit the units to Slurm as an array of tasks with "
+                 "--threads each (1 unless more are given), and a job that "
+                 "gathers; sbatch takes partition, time and memory from its "
+                 "environment, as SBATCH_PARTITION")
+      ->excludes(unit)
+      ->excludes(gather);
   command->callback([arguments, common] { RunBatch(*arguments, *common); });
 }
 

@@ -108,6 +108,7 @@ void PrintFleet(const FleetAnalysis& fleet) {
        {ChangesTold(fleet), BatchesTold(fleet.batches), GaugeTold(fleet.gauge)})
     for (const std::string& sentence : sentences)
       fmt::print("{}\n", Printable(sentence));
+  if (fleet.rows.size() > 1) fmt::print("{}\n", SecondsTold(fleet.rows));
 }
 
 }  // namespace

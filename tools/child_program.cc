@@ -10,6 +10,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <sstream>
 
 #include "dataset/error.h"
 
@@ -23,16 +24,22 @@ namespace {
                           std::strerror(error)));
 }
 
+std::vector<char*> TextsOf(std::string* name,
+                           const std::vector<std::string>& arguments) {
+  std::vector<char*> texts = {name->data()};
+  for (const std::string& argument : arguments)
+    texts.push_back(const_cast<char*>(argument.c_str()));
+  texts.push_back(nullptr);
+  return texts;
+}
+
 // In the new process: a signal for a terminal's processes is its parent's.
 // The program is the very one that runs, also if another version took its
 // place.
 [[noreturn]] void BecomeChild(const std::vector<std::string>& arguments,
                               pid_t parent, int errors) {
   std::string name = "raygrid";
-  std::vector<char*> texts = {name.data()};
-  for (const std::string& argument : arguments)
-    texts.push_back(const_cast<char*>(argument.c_str()));
-  texts.push_back(nullptr);
+  const std::vector<char*> texts = TextsOf(&name, arguments);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
   setpgid(0, 0);
@@ -44,6 +51,20 @@ namespace {
   std::fprintf(stderr, "raygrid: cannot be started (%s)\n",
                std::strerror(errno));
   _exit(static_cast<int>(ExitCode::kUsage));
+}
+
+constexpr int kNotFound = 127;  // as shells have it
+
+// In the new process.
+[[noreturn]] void BecomeProgram(std::string name,
+                                const std::vector<std::string>& arguments,
+                                int output) {
+  const std::vector<char*> texts = TextsOf(&name, arguments);
+  dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
+  dup2(output, STDOUT_FILENO);
+  dup2(output, STDERR_FILENO);
+  execvp(name.c_str(), texts.data());
+  _exit(kNotFound);
 }
 
 // All that is written to a pipe, or its last 64 kB.
@@ -68,31 +89,57 @@ std::string LastLine(std::string text) {
                                                  : text;
 }
 
-}  // namespace
-
-ChildEnd RunChild(const std::vector<std::string>& arguments) {
+// Runs what a new process becomes, given a pipe to write to, until it ends; its
+// status, and what it wrote.
+template <typename Become>
+int RunToEnd(const Become& become, std::string* text) {
   int pipe[2];
   if (pipe2(pipe, O_CLOEXEC) != 0) FailToStart(errno);
   std::fflush(nullptr);
-  const pid_t parent = getpid();
   const pid_t child = fork();
-  if (child == 0) BecomeChild(arguments, parent, pipe[1]);
+  if (child == 0) become(pipe[1]);
   const int error = errno;
   close(pipe[1]);
   if (child < 0) {
     close(pipe[0]);
     FailToStart(error);
   }
-  ChildEnd end;
-  end.last_error = LastLine(ReadPipe(pipe[0]));
+  *text = ReadPipe(pipe[0]);
   close(pipe[0]);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
+  return status;
+}
+
+}  // namespace
+
+ChildEnd RunChild(const std::vector<std::string>& arguments) {
+  const pid_t parent = getpid();
+  std::string text;
+  const int status = RunToEnd(
+      [&](int errors) { BecomeChild(arguments, parent, errors); }, &text);
+  ChildEnd end;
+  end.last_error = LastLine(text);
   if (WIFSIGNALED(status))
     end.signal = WTERMSIG(status);
   else
     end.exit_code = WEXITSTATUS(status);
+  return end;
+}
+
+ProgramEnd RunProgram(const std::string& name,
+                      const std::vector<std::string>& arguments) {
+  std::string text;
+  const int status = RunToEnd(
+      [&](int output) { BecomeProgram(name, arguments, output); }, &text);
+  ProgramEnd end;
+  constexpr int kSignal = 128;
+  end.exit_code =
+      WIFSIGNALED(status) ? kSignal + WTERMSIG(status) : WEXITSTATUS(status);
+  end.is_found = end.exit_code != kNotFound;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) end.lines.push_back(line);
   return end;
 }
 

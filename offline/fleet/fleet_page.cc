@@ -49,22 +49,6 @@ std::string CountsTold(const std::vector<UnitRow>& rows) {
   return text;
 }
 
-std::string SecondsTold(const std::vector<UnitRow>& rows) {
-  std::vector<double> seconds;
-  double sum = 0;
-  for (const UnitRow& row : rows)
-    if (row.seconds > 0) {
-      seconds.push_back(row.seconds);
-      sum += row.seconds;
-    }
-  if (seconds.empty()) return "";
-  std::sort(seconds.begin(), seconds.end());
-  return fmt::format(
-      "a unit took {:.1f} s in the median, {:.1f} s at most, "
-      "all {} together {:.0f} s",
-      seconds[seconds.size() / 2], seconds.back(), seconds.size(), sum);
-}
-
 std::string SummarySection(const FleetAnalysis& fleet) {
   bool has_failed = false;
   for (const UnitRow& row : fleet.rows)

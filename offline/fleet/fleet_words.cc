@@ -160,6 +160,22 @@ std::vector<std::string> GaugeTold(const GaugeStudy& gauge) {
   return told;
 }
 
+std::string SecondsTold(const std::vector<UnitRow>& rows) {
+  std::vector<double> seconds;
+  double sum = 0;
+  for (const UnitRow& row : rows)
+    if (row.seconds > 0) {
+      seconds.push_back(row.seconds);
+      sum += row.seconds;
+    }
+  if (seconds.empty()) return "";
+  std::sort(seconds.begin(), seconds.end());
+  return fmt::format(
+      "a unit took {:.1f} s in the median, {:.1f} s at most, "
+      "all {} together {:.0f} s",
+      seconds[seconds.size() / 2], seconds.back(), seconds.size(), sum);
+}
+
 std::string GaugeDeviation(const GaugeFigure& figure, double deviation) {
   return figure.is_logarithm
              ? fmt::format("{:.3g} %", 100 * deviation)

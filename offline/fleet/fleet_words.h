@@ -29,6 +29,9 @@ std::vector<std::string> BatchesTold(const BatchComparison& batches);
 /// A sentence on each figure of the gauge, then on what cannot be told.
 std::vector<std::string> GaugeTold(const GaugeStudy& gauge);
 
+/// The seconds that units took, in a sentence; empty if none are known.
+std::string SecondsTold(const std::vector<UnitRow>& rows);
+
 /// "12.34 px", or "1.2 %" of a part.
 std::string GaugeDeviation(const GaugeFigure& figure, double deviation);
 

@@ -13,6 +13,7 @@ import subprocess
 import time
 import xml.dom.minidom
 
+from batch_results import result_files, wait_until, waits_for_a_lock
 from command_test import CommandTest, SIMULATED_PATTERN, main, programs, read, run, write
 
 PLAN = """raygrid_batch: 1
@@ -54,22 +55,7 @@ class Batch(CommandTest):
         return {row["serial"]: row for row in rows}
 
     def files(self):
-        """All files by their names, but for the times and the memory that a run took."""
-        files = {}
-        for place, _, names in os.walk(self.out):
-            for name in names:
-                path = os.path.join(place, name)
-                contents = read(path)
-                if name in ("result.json", "unit.json"):
-                    contents = json.loads(contents)
-                    for key in ("seconds", "peak_memory_bytes"):
-                        contents.pop(key, None)
-                elif name == "fleet.html":
-                    contents = re.sub(rb"<td>[0-9.]+</td>(?=<td>[^<]*</td></tr>)|A unit took [^<]*", b"", contents)
-                elif name == "fleet.csv":
-                    contents = [line.rsplit(b",", 1)[0] for line in contents.splitlines()]
-                files[os.path.relpath(path, self.out)] = contents
-        return files
+        return result_files(self.out)
 
     def assert_same_files(self, files, expected):
         self.assertEqual(sorted(files), sorted(expected))
@@ -104,7 +90,7 @@ class Batch(CommandTest):
         table = self.table()
         self.assertEqual([table[serial]["status"] for serial in ("A0", "A1", "A3", "B0")],
                          ["error", "warn", "warn", "error"])
-        self.assertEqual(sorted(os.listdir(self.out)), ["A0.failed.json", "A1", "A3", "B0.failed.json", "fleet.csv",
+        self.assertEqual(sorted(os.listdir(self.out)), [".batch.lock", "A0.failed.json", "A1", "A3", "B0.failed.json", "fleet.csv",
                                                          "fleet.html"])
 
     def make_fleet(self):
@@ -207,15 +193,20 @@ class Batch(CommandTest):
         plan = self.plan(GOOD[::-1])
         self.assert_done(self.batch(plan))
         expected = self.files()
-        for unit in (2, 0):
-            self.assert_done(self.batch(plan, "--unit", unit, output="-single"))
-        self.assertEqual(sorted(os.listdir(self.out)), ["A1", "A3"])
+        for units in ("2", "0-0"):
+            self.assert_done(self.batch(plan, "--unit", units, output="-single"))
+        self.assertEqual(sorted(os.listdir(self.out)), [".batch.lock", "A1", "A3"])
         result = self.batch(plan, "--gather", output="-single")
         self.assert_refused(result, 2, "A2: missing")
         self.assert_done(self.batch(plan, "--unit", 1, output="-single"))
         self.assert_done(self.batch(plan, "--gather", output="-single"))
         self.assert_same_files(self.files(), expected)
-        self.assert_refused(self.batch(plan, "--unit", 3, output="-single"), 1, "count from 0")
+        for units, words in (("3", "count from 0"), ("1-3", "count from 0"), ("2-1", "neither"), ("-1", "neither"),
+                             ("1-", "neither"), ("x", "neither"), ("1234567890123", "neither")):
+            self.assert_refused(self.batch(plan, "--unit=" + units, output="-single"), 1, words)
+        self.assert_done(self.batch(plan, "--unit", "0-2", output="-three"))
+        self.assert_done(self.batch(plan, "--gather", output="-three"))
+        self.assert_same_files(self.files(), expected)
 
     def kill_after_first(self, plan, number):
         """Ends a run by a signal while it works on the second unit; how that ended."""
@@ -254,6 +245,23 @@ class Batch(CommandTest):
         self.assertEqual([line for line in errors.splitlines() if "signal 9" not in line], [])
         self.assertIn("unit A1: error", errors)
         self.assertEqual([row["status"] for row in self.table().values()], ["error", "warn", "warn"])
+
+    def test_a_second_process_waits_for_the_first_and_does_nothing_again(self):
+        """As when a machine was given up, but still works on a unit that another one gets."""
+        plan, self.out = self.plan(("A1",)), self.path("shared")
+        command = [programs.raygrid, "batch", plan, "-o", self.out, "--unit", "0"]
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL) as first:
+            wait_until(lambda: read(f"/proc/{first.pid}/task/{first.pid}/children"))
+            child = int(read(f"/proc/{first.pid}/task/{first.pid}/children").split()[0])
+            os.kill(child, signal.SIGSTOP)
+            with subprocess.Popen(command, stdout=subprocess.DEVNULL) as second:
+                wait_until(lambda: waits_for_a_lock(self.out))
+                os.kill(child, signal.SIGCONT)
+                self.assertEqual(first.wait(timeout=60), 0)
+                made = os.stat(self.out + "/A1/camera.yaml")
+                self.assertEqual(second.wait(timeout=60), 0)
+        self.assertEqual(os.stat(self.out + "/A1/camera.yaml").st_ino, made.st_ino)
+        self.assertEqual(sorted(os.listdir(self.out)), [".batch.lock", "A1"])
 
     def test_results_do_not_lie_among_images(self):
         os.makedirs(self.path("among/X1"))

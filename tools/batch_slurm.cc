@@ -1,0 +1,113 @@
+#include "batch_slurm.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "child_program.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+
+namespace raygrid {
+namespace {
+
+// Slurm takes no larger ones unless it is configured to.
+constexpr size_t kMostTasks = 1000;
+
+// A word that a shell takes as it is.
+std::string ShellWord(const std::string& text) {
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
+  return word + "'";
+}
+
+// A path in which sbatch replaces nothing.
+std::string SlurmPath(const std::string& path) {
+  std::string text;
+  for (const char c : path) text += c == '%' ? "%%" : std::string(1, c);
+  return text;
+}
+
+std::string AbsolutePath(const std::string& path) {
+  return std::filesystem::absolute(path).lexically_normal().string();
+}
+
+// The words that follow the program's in both jobs.
+std::string BatchCommand(const std::string& plan, const std::string& output,
+                         const CommonOptions& common, int threads) {
+  const std::string program =
+      std::filesystem::read_symlink("/proc/self/exe").string();
+  return fmt::format("exec {} batch {} -o {} --threads {} --seed {} --quiet",
+                     ShellWord(program), ShellWord(AbsolutePath(plan)),
+                     ShellWord(AbsolutePath(output)), threads, common.seed);
+}
+
+// Part t of n tasks, as evenly as whole units go, in the shell's arithmetic.
+std::string UnitsOfTask(size_t num_units, size_t num_tasks) {
+  const auto begin_of = [&](const char* task) {
+    return fmt::format("({}) * {} / {}", task, num_units, num_tasks);
+  };
+  return fmt::format("--unit $(({}))-$(({} - 1))",
+                     begin_of("SLURM_ARRAY_TASK_ID"),
+                     begin_of("SLURM_ARRAY_TASK_ID + 1"));
+}
+
+// The number of the job that sbatch submitted: a line of it alone, or of it and
+// the cluster.
+std::string SubmittedJob(const std::vector<std::string>& options) {
+  std::vector<std::string> words = {"--parsable"};
+  words.insert(words.end(), options.begin(), options.end());
+  const ProgramEnd end = RunProgram("sbatch", words);
+  if (!end.is_found)
+    throw Error(ExitCode::kUsage,
+                "--slurm: sbatch is not in the PATH; install slurm-client and "
+                "Slurm's configuration here, or share out the units with GNU "
+                "parallel (README.md, \"Many units\")");
+  if (end.exit_code != 0)
+    throw Error(
+        ExitCode::kOutput,
+        fmt::format("--slurm: sbatch refused: {}",
+                    end.lines.empty() ? "it says nothing" : end.lines.back()));
+  for (const std::string& line : end.lines) {
+    const std::string job = line.substr(0, line.find(';'));
+    if (!job.empty() &&
+        job.find_first_not_of("0123456789") == std::string::npos)
+      return job;
+  }
+  throw Error(ExitCode::kOutput, "--slurm: sbatch told no number of a job");
+}
+
+}  // namespace
+
+void SubmitToSlurm(const std::string& plan, const std::string& output,
+                   size_t num_units, const CommonOptions& common) {
+  const size_t num_tasks = std::min(num_units, kMostTasks);
+  const int threads = std::max(common.threads, 1);
+  const std::string logs = AbsolutePath(output) + "/.slurm";
+  RequireWritableFolder(logs);
+  const std::string command = BatchCommand(plan, output, common, threads);
+  const std::string log = "--output=" + SlurmPath(logs);
+  const std::string array_job = SubmittedJob(
+      {"--job-name=raygrid-batch", fmt::format("--array=0-{}", num_tasks - 1),
+       fmt::format("--cpus-per-task={}", threads), "--requeue",
+       "--open-mode=append", log + "/%a.log",
+       "--wrap=" + command + " " + UnitsOfTask(num_units, num_tasks)});
+  const std::string gather_job = SubmittedJob(
+      {"--job-name=raygrid-gather", "--dependency=afterany:" + array_job,
+       "--requeue", "--open-mode=append", log + "/gather.log",
+       "--wrap=" + command + " --gather"});
+  if (common.json)
+    fmt::print("{}\n", nlohmann::ordered_json({{"array_job", array_job},
+                                               {"tasks", num_tasks},
+                                               {"gather_job", gather_job}})
+                           .dump(2));
+  else if (!common.quiet)
+    fmt::print(
+        "Job {}: {} units in {} tasks. Job {} then writes fleet.csv and "
+        "fleet.html. Logs: {}\n",
+        array_job, num_units, num_tasks, gather_job, logs);
+}
+
+}  // namespace raygrid
