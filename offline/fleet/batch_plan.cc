@@ -91,23 +91,24 @@ void RequireSerial(const std::string& serial) {
                     Printable(serial), kMaxSerialSize));
 }
 
-std::string ReadText(const YAML::Node& node) {
-  return node ? node.as<std::string>() : std::string();
+// The single value of a key; empty if the key is missing.
+std::string ReadText(const YAML::Node& map, const std::string& key) {
+  return map[key] ? OptionText(map[key], key) : std::string();
 }
 
 BatchUnit ReadUnit(const YAML::Node& node, const YAML::Node& plan) {
   if (!node.IsMap() || !node["serial"])
     throw InputError("units: one has no serial");
   BatchUnit unit;
-  unit.serial = ReadText(node["serial"]);
+  unit.serial = ReadText(node, "serial");
   RequireSerial(unit.serial);
   const std::string what = "unit " + unit.serial;
   RequireKnownKeys(node, what,
                    {"serial", "images", "features", "cameras", "pattern",
                     "lens_batch", "repeats", "operator", "station"});
-  unit.pattern = ReadText(Find(node, plan, "pattern"));
-  unit.images = ReadText(node["images"]);
-  unit.features = ReadText(node["features"]);
+  unit.pattern = ReadText(node["pattern"] ? node : plan, "pattern");
+  unit.images = ReadText(node, "images");
+  unit.features = ReadText(node, "features");
   if (node["cameras"])
     for (const auto& camera : node["cameras"])
       unit.cameras[camera.first.as<std::string>()] =
@@ -120,11 +121,11 @@ BatchUnit ReadUnit(const YAML::Node& node, const YAML::Node& plan) {
   if (unit.pattern.empty())
     throw InputError(what + ": has no pattern, nor has the plan");
   unit.options = ReadOptions(node, plan);
-  unit.lens_batch = ReadText(node["lens_batch"]);
-  unit.repeats = ReadText(node["repeats"]);
+  unit.lens_batch = ReadText(node, "lens_batch");
+  unit.repeats = ReadText(node, "repeats");
   if (!unit.repeats.empty()) RequireSerial(unit.repeats);
-  unit.person = ReadText(node["operator"]);
-  unit.station = ReadText(node["station"]);
+  unit.person = ReadText(node, "operator");
+  unit.station = ReadText(node, "station");
   return unit;
 }
 

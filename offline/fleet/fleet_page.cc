@@ -177,7 +177,8 @@ std::string ChartSection(const FleetAnalysis& fleet) {
     for (const MeanDrift& drift : fleet.statistics.drifts)
       has_drift |= drift.name == chart.name;
     html += fmt::format(
-        "<figure><figcaption><b>{}</b>{} {}</figcaption>\n{}</figure>\n",
+        "<figure><figcaption><b>{}</b>{} {}</figcaption>\n<div "
+        "class=\"scroll\">{}</div></figure>\n",
         EscapeHtml(Upper(TitleOfFigure(chart.name))),
         MeaningOfChart(chart.name, fleet.statistics.num_directions),
         LimitsTold(chart, fleet, surroundings.jumps, has_drift),

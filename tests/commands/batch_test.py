@@ -327,6 +327,8 @@ class Batch(CommandTest):
                 (("A2", "no operator"), lambda text: text.replace(
                     "serial: A2,", "serial: A2, repeats: A1, operator: ann,")),
                 (("names a folder",), lambda text: text.replace("serial: A2,", "serial: A2, repeats: ../A1,")),
+                (("'lens_batch' has no single value",), lambda text: text.replace(
+                    "serial: A2,", "serial: A2, lens_batch: [1],")),
                 (("names a folder",), lambda text: text.replace("serial: A2", "serial: fleet.html")),
                 (("no pattern",), lambda text: text.replace("pattern: board.yaml\n", "")),
                 (("no list of units",), lambda text: text.split("units:")[0]),
