@@ -31,26 +31,35 @@ CameraFile ParseForeignCamera(const Format& format, const std::string& path,
   return CameraFileOf(contents.cameras.front());
 }
 
-// A stack's camera at a value, in place of that in the middle. Returns whether
-// it was a stack.
-bool TakeAt(const std::string& path, std::optional<double> at,
-            CameraFile* file) {
-  if (!file->stack) return false;
-  const CameraStack& stack = file->stack->cameras;
-  const std::string range =
-      fmt::format("{:g} to {:g} {}", stack.low(), stack.high(),
-                  ConditionUnit(stack.condition()));
+// Whether a camera is to be taken at a value. Says on standard error if it is
+// not, and throws for values out of range.
+bool CheckRange(const std::string& path, std::optional<double> at,
+                const BlobCamera::StackRange& stack) {
+  const std::string range = fmt::format(
+      "{:g} to {:g} {}", stack.low, stack.high, ConditionUnit(stack.condition));
   if (!at) {
     fmt::print(stderr,
-               "raygrid: {}: was calibrated over {}, and is taken at {:g}; "
-               "--at says another\n",
-               Printable(path), range, stack.middle());
-    return true;
+               "raygrid: {}: was calibrated over {}, and is taken in the "
+               "middle; --at says where else\n",
+               Printable(path), range);
+    return false;
   }
-  if (!stack.Contains(*at))
+  if (!(*at >= stack.low && *at <= stack.high))
     throw Error(
         ExitCode::kUsage,
         fmt::format("{}: --at {:g}: was calibrated over {}", path, *at, range));
+  return true;
+}
+
+// A stack's camera at a value, in place of that in the middle. Returns whether
+// it was a stack.
+bool TakeAt(const std::string& path, std::optional<double> at, bool keeps_stack,
+            CameraFile* file) {
+  if (!file->stack) return false;
+  if (!at && keeps_stack) return true;
+  const CameraStack& stack = file->stack->cameras;
+  if (!CheckRange(path, at, {stack.condition(), stack.low(), stack.high()}))
+    return true;
   *file = FileAt(*file, *at);
   return true;
 }
@@ -63,7 +72,7 @@ Error NoStack(const std::string& path) {
 }
 
 CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
-                           std::optional<double> at) {
+                           std::optional<double> at, bool keeps_stack = false) {
   CameraInput input;
   if (!IsBlob(path, bytes)) {
     if (const TableFormat* table = RecognizeTable(bytes))
@@ -71,10 +80,15 @@ CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
     const Format* format = RecognizeFormat(bytes);
     input.file = format ? ParseForeignCamera(*format, path, bytes)
                         : ParseCameraFile(path, bytes);
-    input.is_of_stack = TakeAt(path, at, &input.file);
+    input.is_of_stack = TakeAt(path, at, keeps_stack, &input.file);
     return input;
   }
   input.blob.emplace(path, bytes);
+  if (const auto range = input.blob->Range()) {
+    input.is_of_stack = true;
+    if (!keeps_stack && CheckRange(path, at, *range))
+      input.blob->SetCondition(*at);
+  }
   input.file.camera = input.blob->ToModel();
   rg_camera_section identity;
   rg_blob_camera(&input.blob->blob(), &identity);
@@ -94,6 +108,13 @@ CameraInput ReadCamera(const std::string& path, std::optional<double> at) {
 CameraInput ParseCamera(const std::string& path, const std::string& bytes,
                         std::optional<double> at) {
   CameraInput input = ParseAnyCamera(path, bytes, at);
+  if (at && !input.is_of_stack) throw NoStack(path);
+  return input;
+}
+
+CameraInput ReadCameraOrStack(const std::string& path,
+                              std::optional<double> at) {
+  CameraInput input = ParseAnyCamera(path, ReadFile(path), at, true);
   if (at && !input.is_of_stack) throw NoStack(path);
   return input;
 }

@@ -30,6 +30,10 @@ CameraInput ReadCamera(const std::string& path,
 CameraInput ParseCamera(const std::string& path, const std::string& bytes,
                         std::optional<double> at = std::nullopt);
 
+/// ReadCamera(), but without at a stack stays whole.
+CameraInput ReadCameraOrStack(const std::string& path,
+                              std::optional<double> at);
+
 /// Reads two cameras, of which at is for those that are stacks. Throws
 /// Error(kUsage) if none is.
 std::array<CameraInput, 2> ReadTwoCameras(const std::string& first,

@@ -177,7 +177,7 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
   for (size_t k = 0; k < num_tables; ++k)
     outputs.push_back(ViewPath(arguments.output, k, num_tables));
   RequireNoInputReplaced({arguments.camera}, outputs);
-  CameraInput input = ReadCamera(arguments.camera, common.at);
+  CameraInput input = ReadCameraOrStack(arguments.camera, common.at);
   if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
   if (input.blob)
     throw Error(ExitCode::kUsage,
@@ -187,6 +187,12 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
   input.file.capture = ParseCaptureWords(arguments.capture, input.file.capture,
                                          input.file.camera->image_size());
   const auto blob_from_camera = TurnIntoCameraFrame(&input.file.camera);
+  // Its other cameras would have to turn, too.
+  if (blob_from_camera && input.file.stack)
+    throw Error(ExitCode::kUsage,
+                arguments.camera +
+                    ": looks elsewhere than along its z axis, and was "
+                    "calibrated over a range; pack it at one value, by --at");
   PackOptions options;
   options.remaps =
       MakeRemaps(*input.file.camera, views,

@@ -116,19 +116,50 @@ std::optional<Eigen::Vector2d> BlobCamera::Project(
   return Eigen::Vector2d(pixel.x_q16, pixel.y_q16) / 65536;
 }
 
+std::optional<BlobCamera::StackRange> BlobCamera::Range() const {
+  if (blob_.stack == 0) return std::nullopt;
+  rg_stack_section stack;
+  rg_blob_stack(&blob_, &stack);
+  const auto value = [&](int knot) {
+    return rg_load_i32(stack.values_q16 + 4 * knot) / 65536.0;
+  };
+  return StackRange{stack.condition == RG_CONDITION_TEMPERATURE
+                        ? CameraCondition::kTemperature
+                        : CameraCondition::kLensPosition,
+                    value(0), value(stack.num_knots - 1)};
+}
+
+void BlobCamera::SetCondition(double value) {
+  const rg_status status = rg_set_condition(
+      &camera_, static_cast<int32_t>(std::lround(value * 65536)));
+  if (status != RG_OK && status != RG_EXTRAPOLATED) Refuse("stack", status);
+}
+
+// A control point of the grid in use, or of the one so many knots above it.
+Eigen::Vector2d BlobCamera::ControlPoint(const Eigen::Vector2i& place,
+                                         int knots_above) const {
+  rg_blob there = blob_;
+  there.grid = static_cast<uint32_t>(camera_.grid - blob_.bytes) +
+               knots_above * camera_.knot_size;
+  int32_t point_q29[2];
+  rg_blob_control_point(&there, place.x(), place.y(), point_q29);
+  return Eigen::Vector2d(point_q29[0], point_q29[1]) /
+         std::ldexp(1, RG_CONTROL_POINT_BITS);
+}
+
 std::unique_ptr<CameraModel> BlobCamera::ToModel() const {
   rg_grid_section grid;
   rg_blob_grid(&blob_, &grid);
   const Area area = {grid.x0_q16 / 65536.0, grid.y0_q16 / 65536.0,
                      grid.x1_q16 / 65536.0, grid.y1_q16 / 65536.0};
   BSplineSurface surface(area, grid.columns, grid.rows);
+  const double weight = std::ldexp(camera_.weight_q14, -14);
   for (int k = 0; k < surface.num_points(); ++k) {
-    int32_t point_q29[2];
-    rg_blob_control_point(&blob_, k % grid.columns, k / grid.columns,
-                          point_q29);
-    for (int c = 0; c < 2; ++c)
-      surface.points()[k][c] =
-          std::ldexp(point_q29[c], -static_cast<int>(RG_CONTROL_POINT_BITS));
+    const Eigen::Vector2i place(k % grid.columns, k / grid.columns);
+    surface.points()[k] = ControlPoint(place, 0);
+    if (weight > 0)
+      surface.points()[k] +=
+          weight * (ControlPoint(place, 1) - surface.points()[k]);
   }
   if (blob_.line_points == 0)
     return std::make_unique<CentralGeneric>(image_size(), std::move(surface));

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "camera/camera_model.h"
+#include "camera/camera_stack.h"
 #include "camera/camera_uncertainty.h"
 #include "camera/sensor_mode.h"
 #include "dataset/capture.h"
@@ -38,6 +38,16 @@ class BlobCamera {
   uint32_t NumRemaps() const;
   /// Those that undistort frames as calibrated.
   std::vector<uint32_t> TablesOfCalibratedFrames() const;
+
+  /// The range of the stack's values, as a camera.yaml has it; nothing if the
+  /// blob has no stack.
+  struct StackRange {
+    CameraCondition condition;
+    double low, high;
+  };
+  std::optional<StackRange> Range() const;
+  /// Goes to a value in the stack's range. Throws Error(kBlob).
+  void SetCondition(double value);
 
   bool CanProject() const { return camera_.inverse; }
 
@@ -83,6 +93,8 @@ class BlobCamera {
                   uint32_t remap_index = 0) const;
 
  private:
+  Eigen::Vector2d ControlPoint(const Eigen::Vector2i& place,
+                               int knots_above) const;
   // With a remap table in use; throws Error(kBlob).
   rg_camera WithTable(uint32_t remap_index) const;
 

@@ -510,6 +510,11 @@ void RequireBlobText(const char* what, const std::string& text) {
 }
 
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
+  if (file.stack && !options.stack) {
+    PackOptions with_stack = options;
+    with_stack.stack = KnotsOf(file.stack->cameras);
+    return PackCamera(file, with_stack);
+  }
   const CameraModel& camera = *file.camera;
   const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);
   RequirePackable(camera);
@@ -614,6 +619,14 @@ PackedCamera PackWhatCanBe(const CameraFile& file, int num_threads,
   try {
     return PackCamera(file, options);
   } catch (const Error& error) {
+    if (file.stack && error.code() != ExitCode::kNotConverged) {
+      CameraFile alone = file;
+      alone.stack.reset();
+      PackedCamera packed = PackWhatCanBe(alone, num_threads, should_stop);
+      packed.remarks.push_back(fmt::format(
+          "has the camera in the middle of the range alone: {}", error.what()));
+      return packed;
+    }
     PackedCamera none;
     none.remarks = {fmt::format("is left out: {}", error.what())};
     return none;

@@ -51,6 +51,9 @@ StackKnots ChooseKnots(rg_condition condition, double low, double high,
                        const std::function<CentralGeneric(double)>& camera_at,
                        double max_error_px = 0.01);
 
+/// The knots of a stack that was calibrated.
+StackKnots KnotsOf(const CameraStack& stack);
+
 struct PackOptions {
   std::vector<RemapRequest> remaps;  ///< one table each
   /// One more of the view that the camera can give; a remark if it has none.
@@ -59,7 +62,8 @@ struct PackOptions {
   /// The pixels that tables show: blocks in which none is are border. Without,
   /// all are shown.
   std::optional<TrustMask> shown;
-  /// A stack beside the camera, which is the one at a reference.
+  /// A stack beside the camera, which is the one at a reference. Without, that
+  /// of the camera's file, if it has one.
   std::optional<StackKnots> stack;
   bool is_narrow_allowed = true;  ///< control points of 16 bits
   int num_threads = 0;
@@ -110,8 +114,8 @@ void RequireBlobText(const char* what, const std::string& text);
 
 /// A blob with a table as large as the camera's images: as sharp as they are in
 /// the middle, or else of the calibrated area alone. Remarks say why it lacks
-/// the table, or why there are no bytes at all; nothing is thrown for that,
-/// nor if it is told to stop.
+/// the table or the stack, or why there are no bytes at all; nothing is thrown
+/// for that, nor if it is told to stop.
 PackedCamera PackWhatCanBe(const CameraFile& file, int num_threads,
                            const std::function<bool()>& should_stop = {});
 

@@ -58,6 +58,14 @@ std::optional<StackKnots> MakeKnots(
 
 }  // namespace
 
+StackKnots KnotsOf(const CameraStack& stack) {
+  return ChooseKnots(stack.condition() == CameraCondition::kLensPosition
+                         ? RG_CONDITION_LENS_POSITION
+                         : RG_CONDITION_TEMPERATURE,
+                     stack.low(), stack.high(),
+                     [&](double value) { return stack.At(value); });
+}
+
 StackKnots ChooseKnots(rg_condition condition, double low, double high,
                        const std::function<CentralGeneric(double)>& camera_at,
                        double max_error_px) {

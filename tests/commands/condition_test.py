@@ -52,7 +52,7 @@ class Condition(CommandTest):
             self.assertEqual(said, "")
         error_px, said = self.error_px(0)
         self.assertGreater(error_px, 1)
-        self.assertIn("was calibrated over 0 to 10 dioptres, and is taken at 5", said)
+        self.assertIn("was calibrated over 0 to 10 dioptres, and is taken in the middle", said)
 
     def test_other_commands_take_the_camera_at_a_value(self):
         points = write(self.path("points.csv"), "x,y,z\n0.3,0.2,1\n")
@@ -65,6 +65,27 @@ class Condition(CommandTest):
         self.assertGreater(pixels[1], pixels[0] + 4)
         result = run("pack", self.camera, "--at", 2.5, "-o", self.path("near.raygrid"))
         self.assert_done(result)
+
+    def test_a_blob_has_the_whole_range(self):
+        blob = self.path("all.raygrid")
+        result = run("pack", self.camera, "--remap", "640x480", "-o", blob)
+        self.assert_done(result)
+        self.assertEqual(result.stderr, "")
+        knots = json.loads(run("inspect", blob, "--json").stdout)["stack"]["knots"]
+        self.assertEqual((knots[0], knots[-1]), (0, 10))
+        for position in (3, 7.5):
+            self.simulate(position, "--images", 1)
+            result = run("compare", self.path("at%g/true_camera.yaml" % position), blob, "--at",
+                         position, "--json")
+            self.assert_done(result)
+            self.assertLess(json.loads(result.stdout)["median_px"], 0.05)
+        points = write(self.path("far.csv"), "x,y,z\n0.3,0.2,1\n")
+        pixels = []
+        for camera in (blob, self.camera):
+            result = run("project", camera, "--at", 7.3, "--points", points)
+            self.assert_done(result)
+            pixels.append(float(result.stdout.splitlines()[1].split(",")[3]))
+        self.assertLess(abs(pixels[0] - pixels[1]), 0.02)
 
     def test_values_that_cannot_be(self):
         for at, told in ((10.5, "--at 10.5: was calibrated over 0 to 10 dioptres"),
