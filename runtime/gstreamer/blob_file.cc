@@ -2,7 +2,9 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -80,6 +82,18 @@ void BlobFile::SelectTable(int table, const TableSizes& sizes) {
                         Text(sizes.frame_width, sizes.frame_height) + " to " +
                         Text(sizes.view_width, sizes.view_height) +
                         " pixels; pack one with --remap");
+}
+
+void BlobFile::SetCondition(double value) {
+  constexpr double kMost = 32767;  // of q16
+  const double q16 = std::clamp(value, -kMost, kMost) * 65536;
+  const rg_status status =
+      rg_set_condition(&camera_, static_cast<int32_t>(std::lround(q16)));
+  if (status != RG_OK && status != RG_EXTRAPOLATED)
+    throw CameraError(CameraExit::kBlob,
+                      path_ + ": condition: " + rg_status_text(status) +
+                          "; raygrid calibrate --condition makes a camera that "
+                          "has a range");
 }
 
 }  // namespace raygrid

@@ -26,6 +26,9 @@ class BlobFile {
   /// Makes a table of these sizes the one in use: the one of this index, or the
   /// first one if it is -1. Throws CameraError if there is none.
   void SelectTable(int table, const TableSizes& sizes);
+  /// Goes to a value of the stack's condition, or to the end of its range next
+  /// to it. Throws CameraError if there is no stack.
+  void SetCondition(double value);
 
  private:
   std::string path_;

@@ -39,6 +39,10 @@ class FrameUndistorter {
   /// Throws CameraError if no table is for them.
   void SetCaps(const GstCaps* frames, const GstCaps* views);
 
+  /// Makes the camera that of a lens position, or temperature, of the blob's
+  /// stack. Throws CameraError if the blob has none.
+  void SetCondition(double value) { blob_.SetCondition(value); }
+
   /// Undistorts a frame, with the strides and offsets of both buffers. Caps are
   /// set. Throws CameraError.
   void Undistort(GstBuffer* frame, GstBuffer* view);

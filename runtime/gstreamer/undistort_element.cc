@@ -3,6 +3,7 @@
 #include <gst/video/gstvideometa.h>
 #include <gst/video/gstvideopool.h>
 
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -56,7 +57,8 @@ enum Property {
   kBorder,
   kOutside,
   kSampling,
-  kThreads
+  kThreads,
+  kCondition
 };
 
 }  // namespace
@@ -69,6 +71,9 @@ struct UndistortState {
   // Of the settings as they are; until caps are set with it, frames have the
   // one in use.
   std::shared_ptr<raygrid::FrameUndistorter> next, in_use;
+  // The value of the stack's condition from now on; not a number: none is set.
+  double condition = NAN;
+  bool is_condition_new = false;
 };
 
 struct _RaygridUndistort {
@@ -135,6 +140,10 @@ void SetProperty(GObject* object, guint id, const GValue* value,
       case kThreads:
         settings.num_threads = g_value_get_uint(value);
         break;
+      case kCondition:  // changes from frame to frame, and no caps
+        state->condition = g_value_get_double(value);
+        state->is_condition_new = true;
+        return;
       default:
         G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
         return;
@@ -171,6 +180,10 @@ void GetProperty(GObject* object, guint id, GValue* value, GParamSpec* spec) {
       break;
     case kThreads:
       g_value_set_uint(value, settings.num_threads);
+      break;
+    case kCondition:
+      g_value_set_double(value,
+                         std::isnan(state->condition) ? 0 : state->condition);
       break;
     default:
       G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
@@ -243,6 +256,7 @@ gboolean SetCaps(GstBaseTransform* transform, GstCaps* frames, GstCaps* views) {
     {
       const std::lock_guard<std::mutex> lock(state->mutex);
       state->in_use = undistorter;
+      state->is_condition_new = true;
     }
     gst_base_transform_set_passthrough(transform, !undistorter);
     return TRUE;
@@ -313,14 +327,18 @@ GstFlowReturn TransformFrame(GstBaseTransform* transform, GstBuffer* frame,
                              GstBuffer* view) {
   UndistortState* const state = StateOf(transform);
   std::shared_ptr<raygrid::FrameUndistorter> undistorter;
+  double condition = NAN;
   {
     const std::lock_guard<std::mutex> lock(state->mutex);
     undistorter = state->in_use;
+    if (state->is_condition_new) condition = state->condition;
+    state->is_condition_new = false;
   }
   try {
     if (!undistorter)
       throw raygrid::CameraError(raygrid::CameraExit::kBlob,
                                  "its blob is gone; set blob again");
+    if (!std::isnan(condition)) undistorter->SetCondition(condition);
     undistorter->Undistort(frame, view);
     undistorter->MoveRegions(frame, view);
     return GST_FLOW_OK;
@@ -381,6 +399,14 @@ static void raygrid_undistort_class_init(RaygridUndistortClass* type) {
       g_param_spec_uint("threads", "Threads",
                         "Threads for each frame; 0 is one for each processor",
                         0, 256, 1, flags));
+  g_object_class_install_property(
+      object, kCondition,
+      g_param_spec_double("condition", "Condition",
+                          "Lens position (dioptres) or temperature (degrees "
+                          "Celsius) of the frames from now on, of a blob that "
+                          "was calibrated over a range of it; outside the "
+                          "range, its end is taken",
+                          -1024, 1024, 0, flags));
 
   GstElementClass* const element = GST_ELEMENT_CLASS(type);
   gst_element_class_set_static_metadata(

@@ -125,6 +125,7 @@ void Undistorter::Undistort(const CapturedFrame& captured) {
   if (!guard_->Check(captured.info, captured.arrived)) return;
   UndistortedFrame* const frame = TakeBuffer();
   if (!frame) return;
+  stack_.Follow(captured.info);
   const Clock::time_point start = Clock::now();
   const rg_status status =
       bands_.Remap(camera_, captured.image, format_, frame->target);
@@ -140,6 +141,7 @@ void Undistorter::Undistort(const CapturedFrame& captured) {
     ++statistics_.undistorted;
     statistics_.remap.Add(frame->remap_time);
     statistics_.last_info = captured.info;
+    statistics_.stack = stack_.counts();
   }
   if (observer_) observer_->OnFrame(captured, *frame);
   ready_.Push(frame);

@@ -1,4 +1,5 @@
-/// Undistorts the frames of a source, in order, on a thread of its own.
+/// Undistorts the frames of a source, in order, on a thread of its own. A stack
+/// of cameras follows what the source tells of each frame.
 #ifndef RAYGRID_LIBCAMERA_UNDISTORTER_H
 #define RAYGRID_LIBCAMERA_UNDISTORTER_H
 
@@ -14,6 +15,7 @@
 #include "camera_error.h"
 #include "duration_histogram.h"
 #include "frame_source.h"
+#include "stack_follower.h"
 #include "stream_guard.h"
 #include "untrusted_blocks.h"
 
@@ -49,13 +51,14 @@ struct UndistorterStatistics {
   uint64_t dropped = 0;  // of these, not taken in time
   DurationHistogram remap;
   FrameInfo last_info = {};
+  StackCounts stack;
 };
 
 class Undistorter {
  public:
-  /// All must outlive it. Throws CameraError where the blob has no remap table,
-  /// or its output is no size of the format, or only what is trusted is to be
-  /// shown and nothing is.
+  /// Source and guard must outlive it; of the camera it has a copy. Throws
+  /// CameraError where the blob has no remap table, or its output is no size of
+  /// the format, or only what is trusted is to be shown and nothing is.
   Undistorter(const rg_camera& camera, FrameSource* source, StreamGuard* guard,
               const UndistorterOptions& options);
   ~Undistorter() { Stop(); }
@@ -80,7 +83,8 @@ class Undistorter {
   void Undistort(const CapturedFrame& captured);
   UndistortedFrame* TakeBuffer();
 
-  const rg_camera& camera_;
+  rg_camera camera_;
+  StackFollower stack_{&camera_};
   FrameSource* const source_;
   StreamGuard* const guard_;
   const UndistorterOptions options_;

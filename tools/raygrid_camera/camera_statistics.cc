@@ -66,6 +66,13 @@ void CameraStatistics::Show(const SourceCounts& source,
                  Number(capture_.num_not_as_calibrated()));
   if (capture_.num_held_back() > 0)
     std::fprintf(stderr, " (%llu held back)", Number(capture_.num_held_back()));
+  const StackCounts& stack = statistics.stack;
+  if (stack.untold > 0)
+    std::fprintf(stderr, ", not told where in the blob's range: %llu frames",
+                 Number(stack.untold));
+  if (stack.outside > 0)
+    std::fprintf(stderr, ", outside the blob's range: %llu frames",
+                 Number(stack.outside));
   const FrameInfo& info = statistics.last_info;
   if (info.lens_position)
     std::fprintf(stderr, ", lens at %.2f dpt", double{*info.lens_position});
