@@ -15,7 +15,7 @@
 #include "packing/blob_grid.h"
 #include "packing/blob_limits.h"
 #include "packing/inverse_grid.h"
-#include "packing/narrow_grid.h"
+#include "packing/packed_grids.h"
 #include "packing/remap_fitting.h"
 #include "packing/unprojection_error.h"
 #include "packing/view_request.h"
@@ -31,21 +31,6 @@ std::string PaddedText(const char* what, const std::string& text) {
   std::string padded = text;
   padded.resize(RG_TEXT_SIZE, '\0');
   return padded;
-}
-
-// Whether the format holds the contents with these control points.
-bool IsWritable(const rg_blob_contents& contents) {
-  std::vector<uint32_t> words((rg_blob_size(&contents) + 3) / 4);
-  return rg_blob_write(&contents, words.data(),
-                       static_cast<uint32_t>(4 * words.size())) == RG_OK;
-}
-
-std::string WriteBlob(const rg_blob_contents& contents) {
-  const uint32_t size = rg_blob_size(&contents);
-  std::vector<uint32_t> words((size + 3) / 4);
-  const rg_status status = rg_blob_write(&contents, words.data(), size);
-  if (status != RG_OK) ThrowDoesNotFitBlob(rg_status_text(status));
-  return std::string(reinterpret_cast<const char*>(words.data()), size);
 }
 
 // Why projection is not what the runtime promises; nothing if it is. Without an
@@ -111,136 +96,6 @@ void ThrowIfStopped(const PackOptions& options) {
                 "interrupted before the camera was packed; pack makes the blob "
                 "of camera.yaml");
 }
-
-// Adds the control points of grids that are alike, of which the first is the
-// blob's own: of 16 bits where all keep the bounds. Throws Error(kQuality)
-// where those of 32 bits do not, either.
-class GridPoints {
- public:
-  // truths: of each grid.
-  GridPoints(const std::vector<GridSection>& grids, bool is_allowed,
-             const std::vector<PackingTruth>& truths, int num_threads,
-             rg_blob_contents* contents)
-      : grids_(grids) {
-    std::vector<ControlPoints> points;
-    for (const GridSection& grid : grids) points.push_back(grid.control_points);
-    if (is_allowed) narrow_ = NarrowAlike(points);
-    if (narrow_)
-      for (NarrowGrid& narrow : *narrow_)
-        narrow.section.residuals = narrow.residuals.data();
-    if (!narrow_ || !Measure(truths, num_threads, contents) ||
-        error_.px > kMaxPackingErrorPx || error_.rad > kMaxNarrowErrorRad) {
-      narrow_.reset();
-      Measure(truths, num_threads, contents);
-    }
-    if (error_.px > kMaxPackingErrorPx)
-      throw Error(
-          ExitCode::kQuality,
-          fmt::format("packing would add {:.4f} px to un-projection, more "
-                      "than {}",
-                      error_.px, kMaxPackingErrorPx));
-    Point(0, contents);
-  }
-  GridPoints(const GridPoints&) = delete;
-  GridPoints& operator=(const GridPoints&) = delete;
-
-  const UnprojectionError& error() const { return error_; }
-
-  // Makes contents those of a grid, or of a knot.
-  template <typename Contents>
-  void Point(size_t k, Contents* contents) const {
-    contents->control_points_q29 = grids_[k].control_points.values.data();
-    contents->narrow = narrow_ ? &(*narrow_)[k].section : nullptr;
-  }
-
- private:
-  // The worst errors of all; false if the format does not hold one of them.
-  bool Measure(const std::vector<PackingTruth>& truths, int num_threads,
-               rg_blob_contents* contents) {
-    error_ = {};
-    for (size_t k = 0; k < truths.size(); ++k) {
-      Point(k, contents);
-      if (narrow_ && !IsWritable(*contents)) return false;
-      const UnprojectionError error =
-          MeasureUnprojection(truths[k], WriteBlob(*contents), num_threads);
-      error_.px = std::max(error_.px, error.px);
-      error_.rad = std::max(error_.rad, error.rad);
-    }
-    return true;
-  }
-
-  const std::vector<GridSection>& grids_;
-  std::optional<std::vector<NarrowGrid>> narrow_;
-  UnprojectionError error_ = {INFINITY, INFINITY};
-};
-
-// Adds the inverse grid that leads back to the pixels of contents, and finds
-// alike ones of the other surfaces.
-class InverseSections {
- public:
-  InverseSections(const std::vector<const BSplineSurface*>& surfaces,
-                  const GridPoints& points, const TrustMask* trusted,
-                  int num_threads, const std::function<void()>& go_on,
-                  rg_blob_contents* contents) {
-    const auto measure = [&](size_t k, const InverseGrid& grid,
-                             double max_pixels) {
-      go_on();
-      rg_blob_contents measured = *contents;
-      points.Point(k, &measured);
-      const rg_narrow_grid inverse_points = PointsOf(grid);
-      measured.inverse = &grid.section;
-      measured.inverse_points = &inverse_points;
-      return IsWritable(measured) ? std::optional(MeasureProjection(
-                                        BlobCamera("blob", WriteBlob(measured)),
-                                        trusted, max_pixels, num_threads))
-                                  : std::nullopt;
-    };
-    if (surfaces.size() == 1) {
-      if (auto inverse =
-              FitInverseGrid(*surfaces[0], trusted,
-                             [&](const InverseGrid& grid, double max_pixels) {
-                               return measure(0, grid, max_pixels);
-                             }))
-        inverses_.push_back(*std::move(inverse));
-    } else if (auto inverses =
-                   FitAlikeInverseGrids(surfaces, trusted, measure)) {
-      inverses_ = *std::move(inverses);
-    }
-    for (const MeasuredInverse& inverse : inverses_)
-      points_.push_back(PointsOf(inverse.grid));
-    if (inverses_.empty()) return;
-    contents->inverse = &inverses_[0].grid.section;
-    contents->inverse_points = &points_[0];
-  }
-  InverseSections(const InverseSections&) = delete;
-  InverseSections& operator=(const InverseSections&) = delete;
-
-  // The worst of them.
-  std::optional<ProjectionError> error() const {
-    if (inverses_.empty()) return std::nullopt;
-    return std::max_element(inverses_.begin(), inverses_.end(),
-                            [](const auto& a, const auto& b) {
-                              return a.error.trusted.MissedPart() <
-                                     b.error.trusted.MissedPart();
-                            })
-        ->error;
-  }
-
-  // NULL if there is none.
-  const rg_narrow_grid* points(size_t k) const {
-    return inverses_.empty() ? nullptr : &points_[k];
-  }
-
- private:
-  static rg_narrow_grid PointsOf(const InverseGrid& grid) {
-    rg_narrow_grid points = grid.points.section;
-    points.residuals = grid.points.residuals.data();
-    return points;
-  }
-
-  std::vector<MeasuredInverse> inverses_;
-  std::vector<rg_narrow_grid> points_;
-};
 
 // Tables of the view that is as sharp as the first camera's image, or else of
 // its calibrated area; none, if neither can be.

@@ -16,7 +16,7 @@ std::vector<Eigen::Vector2d> ExactSources(const CameraModel& camera,
                                           const OutputImage& output,
                                           int num_threads) {
   // A pixel at the image's edge may come out a little beyond it.
-  constexpr double kRoundingPx = 1e-6;
+  constexpr double kEdgeRoundingPx = 1e-6;
   num_threads = NumThreads(num_threads);
   const SourceMap map = MakeSourceMap(camera, output, num_threads);
   std::vector<Eigen::Vector2d> sources(
@@ -25,7 +25,7 @@ std::vector<Eigen::Vector2d> ExactSources(const CameraModel& camera,
     for (int x = 0; x < map.width; ++x) {
       if (!map.IsKnown(x, y)) continue;
       const auto source = ExactSource(camera, output, map, x, y);
-      if (source && map.rectangle.Contains(*source, kRoundingPx))
+      if (source && map.rectangle.Contains(*source, kEdgeRoundingPx))
         sources[static_cast<size_t>(y) * map.width + x] = *source;
     }
   });

@@ -1,0 +1,145 @@
+#include "packing/remap_quantization.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace raygrid {
+namespace {
+
+constexpr double kVertexUnits = 4096;  // a pixel
+
+// The affine map closest to the vertices of used blocks: origin, column step,
+// row step.
+Eigen::Matrix<double, 3, 2> FitAffine(const Blocks& blocks,
+                                      const NodePositions& nodes) {
+  Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
+  Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
+  for (int j = 0; j < blocks.rows; ++j) {
+    for (int i = 0; i < blocks.columns; ++i) {
+      if (!blocks.IsUsed(i, j)) continue;
+      for (int corner = 0; corner < 4; ++corner) {
+        const int ci = i + corner % 2, cj = j + corner / 2;
+        const Eigen::Vector3d basis(1, ci, cj);
+        normal += basis * basis.transpose();
+        right += basis * nodes.row(blocks.VertexIndex(ci, cj));
+      }
+    }
+  }
+  return normal.ldlt().solve(right);
+}
+
+// The smallest shift that lets all values fit into a range.
+int FittingShift(double largest, double limit) {
+  int shift = 0;
+  while (largest / (1 << shift) > limit) ++shift;
+  return shift;
+}
+
+// The affine map of the first table's vertices, for all tables.
+void QuantizePlane(const Blocks& blocks,
+                   const std::vector<NodePositions>& vertices,
+                   std::vector<RemapTable>* tables) {
+  const Eigen::Matrix<double, 3, 2> affine = FitAffine(blocks, vertices[0]);
+  const auto q12 = [](double value) {
+    return static_cast<int32_t>(std::lround(value * kVertexUnits));
+  };
+  for (RemapTable& table : *tables) {
+    rg_remap_section& s = table.section;
+    s.origin_x_q12 = q12(affine(0, 0));
+    s.origin_y_q12 = q12(affine(0, 1));
+    s.column_step_x_q12 = q12(affine(1, 0));
+    s.column_step_y_q12 = q12(affine(1, 1));
+    s.row_step_x_q12 = q12(affine(2, 0));
+    s.row_step_y_q12 = q12(affine(2, 1));
+  }
+}
+
+// How far vertices lie from the section's affine map; those that are not needed
+// are brought near. *largest grows to the largest that is needed.
+std::vector<double> ResidualsQ12(const Blocks& blocks,
+                                 const NodePositions& vertices,
+                                 const rg_remap_section& s, double* largest) {
+  const std::vector<bool> needed = NeededNodes(blocks);
+  std::vector<double> residuals_q12;
+  for (int j = 0; j <= blocks.rows; ++j) {
+    for (int i = 0; i <= blocks.columns; ++i) {
+      const int k = blocks.VertexIndex(i, j);
+      const double base[2] = {static_cast<double>(s.origin_x_q12) +
+                                  static_cast<double>(i) * s.column_step_x_q12 +
+                                  static_cast<double>(j) * s.row_step_x_q12,
+                              static_cast<double>(s.origin_y_q12) +
+                                  static_cast<double>(i) * s.column_step_y_q12 +
+                                  static_cast<double>(j) * s.row_step_y_q12};
+      for (int c = 0; c < 2; ++c) {
+        constexpr double kLimit = RG_VERTEX_LIMIT_Q12 - 4096;
+        const double target = needed[k] ? vertices(k, c) * kVertexUnits
+                                        : std::clamp(base[c], 0.0, 1.0);
+        residuals_q12.push_back(std::clamp(target, -kLimit, kLimit) - base[c]);
+        if (needed[k])
+          *largest = std::max(*largest, std::abs(residuals_q12.back()));
+      }
+    }
+  }
+  return residuals_q12;
+}
+
+}  // namespace
+
+bool QuantizeBends(const Blocks& blocks,
+                   const std::vector<NodePositions>& nodes,
+                   std::vector<RemapTable>* tables) {
+  for (RemapTable& table : *tables) {
+    table.bends.clear();
+    table.section.bend_shift = 0;
+  }
+  if (!blocks.layout.IsBent()) return true;
+  const std::vector<bool> needed = NeededNodes(blocks);
+  const double unit = kVertexUnits * std::ldexp(4, blocks.layout.part_log2 -
+                                                       blocks.size_log2());
+  const auto value = [&](size_t t, int node, int c) {
+    return needed[node] ? unit * nodes[t](node, c) : 0.0;
+  };
+  double largest = 0;
+  for (size_t t = 0; t < nodes.size(); ++t)
+    for (int k = blocks.num_vertices(); k < blocks.num_nodes(); ++k)
+      for (int c = 0; c < 2; ++c)
+        largest = std::max(largest, std::abs(value(t, k, c)));
+  const int shift = FittingShift(largest, 127);
+  if (shift > static_cast<int>(RG_MAX_BEND_SHIFT)) return false;
+  for (size_t t = 0; t < nodes.size(); ++t) {
+    RemapTable& table = (*tables)[t];
+    table.section.bend_shift = static_cast<uint8_t>(shift);
+    for (int j = 0; j <= blocks.rows; ++j)
+      for (int i = 0; i <= blocks.columns; ++i)
+        for (const int bend : {blocks.LeftBend(i, j), blocks.UpperBend(i, j)})
+          for (int c = 0; c < 2; ++c)
+            table.bends.push_back(static_cast<int8_t>(
+                std::lround(value(t, bend, c) / (1 << shift))));
+  }
+  return true;
+}
+
+bool QuantizeVertices(const Blocks& blocks,
+                      const std::vector<NodePositions>& vertices,
+                      std::vector<RemapTable>* tables) {
+  QuantizePlane(blocks, vertices, tables);
+  std::vector<std::vector<double>> residuals_q12;
+  double largest = 0;
+  for (size_t t = 0; t < vertices.size(); ++t)
+    residuals_q12.push_back(
+        ResidualsQ12(blocks, vertices[t], (*tables)[t].section, &largest));
+  const int shift = FittingShift(largest, 32766);
+  if (shift > static_cast<int>(RG_MAX_RESIDUAL_SHIFT)) return false;
+  for (size_t t = 0; t < vertices.size(); ++t) {
+    RemapTable& table = (*tables)[t];
+    table.section.residual_shift = static_cast<uint8_t>(shift);
+    table.residuals.clear();
+    for (const double residual : residuals_q12[t])
+      table.residuals.push_back(static_cast<int16_t>(std::clamp<long>(
+          std::lround(residual / (1 << shift)), -32768, 32767)));
+  }
+  return true;
+}
+
+}  // namespace raygrid
