@@ -1,0 +1,76 @@
+#!/usr/bin/env python3
+"""What commands say and do of a blob with a stack of cameras."""
+import json
+import struct
+import subprocess
+import sys
+import zlib
+from pathlib import Path
+
+from command_test import CommandTest, main, programs, run, write
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "formats"), str(ROOT / "tests/golden")]
+import blob_reference as reference  # noqa: E402
+import make_golden  # noqa: E402
+
+KNOTS = [value / 65536 for value in make_golden.STACK_VALUES]
+
+
+def with_word(blob, offset, value):
+    """The blob with a word of its last section, the stack, and CRCs that hold."""
+    blob = bytearray(blob)
+    count = struct.unpack_from("<H", blob, 16)[0]
+    entry = 16 + 16 * count
+    section, size = struct.unpack_from("<II", blob, entry + 4)
+    struct.pack_into("<I", blob, section + offset, value)
+    struct.pack_into("<I", blob, entry + 12, zlib.crc32(blob[section:section + size]))
+    struct.pack_into("<I", blob, 28, zlib.crc32(blob[32:32 + 16 * count], zlib.crc32(blob[:28])))
+    return bytes(blob)
+
+
+class StacksTest(CommandTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.stack = make_golden.make_stack(make_golden.make_wide())
+        cls.bytes = reference.serialize(cls.stack)
+        cls.blob = write(cls.path("stack.raygrid"), cls.bytes)
+
+    def test_inspect_tells_condition_and_knots(self):
+        result = run("inspect", self.blob, "--json")
+        self.assert_done(result)
+        facts = json.loads(result.stdout)
+        self.assertEqual(facts["format"], "1.6")
+        self.assertEqual(facts["stack"], {
+            "condition": "lens_position_dpt", "knots": KNOTS,
+            "bytes_a_knot": len(reference.pack_knot(self.stack.stack.knots[0]))})
+        warm = write(self.path("warm.raygrid"), with_word(self.bytes, 0, 3 << 16 | 2))
+        self.assertIn("stack: condition 'sensor_temperature_c', knots -0.5, 2, 6.18837",
+                      run("inspect", warm).stdout)
+
+    def test_reference_tells_them_too(self):
+        text = subprocess.run([sys.executable, "-B", programs.reference, "inspect", self.blob],
+                              capture_output=True, text=True, check=True).stdout
+        self.assertIn(f"stack:\n  condition: 1\n  values: {make_golden.STACK_VALUES}\n  knots: 3", text)
+
+    def test_without_a_condition_it_is_the_reference_camera(self):
+        plain = write(self.path("plain.raygrid"), reference.serialize(
+            reference.dataclasses.replace(self.stack, stack=None)))
+        pixels = write(self.path("pixels.csv"), b"x,y\n10,20\n160.5,120\n300,200\n")
+        rays = [run("unproject", blob, "--pixels", pixels) for blob in (self.blob, plain)]
+        for result in rays:
+            self.assert_done(result)
+        self.assertEqual(rays[0].stdout, rays[1].stdout)
+
+    def test_nonsense_is_refused_by_name(self):
+        for offset, value in ((0, 3 << 16), (0, 1 << 16 | 1), (0, 65 << 16 | 1), (8, 0x7fffffff),
+                              (4, 16), (20 + 16, 0)):
+            blob = write(self.path("bad.raygrid"), with_word(self.bytes, offset, value))
+            result = run("inspect", blob)
+            self.assertEqual(result.returncode, 8, (offset, value))
+            self.assertEqual(len(result.stderr.splitlines()), 1)
+
+
+if __name__ == "__main__":
+    main(__name__)
