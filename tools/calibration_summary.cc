@@ -6,6 +6,7 @@
 
 #include "dataset/text_encoding.h"
 #include "evaluation/budget_verdict.h"
+#include "evaluation/stack_change.h"
 #include "report/result_json.h"
 
 namespace raygrid {
@@ -52,6 +53,20 @@ void PrintUncertainty(const CameraUncertainty& uncertainty,
   if (noise.IsShared()) fmt::print("  noise of features: {}\n", noise.Text());
 }
 
+// How the camera changes over its range.
+void PrintStack(const StackOfCameras& stack) {
+  const CameraStack& cameras = stack.cameras;
+  const std::vector<StackChange> ends = MeasureStackChanges(cameras, 2);
+  const Eigen::Vector2d moved = ends[1].center_px - ends[0].center_px;
+  fmt::print(
+      "  {:g} to {:g} {}: the image grows by {:.2f} %, its centre moves by "
+      "{:.2f} px; "
+      "order {}\n",
+      cameras.low(), cameras.high(), ConditionUnit(cameras.condition()),
+      100 * ((1 + ends[1].growth) / (1 + ends[0].growth) - 1), moved.norm(),
+      cameras.order());
+}
+
 void PrintImageCircle(const CameraModel& camera) {
   const auto& circle = camera.image_circle();
   if (!circle) return;
@@ -86,6 +101,7 @@ void PrintSingleCamera(const CalibrationResult& result) {
                *result.bias_kl, *result.noise_bias_kl);
   if (result.camera.uncertainty)
     PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
+  if (result.camera.stack) PrintStack(*result.camera.stack);
   PrintImageCircle(*result.camera.camera);
   PrintLimit(result);
   if (result.line_spread)

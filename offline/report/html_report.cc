@@ -10,6 +10,7 @@
 #include "report/page_data.h"
 #include "report/picture_sections.h"
 #include "report/report_sections.h"
+#include "report/stack_section.h"
 
 namespace raygrid {
 namespace {
@@ -289,6 +290,7 @@ std::string FormatHtmlReport(const CalibrationResult& result,
   std::string html = PageStart("Camera calibration" + name);
   html += VerdictSection(result.verdict);
   html += ErrorSection(result);
+  if (result.camera.stack) html += StackSection(*result.camera.stack);
   if (result.budget) html += BudgetSection(*result.budget);
   html += ComparisonSection(result);
   html += PicturesSection(result);

@@ -7,6 +7,7 @@
 
 #include "dataset/error.h"
 #include "dataset/json_error.h"
+#include "evaluation/stack_change.h"
 #include "report/budget_json.h"
 
 namespace raygrid {
@@ -104,6 +105,30 @@ BoardBends ParseBends(const Json& json) {
   return bends;
 }
 
+// The camera over its range: how the image differs from that in the middle.
+Json StackJson(const StackOfCameras& stack) {
+  const CameraStack& cameras = stack.cameras;
+  Json json = {{"condition", ConditionName(cameras.condition())},
+               {"low", cameras.low()},
+               {"high", cameras.high()},
+               {"order", cameras.order()},
+               {"changes", Json::array()}};
+  const int count = std::max(2, static_cast<int>(stack.deviations.size()));
+  for (const StackChange& change : MeasureStackChanges(cameras, count)) {
+    json["changes"].push_back(
+        {{"at", change.value},
+         {"focal_px", change.focal_px},
+         {"growth", change.growth},
+         {"center_px", {change.center_px.x(), change.center_px.y()}},
+         {"distortion_px", change.distortion_px}});
+    const size_t k = json["changes"].size() - 1;
+    if (k < stack.deviations.size())
+      json["changes"].back()["median_deviation_px"] =
+          stack.deviations[k].lattice.MedianPx();
+  }
+  return json;
+}
+
 // Adds what is known of one camera, alone or in a rig.
 void AddCamera(const CalibrationResult& result, Json* json) {
   const CameraModel& camera = *result.camera.camera;
@@ -153,6 +178,7 @@ void AddCamera(const CalibrationResult& result, Json* json) {
     (*json)["image_circle"] = {
         {"center_px", {circle->center.x(), circle->center.y()}},
         {"radius_px", circle->radii_px.x()}};
+  if (result.camera.stack) (*json)["range"] = StackJson(*result.camera.stack);
   if (result.budget) (*json)["residual_budget"] = BudgetJson(*result.budget);
   (*json)["fold_over"] = {{"part", result.fold_over.part},
                           {"trusted_part", result.fold_over.trusted_part}};

@@ -24,6 +24,7 @@ class Condition(CommandTest):
         result = cls.calibrate("--condition", "lens_position", "--conditions", cls.values,
                                out="out")
         assert result.returncode == 0, result.stderr
+        cls.said = result.stdout
         cls.camera = cls.path("out/camera.yaml")
 
     @classmethod
@@ -65,6 +66,15 @@ class Condition(CommandTest):
         self.assertGreater(pixels[1], pixels[0] + 4)
         result = run("pack", self.camera, "--at", 2.5, "-o", self.path("near.raygrid"))
         self.assert_done(result)
+
+    def test_output_and_report_tell_what_changes(self):
+        self.assertRegex(self.said, r"0 to 10 dioptres: the image grows by [34]\.\d+ %")
+        report = read(self.path("out/report.html")).decode()
+        self.assertIn("<h2>Over the range</h2>", report)
+        changes = json.loads(read(self.path("out/result.json")))["range"]["changes"]
+        self.assertEqual([change["at"] for change in changes], [0, 2.5, 5, 7.5, 10])
+        growth = changes[-1]["focal_px"] / changes[0]["focal_px"]
+        self.assertLess(abs(growth - 1.04), 0.002)
 
     def test_a_blob_has_the_whole_range(self):
         blob = self.path("all.raygrid")
