@@ -108,4 +108,7 @@ rg_status rg_check_remap(const uint8_t* section, uint32_t size,
 /* Those of a table that was checked. */
 rg_status rg_check_vertices(const uint8_t* section);
 
+/* Checks the row time section. */
+rg_status rg_check_row_time(const uint8_t* section, uint32_t size);
+
 #endif /* RAYGRID_BLOB_CHECKS_H */

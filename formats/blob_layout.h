@@ -289,6 +289,14 @@ enum rg_stack_field {
 /* Behind them an i32, q16, for each knot: its value. */
 #define RG_STACK_FIELDS_SIZE 8u
 
+/* ---- Row time ----------------------------------------------------------- */
+
+enum rg_row_time_field {
+  RG_ROW_TIME_ROW_TIME = 0, /* i32, q10 ns: of a row after the one above */
+  RG_ROW_TIME_DEVIATION = 4 /* u32, q10 ns: standard; 0: not known */
+};
+#define RG_ROW_TIME_SIZE 8u
+
 /* ---- Slots -------------------------------------------------------------- */
 
 /* In front of a blob in flash, where two have room. */

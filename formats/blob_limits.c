@@ -16,7 +16,8 @@ static rg_status check_entry(const uint8_t* bytes, const uint8_t* entry,
   const uint32_t type = rg_load_u16(entry + RG_ENTRY_TYPE);
   const uint32_t flags = rg_load_u16(entry + RG_ENTRY_FLAGS);
   if (flags > RG_SECTION_CRITICAL) return RG_ERR_SECTION_FLAGS;
-  if ((type == RG_SECTION_CAPTURE || type == RG_SECTION_STACK) &&
+  if ((type == RG_SECTION_CAPTURE || type == RG_SECTION_STACK ||
+       type == RG_SECTION_ROW_TIME) &&
       rg_find_entry(bytes, type, 0) != entry)
     return RG_ERR_SECTION_DUPLICATE;
   if (type >= RG_NUM_SECTION_TYPES || !sections->of[type].bytes) return RG_OK;
@@ -360,6 +361,8 @@ static rg_status check_section(const uint8_t* bytes, const uint8_t* entry,
       return check_capture(section, size, camera);
     case RG_SECTION_STACK:
       return rg_check_stack(bytes, section, size, sections);
+    case RG_SECTION_ROW_TIME:
+      return rg_check_row_time(section, size);
     default:
       return RG_OK;
   }
@@ -419,5 +422,6 @@ rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
   blob->modes = offset_of(first, RG_SECTION_MODES);
   blob->capture = offset_of(first, RG_SECTION_CAPTURE);
   blob->stack = offset_of(first, RG_SECTION_STACK);
+  blob->row_time = offset_of(first, RG_SECTION_ROW_TIME);
   return RG_OK;
 }

@@ -42,6 +42,7 @@ MASK = struct.Struct("<2H2BHI")
 UNCERTAINTY = struct.Struct("<2H3I")
 CAPTURE = struct.Struct("<iI2i3I2BHi2I")
 STACK = struct.Struct("<2HI")
+ROW_TIME = struct.Struct("<iI")
 CRC_COVERED_HEADER = 28
 
 TYPE_CAMERA = 1
@@ -55,14 +56,16 @@ TYPE_MODES = 8
 TYPE_INVERSE = 10
 TYPE_CAPTURE = 11
 TYPE_STACK = 12
+TYPE_ROW_TIME = 13
 CRITICAL = 1
 FLAGS_OF_TYPE = {TYPE_CAMERA: CRITICAL, TYPE_GRID: CRITICAL, TYPE_REMAP: 0, TYPE_QUALITY: 0,
-                 TYPE_LINE_POINTS: CRITICAL, TYPE_MASK: 0, TYPE_UNCERTAINTY: 0,
-                 TYPE_MODES: 0, TYPE_INVERSE: 0, TYPE_CAPTURE: 0, TYPE_STACK: 0}
+                 TYPE_LINE_POINTS: CRITICAL, TYPE_MASK: 0, TYPE_UNCERTAINTY: 0, TYPE_MODES: 0,
+                 TYPE_INVERSE: 0, TYPE_CAPTURE: 0, TYPE_STACK: 0, TYPE_ROW_TIME: 0}
 REQUIRED_TYPES = (TYPE_CAMERA, TYPE_GRID)
 SINGLE_TYPES = (TYPE_CAMERA, TYPE_GRID, TYPE_QUALITY, TYPE_LINE_POINTS,
-                TYPE_MASK, TYPE_UNCERTAINTY, TYPE_MODES, TYPE_INVERSE, TYPE_CAPTURE, TYPE_STACK)
-TYPES_SKIPPED_BY_BOARDS = (TYPE_CAPTURE, TYPE_STACK)  # on opening
+                TYPE_MASK, TYPE_UNCERTAINTY, TYPE_MODES, TYPE_INVERSE, TYPE_CAPTURE, TYPE_STACK,
+                TYPE_ROW_TIME)
+TYPES_SKIPPED_BY_BOARDS = (TYPE_CAPTURE, TYPE_STACK, TYPE_ROW_TIME)  # on opening
 
 MAX_IMAGE_SIDE = 16384
 MAX_REMAP_SIDE = 8192
@@ -108,6 +111,7 @@ CONDITIONS = (LENS_POSITION, TEMPERATURE) = (1, 2)
 KNOT_COUNTS = range(2, 65)
 CONDITION_LIMIT_Q16 = 1024 << 16
 WEIGHT_BITS = 14
+ROW_TIME_LIMIT_Q10 = 1 << 30
 KNOWS_LENS_POSITION, KNOWS_CROP, KNOWS_ZOOM, KNOWS_ORIENTATION = 1, 2, 4, 8
 KNOWS_TEMPERATURE, KNOWS_EXPOSURE, KNOWS_GAIN = 16, 32, 64
 
@@ -362,6 +366,14 @@ class BlendedGrid(CentralGrid):
 
 
 @dataclass(frozen=True)
+class RowTime:
+    """Row time (type 13), q10 nanoseconds."""
+
+    row_time: int
+    deviation: int
+
+
+@dataclass(frozen=True)
 class Blob:
     """The contents that this reader takes from a blob; `remap` is the first remap section."""
 
@@ -378,6 +390,7 @@ class Blob:
     modes: tuple[Mode, ...] = ()
     capture: Capture | None = None
     stack: Stack | None = None
+    row_time: RowTime | None = None
 
     @property
     def remaps(self) -> tuple[Remap, ...]:
@@ -533,7 +546,8 @@ def parse(data: bytes) -> Blob:
                TYPE_UNCERTAINTY: lambda section: read_uncertainty(section, grid),
                TYPE_INVERSE: read_inverse,
                TYPE_CAPTURE: lambda section: read_capture(section, camera),
-               TYPE_STACK: lambda section: read_stack(section, data, table)}
+               TYPE_STACK: lambda section: read_stack(section, data, table),
+               TYPE_ROW_TIME: read_row_time}
     found = {kind: [] for kind in readers}
     for entry in table:
         if entry.type in readers:
@@ -541,7 +555,8 @@ def parse(data: bytes) -> Blob:
     first = {kind: next(iter(values), None) for kind, values in found.items()}
     return Blob(camera, grid, first[TYPE_REMAP], first[TYPE_QUALITY], first[TYPE_INVERSE],
                 tuple(found[TYPE_REMAP][1:]), first[TYPE_LINE_POINTS], first[TYPE_MASK],
-                first[TYPE_UNCERTAINTY], first[TYPE_MODES] or (), first[TYPE_CAPTURE], first[TYPE_STACK])
+                first[TYPE_UNCERTAINTY], first[TYPE_MODES] or (), first[TYPE_CAPTURE],
+                first[TYPE_STACK], first[TYPE_ROW_TIME])
 
 
 def sections(data: bytes, table: list[Entry], wanted: int) -> Iterator[bytes]:
@@ -973,6 +988,14 @@ def knot_fields(kind: int, section: bytes, data_offset: int) -> bytes:
     """Stack: the bytes in front of the arrays, but for the tables' max_error_upx."""
     fields = section[:data_offset]
     return fields[:72] + fields[76:] if kind == TYPE_REMAP else fields
+
+
+def read_row_time(section: bytes) -> RowTime:
+    """Row time (type 13)."""
+    row_time = RowTime(*unpack_fields(ROW_TIME, section, "row time"))
+    require(max(abs(row_time.row_time), row_time.deviation) <= ROW_TIME_LIMIT_Q10,
+            "RG_ERR_ROW_TIME", f"the row time is {row_time}")
+    return row_time
 
 
 def is_crop(crop: list[int], camera: Camera) -> bool:
@@ -1708,11 +1731,13 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
         yield TYPE_CAPTURE, pack_capture(blob.capture)
     if blob.stack is not None:
         yield TYPE_STACK, pack_stack(blob.stack)
+    if blob.row_time is not None:
+        yield TYPE_ROW_TIME, ROW_TIME.pack(*dataclasses.astuple(blob.row_time))
 
 
 def minor_version(packed: list[tuple[int, bytes]]) -> int:
     """Duties, "A writer": the minor version whose fields it uses."""
-    if any(kind in (TYPE_CAPTURE, TYPE_STACK) for kind, _ in packed):
+    if any(kind in (TYPE_CAPTURE, TYPE_STACK, TYPE_ROW_TIME) for kind, _ in packed):
         return 6
     remaps = [REMAP.unpack_from(section) for kind, section in packed if kind == TYPE_REMAP]
     if any(fields[7] & HAS_VIEW for fields in remaps) or any(
@@ -1922,6 +1947,8 @@ def inspect_lines(data: bytes) -> Iterator[str]:
         yield from field_lines("capture", blob.capture)
     if blob.stack is not None:
         yield from field_lines("stack", blob.stack)
+    if blob.row_time is not None:
+        yield from field_lines("row time", blob.row_time)
 
 
 def hexdump_lines(data: bytes) -> Iterator[str]:

@@ -58,6 +58,17 @@ rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
                          RG_LINE_POINT_SIZE * num_control_points(grid));
 }
 
+rg_status rg_check_row_time(const uint8_t* section, uint32_t size) {
+  if (size < RG_ROW_TIME_SIZE) return RG_ERR_SECTION_SIZE;
+  /* From below the limit, the sum does not wrap. */
+  return rg_load_u32(section + RG_ROW_TIME_ROW_TIME) + RG_ROW_TIME_LIMIT_Q10 >
+                     2u * RG_ROW_TIME_LIMIT_Q10 ||
+                 rg_load_u32(section + RG_ROW_TIME_DEVIATION) >
+                     (uint32_t)RG_ROW_TIME_LIMIT_Q10
+             ? RG_ERR_ROW_TIME
+             : RG_OK;
+}
+
 rg_status rg_check_remap(const uint8_t* section, uint32_t size,
                          uint32_t source_size) {
   /* Less 1, all sizes are below 2^13. */

@@ -58,7 +58,8 @@ static uint32_t num_sections(const rg_blob_contents* contents) {
          (contents->quality != 0) + (contents->line_points_q28 != 0) +
          (contents->mask != 0) + (contents->uncertainty != 0) +
          (contents->inverse != 0) + (contents->num_modes != 0) +
-         (contents->capture != 0) + (contents->stack != 0);
+         (contents->capture != 0) + (contents->stack != 0) +
+         (contents->row_time != 0);
 }
 
 /* How many tables the blob has. */
@@ -89,6 +90,7 @@ uint32_t rg_blob_size(const rg_blob_contents* contents) {
   if (contents->inverse) size += inverse_size(contents->inverse);
   if (contents->capture) size += RG_CAPTURE_SIZE;
   if (contents->stack) size += stack_size(contents);
+  if (contents->row_time) size += RG_ROW_TIME_SIZE;
   return size + RG_MODE_SIZE * contents->num_modes;
 }
 
@@ -333,6 +335,12 @@ static void write_stack(const rg_blob_contents* contents, uint8_t* section) {
   }
 }
 
+static void write_row_time(const rg_row_time_section* row_time,
+                           uint8_t* section) {
+  rg_store_i32(section + RG_ROW_TIME_ROW_TIME, row_time->row_time_ns_q10);
+  rg_store_u32(section + RG_ROW_TIME_DEVIATION, row_time->deviation_ns_q10);
+}
+
 typedef struct section_writer {
   uint8_t* bytes;
   uint8_t* entry;
@@ -384,6 +392,10 @@ static void write_new_sections(const rg_blob_contents* contents,
   if (contents->stack)
     write_stack(contents, begin_section(writer, RG_SECTION_STACK, 0,
                                         stack_size(contents)));
+  if (contents->row_time)
+    write_row_time(
+        contents->row_time,
+        begin_section(writer, RG_SECTION_ROW_TIME, 0, RG_ROW_TIME_SIZE));
 }
 
 static void write_modes(const rg_blob_contents* contents,
@@ -431,7 +443,7 @@ static uint16_t version_of_remaps(const rg_blob_contents* contents) {
 
 /* The lowest minor version that has what the blob uses. */
 static uint16_t minor_version(const rg_blob_contents* contents) {
-  if (contents->capture || contents->stack) return 6;
+  if (contents->capture || contents->stack || contents->row_time) return 6;
   if (contents->num_modes != 0) return 5;
   const uint16_t version = version_of_remaps(contents);
   if (version != 0) return version;

@@ -37,7 +37,8 @@ enum rg_section_type {
   RG_SECTION_INVERSE = 10,
   RG_NUM_SECTION_TYPES = 11, /* those that boards know */
   RG_SECTION_CAPTURE = 11,   /* whole readers know it alone */
-  RG_SECTION_STACK = 12      /* on boards rg_set_condition() knows it alone */
+  RG_SECTION_STACK = 12,     /* on boards rg_set_condition() knows it alone */
+  RG_SECTION_ROW_TIME = 13   /* and rg_row_time() this; boards open without */
 };
 
 #define RG_MAX_IMAGE_SIZE 16384u
@@ -81,6 +82,7 @@ enum rg_section_type {
 #define RG_MIN_KNOTS 2u
 #define RG_MAX_KNOTS 64u
 #define RG_CONDITION_LIMIT_Q16 (INT32_C(1024) << 16) /* dioptres or degrees */
+#define RG_ROW_TIME_LIMIT_Q10 (INT32_C(1) << 30)     /* ns: a millisecond */
 
 /* Identity of the camera. */
 typedef struct rg_camera_section {
@@ -224,12 +226,18 @@ typedef struct rg_stack_section {
   uint32_t knot_size;        /* bytes from one to the next */
 } rg_stack_section;
 
+/* How much later than the row above it a sensor reads a row. */
+typedef struct rg_row_time_section {
+  int32_t row_time_ns_q10;   /* negative: the last row is read first */
+  uint32_t deviation_ns_q10; /* standard; 0: not known */
+} rg_row_time_section;
+
 /* A validated blob. Offsets are from the first byte; 0 means absent. */
 typedef struct rg_blob {
   const uint8_t* bytes;
   uint32_t size;
   uint32_t camera, grid, remap, quality, inverse;
-  uint32_t line_points, mask, uncertainty, modes, capture, stack;
+  uint32_t line_points, mask, uncertainty, modes, capture, stack, row_time;
 } rg_blob;
 
 /* Validates num_bytes bytes, by every limit of SPEC.md, and finds the sections.
@@ -238,8 +246,8 @@ typedef struct rg_blob {
  * bytes  multiple of 4. Bytes after the blob's own end are not looked at.
  *
  * Nothing outside bytes[0, num_bytes) is read, whatever they hold. Every
- * status from RG_ERR_MISALIGNED to RG_ERR_MODE, RG_ERR_CAPTURE and
- * RG_ERR_STACK, names one fault. */
+ * status from RG_ERR_MISALIGNED to RG_ERR_MODE, and RG_ERR_CAPTURE,
+ * RG_ERR_STACK and RG_ERR_ROW_TIME, names one fault. */
 rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob);
 
 /* Sections of a blob that rg_blob_open() accepted. The optional ones,
@@ -257,6 +265,7 @@ void rg_blob_uncertainty(const rg_blob* blob,
                          rg_uncertainty_section* uncertainty);
 void rg_blob_capture(const rg_blob* blob, rg_capture_section* capture);
 void rg_blob_stack(const rg_blob* blob, rg_stack_section* stack);
+void rg_blob_row_time(const rg_blob* blob, rg_row_time_section* row_time);
 
 /* How many modes a blob has, and the index-th of them, counted from 0. */
 uint32_t rg_blob_num_modes(const rg_blob* blob);
@@ -317,6 +326,7 @@ typedef struct rg_blob_contents {
   const uint16_t* uncertainties_q12;         /* in host order */
   const rg_capture_section* capture;         /* NULL: none */
   const rg_stack_contents* stack;            /* NULL: none */
+  const rg_row_time_section* row_time;       /* NULL: none */
 } rg_blob_contents;
 
 /* Bytes that rg_blob_write() will need. */

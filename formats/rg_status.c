@@ -77,6 +77,8 @@ const char* rg_status_text(rg_status status) {
       return "what calibration recorded of the camera is out of range";
     case RG_ERR_STACK:
       return "stack of cameras contradicts the blob's own sections";
+    case RG_ERR_ROW_TIME:
+      return "row time or its deviation out of range";
     case RG_ERR_OUTSIDE_AREA:
       return "pixel lies outside the calibrated area";
     case RG_ERR_NO_REMAP:

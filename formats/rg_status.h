@@ -59,6 +59,7 @@ typedef enum rg_status {
   RG_ERR_CAPTURE = -61, /* capture: a value, or one of what is not known */
   RG_ERR_STACK = -62,   /* stack: condition or knots, or a knot's fields are not
                            those of the blob's own sections */
+  RG_ERR_ROW_TIME = -65, /* row time or its deviation beyond a millisecond */
 
   /* Use of an open camera. */
   RG_ERR_OUTSIDE_AREA = -50, /* pixel outside the calibrated area */

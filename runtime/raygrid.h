@@ -109,6 +109,20 @@ rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
  * blob's mask, if there is one, calls valid. */
 int rg_is_valid(const rg_camera* camera, rg_pixel pixel);
 
+/* How much later than the row above it a rolling shutter reads a row of frames
+ * as calibrated: row r is read row_time (r - (height - 1) / 2) later than the
+ * frame's middle. Frames of other modes have rows of their own.
+ *
+ * row_time_ns_q10   q10 nanoseconds, of magnitude at most 2^30, a millisecond;
+ *                   negative where the last row is read first, about 0 of a
+ *                   global shutter. Written only when RG_OK is returned.
+ * deviation_ns_q10  its standard deviation; 0: not known. May be NULL.
+ *
+ * RG_ERR_UNKNOWN    the blob does not say: raygrid calibrate --rolling-shutter
+ * RG_ERR_SECTION_SIZE, RG_ERR_ROW_TIME: a forged one, not checked on opening */
+rg_status rg_row_time(const rg_camera* camera, int32_t* row_time_ns_q10,
+                      uint32_t* deviation_ns_q10);
+
 /* The standard deviation of projection at a pixel, in q12 pixels.
  * RG_ERR_UNKNOWN where the blob does not say, RG_ERR_OUTSIDE_AREA;
  * RG_ERR_UNCERTAINTY where a forged one would be read beyond its values. */

@@ -22,6 +22,7 @@ OK, OUTSIDE_AREA, NO_REMAP, NOT_SEEN, NONCENTRAL, UNKNOWN, NO_INVERSE, EXTRAPOLA
     0, -50, -51, -54, -57, -58, -60, -64)
 NO_PIXEL = -2**31
 Q12, Q16, Q28, Q30 = 2**12, 2**16, 2**28, 2**30
+Q10_NS = 2**10 * 1e9  # of a second
 POINT_MAX_BITS = 27
 
 # Each format's number, bits of a sample, then bytes a row of each plane takes, as a fraction of the
@@ -306,6 +307,19 @@ class Camera:
                 raise Error(status)
             values.append(sigma.value / Q12 if status == OK else None)
         return values
+
+    def row_time(self):
+        """How much later than the row above it a rolling shutter reads a row of calibrated frames,
+        and its standard deviation (0: not known), both in seconds: row r is read
+        row_time (r - (height - 1) / 2) later than the frame's middle. None where the blob does not
+        say."""
+        row_time, deviation = ctypes.c_int32(), ctypes.c_uint32()
+        status = _library.rg_row_time(ctypes.byref(self._camera), ctypes.byref(row_time),
+                                      ctypes.byref(deviation))
+        if status == UNKNOWN:
+            return None
+        _check(status)
+        return row_time.value / Q10_NS, deviation.value / Q10_NS
 
     def select_remap(self, index):
         """Takes another one of the blob's num_remaps remap tables, counted from 0, for

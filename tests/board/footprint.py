@@ -25,7 +25,7 @@ EVERYTHING = RAYS + (
     "rg_mode_from_calibrated", "rg_match", "rg_select_remap", "rg_remap_size", "rg_remap_view",
     "rg_frame_size", "rg_calibrated_size", "rg_remap_mode", "rg_remap", "rg_remap_source_rows",
     "rg_remap_grey", "rg_choose_ray_kernels")
-# .text of what these need.
+# .text of what these need. rg_row_time() is a call more: of those who stabilize or track by rows.
 SETS = {"rays": RAYS, "grey": RAYS + ("rg_select_remap", "rg_remap_size", "rg_remap_grey"),
         "everything": EVERYTHING, "slots": ("rg_choose_slot",)}
 # Stack of these, each for itself, and the deepest of the others.

@@ -17,8 +17,8 @@ static uint8_t edited[sizeof(kStackBlob)] __attribute__((aligned(16)));
 /* A value of a field of the section of that type: in kNarrowBlob for the grid,
  * in kBentBlob for a remap, in kViewsBlob for one with a view, in kModesBlob
  * for one of a mode and for modes, in kLinesBlob for line points, in
- * kCaptureBlob for the capture, in kStackBlob for the stack, otherwise in
- * kWideBlob. */
+ * kCaptureBlob for the capture, in kStackBlob for the stack, in kRowTimeBlob
+ * for the row time, otherwise in kWideBlob. */
 typedef struct field_value {
   const char* what;
   uint32_t type, offset, num_bytes, value;
@@ -208,6 +208,17 @@ static const field_value kValues[] = {
     {"no gain", 11, 40, 4, 0, RG_ERR_CAPTURE},
     {"smallest gain", 11, 40, 4, 1, RG_OK},
     {"gain beyond", 11, 40, 4, (1024u << 16) + 1, RG_ERR_CAPTURE},
+
+    {"longest row time", 13, 0, 4, 1u << 30, RG_OK},
+    {"longer row time", 13, 0, 4, (1u << 30) + 1, RG_ERR_ROW_TIME},
+    {"longest row time from below", 13, 0, 4, 0xc0000000, RG_OK},
+    {"longer row time from below", 13, 0, 4, 0xbfffffff, RG_ERR_ROW_TIME},
+    {"smallest number as row time", 13, 0, 4, 0x80000000, RG_ERR_ROW_TIME},
+    {"no row time", 13, 0, 4, 0, RG_OK},
+    {"no deviation", 13, 4, 4, 0, RG_OK},
+    {"largest deviation", 13, 4, 4, 1u << 30, RG_OK},
+    {"larger deviation", 13, 4, 4, (1u << 30) + 1, RG_ERR_ROW_TIME},
+    {"largest number as deviation", 13, 4, 4, 0xffffffff, RG_ERR_ROW_TIME},
 };
 
 static const uint8_t* blob_with(uint32_t type) {
@@ -219,6 +230,7 @@ static const uint8_t* blob_with(uint32_t type) {
          : type == RG_SECTION_CENTRAL_GRID ? kNarrowBlob
          : type == RG_SECTION_CAPTURE      ? kCaptureBlob
          : type == RG_SECTION_STACK        ? kStackBlob
+         : type == RG_SECTION_ROW_TIME     ? kRowTimeBlob
                                            : kWideBlob;
 }
 
@@ -231,6 +243,7 @@ static uint32_t size_of_blob_with(uint32_t type) {
          : type == RG_SECTION_CENTRAL_GRID ? sizeof(kNarrowBlob)
          : type == RG_SECTION_CAPTURE      ? sizeof(kCaptureBlob)
          : type == RG_SECTION_STACK        ? sizeof(kStackBlob)
+         : type == RG_SECTION_ROW_TIME     ? sizeof(kRowTimeBlob)
                                            : sizeof(kWideBlob);
 }
 
@@ -282,7 +295,7 @@ static void mirrors_are_no_rotations(void** state) {
 }
 
 /* The last one, the stack, does not stand without tables. */
-static const uint16_t kTypes[] = {5, 6, 7, 10, 11, 12};
+static const uint16_t kTypes[] = {5, 6, 7, 10, 11, 13, 12};
 #define NUM_TYPES (sizeof(kTypes) / sizeof(kTypes[0]))
 #define NUM_LONE_TYPES (NUM_TYPES - 1)
 
@@ -293,8 +306,8 @@ static void only_line_points_are_critical(void** state) {
     memcpy(edited, blob_with(kTypes[i]), size);
     edited[entry_of_type(kTypes[i]) + 2] ^= RG_SECTION_CRITICAL;
     repair_crcs(edited, size);
-    /* On opening boards do not know captures and stacks. */
-    assert_int_equal(open_copy(edited, size), kTypes[i] >= RG_SECTION_CAPTURE
+    /* On opening boards do not know captures, stacks and row times. */
+    assert_int_equal(open_copy(edited, size), kTypes[i] >= RG_NUM_SECTION_TYPES
                                                   ? RG_ERR_SECTION_UNKNOWN
                                                   : RG_ERR_SECTION_FLAGS);
   }
@@ -432,6 +445,19 @@ static void capture_is_read(void** state) {
   assert_int_equal(blob.capture, 0);
 }
 
+static void row_time_is_read(void** state) {
+  (void)state;
+  rg_blob blob;
+  rg_row_time_section row_time;
+  assert_int_equal(rg_blob_open(kRowTimeBlob, sizeof(kRowTimeBlob), &blob),
+                   RG_OK);
+  rg_blob_row_time(&blob, &row_time);
+  assert_int_equal(row_time.row_time_ns_q10, -20000 * 1024);
+  assert_int_equal(row_time.deviation_ns_q10, 31 * 1024);
+  assert_int_equal(rg_blob_open(kWideBlob, sizeof(kWideBlob), &blob), RG_OK);
+  assert_int_equal(blob.row_time, 0);
+}
+
 /* Nothing is known but one thing, and the rest is 0. */
 static void capture_of_one_thing_is_read(void** state) {
   (void)state;
@@ -506,6 +532,7 @@ int main(void) {
       cmocka_unit_test(start_of_older_versions_is_skipped),
       cmocka_unit_test(mask_and_uncertainty_are_read),
       cmocka_unit_test(capture_is_read),
+      cmocka_unit_test(row_time_is_read),
       cmocka_unit_test(capture_of_one_thing_is_read),
       cmocka_unit_test(longer_capture_is_read),
       cmocka_unit_test(line_points_before_a_short_grid_are_refused),

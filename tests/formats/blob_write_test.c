@@ -30,6 +30,7 @@ typedef struct camera_parts {
   rg_uncertainty_section uncertainty;
   uint16_t uncertainties[16];
   rg_capture_section capture;
+  rg_row_time_section row_time;
   rg_blob_contents contents;
 } camera_parts;
 
@@ -130,6 +131,10 @@ static void take_apart(const uint8_t* bytes, uint32_t size) {
   if (blob.capture) {
     rg_blob_capture(&blob, &parts.capture);
     parts.contents.capture = &parts.capture;
+  }
+  if (blob.row_time) {
+    rg_blob_row_time(&blob, &parts.row_time);
+    parts.contents.row_time = &parts.row_time;
   }
   const uint8_t* second = rg_find_section(bytes, RG_SECTION_REMAP, 1);
   if (second) take_second_remap(second);
@@ -333,6 +338,16 @@ static void capture_is_written_byte_for_byte(void** state) {
   assert_int_equal(write_parts(), RG_ERR_CAPTURE);
 }
 
+static void row_time_is_written_byte_for_byte(void** state) {
+  (void)state;
+  take_apart(kRowTimeBlob, sizeof(kRowTimeBlob));
+  assert_int_equal(rg_blob_size(&parts.contents), sizeof(kRowTimeBlob));
+  assert_int_equal(write_parts(), RG_OK);
+  assert_memory_equal(written, kRowTimeBlob, sizeof(kRowTimeBlob));
+  parts.row_time.deviation_ns_q10 = RG_ROW_TIME_LIMIT_Q10 + 1;
+  assert_int_equal(write_parts(), RG_ERR_ROW_TIME);
+}
+
 static void missing_arrays_are_refused(void** state) {
   (void)state;
   take_apart(kWideBlob, sizeof(kWideBlob));
@@ -529,6 +544,7 @@ int main(void) {
       TEST(wide_camera_is_written_byte_for_byte),
       TEST(lines_are_written_byte_for_byte),
       TEST(capture_is_written_byte_for_byte),
+      TEST(row_time_is_written_byte_for_byte),
       TEST(missing_arrays_are_refused),
       TEST(optional_sections_may_be_left_out),
       TEST(too_small_buffer_is_left_alone),

@@ -23,6 +23,7 @@ TABLES = {
     "### Inverse grid (": ("RG_INVERSE_", "RG_GRID_FIELDS_SIZE"),
     "### Capture (": ("RG_CAPTURE_", "RG_CAPTURE_SIZE"),
     "### Stack (": ("RG_STACK_", "RG_STACK_FIELDS_SIZE"),
+    "### Row time (": ("RG_ROW_TIME_", "RG_ROW_TIME_SIZE"),
     "## Slots\n": ("RG_SLOT_", "RG_SLOT_HEADER_SIZE"),
 }
 # What SPEC.md says in words instead: the fields behind each other, and the size of all.

@@ -22,7 +22,8 @@ static const golden_blob kBlobs[] = {
     {kNarrowBlob, sizeof(kNarrowBlob)},   {kWideBlob, sizeof(kWideBlob)},
     {kLinesBlob, sizeof(kLinesBlob)},     {kBentBlob, sizeof(kBentBlob)},
     {kViewsBlob, sizeof(kViewsBlob)},     {kModesBlob, sizeof(kModesBlob)},
-    {kCaptureBlob, sizeof(kCaptureBlob)}, {kStackBlob, sizeof(kStackBlob)}};
+    {kCaptureBlob, sizeof(kCaptureBlob)}, {kStackBlob, sizeof(kStackBlob)},
+    {kRowTimeBlob, sizeof(kRowTimeBlob)}};
 #define NUM_BLOBS (sizeof(kBlobs) / sizeof(kBlobs[0]))
 
 static uint32_t state;

@@ -585,6 +585,12 @@ def alike_tables(tables: list[reference.Remap]) -> list[reference.Remap]:
                     for bends in table.bends)) for table in tables]
 
 
+def make_row_time(example: reference.Blob) -> reference.Blob:
+    """The example's camera, whose last row is read first, 20 microseconds a row, known to 31 ns."""
+    row_time = reference.RowTime(-20000 << 10, 31 << 10)
+    return dataclasses.replace(example, remap=None, quality=None, row_time=row_time)
+
+
 def make_narrow(lens: reference.Blob) -> reference.Blob:
     """The lens's camera with control points of 16 bits, and an inverse grid."""
     blob = reference.Blob(lens.camera, narrow_grid(lens.grid))
@@ -1189,6 +1195,8 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
         yield from format_lines(dataclasses.replace(there, remap=there.remaps[k], more_remaps=()))
         yield "};"
     yield ""
+    yield "/* The example's camera without tables, and its row time: version 1.6. */"
+    yield from blob_lines("kRowTimeBlob", reference.serialize(make_row_time(example)))
     yield "/* q29 chart positions, up to the limit. */"
     yield "static const golden_ray kChartRays[] = {"
     yield from chart_lines()

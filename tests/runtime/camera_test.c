@@ -164,6 +164,49 @@ static void captures_are_skipped(void** state) {
                    RG_ERR_RESERVED);
 }
 
+static void row_time_is_that_of_the_blob(void** state) {
+  (void)state;
+  rg_camera camera;
+  int32_t row_time_ns_q10 = 1;
+  uint32_t deviation_ns_q10 = 1;
+  memcpy(blob, kRowTimeBlob, sizeof(kRowTimeBlob));
+  assert_int_equal(rg_camera_open(&camera, blob, sizeof(kRowTimeBlob)), RG_OK);
+  assert_int_equal(rg_row_time(&camera, &row_time_ns_q10, &deviation_ns_q10),
+                   RG_OK);
+  assert_int_equal(row_time_ns_q10, -20000 * 1024);
+  assert_int_equal(deviation_ns_q10, 31 * 1024);
+  row_time_ns_q10 = 1;
+  assert_int_equal(rg_row_time(&camera, &row_time_ns_q10, NULL), RG_OK);
+  assert_int_equal(row_time_ns_q10, -20000 * 1024);
+  assert_int_equal(rg_camera_open(&camera, kWideBlob, sizeof(kWideBlob)),
+                   RG_OK);
+  assert_int_equal(rg_row_time(&camera, &row_time_ns_q10, &deviation_ns_q10),
+                   RG_ERR_UNKNOWN);
+  assert_int_equal(row_time_ns_q10, -20000 * 1024);
+}
+
+/* Opening skips the section, and its limits are checked on use. */
+static void row_time_beyond_its_limits_is_not_told(void** state) {
+  (void)state;
+  rg_camera camera;
+  int32_t row_time_ns_q10 = 1;
+  memcpy(blob, kRowTimeBlob, sizeof(kRowTimeBlob));
+  uint8_t* const section =
+      blob + (rg_find_section(blob, RG_SECTION_ROW_TIME, 0) - blob);
+  rg_store_u32(section, 0x80000000);
+  repair_crcs(blob, sizeof(kRowTimeBlob));
+  assert_int_equal(rg_camera_open(&camera, blob, sizeof(kRowTimeBlob)), RG_OK);
+  assert_int_equal(rg_row_time(&camera, &row_time_ns_q10, NULL),
+                   RG_ERR_ROW_TIME);
+  rg_store_u32(section, 0);
+  rg_store_u32(section + 4, (1u << 30) + 1);
+  repair_crcs(blob, sizeof(kRowTimeBlob));
+  assert_int_equal(rg_camera_open(&camera, blob, sizeof(kRowTimeBlob)), RG_OK);
+  assert_int_equal(rg_row_time(&camera, &row_time_ns_q10, NULL),
+                   RG_ERR_ROW_TIME);
+  assert_int_equal(row_time_ns_q10, 1);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(handle_is_at_most_64_bytes),
@@ -178,6 +221,8 @@ int main(void) {
       cmocka_unit_test(table_without_room_for_its_view_is_refused),
       cmocka_unit_test(mask_and_uncertainty_beyond_their_sections_are_not_read),
       cmocka_unit_test(captures_are_skipped),
+      cmocka_unit_test(row_time_is_that_of_the_blob),
+      cmocka_unit_test(row_time_beyond_its_limits_is_not_told),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -228,6 +228,12 @@ class ModuleTest(unittest.TestCase):
             raygrid.Camera(data)
         self.assertEqual(context.exception.status, -17)
 
+    def test_row_time_is_that_of_the_blob(self):
+        seconds, deviation = open_blob(make_golden.make_row_time(make_golden.make_example())).row_time()
+        self.assertAlmostEqual(seconds, -20e-6, delta=1e-15)
+        self.assertAlmostEqual(deviation, 31e-9, delta=1e-15)
+        self.assertIsNone(open_blob(LENS).row_time())
+
     def test_blob_without_uncertainty_says_nothing(self):
         self.assertEqual(open_blob(LENS).uncertainty(PIXELS), [None] * 3)
 
