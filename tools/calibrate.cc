@@ -152,6 +152,7 @@ void UseSession(CalibrateArguments* arguments) {
                                     ? ""
                                     : "camera " + session.camera + " "));
       arguments->captures.push_back(CaptureOf(session));
+      arguments->session_times.push_back(TimesOf(session));
       // A frame that was deleted may still lie there, if that was interrupted.
       std::vector<std::string> images;
       for (const SessionFrame& frame : session.frames) {
@@ -300,6 +301,8 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
       "as for a single one. The first camera's frame is the rig's.",
       "raygrid calibrate photos/ --pattern pattern.yaml -o result/\n"
       "  raygrid calibrate session/\n"
+      "  raygrid calibrate clip/ --rolling-shutter --times times.csv "
+      "--pattern pattern.yaml -o result/\n"
       "  raygrid calibrate --camera left=l/ --camera right=r/ --pattern "
       "pattern.yaml -o result/",
       common);
@@ -389,6 +392,13 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                     "result is that of one that was not. An interrupted "
                     "calibration writes the best state so far, but not over a "
                     "finished result");
+  command->add_flag(
+      "--rolling-shutter", arguments->rolling_shutter,
+      "estimate the time of a row from consecutive frames of a moving camera "
+      "or board, and calibrate as if each frame were read at once");
+  command->add_option("--times", arguments->times,
+                      "with --rolling-shutter: a CSV, image,time_s, that says "
+                      "when images were taken; a session has times");
   command->add_flag("--skip-comparison", arguments->skip_comparison,
                     "do not calibrate parametric models as well, to compare "
                     "with in the report");

@@ -15,6 +15,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
+#include "dataset/image_times.h"
 #include "dataset/repeated_images.h"
 #include "dataset/text_encoding.h"
 #include "features/board_guess.h"
@@ -397,6 +398,31 @@ std::vector<Measurements> MeasureCameras(const CalibrateArguments& arguments,
 
 }  // namespace
 
+namespace {
+
+// The time of a row is that of one sensor mode, and needs those of images.
+void RequireTimes(const CalibrateArguments& arguments) {
+  if (!arguments.rolling_shutter && !arguments.times.empty())
+    throw Error(ExitCode::kUsage, "--times is for --rolling-shutter");
+  if (!arguments.rolling_shutter) return;
+  if (!arguments.modes.empty())
+    throw Error(ExitCode::kUsage,
+                "--rolling-shutter: not with --mode, whose rows take another "
+                "time; calibrate the images of one mode");
+  if (!arguments.condition.empty())
+    throw Error(ExitCode::kUsage,
+                "--rolling-shutter: not with --condition; calibrate the frames "
+                "of one value without it");
+  if (arguments.times.empty() && arguments.session_times.empty())
+    throw Error(ExitCode::kUsage,
+                "--rolling-shutter needs to know when images were taken: give "
+                "--times times.csv with the columns image,time_s, or a session "
+                "of capture, whose frames have times");
+  if (!arguments.times.empty()) ReadImageTimes(arguments.times);
+}
+
+}  // namespace
+
 FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
   if (!arguments.images.empty() + !arguments.features.empty() +
           !arguments.cameras_at.empty() + arguments.HasCameraImages() !=
@@ -406,6 +432,7 @@ FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
   if (!arguments.features.empty() && !arguments.modes.empty())
     throw Error(ExitCode::kUsage,
                 "--mode is for images; features are of calibrated frames");
+  RequireTimes(arguments);
   return arguments.features.empty() ? FeaturesByCamera()
                                     : ReadFeatures(arguments.features);
 }
@@ -469,18 +496,43 @@ std::vector<Measurements> GatherCameras(const CalibrateArguments& arguments,
   return cameras;
 }
 
+std::vector<std::optional<ImageTimes>> TimesOf(
+    const CalibrateArguments& arguments,
+    const std::vector<Measurements>& cameras) {
+  std::vector<std::optional<ImageTimes>> times(cameras.size());
+  if (!arguments.rolling_shutter) return times;
+  const ImageTimes given =
+      arguments.times.empty() ? ImageTimes() : ReadImageTimes(arguments.times);
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    times[c] = c < arguments.session_times.size() && given.empty()
+                   ? arguments.session_times[c]
+                   : given;
+    const std::vector<ImageFeatures>& images = cameras[c].dataset.images;
+    if (std::none_of(images.begin(), images.end(),
+                     [&](const ImageFeatures& image) {
+                       return times[c]->count(image.image) > 0;
+                     }))
+      throw InputError(fmt::format(
+          "{}: has the time of no image of the calibration, such as {}",
+          arguments.times.empty() ? "the session" : arguments.times,
+          images.empty() ? "none" : Printable(images.front().image)));
+  }
+  return times;
+}
+
 std::vector<CalibrationInput> CalibrationInputs(
     const std::vector<Measurements>& cameras,
     const CalibrateArguments& arguments, int num_threads,
     CheckpointFile* checkpoints) {
   std::vector<CalibrationInput> inputs;
+  const auto times = TimesOf(arguments, cameras);
   for (size_t c = 0; c < cameras.size(); ++c)
     inputs.push_back(
         {arguments.name.empty() ? cameras[c].camera : arguments.name,
          cameras[c].dataset, AgainIn(cameras[c], arguments, num_threads),
          checkpoints->Of(c),
          [=](const Checkpoint& done) { checkpoints->Keep(c, done); },
-         cameras[c].image_circle, cameras[c].skipped});
+         cameras[c].image_circle, cameras[c].skipped, times[c]});
   return inputs;
 }
 
@@ -511,6 +563,7 @@ void RequireNoInputReplaced(const CalibrateArguments& arguments,
   std::vector<std::string> inputs = images, outputs;
   inputs.push_back(arguments.pattern);
   inputs.push_back(arguments.features);
+  inputs.push_back(arguments.times);
   for (const char* name :
        {"camera.raygrid", "camera.yaml", "example_after.png",
         "example_before.png", "features.csv", "pattern.yaml", "poses.csv",
@@ -551,6 +604,8 @@ std::string InputsOf(const CalibrateArguments& arguments,
     for (const auto& [image, value] : conditions->values)
       hash.Add(fmt::format("{} {:.17g}", image, value));
   }
+  for (const auto& times : TimesOf(arguments, cameras))
+    if (times) hash.Add(FormatImageTimes(*times));
   return hash.Text();
 }
 

@@ -31,7 +31,8 @@ struct CalibrateArguments {
   std::string instant_by = "name", area = "image", image_circle = "auto";
   bool flat_board = false, rigid_board = false, boards_move = false,
        measure_once = false, resume = false;
-  bool skip_comparison = false;
+  bool skip_comparison = false, rolling_shutter = false;
+  std::string times;              ///< a CSV with the times of images
   std::vector<NamedImages> rig;   ///< of a session, instead of cameras
   std::vector<Capture> captures;  ///< how a session's cameras stood
   std::string condition;          ///< to calibrate over; empty: none
@@ -39,6 +40,8 @@ struct CalibrateArguments {
   std::string conditions;  ///< CSV file
   /// Of a session's frames, the values of the condition.
   std::map<std::string, double> session_values;
+  /// When the images of each of a session's cameras were taken.
+  std::vector<ImageTimes> session_times;
 
   /// Whether there are images of several cameras.
   bool HasCameraImages() const { return !cameras.empty() || !rig.empty(); }
@@ -94,6 +97,13 @@ std::vector<Measurements> GatherCameras(const CalibrateArguments& arguments,
                                         const FeaturesByCamera& given,
                                         const Pattern& pattern,
                                         ProgressBar* bar);
+
+/// When the images of each camera were taken, if the time of a row is to be
+/// estimated. Throws Error(kUsage) if that cannot be: no times are known, or
+/// images are of several sensor modes; InputError.
+std::vector<std::optional<ImageTimes>> TimesOf(
+    const CalibrateArguments& arguments,
+    const std::vector<Measurements>& cameras);
 
 /// The inputs of a calibration, with the checkpoints of an interrupted one, if
 /// there are any. They use cameras and checkpoints.

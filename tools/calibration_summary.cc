@@ -6,6 +6,7 @@
 
 #include "dataset/text_encoding.h"
 #include "evaluation/budget_verdict.h"
+#include "evaluation/row_time_text.h"
 #include "evaluation/stack_change.h"
 #include "report/result_json.h"
 
@@ -76,6 +77,13 @@ void PrintImageCircle(const CameraModel& camera) {
       circle->radii_px.x(), circle->center.x(), circle->center.y());
 }
 
+void PrintRowTime(const CalibrationResult& result) {
+  if (result.row_time)
+    fmt::print("  time of a row: {}\n",
+               RowTimeText(*result.row_time,
+                           result.camera.camera->image_size().height));
+}
+
 // One line, as the report has it: its limit, and the one thing to do.
 void PrintLimit(const CalibrationResult& result) {
   if (!result.budget) return;
@@ -103,6 +111,7 @@ void PrintSingleCamera(const CalibrationResult& result) {
     PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
   if (result.camera.stack) PrintStack(*result.camera.stack);
   PrintImageCircle(*result.camera.camera);
+  PrintRowTime(result);
   PrintLimit(result);
   if (result.line_spread)
     fmt::print(
@@ -123,6 +132,7 @@ void PrintRig(const RigResult& result) {
     fmt::print("{}: {}, ", camera.camera.name, camera.camera.camera->Name());
     PrintSize(camera);
     PrintErrors(camera);
+    PrintRowTime(camera);
     PrintLimit(camera);
   }
   fmt::print("rig\n");

@@ -96,6 +96,7 @@ CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
   input.file.name = Printable(identity.name);
   input.file.serial = Printable(identity.serial);
   input.file.capture = input.blob->CaptureAtCalibration();
+  input.file.row_time = input.blob->TimeOfRow();
   return input;
 }
 

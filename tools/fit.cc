@@ -107,6 +107,7 @@ Fit FitCamera(const FitArguments& arguments, std::optional<double> at,
   fit.file.name = input.file.name;
   fit.file.serial = input.file.serial;
   fit.file.capture = input.file.capture;
+  fit.file.row_time = input.file.row_time;
   auto trusted = TrustOf(input);
   if (trusted && !trusted->TrustsAny()) trusted.reset();
   FittedModel nearest = FitModel(arguments.model, camera, trusted, grid);

@@ -106,6 +106,12 @@ Json MaskFacts(const rg_blob& blob) {
           {"cell_px", 1 << mask.cell_log2}};
 }
 
+void AddRowTime(const RowTime& row_time, Json* json) {
+  (*json)["row_time_us"] = row_time.seconds * 1e6;
+  if (row_time.deviation_s > 0)
+    (*json)["row_time_deviation_us"] = row_time.deviation_s * 1e6;
+}
+
 Json CaptureFacts(const Capture& capture) {
   Json json = Json::object();
   if (capture.lens_position) {
@@ -177,6 +183,7 @@ Json BlobFacts(const BlobCamera& camera) {
   if (const auto capture = camera.CaptureAtCalibration())
     json["capture"] = CaptureFacts(*capture);
   if (blob.stack) json["stack"] = StackFacts(blob);
+  if (const auto row_time = camera.TimeOfRow()) AddRowTime(*row_time, &json);
   return json;
 }
 
@@ -229,6 +236,7 @@ Json CameraFacts(const CameraFile& file) {
     json["uncertainty"]["trusted_part_of_image"] =
         file.uncertainty->TrustedPart(size, area);
   if (file.capture) json["capture"] = CaptureFacts(*file.capture);
+  if (file.row_time) AddRowTime(*file.row_time, &json);
   if (file.camera_from_view) {
     const Eigen::Vector3d turned =
         ViewAnglesDeg(file.camera_from_view->rotation.toRotationMatrix());

@@ -185,6 +185,20 @@ Capture CaptureOf(const Session& session) {
   return capture;
 }
 
+ImageTimes TimesOf(const Session& session) {
+  constexpr double kApartS = 1000;
+  ImageTimes times;
+  double begin_s = 0, last_s = 0;
+  for (const SessionFrame& frame : session.frames) {
+    if (!frame.seconds) continue;
+    // Frames stand in the order in which they were kept.
+    if (begin_s + *frame.seconds <= last_s) begin_s = last_s + kApartS;
+    last_s = begin_s + *frame.seconds;
+    times[frame.image] = last_s;
+  }
+  return times;
+}
+
 std::vector<std::string> DifferencesOf(const Capture& calibrated,
                                        const Capture& now) {
   std::vector<std::string> differences;

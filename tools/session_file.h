@@ -9,6 +9,7 @@
 
 #include "camera/area.h"
 #include "dataset/capture.h"
+#include "dataset/image_times.h"
 
 namespace raygrid {
 
@@ -55,6 +56,10 @@ std::vector<Session> ReadSession(const std::string& folder);
 /// How the camera stood in all frames; nothing of what differs between them or
 /// was not told.
 Capture CaptureOf(const Session& session);
+
+/// When the frames were taken, as far as that was told. Frames that were added
+/// later, whose clock began anew, are far from those before.
+ImageTimes TimesOf(const Session& session);
 
 /// How a camera stands otherwise than it was calibrated, each in half a
 /// sentence: lens position, crop, zoom, orientation, and a temperature that is

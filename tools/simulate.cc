@@ -13,6 +13,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_header.h"
+#include "dataset/image_times.h"
 #include "dataset/parallel_for.h"
 #include "dataset/rig_file.h"
 #include "image_size_option.h"
@@ -20,6 +21,7 @@
 #include "progress_bar.h"
 #include "simulation/board_bend.h"
 #include "simulation/image_rendering.h"
+#include "simulation/moving_observations.h"
 #include "simulation/observation_lines.h"
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
@@ -43,6 +45,9 @@ struct SimulateArguments {
   bool fixed_boards = false;
   FixedBoards fixed;
   double board_turn_deg = 15, move_board_mm = 0;
+  bool moving = false;
+  HandMotion motion;
+  double row_time_us = 0, frames_per_second = 30;
 };
 
 // Across the image: as fine as the lenses' bumps, which scale with it, need.
@@ -278,6 +283,25 @@ SimulatedObservations ObserveRig(const SimulateArguments& arguments,
   return all;
 }
 
+// Consecutive frames of a moving board; also writes times.csv.
+SimulatedObservations ObserveMoving(const SimulateArguments& arguments,
+                                    const CameraModel& camera,
+                                    const Pattern& pattern,
+                                    const SimulationOptions& options,
+                                    OutputFiles* files) {
+  HandMotion motion = arguments.motion;
+  motion.row_time_s = arguments.row_time_us * 1e-6;
+  motion.frame_interval_s = 1 / arguments.frames_per_second;
+  const MovingObservations moving =
+      SimulateMovingObservations(camera, pattern, options, motion);
+  ImageTimes times;
+  for (size_t i = 0; i < moving.times_s.size(); ++i)
+    times[moving.seen.dataset.images[i].image] = moving.times_s[i];
+  files->Add((std::filesystem::path(arguments.output) / "times.csv").string(),
+             FormatImageTimes(times));
+  return moving.seen;
+}
+
 int NumFeatures(const Board& board) {
   int count = 0;
   for (int row = 0; row < board.rows; ++row)
@@ -300,9 +324,11 @@ SimulatedObservations Observe(const SimulateArguments& arguments,
     throw Error(
         ExitCode::kUsage,
         fmt::format("--features-per-image: the board has {}", num_features));
-  const SimulatedObservations observations =
-      SimulateObservations(*camera, pattern, options);
   OutputFiles files;
+  const SimulatedObservations observations =
+      arguments.moving
+          ? ObserveMoving(arguments, *camera, pattern, options, &files)
+          : SimulateObservations(*camera, pattern, options);
   AddTruth(arguments.output, observations, *camera, !arguments.camera.empty(),
            &files);
   files.Commit();
@@ -329,7 +355,7 @@ void RequireInputsStay(const SimulateArguments& arguments) {
   std::vector<std::string> outputs;
   for (const char* name :
        {"features.csv", "pattern.yaml", "true_camera.yaml", "true_pattern.yaml",
-        "true_poses.csv", "true_rig.yaml"})
+        "times.csv", "true_poses.csv", "true_rig.yaml"})
     outputs.push_back(
         (std::filesystem::path(arguments.output) / name).string());
   RequireNoInputReplaced({arguments.pattern, arguments.camera}, outputs);
@@ -349,6 +375,12 @@ void Run(SimulateArguments arguments, const CommonOptions& common) {
     throw Error(ExitCode::kUsage,
                 "--shared-noise-px: not with --render, whose noise is that of "
                 "pixels");
+  if (arguments.moving &&
+      (arguments.render || arguments.cameras > 1 || arguments.fixed_boards ||
+       arguments.simulation.num_shots > 1 || arguments.board_flex_mm > 0))
+    throw Error(ExitCode::kUsage,
+                "--moving: not with --render, --cameras, --fixed-boards, "
+                "--shots or --board-flex-mm");
   if (arguments.render && arguments.cameras > 1)
     throw Error(ExitCode::kUsage, "--render: with one camera only");
   if (arguments.render && arguments.fixed_boards)
@@ -480,6 +512,32 @@ void AddCameraOptions(CLI::App* command, SimulateArguments* arguments) {
       ->capture_default_str();
 }
 
+void AddMotionOptions(CLI::App* command, SimulateArguments* arguments) {
+  CLI::Option* moving = command->add_flag(
+      "--moving", arguments->moving,
+      "--images are consecutive frames of a board in a hand that moves");
+  command
+      ->add_option("--row-time-us", arguments->row_time_us,
+                   "how much later than the row above it a row is read; "
+                   "negative: from the last one on; 0: a global shutter")
+      ->check(CLI::Range(-1000.0, 1000.0))
+      ->needs(moving)
+      ->capture_default_str();
+  command
+      ->add_option("--frame-rate", arguments->frames_per_second,
+                   "frames a second")
+      ->check(CLI::Range(0.1, 10000.0))
+      ->needs(moving)
+      ->capture_default_str();
+  command
+      ->add_option("--speed", arguments->motion.speed,
+                   "of the hand: 1 takes some seconds from one side of the "
+                   "image to the other; 0 keeps still")
+      ->check(CLI::Range(0.0, 100.0))
+      ->needs(moving)
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void AddSimulate(CLI::App* app, CommonOptions* common) {
@@ -495,8 +553,11 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
       "x 25 "
       "pixels as x,y,dx,dy,dz,ox,oy,oz: unit direction, point in metres\n"
       "  true_rig.yaml      with --cameras\n"
+      "  times.csv          with --moving: when frames were taken\n"
       "  true_poses.csv     camera_from_board",
-      "raygrid simulate --noise-px 0.05 -o simulated/", common);
+      "raygrid simulate --noise-px 0.05 -o simulated/\n"
+      "  raygrid simulate --moving --row-time-us 20 -o moving/",
+      common);
   auto arguments = std::make_shared<SimulateArguments>();
   AddAtOption(command, common);
   SimulationOptions& simulation = arguments->simulation;
@@ -541,6 +602,7 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
                    "without --render")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
+  AddMotionOptions(command, arguments.get());
   AddCameraOptions(command, arguments.get());
   AddImagingOptions(command, arguments.get());
   command->add_option("-o,--output", arguments->output, "folder to write to")

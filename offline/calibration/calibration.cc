@@ -18,6 +18,7 @@
 #include "calibration/rig_evaluation.h"
 #include "calibration/rig_start.h"
 #include "calibration/rig_uncertainty.h"
+#include "calibration/row_motion.h"
 #include "calibration/same_views.h"
 #include "calibration/starting_lens.h"
 #include "calibration/stopwatch.h"
@@ -58,12 +59,15 @@ class Calibration {
 
   // Features measured through that lens, and a start from them.
   void MeasureAgain();
+  void TakeRowMotionOut();
+  void TakeRowMotionOut(CameraInProgress* camera) const;
 
   // The resolution of each camera's grid.
   void ChooseGrids();
 
   // All cameras together, their poses and the boards.
   void Adjust();
+  void TellRowTimes();
 
   // Held-out errors; whether another camera explains the images better.
   void Evaluate();
@@ -87,6 +91,7 @@ class Calibration {
   std::vector<double> CellsPx() const;
   // A rig's boards bend where most cameras say so.
   bool DoBoardsBend() const;
+  bool AreRowTimesAsked() const;
   // Boards of bodies do not bend: they have no pose of their own to bend at.
   bool AreBoardsRigid() const { return !bodies_.empty() || !DoBoardsBend(); }
   Adjusted AdjustTogether(const std::vector<int>& cameras,
@@ -222,6 +227,56 @@ void Calibration::MeasureAgain() {
     camera->split = SplitImages(camera->input->name, *again, options_.hold_out);
     StartFromImages(camera);
   });
+}
+
+// ---- Rolling shutter -------------------------------------------------------
+
+bool Calibration::AreRowTimesAsked() const {
+  return std::any_of(cameras_.begin(), cameras_.end(), [](const auto& camera) {
+    return camera.input->times.has_value();
+  });
+}
+
+// A first camera is bent by the motions, and so is its board, and both lessen
+// the row time. Of features without most of the motion they tell the rest.
+void Calibration::TakeRowMotionOut(CameraInProgress* camera) const {
+  constexpr int kMaxRounds = 6;
+  double before_s = 0;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    auto still = FeaturesWithoutRowMotion(pattern_, options_, *camera);
+    if (!still) return;
+    camera->still = std::move(still->features);
+    camera->split =
+        SplitImages(camera->input->name,
+                    WithoutOthers(*camera->still, camera->result.same_views),
+                    options_.hold_out);
+    StartFromImages(camera);
+    const RowTime& now = still->row_time;
+    if (std::abs(now.seconds - before_s) < now.deviation_s / 2) return;
+    before_s = now.seconds;
+  }
+}
+
+void Calibration::TakeRowMotionOut() {
+  if (!AreRowTimesAsked()) return;
+  const Stopwatch stopwatch(&result_.seconds["row_time"]);
+  ForEachCamera({"row time", 0.1, 0.12}, [&](CameraInProgress* camera, auto) {
+    if (!camera->input->times || options_.ShouldStop()) return;
+    TakeRowMotionOut(camera);
+  });
+}
+
+void Calibration::TellRowTimes() {
+  if (!AreRowTimesAsked()) return;
+  const Stopwatch stopwatch(&result_.seconds["row_time"]);
+  for (CameraInProgress& camera : cameras_) {
+    if (!camera.input->times || options_.ShouldStop()) continue;
+    CalibrationResult& result = camera.result;
+    result.row_time = RowTimeOf(camera, *result.camera.camera, result_.pattern,
+                                options_.num_threads);
+    if (result.row_time->IsTold())
+      result.camera.row_time = result.row_time->value;
+  }
 }
 
 // ---- Choose the grid -------------------------------------------------------
@@ -416,8 +471,10 @@ void Calibration::PlaceOtherImages() {
   bool are_any = false;
   for (size_t c = 0; c < cameras_.size(); ++c) {
     rig.cameras.push_back(result_.cameras[c].camera.camera.get());
+    const CameraInProgress& camera = cameras_[c];
     others.push_back(
-        OthersOnly(cameras_[c].input->dataset, result_.cameras[c].same_views));
+        OthersOnly(camera.still ? *camera.still : camera.input->dataset,
+                   result_.cameras[c].same_views));
     are_any |= !others.back().images.empty();
   }
   if (!are_any || options_.ShouldStop()) return;
@@ -451,8 +508,10 @@ RigResult Calibrate(const std::vector<CalibrationInput>& cameras,
   Calibration calibration(cameras, pattern, options);
   calibration.Start();
   calibration.MeasureAgain();
+  calibration.TakeRowMotionOut();
   calibration.ChooseGrids();
   calibration.Adjust();
+  calibration.TellRowTimes();
   calibration.Evaluate();
   return calibration.Judge();
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dataset/dataset.h"
+#include "dataset/image_times.h"
 #include "evaluation/rig_result.h"
 
 namespace raygrid {
@@ -40,6 +41,8 @@ struct CalibrationInput {
   std::optional<ImageCircle> image_circle = {};
   /// Images that were given, but not measured; the result names them.
   std::vector<RejectedImage> skipped = {};
+  /// When images were taken, to estimate the time of a row by; nothing: do not.
+  std::optional<ImageTimes> times = {};
 };
 
 struct CalibrationOptions {

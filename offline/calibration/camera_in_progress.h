@@ -10,7 +10,10 @@ namespace raygrid {
 /// A camera that is being calibrated.
 struct CameraInProgress {
   const CalibrationInput* input = nullptr;
-  Dataset dataset;           ///< as given, without images of the same view
+  Dataset dataset;  ///< as given, without images of the same view
+  /// The features of all images as if frames were read at once, if motion was
+  /// taken out.
+  std::optional<Dataset> still;
   Split split;               ///< features as measured last
   Adjusted lens;             ///< parametric, by its own training images
   Folds folds;               ///< of its training images

@@ -5,14 +5,29 @@
 
 #include "calibration/grid_choice.h"
 #include "calibration/same_views.h"
+#include "dataset/parallel_for.h"
 
 namespace raygrid {
-namespace {
 
-// The boards of all images, those held out among them.
-std::vector<BoardPose> BoardPoses(const CameraModel& camera,
-                                  const Dataset& dataset,
-                                  const Pattern& pattern, int num_threads) {
+FirstCamera AdjustFirstCamera(const Pattern& pattern,
+                              const CalibrationOptions& options,
+                              const CameraInProgress& camera) {
+  const double cell_px = options.cell_px > 0
+                             ? options.cell_px
+                             : MediumCellPx(camera.dataset, options.model);
+  FirstCamera first = {camera.lens, {}};
+  AdjustModel(pattern, options.model, {cell_px}, StoppableAdjustment(options),
+              &first.adjusted);
+  if (options.ShouldStop()) return first;
+  AlignBoards(pattern, &first.adjusted);
+  first.pattern = AdjustedPattern(pattern, first.adjusted);
+  return first;
+}
+
+std::vector<BoardPose> LocalizedBoards(const CameraModel& camera,
+                                       const Dataset& dataset,
+                                       const Pattern& pattern,
+                                       int num_threads) {
   std::vector<RejectedImage> rejected;
   const CalibrationProblem problem =
       BuildProblem({dataset}, pattern, &rejected);
@@ -26,24 +41,16 @@ std::vector<BoardPose> BoardPoses(const CameraModel& camera,
   return known;
 }
 
-}  // namespace
-
 std::optional<Dataset> MeasureFeaturesAgain(const Pattern& pattern,
                                             const CalibrationOptions& options,
                                             const CameraInProgress& camera) {
-  const Dataset& dataset = camera.dataset;
-  const double cell_px = options.cell_px > 0
-                             ? options.cell_px
-                             : MediumCellPx(dataset, options.model);
-  const AdjustmentOptions adjustment = StoppableAdjustment(options);
-  Adjusted first = camera.lens;
-  AdjustModel(pattern, options.model, {cell_px}, adjustment, &first);
+  const FirstCamera first = AdjustFirstCamera(pattern, options, camera);
   if (options.ShouldStop()) return std::nullopt;
-  AlignBoards(pattern, &first);
-  const Pattern found = AdjustedPattern(pattern, first);
+  const CameraModel& model = first.adjusted.state.camera();
   Dataset again = camera.input->measure_again(
-      first.state.camera(), found,
-      BoardPoses(first.state.camera(), dataset, found, adjustment.num_threads));
+      model, first.pattern,
+      LocalizedBoards(model, camera.dataset, first.pattern,
+                      NumThreads(options.num_threads)));
   if (options.ShouldStop()) return std::nullopt;  // it may not be complete
   return WithoutOthers(again, camera.result.same_views);
 }

@@ -254,6 +254,23 @@ std::optional<ImageCircle> ParseImageCircle(const YAML::Node& node) {
                      Eigen::Vector2d::Constant(radius_px)};
 }
 
+std::optional<RowTime> ParseRowTime(const YAML::Node& root) {
+  const YAML::Node row_time = root["row_time_us"];
+  const YAML::Node deviation = root["row_time_deviation_us"];
+  if (deviation && !row_time)
+    throw InputError("row_time_deviation_us needs row_time_us");
+  if (!row_time) return std::nullopt;
+  RowTime value;
+  value.seconds = YamlNumber(row_time, "row_time_us") * 1e-6;
+  if (deviation)
+    value.deviation_s = YamlNumber(deviation, "row_time_deviation_us") * 1e-6;
+  if (!(std::abs(value.seconds) <= kLongestRowTimeS))
+    throw InputError("row_time_us: microseconds from -1000 to 1000");
+  if (!(value.deviation_s >= 0 && value.deviation_s <= kLongestRowTimeS))
+    throw InputError("row_time_deviation_us: microseconds from 0 to 1000");
+  return value;
+}
+
 // Throws what yaml-cpp throws, and InputError without the file's name.
 CameraFile Parse(const YAML::Node& root) {
   RequireKind(root, "camera");
@@ -308,6 +325,7 @@ CameraFile Parse(const YAML::Node& root) {
   file.uncertainty = ParseUncertainty(root, image_size);
   file.capture = ParseCapture(root["capture"], image_size);
   file.stack = ParseStack(root["stack"], *file.camera);
+  file.row_time = ParseRowTime(root);
   return file;
 }
 
@@ -370,6 +388,14 @@ void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
     *out << YAML::DoubleQuoted << text;
   }
   *out << YAML::EndSeq << YAML::EndMap;
+}
+
+void EmitRowTime(const RowTime& row_time, YAML::Emitter* out) {
+  *out << YAML::Key << "row_time_us" << YAML::Value
+       << fmt::format("{:.6f}", row_time.seconds * 1e6);
+  if (row_time.deviation_s > 0)
+    *out << YAML::Key << "row_time_deviation_us" << YAML::Value
+         << fmt::format("{:.6f}", row_time.deviation_s * 1e6);
 }
 
 // The lattice's deviations at a value, where some are known below and above it
@@ -523,6 +549,7 @@ std::string FormatCameraFile(const CameraFile& file, Digits digits) {
   if (file.camera_from_view) EmitPose(*file.camera_from_view, &out);
   if (file.capture) EmitCapture(*file.capture, &out);
   if (file.stack) EmitStack(*file.stack, &out);
+  if (file.row_time) EmitRowTime(*file.row_time, &out);
   // The model, which no camera lacks, comes last: a file that was cut is no
   // camera.
   EmitModel(camera, digits, &out);

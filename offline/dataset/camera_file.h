@@ -10,6 +10,7 @@
 #include "camera/camera_uncertainty.h"
 #include "camera/pose.h"
 #include "dataset/capture.h"
+#include "dataset/row_time.h"
 
 namespace raygrid {
 
@@ -44,6 +45,7 @@ struct CameraFile {
   /// The cameras that it is one of: the one in the middle, unless it was taken
   /// at another value.
   std::optional<StackOfCameras> stack;
+  std::optional<RowTime> row_time;
 };
 
 /// The file of a stack's camera at a value of its condition, which lies in its

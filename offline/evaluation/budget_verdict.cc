@@ -58,8 +58,9 @@ std::string AdviceFor(ErrorCause cause, const BudgetFacts& facts) {
       return "lock focus and zoom, and let the camera warm up before the first "
              "image";
     default:
-      return "keep camera and board still in each image, or use a global "
-             "shutter";
+      return "keep camera and board still in each image, use a global "
+             "shutter, or record consecutive frames, and calibrate them with "
+             "--rolling-shutter";
   }
 }
 

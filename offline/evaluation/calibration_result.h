@@ -101,6 +101,7 @@ struct CalibrationResult {
   FeatureNoise feature_noise;
   std::optional<LineSpread> line_spread;  ///< of a camera that is not central
   FoldOver fold_over;
+  std::optional<RowTimeEstimate> row_time;  ///< if it was asked for
   /// The causes of the training residuals; none of an interrupted calibration.
   std::optional<ResidualBudget> budget;
   Verdict verdict;

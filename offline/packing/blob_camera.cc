@@ -216,6 +216,16 @@ rg_camera BlobCamera::WithTable(uint32_t remap_index) const {
   return camera;
 }
 
+std::optional<RowTime> BlobCamera::TimeOfRow() const {
+  constexpr double kQ10PerSecond = 1024 * 1e9;
+  int32_t row_time_ns_q10;
+  uint32_t deviation_ns_q10;
+  if (rg_row_time(&camera_, &row_time_ns_q10, &deviation_ns_q10) != RG_OK)
+    return std::nullopt;
+  return RowTime{row_time_ns_q10 / kQ10PerSecond,
+                 deviation_ns_q10 / kQ10PerSecond};
+}
+
 std::optional<Capture> BlobCamera::CaptureAtCalibration() const {
   if (!blob_.capture) return std::nullopt;
   rg_capture_section section;

@@ -13,6 +13,7 @@
 #include "camera/sensor_mode.h"
 #include "dataset/capture.h"
 #include "dataset/image_files.h"
+#include "dataset/row_time.h"
 #include "packing/view.h"
 #include "raygrid.h"
 #include "rg_blob.h"
@@ -69,6 +70,8 @@ class BlobCamera {
   /// How the camera stood while it was calibrated; nothing if the blob does not
   /// say.
   std::optional<Capture> CaptureAtCalibration() const;
+  /// The time of a row; nothing if the blob does not say.
+  std::optional<RowTime> TimeOfRow() const;
 
   /// The view of a remap table, the size of what it takes, and its direction.
   /// Throw Error(kBlob) if there is none of that number.

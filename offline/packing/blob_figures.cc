@@ -56,6 +56,16 @@ UncertaintySections QuantizeUncertainty(const CameraUncertainty& known,
   return sections;
 }
 
+rg_row_time_section QuantizeRowTime(const RowTime& row_time) {
+  constexpr double kQ10PerSecond = 1024 * 1e9;
+  rg_row_time_section section = {};
+  section.row_time_ns_q10 =
+      static_cast<int32_t>(std::lround(row_time.seconds * kQ10PerSecond));
+  section.deviation_ns_q10 =
+      static_cast<uint32_t>(std::lround(row_time.deviation_s * kQ10PerSecond));
+  return section;
+}
+
 rg_capture_section QuantizeCapture(const Capture& capture) {
   const auto q16 = [](double value) { return std::lround(value * 65536); };
   rg_capture_section section = {};

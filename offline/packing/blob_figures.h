@@ -30,6 +30,9 @@ UncertaintySections QuantizeUncertainty(const CameraUncertainty& known,
 /// How the camera stood while it was calibrated, in the format's integers.
 rg_capture_section QuantizeCapture(const Capture& capture);
 
+/// The time of a row in the format's integers.
+rg_row_time_section QuantizeRowTime(const RowTime& row_time);
+
 /// The errors of calibration, as the file has them, and of packing; rounded up.
 rg_quality_section QualityOf(const CameraFile& file,
                              const UnprojectionError& packing);

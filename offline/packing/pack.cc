@@ -81,7 +81,8 @@ void RequireFewTables(const CameraFile& file, const PackOptions& options) {
                   [](const RemapRequest& remap) { return remap.mode; });
   const size_t num_others =
       size_t{4} + !file.camera->IsCentral() + (file.uncertainty ? 2 : 0) +
-      has_modes + file.capture.has_value() + options.stack.has_value();
+      has_modes + file.capture.has_value() + options.stack.has_value() +
+      file.row_time.has_value();
   const size_t max_tables = RG_MAX_SECTIONS - num_others;
   if (options.remaps.size() > max_tables)
     throw Error(ExitCode::kUsage,
@@ -460,6 +461,11 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
     stack_contents.num_knots = static_cast<uint16_t>(knots.size());
     stack_contents.knots = knots.data();
     contents.stack = &stack_contents;
+  }
+  rg_row_time_section row_time;
+  if (file.row_time) {
+    row_time = QuantizeRowTime(*file.row_time);
+    contents.row_time = &row_time;
   }
   packed.blob = WriteBlob(contents);
   return packed;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "evaluation/row_time_text.h"
 #include "report/budget_section.h"
 #include "report/html.h"
 #include "report/page_data.h"
@@ -84,6 +85,10 @@ void AddTrustRows(const CalibrationResult& result, std::vector<HtmlRow>* rows) {
         {"image circle",
          fmt::format("{:.1f} px around {:.1f}, {:.1f}", circle->radii_px.x(),
                      circle->center.x(), circle->center.y())});
+  if (result.row_time)
+    rows->push_back(
+        {"time of a row", EscapeHtml(RowTimeText(*result.row_time,
+                                                 camera.image_size().height))});
   if (result.line_spread)
     rows->push_back({"lines pass the point nearest to all by",
                      fmt::format("{:.3f} mm (RMS), {:.3f} mm (largest)",

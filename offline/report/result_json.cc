@@ -75,6 +75,19 @@ Json ModelJson(const ModelFigures& figures) {
   return json;
 }
 
+Json RowTimeJson(const RowTimeEstimate& row_time) {
+  Json json;
+  if (row_time.IsTold()) {
+    json["row_time_us"] = row_time.value.seconds * 1e6;
+    json["deviation_us"] = row_time.value.deviation_s * 1e6;
+  } else {
+    json["untold"] = row_time.untold;
+  }
+  json["images"] = row_time.num_images;
+  json["taken_out"] = row_time.is_taken_out;
+  return json;
+}
+
 Json BendsJson(const BoardBends& bends) {
   Json views = Json::array(), heights = Json::array();
   for (const BoardBends::View& view : bends.views)
@@ -182,6 +195,7 @@ void AddCamera(const CalibrationResult& result, Json* json) {
   if (result.budget) (*json)["residual_budget"] = BudgetJson(*result.budget);
   (*json)["fold_over"] = {{"part", result.fold_over.part},
                           {"trusted_part", result.fold_over.trusted_part}};
+  if (result.row_time) (*json)["row_time"] = RowTimeJson(*result.row_time);
   if (result.line_spread)
     (*json)["line_spread"] = {{"rms_m", result.line_spread->rms_m},
                               {"max_m", result.line_spread->max_m}};
@@ -354,6 +368,17 @@ std::optional<double> NumberIfAny(const Json& json, const char* key) {
   return json.at(key).get<double>();
 }
 
+RowTimeEstimate ParseRowTime(const Json& json) {
+  RowTimeEstimate row_time;
+  row_time.num_images = json.at("images").get<int>();
+  row_time.is_taken_out = json.at("taken_out").get<bool>();
+  row_time.value = {NumberIfAny(json, "row_time_us").value_or(0) * 1e-6,
+                    NumberIfAny(json, "deviation_us").value_or(0) * 1e-6};
+  if (json.contains("untold"))
+    row_time.untold = json.at("untold").get<std::string>();
+  return row_time;
+}
+
 ModelFigures ParseModel(const Json& json) {
   return {json.at("model").get<std::string>(),
           json.at("parameters").get<int>(),
@@ -435,6 +460,8 @@ CalibrationResult ParseCamera(const Json& json) {
   result.held_out_flexed = FiguresIfAny(json, "held_out_flexed");
   if (json.contains("board_bends"))
     result.bends = ParseBends(json.at("board_bends"));
+  if (json.contains("row_time"))
+    result.row_time = ParseRowTime(json.at("row_time"));
   result.cross_validated =
       json.contains("held_out") &&
       json.at("held_out").at("by").get<std::string>() == HeldOutBy(true);

@@ -70,13 +70,6 @@ double Magnification(const CameraModel& camera, const Eigen::Vector3d& ray) {
   return std::sqrt(std::max(0.0, mean - root));
 }
 
-// Keeps count of the features, chosen at random, in their order.
-void Thin(size_t count, Random* random, std::vector<Feature>* features) {
-  while (features->size() > count)
-    features->erase(features->begin() +
-                    random->Index(static_cast<int>(features->size())));
-}
-
 // Moves features by a field of waves, whose sum is Gaussian in the limit, with
 // the covariance exp(-d^2 / 2 length^2) over so many features' distance d.
 void AddSharedNoise(double noise_px, double length, Random* random,
@@ -96,6 +89,13 @@ void AddSharedNoise(double noise_px, double length, Random* random,
 }
 
 }  // namespace
+
+void ThinFeatures(size_t count, Random* random,
+                  std::vector<Feature>* features) {
+  while (features->size() > count)
+    features->erase(features->begin() +
+                    random->Index(static_cast<int>(features->size())));
+}
 
 void AddNoise(const SimulationOptions& options, Random* random,
               std::vector<Feature>* features) {
@@ -168,7 +168,7 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
     if (static_cast<int>(features.size()) < options.features_per_image)
       continue;
     num_tries = 0;
-    Thin(options.features_per_image, &random, &features);
+    ThinFeatures(options.features_per_image, &random, &features);
     for (int shot = 0; shot < options.num_shots; ++shot) {
       const std::string name = fmt::format("sim{:04d}.png", images.size());
       images.push_back({name, features});

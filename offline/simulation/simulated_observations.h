@@ -43,6 +43,9 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
                                            const Pattern& pattern,
                                            const SimulationOptions& options);
 
+/// Keeps count of the features, or all, chosen at random, in their order.
+void ThinFeatures(size_t count, Random* random, std::vector<Feature>* features);
+
 /// Moves the features of an image at random: each, and all smoothly.
 void AddNoise(const SimulationOptions& options, Random* random,
               std::vector<Feature>* features);

@@ -199,6 +199,8 @@ class Case:
                 self.random.choice(("40", "160", "2", "0", "nan", "1e300", "auto")),
                 *(["--same-view-px", self.random.choice(("0", "auto", "-1", "40"))]
                   if self.chance(0.1) else []),
+                *(["--rolling-shutter", "--times", self.numbers("xy")]
+                  if self.chance(0.1) else []),
                 "--skip-comparison", *(held_out if self.chance(0.1) else []), "-o", self.output()]
 
     def run_check(self):
@@ -293,7 +295,9 @@ class Case:
         camera = (["--camera", self.camera()] if self.chance(0.5) else
                   ["--lens", "pinhole", "--size", self.size()])
         return [*camera, "--pattern", self.pattern(), "--images", "2", "--samples-per-pixel", "1",
-                *(["--render"] if self.chance(0.5) else []), "-o", self.output()]
+                *(["--render"] if self.chance(0.5) else []),
+                *(["--moving", "--row-time-us", self.random.choice(("20", "-20", "nan", "1e9"))]
+                  if self.chance(0.3) else []), "-o", self.output()]
 
     def run_undistort(self):
         return [self.camera(), *self.images(), "--size", self.size(), "--hfov",

@@ -234,6 +234,26 @@ TEST(CameraFile, WrongCountsAreRefused) {
   ExpectCameraRefused(Replaced(generic, "[640, 480]", "[640, -480]"));
 }
 
+TEST(CameraFile, RowTimeIsReadAsItIsWritten) {
+  CameraFile file = OpenCvFile();
+  EXPECT_FALSE(ParseCameraFile("camera.yaml", FormatCameraFile(file)).row_time);
+  file.row_time = {-20.125e-6, 0.03125e-6};
+  std::string text = FormatCameraFile(file);
+  auto read = ParseCameraFile("camera.yaml", text).row_time;
+  ASSERT_TRUE(read);
+  EXPECT_NEAR(read->seconds, -20.125e-6, 1e-15);
+  EXPECT_NEAR(read->deviation_s, 0.03125e-6, 1e-15);
+  ExpectCameraRefused(Replaced(text, "row_time_us: -20", "row_time_us: -2000"));
+  ExpectCameraRefused(Replaced(text, "row_time_us: -", "row_time_us: fast"));
+  ExpectCameraRefused(Replaced(text, "deviation_us: 0", "deviation_us: -1"));
+  ExpectCameraRefused(Replaced(text, "row_time_us: -", "row_tim_us: -"));
+  file.row_time->deviation_s = 0;
+  text = FormatCameraFile(file);
+  read = ParseCameraFile("camera.yaml", text).row_time;
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->deviation_s, 0);
+}
+
 TEST(CameraFile, AreasOutsideTheImageAreRefused) {
   const std::string generic = FormatCameraFile(GridFile());
   ExpectCameraRefused(Replaced(generic, "[640, 480]", "[600, 480]"));

@@ -215,6 +215,16 @@ TEST(PackCamera, MaskMayStandAlone) {
   EXPECT_EQ(opened.Trusted()->is_trusted, mask.is_trusted);
 }
 
+TEST(PackCamera, RowTimeComesOutOfTheBlob) {
+  CameraFile file = GenericFile();
+  EXPECT_FALSE(BlobCamera("blob", PackCamera(file, {}).blob).TimeOfRow());
+  file.row_time = {-20.1e-6, 0.03e-6};
+  const auto read = BlobCamera("blob", PackCamera(file, {}).blob).TimeOfRow();
+  ASSERT_TRUE(read);
+  EXPECT_NEAR(read->seconds, -20.1e-6, 1e-12);
+  EXPECT_NEAR(read->deviation_s, 0.03e-6, 1e-12);
+}
+
 TEST(PackCamera, RecordsHowTheCameraStood) {
   const std::string without = PackCamera(GenericFile(), PackOptions()).blob;
   EXPECT_FALSE(BlobCamera("blob", without).CaptureAtCalibration());

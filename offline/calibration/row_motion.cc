@@ -1,0 +1,60 @@
+#include "calibration/row_motion.h"
+
+#include <map>
+#include <string>
+
+#include "calibration/measuring_again.h"
+#include "shutter/row_time.h"
+
+namespace raygrid {
+namespace {
+
+// The features of all images, those among them that others stand for, as they
+// were measured last.
+Dataset AllFeatures(const CameraInProgress& camera) {
+  Dataset all = camera.input->dataset;
+  if (!camera.checkpoint.measured_again) return all;
+  std::map<std::string, const ImageFeatures*> again;
+  for (const ImageFeatures& image : camera.checkpoint.measured_again->images)
+    again[image.image] = &image;
+  for (ImageFeatures& image : all.images)
+    if (const auto found = again.find(image.image); found != again.end())
+      image = *found->second;
+  return all;
+}
+
+MovingViews ViewsBy(const CameraModel& camera, const Pattern& found,
+                    const Dataset& features, const ImageTimes& times,
+                    int num_threads) {
+  return {&camera, &found, &features,
+          LocalizedBoards(camera, features, found, num_threads), &times};
+}
+
+}  // namespace
+
+std::optional<StillFeatures> FeaturesWithoutRowMotion(
+    const Pattern& pattern, const CalibrationOptions& options,
+    const CameraInProgress& camera) {
+  const FirstCamera first = AdjustFirstCamera(pattern, options, camera);
+  if (options.ShouldStop()) return std::nullopt;
+  const Dataset features = AllFeatures(camera);
+  const MovingViews views =
+      ViewsBy(first.adjusted.state.camera(), first.pattern, features,
+              *camera.input->times, options.num_threads);
+  const RowTimeEstimate row_time = EstimateRowTime(views);
+  if (!row_time.IsTold() || row_time.value.MayBeGlobal()) return std::nullopt;
+  return StillFeatures{row_time.value,
+                       WithoutRowMotion(views, row_time.value.seconds)};
+}
+
+RowTimeEstimate RowTimeOf(const CameraInProgress& camera,
+                          const CameraModel& calibrated, const Pattern& found,
+                          int num_threads) {
+  const Dataset features = AllFeatures(camera);
+  RowTimeEstimate row_time = EstimateRowTime(
+      ViewsBy(calibrated, found, features, *camera.input->times, num_threads));
+  row_time.is_taken_out = camera.still.has_value();
+  return row_time;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,15 @@
+#ifndef RAYGRID_EVALUATION_ROW_TIME_TEXT_H
+#define RAYGRID_EVALUATION_ROW_TIME_TEXT_H
+
+#include <string>
+
+#include "dataset/row_time.h"
+
+namespace raygrid {
+
+/// The finding on the time of a row, in words, for images of so many rows.
+std::string RowTimeText(const RowTimeEstimate& row_time, int num_rows);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EVALUATION_ROW_TIME_TEXT_H

@@ -1,0 +1,72 @@
+#include "shutter/board_tracks.h"
+
+#include <Eigen/Geometry>
+#include <map>
+#include <utility>
+
+namespace raygrid {
+namespace {
+
+using PoseOfView = std::map<std::pair<std::string, int>, Pose>;
+
+// Half of the longer side of the rectangle around a board's points, and its
+// middle.
+std::pair<double, Eigen::Vector2d> HalfAndMiddle(const Board& board) {
+  Eigen::AlignedBox2d around;
+  for (const Eigen::Vector3d& point : board.points)
+    around.extend(point.head<2>());
+  return {around.sizes().maxCoeff() / 2, around.center()};
+}
+
+std::vector<TrackPoint> PointsOf(const Board& board,
+                                 const std::vector<Feature>& features,
+                                 size_t image) {
+  const auto& [half_m, middle] = HalfAndMiddle(board);
+  std::vector<TrackPoint> points;
+  for (size_t k = 0; k < features.size(); ++k)
+    if (features[k].board == board.id) {
+      const Eigen::Vector3d& point =
+          board.points[board.PointIndex(features[k].column, features[k].row)];
+      points.push_back({point, features[k].pixel,
+                        (point.head<2>() - middle) / half_m, image, k});
+    }
+  return points;
+}
+
+BoardTrack MakeTrack(const MovingViews& views, const Board& board,
+                     const PoseOfView& poses) {
+  std::map<double, std::pair<size_t, Pose>> frames;
+  const std::vector<ImageFeatures>& images = views.dataset->images;
+  for (size_t i = 0; i < images.size(); ++i) {
+    const auto time = views.times->find(images[i].image);
+    const auto pose = poses.find({images[i].image, board.id});
+    if (time != views.times->end() && pose != poses.end())
+      frames.insert({time->second, {i, pose->second}});
+  }
+  BoardTrack track;
+  track.half_m = HalfAndMiddle(board).first;
+  for (const auto& [time_s, frame] : frames) {
+    track.times_s.push_back(time_s);
+    track.poses.push_back(frame.second);
+    track.points.push_back(
+        PointsOf(board, images[frame.first].features, frame.first));
+  }
+  track.stencils = MakeStencils(track.times_s);
+  return track;
+}
+
+}  // namespace
+
+std::vector<BoardTrack> MakeTracks(const MovingViews& views) {
+  PoseOfView poses;
+  for (const BoardPose& pose : views.poses)
+    poses[{pose.image, pose.board}] = pose.camera_from_board;
+  std::vector<BoardTrack> tracks;
+  for (const Board& board : views.pattern->boards) {
+    tracks.push_back(MakeTrack(views, board, poses));
+    if (tracks.back().stencils.empty()) tracks.pop_back();
+  }
+  return tracks;
+}
+
+}  // namespace raygrid

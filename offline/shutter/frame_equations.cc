@@ -1,0 +1,130 @@
+#include "shutter/frame_equations.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <optional>
+
+namespace raygrid {
+namespace {
+
+constexpr double kHuberPx = 1;  // as adjustments have it
+
+// The terms of a polynomial in the plane, up to the third degree.
+Eigen::Matrix<double, kBoardTerms, 1> BoardTermsAt(
+    const Eigen::Vector2d& place) {
+  const double x = place.x(), y = place.y();
+  Eigen::Matrix<double, kBoardTerms, 1> terms;
+  terms << 1, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y,
+      y * y * y;
+  return terms;
+}
+
+// Up to the fourth degree at a pixel; the image's longer side is -1 to 1.
+Eigen::Matrix<double, kImageTerms, 1> ImageTermsAt(const Eigen::Vector2d& pixel,
+                                                   const ImageSize& size) {
+  const double half = std::max(size.width, size.height) / 2.0;
+  const double x = (pixel.x() - size.width / 2.0) / half;
+  const double y = (pixel.y() - size.height / 2.0) / half;
+  Eigen::Matrix<double, kImageTerms, 1> terms;
+  terms << BoardTermsAt({x, y}), x * x * x * x, x * x * x * y, x * x * y * y,
+      x * y * y * y, y * y * y * y;
+  return terms;
+}
+
+// A residual with its derivatives.
+struct PointEquations {
+  Eigen::Vector2d error_px;
+  Eigen::Matrix<double, 2, 6> by_pose;
+  Eigen::Matrix<double, 2, kShared> by_shared;
+  double row = 0;  // from the middle one
+};
+
+// The pixel where a point is to be seen, by the row that shows it. Derivatives
+// are taken there, since those where it was measured would depend on its noise.
+std::optional<Eigen::Vector2d> PlaceToBeSeen(const FrameInput& input,
+                                             const TrackPoint& point) {
+  const double middle = MiddleRow(input.camera->image_size());
+  const double seconds = input.shared[0] * (point.pixel.y() - middle);
+  return input.camera->Project(
+      input.motion.After(seconds, input.pose) * point.point, &point.pixel,
+      kShutterMarginPx);
+}
+
+// False where the camera does not project the point.
+bool LinearizePoint(const FrameInput& input, const TrackPoint& point,
+                    PointEquations* equations) {
+  const SharedVector& shared = input.shared;
+  const auto place = PlaceToBeSeen(input, point);
+  if (!place) return false;
+  const double row = place->y() - MiddleRow(input.camera->image_size());
+  const auto image_terms = ImageTermsAt(*place, input.camera->image_size());
+  const auto board_terms = BoardTermsAt(point.place);
+  Eigen::Vector3d on_board = point.point;
+  for (int k = 0; k < 3; ++k)
+    on_board[k] += input.half_m * board_terms.dot(shared.segment<kBoardTerms>(
+                                      kOfAllFrames + k * kBoardTerms));
+  const double seconds = shared[0] * row;
+  const Pose then = input.motion.After(seconds, input.pose);
+  const Eigen::Vector3d turned = then.rotation * on_board;
+  LinearizedProjection projection;
+  if (!input.camera->Linearize(turned + then.translation, &point.pixel,
+                               kShutterMarginPx, &projection))
+    return false;
+  equations->error_px = projection.pixel - point.pixel;
+  Eigen::Matrix3d by_rotation;  // of the point seen: rotation x turned
+  by_rotation << 0, turned.z(), -turned.y(),  //
+      -turned.z(), 0, turned.x(),             //
+      turned.y(), -turned.x(), 0;
+  equations->by_pose << projection.by_point * by_rotation, projection.by_point;
+  auto& by_shared = equations->by_shared;
+  by_shared.setZero();
+  equations->row = row;
+  by_shared.col(0) =
+      row * equations->by_pose * input.motion.VelocityAfter(seconds);
+  for (int k = 0; k < 2; ++k) {
+    const int first = 1 + k * kImageTerms;
+    equations->error_px[k] +=
+        image_terms.dot(shared.segment<kImageTerms>(first));
+    by_shared.block<1, kImageTerms>(k, first) = image_terms.transpose();
+  }
+  const Eigen::Matrix<double, 2, 3> by_point =
+      input.half_m * projection.by_point * then.rotation.toRotationMatrix();
+  for (int k = 0; k < 3; ++k)
+    by_shared.block<2, kBoardTerms>(0, kOfAllFrames + k * kBoardTerms) =
+        by_point.col(k) * board_terms.transpose();
+  return by_shared.allFinite() && equations->error_px.allFinite();
+}
+
+}  // namespace
+
+double MiddleRow(const ImageSize& size) { return (size.height - 1) / 2.0; }
+
+FrameEquations MakeFrameEquations(const FrameInput& input,
+                                  SharedMatrix* information) {
+  FrameEquations sum;
+  PointEquations one;
+  for (const TrackPoint& point : *input.points) {
+    if (!LinearizePoint(input, point, &one)) continue;
+    const double weight =
+        std::min(1.0, kHuberPx / std::max(1e-9, one.error_px.norm()));
+    const Matrix6d square = weight * one.by_pose.transpose() * one.by_pose;
+    sum.pose += square;
+    sum.by_row += one.row * square;
+    sum.by_row2 += one.row * one.row * square;
+    sum.pose_gradient += weight * one.by_pose.transpose() * one.error_px;
+    sum.mixed.noalias() += weight * one.by_pose.transpose() * one.by_shared;
+    information->noalias() +=
+        weight * one.by_shared.transpose() * one.by_shared;
+    sum.gradient += weight * one.by_shared.transpose() * one.error_px;
+    sum.squares += weight * one.error_px.squaredNorm();
+    ++sum.num_points;
+  }
+  sum.pose_covariance = sum.pose.ldlt().solve(Matrix6d::Identity());
+  const Eigen::Matrix<double, 6, kShared> followed =
+      sum.pose_covariance * sum.mixed;
+  information->noalias() -= sum.mixed.transpose() * followed;
+  sum.gradient -= followed.transpose() * sum.pose_gradient;
+  return sum;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,418 @@
+#include "shutter/row_time.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "shutter/frame_equations.h"
+
+namespace raygrid {
+namespace {
+
+// Standard deviations of the coefficients of bends: next to nothing is asked
+// for, of pixels and of half a board.
+constexpr double kImageBendPx = 10, kBoardBendPart = 0.02;
+
+// A frame whose motion is known.
+struct MovingFrame {
+  const MotionStencil* stencil = nullptr;
+  FrameMotion motion;
+  FrameEquations equations;
+
+  // Frames at the ends of rows have motions that are good enough to correct
+  // their poses by, but tell nothing.
+  bool Tells() const { return stencil->IsCentral(); }
+};
+
+struct MovingBoard {
+  BoardTrack track;
+  std::vector<MovingFrame> frames;
+};
+
+class RowTimeAdjustment {
+ public:
+  explicit RowTimeAdjustment(const MovingViews& views);
+
+  // Gauss and Newton's steps, of poses and of what frames share. A row time
+  // that is given is held.
+  void Adjust(std::optional<double> row_time_s);
+
+  // Looks at the residuals that bends of camera and boards leave, once all is
+  // adjusted. Motions stay.
+  void Bend();
+
+  RowTimeEstimate Result(int num_images) const;
+
+  const std::vector<MovingBoard>& boards() const { return boards_; }
+
+ private:
+  // The normal equations of what is shared, and squares of residuals in px^2.
+  struct Sums {
+    Eigen::MatrixXd information;
+    Eigen::VectorXd gradient;
+    double squares = 0;
+    int64_t degrees = 0;
+
+    // Poses being where they fit best, and the rest where it will.
+    double NoiseVariance() const {
+      const double explained = gradient.dot(information.ldlt().solve(gradient));
+      return (squares - explained) /
+             static_cast<double>(std::max<int64_t>(1, degrees));
+    }
+  };
+
+  double DeviationByNoise() const {
+    return std::sqrt(noise_variance_ * covariance_(0, 0));
+  }
+  // Places of what the frames of a board share, among what all do.
+  SharedVector SharedOf(size_t board, const Eigen::VectorXd& all) const;
+  void AddSharedOf(size_t board, const SharedVector& own,
+                   Eigen::VectorXd* all) const;
+  void AddSharedOf(size_t board, const SharedMatrix& own,
+                   Eigen::MatrixXd* all) const;
+  double NoisePart(const MovingBoard& board, const MovingFrame& frame) const;
+  void FollowPoses();
+  Sums Linearize(const Eigen::VectorXd& shared);
+  void TakeNoiseOut(Sums* sums);
+  void MovePoses(const Eigen::VectorXd& change);
+  double Step();
+  double VarianceByFrames() const;
+  double RelativeBias() const;
+
+  const CameraModel& camera_;
+  ImageSize size_;
+  std::vector<MovingBoard> boards_;
+  Eigen::Index count_ = 0;  // of what is shared: by all frames, by each board's
+  bool is_row_time_held_ = false;
+  double row_time_s_ = 0;
+  Eigen::VectorXd bends_;
+  Eigen::MatrixXd covariance_;  // for noise of 1 px
+  double noise_variance_ = 0;
+  double noise_part_ = 0;  // of the information on the row time
+};
+
+RowTimeAdjustment::RowTimeAdjustment(const MovingViews& views)
+    : camera_(*views.camera), size_(views.camera->image_size()) {
+  for (BoardTrack& track : MakeTracks(views)) {
+    MovingBoard& board = boards_.emplace_back();
+    board.track = std::move(track);
+    for (const MotionStencil& stencil : board.track.stencils)
+      board.frames.emplace_back().stencil = &stencil;
+  }
+  count_ = static_cast<Eigen::Index>(kOfAllFrames + kOfBoard * boards_.size());
+  bends_.setZero(count_);
+  covariance_.setZero(count_, count_);
+}
+
+SharedVector RowTimeAdjustment::SharedOf(size_t board,
+                                         const Eigen::VectorXd& all) const {
+  SharedVector own;
+  own << all.head<kOfAllFrames>(),
+      all.segment<kOfBoard>(
+          static_cast<Eigen::Index>(kOfAllFrames + board * kOfBoard));
+  return own;
+}
+
+void RowTimeAdjustment::AddSharedOf(size_t board, const SharedVector& own,
+                                    Eigen::VectorXd* all) const {
+  all->head<kOfAllFrames>() += own.head<kOfAllFrames>();
+  all->segment<kOfBoard>(static_cast<Eigen::Index>(
+      kOfAllFrames + board * kOfBoard)) += own.tail<kOfBoard>();
+}
+
+void RowTimeAdjustment::AddSharedOf(size_t board, const SharedMatrix& own,
+                                    Eigen::MatrixXd* all) const {
+  const auto at = static_cast<Eigen::Index>(kOfAllFrames + board * kOfBoard);
+  all->topLeftCorner<kOfAllFrames, kOfAllFrames>() +=
+      own.topLeftCorner<kOfAllFrames, kOfAllFrames>();
+  all->block<kOfBoard, kOfBoard>(at, at) +=
+      own.bottomRightCorner<kOfBoard, kOfBoard>();
+  all->block<kOfAllFrames, kOfBoard>(0, at) +=
+      own.topRightCorner<kOfAllFrames, kOfBoard>();
+  all->block<kOfBoard, kOfAllFrames>(at, 0) +=
+      own.bottomLeftCorner<kOfBoard, kOfAllFrames>();
+}
+
+void RowTimeAdjustment::Adjust(std::optional<double> row_time_s) {
+  constexpr int kMaxSteps = 20;
+  is_row_time_held_ = row_time_s.has_value();
+  row_time_s_ = row_time_s.value_or(0);
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const double change_s = Step();
+    // Motions follow the poses of the step before.
+    if (step > 1 && !(std::abs(change_s) > 1e-3 * DeviationByNoise())) break;
+  }
+}
+
+// The information on the row time that the noise of velocities pretends: they
+// enter it squared. For noise of 1 px.
+double RowTimeAdjustment::NoisePart(const MovingBoard& board,
+                                    const MovingFrame& frame) const {
+  const Matrix6d information = frame.equations.OnVelocity();
+  double part = 0;
+  for (const MovingFrame& other : board.frames) {
+    const int j = other.stencil->frame - frame.stencil->first;
+    if (j < 0 || j > 4 || other.stencil == frame.stencil) continue;
+    const double weight = frame.stencil->by_velocity[j];
+    part += weight * weight *
+            (other.equations.pose_covariance * information).trace();
+  }
+  return part;
+}
+
+void RowTimeAdjustment::FollowPoses() {
+  for (MovingBoard& board : boards_)
+    for (MovingFrame& frame : board.frames)
+      frame.motion = MotionAt(*frame.stencil, board.track.poses);
+}
+
+// Linearizes all frames, where they are and as they move, for what they share.
+RowTimeAdjustment::Sums RowTimeAdjustment::Linearize(
+    const Eigen::VectorXd& shared) {
+  Sums sums = {Eigen::MatrixXd::Zero(count_, count_),
+               Eigen::VectorXd::Zero(count_), 0, -count_};
+  for (size_t b = 0; b < boards_.size(); ++b) {
+    const BoardTrack& track = boards_[b].track;
+    SharedMatrix own = SharedMatrix::Zero(), unused = own;
+    for (MovingFrame& frame : boards_[b].frames) {
+      const int index = frame.stencil->frame;
+      frame.equations = MakeFrameEquations(
+          {&camera_, &track.points[index], track.poses[index], frame.motion,
+           track.half_m, SharedOf(b, shared)},
+          frame.Tells() ? &own : &unused);
+      if (!frame.Tells()) continue;
+      AddSharedOf(b, frame.equations.gradient, &sums.gradient);
+      sums.squares += frame.equations.squares;
+      sums.degrees += 2 * frame.equations.num_points - 6;
+    }
+    AddSharedOf(b, own, &sums.information);
+  }
+  for (Eigen::Index k = 1; k < count_; ++k) {
+    const double deviation = k < kOfAllFrames ? kImageBendPx : kBoardBendPart;
+    sums.information(k, k) += 1 / (deviation * deviation);
+    sums.gradient[k] += shared[k] / (deviation * deviation);
+  }
+  return sums;
+}
+
+// Noise may not pretend more than half of what there is, or all is noise.
+void RowTimeAdjustment::TakeNoiseOut(Sums* sums) {
+  double noise = 0;
+  for (const MovingBoard& board : boards_)
+    for (const MovingFrame& frame : board.frames)
+      if (frame.Tells()) noise += noise_variance_ * NoisePart(board, frame);
+  const double variance =
+      sums->information.ldlt().solve(Eigen::VectorXd::Unit(count_, 0))[0];
+  noise_part_ = noise * variance;
+  noise = std::min(noise, 0.5 / variance);
+  sums->information(0, 0) -= noise;
+  sums->gradient[0] -= noise * row_time_s_;
+}
+
+void RowTimeAdjustment::MovePoses(const Eigen::VectorXd& change) {
+  for (size_t b = 0; b < boards_.size(); ++b)
+    for (MovingFrame& frame : boards_[b].frames) {
+      const Vector6d step = frame.equations.PoseStep(SharedOf(b, change));
+      Pose& pose = boards_[b].track.poses[frame.stencil->frame];
+      if (step.allFinite()) pose = UpdatedPose(pose, step);
+    }
+}
+
+// A step, and that of the row time. Bends are solved for, but poses do not
+// follow them: else motions would depend on the noise of all frames, by the
+// ways in which camera and board may bend almost freely.
+double RowTimeAdjustment::Step() {
+  const Eigen::VectorXd row_time = Eigen::VectorXd::Unit(count_, 0);
+  FollowPoses();
+  Sums sums = Linearize(row_time_s_ * row_time);
+  noise_variance_ = sums.NoiseVariance();
+  TakeNoiseOut(&sums);
+  if (is_row_time_held_) {
+    sums.information.row(0).setZero();
+    sums.information.col(0).setZero();
+    sums.information(0, 0) = 1;
+    sums.gradient[0] = 0;
+  }
+  covariance_ =
+      sums.information.ldlt().solve(Eigen::MatrixXd::Identity(count_, count_));
+  bends_ = -covariance_ * sums.gradient;
+  if (!bends_.allFinite()) return 0;
+  const double change_s = bends_[0];
+  bends_[0] = 0;
+  row_time_s_ += change_s;
+  MovePoses(change_s * row_time);
+  return change_s;
+}
+
+void RowTimeAdjustment::Bend() {
+  const Eigen::VectorXd row_time =
+      row_time_s_ * Eigen::VectorXd::Unit(count_, 0);
+  FollowPoses();
+  Linearize(row_time);
+  MovePoses(bends_);
+  noise_variance_ = Linearize(row_time + bends_).NoiseVariance();
+}
+
+// The variance of the row time by what each frame pulls it by: this counts
+// errors that the features of a frame share, and those of velocities.
+double RowTimeAdjustment::VarianceByFrames() const {
+  double sum = 0, count = 0;
+  for (size_t b = 0; b < boards_.size(); ++b)
+    for (const MovingFrame& frame : boards_[b].frames) {
+      if (!frame.Tells()) continue;
+      const double pull =
+          SharedOf(b, covariance_.row(0)).dot(frame.equations.gradient);
+      sum += pull * pull;
+      ++count;
+    }
+  return count > 1 ? sum * count / (count - 1) : 0;
+}
+
+// How much too large the row time may be, as a part of it: motions that are
+// quick for the time between frames seem slower than they are. A motion of
+// frequency f seems slower by u = (2 pi f T)^2 / 6 from two neighbours, and by
+// 1.2 u^2 from four, so what two and four differ by tells it.
+double RowTimeAdjustment::RelativeBias() const {
+  double difference = 0, all = 0;
+  for (const MovingBoard& board : boards_)
+    for (const MovingFrame& frame : board.frames) {
+      if (!frame.Tells()) continue;
+      const Matrix6d& weight = frame.equations.by_row2;
+      const Vector6d& fine = frame.motion.velocity;
+      const Vector6d coarse = fine - frame.motion.coarse_velocity;
+      difference += coarse.dot(weight * coarse);
+      all += fine.dot(weight * fine);
+    }
+  return all > 0 ? 1.2 * difference / all : 0;
+}
+
+// The time in which a frame is read at most, for the shortest time between two.
+double LongestRowTime(const std::vector<MovingBoard>& boards, int height) {
+  constexpr double kUsualIntervalS = 1 / 30.0;
+  double shortest_s = kUsualIntervalS;
+  for (const MovingBoard& board : boards)
+    for (const MovingFrame& frame : board.frames)
+      if (frame.Tells())
+        shortest_s = std::min(
+            shortest_s, board.track.times_s[frame.stencil->frame] -
+                            board.track.times_s[frame.stencil->frame - 1]);
+  return shortest_s / height;
+}
+
+std::string MicrosecondsText(double seconds) {
+  return fmt::format("{:.3g} us", seconds * 1e6);
+}
+
+RowTimeEstimate RowTimeAdjustment::Result(int num_images) const {
+  // Shorter ones than this part of what a frame allows matter to nobody.
+  constexpr double kTold = 0.05;
+  RowTimeEstimate result;
+  result.num_images = num_images;
+  result.value.seconds = row_time_s_;
+  const double bias_s = RelativeBias() * row_time_s_;
+  const double variance =
+      std::max(VarianceByFrames(), DeviationByNoise() * DeviationByNoise());
+  result.value.deviation_s = std::sqrt(variance + bias_s * bias_s);
+  const double longest_s = LongestRowTime(boards_, size_.height);
+  const double limit_s = kTold * longest_s;
+  if (!std::isfinite(result.value.seconds) ||
+      !std::isfinite(result.value.deviation_s) || noise_part_ > 0.5)
+    result.untold =
+        "the camera hardly moves from frame to frame; move and turn it, or the "
+        "board, while it records";
+  else if (result.value.deviation_s > limit_s && std::abs(bias_s) > limit_s / 2)
+    result.untold = fmt::format(
+        "the camera moves too quickly for the time between frames (+-{}); move "
+        "it more slowly, or record more frames a second",
+        MicrosecondsText(result.value.deviation_s));
+  else if (result.value.deviation_s > limit_s)
+    result.untold = fmt::format(
+        "its deviation of {} is more than {}, {:g} % of the longest that "
+        "frames "
+        "so soon after each other may have; record more frames, and move and "
+        "turn the camera more, in all directions",
+        MicrosecondsText(result.value.deviation_s), MicrosecondsText(limit_s),
+        100 * kTold);
+  else if (std::abs(result.value.seconds) > longest_s + 2 * limit_s)
+    result.untold = fmt::format(
+        "it would be {}, and frames come every {} of a row; see that the times "
+        "are those of these images, in seconds",
+        MicrosecondsText(result.value.seconds), MicrosecondsText(longest_s));
+  return result;
+}
+
+// The images that are told something by: those with two neighbours either side.
+int CountImages(const std::vector<MovingBoard>& boards) {
+  std::set<size_t> images;
+  for (const MovingBoard& board : boards)
+    for (const MovingFrame& frame : board.frames) {
+      const auto& points = board.track.points[frame.stencil->frame];
+      if (frame.Tells() && !points.empty()) images.insert(points.front().image);
+    }
+  return static_cast<int>(images.size());
+}
+
+// From where a point was seen to where it would have been with the middle row;
+// 0 where that is not known.
+Eigen::Vector2d MoveOfPoint(const CameraModel& camera, const MovingBoard& board,
+                            const MovingFrame& frame, const TrackPoint& point,
+                            double row_time_s) {
+  const Pose& pose = board.track.poses[frame.stencil->frame];
+  const double seconds =
+      row_time_s * (point.pixel.y() - MiddleRow(camera.image_size()));
+  const Pose then = frame.motion.After(seconds, pose);
+  const auto moving =
+      camera.Project(then * point.point, &point.pixel, kShutterMarginPx);
+  const auto at_once =
+      camera.Project(pose * point.point, &point.pixel, kShutterMarginPx);
+  return moving && at_once ? Eigen::Vector2d(*at_once - *moving)
+                           : Eigen::Vector2d(0, 0);
+}
+
+}  // namespace
+
+RowTimeEstimate EstimateRowTime(const MovingViews& views) {
+  constexpr int kMinImages = 20;
+  RowTimeAdjustment adjustment(views);
+  const int num_images = CountImages(adjustment.boards());
+  if (num_images < kMinImages) {
+    RowTimeEstimate none;
+    none.num_images = num_images;
+    none.untold = fmt::format(
+        "{} images have two neighbours in time on either side, each at most "
+        "{:g} s away, and {} are needed; record consecutive frames of a moving "
+        "camera",
+        num_images, kMaxFrameGapS, kMinImages);
+    return none;
+  }
+  adjustment.Adjust(std::nullopt);
+  adjustment.Bend();
+  return adjustment.Result(num_images);
+}
+
+Dataset WithoutRowMotion(const MovingViews& views, double row_time_s) {
+  RowTimeAdjustment adjustment(views);
+  adjustment.Adjust(row_time_s);
+  Dataset still = *views.dataset;
+  for (const MovingBoard& board : adjustment.boards())
+    for (const MovingFrame& frame : board.frames)
+      for (const TrackPoint& point : board.track.points[frame.stencil->frame])
+        still.images[point.image].features[point.feature].pixel +=
+            MoveOfPoint(*views.camera, board, frame, point, row_time_s);
+  const Area image = WholeImage(views.camera->image_size());
+  for (ImageFeatures& seen : still.images)
+    seen.features.erase(
+        std::remove_if(seen.features.begin(), seen.features.end(),
+                       [&](const Feature& feature) {
+                         return !image.Contains(feature.pixel);
+                       }),
+        seen.features.end());
+  return still;
+}
+
+}  // namespace raygrid

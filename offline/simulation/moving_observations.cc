@@ -1,0 +1,146 @@
+#include "simulation/moving_observations.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "dataset/error.h"
+#include "simulation/board_bend.h"
+
+namespace raygrid {
+namespace {
+
+// A smooth random function of time, about from -1 to 1: waves of a walk's
+// periods, and the trembling of a hand.
+class Wander {
+ public:
+  explicit Wander(Random* random) {
+    constexpr double kHz[kWaves] = {0.11, 0.23, 0.41, 2};
+    constexpr double kSizes[kWaves] = {0.7, 0.4, 0.25, 0.015};
+    for (int k = 0; k < kWaves; ++k) {
+      hz_[k] = kHz[k] * random->Uniform(0.8, 1.2);
+      size_[k] = kSizes[k];
+      phase_[k] = random->Uniform(0, 2 * M_PI);
+    }
+  }
+  double At(double time) const {
+    double value = 0;
+    for (int k = 0; k < kWaves; ++k)
+      value += size_[k] * std::sin(2 * M_PI * hz_[k] * time + phase_[k]);
+    return value;
+  }
+
+ private:
+  static constexpr int kWaves = 4;
+  double hz_[kWaves], size_[kWaves], phase_[kWaves];
+};
+
+class HandPath {
+ public:
+  HandPath(const CameraModel& camera, const Board& board, double speed,
+           Random* random)
+      : speed_(speed),
+        center_m_((board.columns - 1) * board.square_m / 2,
+                  (board.rows - 1) * board.square_m / 2, 0) {
+    const Area area = WholeImage(camera.image_size());
+    const auto middle = camera.Unproject(area.center());
+    const auto side = camera.Unproject({area.x1 - 1, area.center().y()});
+    const auto below = camera.Unproject({area.center().x(), area.y1 - 1});
+    if (!middle || !side || !below)
+      throw InputError("the camera is not calibrated up to its image's edges");
+    across_rad_ = std::acos(middle->dot(*side));
+    down_rad_ = std::acos(middle->dot(*below));
+    distance_m_ = board.columns * board.square_m / (2 * across_rad_);
+    for (int k = 0; k < kWanders; ++k) wander_.emplace_back(random);
+  }
+
+  // camera_from_board.
+  Pose At(double time) const {
+    double at[kWanders];
+    for (int k = 0; k < kWanders; ++k) at[k] = wander_[k].At(speed_ * time);
+    const Eigen::Quaterniond where =
+        RotationFromVector({-0.5 * down_rad_ * at[0], 0, 0}) *
+        RotationFromVector({0, 0.5 * across_rad_ * at[1], 0});
+    const double distance_m = distance_m_ * (1.2 + 0.4 * at[2]);
+    const Eigen::Quaterniond rotation =
+        where * RotationFromVector({0.6 * at[3], 0.6 * at[4], 1.5 * at[5]});
+    return {rotation,
+            where * Eigen::Vector3d(0, 0, distance_m) - rotation * center_m_};
+  }
+
+ private:
+  static constexpr int kWanders = 6;
+  double speed_;
+  Eigen::Vector3d center_m_;
+  double across_rad_ = 0, down_rad_ = 0, distance_m_ = 0;
+  std::vector<Wander> wander_;
+};
+
+// The pixel of a point, in the row that is read when it is there.
+std::optional<Eigen::Vector2d> SeenByRows(const CameraModel& camera,
+                                          const HandPath& path, double time,
+                                          double row_time_s,
+                                          const Eigen::Vector3d& point) {
+  const double middle = (camera.image_size().height - 1) / 2.0;
+  std::optional<Eigen::Vector2d> pixel = camera.Project(path.At(time) * point);
+  // Each step lessens the error by rows per row time: a hundredfold, about.
+  for (int step = 0; pixel && step < 12; ++step) {
+    const double then = time + row_time_s * (pixel->y() - middle);
+    pixel = camera.Project(path.At(then) * point);
+  }
+  return pixel;
+}
+
+std::vector<Feature> FeaturesByRows(const CameraModel& camera,
+                                    const Board& board, const HandPath& path,
+                                    double time, double row_time_s) {
+  std::vector<Feature> features;
+  for (int row = 0; row < board.rows; ++row)
+    for (int column = 0; column < board.columns; ++column) {
+      if (!board.HasFeature(column, row)) continue;
+      const auto pixel =
+          SeenByRows(camera, path, time, row_time_s,
+                     board.points[board.PointIndex(column, row)]);
+      if (pixel && WholeImage(camera.image_size()).Contains(*pixel) &&
+          camera.IsLit(*pixel))
+        features.push_back({board.id, column, row, *pixel});
+    }
+  return features;
+}
+
+}  // namespace
+
+MovingObservations SimulateMovingObservations(const CameraModel& camera,
+                                              const Pattern& pattern,
+                                              const SimulationOptions& options,
+                                              const HandMotion& motion) {
+  Random random(options.seed);
+  MovingObservations result;
+  SimulatedObservations& seen = result.seen;
+  seen.dataset.image_size = camera.image_size();
+  seen.true_pattern = pattern;
+  Board& board = seen.true_pattern.boards.front();
+  board = BentBoard(board, options.board_bend_m);
+  const HandPath path(camera, board, motion.speed, &random);
+  for (int i = 0; i < options.num_images; ++i) {
+    const double time = i * motion.frame_interval_s;
+    std::vector<Feature> features =
+        FeaturesByRows(camera, board, path, time, motion.row_time_s);
+    ThinFeatures(options.features_per_image, &random, &features);
+    if (static_cast<int>(features.size()) < options.features_per_image)
+      continue;
+    AddNoise(options, &random, &features);
+    const std::string name = fmt::format("sim{:04d}.png", i);
+    seen.dataset.images.push_back({name, std::move(features)});
+    seen.poses.push_back({name, board.id, path.At(time)});
+    result.times_s.push_back(time);
+  }
+  if (seen.dataset.images.empty())
+    throw Error(ExitCode::kTooFew,
+                fmt::format("{} frames, and none shows {} features; ask for "
+                            "fewer",
+                            options.num_images, options.features_per_image));
+  return result;
+}
+
+}  // namespace raygrid

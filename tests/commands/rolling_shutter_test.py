@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""calibrate --rolling-shutter: the time of a row, from features and their times to the blob."""
+import json
+import re
+from pathlib import Path
+
+from command_test import CommandTest, main, read, run, write
+
+SIZE = "640x480"
+
+
+class RollingShutterTest(CommandTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.moving = cls.record("moving", "--row-time-us", "20", "--images", "150")
+
+    @classmethod
+    def record(cls, name, *options):
+        folder = Path(cls.path(name))
+        done = run("simulate", "--moving", "--lens", "pinhole", "--features-per-image", "100",
+                   "--noise-px", "0.05", *options, "-o", folder)
+        assert done.returncode == 0, done.stderr
+        return folder
+
+    def calibrate(self, folder, *options):
+        return run("calibrate", "--features", folder / "features.csv", "--image-size", SIZE,
+                   "--pattern", folder / "pattern.yaml", "--cell-px", "120", "--skip-comparison",
+                   *options)
+
+    def row_time(self, folder, *options):
+        """What calibrate says of it, and the result's folder."""
+        result = Path(self.path("of_" + folder.name))
+        done = self.calibrate(folder, "--rolling-shutter", "--times", folder / "times.csv", "--json",
+                              "-o", result, *options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)["row_time"], result
+
+    def test_20_microseconds_are_found_to_three_percent(self):
+        found, result = self.row_time(self.moving)
+        self.assertLess(abs(found["row_time_us"] - 20), 0.6)
+        self.assertLess(found["deviation_us"], 0.3)
+        self.assertTrue(found["taken_out"])
+        for name in ("camera.yaml", "camera.raygrid"):
+            facts = json.loads(run("inspect", result / name, "--json").stdout)
+            self.assertAlmostEqual(facts["row_time_us"], found["row_time_us"], delta=1e-5)
+            self.assertAlmostEqual(facts["row_time_deviation_us"], found["deviation_us"], delta=1e-5)
+            self.assertIn("row time", run("inspect", result / name).stdout)
+        self.assertIn("time of a row", read(result / "report.html").decode())
+        self.assertEqual(run("report", result).returncode, 0)
+        self.assertIn("time of a row", read(result / "report.html").decode())
+        self.carried(result, found["row_time_us"])
+        self.better(result)
+
+    def carried(self, result, row_time_us):
+        """fit of the blob, and pack of that, keep it."""
+        fitted, again = self.path("fitted.yaml"), self.path("again.raygrid")
+        for command in (("fit", result / "camera.raygrid", "--model", "opencv", "-o", fitted),
+                        ("pack", fitted, "-o", again)):
+            self.assertEqual(run(*command).returncode, 0)
+        facts = json.loads(run("inspect", again, "--json").stdout)
+        self.assertAlmostEqual(facts["row_time_us"], row_time_us, delta=1e-5)
+
+    def better(self, result):
+        """The camera errs less than one that is bent by the motion."""
+        bent = Path(self.path("bent"))
+        self.assertEqual(self.calibrate(self.moving, "-o", bent).returncode, 0)
+        self.assertNotIn(b"row_time", read(bent / "camera.yaml"))
+        errors = [json.loads(run("compare", folder / "camera.yaml", self.moving / "true_camera.yaml",
+                                 "--json").stdout)["median_px"] for folder in (result, bent)]
+        self.assertLess(4 * errors[0], errors[1])
+
+    def test_global_shutter_is_zero_within_two_deviations(self):
+        found, result = self.row_time(self.record("global", "--images", "150"))
+        self.assertLess(abs(found["row_time_us"]), 3 * found["deviation_us"])
+        self.assertIn(b"row_time_us", read(result / "camera.yaml"))
+
+    def test_frames_that_are_far_apart_tell_nothing(self):
+        found, result = self.row_time(self.record("apart", "--frame-rate", "1", "--images", "40"))
+        self.assertIn("0 images have two neighbours in time", found["untold"])
+        self.assertNotIn("row_time_us", found)
+        self.assertNotIn(b"row_time", read(result / "camera.yaml"))
+        facts = json.loads(run("inspect", result / "camera.raygrid", "--json").stdout)
+        self.assertNotIn("row_time_us", facts)
+
+    def refusal(self, *options):
+        folder = Path(self.path("refused"))
+        done = self.calibrate(self.moving, *options, "-o", folder)
+        self.assert_nothing_in(folder)
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        return done.returncode, done.stderr
+
+    def test_times_that_do_not_fit_are_refused(self):
+        def times(text):
+            return write(self.path(f"times{len(text)}.csv"), text.encode())
+        rows = read(self.moving / "times.csv").decode()
+        for options, code, words in (
+                (["--rolling-shutter"], 1, "when images were taken"),
+                (["--times", self.moving / "times.csv"], 1, "for --rolling-shutter"),
+                (["--rolling-shutter", "--times", self.moving / "times.csv", "--condition",
+                  "temperature"], 1, "not with --condition"),
+                (["--rolling-shutter", "--times", self.path("none.csv")], 2, "none.csv"),
+                (["--rolling-shutter", "--times", times("image,time\na,1\n")], 2, "time_s"),
+                (["--rolling-shutter", "--times", times(rows + "sim0000.png,99\n")], 2, "twice"),
+                (["--rolling-shutter", "--times", times(rows + "other.png,0\n")], 2, "was taken when"),
+                (["--rolling-shutter", "--times", times("image,time_s\nx.png,1\n")], 2,
+                 "no image of the calibration")):
+            code_of_it, text = self.refusal(*options)
+            self.assertEqual(code_of_it, code, text)
+            self.assertTrue(re.search(words, text), text)
+
+
+if __name__ == "__main__":
+    main(__name__)

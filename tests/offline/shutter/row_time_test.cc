@@ -1,0 +1,195 @@
+#include "shutter/row_time.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "camera/area.h"
+#include "simulation/moving_observations.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+struct Clip {
+  double row_time_us = 20, noise_px = 0.1, speed = 1;
+  int num_frames = 120;
+  double frames_per_second = 30;
+  ImageSize size = {640, 480};
+  const char* lens = "pinhole";
+};
+
+struct Recording {
+  std::shared_ptr<const CameraModel> camera;
+  SimulatedObservations seen;
+  ImageTimes times;
+
+  MovingViews Views() const {
+    return {camera.get(), &seen.true_pattern, &seen.dataset, seen.poses,
+            &times};
+  }
+};
+
+Recording Record(const Clip& clip, uint64_t seed) {
+  Recording recording;
+  recording.camera = SimulatedLens(clip.lens, clip.size);
+  SimulationOptions options;
+  options.num_images = clip.num_frames;
+  options.features_per_image = 60;
+  options.noise_px = clip.noise_px;
+  options.seed = seed;
+  HandMotion motion;
+  motion.row_time_s = clip.row_time_us * 1e-6;
+  motion.frame_interval_s = 1 / clip.frames_per_second;
+  motion.speed = clip.speed;
+  MovingObservations moving = SimulateMovingObservations(
+      *recording.camera, ChessboardPattern(12, 9, 0.03), options, motion);
+  for (size_t i = 0; i < moving.times_s.size(); ++i)
+    recording.times[moving.seen.dataset.images[i].image] = moving.times_s[i];
+  recording.seen = std::move(moving.seen);
+  return recording;
+}
+
+// The largest error in percent, and the RMS of errors in stated deviations.
+struct Errors {
+  double largest_s = 0, rms_z = 0;
+};
+
+Errors ErrorsOf(const Clip& clip, int num_seeds) {
+  Errors errors;
+  for (int seed = 1; seed <= num_seeds; ++seed) {
+    const RowTimeEstimate found = EstimateRowTime(Record(clip, seed).Views());
+    EXPECT_EQ(found.untold, "") << "seed " << seed;
+    const double error_s = found.value.seconds - clip.row_time_us * 1e-6;
+    errors.largest_s = std::max(errors.largest_s, std::abs(error_s));
+    errors.rms_z += std::pow(error_s / found.value.deviation_s, 2) / num_seeds;
+  }
+  errors.rms_z = std::sqrt(errors.rms_z);
+  return errors;
+}
+
+TEST(RowTime, IsFoundToThreePercentWithHonestDeviations) {
+  constexpr int kSeeds = 12;
+  for (const Clip& clip : {Clip{20, 0.1}, Clip{20, 0.02}, Clip{-20, 0.1},
+                           Clip{20, 0.1, 1, 120, 30, {1920, 1080}, "wide"},
+                           Clip{8, 0.1, 1, 120, 30, {1920, 1080}, "fisheye"}}) {
+    SCOPED_TRACE(fmt::format("{} us, {} px, {}", clip.row_time_us,
+                             clip.noise_px, clip.lens));
+    const Errors errors = ErrorsOf(clip, kSeeds);
+    EXPECT_LT(errors.largest_s, 0.03 * std::abs(clip.row_time_us) * 1e-6);
+    EXPECT_GT(errors.rms_z, 0.5);
+    EXPECT_LT(errors.rms_z, 1.6);
+  }
+}
+
+TEST(RowTime, OfAGlobalShutterIsZeroWithinTwoDeviations) {
+  int num_beyond = 0;
+  constexpr int kSeeds = 12;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    const RowTimeEstimate found =
+        EstimateRowTime(Record(Clip{0, 0.1}, seed).Views());
+    ASSERT_TRUE(found.IsTold()) << found.untold;
+    if (!found.value.MayBeGlobal()) ++num_beyond;
+  }
+  EXPECT_LE(num_beyond, 2);  // chance has 0.6 of 12
+}
+
+TEST(RowTime, OfAStillCameraCannotBeTold) {
+  for (const double noise_px : {0.02, 0.1}) {
+    const RowTimeEstimate found =
+        EstimateRowTime(Record(Clip{20, noise_px, 0, 300}, 1).Views());
+    EXPECT_NE(found.untold.find("move"), std::string::npos) << found.untold;
+  }
+}
+
+TEST(RowTime, OfAFewPixelsOfMotionIsToldOrNotButNeverWrong) {
+  for (const double speed : {0.01, 0.03, 0.1, 0.3})
+    for (int seed = 1; seed <= 3; ++seed) {
+      const RowTimeEstimate found =
+          EstimateRowTime(Record(Clip{20, 0.1, speed}, seed).Views());
+      if (!found.IsTold()) continue;
+      EXPECT_LT(std::abs(found.value.seconds - 20e-6),
+                5 * found.value.deviation_s)
+          << speed;
+    }
+}
+
+TEST(RowTime, NeedsNeighboursInTime) {
+  Recording recording = Record(Clip{}, 1);
+  for (auto& [image, time_s] : recording.times) time_s *= 1000;
+  const RowTimeEstimate found = EstimateRowTime(recording.Views());
+  EXPECT_EQ(found.num_images, 0);
+  EXPECT_NE(found.untold.find("0 images have two neighbours"),
+            std::string::npos)
+      << found.untold;
+}
+
+// Each fourth frame is missing, or has no time: its neighbours make do.
+TEST(RowTime, IsFoundWhereFramesAreMissing) {
+  Recording recording = Record(Clip{20, 0.02}, 3);
+  size_t count = 0;
+  for (const BoardPose& pose : recording.seen.poses)
+    if (count++ % 4 == 1) recording.times.erase(pose.image);
+  const RowTimeEstimate found = EstimateRowTime(recording.Views());
+  ASSERT_TRUE(found.IsTold()) << found.untold;
+  EXPECT_NEAR(found.value.seconds, 20e-6, 0.6e-6);
+  EXPECT_LT(found.num_images, 100);
+}
+
+// A hand that trembles by some 6 Hz, seen ten times a second.
+TEST(RowTime, DeviationCountsMotionsThatAreQuickForTheFrames) {
+  for (int seed = 1; seed <= 4; ++seed) {
+    const RowTimeEstimate found =
+        EstimateRowTime(Record(Clip{20, 0.02, 3, 150, 10}, seed).Views());
+    ASSERT_TRUE(found.IsTold()) << found.untold;
+    EXPECT_GT(found.value.deviation_s, 0.2e-6);
+    EXPECT_LT(std::abs(found.value.seconds - 20e-6),
+              3 * found.value.deviation_s);
+  }
+}
+
+// A camera that is bent as a common motion would bend it tells no other time.
+TEST(RowTime, DoesNotTrustTheCameraToBeExact) {
+  const Recording recording = Record(Clip{20, 0.02, 1, 200}, 2);
+  MovingViews views = recording.Views();
+  Dataset dataset = *views.dataset;
+  for (ImageFeatures& image : dataset.images)
+    for (Feature& feature : image.features) {
+      const double y = (feature.pixel.y() - 240) / 320;
+      const double x = (feature.pixel.x() - 320) / 320;
+      feature.pixel += Eigen::Vector2d(2 * x * y * y, y * y * y - x * y);
+    }
+  views.dataset = &dataset;
+  const RowTimeEstimate found = EstimateRowTime(views);
+  ASSERT_TRUE(found.IsTold()) << found.untold;
+  EXPECT_NEAR(found.value.seconds, 20e-6, 0.2e-6);
+}
+
+TEST(WithoutRowMotion, FeaturesAreWhereTheyWereSeenAtOnce) {
+  const Recording moving = Record(Clip{20, 0}, 5),
+                  at_once = Record(Clip{0, 0}, 5);
+  const Dataset still = WithoutRowMotion(moving.Views(), 20e-6);
+  double before_px = 0, after_px = 0;
+  size_t count = 0;
+  for (size_t i = 2; i + 2 < still.images.size(); ++i)
+    for (const Feature& feature : still.images[i].features)
+      for (const Feature& other : at_once.seen.dataset.images[i].features) {
+        if (feature.column != other.column || feature.row != other.row)
+          continue;
+        after_px += (feature.pixel - other.pixel).squaredNorm();
+        ++count;
+      }
+  for (size_t i = 2; i + 2 < still.images.size(); ++i)
+    for (const Feature& feature : moving.seen.dataset.images[i].features)
+      for (const Feature& other : at_once.seen.dataset.images[i].features)
+        if (feature.column == other.column && feature.row == other.row)
+          before_px += (feature.pixel - other.pixel).squaredNorm();
+  ASSERT_GT(count, 1000u);
+  EXPECT_GT(std::sqrt(before_px / count), 0.3);
+  EXPECT_LT(std::sqrt(after_px / count), 0.02);
+}
+
+}  // namespace
+}  // namespace raygrid
