@@ -91,6 +91,7 @@ FrameWord FrameJudge::Judge(const SeenFrame& frame, const CaptureGuide& guide) {
   if (count < kFewestFeatures) return FrameWord::kFew;
   if (IsDark(frame.quality)) return FrameWord::kDark;
   if (IsBright(frame.quality)) return FrameWord::kBright;
+  if (options_.every_frame) return FrameWord::kKept;
   if (is_moving) return FrameWord::kMoving;
   if (IsBlurred(frame.quality)) return FrameWord::kBlurred;
   gain_ = guide.GainOf(frame.features);

@@ -39,6 +39,9 @@ struct JudgeOptions {
   /// A frame is still if its features moved by less, RMS, since the last one
   /// (longer ago than 1/30 s: in that time), or within its exposure.
   double still_px = 0.3;
+  /// Frames of a moving camera are kept one after the other: they need not be
+  /// still, sharp or new.
+  bool every_frame = false;
 };
 
 /// Judges frames in the order in which they came.

@@ -163,6 +163,22 @@ class Session(CommandTest):
             self.assertIn(pixels_of(os.path.join(self.session, "frames", name)), pictures)
 
     @unittest.skipUnless(shutil.which("ffmpeg"), "no ffmpeg; tools/install_packages tests installs it")
+    def test_every_frame_of_a_video_is_kept_with_its_time(self):
+        source = write(self.path("every.y4m"), self.video)
+        self.assert_done(self.capture("--every-frame", source=source))
+        frames = self.told()["frames"]
+        # Boards that leave the image are seen too little of; each stands still for three frames.
+        self.assertGreater(len(frames), 2 * len(self.names))
+        self.assertEqual(len(frames) % 3, 0)
+        self.assert_whole()
+        times = [30 * frame["seconds"] for frame in frames]
+        self.assertTrue(all(b > a and abs(b - round(b)) < 1e-3 for a, b in zip(times, times[1:])))
+
+    def test_photographs_have_no_times_for_a_rolling_shutter(self):
+        self.assert_done(self.capture("--every-frame"))
+        self.assert_refused(run("calibrate", self.session, "--rolling-shutter"), 2,
+                            "the session: has the time of no image")
+
     def test_other_videos_are_read_by_ffmpeg(self):
         video = write(self.path("in.y4m"), self.video)
         subprocess.run(["ffmpeg", "-v", "error", "-i", video, "-c:v", "ffv1", self.path("video.mkv")],

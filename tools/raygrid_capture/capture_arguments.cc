@@ -129,6 +129,10 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
                   "one, or while it was exposed")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
+  app->add_flag("--every-frame", arguments->loop.judge.every_frame,
+                "keep every frame in which the board is seen, of a camera that "
+                "moves, until the source ends or Ctrl-C: calibrate "
+                "--rolling-shutter follows, which tells the time of a row");
   app->add_option("--timeout", arguments->loop.timeout_s,
                   "seconds without a frame that end it")
       ->check(CLI::Range(0.1, 3600.0))

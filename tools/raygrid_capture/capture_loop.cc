@@ -340,6 +340,8 @@ void CaptureLoop::Keep(JudgedFrames* judged_frames) {
   session_->Keep(std::move(frames));
   state_.kept.push_back(name);
   if (viewers_.add_kept) viewers_.add_kept(name, greys);
+  // Frames come faster than cameras can be adjusted.
+  if (options_.judge.every_frame) return;
   for (auto& avoided : avoided_) avoided.clear();
   has_connected_in_vain_ = false;
   UpdateCameras(changed,

@@ -219,6 +219,8 @@ int Run(int argc, char** argv) {
   std::vector<std::string> calibrate = {
       "calibrate", arguments.output, "--threads",
       std::to_string(arguments.common.threads)};
+  if (arguments.loop.judge.every_frame)
+    calibrate.emplace_back("--rolling-shutter");
   if (arguments.common.quiet) calibrate.emplace_back("--quiet");
   if (arguments.common.json) calibrate.emplace_back("--json");
   return BecomeNeighbour("raygrid", calibrate);
