@@ -416,8 +416,8 @@ void RequireTimes(const CalibrateArguments& arguments) {
   if (arguments.times.empty() && arguments.session_times.empty())
     throw Error(ExitCode::kUsage,
                 "--rolling-shutter needs to know when images were taken: give "
-                "--times times.csv with the columns image,time_s, or a session "
-                "of capture, whose frames have times");
+                "--times times.csv with the columns image,time_s, or the "
+                "session of raygrid capture --every-frame");
   if (!arguments.times.empty()) ReadImageTimes(arguments.times);
 }
 

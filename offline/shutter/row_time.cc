@@ -202,13 +202,18 @@ RowTimeAdjustment::Sums RowTimeAdjustment::Linearize(
 
 // Noise may not pretend more than half of what there is, or all is noise.
 void RowTimeAdjustment::TakeNoiseOut(Sums* sums) {
-  double noise = 0;
+  double noise = 0, motion = 0;
   for (const MovingBoard& board : boards_)
-    for (const MovingFrame& frame : board.frames)
-      if (frame.Tells()) noise += noise_variance_ * NoisePart(board, frame);
+    for (const MovingFrame& frame : board.frames) {
+      if (!frame.Tells()) continue;
+      noise += noise_variance_ * NoisePart(board, frame);
+      const Vector6d& velocity = frame.motion.velocity;
+      motion += velocity.dot(frame.equations.OnVelocity() * velocity);
+    }
   const double variance =
       sums->information.ldlt().solve(Eigen::VectorXd::Unit(count_, 0))[0];
-  noise_part_ = noise * variance;
+  // The larger part: of what bends leave, and of all, without accelerations.
+  noise_part_ = std::max(noise * variance, noise / motion);
   noise = std::min(noise, 0.5 / variance);
   sums->information(0, 0) -= noise;
   sums->gradient[0] -= noise * row_time_s_;
