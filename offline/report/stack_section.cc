@@ -51,7 +51,7 @@ std::string LineChart(const std::string& title,
     svg += fmt::format(
         "<path d=\"M{} {:.1f}H{}\" stroke=\"#ddd\"/><text x=\"{}\" "
         "y=\"{:.1f}\" "
-        "text-anchor=\"end\">{:.5g}</text><text x=\"{:.1f}\" y=\"{}\" "
+        "text-anchor=\"end\">{:.3g}</text><text x=\"{:.1f}\" y=\"{}\" "
         "text-anchor=\"middle\">{:.4g}</text>",
         kLeft, y_of(y), kWidth - kRight, kLeft - 6, y_of(y) + 4, y, x_of(x),
         kHeight - kBottom + 16, x);
