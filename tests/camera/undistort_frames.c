@@ -34,16 +34,18 @@ int main(int argc, char** argv) {
       rg_select_remap(&camera, 0) != RG_OK ||
       rg_remap_size(&camera, &width, &height) != RG_OK)
     fail(argv[1]);
-  const size_t frame_size = (size_t)camera.width * camera.height * 2;
+  uint16_t frame_width, frame_height;
+  rg_frame_size(&camera, &frame_width, &frame_height);
+  const size_t frame_size = (size_t)frame_width * frame_height * 2;
   const size_t out_size = (size_t)width * height * 2;
   uint8_t* const out = (uint8_t*)malloc(out_size);
   FILE* const file = fopen(argv[3], "wb");
   if (!out || !file) fail(argv[3]);
   for (size_t start = 0; start + frame_size <= size; start += frame_size) {
     const rg_image image = {.format = RG_FORMAT_YUYV,
-                            .width = camera.width,
-                            .height = camera.height,
-                            .planes = {{frames + start, camera.width * 2u}}};
+                            .width = frame_width,
+                            .height = frame_height,
+                            .planes = {{frames + start, frame_width * 2u}}};
     const rg_target target = {.planes = {{out, width * 2u}},
                               .num_rows = height,
                               .border_values = {16, 128, 128},
