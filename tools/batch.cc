@@ -20,6 +20,7 @@
 #include "dataset/text_encoding.h"
 #include "fleet/batch_plan.h"
 #include "fleet/fleet_analysis.h"
+#include "fleet/fleet_mean.h"
 #include "fleet/fleet_page.h"
 #include "fleet/fleet_table.h"
 #include "progress_bar.h"
@@ -35,6 +36,7 @@ using BatchJson = nlohmann::ordered_json;
 constexpr char kUnitFile[] = "unit.json";  // the last file of a finished unit
 constexpr char kFleetFile[] = "fleet.csv";
 constexpr char kFleetPage[] = "fleet.html";
+constexpr char kFleetCamera[] = "fleet_camera.yaml";
 
 struct BatchArguments {
   std::string plan, output;
@@ -69,6 +71,7 @@ std::vector<UnitJob> MakeJobs(const BatchPlan& plan,
       resolved.pattern = Resolve(base, unit.pattern);
     resolved.images = Resolve(base, unit.images);
     resolved.features = Resolve(base, unit.features);
+    resolved.like = Resolve(base, unit.like);
     for (auto& camera : resolved.cameras)
       camera.second = Resolve(base, camera.second);
   }
@@ -101,6 +104,7 @@ std::string Fingerprint(const BatchUnit& unit, uint64_t seed) {
   hash.Add(fmt::format("{}", seed));
   hash.Add(IsBoardSpec(unit.pattern) ? unit.pattern : ReadFile(unit.pattern));
   for (const std::string& option : unit.options) hash.Add(option);
+  if (!unit.like.empty()) hash.Add("like " + ReadFile(unit.like));
   if (!unit.features.empty()) hash.Add(ReadFile(unit.features));
   if (!unit.images.empty()) HashFolder(unit.images, &hash);
   for (const auto& [camera, folder] : unit.cameras) {
@@ -146,6 +150,7 @@ std::vector<std::string> WordsOfUnit(const UnitJob& job,
   words.push_back("--output=" + job.folder);
   if (!IsRig(unit)) words.push_back("--serial=" + unit.serial);
   words.insert(words.end(), unit.options.begin(), unit.options.end());
+  if (!unit.like.empty()) words.push_back("--like=" + unit.like);
   for (const auto& [camera, folder] : unit.cameras)
     words.push_back("--camera=" + camera + "=" + folder);
   if (!unit.features.empty()) words.push_back("--features=" + unit.features);
@@ -346,8 +351,11 @@ void RunBatch(const BatchArguments& arguments, const CommonOptions& common) {
   const auto output = [&](const char* name) {
     return (fs::path(arguments.output) / name).string();
   };
-  RequireNoInputReplaced({arguments.plan},
-                         {output(kFleetFile), output(kFleetPage)});
+  // A mean that units are calibrated with would change them, and they it.
+  std::vector<std::string> inputs = {arguments.plan};
+  for (const UnitJob& job : jobs) inputs.push_back(job.unit.like);
+  RequireNoInputReplaced(
+      inputs, {output(kFleetFile), output(kFleetPage), output(kFleetCamera)});
   if (arguments.slurm)
     return SubmitToSlurm(arguments.plan, arguments.output, jobs.size(), common);
   if (!arguments.gather) RunUnits(chosen, arguments.output, common);
@@ -359,6 +367,8 @@ void RunBatch(const BatchArguments& arguments, const CommonOptions& common) {
     OutputFiles files;
     files.Add(output(kFleetFile), FormatFleetTable(fleet.rows));
     files.Add(output(kFleetPage), FormatFleetPage(fleet));
+    if (const auto mean = MeanCamera(fleet, folders))
+      files.Add(output(kFleetCamera), FormatCameraFile(*mean));
     files.Commit();
   }
   TellUnits(fleet, common);

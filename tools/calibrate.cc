@@ -362,6 +362,11 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                    "of them is used; auto: 0.1 % of the image's longer side, 1 "
                    "px at least; 0: each image counts")
       ->capture_default_str();
+  command->add_option(
+      "--like", arguments->like,
+      "camera.yaml of a like lens, as of another unit or a fleet_camera.yaml: "
+      "the grid lies around it where images tell little, so 10 images do; "
+      "focal length, centre and distortion are its own all the same");
   AddHoldOut(command,
              "images (of a rig: instants) to evaluate with instead of "
              "calibrating with them (default: cross-validation)",

@@ -543,6 +543,8 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
   options.cell_px = ParseCellPx(arguments.cell_px);
   options.area = arguments.area == "features" ? AreaChoice::kFeatures
                                               : AreaChoice::kWholeImage;
+  if (!arguments.like.empty())
+    options.like = ReadCamera(arguments.like).file.camera;
   options.flat_board = arguments.flat_board;
   options.rigid_board = arguments.rigid_board;
   options.boards_move = arguments.boards_move;
@@ -564,6 +566,7 @@ void RequireNoInputReplaced(const CalibrateArguments& arguments,
   inputs.push_back(arguments.pattern);
   inputs.push_back(arguments.features);
   inputs.push_back(arguments.times);
+  inputs.push_back(arguments.like);
   for (const char* name :
        {"camera.raygrid", "camera.yaml", "example_after.png",
         "example_before.png", "features.csv", "pattern.yaml", "poses.csv",
@@ -606,6 +609,7 @@ std::string InputsOf(const CalibrateArguments& arguments,
   }
   for (const auto& times : TimesOf(arguments, cameras))
     if (times) hash.Add(FormatImageTimes(*times));
+  if (!arguments.like.empty()) hash.Add(ReadFile(arguments.like));
   return hash.Text();
 }
 

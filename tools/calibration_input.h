@@ -25,7 +25,7 @@ struct NamedImages {
 
 struct CalibrateArguments {
   std::vector<std::string> images, cameras, image_sizes, hold_out, modes;
-  std::string features, pattern, output, name, serial;
+  std::string features, pattern, output, name, serial, like;
   std::string model = "central-generic", cell_px = "auto";
   std::string same_view_px = "auto";
   std::string instant_by = "name", area = "image", image_circle = "auto";

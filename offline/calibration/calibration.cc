@@ -190,6 +190,7 @@ void Calibration::StartFromImages(CameraInProgress* camera) const {
     camera->lens =
         AdjustStartingLens(camera->split.training, pattern_,
                            AdjustmentOptionsOf(options_), options_.area);
+    camera->lens.problem.like = options_.like;
   } catch (const Error& error) {
     const size_t num_others = NumOthers(camera->result.same_views);
     if (error.code() != ExitCode::kTooFew || num_others == 0) throw;

@@ -2,6 +2,7 @@
 #define RAYGRID_CALIBRATION_CALIBRATION_H
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,6 +51,10 @@ struct CalibrationOptions {
   double cell_px = 0;                     ///< 0: chosen by held-out error
   bool any_distance = false;              ///< boards may be more than 20 m away
   AreaChoice area = AreaChoice::kWholeImage;
+  /// A calibrated camera of a like lens: a grid lies around it, instead of
+  /// around a lens of few parameters, so few images do. For central-generic, a
+  /// single camera and images of its size.
+  std::shared_ptr<const CameraModel> like = {};
   /// The pattern's points are kept as they are given, in each image.
   bool flat_board = false;
   bool rigid_board = false;  ///< boards are bent alike in all images

@@ -1,6 +1,7 @@
 #ifndef RAYGRID_CALIBRATION_CALIBRATION_PROBLEM_H
 #define RAYGRID_CALIBRATION_CALIBRATION_PROBLEM_H
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@ namespace raygrid {
 struct CalibrationProblem {
   std::vector<ImageSize> image_sizes;  ///< of each camera
   AreaChoice area = AreaChoice::kWholeImage;
+  /// A camera of a like lens, which grids lie around; or none.
+  std::shared_ptr<const CameraModel> like = {};
   std::vector<View> views;
   std::vector<std::string> images;  ///< of each view
   std::vector<int> boards;          ///< index in the pattern, of each view

@@ -21,6 +21,7 @@ ValidationOptions ValidationOptionsOf(const CalibrationOptions& options) {
   ValidationOptions validation;
   validation.model = options.model;
   validation.area = options.area;
+  validation.like = options.like;
   validation.flat_board = options.flat_board;
   validation.num_threads = options.num_threads;
   validation.should_stop = options.should_stop;

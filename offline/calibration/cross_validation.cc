@@ -138,6 +138,7 @@ void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
       if (!fold.start)
         fold.start = StartCameras(fold.cameras, pattern, options.bodies,
                                   options.area, adjustment);
+      fold.start->problem.like = options.like;
       if (!is_grid) return;
       Adjusted lenses = *fold.start;
       PutLensesAroundGrids(adjustment, &lenses);

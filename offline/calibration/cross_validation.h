@@ -46,6 +46,7 @@ Folds MakeFolds(const std::vector<Split>& cameras);
 struct ValidationOptions {
   std::string model;
   AreaChoice area = AreaChoice::kWholeImage;
+  std::shared_ptr<const CameraModel> like = {};  ///< CalibrationOptions::like
   bool flat_board = false;
   bool rigid_boards = true;  ///< in calibrating
   /// Whether to keep what is adjusted with rigid boards, for trials of the same

@@ -65,6 +65,23 @@ void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
   RequireConnected(names, problem);
 }
 
+void RequireLikeCameraFits(const std::vector<CalibrationInput>& cameras,
+                           const CalibrationOptions& options) {
+  if (!options.like) return;
+  if (options.model != "central-generic" || cameras.size() > 1)
+    throw Error(ExitCode::kUsage,
+                "--like: for a single camera and --model central-generic");
+  const ImageSize size = options.like->image_size(),
+                  own = cameras.front().dataset.image_size;
+  if (size != own)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--like: its images are {}x{} px, those given {}x{}"
+                            " px; give a camera of the same sensor mode",
+                            size.width, size.height, own.width, own.height));
+  if (!options.like->IsCentral())
+    throw Error(ExitCode::kUsage, "--like: give a central camera");
+}
+
 }  // namespace
 
 void RequireSoundInput(const std::vector<CalibrationInput>& cameras,
@@ -73,6 +90,7 @@ void RequireSoundInput(const std::vector<CalibrationInput>& cameras,
   if (cameras.empty()) throw Error(ExitCode::kUsage, "no camera is given");
   RequireKnownModel(options.model);
   RequireImagesExist(cameras, options.hold_out);
+  RequireLikeCameraFits(cameras, options);
   if (cameras.size() > 1)
     RequireConnectedCameras(cameras, pattern, options.boards_move);
 }

@@ -7,6 +7,7 @@
 
 #include "adjustment/metric_scale.h"
 #include "calibration/continued_lens.h"
+#include "calibration/grid_like.h"
 #include "calibration/polynomial_part.h"
 #include "calibration/unseen_nodes.h"
 #include "camera/model_fitting.h"
@@ -140,16 +141,20 @@ CentralGeneric AsGrid(const CalibrationProblem& problem, size_t camera,
                       const Starts& starts) {
   const Area area = CalibratedArea(problem, static_cast<int>(camera));
   const double cell_px = starts.cells_px[camera];
-  return FitContinuedLens(*starts.lenses[camera], area,
-                          NumControlPoints(area.width(), cell_px),
-                          NumControlPoints(area.height(), cell_px));
+  const int columns = NumControlPoints(area.width(), cell_px),
+            rows = NumControlPoints(area.height(), cell_px);
+  const CameraModel& lens = *starts.lenses[camera];
+  return problem.like ? GridLike(*problem.like, lens, area, columns, rows)
+                      : FitContinuedLens(lens, area, columns, rows);
 }
 
 // A grid that starts as a lens is expected to lie around it. A start of no kind
 // of lens was fitted to the same features, and tells how they err.
-CentralGeneric ExpectedGrid(const CameraModel& lens,
+CentralGeneric ExpectedGrid(const CalibrationProblem& problem,
+                            const CameraModel& lens,
                             const CentralGeneric& start) {
-  return IsParametricModel(lens.Name()) ? start : PolynomialPart(start);
+  return problem.like || IsParametricModel(lens.Name()) ? start
+                                                        : PolynomialPart(start);
 }
 
 // Grid cameras, each around a lens.
@@ -161,7 +166,7 @@ AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
     const CentralGeneric base = AsGrid(problem, c, starts);
     prior->cameras.push_back(
-        SmoothnessPrior(ExpectedGrid(*starts.lenses[c], base)));
+        SmoothnessPrior(ExpectedGrid(problem, *starts.lenses[c], base)));
     state->cameras[c] = base.Clone();
   }
   return AdjustInTwoSteps(problem, options, prior, state);
@@ -193,7 +198,7 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
   *prior = {};
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
     prior->cameras.push_back(NonCentralPrior(
-        ExpectedGrid(*starts.lenses[c], AsGrid(problem, c, starts)),
+        ExpectedGrid(problem, *starts.lenses[c], AsGrid(problem, c, starts)),
         MeanDistance(problem, c, *state)));
     state->cameras[c] = NonCentralGeneric(dynamic_cast<const CentralGeneric&>(
                                               *state->cameras[c]))

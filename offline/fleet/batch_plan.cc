@@ -84,7 +84,8 @@ void RequireSerial(const std::string& serial) {
   if (serial.empty() || serial.size() > kMaxSerialSize ||
       serial.find_first_not_of(kLetters) != std::string::npos ||
       serial[0] == '.' || serial[0] == '-' || serial == "fleet.csv" ||
-      serial == "fleet.html" || serial.find(".failed") != std::string::npos)
+      serial == "fleet.html" || serial == "fleet_camera.yaml" ||
+      serial.find(".failed") != std::string::npos)
     throw InputError(
         fmt::format("serial '{}': names a folder, so it has 1 to {} letters, "
                     "digits or . _ - +, a letter or digit first",
@@ -105,7 +106,7 @@ BatchUnit ReadUnit(const YAML::Node& node, const YAML::Node& plan) {
   const std::string what = "unit " + unit.serial;
   RequireKnownKeys(node, what,
                    {"serial", "images", "features", "cameras", "pattern",
-                    "lens_batch", "repeats", "operator", "station"});
+                    "like", "lens_batch", "repeats", "operator", "station"});
   unit.pattern = ReadText(node["pattern"] ? node : plan, "pattern");
   unit.images = ReadText(node, "images");
   unit.features = ReadText(node, "features");
@@ -121,6 +122,7 @@ BatchUnit ReadUnit(const YAML::Node& node, const YAML::Node& plan) {
   if (unit.pattern.empty())
     throw InputError(what + ": has no pattern, nor has the plan");
   unit.options = ReadOptions(node, plan);
+  unit.like = ReadText(node["like"] ? node : plan, "like");
   unit.lens_batch = ReadText(node, "lens_batch");
   unit.repeats = ReadText(node, "repeats");
   if (!unit.repeats.empty()) RequireSerial(unit.repeats);
@@ -186,7 +188,7 @@ BatchPlan ReadPlan(const YAML::Node& root) {
   if (root["raygrid_batch"].as<int>() != 1)
     throw InputError("raygrid_batch: only version 1 is known");
   RequireKnownKeys(root, "plan",
-                   {"raygrid_batch", "pattern", "limits", "units"});
+                   {"raygrid_batch", "pattern", "like", "limits", "units"});
   BatchPlan plan;
   if (root["limits"]) plan.limits = ReadLimits(root["limits"]);
   if (!root["units"] || !root["units"].IsSequence() ||

@@ -17,6 +17,7 @@ struct BatchUnit {
   std::map<std::string, std::string> cameras;
   /// Options of raygrid calibrate, in one order for the same plan.
   std::vector<std::string> options;
+  std::string like;  ///< a camera file for raygrid calibrate --like, or ""
   std::string lens_batch;  ///< the batch of lenses that it has one of, or ""
   /// The golden unit that this is another calibration of, or "".
   std::string repeats;

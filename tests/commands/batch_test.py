@@ -171,6 +171,36 @@ class Batch(CommandTest):
         self.assert_done(run("batch", plan, "-o", self.out, "--gather"))
         self.assertEqual(read(self.out + "/fleet.html").decode(), page)
 
+    def test_the_fleets_middle_camera_serves_units_with_few_images(self):
+        plan = self.make_fleet()
+        self.assert_done(run("batch", plan, "-o", self.out, "--gather"))
+        middle = self.out + "/fleet_camera.yaml"
+        facts = json.loads(run("compare", middle, self.out + "/U03/camera.yaml", "--json").stdout)
+        self.assertLess(facts["median_px"], 2)  # of lenses that are some pixels apart
+        self.assertGreater(facts["median_px"], 0.01)
+        # A unit of five images: its corners are those of the fleet, where its own images tell nothing.
+        lines = read(self.path("A1/features.csv")).decode().splitlines(keepends=True)
+        few = write(self.path("five.csv"), "".join(line for line in lines if not re.match("sim000[5-9]", line)))
+        words = ["calibrate", "--features", few, "--image-size", "160x120", "--flat-board", "--skip-comparison",
+                 "--cell-px", 40, "--pattern", self.path("board.yaml"), "--quiet"]
+        worst = {}
+        for name, more in (("alone", []), ("like", ["--like", middle])):
+            run(*words, "-o", self.path("five-" + name), *more)
+            facts = run("compare", self.path("A1/true_camera.yaml"), self.path(f"five-{name}/camera.yaml"), "--json")
+            worst[name] = json.loads(facts.stdout)["max_px"]
+        self.assertLess(worst["like"], worst["alone"])
+        # The plan's key is the same, and the mean cannot be its own.
+        text = read(plan).decode().replace("model: opencv", "cell_px: 40\nlike: " + middle)
+        text = text.split("units:")[0] + f"units:\n  - {{serial: N1, features: {few}}}\n"
+        again = write(self.path("again.yaml"), text.replace("limits: {focal_px: [80, 90]}\n", ""))
+        run("batch", again, "-o", self.path("few-units"))
+        self.assertEqual(read(self.path("few-units/N1/camera.yaml")).decode().replace('serial: "N1"\n', ""),
+                         read(self.path("five-like/camera.yaml")).decode())
+        self.assert_refused(run("batch", again, "-o", self.out), 7, "fleet_camera.yaml")
+        self.assert_refused(run(*words, "--model", "opencv", "--like", middle, "-o", self.path("no")), 1, "--like")
+        words[4] = "320x240"
+        self.assert_refused(run(*words, "--like", middle, "-o", self.path("no")), 1, "160x120", "320x240")
+
     def test_limits_end_in_6_and_cost_no_calibration(self):
         self.assert_done(self.batch(self.plan()))
         before = self.files()
