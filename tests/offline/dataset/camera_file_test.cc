@@ -404,6 +404,77 @@ TEST(CameraFile, KeepsAMaskWithoutUncertainty) {
   EXPECT_THROW(ReadCameraText(cut), InputError);
 }
 
+CameraFile StackFile() {
+  CameraFile file = GridFile();
+  const auto& grid = dynamic_cast<const CentralGeneric&>(*file.camera);
+  CameraStack stack(CameraCondition::kTemperature, 20, 60, grid, 2);
+  for (int j = 1; j <= 2; ++j)
+    for (int k = 0; k < grid.surface().num_points(); ++k)
+      stack.terms()[j].points()[k] = {1e-3 * j * k, -2e-4 * k};
+  file.uncertainty = ExampleUncertainty();
+  file.uncertainty->lattice.deviation_px[4] = 0.05;
+  DeviationLattice warm = file.uncertainty->lattice;
+  for (double& deviation : warm.deviation_px) deviation *= 2;
+  file.stack =
+      StackOfCameras{stack, {{20, file.uncertainty->lattice}, {60, warm}}};
+  return file;
+}
+
+TEST(CameraFile, KeepsAStack) {
+  const CameraFile file = StackFile();
+  const CameraFile read = ParseCameraFile("f.yaml", FormatCameraFile(file));
+  ASSERT_TRUE(read.stack.has_value());
+  EXPECT_EQ(read.stack->cameras.condition(), CameraCondition::kTemperature);
+  EXPECT_EQ(read.stack->cameras.low(), 20);
+  EXPECT_EQ(read.stack->cameras.high(), 60);
+  for (const double value : {20.0, 33.0, 60.0})
+    EXPECT_LT((read.stack->cameras.At(value).Parameters() -
+               file.stack->cameras.At(value).Parameters())
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-11);
+  ASSERT_EQ(read.stack->deviations.size(), 2u);
+  EXPECT_EQ(read.stack->deviations[1].value, 60);
+  EXPECT_EQ(read.stack->deviations[1].lattice.deviation_px[0], 0.02);
+  EXPECT_EQ(FormatCameraFile(read), FormatCameraFile(file));
+}
+
+TEST(CameraFile, OfAStackAtAValueIsThatCameraAlone) {
+  CameraFile file = StackFile();
+  file.capture.emplace();
+  const CameraFile at = FileAt(file, 30);
+  EXPECT_FALSE(at.stack.has_value());
+  EXPECT_EQ(at.camera->Parameters(), file.stack->cameras.At(30).Parameters());
+  // A quarter of the way from one to twice the deviations.
+  EXPECT_NEAR(at.uncertainty->lattice.deviation_px[0], 0.0125, 1e-12);
+  EXPECT_EQ(at.capture->sensor_temperature_c, 30);
+}
+
+TEST(CameraFile, RefusesAMalformedStack) {
+  const std::string text = FormatCameraFile(StackFile());
+  const auto expect_refused = [&](const std::string& from,
+                                  const std::string& to,
+                                  const std::string& why) {
+    std::string edited = text;
+    const size_t place = edited.find(from);
+    ASSERT_NE(place, std::string::npos) << from;
+    edited.replace(place, from.size(), to);
+    try {
+      ParseCameraFile("f.yaml", edited);
+      ADD_FAILURE() << to;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(why), std::string::npos)
+          << error.what();
+    }
+  };
+  expect_refused("condition: temperature", "condition: pressure",
+                 "unknown condition 'pressure'");
+  expect_refused("range: [20, 60]", "range: [60, 20]", "not ascending");
+  expect_refused("range: [20, 60]", "range: [20, .nan]", "range");
+  expect_refused("changes:\n    - [", "changes:\n    - [0, ", "changes");
+  expect_refused("- at: 60", "- at: 20", "ascending");
+}
+
 TEST(CameraFile, RefusesAMalformedMaskOrLattice) {
   CameraFile file = GridFile();
   file.uncertainty = ExampleUncertainty();
