@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -135,6 +137,24 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
   return extras;
 }
 
+// Frames of several lens positions are of several cameras.
+void SayThatTheLensMoved(const Session& session,
+                         const CalibrateArguments& arguments) {
+  constexpr double kSameDioptres = 0.1;
+  double low = INFINITY, high = -INFINITY;
+  for (const SessionFrame& frame : session.frames) {
+    if (!frame.lens_position) continue;
+    low = std::min(low, *frame.lens_position);
+    high = std::max(high, *frame.lens_position);
+  }
+  if (arguments.condition.empty() && high - low > kSameDioptres)
+    fmt::print(stderr,
+               "raygrid: the lens moved between frames, from {:.2f} to {:.2f} "
+               "dioptres; --condition lens_position calibrates over all of "
+               "it\n",
+               low, high);
+}
+
 // Takes the images, the pattern and the place of the result from a session of
 // capture, if one is given; the last two unless they are given, too.
 void UseSession(CalibrateArguments* arguments) {
@@ -161,6 +181,7 @@ void UseSession(CalibrateArguments* arguments) {
         if (const auto value = ValueOf(*arguments, frame))
           arguments->session_values[frame.image] = *value;
       }
+      SayThatTheLensMoved(session, *arguments);
       if (cameras.size() == 1)
         arguments->images = images;
       else

@@ -281,6 +281,27 @@ PyCamera Load(const py::object& file) {
                  : ParseCameraFile(path, bytes)};
 }
 
+py::object RangeOf(const PyCamera& self) {
+  if (!self.file.stack) return py::none();
+  const CameraStack& stack = self.file.stack->cameras;
+  return py::make_tuple(ConditionName(stack.condition()), stack.low(),
+                        stack.high());
+}
+
+PyCamera CameraAt(const PyCamera& self, double value) {
+  if (!self.file.stack)
+    throw py::value_error(
+        "the camera was not calibrated over lens positions or temperatures: "
+        "it has no range");
+  const CameraStack& stack = self.file.stack->cameras;
+  if (!stack.Contains(value))
+    throw py::value_error(fmt::format(
+        "{:g} is not in the range, {:g} to {:g} "
+        "{}",
+        value, stack.low(), stack.high(), ConditionUnit(stack.condition())));
+  return {FileAt(self.file, value)};
+}
+
 void Save(const PyCamera& self, const py::object& path) {
   WriteFile(PathOf(path), TextOf(self));
 }
@@ -388,7 +409,8 @@ py::bytes Pack(const PyCamera& self, const std::vector<VirtualView>& views,
   PackedCamera packed;
   RunInBackground(py::none(), [&](Task* task) {
     CameraFile file = self.file;
-    TurnIntoCameraFrame(&file.camera);
+    // Its other cameras would have to turn, too.
+    if (TurnIntoCameraFrame(&file.camera)) file.stack.reset();
     PackOptions options;
     for (const VirtualView& view : views) options.remaps.emplace_back(view);
     options.has_default_remap = views.empty();
@@ -494,6 +516,13 @@ void BindCamera(py::module_* module) {
                   "with one camera. Warns of what is not taken as it stands.")
       .def("save", &Save, py::arg("path"),
            "Writes camera.yaml, whole or not at all.")
+      .def("at", &CameraAt, py::arg("value"),
+           "Of a camera that was calibrated over a range of lens positions "
+           "(dioptres) or temperatures (degrees Celsius): the camera at a "
+           "value of it. Without, it is the one in the middle.")
+      .def_property_readonly("range", &RangeOf,
+                             "('lens_position' or 'temperature', lowest, "
+                             "highest); None of a camera without a range.")
       .def("project", &Project, py::arg("points"), py::kw_only(),
            py::arg("jacobians") = false, py::arg("threads") = 0,
            "Pixels (..., 2) that see points (..., 3), in metres; of central "

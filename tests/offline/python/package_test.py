@@ -34,11 +34,11 @@ class PackageTest(CommandTest):
         known = cls.path(f"sim_{lens}/true_camera.yaml")
         return known if os.path.exists(known) else super().simulated_camera(lens, size)
 
-    def answers(self, command, camera, rows, names, columns):
+    def answers(self, command, camera, rows, names, columns, *options):
         """Columns of what a command answers; NaN where it leaves them empty."""
         option = {"project": "--points", "unproject": "--pixels"}[command]
         given = write(self.path("given.csv"), table(rows, names))
-        result = run(command, camera, option, given)
+        result = run(command, camera, option, given, *options)
         self.assert_done(result)
         return np.array([[float(row[name] or "nan") for name in columns]
                          for row in csv.DictReader(io.StringIO(result.stdout))])
@@ -133,6 +133,22 @@ class Rays(PackageTest):
             raygrid.Camera.load(broken)
         self.assertEqual(context.exception.code, run("inspect", broken).returncode)
         self.assertEqual("raygrid: " + str(context.exception), run("inspect", broken).stderr.strip())
+
+    def test_a_camera_with_a_range_is_taken_at_a_value(self):
+        text = read(self.simulated_camera("wide")).decode()
+        num_points = len(raygrid.Camera.load(self.simulated_camera("wide")).parameters) // 2
+        change = ", ".join(["1e-3, -2e-3"] * num_points)
+        path = write(self.path("range.yaml"), text + "stack:\n  condition: lens_position\n"
+                     "  range: [2, 10]\n  changes:\n    - [%s]\n  deviations: []\n" % change)
+        camera = raygrid.Camera.load(path)
+        self.assertEqual(camera.range, ("lens_position", 2, 10))
+        near = camera.at(9)
+        self.assertIsNone(near.range)
+        expected = self.answers("unproject", path, GRID, "xy", ["dx", "dy", "dz"], "--at", 9)
+        np.testing.assert_allclose(near.unproject(GRID), expected, rtol=0, atol=6e-13)
+        self.assertGreater(np.abs(camera.unproject(GRID) - expected).max(), 1e-3)
+        self.assert_refuses(ValueError, "11 is not in the range, 2 to 10 dioptres", camera.at, 11)
+        self.assert_refuses(ValueError, "it has no range", near.at, 5)
 
     def test_what_it_tells_of_itself_stays(self):
         camera = raygrid.Camera.load(self.simulated_camera("pinhole"))
