@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <set>
 #include <utility>
 
@@ -18,6 +17,7 @@ namespace raygrid {
 namespace {
 
 struct FolderAt {
+  std::string text;  // the value as it was given
   double value = 0;
   std::string folder;
 };
@@ -34,18 +34,12 @@ std::vector<FolderAt> ParseFolders(const std::vector<std::string>& texts) {
                   fmt::format("--camera-at {}: expected VALUE=FOLDER, as "
                               "2.5=photos/near",
                               text));
-    folders.push_back({value, given.value});
+    folders.push_back({given.name, value, given.value});
+    // A session of capture has its frames in a folder of its own.
+    if (IsSession(given.value))
+      folders.back().folder += std::string("/") + kSessionFrames;
   }
   return folders;
-}
-
-// The last part of a folder's path, also of "photos/near/".
-std::string NameOfFolder(const std::string& folder) {
-  return std::filesystem::absolute(std::filesystem::path(folder) / "")
-      .lexically_normal()
-      .parent_path()
-      .filename()
-      .string();
 }
 
 void ReadValues(const std::string& path,
@@ -115,13 +109,14 @@ Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
                               const Pattern& pattern,
                               const std::function<void(double)>& progress) {
   const std::vector<FolderAt> folders = ParseFolders(arguments.cameras_at);
-  std::set<std::string> names;
+  std::set<std::string> values;
   for (const FolderAt& folder : folders)
-    if (!names.insert(NameOfFolder(folder.folder)).second)
-      throw Error(ExitCode::kUsage,
-                  fmt::format("--camera-at: two folders are called {}, and "
-                              "images are named after them; rename one",
-                              NameOfFolder(folder.folder)));
+    if (!values.insert(folder.text).second)
+      throw Error(
+          ExitCode::kUsage,
+          fmt::format("--camera-at {}={}: the value is given twice; put "
+                      "its images into one folder",
+                      folder.text, folder.folder));
   Measurements measurements;
   for (size_t k = 0; k < folders.size(); ++k) {
     const auto part = [&](double done) {
@@ -131,7 +126,7 @@ Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
     Measurements more =
         Measure({folders[k].folder}, pattern, arguments.pattern, common, part);
     for (ImageFeatures& image : more.dataset.images) {
-      image.image = NameOfFolder(folders[k].folder) + "/" + image.image;
+      image.image = folders[k].text + "/" + image.image;
       more.condition_values[image.image] = folders[k].value;
     }
     if (k > 0 && more.dataset.image_size != measurements.dataset.image_size)

@@ -18,8 +18,8 @@ void AddConditionOptions(CLI::App* command, CalibrateArguments* arguments);
 /// Throws Error(kUsage) for options that do not go together.
 void RequireConditionOptions(const CalibrateArguments& arguments, bool is_rig);
 
-/// Measures the folders of --camera-at. Their images are named after the
-/// folder, too: FOLDER/IMAGE. Throws Error(kUsage), InputError.
+/// Measures the folders of --camera-at. Their images are named after the value,
+/// too: VALUE/IMAGE. Throws Error(kUsage), InputError.
 Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
                               const CommonOptions& common,
                               const Pattern& pattern,

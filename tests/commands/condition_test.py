@@ -139,7 +139,7 @@ class Condition(CommandTest):
         self.assertIn(b"10/sim0001.png", read(self.path("folders/features.csv")))
         self.assertIn(b"range: [0, 10]", read(self.path("folders/camera.yaml")))
         result = run("calibrate", "--condition", "lens_position", *folders, *folders, *options)
-        self.assert_refused(result, 1, "two folders are called 0")
+        self.assert_refused(result, 1, "the value is given twice")
         result = run("calibrate", "--condition", "lens_position", "--camera-at", "near=x", *options)
         self.assert_refused(result, 1, "expected VALUE=FOLDER")
 
