@@ -1,6 +1,7 @@
 #include "fleet/fleet_statistics.h"
 
 #include <algorithm>
+#include <boost/math/distributions/beta.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -40,6 +41,19 @@ double SquaresLimit(double chance, const std::vector<double>& usual) {
   const boost::math::fisher_f distribution(freedoms,
                                            static_cast<double>(usual.size()));
   return mean *
+         boost::math::quantile(boost::math::complement(distribution, chance));
+}
+
+// The limit of a unit that is itself one of those that the directions and
+// variances come from (Tracy, Young, Mason, "Multivariate control charts for
+// individual observations", 1992): it cannot be farther off than
+// (n - 1)^2 / n, which the limit of another unit may be beyond.
+double OwnHotellingLimit(double chance, double count, double num_directions) {
+  const double rest = count - num_directions - 1;
+  if (rest < 1) return INFINITY;
+  const boost::math::beta_distribution<> distribution(num_directions / 2,
+                                                      rest / 2);
+  return (count - 1) * (count - 1) / count *
          boost::math::quantile(boost::math::complement(distribution, chance));
 }
 
@@ -88,9 +102,13 @@ LensCharts ChartLenses(const Eigen::MatrixXd& rows, double chance) {
         HotellingLimit(chance, static_cast<double>(usual_rest.size()),
                        static_cast<double>(charts.directions.variances.size()));
     charts.shape_limit = SquaresLimit(chance, usual_rest);
+    const double own_limit = OwnHotellingLimit(
+        chance, static_cast<double>(usual_rest.size()),
+        static_cast<double>(charts.directions.variances.size()));
     std::vector<bool> next;
     for (size_t i = 0; i < count; ++i)
-      next.push_back(charts.lens[i] <= charts.lens_limit &&
+      next.push_back(charts.lens[i] <=
+                         (is_usual[i] ? own_limit : charts.lens_limit) &&
                      charts.shape[i] <= charts.shape_limit);
     if (next == is_usual) break;
     is_usual = next;

@@ -121,6 +121,27 @@ TEST(FleetStatistics, FindsTiltedSensorsAShiftedLensAndAJump) {
   EXPECT_LE(num_false_jumps, kFleets / 5);
 }
 
+// One tilted sensor of few units is a direction in which lenses vary, by
+// itself: no unit of the fleet is as far off as a new one may be.
+TEST(FleetStatistics, FindsATiltedSensorOfFewUnits) {
+  constexpr int kFleets = 10;
+  int num_false_alarms = 0;
+  for (const double tilt_rad : {0.005, 0.01, 0.02}) {
+    for (uint64_t seed = 1; seed <= kFleets; ++seed) {
+      Family family(seed);
+      std::vector<FamilyLens> lenses;
+      for (int u = 0; u < 40; ++u) lenses.push_back(family.Draw(800));
+      lenses[17].tilt_rad = tilt_rad;
+      const std::vector<int> units =
+          UnusualUnits(FindOutliers(family.MakeFleet(lenses)));
+      EXPECT_EQ(std::count(units.begin(), units.end(), 17), 1)
+          << seed << ", tilted by " << tilt_rad;
+      num_false_alarms += static_cast<int>(units.size()) - 1;
+    }
+  }
+  EXPECT_LE(num_false_alarms, kFleets / 5);
+}
+
 TEST(FleetStatistics, SeldomGivesAnAlarmWhereNothingIsUnusual) {
   int num_alarms = 0, num_changes = 0;
   constexpr int kFleets = 200;
