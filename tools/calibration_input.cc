@@ -447,7 +447,8 @@ void Append(Measurements more, Measurements* measurements) {
     to->insert(to->end(), std::make_move_iterator(from.begin()),
                std::make_move_iterator(from.end()));
   };
-  measurements->dataset.image_size = more.dataset.image_size;
+  if (measurements->dataset.image_size == ImageSize())
+    measurements->dataset.image_size = more.dataset.image_size;
   append(more.dataset.images, &measurements->dataset.images);
   append(more.paths, &measurements->paths);
   append(more.skipped, &measurements->skipped);
