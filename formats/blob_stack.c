@@ -14,7 +14,7 @@ typedef struct part_walk {
   uint32_t size;        /* of it, and of its like */
 } part_walk;
 
-static int next_part(part_walk* walk) {
+static int go_to_next_part(part_walk* walk) {
   const uint32_t num = rg_load_u16(walk->bytes + RG_HEADER_SECTION_COUNT);
   while (walk->index != num) {
     const uint8_t* const entry =
@@ -29,7 +29,7 @@ static int next_part(part_walk* walk) {
   return 0;
 }
 
-static part_walk start_parts(const uint8_t* bytes) {
+static part_walk start_walk(const uint8_t* bytes) {
   const part_walk walk = {bytes, 0, 0, 0, 0};
   return walk;
 }
@@ -37,8 +37,8 @@ static part_walk start_parts(const uint8_t* bytes) {
 /* Below 2^32: these sections lie in the blob. */
 static uint32_t size_of_knot(const uint8_t* bytes) {
   uint32_t size = 0;
-  part_walk walk = start_parts(bytes);
-  while (next_part(&walk)) size += walk.size;
+  part_walk walk = start_walk(bytes);
+  while (go_to_next_part(&walk)) size += walk.size;
   return size;
 }
 
@@ -103,8 +103,8 @@ rg_status rg_check_stack(const uint8_t* bytes, const uint8_t* section,
   if (status != RG_OK) return status;
   const uint8_t* part = section + rg_load_u32(section + RG_STACK_DATA_OFFSET);
   for (uint32_t k = 0; k < num_knots; ++k) {
-    part_walk walk = start_parts(bytes);
-    while (next_part(&walk)) {
+    part_walk walk = start_walk(bytes);
+    while (go_to_next_part(&walk)) {
       status = check_part(part, &walk, sections->of[RG_SECTION_CAMERA].bytes);
       if (status != RG_OK) return status;
       part += walk.size;

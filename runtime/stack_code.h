@@ -32,6 +32,7 @@ typedef struct rg_stack_code {
 
 /* Between a number of the lower knot's table and one of the upper knot's. */
 #define RG_WEIGHT_BITS 14
+#define RG_WEIGHT_MASK 0x3fffu
 #define RG_HALF_WEIGHT (1 << (RG_WEIGHT_BITS - 1))
 #define RG_BLEND_STORED(lower, upper, weight) \
   ((lower) +                                  \

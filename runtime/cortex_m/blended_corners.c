@@ -8,7 +8,8 @@
 #define BLOCK_TABLE_SIZE (RG_REMAP_FIELDS_SIZE + 4 * RG_BENT_VERTEX_SIZE + 4)
 
 /* RG_BLEND_STORED() in an order that takes fewer instructions here. */
-static RG_INLINE int32_t blend(int32_t lower, int32_t upper, int32_t weight) {
+static RG_INLINE int32_t blend_stored(int32_t lower, int32_t upper,
+                                      int32_t weight) {
   return (lower * (1 << RG_WEIGHT_BITS) + RG_HALF_WEIGHT +
           weight * (upper - lower)) >>
          RG_WEIGHT_BITS;
@@ -18,14 +19,16 @@ static RG_INLINE int32_t blend(int32_t lower, int32_t upper, int32_t weight) {
 static RG_INLINE void blend_residual(uint32_t k, const uint8_t* lower,
                                      const uint8_t* upper, int32_t weight,
                                      uint8_t* blended) {
-  rg_store_u16(blended + k, (uint16_t)blend(rg_load_i16(lower + k),
-                                            rg_load_i16(upper + k), weight));
+  rg_store_u16(blended + k,
+               (uint16_t)blend_stored(rg_load_i16(lower + k),
+                                      rg_load_i16(upper + k), weight));
 }
 
 static RG_INLINE void blend_bend(uint32_t k, const uint8_t* lower,
                                  const uint8_t* upper, int32_t weight,
                                  uint8_t* blended) {
-  blended[k] = (uint8_t)blend((int8_t)lower[k], (int8_t)upper[k], weight);
+  blended[k] =
+      (uint8_t)blend_stored((int8_t)lower[k], (int8_t)upper[k], weight);
 }
 
 /* By a table of the one block that the part is in, at the condition. */

@@ -30,8 +30,8 @@ static RG_INLINE const uint8_t* knots_of(const uint8_t* stack) {
 
 /* Whether the bytes in front of the arrays of a knot's grid or table are those
  * of the blob's own section, but for a table's measured error. */
-static int is_like_own(const uint8_t* own, const uint8_t* part, uint32_t type,
-                       uint32_t size) {
+static int is_part_like_own(const uint8_t* own, const uint8_t* part,
+                            uint32_t type, uint32_t size) {
   const uint32_t end = rg_lesser(
       rg_load_u32(own + (type == RG_SECTION_REMAP ? RG_REMAP_DATA_OFFSET
                                                   : RG_GRID_DATA_OFFSET)),
@@ -64,7 +64,7 @@ static uint32_t find_in_knot(const rg_camera* camera, uint32_t end_offset,
     if (type < 32 && (LIKE_TYPES >> type & 1) != 0) {
       const uint8_t* part = knots + place;
       for (uint32_t k = 0; k != num_knots; ++k, part += knot_size)
-        if (!is_like_own(camera->blob + offset, part, type, size))
+        if (!is_part_like_own(camera->blob + offset, part, type, size))
           return UINT32_MAX;
       place += size;
     }
@@ -90,13 +90,13 @@ static RG_NOINLINE rg_status find_blended_place(const rg_camera* camera,
   rg_status status =
       rg_find_in_knot(camera, grid + camera->knot_size, x, y, place);
   if (status != RG_OK) return status;
-  const rg_chart_point upper = place->value;
+  const int32_t upper_q27[2] = {place->value.q27[0], place->value.q27[1]};
   status = rg_find_in_knot(camera, grid, x, y, place);
   const int32_t weight_q31 = camera->weight_q14 << 17;
   for (int c = 0; c < 2; ++c) {
     const int32_t lower = place->value.q27[c];
     place->value.q27[c] = rg_multiply_high_add(
-        lower, rg_shift_left(rg_subtract(upper.q27[c], lower), 1), weight_q31);
+        lower, rg_shift_left(rg_subtract(upper_q27[c], lower), 1), weight_q31);
   }
   return status;
 }
@@ -122,7 +122,8 @@ static rg_status check_vertices(const uint8_t* table, uint32_t num_knots,
   return status;
 }
 
-static rg_status find_table(const rg_camera* camera, const uint8_t** section) {
+static rg_status find_table_of_knot(const rg_camera* camera,
+                                    const uint8_t** section) {
   /* A knot begins with the like of the section that stands first: mostly the
    * grid, but perhaps not. */
   uint32_t size;
@@ -133,8 +134,8 @@ static rg_status find_table(const rg_camera* camera, const uint8_t** section) {
                         camera->knot_size);
 }
 
-static const rg_stack_code kStackCode = {find_in_grid, find_in_inverse,
-                                         find_table, RG_NEXT_BLENDED_CORNERS};
+static const rg_stack_code kStackCode = {
+    find_in_grid, find_in_inverse, find_table_of_knot, RG_NEXT_BLENDED_CORNERS};
 
 /* ---- Conditions ---------------------------------------------------------- */
 
@@ -184,7 +185,7 @@ static uint16_t find_weight(uint32_t part, uint32_t whole) {
       ++weight;
     }
   } while (weight >> RG_WEIGHT_BITS == 0);
-  return (uint16_t)(weight - (1u << RG_WEIGHT_BITS));
+  return (uint16_t)(weight & RG_WEIGHT_MASK);
 }
 
 rg_status rg_set_condition(rg_camera* camera, int32_t value_q16) {
