@@ -9,6 +9,7 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
+#include <optional>
 
 #include "golden_blobs.h"
 #include "raygrid.h"
@@ -333,6 +334,48 @@ TEST(UndistortElement, TakesAnotherBlobWhileItPlays) {
     ASSERT_TRUE(view);
     gst_buffer_unref(view);
   }
+}
+
+// A frame of the golden stack's camera, as its first table makes of it.
+std::vector<uint8_t> RemappedAt(std::optional<int32_t> value_q16,
+                                const std::vector<uint8_t>& bytes) {
+  rg_camera camera;
+  EXPECT_EQ(rg_camera_open(&camera, kStackBlob, sizeof(kStackBlob)), RG_OK);
+  EXPECT_EQ(rg_select_remap(&camera, 0), RG_OK);
+  if (value_q16) {
+    EXPECT_EQ(rg_set_condition(&camera, *value_q16), RG_OK);
+  }
+  uint16_t frame_width, frame_height, width, height;
+  rg_frame_size(&camera, &frame_width, &frame_height);
+  rg_remap_size(&camera, &width, &height);
+  std::vector<uint8_t> view(size_t{width} * height);
+  const rg_frame frame = {bytes.data(), frame_width, frame_width, frame_height};
+  const rg_band band = {view.data(), width, 0, height, 0};
+  EXPECT_EQ(rg_remap_grey(&camera, &frame, &band), RG_OK);
+  return view;
+}
+
+TEST(UndistortElement, TakesAnotherLensPositionWithEachFrame) {
+  constexpr int kFrameWidth = 320, kFrameHeight = 240;
+  const TemporaryFile blob(kStackBlob, sizeof(kStackBlob));
+  const Pipeline pipeline(blob.path(), "table=0");
+  pipeline.SetCaps("video/x-raw", "GRAY8", kFrameWidth, kFrameHeight);
+  const std::vector<uint8_t> bytes = Noise(kFrameWidth * kFrameHeight);
+  const auto undistorted = [&] {
+    GstBuffer* const view = gst_harness_push_and_pull(
+        pipeline.get(), gst_buffer_new_memdup(bytes.data(), bytes.size()));
+    std::vector<uint8_t> made(gst_buffer_get_size(view));
+    gst_buffer_extract(view, 0, made.data(), made.size());
+    gst_buffer_unref(view);
+    return made;
+  };
+  EXPECT_EQ(undistorted(), RemappedAt(std::nullopt, bytes));
+  for (const double dioptres : {0.25, 5.0, 5.0}) {
+    pipeline.Set("condition", dioptres);
+    EXPECT_EQ(undistorted(),
+              RemappedAt(static_cast<int32_t>(dioptres * 65536), bytes));
+  }
+  EXPECT_NE(undistorted(), RemappedAt(std::nullopt, bytes));
 }
 
 TEST(UndistortElement, PassesTheEndAndTenThousandFrames) {
