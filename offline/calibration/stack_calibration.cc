@@ -192,9 +192,14 @@ RigResult CalibrateStack(const CalibrationInput& input,
     if (options.progress) options.progress(stage, 0.1 + 0.7 * done);
   };
   RigResult result = Calibrate({in_middle}, pattern, of_middle);
-  if (options.ShouldStop()) return result;
-  report("adjustment over the condition", 0.8);
   CalibrationResult& camera = result.cameras.front();
+  if (options.ShouldStop()) {
+    // The camera is that of the middle, but files tell where images show
+    // features.
+    camera.features = UsedOf(input.dataset, camera);
+    return result;
+  }
+  report("adjustment over the condition", 0.8);
   const CameraStack stack = ChangesOnGrid(
       *start, dynamic_cast<const CentralGeneric&>(*camera.camera.camera));
   Adjusted adjusted = StartFrom(camera, UsedOf(input.dataset, camera),
