@@ -494,12 +494,11 @@ CameraFile FileAt(const CameraFile& stack, double value) {
   if (file.uncertainty)
     TakeDeviationsAt(stack.stack->deviations, value,
                      &file.uncertainty->lattice);
-  if (file.capture) {
-    if (stack.stack->cameras.condition() == CameraCondition::kLensPosition)
-      file.capture->lens_position = value;
-    else
-      file.capture->sensor_temperature_c = value;
-  }
+  if (!file.capture) file.capture.emplace();
+  if (stack.stack->cameras.condition() == CameraCondition::kLensPosition)
+    file.capture->lens_position = value;
+  else
+    file.capture->sensor_temperature_c = value;
   file.stack.reset();
   return file;
 }

@@ -49,7 +49,8 @@ struct CameraFile {
 };
 
 /// The file of a stack's camera at a value of its condition, which lies in its
-/// range: deviations are linear between the values at which they are known.
+/// range: deviations are linear between the values at which they are known, and
+/// the value is recorded as that at which the camera stood.
 CameraFile FileAt(const CameraFile& stack, double value);
 
 /// Throws InputError.

@@ -440,8 +440,7 @@ TEST(CameraFile, KeepsAStack) {
 }
 
 TEST(CameraFile, OfAStackAtAValueIsThatCameraAlone) {
-  CameraFile file = StackFile();
-  file.capture.emplace();
+  const CameraFile file = StackFile();
   const CameraFile at = FileAt(file, 30);
   EXPECT_FALSE(at.stack.has_value());
   EXPECT_EQ(at.camera->Parameters(), file.stack->cameras.At(30).Parameters());
