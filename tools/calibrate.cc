@@ -45,7 +45,7 @@ void RequireOfSingleCamera(const CalibrateArguments& arguments, bool is_rig) {
 }
 
 // The first held-out image, or else the first one used; smaller than it was.
-std::optional<BeforeAfter> ExampleImage(const std::vector<std::string>& paths,
+std::optional<BeforeAfter> ExampleImage(const Measurements& measurements,
                                         const CalibrationResult& result,
                                         const CalibrateArguments& arguments,
                                         const std::string& blob) {
@@ -53,10 +53,14 @@ std::optional<BeforeAfter> ExampleImage(const std::vector<std::string>& paths,
   const std::string& wanted = arguments.hold_out.empty()
                                   ? result.features.images.front().image
                                   : arguments.hold_out.front();
-  for (const std::string& path : paths) {
-    if (std::filesystem::path(path).filename() != wanted) continue;
-    const Image before = ReadImage(path, true);
-    const Image after = BlobCamera("packed camera", blob).Undistort(before, 0);
+  const auto conditions = ConditionsOf(arguments, measurements);
+  for (size_t i = 0; i < measurements.paths.size(); ++i) {
+    if (measurements.dataset.images[i].image != wanted) continue;
+    const Image before = ReadImage(measurements.paths[i], true);
+    BlobCamera camera("packed camera", blob);
+    if (conditions && camera.Range())
+      camera.SetCondition(conditions->values.at(wanted));
+    const Image after = camera.Undistort(before, 0);
     return BeforeAfter{Shrunk(before, kMaxWidthPx), Shrunk(after, kMaxWidthPx)};
   }
   return std::nullopt;
@@ -126,8 +130,7 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
         PackWhatCanBe(camera.camera, common.threads, IsInterrupted);
     own.packing = FiguresOf(packed);
     if (!result.IsRig() && !packed.remaps.empty())
-      own.example =
-          ExampleImage(calibrated.paths, camera, arguments, packed.blob);
+      own.example = ExampleImage(calibrated, camera, arguments, packed.blob);
     own.blob = packed.blob;
     if (!packed.remaps.empty())
       own.view = ViewCameraFile(packed.remaps[0].view, camera.camera.name);

@@ -138,6 +138,9 @@ class Condition(CommandTest):
         self.assertIn(result.returncode, (0, 5), result.stderr)
         self.assertIn(b"10/sim0001.png", read(self.path("folders/features.csv")))
         self.assertIn(b"range: [0, 10]", read(self.path("folders/camera.yaml")))
+        # The report has an image before and after, at its own lens position.
+        for name in ("example_before.png", "example_after.png"):
+            self.assertTrue(read(self.path("folders/" + name)).startswith(b"\x89PNG"))
         result = run("calibrate", "--condition", "lens_position", *folders, *folders, *options)
         self.assert_refused(result, 1, "the value is given twice")
         result = run("calibrate", "--condition", "lens_position", "--camera-at", "near=x", *options)
