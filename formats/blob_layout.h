@@ -284,10 +284,11 @@ enum rg_capture_field {
 enum rg_stack_field {
   RG_STACK_CONDITION = 0,  /* u16: rg_condition */
   RG_STACK_KNOTS = 2,      /* u16: how many */
-  RG_STACK_DATA_OFFSET = 4 /* u32: knots, from the section's first byte */
+  RG_STACK_KNOT_SIZE = 4,  /* u32, bytes: of each */
+  RG_STACK_DATA_OFFSET = 8 /* u32: knots, from the section's first byte */
 };
 /* Behind them an i32, q16, for each knot: its value. */
-#define RG_STACK_FIELDS_SIZE 8u
+#define RG_STACK_FIELDS_SIZE 12u
 
 /* ---- Row time ----------------------------------------------------------- */
 

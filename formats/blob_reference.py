@@ -41,7 +41,7 @@ LINE_POINTS = struct.Struct("<2HI")
 MASK = struct.Struct("<2H2BHI")
 UNCERTAINTY = struct.Struct("<2H3I")
 CAPTURE = struct.Struct("<iI2i3I2BHi2I")
-STACK = struct.Struct("<2HI")
+STACK = struct.Struct("<2H2I")
 ROW_TIME = struct.Struct("<iI")
 CRC_COVERED_HEADER = 28
 
@@ -935,24 +935,30 @@ def read_capture(section: bytes, camera: Camera) -> Capture:
 
 def knot_parts(data: bytes, table: list[Entry]) -> list[tuple[int, bytes]]:
     """Stack: type and bytes of the blob's own sections that a knot has a part for."""
-    return [(entry.type, section_bytes(data, entry)) for entry in table
-            if entry.type in (TYPE_GRID, TYPE_INVERSE, TYPE_REMAP)]
+    entries = [entry for entry in table if entry.type in (TYPE_GRID, TYPE_INVERSE, TYPE_REMAP)]
+    require(entries[0].type == TYPE_GRID
+            and all(low.offset + low.size == high.offset
+                    for low, high in zip(entries, entries[1:])),
+            "RG_ERR_STACK", "sections that knots have a part for are not together")
+    return [(entry.type, section_bytes(data, entry)) for entry in entries]
 
 
 def read_stack(section: bytes, data: bytes, table: list[Entry]) -> Stack:
     """Stack (type 12)."""
-    condition, count, data_offset = unpack_fields(STACK, section, "stack")
+    condition, count, knot_size, data_offset = unpack_fields(STACK, section, "stack")
     require(condition in CONDITIONS and count in KNOT_COUNTS
             and not any(sections(data, table, TYPE_LINE_POINTS)), "RG_ERR_STACK",
             f"the stack has {count} knots of condition {condition}")
     values_layout = struct.Struct(f"{STACK.format}{count}i")
-    values = unpack_fields(values_layout, section, "stack")[3:]
+    values = unpack_fields(values_layout, section, "stack")[4:]
     require(all(low < high for low, high in zip(values, values[1:]))
             and max(map(abs, values)) <= CONDITION_LIMIT_Q16, "RG_ERR_STACK",
             f"the values are {values}")
     own = knot_parts(data, table)
+    require(knot_size == sum(len(part) for _, part in own), "RG_ERR_STACK",
+            f"a knot has {knot_size} bytes")
     check_data_offset(data_offset, values_layout, "stack")
-    array = array_bytes(section, data_offset, count * sum(len(part) for _, part in own), "stack")
+    array = array_bytes(section, data_offset, count * knot_size, "stack")
     camera = read_camera(first_section(data, table, TYPE_CAMERA))
     sizes = mode_sizes(next(sections(data, table, TYPE_MODES), b""))
     knots, position = [], 0
@@ -1710,13 +1716,15 @@ def serialize(blob: Blob) -> bytes:
 
 
 def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
-    """Type and bytes of each section, camera and grid first."""
+    """Type and bytes of each section: what knots have their like of comes together."""
     yield TYPE_CAMERA, pack_camera(blob.camera)
-    yield TYPE_GRID, pack_grid(blob.grid)
     if blob.modes:
         yield TYPE_MODES, b"".join(map(pack_mode, blob.modes))
+    yield TYPE_GRID, pack_grid(blob.grid)
     for remap in blob.remaps:
         yield TYPE_REMAP, pack_remap(remap)
+    if blob.inverse is not None:
+        yield TYPE_INVERSE, pack_inverse(blob.inverse)
     if blob.quality is not None:
         yield TYPE_QUALITY, QUALITY.pack(*dataclasses.astuple(blob.quality))
     if blob.line_points is not None:
@@ -1725,8 +1733,6 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
         yield TYPE_MASK, pack_valid_mask(blob.mask)
     if blob.uncertainty is not None:
         yield TYPE_UNCERTAINTY, pack_uncertainty(blob.uncertainty, blob.grid)
-    if blob.inverse is not None:
-        yield TYPE_INVERSE, pack_inverse(blob.inverse)
     if blob.capture is not None:
         yield TYPE_CAPTURE, pack_capture(blob.capture)
     if blob.stack is not None:
@@ -1864,9 +1870,9 @@ def pack_capture(capture: Capture) -> bytes:
 def pack_stack(stack: Stack) -> bytes:
     """Stack (type 12)."""
     count = len(stack.values)
-    fields = STACK.pack(stack.condition, count, STACK.size + 4 * count)
-    return (fields + struct.pack(f"<{count}i", *stack.values)
-            + b"".join(map(pack_knot, stack.knots)))
+    knots = list(map(pack_knot, stack.knots))
+    fields = STACK.pack(stack.condition, count, len(knots[0]), STACK.size + 4 * count)
+    return fields + struct.pack(f"<{count}i", *stack.values) + b"".join(knots)
 
 
 def pack_knot(knot: Knot) -> bytes:

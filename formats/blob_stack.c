@@ -5,9 +5,11 @@
 #include "bytes.h"
 #include "rg_blob.h"
 
-/* Walks over the blob's sections that a knot has its like of. */
+/* Walks over the blob's sections that a knot has its like of, in the order of
+ * the section table. */
 typedef struct part_walk {
   const uint8_t* bytes; /* of the blob */
+  const uint8_t* grid;  /* the central grid's section, the first of them */
   uint32_t index;       /* of the next entry of the section table */
   uint32_t type;        /* of the section at hand */
   const uint8_t* own;   /* that section */
@@ -22,6 +24,7 @@ static int go_to_next_part(part_walk* walk) {
     walk->type = rg_load_u16(entry + RG_ENTRY_TYPE);
     walk->own = walk->bytes + rg_load_u32(entry + RG_ENTRY_OFFSET);
     walk->size = rg_load_u32(entry + RG_ENTRY_SIZE);
+    if (walk->type == RG_SECTION_CENTRAL_GRID) walk->grid = walk->own;
     if (walk->type == RG_SECTION_CENTRAL_GRID ||
         walk->type == RG_SECTION_INVERSE || walk->type == RG_SECTION_REMAP)
       return 1;
@@ -30,15 +33,19 @@ static int go_to_next_part(part_walk* walk) {
 }
 
 static part_walk start_walk(const uint8_t* bytes) {
-  const part_walk walk = {bytes, 0, 0, 0, 0};
+  const part_walk walk = {bytes, 0, 0, 0, 0, 0};
   return walk;
 }
 
-/* Below 2^32: these sections lie in the blob. */
+/* The size of a knot; 0 if the sections it has its like of do not follow each
+ * other, from the central grid on. */
 static uint32_t size_of_knot(const uint8_t* bytes) {
   uint32_t size = 0;
   part_walk walk = start_walk(bytes);
-  while (go_to_next_part(&walk)) size += walk.size;
+  while (go_to_next_part(&walk)) {
+    if (walk.grid == 0 || walk.own != walk.grid + size) return 0;
+    size += walk.size;
+  }
   return size;
 }
 
@@ -96,7 +103,9 @@ rg_status rg_check_stack(const uint8_t* bytes, const uint8_t* section,
     return RG_ERR_STACK;
   if (size < fields_size) return RG_ERR_SECTION_SIZE;
   if (!are_values_in_order(section, num_knots)) return RG_ERR_STACK;
-  const uint64_t knots_size = (uint64_t)num_knots * size_of_knot(bytes);
+  const uint32_t knot_size = rg_load_u32(section + RG_STACK_KNOT_SIZE);
+  if (knot_size == 0 || knot_size != size_of_knot(bytes)) return RG_ERR_STACK;
+  const uint64_t knots_size = (uint64_t)num_knots * knot_size;
   if (knots_size > size) return RG_ERR_SECTION_SIZE;
   rg_status status = rg_check_extent(section + RG_STACK_DATA_OFFSET, size,
                                      fields_size, (uint32_t)knots_size);
@@ -119,5 +128,5 @@ void rg_blob_stack(const rg_blob* blob, rg_stack_section* stack) {
   stack->num_knots = rg_load_u16(section + RG_STACK_KNOTS);
   stack->values_q16 = section + RG_STACK_FIELDS_SIZE;
   stack->knots = section + rg_load_u32(section + RG_STACK_DATA_OFFSET);
-  stack->knot_size = size_of_knot(blob->bytes);
+  stack->knot_size = rg_load_u32(section + RG_STACK_KNOT_SIZE);
 }

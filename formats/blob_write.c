@@ -67,13 +67,18 @@ static uint32_t num_remaps(const rg_blob_contents* contents) {
   return contents->remap ? 1 + contents->num_more_remaps : 0;
 }
 
-static uint32_t stack_size(const rg_blob_contents* contents) {
+static uint32_t knot_size_of(const rg_blob_contents* contents) {
   uint32_t knot_size = grid_size(contents);
   if (contents->inverse) knot_size += inverse_size(contents->inverse);
   if (contents->remap) knot_size += rg_remap_section_size(contents->remap);
   for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
     knot_size += rg_remap_section_size(contents->more_remaps[k].section);
-  return RG_STACK_FIELDS_SIZE + (4 + knot_size) * contents->stack->num_knots;
+  return knot_size;
+}
+
+static uint32_t stack_size(const rg_blob_contents* contents) {
+  return RG_STACK_FIELDS_SIZE +
+         (4 + knot_size_of(contents)) * contents->stack->num_knots;
 }
 
 uint32_t rg_blob_size(const rg_blob_contents* contents) {
@@ -326,6 +331,7 @@ static void write_stack(const rg_blob_contents* contents, uint8_t* section) {
   const uint32_t fields_size = RG_STACK_FIELDS_SIZE + 4u * stack->num_knots;
   rg_store_u16(section + RG_STACK_CONDITION, stack->condition);
   rg_store_u16(section + RG_STACK_KNOTS, stack->num_knots);
+  rg_store_u32(section + RG_STACK_KNOT_SIZE, knot_size_of(contents));
   rg_store_u32(section + RG_STACK_DATA_OFFSET, fields_size);
   uint8_t* knot = section + fields_size;
   for (uint32_t k = 0; k < stack->num_knots; ++k) {
@@ -382,10 +388,6 @@ static void write_new_sections(const rg_blob_contents* contents,
     write_uncertainty(contents->uncertainty, contents->uncertainties_q12,
                       begin_section(writer, RG_SECTION_UNCERTAINTY, 0,
                                     uncertainty_size(contents->uncertainty)));
-  if (contents->inverse)
-    write_inverse(contents->inverse, contents->inverse_points,
-                  begin_section(writer, RG_SECTION_INVERSE, 0,
-                                inverse_size(contents->inverse)));
   if (contents->capture)
     write_capture(contents->capture, begin_section(writer, RG_SECTION_CAPTURE,
                                                    0, RG_CAPTURE_SIZE));
@@ -406,20 +408,25 @@ static void write_modes(const rg_blob_contents* contents,
     write_mode(&contents->modes[k], section + RG_MODE_SIZE * k);
 }
 
+/* Sections that knots of a stack have their like of are together. */
 static void write_sections(const rg_blob_contents* contents,
                            section_writer* writer) {
   write_camera(contents->camera,
                begin_section(writer, RG_SECTION_CAMERA, RG_SECTION_CRITICAL,
                              RG_CAMERA_SIZE));
+  if (contents->num_modes != 0) write_modes(contents, writer);
   write_grid(contents->grid, contents->control_points_q29, contents->narrow,
              begin_section(writer, RG_SECTION_CENTRAL_GRID, RG_SECTION_CRITICAL,
                            grid_size(contents)));
-  if (contents->num_modes != 0) write_modes(contents, writer);
   if (contents->remap)
     begin_remap(contents->remap, contents->residuals, writer);
   for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
     begin_remap(contents->more_remaps[k].section,
                 contents->more_remaps[k].residuals, writer);
+  if (contents->inverse)
+    write_inverse(contents->inverse, contents->inverse_points,
+                  begin_section(writer, RG_SECTION_INVERSE, 0,
+                                inverse_size(contents->inverse)));
   if (contents->quality)
     write_quality(contents->quality, begin_section(writer, RG_SECTION_QUALITY,
                                                    0, RG_QUALITY_SIZE));

@@ -43,11 +43,12 @@ typedef struct rg_camera {
   const uint8_t* line_points;         /* not the section, but its first point */
   const uint8_t* remap;               /* the one in use */
   const struct rg_stack_code* stack;  /* NULL: no condition was set */
+  uint32_t knot_shift;                /* bytes from the blob's own sections to
+                                         their like in the knot in use */
   uint32_t knot_size;                 /* bytes from one knot to the next */
+  uint16_t frame_width, frame_height; /* frames that the table takes */
   uint16_t weight_q14;                /* of the knot above the one in use; 0: it
                                          does not count */
-  uint16_t knot;                      /* the one in use */
-  uint16_t frame_width, frame_height; /* frames that the table takes */
   uint16_t surface;                   /* the kernels of rays */
 } rg_camera;
 

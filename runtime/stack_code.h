@@ -22,12 +22,13 @@ typedef struct rg_stack_code {
                             struct rg_place* place);
   rg_status (*find_in_inverse)(const rg_camera* camera, int32_t x, int32_t y,
                                struct rg_place* place);
-  /* In place of a table of the blob, which was checked, that of the knot in
-   * use. */
-  rg_status (*find_table)(const rg_camera* camera, const uint8_t** section);
-  /* rg_next_corners() between two knots: where weight_q14 is not 0. */
-  void (*next_corners)(const rg_camera* camera, struct rg_part_row* parts,
-                       struct rg_position* corners);
+  /* rg_check_vertices() of a table of the blob in all knots, for the fast
+   * walk. */
+  rg_status (*check_vertices)(const rg_camera* camera, const uint8_t* own);
+  /* rg_pass_part() between two knots: where weight_q14 is not 0. For the small
+   * walk. */
+  void (*pass_part)(const rg_camera* camera, struct rg_part_row* parts,
+                    struct rg_position* corners);
 } rg_stack_code;
 
 /* Between a number of the lower knot's table and one of the upper knot's. */

@@ -21,16 +21,14 @@ static int32_t load_bend(const uint8_t* byte, uint32_t shift) {
   return (int32_t)(int8_t)*byte * (1 << shift);
 }
 
-/* A coordinate of the part's corners: from corner on, every other one; vertex
- * is the block's upper left one's number. */
+/* A coordinate of the part's corners: from corner on, every other one. */
 static RG_INLINE void find_axis(const rg_part_row* parts, uint32_t c,
-                                uint32_t vertex, int32_t* corner) {
+                                int32_t* corner) {
   const uint8_t* const section = parts->section;
-  const uint32_t size = rg_vertex_size(section);
+  const uint32_t size = parts->vertex_size;
   const uint8_t* const affine = section + 4 * c;
-  const uint8_t* above =
-      section + rg_load_u32(section + RG_REMAP_DATA_OFFSET) + vertex * size + c;
-  const uint8_t* below = above + rg_load_u16(section + RG_REMAP_COLUMNS) * size;
+  const uint8_t* above = parts->block + c;
+  const uint8_t* below = above + parts->row_size;
   const uint32_t row_step = rg_load_u32(affine + RG_REMAP_ROW_STEP);
   uint32_t plane = rg_load_u32(affine + RG_REMAP_ORIGIN) +
                    (parts->spans[0].before >> 16) *
@@ -65,18 +63,8 @@ static RG_INLINE void find_axis(const rg_part_row* parts, uint32_t c,
   cut_edge(&corner[4], &corner[6], bends[1] * num, &parts->spans[0]);
 }
 
-void rg_next_corners_in_c(rg_part_row* parts, rg_position corners[4]) {
-  const uint8_t* const section = parts->section;
-  const uint32_t columns = rg_load_u16(section + RG_REMAP_COLUMNS);
-  const uint32_t j = parts->spans[1].before >> 16;
-  const uint32_t vertex = j * columns + (parts->spans[0].before >> 16);
-  const uint32_t mark = vertex - j;
-  const uint8_t* const marks =
-      section + rg_load_u32(section + RG_REMAP_DATA_OFFSET) +
-      rg_load_u16(section + RG_REMAP_ROWS) * columns * rg_vertex_size(section);
-  parts->is_empty = (marks[mark >> 3] >> (mark & 7)) & 1;
-  for (uint32_t c = 0; c < 2; ++c)
-    find_axis(parts, c, vertex, &corners->q12[c]);
+void rg_pass_part_in_c(rg_part_row* parts, rg_position corners[4]) {
+  for (uint32_t c = 0; c < 2; ++c) find_axis(parts, c, &corners->q12[c]);
   parts->spans[0].before += parts->spans[0].size;
 }
 
@@ -89,5 +77,6 @@ static uint8_t part_log2(const rg_part_row* parts, const rg_span* span) {
 void rg_next_block(rg_part_row* parts, rg_block* block) {
   block->width_log2 = part_log2(parts, &parts->spans[0]);
   block->height_log2 = part_log2(parts, &parts->spans[1]);
-  rg_next_corners(parts, block->corners);
+  rg_find_block_of_part(parts);
+  rg_pass_part(parts, block->corners);
 }

@@ -25,11 +25,14 @@ typedef struct rg_span {
  * rg_select_remap() accepted. */
 typedef struct rg_part_row {
   const uint8_t* section;
-  uint8_t bend_shift; /* for parts of this width */
-  uint8_t num_log2;   /* log2 of four times a block's parts across */
-  uint8_t is_empty;   /* the table says that no pixel of the last part's block
-                         has a source */
-  rg_span spans[2];   /* of the next part across, of the row of parts down */
+  const uint8_t* block; /* the upper left vertex of the last part's block */
+  uint32_t row_size;    /* bytes from a vertex to the one below it */
+  uint8_t bend_shift;   /* for parts of this width */
+  uint8_t num_log2;     /* log2 of four times a block's parts across */
+  uint8_t is_empty;     /* the table says that no pixel of the last part's block
+                           has a source */
+  uint8_t vertex_size;  /* in bytes */
+  rg_span spans[2];     /* of the next part across, of the row of parts down */
 } rg_part_row;
 
 /* Sets the parts' size, 2^width_log2 x 2^height_log2 output pixels: a block is
@@ -63,30 +66,47 @@ static inline void rg_start_part_row(const uint8_t* section,
   rg_start_parts(parts, j);
 }
 
-/* Finds the corners of the part, and goes on to the next one. Corners of parts
- * are the same, by whatever code: in C, in assembler of Thumb-2, and those that
- * the fast walk finds. */
-void rg_next_corners_in_c(rg_part_row* parts, rg_position corners[4]);
-void rg_next_corners_in_thumb2(rg_part_row* parts, rg_position corners[4]);
-
-/* Finds the corners of the part, and goes on to the next one: by the code that
- * suits the processor. */
-static RG_INLINE void rg_next_corners(rg_part_row* parts,
-                                      rg_position corners[4]) {
-  if (RG_CORNERS_IN_ASSEMBLER)
-    rg_next_corners_in_thumb2(parts, corners);
-  else
-    rg_next_corners_in_c(parts, corners);
+/* Finds the block that the next part is in, and sizes of its vertices. */
+static RG_INLINE void rg_find_block_of_part(rg_part_row* parts) {
+  const uint8_t* const section = parts->section;
+  const uint32_t columns = rg_load_u16(section + RG_REMAP_COLUMNS);
+  const uint32_t size = rg_vertex_size(section);
+  const uint32_t row_size = columns * size;
+  const uint32_t j = parts->spans[1].before >> 16;
+  const uint32_t vertex = j * columns + (parts->spans[0].before >> 16);
+  const uint32_t mark = vertex - j;
+  const uint8_t* const vertices =
+      section + rg_load_u32(section + RG_REMAP_DATA_OFFSET);
+  const uint8_t* const marks =
+      vertices + rg_load_u16(section + RG_REMAP_ROWS) * row_size;
+  parts->block = vertices + vertex * size;
+  parts->row_size = row_size;
+  parts->vertex_size = (uint8_t)size;
+  parts->is_empty = (marks[mark >> 3] >> (mark & 7)) & 1;
 }
 
-/* rg_next_corners() between two knots of a stack, which the small walk alone
- * asks for: rg_stack_code. */
+/* Finds the corners of the part, from its block's vertices, and goes on to the
+ * next part. Corners of parts are the same, by whatever code: in C, in
+ * assembler of Thumb-2, and those that the fast walk finds. */
+void rg_pass_part_in_c(rg_part_row* parts, rg_position corners[4]);
+void rg_pass_part_in_thumb2(rg_part_row* parts, rg_position corners[4]);
+
+/* rg_pass_part_in_...(), by the code that suits the processor. */
+static RG_INLINE void rg_pass_part(rg_part_row* parts, rg_position corners[4]) {
+  if (RG_CORNERS_IN_ASSEMBLER)
+    rg_pass_part_in_thumb2(parts, corners);
+  else
+    rg_pass_part_in_c(parts, corners);
+}
+
+/* rg_pass_part() between two knots of a stack, for the small walk alone:
+ * rg_stack_code. */
 #if RG_FAST_WALK
-#define RG_NEXT_BLENDED_CORNERS 0
+#define RG_PASS_BLENDED_PART 0
 #else
-void rg_next_blended_corners(const rg_camera* camera, rg_part_row* parts,
-                             rg_position corners[4]);
-#define RG_NEXT_BLENDED_CORNERS rg_next_blended_corners
+void rg_pass_blended_part(const rg_camera* camera, rg_part_row* parts,
+                          rg_position corners[4]);
+#define RG_PASS_BLENDED_PART rg_pass_blended_part
 #endif
 
 /* Finds the part as a block, and goes on to the next one. */

@@ -9,44 +9,14 @@
 /* formats/SPEC.md, "Bends", with t = k / 2^n and bends times 2^n:
  *     along(A, Z, b, t) = A + round(t (Z - A + b (1 - t)))
  * r7 may be the frame pointer. */
-void rg_next_corners_in_thumb2(rg_part_row* parts, rg_position corners[4]) {
+void rg_pass_part_in_thumb2(rg_part_row* parts, rg_position corners[4]) {
   /* No register is left for these. */
   rg_part_row* kept = parts;
   rg_position* corner = corners;
-  const uint8_t* above;
-  uint32_t vertex_size;
   register rg_part_row* r0 __asm__("r0") = parts;
   __asm__ volatile(
-      /* i, j, and sizes of a vertex and of a row of them: r10 */
-      "ldr r2, [r0]\n\t"
-      "ldrh r3, [r0, %[across] + 2]\n\t"
-      "ldrh r4, [r0, %[down] + 2]\n\t"
-      "ldrh r6, [r2, %[columns]]\n\t"
-      "ldrb r1, [r2, %[part_log2]]\n\t"
-      "movs r5, %[straight_size]\n\t"
-      "cbz r1, 1f\n\t"
-      "movs r5, %[bent_size]\n"
-      "1:\n\t"
-      "str r5, %[vertex_size]\n\t"
-      "mul r10, r6, r5\n\t"
-      /* The vertex j columns + i, and the bit j (columns - 1) + i */
-      "muls r6, r4\n\t"
-      "adds r6, r3\n\t"
-      "subs r3, r6, r4\n\t"
-      /* vertices + rows row_size, and the vertex's address */
-      "ldrh r1, [r2, %[rows]]\n\t"
-      "ldr r4, [r2, %[data_offset]]\n\t"
-      "adds r4, r2\n\t"
-      "mla r1, r1, r10, r4\n\t"
-      "muls r6, r5\n\t"
-      "adds r6, r4\n\t"
-      "str r6, %[above]\n\t"
-      /* is_empty: of a word of bits */
-      "lsrs r4, r3, #5\n\t"
-      "ldr r1, [r1, r4, lsl #2]\n\t"
-      "rors r1, r3\n\t"
-      "and r1, r1, #1\n\t"
-      "strb r1, [r0, %[is_empty]]\n\t"
+      /* Bytes from a vertex to the one below: r10 */
+      "ldr r10, [r0, %[row_size]]\n\t"
       /* t down in q16: r12 */
       "ldrh r12, [r0, %[down]]\n"
       /* On the line above the part, then below it; for y, then x: r6 = 1, 0 */
@@ -68,12 +38,13 @@ void rg_next_corners_in_thumb2(rg_part_row* parts, rg_position corners[4]) {
       "mla r8, r9, r3, r0\n\t"
       "add r11, r8\n\t"
       /* left: r8, right: r11 */
-      "ldr r5, %[above]\n\t"
+      "ldr r5, [r4, %[block]]\n\t"
       "adds r5, r6\n\t"
       "lsl r3, r12, #14\n\t"
       "bl 4f\n\t"
       "add r8, r4\n\t"
-      "ldr r4, %[vertex_size]\n\t"
+      "ldr r4, %[walk]\n\t"
+      "ldrb r4, [r4, %[vertex_size]]\n\t"
       "adds r5, r4\n\t"
       "bl 4f\n\t"
       "add r11, r4\n\t"
@@ -150,21 +121,18 @@ void rg_next_corners_in_thumb2(rg_part_row* parts, rg_position corners[4]) {
       "smmlar r4, r4, r3, r0\n\t"
       "bx lr\n"
       "7:"
-      : [walk] "+m"(kept), [corner] "+m"(corner), [above] "=m"(above),
-        [vertex_size] "=m"(vertex_size), "+r"(r0)
-      : [is_empty] "i"(offsetof(rg_part_row, is_empty)),
+      : [walk] "+m"(kept), [corner] "+m"(corner), "+r"(r0)
+      : [block] "i"(offsetof(rg_part_row, block)),
+        [row_size] "i"(offsetof(rg_part_row, row_size)),
+        [vertex_size] "i"(offsetof(rg_part_row, vertex_size)),
         [bend_shift] "i"(offsetof(rg_part_row, bend_shift)),
         [num_log2] "i"(offsetof(rg_part_row, num_log2)),
         [across] "i"(offsetof(rg_part_row, spans)),
         [down] "i"(offsetof(rg_part_row, spans) + sizeof(rg_span)),
-        [columns] "i"(RG_REMAP_COLUMNS), [rows] "i"(RG_REMAP_ROWS),
-        [part_log2] "i"(RG_REMAP_PART_LOG2),
         [residual_shift] "i"(RG_REMAP_RESIDUAL_SHIFT),
         [origin] "i"(RG_REMAP_ORIGIN), [column_step] "i"(RG_REMAP_COLUMN_STEP),
-        [row_step] "i"(RG_REMAP_ROW_STEP),
-        [data_offset] "i"(RG_REMAP_DATA_OFFSET), [hx] "i"(RG_VERTEX_HX),
-        [vx] "i"(RG_VERTEX_VX), [straight_size] "i"(RG_VERTEX_SIZE),
-        [bent_size] "i"(RG_BENT_VERTEX_SIZE)
+        [row_step] "i"(RG_REMAP_ROW_STEP), [hx] "i"(RG_VERTEX_HX),
+        [vx] "i"(RG_VERTEX_VX)
       : "r1", "r2", "r3", "r4", "r5", "r6", "r8", "r9", "r10", "r11", "r12",
         "lr", "cc", "memory");
   r0->spans[0].before += r0->spans[0].size;

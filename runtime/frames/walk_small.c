@@ -75,10 +75,11 @@ static int next_part(small_walk* walk, const rg_camera* camera) {
   run->out_pixel = (uint16_t)pixel;
   run->num_pixels =
       (uint16_t)rg_lesser(walk->width - pixel, 1u << run->block.width_log2);
+  rg_find_block_of_part(&walk->parts);
   if (camera->weight_q14 != 0)
-    camera->stack->next_corners(camera, &walk->parts, run->block.corners);
+    camera->stack->pass_part(camera, &walk->parts, run->block.corners);
   else
-    rg_next_corners(&walk->parts, run->block.corners);
+    rg_pass_part(&walk->parts, run->block.corners);
   return 1;
 }
 

@@ -49,8 +49,9 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
   camera->line_points = line_points;
   camera->remap = 0;
   camera->stack = 0;
+  camera->knot_shift = 0;
   camera->weight_q14 = 0;
-  camera->surface = rg_best_surface();
+  if (RG_CHOOSE_SURFACE) camera->surface = rg_best_surface();
   set_frame_size(camera, rg_load_u32(sections.of[RG_SECTION_CAMERA].bytes +
                                      RG_CAMERA_WIDTH));
   return RG_OK;
@@ -67,10 +68,10 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
   rg_status status = rg_check_remap(section, size, frame_size);
   /* Elsewhere, what is done with any harms nothing. */
   if (RG_FAST_WALK && status == RG_OK) status = rg_check_vertices(section);
-  if (camera->stack && status == RG_OK)
-    status = camera->stack->find_table(camera, &section);
+  if (RG_FAST_WALK && camera->stack && status == RG_OK)
+    status = camera->stack->check_vertices(camera, section);
   if (status == RG_OK) {
-    camera->remap = section;
+    camera->remap = section + (int32_t)camera->knot_shift;
     set_frame_size(camera, frame_size);
   }
   return status;

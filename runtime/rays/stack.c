@@ -8,8 +8,6 @@
 #include "rg_blob.h"
 #include "stack_code.h"
 
-/* ---- Knots --------------------------------------------------------------- */
-
 /* The blob's stack, or NULL. */
 static const uint8_t* find_stack(const rg_camera* camera, uint32_t* size) {
   const uint8_t* const entry = rg_find_entry(camera->blob, RG_SECTION_STACK, 0);
@@ -20,64 +18,6 @@ static const uint8_t* find_stack(const rg_camera* camera, uint32_t* size) {
 
 static RG_INLINE const uint8_t* knots_of(const uint8_t* stack) {
   return stack + rg_load_u32(stack + RG_STACK_DATA_OFFSET);
-}
-
-/* The types of sections that a knot has its like of, as bits of a word. Others
- * from 32 on are no such. */
-#define LIKE_TYPES                                          \
-  (1u << RG_SECTION_CENTRAL_GRID | 1u << RG_SECTION_REMAP | \
-   1u << RG_SECTION_INVERSE)
-
-/* Whether the bytes in front of the arrays of a knot's grid or table are those
- * of the blob's own section, but for a table's measured error. */
-static int is_part_like_own(const uint8_t* own, const uint8_t* part,
-                            uint32_t type, uint32_t size) {
-  const uint32_t end = rg_lesser(
-      rg_load_u32(own + (type == RG_SECTION_REMAP ? RG_REMAP_DATA_OFFSET
-                                                  : RG_GRID_DATA_OFFSET)),
-      size);
-  for (uint32_t k = 0; k < end; k += 4)
-    if (k != RG_REMAP_MAX_ERROR_UPX &&
-        rg_load_u32(own + k) != rg_load_u32(part + k))
-      return 0;
-  return 1;
-}
-
-/* Goes over the blob's sections that a knot has its like of, up to the one that
- * begins at an offset. Returns their sizes' sum: where the like of that one
- * lies in a knot. Below 2^32, since they lie in the blob.
- *
- * knots      NULL; or else UINT32_MAX is returned if the fields of one of so
- *            many knots are others
- * knot_size  bytes from one to the next */
-static uint32_t find_in_knot(const rg_camera* camera, uint32_t end_offset,
-                             const uint8_t* knots, uint32_t num_knots,
-                             uint32_t knot_size) {
-  const uint8_t* entry = camera->blob + RG_HEADER_SIZE;
-  uint32_t rest = rg_load_u16(camera->blob + RG_HEADER_SECTION_COUNT);
-  uint32_t place = 0;
-  do {
-    const uint32_t type = rg_load_u16(entry + RG_ENTRY_TYPE);
-    const uint32_t offset = rg_load_u32(entry + RG_ENTRY_OFFSET);
-    const uint32_t size = rg_load_u32(entry + RG_ENTRY_SIZE);
-    if (offset == end_offset) break;
-    if (type < 32 && (LIKE_TYPES >> type & 1) != 0) {
-      const uint8_t* part = knots + place;
-      for (uint32_t k = 0; k != num_knots; ++k, part += knot_size)
-        if (!is_part_like_own(camera->blob + offset, part, type, size))
-          return UINT32_MAX;
-      place += size;
-    }
-    entry += RG_SECTION_ENTRY_SIZE;
-  } while (--rest != 0);
-  return place;
-}
-
-/* The like of a section of the blob in a knot. */
-static const uint8_t* find_like(const rg_camera* camera, const uint8_t* knot,
-                                const uint8_t* section) {
-  return knot +
-         find_in_knot(camera, (uint32_t)(section - camera->blob), knot, 0, 0);
 }
 
 /* ---- Use ----------------------------------------------------------------- */
@@ -111,67 +51,101 @@ static rg_status find_in_inverse(const rg_camera* camera, int32_t x, int32_t y,
   return find_blended_place(camera, x, y, place, camera->inverse);
 }
 
-/* The fast walk relies on vertices, the small one does not. */
-static rg_status check_vertices(const uint8_t* table, uint32_t num_knots,
-                                uint32_t knot_size) {
-  rg_status status = RG_OK;
-  for (; RG_FAST_WALK && num_knots != 0 && status == RG_OK; --num_knots) {
-    status = rg_check_vertices(table);
-    table += knot_size;
-  }
-  return status;
-}
-
-static rg_status find_table_of_knot(const rg_camera* camera,
-                                    const uint8_t** section) {
-  /* A knot begins with the like of the section that stands first: mostly the
-   * grid, but perhaps not. */
+#if RG_FAST_WALK
+static rg_status check_vertices(const rg_camera* camera, const uint8_t* own) {
   uint32_t size;
   const uint8_t* const stack = find_stack(camera, &size);
-  const uint8_t* const table = find_like(camera, knots_of(stack), *section);
-  *section = table + camera->knot * camera->knot_size;
-  return check_vertices(table, rg_load_u16(stack + RG_STACK_KNOTS),
-                        camera->knot_size);
+  uint32_t rest = rg_load_u16(stack + RG_STACK_KNOTS);
+  const uint8_t* table =
+      knots_of(stack) + (own + (int32_t)camera->knot_shift - camera->grid);
+  rg_status status;
+  do {
+    status = rg_check_vertices(table);
+    table += camera->knot_size;
+  } while (--rest != 0 && status == RG_OK);
+  return status;
+}
+#define CHECK_VERTICES check_vertices
+#else
+#define CHECK_VERTICES 0 /* rg_select_remap() checks none */
+#endif
+
+static const rg_stack_code kStackCode = {find_in_grid, find_in_inverse,
+                                         CHECK_VERTICES, RG_PASS_BLENDED_PART};
+
+/* ---- Checks -------------------------------------------------------------- */
+
+/* The types of sections that a knot has its like of, as bits of a word. Others
+ * from 32 on are no such. */
+#define LIKE_TYPES                                          \
+  (1u << RG_SECTION_CENTRAL_GRID | 1u << RG_SECTION_REMAP | \
+   1u << RG_SECTION_INVERSE)
+
+/* Whether the bytes in front of the arrays of a section's like in each knot are
+ * the section's own, but for a table's measured error.
+ *
+ * like  in the first knot */
+static RG_INLINE int have_own_fields(const uint8_t* own, uint32_t num_bytes,
+                                     const uint8_t* like, uint32_t num_knots,
+                                     uint32_t knot_size) {
+  do {
+    for (uint32_t k = 0; k < num_bytes; k += 4)
+      if (k != RG_REMAP_MAX_ERROR_UPX &&
+          rg_load_u32(own + k) != rg_load_u32(like + k))
+        return 0;
+    like += knot_size;
+  } while (--num_knots != 0);
+  return 1;
 }
 
-static const rg_stack_code kStackCode = {
-    find_in_grid, find_in_inverse, find_table_of_knot, RG_NEXT_BLENDED_CORNERS};
+/* Whether each knot has its like of the blob's sections. */
+static RG_INLINE int are_knots_like_blob(const rg_camera* camera,
+                                         const uint8_t* knots,
+                                         uint32_t num_knots,
+                                         uint32_t knot_size) {
+  const uint8_t* entry = camera->blob + RG_HEADER_SIZE;
+  uint32_t rest = rg_load_u16(camera->blob + RG_HEADER_SECTION_COUNT);
+  do {
+    const uint32_t type = rg_load_u16(entry + RG_ENTRY_TYPE);
+    if (type < 32 && (LIKE_TYPES >> type & 1) != 0) {
+      const uint8_t* const own =
+          camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
+      const uint32_t size = rg_load_u32(entry + RG_ENTRY_SIZE);
+      const uint32_t place = (uint32_t)(own - camera->grid);
+      const uint32_t data_offset =
+          rg_load_u32(own + (type == RG_SECTION_REMAP ? RG_REMAP_DATA_OFFSET
+                                                      : RG_GRID_DATA_OFFSET));
+      if (place > knot_size || size > knot_size - place ||
+          !have_own_fields(own, rg_lesser(data_offset, size), knots + place,
+                           num_knots, knot_size))
+        return 0;
+    }
+    entry += RG_SECTION_ENTRY_SIZE;
+  } while (--rest != 0);
+  return 1;
+}
 
-/* ---- Conditions ---------------------------------------------------------- */
-
-/* Checks the stack, and puts the first knot in use. */
-static RG_INLINE rg_status start(rg_camera* camera, const uint8_t* stack,
-                                 uint32_t size) {
+/* Checks the stack of a camera that was at no condition yet. */
+static RG_INLINE rg_status check_stack(const rg_camera* camera,
+                                       const uint8_t* stack, uint32_t size) {
   if (size < RG_STACK_FIELDS_SIZE) return RG_ERR_SECTION_SIZE;
   const uint32_t num_knots = rg_load_u16(stack + RG_STACK_KNOTS);
   if (num_knots - RG_MIN_KNOTS > RG_MAX_KNOTS - RG_MIN_KNOTS)
     return RG_ERR_STACK;
-  const uint32_t knot_size = find_in_knot(camera, 0, stack, 0, 0);
+  const uint32_t knot_size = rg_load_u32(stack + RG_STACK_KNOT_SIZE);
   uint32_t knots_size;
   if (rg_multiply_unsigned(num_knots, knot_size, &knots_size) != 0)
     return RG_ERR_SECTION_SIZE;
-  rg_status status =
+  const rg_status status =
       rg_check_extent(stack + RG_STACK_DATA_OFFSET, size,
                       RG_STACK_FIELDS_SIZE + 4 * num_knots, knots_size);
   if (status != RG_OK) return status;
-  const uint8_t* const knots = knots_of(stack);
-  if (find_in_knot(camera, 0, knots, num_knots, knot_size) == UINT32_MAX)
-    return RG_ERR_STACK;
-  const uint8_t* table = 0;
-  if (camera->remap) {
-    table = find_like(camera, knots, camera->remap);
-    status = check_vertices(table, num_knots, knot_size);
-    if (status != RG_OK) return status;
-  }
-  camera->grid = find_like(camera, knots, camera->grid);
-  if (camera->inverse)
-    camera->inverse = find_like(camera, knots, camera->inverse);
-  camera->remap = table;
-  camera->stack = &kStackCode;
-  camera->knot_size = knot_size;
-  camera->knot = 0;
-  return RG_OK;
+  return are_knots_like_blob(camera, knots_of(stack), num_knots, knot_size)
+             ? RG_OK
+             : RG_ERR_STACK;
 }
+
+/* ---- Conditions ---------------------------------------------------------- */
 
 /* floor(part 2^14 / whole), for part < whole < 2^31; less than 2^14 in any
  * case. */
@@ -194,27 +168,33 @@ rg_status rg_set_condition(rg_camera* camera, int32_t value_q16) {
   if (!stack) return RG_ERR_NO_STACK;
   if (camera->line_points) return RG_ERR_NONCENTRAL;
   if (!camera->stack) {
-    const rg_status status = start(camera, stack, size);
+    rg_status status = check_stack(camera, stack, size);
     if (status != RG_OK) return status;
+    camera->knot_size = rg_load_u32(stack + RG_STACK_KNOT_SIZE);
+    if (RG_FAST_WALK && camera->remap)
+      status = kStackCode.check_vertices(camera, camera->remap);
+    if (status != RG_OK) return status;
+    camera->stack = &kStackCode;
   }
+  const uint8_t* grid = knots_of(stack);
   const uint8_t* value = stack + RG_STACK_FIELDS_SIZE;
-  const uint32_t last = rg_load_u16(stack + RG_STACK_KNOTS) - 1u;
-  uint32_t knot = 0;
-  while (knot != last && rg_load_i32(value + 4) <= value_q16) {
+  uint32_t num_above = rg_load_u16(stack + RG_STACK_KNOTS) - 1u;
+  while (num_above != 0 && rg_load_i32(value + 4) <= value_q16) {
     value += 4;
-    ++knot;
+    grid += camera->knot_size;
+    --num_above;
   }
-  const uint32_t moved = (knot - camera->knot) * camera->knot_size;
-  camera->knot = (uint16_t)knot;
-  camera->grid += (int32_t)moved;
-  if (camera->inverse) camera->inverse += (int32_t)moved;
-  if (camera->remap) camera->remap += (int32_t)moved;
+  const int32_t moved = (int32_t)(grid - camera->grid);
+  camera->knot_shift += (uint32_t)moved;
+  camera->grid = grid;
+  if (camera->inverse) camera->inverse += moved;
+  if (camera->remap) camera->remap += moved;
 
   const int32_t lower_q16 = rg_load_i32(value);
   const uint32_t part_q16 = (uint32_t)value_q16 - (uint32_t)lower_q16;
   camera->weight_q14 = 0;
   if (part_q16 == 0) return RG_OK;
-  if (value_q16 < lower_q16 || knot == last) return RG_EXTRAPOLATED;
+  if (value_q16 < lower_q16 || num_above == 0) return RG_EXTRAPOLATED;
   camera->weight_q14 =
       find_weight(part_q16, rg_load_u32(value + 4) - (uint32_t)lower_q16);
   return RG_OK;

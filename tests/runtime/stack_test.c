@@ -167,9 +167,11 @@ static const fault kFaults[] = {
     {0, 0, 0, RG_STACK_KNOTS, 2, 65, RG_ERR_STACK},
     {0, 0, 0, RG_STACK_KNOTS, 2, 2, RG_ERR_SECTION_SIZE},
     {0, 0, 0, RG_STACK_KNOTS, 2, 4, RG_ERR_DATA_OFFSET},
+    {0, 0, 0, RG_STACK_KNOT_SIZE, 4, 0, RG_ERR_SECTION_SIZE},
+    {0, 0, 0, RG_STACK_KNOT_SIZE, 4, 0x80000000, RG_ERR_SECTION_SIZE},
     {0, 0, 0, RG_STACK_DATA_OFFSET, 4, 16, RG_ERR_DATA_OFFSET},
-    {0, 0, 0, RG_STACK_DATA_OFFSET, 4, 21, RG_ERR_DATA_OFFSET},
-    {0, 0, 0, RG_STACK_DATA_OFFSET, 4, 24, RG_ERR_SECTION_SIZE},
+    {0, 0, 0, RG_STACK_DATA_OFFSET, 4, 25, RG_ERR_DATA_OFFSET},
+    {0, 0, 0, RG_STACK_DATA_OFFSET, 4, 28, RG_ERR_SECTION_SIZE},
     {0, 0, 0, RG_STACK_DATA_OFFSET, 4, 0x7ffffffc, RG_ERR_SECTION_SIZE},
     {1, RG_SECTION_CENTRAL_GRID, 0, RG_GRID_COLUMNS, 2, 8, RG_ERR_STACK},
     {1, RG_SECTION_CENTRAL_GRID, 0, RG_GRID_CHART, 2, 2, RG_ERR_STACK},
@@ -191,24 +193,11 @@ static uint32_t part_offset(const fault* of) {
   rg_stack_section stack;
   assert_int_equal(rg_blob_open(kStackBlob, sizeof(kStackBlob), &blob), RG_OK);
   rg_blob_stack(&blob, &stack);
-  uint32_t at =
-      (uint32_t)(stack.knots - kStackBlob) + (of->knot - 1) * stack.knot_size;
-  static const uint32_t kParts[][2] = {{RG_SECTION_CENTRAL_GRID, 0},
-                                       {RG_SECTION_REMAP, 0},
-                                       {RG_SECTION_REMAP, 1},
-                                       {RG_SECTION_REMAP, 2},
-                                       {RG_SECTION_INVERSE, 0}};
-  for (uint32_t k = 0; kParts[k][0] != of->type || kParts[k][1] != of->index;
-       ++k) {
-    const uint8_t* const section =
-        rg_find_section(kStackBlob, kParts[k][0], kParts[k][1]);
-    const uint8_t* entry = kStackBlob + RG_HEADER_SIZE;
-    while (rg_load_u32(entry + RG_ENTRY_OFFSET) !=
-           (uint32_t)(section - kStackBlob))
-      entry += RG_SECTION_ENTRY_SIZE;
-    at += rg_load_u32(entry + RG_ENTRY_SIZE);
-  }
-  return at;
+  const uint8_t* const knot = stack.knots + (of->knot - 1) * stack.knot_size;
+  const uint8_t* const own = rg_find_section(kStackBlob, of->type, of->index);
+  const uint8_t* const first =
+      rg_find_section(kStackBlob, RG_SECTION_CENTRAL_GRID, 0);
+  return (uint32_t)(knot - kStackBlob + (own - first));
 }
 
 static void make_fault(const fault* made) {
@@ -234,6 +223,28 @@ static void faults_are_refused(void** state) {
     rg_blob blob;
     const int is_whole = rg_blob_open(edited, sizeof(edited), &blob) == RG_OK;
     assert_int_equal(is_whole, kFaults[k].offset == RG_REMAP_MAX_ERROR_UPX);
+  }
+}
+
+/* Sections that knots have their like of are together, the grid first. */
+static void sections_apart_are_refused(void** state) {
+  (void)state;
+  static const uint32_t kMoved[][2] = {{5, 0}, {2, 0}, {2, 1}, {4, 6}};
+  const uint32_t num = rg_load_u16(kStackBlob + RG_HEADER_SECTION_COUNT);
+  for (uint32_t k = 0; k < sizeof(kMoved) / sizeof(kMoved[0]); ++k) {
+    const uint32_t from = kMoved[k][0], to = kMoved[k][1];
+    blob_section sections[7];
+    assert_int_equal(num, 7);
+    for (uint32_t n = 0; n < num; ++n) sections[n] = section_of(kStackBlob, n);
+    const blob_section moved = sections[from];
+    for (uint32_t n = from; n > to; --n) sections[n] = sections[n - 1];
+    for (uint32_t n = from; n < to; ++n) sections[n] = sections[n + 1];
+    sections[to] = moved;
+    assert_int_equal(assemble_blob(sections, num, edited), sizeof(edited));
+    rg_camera camera;
+    assert_int_equal(rg_camera_open(&camera, edited, sizeof(edited)), RG_OK);
+    fails(&camera, 0, RG_ERR_STACK);
+    assert_int_equal(open_copy(edited, sizeof(edited)), RG_ERR_STACK);
   }
 }
 
@@ -266,6 +277,7 @@ int main(void) {
       cmocka_unit_test(rays_lie_between_those_of_the_knots),
       cmocka_unit_test(blobs_without_a_stack_have_no_conditions),
       cmocka_unit_test(faults_are_refused),
+      cmocka_unit_test(sections_apart_are_refused),
       cmocka_unit_test(values_in_no_order_harm_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
