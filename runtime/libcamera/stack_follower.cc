@@ -26,8 +26,12 @@ void StackFollower::Follow(const FrameInfo& info) {
     ++counts_.untold;
     return;
   }
+  FollowValue(*value);
+}
+
+void StackFollower::FollowValue(double value) {
   constexpr double kMost = 32767;  // of q16
-  const double q16 = std::clamp(double{*value}, -kMost, kMost) * 65536;
+  const double q16 = std::clamp(value, -kMost, kMost) * 65536;
   const rg_status status =
       rg_set_condition(camera_, static_cast<int32_t>(std::lround(q16)));
   if (status == RG_EXTRAPOLATED)

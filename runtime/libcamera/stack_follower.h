@@ -27,6 +27,8 @@ class StackFollower {
   bool is_idle() const { return !condition_; }
   /// Throws CameraError where the stack is damaged.
   void Follow(const FrameInfo& info);
+  /// The like for a value of the condition; there is a stack.
+  void FollowValue(double value);
   const StackCounts& counts() const { return counts_; }
 
  private:

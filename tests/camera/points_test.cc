@@ -17,17 +17,18 @@ bool Never() { return false; }
 
 // The output for a file of points.
 std::string Undistorted(const std::string& points,
-                        const std::optional<rg_mode>& mode = std::nullopt) {
+                        const std::optional<rg_mode>& mode = std::nullopt,
+                        rg_camera camera = OpenLens()) {
   const TemporaryFolder folder;
   const std::string in = folder / "in.csv";
   std::ofstream(in) << points;
   char* text = nullptr;
   size_t size = 0;
   std::FILE* const output = open_memstream(&text, &size);
-  const rg_camera camera = OpenLens();
+  StackFollower stack(&camera);
   std::string result;
   try {
-    UndistortPoints(camera, mode, in, output, Never);
+    UndistortPoints(camera, mode, in, output, Never, &stack);
     std::fclose(output);
     result.assign(text, size);
     std::free(text);
@@ -72,7 +73,8 @@ TEST(Points, OfAModeAreBroughtToCalibratedOnes) {
 }
 
 TEST(Points, LinesThatAreNoPointsAreNamed) {
-  for (const char* line : {"1,2,3\n", "abc\n", "1\n", "nan,1\n", "1e9,1\n"}) {
+  for (const char* line : {"1,2,3\n", "abc\n", "1\n", "nan,1\n", "1e9,1\n",
+                           "1,2,nan\n", "1,2,3,4\n", "1,2,\n"}) {
     try {
       Undistorted(std::string("x,y\n1,2\n") + line);
       ADD_FAILURE() << line;
@@ -81,6 +83,33 @@ TEST(Points, LinesThatAreNoPointsAreNamed) {
       EXPECT_NE(std::string(error.what()).find("in.csv:3"), std::string::npos);
     }
   }
+}
+
+// By the camera of the lens position that a line tells, which those behind it
+// keep.
+TEST(Points, FollowTheLens) {
+  rg_camera camera;
+  ASSERT_EQ(rg_camera_open(&camera, kStackBlob, sizeof(kStackBlob)), RG_OK);
+  ASSERT_EQ(rg_select_remap(&camera, 0), RG_OK);
+  std::string expected = "x,y,u,v\n";
+  const auto expect_at = [&](int32_t value_q16) {
+    rg_camera there = camera;
+    ASSERT_EQ(rg_set_condition(&there, value_q16), RG_OK);
+    rg_pixel to;
+    ASSERT_EQ(rg_undistort_point(&there, {RG_PIXEL(40), RG_PIXEL(30)}, &to),
+              RG_OK);
+    char line[100];
+    std::snprintf(line, sizeof(line), "40,30,%.5f,%.5f\n", to.x_q16 / 65536.0,
+                  to.y_q16 / 65536.0);
+    expected += line;
+  };
+  expect_at(5 << 16);
+  expect_at(5 << 16);
+  expect_at(1 << 14);
+  EXPECT_EQ(Undistorted("x,y,lens_position\n40,30,5\n40,30\n40,30, 0.25\n",
+                        std::nullopt, camera),
+            expected);
+  EXPECT_NE(expected.substr(8, 20), expected.substr(expected.size() - 21, 20));
 }
 
 }  // namespace

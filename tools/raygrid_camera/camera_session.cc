@@ -248,7 +248,8 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
 }
 
 // Positions in frames as the camera gives them, in the view that those frames
-// are undistorted to.
+// are undistorted to: by the camera that the first frame tells, and then by
+// those that positions tell.
 void StreamPoints(const CameraArguments& arguments, rg_camera camera,
                   CaptureGuard* capture, FrameSource* source) {
   StreamGuard guard(camera, source->format(), StreamGuard::Use::kPositions,
@@ -260,7 +261,19 @@ void StreamPoints(const CameraArguments& arguments, rg_camera camera,
   while (info && !guard.Check(*info)) info = WaitForFrame(arguments, source);
   source->Stop();
   capture->Finish();
-  UndistortPoints(camera, guard.mode(), arguments.points, stdout, IsSignalled);
+  StackFollower stack(&camera);
+  if (info) stack.Follow(*info);
+  if (stack.counts().untold > 0)
+    SayLine(
+        "the frame does not tell where in the blob's range it was taken: "
+        "positions are those of the reference, until one tells by a third "
+        "number");
+  UndistortPoints(camera, guard.mode(), arguments.points, stdout, IsSignalled,
+                  &stack);
+  if (stack.counts().outside > 0)
+    SayLine("beyond the blob's range, told " +
+            std::to_string(stack.counts().outside) +
+            " times: its end was taken");
 }
 
 }  // namespace

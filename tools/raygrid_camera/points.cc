@@ -28,12 +28,27 @@ File Open(const std::string& path) {
   return file;
 }
 
-// Whether a line is two numbers that can be pixels.
-bool ParsePoint(const char* line, double* x, double* y) {
-  int length = 0;
-  return std::sscanf(line, "%lf ,%lf %n", x, y, &length) == 2 &&
-         line[length] == 0 && std::abs(*x) < kLimit_px &&
-         std::abs(*y) < kLimit_px;
+struct Point {
+  double x, y;
+  std::optional<double> condition;
+};
+
+// A line of two numbers that can be pixels, or of these and a third one.
+std::optional<Point> ParsePoint(const char* line) {
+  Point point;
+  double condition;
+  int length = 0, whole_length = 0;
+  const int num = std::sscanf(line, "%lf ,%lf %n,%lf %n", &point.x, &point.y,
+                              &length, &condition, &whole_length);
+  if (num == 3) {
+    if (!std::isfinite(condition)) return std::nullopt;
+    point.condition = condition;
+    length = whole_length;
+  }
+  if (num < 2 || line[length] != 0 || !(std::abs(point.x) < kLimit_px) ||
+      !(std::abs(point.y) < kLimit_px))
+    return std::nullopt;
+  return point;
 }
 
 bool Undistort(const rg_camera& camera, const std::optional<rg_mode>& mode,
@@ -64,22 +79,33 @@ void WritePoint(std::FILE* output, double x, double y, bool is_seen,
 void UndistortPoints(const rg_camera& camera,
                      const std::optional<rg_mode>& mode,
                      const std::string& path, std::FILE* output,
-                     const std::function<bool()>& is_stopped) {
+                     const std::function<bool()>& is_stopped,
+                     StackFollower* stack) {
   const File file = Open(path);
   std::fputs("x,y,u,v\n", output);
   char line[256];
   for (uint64_t number = 1;
        !is_stopped() && std::fgets(line, sizeof(line), file.get()); ++number) {
-    double x, y;
-    if (!ParsePoint(line, &x, &y)) {
+    const std::optional<Point> point = ParsePoint(line);
+    if (!point) {
       if (number == 1 || line[0] == '#' || line[0] == '\n') continue;
       throw CameraError(CameraExit::kInput,
                         path + ":" + std::to_string(number) +
-                            ": not two numbers x,y below 16384");
+                            ": not two numbers x,y below 16384, nor these "
+                            "and a lens position or temperature");
+    }
+    if (point->condition) {
+      if (stack->is_idle())
+        throw CameraError(CameraExit::kInput,
+                          path + ":" + std::to_string(number) +
+                              ": a third number, but the blob has no range of "
+                              "lens positions or temperatures; leave it out");
+      stack->FollowValue(*point->condition);
     }
     rg_pixel undistorted = {};
-    const bool is_seen = Undistort(camera, mode, x, y, &undistorted);
-    WritePoint(output, x, y, is_seen, undistorted);
+    const bool is_seen =
+        Undistort(camera, mode, point->x, point->y, &undistorted);
+    WritePoint(output, point->x, point->y, is_seen, undistorted);
   }
   if (std::ferror(file.get()) && !is_stopped())
     throw CameraError(CameraExit::kInput, path + ": cannot be read");
