@@ -177,6 +177,15 @@ static mp_obj_t select_remap(mp_obj_t self, mp_obj_t index) {
 }
 static MP_DEFINE_CONST_FUN_OBJ_2(select_remap_object, select_remap);
 
+/* False: outside the stack's range, whose nearest end is taken. */
+static mp_obj_t set_condition(mp_obj_t self, mp_obj_t value) {
+  const int32_t value_q16 = to_fixed(mp_obj_get_float_to_f(value), 16);
+  const rg_status status = rg_set_condition(camera_of(self), value_q16);
+  if (status != RG_EXTRAPOLATED) check(status);
+  return mp_obj_new_bool(status == RG_OK);
+}
+static MP_DEFINE_CONST_FUN_OBJ_2(set_condition_object, set_condition);
+
 static mp_obj_t size_tuple(uint16_t width, uint16_t height) {
   mp_obj_t items[2] = {MP_OBJ_NEW_SMALL_INT(width),
                        MP_OBJ_NEW_SMALL_INT(height)};
@@ -336,6 +345,7 @@ static const mp_rom_map_elem_t kCameraNames[] = {
     {MP_ROM_QSTR(MP_QSTR_undistort_points),
      MP_ROM_PTR(&undistort_points_object)},
     {MP_ROM_QSTR(MP_QSTR_select_remap), MP_ROM_PTR(&select_remap_object)},
+    {MP_ROM_QSTR(MP_QSTR_set_condition), MP_ROM_PTR(&set_condition_object)},
     {MP_ROM_QSTR(MP_QSTR_calibrated_size), MP_ROM_PTR(&calibrated_size_object)},
     {MP_ROM_QSTR(MP_QSTR_frame_size), MP_ROM_PTR(&frame_size_object)},
     {MP_ROM_QSTR(MP_QSTR_remap_size), MP_ROM_PTR(&remap_size_object)},

@@ -77,6 +77,18 @@ def test_lines():
     assert_close(pixels, EXPECTED["pixels"], 0.003)
 
 
+def test_conditions():
+    camera = raygrid.Camera(read("stack.raygrid"))
+    pixels, rays = array("f", flat(EXPECTED["pixels"])), array("f", [0] * 9)
+    for k, value in enumerate(EXPECTED["stack_values"]):
+        assert camera.set_condition(value) == EXPECTED["stack_inside"][k]
+        assert camera.unproject(pixels, rays) == 3
+        assert_close(rays, EXPECTED["stack_rays"][k], 2e-7)
+    assert not camera.set_condition(1e30)
+    assert_refused(ValueError, "condition", raygrid.Camera(read("wide.raygrid")).set_condition, 1)
+    assert_refused(TypeError, "", camera.set_condition, "near")
+
+
 def test_frames():
     camera = raygrid.Camera(read("lens.raygrid"))
     width, height = camera.remap_size()
@@ -132,7 +144,7 @@ def test_refusals():
     assert_refused(ValueError, "have 2", camera.unproject, array("f", [1]), array("f", [0] * 3))
 
 
-for test in (test_rays, test_projection, test_lines, test_frames, test_nothing_is_allocated,
-             test_refusals):
+for test in (test_rays, test_projection, test_lines, test_conditions, test_frames,
+             test_nothing_is_allocated, test_refusals):
     test()
     print(test.__name__, "passed")
