@@ -108,6 +108,10 @@ EXPORT("select_remap") int32_t select_remap(uint32_t index) {
   return rg_select_remap(&camera, index);
 }
 
+EXPORT("set_condition") int32_t set_condition(int32_t value_q16) {
+  return rg_set_condition(&camera, value_q16);
+}
+
 /* view: projection, fx, fy, cx, cy, distorts, then the rotation. */
 EXPORT("view") int32_t view(int32_t* out) {
   rg_view found;

@@ -117,7 +117,11 @@ export class Camera {
   /** The index of the table in use, or -1. */
   readonly table: number;
   selectTable(index: number): void;
-  /** Makes a table for a view, adds it to the camera's blob, and uses it. It replaces the one that
+  /** Makes the camera that of a lens position in dioptres, or of a temperature in degrees Celsius,
+   * as the blob's stack has it; from then on, with all tables. False: the value lies outside the
+   * stack's range, and the camera is that of the nearest end. */
+  setCondition(value: number): boolean;
+  /** Not for a blob with a stack. Makes a table for a view, adds it to the camera's blob, and uses it. It replaces the one that
    * an earlier call made. */
   useView(view: View): void;
   /** Of the table in use: width and height of the frames that undistort() takes, and makes. */

@@ -13,7 +13,7 @@ const NO_PIXEL = -(2 ** 31);
 const Q12 = 2 ** 12, Q16 = 2 ** 16, Q28 = 2 ** 28, Q30 = 2 ** 30;
 const POINT_MAX_BITS = 27;
 const PAGE = 65536;
-const NO_REMAP = -51;
+const NO_REMAP = -51, EXTRAPOLATED = -64;
 const FAR_M = 1e5;  // of a view of lines
 
 // Each format's number, bits of a sample, then bytes a row of each plane takes, as a fraction of
@@ -310,6 +310,17 @@ export class Camera {
     this.#memory.check(this.#memory.calls.select_remap(index));
     this.#table = index;
     this.#readSizes();
+  }
+
+  // Makes the camera that of a lens position in dioptres, or of a temperature in degrees Celsius, as
+  // the blob's stack has it; from then on, with all of the blob's tables. False: the value lies
+  // outside the stack's range, and the camera is that of the nearest end.
+  setCondition(value) {
+    if (Number.isNaN(value)) throw new RangeError('a condition is a number');
+    const q16 = Math.round(Math.max(-32767, Math.min(value, 32767)) * Q16);
+    const status = this.#memory.calls.set_condition(q16);
+    if (status !== EXTRAPOLATED) this.#memory.check(status);
+    return status !== EXTRAPOLATED;
   }
 
   #requireTable() {

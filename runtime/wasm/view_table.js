@@ -5,7 +5,7 @@ const Q12 = 2 ** 12, Q16 = 2 ** 16, Q30 = 2 ** 30;
 const MAX_SIZE = 8192;
 const FARTHEST_PX = 8000;  // of a vertex; the format allows 8192
 const HEADER = 32, ENTRY = 16, FIELDS = 124;
-const CAMERA = 1, CENTRAL_GRID = 2, REMAP = 3, MAX_SECTIONS = 16;
+const CAMERA = 1, CENTRAL_GRID = 2, REMAP = 3, STACK = 12, MAX_SECTIONS = 16;
 const MINOR_OF_VIEWS = 5;
 
 // ---- Directions -------------------------------------------------------------
@@ -203,9 +203,12 @@ const withSection = (bytes, section, crc32) => {
 };
 
 // Where a section begins that every open camera has.
+// Where a section begins; undefined where there is none.
 const findSection = (blob, type) => {
-  for (let at = HEADER; ; at += ENTRY)
+  const end = HEADER + ENTRY * blob.getUint16(16, true);
+  for (let at = HEADER; at !== end; at += ENTRY)
     if (blob.getUint16(at, true) === type) return blob.getUint32(at + 4, true);
+  return undefined;
 };
 
 const requireView = (view, projection) => {
@@ -235,6 +238,9 @@ const requireRotation = (m) => {
 export function addTable(bytes, view, projection, {project, crc32}) {
   requireView(view, projection);
   const blob = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  if (findSection(blob, STACK) !== undefined)
+    throw new RangeError('a table is for one camera, not for a stack of them; ' +
+      'take a blob of one condition (raygrid pack --at)');
   const cameraAt = findSection(blob, CAMERA);
   const source = [blob.getUint16(cameraAt, true), blob.getUint16(cameraAt + 2, true)];
   if (source.some((size) => size < 2 || size > MAX_SIZE))

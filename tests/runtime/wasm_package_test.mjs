@@ -123,6 +123,28 @@ test('tables of views and of modes have theirs', () => {
   assert.deepEqual(camera.match({width: 100, height: 100}), {result: 'none', table: null});
 });
 
+test('frames at a condition have theirs', () => {
+  const camera = new Camera(blobOf('kStackBlob'));
+  const frame = testFrame('GREY8', camera.frameSize);
+  const conditions = rows(numbersOf('kStackCrcs'), 1 + camera.numTables);
+  assert.equal(conditions.length, 9);
+  const values = conditions.map(([value]) => value | 0);
+  const inside = [1, 7];  // the first and the last value of the range
+  conditions.forEach(([, ...crcs], n) => {
+    const isInside = n >= inside[0] && n <= inside[1];
+    assert.equal(camera.setCondition(values[n] / 65536), isInside, `${values[n]}`);
+    crcs.forEach((crc, index) => {
+      camera.selectTable(index);
+      assert.equal(crc32(camera.undistort(frame, null, {borderValues: [7]})), crc,
+        `${values[n]} ${index}`);
+    });
+  });
+  assert.equal(camera.setCondition(Infinity), false);
+  assert.throws(() => camera.setCondition(NaN), RangeError);
+  assert.throws(() => camera.useView(makeView({width: 64, height: 48, hfov: 1})), /--at/);
+  assert.throws(() => new Camera(blobOf('kWideBlob')).setCondition(1), {status: -63});
+});
+
 test('points have the golden rays and pixels', () => {
   const lens = new Camera(blobOf('kLensBlob'));
   for (const [x, y, ...ray] of rows(numbersOf('kLensRays'), 5)) {
