@@ -3,26 +3,7 @@
 #define RAYGRID_BENCH_STACK_H
 
 #include "bench_scene.h"
-#include "bytes.h"
-
-/* A grid of the narrow blob, as the writer takes it. */
-static void take_points(const uint8_t* section, int16_t residuals[512],
-                        rg_narrow_grid* taken) {
-  const uint8_t* const plane =
-      section + rg_load_u32(section + RG_GRID_DATA_OFFSET);
-  const uint32_t count = 2u * rg_load_u16(section + RG_GRID_COLUMNS) *
-                         rg_load_u16(section + RG_GRID_ROWS);
-  taken->fraction_bits = rg_load_u16(section + RG_GRID_FRACTION_BITS);
-  taken->residuals = residuals;
-  for (uint32_t c = 0; c < 2; ++c) {
-    taken->origin_q29[c] = rg_load_i32(plane + RG_PLANE_ORIGIN + 4 * c);
-    taken->column_step_q29[c] =
-        rg_load_i32(plane + RG_PLANE_COLUMN_STEP + 4 * c);
-    taken->row_step_q29[c] = rg_load_i32(plane + RG_PLANE_ROW_STEP + 4 * c);
-  }
-  for (uint32_t k = 0; k < count; ++k)
-    residuals[k] = rg_load_i16(plane + RG_NARROW_PLANE_SIZE + 2 * k);
-}
+#include "narrow_grid.h"
 
 /* A stack of two knots with the grids of the narrow blob, and a table of parts
  * of a size, whose sources all lie inside: at the first knot, or between. */
@@ -64,8 +45,8 @@ static rg_status open_stack(uint8_t part_log2, int is_between,
   rg_blob_camera(&blob, &identity);
   rg_blob_grid(&blob, &grid);
   rg_blob_inverse(&blob, &inverse);
-  take_points(blob.bytes + blob.grid, grid_points, &there);
-  take_points(blob.bytes + blob.inverse, back_points, &back);
+  read_narrow_grid(blob.bytes + blob.grid, grid_points, &there);
+  read_narrow_grid(blob.bytes + blob.inverse, back_points, &back);
   const rg_remap_contents remaps[2] = {{&table, residuals[0]},
                                        {&other, residuals[1]}};
   const rg_knot_contents knots[2] = {{0, 0, &there, &back, &remaps[0]},

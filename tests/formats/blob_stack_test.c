@@ -4,6 +4,7 @@
 #include "blob_edit.h"
 #include "bytes.h"
 #include "golden_blobs.h"
+#include "narrow_grid.h"
 #include "rg_blob.h"
 #include "unit_test.h"
 
@@ -30,25 +31,6 @@ static rg_grid_section grid;
 static rg_inverse_section inverse;
 static rg_blob_contents contents;
 static uint8_t written[sizeof(kStackBlob)] GOLDEN_ALIGNED;
-
-/* The plane and the residuals of a grid section. */
-static void take_narrow(const uint8_t* section, int16_t* residuals,
-                        rg_narrow_grid* narrow) {
-  const uint8_t* const data =
-      section + rg_load_u32(section + RG_GRID_DATA_OFFSET);
-  const uint32_t count = 2u * rg_load_u16(section + RG_GRID_COLUMNS) *
-                         rg_load_u16(section + RG_GRID_ROWS);
-  narrow->fraction_bits = rg_load_u16(section + RG_GRID_FRACTION_BITS);
-  narrow->residuals = residuals;
-  for (uint32_t c = 0; c < 2; ++c) {
-    narrow->origin_q29[c] = rg_load_i32(data + RG_PLANE_ORIGIN + 4 * c);
-    narrow->column_step_q29[c] =
-        rg_load_i32(data + RG_PLANE_COLUMN_STEP + 4 * c);
-    narrow->row_step_q29[c] = rg_load_i32(data + RG_PLANE_ROW_STEP + 4 * c);
-  }
-  for (uint32_t i = 0; i < count; ++i)
-    residuals[i] = rg_load_i16(data + RG_NARROW_PLANE_SIZE + 2 * i);
-}
 
 static void take_table(const uint8_t* section, uint32_t k, knot_parts* to) {
   rg_remap_section* const table = &to->tables[k];
@@ -88,9 +70,10 @@ static void take_apart(void) {
       const uint8_t* const own = rg_find_section(kStackBlob, kTypes[n], index);
       const uint8_t* const part = k == KNOTS ? own : section.knots + at;
       if (n == 0)
-        take_narrow(part, parts[k].grid_residuals, &parts[k].narrow);
+        read_narrow_grid(part, parts[k].grid_residuals, &parts[k].narrow);
       else if (n == 4)
-        take_narrow(part, parts[k].inverse_residuals, &parts[k].inverse_points);
+        read_narrow_grid(part, parts[k].inverse_residuals,
+                         &parts[k].inverse_points);
       else
         take_table(part, index, &parts[k]);
       const uint8_t* entry = kStackBlob + RG_HEADER_SIZE;

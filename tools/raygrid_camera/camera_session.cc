@@ -270,10 +270,9 @@ void StreamPoints(const CameraArguments& arguments, rg_camera camera,
         "number");
   UndistortPoints(camera, guard.mode(), arguments.points, stdout, IsSignalled,
                   &stack);
-  if (stack.counts().outside > 0)
-    SayLine("beyond the blob's range, told " +
-            std::to_string(stack.counts().outside) +
-            " times: its end was taken");
+  if (const uint64_t num = stack.counts().outside)
+    SayLine(std::to_string(num) + (num == 1 ? " value lies" : " values lie") +
+            " beyond the blob's range: its end was taken");
 }
 
 }  // namespace
