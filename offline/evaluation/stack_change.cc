@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "camera/model_fitting.h"
@@ -39,39 +40,72 @@ Eigen::Vector2d CenterPx(const CentralGeneric& camera) {
   return center;
 }
 
+// How far the images of far points move from pixels of a camera to another one;
+// not a number where one of them does not see them.
+std::vector<Eigen::Vector2d> MovesOf(
+    const CentralGeneric& from, const CentralGeneric& to,
+    const std::vector<Eigen::Vector2d>& pixels) {
+  std::vector<Eigen::Vector2d> moves;
+  for (const Eigen::Vector2d& pixel : pixels) {
+    moves.emplace_back(NAN, NAN);
+    const auto direction = from.Unproject(pixel);
+    if (!direction) continue;
+    const auto seen = to.Project(*direction, &pixel, 0.1 * from.area().width());
+    if (seen) moves.back() = *seen - pixel;
+  }
+  return moves;
+}
+
+// Takes away from moves what growth about a centre and a shift explain, and
+// returns the growth; nothing of fewer than three.
+std::optional<double> TakeGrowthAndShift(
+    const Eigen::Vector2d& center, const std::vector<Eigen::Vector2d>& pixels,
+    std::vector<Eigen::Vector2d>* moves) {
+  std::vector<size_t> seen;
+  for (size_t k = 0; k < moves->size(); ++k)
+    if ((*moves)[k].allFinite()) seen.push_back(k);
+  const auto count = static_cast<Eigen::Index>(seen.size());
+  if (count < 3) return std::nullopt;
+  Eigen::MatrixX3d design(2 * count, 3);
+  Eigen::VectorXd observed(2 * count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Vector2d from = pixels[seen[k]] - center;
+    design.row(2 * k) << from.x(), 1, 0;
+    design.row(2 * k + 1) << from.y(), 0, 1;
+    observed.segment<2>(2 * k) = (*moves)[seen[k]];
+  }
+  const Eigen::Vector3d fitted = design.householderQr().solve(observed);
+  const Eigen::VectorXd rest = observed - design * fitted;
+  for (Eigen::Index k = 0; k < count; ++k)
+    (*moves)[seen[k]] = rest.segment<2>(2 * k);
+  return fitted[0];
+}
+
 StackChange ChangeOf(const CentralGeneric& middle, const CentralGeneric& camera,
                      double value) {
   constexpr int kSteps = 16;
   const Area& area = middle.area();
-  std::vector<Eigen::Vector2d> from, moved;
+  std::vector<Eigen::Vector2d> pixels;
   for (int j = 0; j <= kSteps; ++j)
-    for (int i = 0; i <= kSteps; ++i) {
-      const Eigen::Vector2d pixel(area.x0 + area.width() * i / kSteps,
-                                  area.y0 + area.height() * j / kSteps);
-      const auto direction = middle.Unproject(pixel);
-      if (!direction) continue;
-      const auto seen = camera.Project(*direction, &pixel, 0.1 * area.width());
-      if (!seen) continue;
-      from.push_back(pixel - area.center());
-      moved.push_back(*seen - pixel);
-    }
+    for (int i = 0; i <= kSteps; ++i)
+      pixels.emplace_back(area.x0 + area.width() * i / kSteps,
+                          area.y0 + area.height() * j / kSteps);
+  std::vector<Eigen::Vector2d> moves = MovesOf(middle, camera, pixels);
   StackChange change;
   change.value = value;
   change.focal_px = FocalPx(camera);
   change.center_px = CenterPx(camera);
-  const auto count = static_cast<Eigen::Index>(from.size());
-  if (count < 3) return change;
-  Eigen::MatrixX3d design(2 * count, 3);
-  Eigen::VectorXd observed(2 * count);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    design.row(2 * k) << from[k].x(), 1, 0;
-    design.row(2 * k + 1) << from[k].y(), 0, 1;
-    observed.segment<2>(2 * k) = moved[k];
+  const auto growth = TakeGrowthAndShift(area.center(), pixels, &moves);
+  if (!growth) return change;
+  change.growth = *growth;
+  double sum = 0;
+  int count = 0;
+  for (const Eigen::Vector2d& move : moves) {
+    if (!move.allFinite()) continue;
+    sum += move.squaredNorm();
+    ++count;
   }
-  const Eigen::Vector3d fitted = design.householderQr().solve(observed);
-  change.growth = fitted[0];
-  change.distortion_px = std::sqrt((observed - design * fitted).squaredNorm() /
-                                   static_cast<double>(count));
+  change.distortion_px = std::sqrt(sum / count);
   return change;
 }
 
@@ -87,6 +121,24 @@ std::vector<StackChange> MeasureStackChanges(const CameraStack& stack,
     changes.push_back(ChangeOf(middle, stack.At(value), value));
   }
   return changes;
+}
+
+std::vector<Eigen::Vector2d> PlacesOver(const Area& area, int columns,
+                                        int rows) {
+  std::vector<Eigen::Vector2d> places;
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i)
+      places.emplace_back(area.x0 + area.width() * (i + 0.5) / columns,
+                          area.y0 + area.height() * (j + 0.5) / rows);
+  return places;
+}
+
+std::vector<Eigen::Vector2d> MeasureDistortion(
+    const CentralGeneric& from, const CentralGeneric& to,
+    const std::vector<Eigen::Vector2d>& pixels) {
+  std::vector<Eigen::Vector2d> moves = MovesOf(from, to, pixels);
+  TakeGrowthAndShift(from.area().center(), pixels, &moves);
+  return moves;
 }
 
 }  // namespace raygrid

@@ -24,6 +24,17 @@ struct StackChange {
 std::vector<StackChange> MeasureStackChanges(const CameraStack& stack,
                                              int num_values);
 
+/// The centres of cells that an area is divided into, row by row.
+std::vector<Eigen::Vector2d> PlacesOver(const Area& area, int columns,
+                                        int rows);
+
+/// How far the images of far points move, in px, from pixels of a camera to
+/// another one of its stack, without the growth and the shift that explain most
+/// of it; not a number where one of the two does not see them.
+std::vector<Eigen::Vector2d> MeasureDistortion(
+    const CentralGeneric& from, const CentralGeneric& to,
+    const std::vector<Eigen::Vector2d>& pixels);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_EVALUATION_STACK_CHANGE_H

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "report/html.h"
+#include "report/round_figures.h"
 
 namespace raygrid {
 namespace {
@@ -80,17 +81,6 @@ DrawnChart DrawnOf(const ControlChart& chart) {
 }
 
 // ---- Axes ------------------------------------------------------------------
-
-std::vector<double> EvenTicks(double low, double high) {
-  constexpr double kFewest = 3;
-  double step = std::pow(10, std::floor(std::log10((high - low) / kFewest)));
-  for (const double larger : {2.0, 2.5, 2.0})
-    if ((high - low) / (larger * step) >= kFewest) step *= larger;
-  std::vector<double> ticks;
-  for (double tick = std::ceil(low / step) * step; tick <= high; tick += step)
-    ticks.push_back(std::abs(tick) < 1e-6 * step ? 0 : tick);
-  return ticks;
-}
 
 // Ordinates of round figures.
 std::vector<double> TicksOf(const VerticalAxis& axis) {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "report/page_files.h"
 
 namespace raygrid {
@@ -64,6 +66,15 @@ std::string HtmlTable(const HtmlRow& head, const std::vector<HtmlRow>& rows) {
     html += "</tr>\n";
   }
   return html + "</table></div>\n";
+}
+
+PictureAxes AreaAxes(const Area& area) {
+  const auto ticks = [](double a, double b) -> std::vector<std::string> {
+    return {fmt::format("{}", std::lround(a)),
+            fmt::format("{}", std::lround((a + b) / 2)),
+            fmt::format("{}", std::lround(b))};
+  };
+  return {"x, px", "y, px", ticks(area.x0, area.x1), ticks(area.y0, area.y1)};
 }
 
 std::string HtmlColorBar(const ColorBar& bar) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "camera/area.h"
 #include "dataset/image_files.h"
 #include "report/color_scale.h"
 
@@ -22,6 +23,8 @@ struct PictureAxes {
   std::string x_label, y_label;
   std::vector<std::string> x_ticks, y_ticks;  ///< even, from the top left
 };
+/// The axes of a picture that an area fills, in its pixels.
+PictureAxes AreaAxes(const Area& area);
 /// A bar of colours from low to high, in words.
 struct ColorBar {
   ColorScale scale = ColorScale::kEven;

@@ -22,15 +22,6 @@ PictureAxes ImageAxes(double width, double height) {
       {"0", fmt::format("{:.0f}", height / 2), fmt::format("{:.0f}", height)}};
 }
 
-PictureAxes AreaAxes(const Area& area) {
-  const auto ticks = [](double a, double b) -> std::vector<std::string> {
-    return {fmt::format("{}", std::lround(a)),
-            fmt::format("{}", std::lround((a + b) / 2)),
-            fmt::format("{}", std::lround(b))};
-  };
-  return {"x, px", "y, px", ticks(area.x0, area.x1), ticks(area.y0, area.y1)};
-}
-
 // The data that pictures are made of, in their pixels.
 struct PictureSpace {
   double scale = 1;  // picture / image

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "report/color_scale.h"
 
@@ -104,6 +105,33 @@ Image BiasPicture(const std::vector<FeatureResidual>& residuals,
   constexpr int kCellPx = 8;
   return HeatMap(BiasOfCells(residuals, area), kBiasCells, 0, full_scale,
                  kCellPx);
+}
+
+Image DisplacementPicture(const std::vector<Eigen::Vector2d>& displacements,
+                          int columns, double full_scale_px) {
+  constexpr int kCellPx = 8, kCellsApart = 6, kApartPx = kCellPx * kCellsApart;
+  std::vector<double> sizes;
+  for (const Eigen::Vector2d& displacement : displacements)
+    sizes.push_back(displacement.norm());
+  Image picture = HeatMap(sizes, columns, 0, full_scale_px, kCellPx);
+  cv::Mat drawn(picture.size.height, picture.size.width, CV_8UC3,
+                picture.pixels.data());
+  const int rows = static_cast<int>(displacements.size()) / columns;
+  for (int j = kCellsApart / 2; j < rows; j += kCellsApart) {
+    for (int i = kCellsApart / 2; i < columns; i += kCellsApart) {
+      const Eigen::Vector2d arrow =
+          displacements[j * columns + i] * kApartPx / full_scale_px;
+      if (!arrow.allFinite()) continue;
+      const Eigen::Vector2d middle(kCellPx * (i + 0.5), kCellPx * (j + 0.5));
+      const cv::Point from = NearestPixel(middle - arrow / 2, picture.size);
+      const cv::Point to = NearestPixel(middle + arrow / 2, picture.size);
+      for (const auto& [color, thickness] :
+           {std::pair(cv::Scalar(0, 0, 0), 3),
+            std::pair(cv::Scalar(255, 255, 255), 1)})
+        cv::arrowedLine(drawn, from, to, color, thickness, cv::LINE_AA, 0, 0.3);
+    }
+  }
+  return picture;
 }
 
 Image Shrunk(const Image& image, int max_width_px) {

@@ -30,6 +30,12 @@ Image DirectionLegend(int size_px);
 Image BiasPicture(const std::vector<FeatureResidual>& residuals,
                   const Area& area, double full_scale);
 
+/// Displacements of cells of an area, row by row: their sizes in colours from
+/// 0, dark, to full_scale_px, with arrows over them. Arrows of the full scale
+/// are as long as they are apart. White cells have none.
+Image DisplacementPicture(const std::vector<Eigen::Vector2d>& displacements,
+                          int columns, double full_scale_px);
+
 /// The image, made smaller if it is wider.
 Image Shrunk(const Image& image, int max_width_px);
 

@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
+#include "evaluation/residual_statistics.h"
 #include "evaluation/stack_change.h"
 #include "report/html.h"
+#include "report/pictures.h"
+#include "report/round_figures.h"
 
 namespace raygrid {
 namespace {
@@ -43,19 +47,18 @@ std::string LineChart(const std::string& title,
   };
   std::string svg = fmt::format(
       "<figure><figcaption>{}</figcaption><svg viewBox=\"0 0 {} {}\" "
-      "width=\"{}\" font-family=\"sans-serif\" font-size=\"11\">",
+      "width=\"{}\" style=\"max-width:100%\" font-family=\"sans-serif\" "
+      "font-size=\"11\">",
       title, kWidth, kHeight, kWidth);
-  for (int k = 0; k <= 4; ++k) {
-    const double y = low + (high - low) * k / 4,
-                 x = first + (last - first) * k / 4;
+  for (const double y : EvenTicks(low, high))
     svg += fmt::format(
         "<path d=\"M{} {:.1f}H{}\" stroke=\"#ddd\"/><text x=\"{}\" "
-        "y=\"{:.1f}\" "
-        "text-anchor=\"end\">{:.3g}</text><text x=\"{:.1f}\" y=\"{}\" "
-        "text-anchor=\"middle\">{:.4g}</text>",
-        kLeft, y_of(y), kWidth - kRight, kLeft - 6, y_of(y) + 4, y, x_of(x),
-        kHeight - kBottom + 16, x);
-  }
+        "y=\"{:.1f}\" text-anchor=\"end\">{:.6g}</text>",
+        kLeft, y_of(y), kWidth - kRight, kLeft - 6, y_of(y) + 4, y);
+  for (const double x : EvenTicks(first, last))
+    svg += fmt::format(
+        "<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{:.4g}</text>",
+        x_of(x), kHeight - kBottom + 16, x);
   for (size_t k = 0; k < lines.size(); ++k) {
     std::string path;
     for (size_t i = 0; i < changes.size(); ++i)
@@ -100,6 +103,78 @@ std::string TableOf(const StackOfCameras& stack, const std::string& unit) {
       rows);
 }
 
+// ---- Maps ------------------------------------------------------------------
+
+// A round number that nearly all values are below; a lone corner need not be.
+double FullScale(std::vector<double> values) {
+  constexpr double kPart = 0.98;
+  values.erase(std::remove_if(values.begin(), values.end(),
+                              [](double value) { return std::isnan(value); }),
+               values.end());
+  return values.empty() ? 1
+                        : RoundedUp(std::max(Quantile(values, kPart), 1e-6));
+}
+
+ColorBar BarOf(const std::string& label, double full_scale_px) {
+  return {ColorScale::kEven, label, "0",
+          fmt::format("{:g} px +", full_scale_px)};
+}
+
+// The distortion by place at both ends of the range, against the middle, and
+// how well it is known there.
+std::string MapsOf(const StackOfCameras& stack) {
+  constexpr int kColumns = 64, kRows = 48, kCellPx = 1;
+  const CameraStack& cameras = stack.cameras;
+  const std::string unit = ConditionUnit(cameras.condition());
+  const CentralGeneric middle = cameras.At(cameras.middle());
+  const Area& area = middle.area();
+  const std::vector<Eigen::Vector2d> places = PlacesOver(area, kColumns, kRows);
+  struct End {
+    std::string value;
+    std::vector<Eigen::Vector2d> moves;
+    std::vector<double> deviations_px;
+  };
+  std::vector<End> ends;
+  std::vector<double> sizes_px, deviations_px;
+  for (const double value : {cameras.low(), cameras.high()}) {
+    End end = {fmt::format("{:g} {}", value, unit),
+               MeasureDistortion(middle, cameras.At(value), places),
+               {}};
+    for (const Eigen::Vector2d& move : end.moves)
+      sizes_px.push_back(move.norm());
+    for (const StackDeviation& known : stack.deviations)
+      if (known.value == value)
+        for (const Eigen::Vector2d& place : places)
+          end.deviations_px.push_back(known.lattice.At(area, place));
+    deviations_px.insert(deviations_px.end(), end.deviations_px.begin(),
+                         end.deviations_px.end());
+    ends.push_back(std::move(end));
+  }
+  const double size_px = FullScale(sizes_px),
+               deviation_px = FullScale(deviations_px);
+  std::string html;
+  for (const End& end : ends) {
+    html += "<div class=\"pictures\">\n";
+    html += HtmlPicture(
+        DisplacementPicture(end.moves, kColumns, size_px),
+        fmt::format("Distortion at {} against {:g}", end.value,
+                    cameras.middle()),
+        AreaAxes(area),
+        HtmlColorBar(BarOf("moved by; arrows, longer than life, say which way",
+                           size_px)),
+        "area");
+    if (!end.deviations_px.empty())
+      html += HtmlPicture(
+          HeatMap(end.deviations_px, kColumns, 0, deviation_px, kCellPx),
+          "How well the camera is known at " + end.value, AreaAxes(area),
+          HtmlColorBar(BarOf("standard deviation, in the worse direction",
+                             deviation_px)),
+          "area");
+    html += "</div>\n";
+  }
+  return html;
+}
+
 }  // namespace
 
 std::string StackSection(const StackOfCameras& stack) {
@@ -120,12 +195,14 @@ std::string StackSection(const StackOfCameras& stack) {
       "<h2>Over the range</h2>\n<p>The camera is known from {:g} to {:g} {}. "
       "Each control point is a polynomial of order {}. Growth and distortion "
       "are those of a far scene's image, against the middle of the range; "
-      "distortion is what growth and a shift leave. The centre is that of the "
+      "distortion is what growth and a shift leave, and maps show it by place. "
+      "The centre is that of the "
       "nearest lens with radial distortion; bumps of a lens move it, too. "
       "Figures above are of the middle, and held-out errors of features "
       "brought there.</p>\n",
       cameras.low(), cameras.high(), ConditionUnit(cameras.condition()),
       cameras.order());
+  html += "<div class=\"pictures\">\n";
   html += chart("Focal length in px",
                 {{"", "#0072b2", ValuesOf(changes, [](const StackChange& c) {
                     return c.focal_px;
@@ -144,7 +221,8 @@ std::string StackSection(const StackOfCameras& stack) {
                 {{"", "#cc79a7", ValuesOf(changes, [](const StackChange& c) {
                     return c.distortion_px;
                   })}});
-  return html + TableOf(stack, unit);
+  html += "</div>\n";
+  return html + TableOf(stack, unit) + MapsOf(stack);
 }
 
 }  // namespace raygrid

@@ -8,7 +8,8 @@
 namespace raygrid {
 
 /// "Over the range": charts of the focal length, of the centre and of the
-/// distortion over the condition, and a table with standard deviations.
+/// distortion over the condition, a table with standard deviations, and maps of
+/// the distortion at both ends.
 std::string StackSection(const StackOfCameras& stack);
 
 }  // namespace raygrid

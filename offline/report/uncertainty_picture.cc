@@ -8,6 +8,7 @@
 
 #include "evaluation/residual_statistics.h"
 #include "report/color_scale.h"
+#include "report/round_figures.h"
 
 namespace raygrid {
 namespace {
@@ -18,14 +19,6 @@ const cv::Vec3b kUnknown(128, 128, 128), kHatch(255, 255, 255);
 cv::Vec3b ScaleColor(double part) {
   const auto color = ColorOf(ColorScale::kEven, part);
   return {color[0], color[1], color[2]};
-}
-
-// A round number, no less than a value.
-double RoundedUp(double value) {
-  const double power = std::pow(10, std::floor(std::log10(value)));
-  for (const double factor : {1.0, 1.5, 2.0, 3.0, 5.0, 7.5})
-    if (factor * power >= value) return factor * power;
-  return 10 * power;
 }
 
 // Nearly all of the lattice is within the scale; a lone corner need not be.

@@ -71,6 +71,9 @@ class Condition(CommandTest):
         self.assertRegex(self.said, r"0 to 10 dioptres: the image grows by [34]\.\d+ %")
         report = read(self.path("out/report.html")).decode()
         self.assertIn("<h2>Over the range</h2>", report)
+        for end in (0, 10):
+            self.assertIn("Distortion at %d dioptres against 5<" % end, report)
+            self.assertIn("How well the camera is known at %d dioptres<" % end, report)
         changes = json.loads(read(self.path("out/result.json")))["range"]["changes"]
         self.assertEqual([change["at"] for change in changes], [0, 2.5, 5, 7.5, 10])
         growth = changes[-1]["focal_px"] / changes[0]["focal_px"]

@@ -1,5 +1,6 @@
 #include "report/pictures.h"
 
+#include <cmath>
 #include <set>
 
 #include "report/color_scale.h"
@@ -47,6 +48,30 @@ TEST(Pictures, FeaturesOnTheImagesEdgeAreDrawnToo) {
   const Image picture =
       MagnitudePicture(residuals, {640, 480}, {-0.5, -0.5, 639.5, 479.5}, 1);
   EXPECT_NE(PixelOf(picture, 0, 0), PixelOf(picture, 639, 479));
+}
+
+TEST(DisplacementPicture, IsTheSizeInColoursUnderArrowsAndWhiteWithout) {
+  constexpr int kColumns = 12, kCellPx = 8;
+  std::vector<Eigen::Vector2d> displacements(kColumns * 12, {0.5, 0});
+  displacements[0] = {NAN, NAN};
+  const Image picture = DisplacementPicture(displacements, kColumns, 1);
+  EXPECT_EQ(picture.size, (ImageSize{kColumns * kCellPx, 12 * kCellPx}));
+  EXPECT_EQ(PixelOf(picture, 2, 2), (std::vector<uint8_t>{255, 255, 255}));
+  const auto half = ColorOf(ColorScale::kEven, 0.5);
+  EXPECT_EQ(PixelOf(picture, kCellPx + 2, 2),
+            std::vector<uint8_t>(half.begin(), half.end()));
+  // The first arrow lies across the middle of cell 3, 3, half as long as arrows
+  // are apart, and its head is on the right.
+  constexpr int kMiddle = kCellPx * 3 + kCellPx / 2;
+  const auto level = [&](int dx, int dy) {
+    return PixelOf(picture, kMiddle + dx, kMiddle + dy)[0];
+  };
+  EXPECT_GT(level(-8, 0), 200);
+  EXPECT_GT(level(8, 0), 200);
+  EXPECT_GT(level(8, 4), 200);
+  EXPECT_LT(level(-8, 4), 200);
+  EXPECT_LT(level(-18, 0), 200);
+  EXPECT_LT(level(18, 0), 200);
 }
 
 TEST(UncertaintyPicture, IsHatchedWhereNotTrustedAndGreyOutside) {
