@@ -353,16 +353,18 @@ Measurements MeasureModes(const std::vector<std::string>& images,
                           const CommonOptions& common, const Pattern& pattern,
                           const std::function<void(double)>& progress) {
   const FoldersByMode folders = SortByMode(images, arguments.modes);
+  const auto measure = [&](const std::vector<std::string>& given) {
+    return AreOfExif(arguments)
+               ? MeasureWithExif(given, arguments, common, pattern, progress)
+               : Measure(given, pattern, arguments.pattern, common, progress);
+  };
   Measurements measurements =
       arguments.cameras_at.empty()
-          ? Measure(folders.calibrated, pattern, arguments.pattern, common,
-                    progress)
+          ? measure(folders.calibrated)
           : MeasureFoldersAt(arguments, common, pattern, progress);
   for (const auto& [folder, text] : folders.modes)
-    AppendOfMode(
-        ParseMode(text, measurements.dataset.image_size), folder,
-        Measure({folder}, pattern, arguments.pattern, common, progress),
-        &measurements);
+    AppendOfMode(ParseMode(text, measurements.dataset.image_size), folder,
+                 measure({folder}), &measurements);
   measurements.image_circle =
       ImageCircleOf(measurements, arguments.image_circle, common.threads);
   return measurements;

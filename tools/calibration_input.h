@@ -64,7 +64,7 @@ struct Measurements {
   Dataset dataset;
   std::vector<std::string> paths;   ///< of the dataset's images
   std::vector<ImagesOfMode> modes;  ///< the last of the dataset's images
-  /// By image, with --camera-at: the value of the condition.
+  /// By image, with --camera-at or of EXIF: the value of the condition.
   std::map<std::string, double> condition_values;
   std::optional<ImageCircle> image_circle;
   std::vector<RejectedImage> skipped;   ///< could not be measured

@@ -9,7 +9,9 @@
 
 #include "dataset/csv.h"
 #include "dataset/error.h"
+#include "dataset/exif_condition.h"
 #include "dataset/files.h"
+#include "dataset/image_files.h"
 #include "named_camera.h"
 #include "session_file.h"
 
@@ -58,6 +60,28 @@ CameraCondition ConditionOf(const CalibrateArguments& arguments) {
              : CameraCondition::kLensPosition;
 }
 
+// The values that images have in their EXIF data, by path. Files that are no
+// images have none, and are named by who measures them.
+std::map<std::string, double> ReadExifValues(
+    const std::vector<std::string>& paths, CameraCondition condition) {
+  std::map<std::string, double> values;
+  for (const std::string& path : paths) {
+    std::optional<double> value;
+    try {
+      value = ExifCondition(path, ReadImageFile(path), condition);
+    } catch (const InputError&) {
+      continue;
+    }
+    if (!value)
+      throw InputError(fmt::format(
+          "{}: its EXIF data do not tell the {} ({}); give --camera-at "
+          "VALUE=FOLDER for each value, or --conditions FILE.csv",
+          path, ConditionName(condition), ExifTagName(condition)));
+    values[path] = *value;
+  }
+  return values;
+}
+
 }  // namespace
 
 void AddConditionOptions(CLI::App* command, CalibrateArguments* arguments) {
@@ -66,7 +90,9 @@ void AddConditionOptions(CLI::App* command, CalibrateArguments* arguments) {
                    "calibrate over a range of it, the camera being a function "
                    "of it: lens_position (dioptres) or temperature (°C of the "
                    "sensor). The values are those of a session's frames, of "
-                   "--camera-at or of --conditions")
+                   "--camera-at, of --conditions, or else those that images "
+                   "have in their EXIF data: SubjectDistance, of which 1 / "
+                   "metres is taken, or AmbientTemperature")
       ->check(CLI::IsMember({"lens_position", "temperature"}));
   command
       ->add_option("--camera-at", arguments->cameras_at,
@@ -96,12 +122,35 @@ void RequireConditionOptions(const CalibrateArguments& arguments, bool is_rig) {
   if (!arguments.cameras_at.empty() && !arguments.conditions.empty())
     throw Error(ExitCode::kUsage,
                 "give either --camera-at or --conditions, not both");
-  if (!has_values && arguments.session_values.empty())
+  if (!has_values && arguments.session_values.empty() && !AreOfExif(arguments))
     throw Error(ExitCode::kUsage,
                 fmt::format("--condition {}: nothing says it of the images; "
                             "give --camera-at VALUE=FOLDER for each value, or "
                             "--conditions FILE.csv",
                             arguments.condition));
+}
+
+bool AreOfExif(const CalibrateArguments& arguments) {
+  return !arguments.condition.empty() && !arguments.images.empty() &&
+         arguments.captures.empty() && arguments.cameras_at.empty() &&
+         arguments.conditions.empty();
+}
+
+Measurements MeasureWithExif(const std::vector<std::string>& images,
+                             const CalibrateArguments& arguments,
+                             const CommonOptions& common,
+                             const Pattern& pattern,
+                             const std::function<void(double)>& progress) {
+  const std::map<std::string, double> values =
+      ReadExifValues(FindImages(images).paths, ConditionOf(arguments));
+  Measurements measurements =
+      Measure(images, pattern, arguments.pattern, common, progress);
+  for (size_t i = 0; i < measurements.paths.size(); ++i)
+    if (const auto value = values.find(measurements.paths[i]);
+        value != values.end())
+      measurements.condition_values[measurements.dataset.images[i].image] =
+          value->second;
+  return measurements;
 }
 
 Measurements MeasureFoldersAt(const CalibrateArguments& arguments,

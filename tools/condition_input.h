@@ -18,6 +18,18 @@ void AddConditionOptions(CLI::App* command, CalibrateArguments* arguments);
 /// Throws Error(kUsage) for options that do not go together.
 void RequireConditionOptions(const CalibrateArguments& arguments, bool is_rig);
 
+/// Whether the values are those of EXIF: images are given, and nothing else
+/// says them.
+bool AreOfExif(const CalibrateArguments& arguments);
+
+/// Measures images whose EXIF data tell the condition. Throws InputError that
+/// names the first one without a value, before it measures any.
+Measurements MeasureWithExif(const std::vector<std::string>& images,
+                             const CalibrateArguments& arguments,
+                             const CommonOptions& common,
+                             const Pattern& pattern,
+                             const std::function<void(double)>& progress);
+
 /// Measures the folders of --camera-at. Their images are named after the value,
 /// too: VALUE/IMAGE. Throws Error(kUsage), InputError.
 Measurements MeasureFoldersAt(const CalibrateArguments& arguments,

@@ -46,6 +46,7 @@ struct RawHeader {
   uint64_t tile_width = 0, tile_height = 0;
   int orientation = 1;
   size_t orientation_at = 0, orientation_bytes = 0;
+  size_t exif_at = 0, exif_bytes = 0;
 };
 
 // ---- TIFF, and EXIF, which is TIFF without an image -------------------------
@@ -117,15 +118,19 @@ void ParseTiff(const std::string& bytes, size_t start, RawHeader* header) {
   }
 }
 
-// A damaged tag turns nothing.
-int ExifOrientation(const std::string& bytes, size_t start) {
+// EXIF from start on, which may be cut. A damaged tag turns nothing.
+void ParseExif(const std::string& bytes, size_t start, size_t count,
+               RawHeader* header) {
+  if (start > bytes.size()) return;
+  header->exif_at = start;
+  header->exif_bytes = std::min(count, bytes.size() - start);
   RawHeader exif;
   try {
     ParseTiff(bytes, start, &exif);
   } catch (const std::out_of_range&) {
-    return 1;
+    return;
   }
-  return exif.orientation;
+  header->orientation = exif.orientation;
 }
 
 // ---- The other kinds --------------------------------------------------------
@@ -137,7 +142,7 @@ void ParsePng(const std::string& bytes, RawHeader* header) {
   for (size_t chunk = 8; chunk + 12 <= file.size();
        chunk += 12 + file.Number(chunk, 4)) {
     if (file.HasAt(chunk + 4, "eXIf", 4))
-      header->orientation = ExifOrientation(bytes, chunk + 8);
+      ParseExif(bytes, chunk + 8, file.Number(chunk, 4), header);
     if (file.HasAt(chunk + 4, "IEND", 4)) break;
   }
 }
@@ -158,9 +163,10 @@ void ParseJpeg(const std::string& bytes, RawHeader* header) {
       header->width = file.Number(at + 5, 2);
       return;
     }
-    if (marker == 0xe1 && file.HasAt(at + 2, "Exif\0\0", 6))
-      header->orientation = ExifOrientation(bytes, at + 8);
-    at += file.Number(at, 2);
+    const uint64_t length = file.Number(at, 2);
+    if (marker == 0xe1 && length >= 8 && file.HasAt(at + 2, "Exif\0\0", 6))
+      ParseExif(bytes, at + 8, length - 8, header);
+    at += length;
   }
 }
 
@@ -204,11 +210,11 @@ void ParseWebp(const std::string& bytes, RawHeader* header) {
     header->height = file.Number(27, 3) + 1;
   }
   for (size_t chunk = 12; chunk + 8 <= file.size();) {
-    if (file.HasAt(chunk, "EXIF", 4)) {
-      const bool has_name = file.HasAt(chunk + 8, "Exif\0\0", 6);
-      header->orientation = ExifOrientation(bytes, chunk + (has_name ? 14 : 8));
-    }
     const uint64_t size = file.Number(chunk + 4, 4);
+    if (file.HasAt(chunk, "EXIF", 4)) {
+      const size_t name = file.HasAt(chunk + 8, "Exif\0\0", 6) ? 6 : 0;
+      ParseExif(bytes, chunk + 8 + name, size - name, header);
+    }
     chunk += 8 + size + size % 2;
   }
 }
@@ -302,6 +308,8 @@ ImageHeader ParseImageHeader(const std::string& name,
   header.orientation = raw.orientation;
   header.orientation_at = raw.orientation_at;
   header.orientation_bytes = raw.orientation_bytes;
+  header.exif_at = raw.exif_at;
+  header.exif_bytes = raw.exif_bytes;
   return header;
 }
 

@@ -16,6 +16,9 @@ struct ImageHeader {
   int orientation = 1;
   /// TIFF: where the orientation's number stands in the file, and its bytes.
   size_t orientation_at = 0, orientation_bytes = 0;
+  /// PNG, JPEG, WebP: the first byte of EXIF's data, which are TIFF's, and how
+  /// many there are; none: 0.
+  size_t exif_at = 0, exif_bytes = 0;
 };
 
 /// Reads the header of a PNG, JPEG, TIFF, BMP, PNM (PGM and its kin) or WebP

@@ -1,8 +1,11 @@
 #!/usr/bin/env python3
 """calibrate --condition: a camera over a range of lens positions, and --at of the other commands."""
 import json
+import os
+import struct
 
 from command_test import CommandTest, main, read, run, write
+from png_files import chunk
 
 BOARD = "chessboard:13x9:30mm"
 POSITIONS = (0, 2, 4, 6, 8, 10)
@@ -148,6 +151,47 @@ class Condition(CommandTest):
         self.assert_refused(result, 1, "the value is given twice")
         result = run("calibrate", "--condition", "lens_position", "--camera-at", "near=x", *options)
         self.assert_refused(result, 1, "expected VALUE=FOLDER")
+
+
+    def photographs_with_exif(self, folder, tag, type_, values):
+        """Rendered photographs at 0 and 10 dioptres; values: two numbers of each."""
+        for position, numbers in values.items():
+            made = self.path("made%g" % position)
+            result = run("simulate", "--lens", "focusing", "--at", position, "--render", "--images",
+                         4, "--size", "320x240", "--pattern", "chessboard:8x6:40mm", "--seed",
+                         position, "-o", made)
+            assert result.returncode == 0, result.stderr
+            for k in range(4):
+                photo = read(os.path.join(made, "sim%04d.png" % k))
+                exif = exif_of(tag, type_, *numbers)
+                write(os.path.join(folder, "%g_%d.png" % (position, k)),
+                      photo[:33] + chunk(b"eXIf", exif) + photo[33:])
+
+    def test_photographs_tell_the_value_by_themselves(self):
+        options = ("--pattern", "chessboard:8x6:40mm", "--cell-px", 80, "--skip-comparison",
+                   "--hold-out", "0_0.png")
+        for condition, tag, type_, values, told in (
+                ("lens_position", 0x9206, 5, {0: (0xffffffff, 1), 10: (1, 10)}, "[0, 10]"),
+                ("temperature", 0x9400, 10, {0: (2050, 100), 10: (71, 1)}, "[20.5, 71]")):
+            folder, out = self.path(condition), self.path("exif_" + condition)
+            self.photographs_with_exif(folder, tag, type_, values)
+            result = run("calibrate", folder, "--condition", condition, *options, "-o", out)
+            self.assertIn(result.returncode, (0, 5), result.stderr)
+            self.assertIn("range: " + told, read(os.path.join(out, "camera.yaml")).decode())
+        # Of the other condition, the first image tells nothing, and is named.
+        result = run("calibrate", self.path("temperature"), "--condition", "lens_position",
+                     *options, "-o", self.path("untold"))
+        self.assert_refused(result, 2, "0_0.png: its EXIF data do not tell the lens_position "
+                                       "(SubjectDistance)")
+        self.assert_nothing_in(self.path("untold"))
+
+
+def exif_of(tag, type_, first, second):
+    """EXIF data whose own directory has one tag of two numbers."""
+    def directory(*entry):
+        return struct.pack("<HHHIII", 1, *entry, 0)
+    return (struct.pack("<2sHI", b"II", 42, 8) + directory(0x8769, 4, 1, 26) +
+            directory(tag, type_, 1, 44) + struct.pack("<II", first, second))
 
 
 if __name__ == "__main__":
