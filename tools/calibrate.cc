@@ -44,6 +44,16 @@ void RequireOfSingleCamera(const CalibrateArguments& arguments, bool is_rig) {
   RequireBlobText("--serial", arguments.serial);
 }
 
+// Goes to an image's value of the condition that the blob has a range of.
+void GoTo(const ImageConditions& conditions, const std::string& image,
+          BlobCamera* camera) {
+  const auto range = camera->Range();
+  if (!range) return;
+  for (size_t k = 0; k < conditions.conditions.size(); ++k)
+    if (conditions.conditions[k] == range->condition)
+      camera->SetCondition(conditions.values.at(image)[k]);
+}
+
 // The first held-out image, or else the first one used; smaller than it was.
 std::optional<BeforeAfter> ExampleImage(const Measurements& measurements,
                                         const CalibrationResult& result,
@@ -58,8 +68,7 @@ std::optional<BeforeAfter> ExampleImage(const Measurements& measurements,
     if (measurements.dataset.images[i].image != wanted) continue;
     const Image before = ReadImage(measurements.paths[i], true);
     BlobCamera camera("packed camera", blob);
-    if (conditions && camera.Range())
-      camera.SetCondition(conditions->values.at(wanted));
+    if (conditions) GoTo(*conditions, wanted, &camera);
     const Image after = camera.Undistort(before, 0);
     return BeforeAfter{Shrunk(before, kMaxWidthPx), Shrunk(after, kMaxWidthPx)};
   }
@@ -181,8 +190,8 @@ void UseSession(CalibrateArguments* arguments) {
       for (const SessionFrame& frame : session.frames) {
         images.push_back(
             SessionFramePath(folder.string(), session.camera, frame.image));
-        if (const auto value = ValueOf(*arguments, frame))
-          arguments->session_values[frame.image] = *value;
+        if (const auto values = ValuesOf(*arguments, frame))
+          arguments->session_values[frame.image] = *values;
       }
       SayThatTheLensMoved(session, *arguments);
       if (cameras.size() == 1)

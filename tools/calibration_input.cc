@@ -1,6 +1,7 @@
 #include "calibration_input.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -606,9 +607,10 @@ std::string InputsOf(const CalibrateArguments& arguments,
   for (const std::string& image : arguments.hold_out) hash.Add(image);
   for (const std::string& mode : arguments.modes) hash.Add(mode);
   if (const auto conditions = ConditionsOf(arguments, cameras.front())) {
-    hash.Add(arguments.condition);
-    for (const auto& [image, value] : conditions->values)
-      hash.Add(fmt::format("{} {:.17g}", image, value));
+    for (const CameraCondition condition : conditions->conditions)
+      hash.Add(ConditionName(condition));
+    for (const auto& [image, values] : conditions->values)
+      hash.Add(fmt::format("{} {:.17g}", image, fmt::join(values, " ")));
   }
   for (const auto& times : TimesOf(arguments, cameras))
     if (times) hash.Add(FormatImageTimes(*times));

@@ -35,11 +35,12 @@ struct CalibrateArguments {
   std::string times;              ///< a CSV with the times of images
   std::vector<NamedImages> rig;   ///< of a session, instead of cameras
   std::vector<Capture> captures;  ///< how a session's cameras stood
-  std::string condition;          ///< to calibrate over; empty: none
+  /// To calibrate over, by their names; empty: none.
+  std::vector<std::string> condition;
   std::vector<std::string> cameras_at;
   std::string conditions;  ///< CSV file
-  /// Of a session's frames, the values of the condition.
-  std::map<std::string, double> session_values;
+  /// Of a session's frames, the values of the conditions.
+  std::map<std::string, ConditionValues> session_values;
   /// When the images of each of a session's cameras were taken.
   std::vector<ImageTimes> session_times;
 
@@ -64,8 +65,8 @@ struct Measurements {
   Dataset dataset;
   std::vector<std::string> paths;   ///< of the dataset's images
   std::vector<ImagesOfMode> modes;  ///< the last of the dataset's images
-  /// By image, with --camera-at or of EXIF: the value of the condition.
-  std::map<std::string, double> condition_values;
+  /// By image, with --camera-at or of EXIF: the values of the conditions.
+  std::map<std::string, ConditionValues> condition_values;
   std::optional<ImageCircle> image_circle;
   std::vector<RejectedImage> skipped;   ///< could not be measured
   std::vector<RejectedImage> left_out;  ///< no photographs, copies

@@ -54,18 +54,19 @@ void PrintUncertainty(const CameraUncertainty& uncertainty,
   if (noise.IsShared()) fmt::print("  noise of features: {}\n", noise.Text());
 }
 
-// How the camera changes over its range.
-void PrintStack(const StackOfCameras& stack) {
-  const CameraStack& cameras = stack.cameras;
-  const std::vector<StackChange> ends = MeasureStackChanges(cameras, 2);
-  const Eigen::Vector2d moved = ends[1].center_px - ends[0].center_px;
-  fmt::print(
-      "  {:g} to {:g} {}: the image grows by {:.2f} %, its centre moves by "
-      "{:.2f} px; "
-      "order {}\n",
-      cameras.low(), cameras.high(), ConditionUnit(cameras.condition()),
-      100 * ((1 + ends[1].growth) / (1 + ends[0].growth) - 1), moved.norm(),
-      cameras.order());
+// How the camera changes over each of its ranges.
+void PrintStack(const CameraStack& stack) {
+  for (size_t r = 0; r < stack.ranges().size(); ++r) {
+    const std::vector<StackChange> ends =
+        MeasureStackChanges(stack.Along(r), 2);
+    const Eigen::Vector2d moved = ends[1].center_px - ends[0].center_px;
+    fmt::print(
+        "  {}: the image grows by {:.2f} %, its centre moves by {:.2f} px; "
+        "order {}\n",
+        stack.ranges()[r].Text(),
+        100 * ((1 + ends[1].growth) / (1 + ends[0].growth) - 1), moved.norm(),
+        stack.orders()[r]);
+  }
 }
 
 void PrintImageCircle(const CameraModel& camera) {
@@ -109,7 +110,7 @@ void PrintSingleCamera(const CalibrationResult& result) {
                *result.bias_kl, *result.noise_bias_kl);
   if (result.camera.uncertainty)
     PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
-  if (result.camera.stack) PrintStack(*result.camera.stack);
+  if (result.camera.stack) PrintStack(result.camera.stack->cameras);
   PrintImageCircle(*result.camera.camera);
   PrintRowTime(result);
   PrintLimit(result);

@@ -9,6 +9,7 @@
 #include "dataset/csv.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/held_stack.h"
 #include "dataset/text_encoding.h"
 #include "exchange/format.h"
 #include "exchange/table_format.h"
@@ -31,36 +32,24 @@ CameraFile ParseForeignCamera(const Format& format, const std::string& path,
   return CameraFileOf(contents.cameras.front());
 }
 
-// Whether a camera is to be taken at a value. Says on standard error if it is
-// not, and throws for values out of range.
-bool CheckRange(const std::string& path, std::optional<double> at,
-                const BlobCamera::StackRange& stack) {
-  const std::string range = fmt::format(
-      "{:g} to {:g} {}", stack.low, stack.high, ConditionUnit(stack.condition));
-  if (!at) {
-    fmt::print(stderr,
-               "raygrid: {}: was calibrated over {}, and is taken in the "
-               "middle; --at says where else\n",
-               Printable(path), range);
-    return false;
-  }
-  if (!(*at >= stack.low && *at <= stack.high))
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("{}: --at {:g}: was calibrated over {}", path, *at, range));
-  return true;
+// Says on standard error which conditions a camera is taken in the middle of.
+void SayTheMiddle(const std::string& path,
+                  const std::vector<ConditionRange>& ranges) {
+  fmt::print(stderr,
+             "raygrid: {}: was calibrated over {}, and is taken in the "
+             "middle; --at says where else\n",
+             Printable(path), TextOf(ranges));
 }
 
-// A stack's camera at a value, in place of that in the middle. Returns whether
-// it was a stack.
-bool TakeAt(const std::string& path, std::optional<double> at, bool keeps_stack,
+// A stack's camera at values, in place of that in the middle. keeps_stack: over
+// what is not given it stays a stack. Returns whether it was one.
+bool TakeAt(const std::string& path, const ConditionsAt& at, bool keeps_stack,
             CameraFile* file) {
   if (!file->stack) return false;
-  if (!at && keeps_stack) return true;
-  const CameraStack& stack = file->stack->cameras;
-  if (!CheckRange(path, at, {stack.condition(), stack.low(), stack.high()}))
-    return true;
-  *file = FileAt(*file, *at);
+  if (at.IsGiven())
+    *file = FileAt(*file, HeldInRange(at, file->stack->cameras.ranges(), path));
+  if (file->stack && !keeps_stack)
+    SayTheMiddle(path, file->stack->cameras.ranges());
   return true;
 }
 
@@ -72,7 +61,7 @@ Error NoStack(const std::string& path) {
 }
 
 CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
-                           std::optional<double> at, bool keeps_stack = false) {
+                           const ConditionsAt& at, bool keeps_stack = false) {
   CameraInput input;
   if (!IsBlob(path, bytes)) {
     if (const TableFormat* table = RecognizeTable(bytes))
@@ -86,8 +75,10 @@ CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
   input.blob.emplace(path, bytes);
   if (const auto range = input.blob->Range()) {
     input.is_of_stack = true;
-    if (!keeps_stack && CheckRange(path, at, *range))
-      input.blob->SetCondition(*at);
+    if (at.IsGiven())
+      input.blob->SetCondition(*HeldInRange(at, {*range}, path)[0]);
+    else if (!keeps_stack)
+      SayTheMiddle(path, {*range});
   }
   input.file.camera = input.blob->ToModel();
   rg_camera_section identity;
@@ -102,31 +93,30 @@ CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
 
 }  // namespace
 
-CameraInput ReadCamera(const std::string& path, std::optional<double> at) {
+CameraInput ReadCamera(const std::string& path, const ConditionsAt& at) {
   return ParseCamera(path, ReadFile(path), at);
 }
 
 CameraInput ParseCamera(const std::string& path, const std::string& bytes,
-                        std::optional<double> at) {
+                        const ConditionsAt& at) {
   CameraInput input = ParseAnyCamera(path, bytes, at);
-  if (at && !input.is_of_stack) throw NoStack(path);
+  if (at.IsGiven() && !input.is_of_stack) throw NoStack(path);
   return input;
 }
 
-CameraInput ReadCameraOrStack(const std::string& path,
-                              std::optional<double> at) {
+CameraInput ReadCameraOrStack(const std::string& path, const ConditionsAt& at) {
   CameraInput input = ParseAnyCamera(path, ReadFile(path), at, true);
-  if (at && !input.is_of_stack) throw NoStack(path);
+  if (at.IsGiven() && !input.is_of_stack) throw NoStack(path);
   return input;
 }
 
 std::array<CameraInput, 2> ReadTwoCameras(const std::string& first,
                                           const std::string& second,
-                                          std::optional<double> at) {
+                                          const ConditionsAt& at) {
   std::array<CameraInput, 2> cameras = {
       ParseAnyCamera(first, ReadFile(first), at),
       ParseAnyCamera(second, ReadFile(second), at)};
-  if (at && !cameras[0].is_of_stack && !cameras[1].is_of_stack)
+  if (at.IsGiven() && !cameras[0].is_of_stack && !cameras[1].is_of_stack)
     throw NoStack(first + ", " + second);
   return cameras;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "conditions_at.h"
 #include "dataset/camera_file.h"
 #include "packing/blob_camera.h"
 
@@ -20,25 +21,23 @@ struct CameraInput {
   bool is_of_stack = false;        ///< was taken out of one, by --at
 };
 
-/// at: the value of the condition, of a camera that is a stack; without, it is
-/// the one in the middle, which is said on standard error. Throws Error(kUsage)
-/// for values out of range and for cameras that are no stack.
-CameraInput ReadCamera(const std::string& path,
-                       std::optional<double> at = std::nullopt);
+/// at: the values of the conditions, of a camera that is a stack; where one is
+/// not given, it is the one in the middle, which is said on standard error.
+/// Throws Error(kUsage) as HeldInRange(), and for cameras that are no stack.
+CameraInput ReadCamera(const std::string& path, const ConditionsAt& at = {});
 /// The camera in a file's bytes; path is used in errors. Says on standard error
 /// what of another program's file was not taken as it stands.
 CameraInput ParseCamera(const std::string& path, const std::string& bytes,
-                        std::optional<double> at = std::nullopt);
+                        const ConditionsAt& at = {});
 
-/// ReadCamera(), but without at a stack stays whole.
-CameraInput ReadCameraOrStack(const std::string& path,
-                              std::optional<double> at);
+/// ReadCamera(), but over conditions that at does not give it stays a stack.
+CameraInput ReadCameraOrStack(const std::string& path, const ConditionsAt& at);
 
 /// Reads two cameras, of which at is for those that are stacks. Throws
 /// Error(kUsage) if none is.
 std::array<CameraInput, 2> ReadTwoCameras(const std::string& first,
                                           const std::string& second,
-                                          std::optional<double> at);
+                                          const ConditionsAt& at);
 
 /// The cells in which a camera can be trusted, if its file or blob says so.
 std::optional<TrustMask> TrustOf(const CameraInput& input);

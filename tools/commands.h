@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "conditions_at.h"
+
 namespace raygrid {
 
 /// Options of every command.
@@ -18,8 +20,8 @@ struct CommonOptions {
   bool quiet = false;
   bool json = false;
   bool yes = false;  ///< lengths that look like mistakes are meant
-  /// Of a camera that is a stack: the lens position or temperature meant.
-  std::optional<double> at;
+  /// Of a camera that is a stack: the lens position, the temperature meant.
+  ConditionsAt at;
 };
 
 /// A command with the common options and an example in its help.

@@ -1,6 +1,7 @@
 #include "condition_input.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 #include "dataset/exif_condition.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
+#include "dataset/image_header.h"
 #include "named_camera.h"
 #include "session_file.h"
 
@@ -44,40 +46,92 @@ std::vector<FolderAt> ParseFolders(const std::vector<std::string>& texts) {
   return folders;
 }
 
-void ReadValues(const std::string& path,
-                std::map<std::string, double>* values) {
-  const CsvTable table(path, ReadFile(path), {"image", "value"});
-  for (size_t i = 0; i < table.num_rows(); ++i)
-    if (!values->emplace(table.Text(i, "image"), table.Number(i, "value"))
-             .second)
-      throw InputError(fmt::format("{}: {} has a value already", table.Place(i),
-                                   table.Text(i, "image")));
+// The conditions in the order that stacks have them in.
+std::vector<CameraCondition> ConditionsIn(const CalibrateArguments& arguments) {
+  std::set<CameraCondition> conditions;
+  for (const std::string& name : arguments.condition)
+    conditions.insert(*FindCondition(name));
+  return {conditions.begin(), conditions.end()};
 }
 
-CameraCondition ConditionOf(const CalibrateArguments& arguments) {
-  return arguments.condition == ConditionName(CameraCondition::kTemperature)
-             ? CameraCondition::kTemperature
-             : CameraCondition::kLensPosition;
+// "lens_position", "lens_position,temperature".
+std::string NamesOf(const std::vector<CameraCondition>& conditions) {
+  std::vector<std::string> names;
+  for (const CameraCondition condition : conditions)
+    names.push_back(ConditionName(condition));
+  return fmt::format("{}", fmt::join(names, ","));
+}
+
+// The columns of --conditions: of a single condition, "value" may stand for its
+// name.
+std::vector<std::string> ColumnsOf(
+    const std::string& path, const std::string& text,
+    const std::vector<CameraCondition>& conditions) {
+  std::vector<std::string> columns;
+  for (const CameraCondition condition : conditions)
+    columns.push_back(ConditionName(condition));
+  if (columns.size() == 1 &&
+      !CsvTable(path, text, {"image"}).HasColumn(columns[0]))
+    columns[0] = "value";
+  return columns;
+}
+
+void ReadValues(const std::string& path,
+                const std::vector<CameraCondition>& conditions,
+                std::map<std::string, ConditionValues>* values) {
+  const std::string text = ReadFile(path);
+  const std::vector<std::string> columns = ColumnsOf(path, text, conditions);
+  std::vector<std::string> required = {"image"};
+  required.insert(required.end(), columns.begin(), columns.end());
+  const CsvTable table(path, text, required);
+  for (size_t i = 0; i < table.num_rows(); ++i) {
+    ConditionValues of_image;
+    for (const std::string& column : columns)
+      of_image.push_back(table.Number(i, column));
+    if (!values->emplace(table.Text(i, "image"), of_image).second)
+      throw InputError(fmt::format("{}: {} has a value already", table.Place(i),
+                                   table.Text(i, "image")));
+  }
+}
+
+// The options that tell values.
+std::string WaysToTell(const std::vector<CameraCondition>& conditions) {
+  if (conditions.size() == 1)
+    return "--camera-at VALUE=FOLDER for each value, or --conditions FILE.csv";
+  return fmt::format("--conditions FILE.csv with the columns image,{}",
+                     NamesOf(conditions));
+}
+
+ConditionValues ExifValues(const std::string& path, const std::string& bytes,
+                           const std::vector<CameraCondition>& conditions) {
+  ConditionValues values;
+  for (const CameraCondition condition : conditions) {
+    const auto value = ExifCondition(path, bytes, condition);
+    if (!value)
+      throw InputError(
+          fmt::format("{}: its EXIF data do not tell the {} ({}); give {}",
+                      path, ConditionName(condition), ExifTagName(condition),
+                      WaysToTell(conditions)));
+    values.push_back(*value);
+  }
+  return values;
 }
 
 // The values that images have in their EXIF data, by path. Files that are no
 // images have none, and are named by who measures them.
-std::map<std::string, double> ReadExifValues(
-    const std::vector<std::string>& paths, CameraCondition condition) {
-  std::map<std::string, double> values;
+std::map<std::string, ConditionValues> ReadExifValues(
+    const std::vector<std::string>& paths,
+    const std::vector<CameraCondition>& conditions) {
+  std::map<std::string, ConditionValues> values;
   for (const std::string& path : paths) {
-    std::optional<double> value;
+    std::string bytes;
     try {
-      value = ExifCondition(path, ReadImageFile(path), condition);
+      bytes = ReadImageFile(path);
+      ParseImageHeader(path, bytes);
     } catch (const InputError&) {
       continue;
     }
-    if (!value)
-      throw InputError(fmt::format(
-          "{}: its EXIF data do not tell the {} ({}); give --camera-at "
-          "VALUE=FOLDER for each value, or --conditions FILE.csv",
-          path, ConditionName(condition), ExifTagName(condition)));
-    values[path] = *value;
+    values[path] = ExifValues(path, bytes, conditions);
   }
   return values;
 }
@@ -86,13 +140,16 @@ std::map<std::string, double> ReadExifValues(
 
 void AddConditionOptions(CLI::App* command, CalibrateArguments* arguments) {
   command
-      ->add_option("--condition", arguments->condition,
-                   "calibrate over a range of it, the camera being a function "
-                   "of it: lens_position (dioptres) or temperature (°C of the "
-                   "sensor). The values are those of a session's frames, of "
-                   "--camera-at, of --conditions, or else those that images "
-                   "have in their EXIF data: SubjectDistance, of which 1 / "
-                   "metres is taken, or AmbientTemperature")
+      ->add_option(
+          "--condition", arguments->condition,
+          "calibrate over a range of it, the camera being a function "
+          "of it: lens_position (dioptres) or temperature (°C of the "
+          "sensor), or both. The values are those of a session's frames, of "
+          "--camera-at, of --conditions, or else those that images "
+          "have in their EXIF data: SubjectDistance, of which 1 / "
+          "metres is taken, or AmbientTemperature")
+      ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::IsMember({"lens_position", "temperature"}));
   command
       ->add_option("--camera-at", arguments->cameras_at,
@@ -103,7 +160,8 @@ void AddConditionOptions(CLI::App* command, CalibrateArguments* arguments) {
   command
       ->add_option("--conditions", arguments->conditions,
                    "CSV with the columns image, value: the lens position or "
-                   "temperature in each image")
+                   "temperature in each image; of both: image, "
+                   "lens_position, temperature")
       ->type_name("FILE");
 }
 
@@ -119,15 +177,19 @@ void RequireConditionOptions(const CalibrateArguments& arguments, bool is_rig) {
     throw Error(ExitCode::kUsage,
                 "--condition is for a single camera; calibrate a rig's cameras "
                 "one by one");
+  const std::vector<CameraCondition> conditions = ConditionsIn(arguments);
+  if (conditions.size() > 1 && !arguments.cameras_at.empty())
+    throw Error(ExitCode::kUsage,
+                "--camera-at tells one value; of two conditions give " +
+                    WaysToTell(conditions));
   if (!arguments.cameras_at.empty() && !arguments.conditions.empty())
     throw Error(ExitCode::kUsage,
                 "give either --camera-at or --conditions, not both");
   if (!has_values && arguments.session_values.empty() && !AreOfExif(arguments))
     throw Error(ExitCode::kUsage,
                 fmt::format("--condition {}: nothing says it of the images; "
-                            "give --camera-at VALUE=FOLDER for each value, or "
-                            "--conditions FILE.csv",
-                            arguments.condition));
+                            "give {}",
+                            NamesOf(conditions), WaysToTell(conditions)));
 }
 
 bool AreOfExif(const CalibrateArguments& arguments) {
@@ -141,8 +203,8 @@ Measurements MeasureWithExif(const std::vector<std::string>& images,
                              const CommonOptions& common,
                              const Pattern& pattern,
                              const std::function<void(double)>& progress) {
-  const std::map<std::string, double> values =
-      ReadExifValues(FindImages(images).paths, ConditionOf(arguments));
+  const std::map<std::string, ConditionValues> values =
+      ReadExifValues(FindImages(images).paths, ConditionsIn(arguments));
   Measurements measurements =
       Measure(images, pattern, arguments.pattern, common, progress);
   for (size_t i = 0; i < measurements.paths.size(); ++i)
@@ -176,7 +238,7 @@ Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
         Measure({folders[k].folder}, pattern, arguments.pattern, common, part);
     for (ImageFeatures& image : more.dataset.images) {
       image.image = folders[k].text + "/" + image.image;
-      more.condition_values[image.image] = folders[k].value;
+      more.condition_values[image.image] = {folders[k].value};
     }
     if (k > 0 && more.dataset.image_size != measurements.dataset.image_size)
       throw InputError(
@@ -191,22 +253,28 @@ Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
   return measurements;
 }
 
-std::optional<double> ValueOf(const CalibrateArguments& arguments,
-                              const SessionFrame& frame) {
-  if (arguments.condition.empty()) return std::nullopt;
-  return ConditionOf(arguments) == CameraCondition::kLensPosition
-             ? frame.lens_position
-             : frame.sensor_temperature_c;
+std::optional<ConditionValues> ValuesOf(const CalibrateArguments& arguments,
+                                        const SessionFrame& frame) {
+  ConditionValues values;
+  for (const CameraCondition condition : ConditionsIn(arguments)) {
+    const std::optional<double>& value =
+        condition == CameraCondition::kLensPosition
+            ? frame.lens_position
+            : frame.sensor_temperature_c;
+    if (!value) return std::nullopt;
+    values.push_back(*value);
+  }
+  if (values.empty()) return std::nullopt;
+  return values;
 }
 
 std::optional<ImageConditions> ConditionsOf(const CalibrateArguments& arguments,
                                             const Measurements& measurements) {
   if (arguments.condition.empty()) return std::nullopt;
-  ImageConditions conditions;
-  conditions.condition = ConditionOf(arguments);
-  conditions.values = measurements.condition_values;
+  ImageConditions conditions = {ConditionsIn(arguments),
+                                measurements.condition_values};
   if (!arguments.conditions.empty())
-    ReadValues(arguments.conditions, &conditions.values);
+    ReadValues(arguments.conditions, conditions.conditions, &conditions.values);
   else if (conditions.values.empty())
     conditions.values = arguments.session_values;
   return conditions;

@@ -1,4 +1,4 @@
-/// The lens positions or temperatures that a calibration goes over.
+/// The lens positions and temperatures that a calibration goes over.
 #ifndef RAYGRID_TOOLS_CONDITION_INPUT_H
 #define RAYGRID_TOOLS_CONDITION_INPUT_H
 
@@ -22,7 +22,7 @@ void RequireConditionOptions(const CalibrateArguments& arguments, bool is_rig);
 /// says them.
 bool AreOfExif(const CalibrateArguments& arguments);
 
-/// Measures images whose EXIF data tell the condition. Throws InputError that
+/// Measures images whose EXIF data tell the conditions. Throws InputError that
 /// names the first one without a value, before it measures any.
 Measurements MeasureWithExif(const std::vector<std::string>& images,
                              const CalibrateArguments& arguments,
@@ -37,11 +37,12 @@ Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
                               const Pattern& pattern,
                               const std::function<void(double)>& progress);
 
-/// The value of the condition that is asked for, as a session's frame has it.
-std::optional<double> ValueOf(const CalibrateArguments& arguments,
-                              const SessionFrame& frame);
+/// The values of the conditions that are asked for, as a session's frame has
+/// them; nothing if it lacks one.
+std::optional<ConditionValues> ValuesOf(const CalibrateArguments& arguments,
+                                        const SessionFrame& frame);
 
-/// The value in each image; nothing if no condition is asked for. Throws
+/// The values in each image; nothing if no condition is asked for. Throws
 /// Error(kUsage), InputError.
 std::optional<ImageConditions> ConditionsOf(const CalibrateArguments& arguments,
                                             const Measurements& measurements);

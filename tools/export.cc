@@ -98,7 +98,7 @@ void RequireNoCsv(const std::string& path, const std::string& bytes) {
 
 // The cameras of a rig, or the one camera.
 std::vector<Exported> ReadExported(const std::string& path,
-                                   std::optional<double> at, bool* is_rig) {
+                                   const ConditionsAt& at, bool* is_rig) {
   const std::string bytes = ReadFile(path);
   RequireNoCsv(path, bytes);
   std::vector<Exported> cameras;

@@ -92,7 +92,7 @@ std::optional<TrustedErrors> ErrorsWhereTrusted(
                        Quantile(norms, 0.99), Quantile(norms, 1), norms.size()};
 }
 
-Fit FitCamera(const FitArguments& arguments, std::optional<double> at,
+Fit FitCamera(const FitArguments& arguments, const ConditionsAt& at,
               const std::optional<SplinedStereographic::Grid>& grid) {
   const CameraInput input = ReadCamera(arguments.camera, at);
   const CameraModel& camera = *input.file.camera;

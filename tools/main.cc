@@ -55,10 +55,14 @@ void AddHoldOut(CLI::App* command, const std::string& help,
 
 void AddAtOption(CLI::App* command, CommonOptions* common) {
   command
-      ->add_option("--at", common->at,
-                   "the lens position (dioptres) or temperature (°C) of a "
-                   "camera that was calibrated over a range of it; default: "
-                   "the middle")
+      ->add_option_function<std::string>(
+          "--at",
+          [common](const std::string& text) {
+            common->at = ParseConditionsAt(text);
+          },
+          "the lens position (dioptres) or temperature (°C) of a camera that "
+          "was calibrated over a range of it; of one that was over both: "
+          "lens_position=VALUE,temperature=VALUE. Default: the middle")
       ->type_name("VALUE");
 }
 

@@ -55,23 +55,40 @@ constexpr double kTruthCells = 80;
 // Between boards that hang side by side.
 constexpr double kGapSquares = 2;
 
+// The conditions that a simulated lens changes with; none of most.
+std::vector<ConditionRange> RangesOfLens(const std::string& name) {
+  const ConditionRange position = {CameraCondition::kLensPosition, 0, 10};
+  const ConditionRange temperature = {CameraCondition::kTemperature, 20, 70};
+  if (name == "focusing") return {position};
+  if (name == "warming") return {temperature};
+  if (name == "focusing-warming") return {position, temperature};
+  return {};
+}
+
 std::unique_ptr<CameraModel> LensNamed(const std::string& name,
-                                       std::optional<double> at,
+                                       const ConditionsAt& at,
                                        const ImageSize& size) {
-  if (name == "focusing")
-    return ChangingLens(CameraCondition::kLensPosition, at.value_or(0), size);
-  if (name == "warming")
-    return ChangingLens(CameraCondition::kTemperature, at.value_or(20), size);
-  if (at)
+  const std::vector<ConditionRange> ranges = RangesOfLens(name);
+  if (at.IsGiven() && ranges.empty())
     throw Error(ExitCode::kUsage,
-                fmt::format("--at is for --lens focusing (dioptres) and "
-                            "warming (°C), not for {}",
+                fmt::format("--at is for --lens focusing (dioptres), warming "
+                            "(°C) and focusing-warming, not for {}",
                             name));
-  return SimulatedLens(name, size);
+  if (ranges.empty()) return SimulatedLens(name, size);
+  LensState state;
+  const HeldConditions held = HeldOf(at, ranges, "--lens " + name);
+  for (size_t r = 0; r < ranges.size(); ++r) {
+    if (!held[r]) continue;
+    if (ranges[r].condition == CameraCondition::kLensPosition)
+      state.lens_position = *held[r];
+    else
+      state.temperature = *held[r];
+  }
+  return ChangingLens(state, size);
 }
 
 std::shared_ptr<const CameraModel> MakeCamera(
-    const SimulateArguments& arguments, std::optional<double> at) {
+    const SimulateArguments& arguments, const ConditionsAt& at) {
   if (!arguments.camera.empty()) {
     auto camera = ReadCamera(arguments.camera, at).file.camera;
     const ImageSize size = camera->image_size();
@@ -451,7 +468,7 @@ void AddCameraOptions(CLI::App* command, SimulateArguments* arguments) {
                        "noncentral, glass; without an axis of symmetry: "
                        "anamorphic, off-axis, halves, decentred, mirror; "
                        "changing with --at: focusing (0 to 10 dioptres), "
-                       "warming (°C)")
+                       "warming (°C), focusing-warming")
           ->capture_default_str();
   CLI::Option* const size =
       command->add_option("--size", arguments->size, "of images, WxH")

@@ -9,9 +9,9 @@ namespace raygrid {
 SeeingCamera::SeeingCamera(const CameraModel& camera, const View& view)
     : camera_(&camera) {
   const auto* stack = dynamic_cast<const StackedGrid*>(&camera);
-  if (!stack || stack->value() == view.condition) return;
+  if (!stack || stack->values() == view.conditions) return;
   auto own = std::make_unique<StackedGrid>(*stack);
-  own->SetValue(view.condition);
+  own->SetValues(view.conditions);
   own_ = std::move(own);
   camera_ = own_.get();
 }

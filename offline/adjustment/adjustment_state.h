@@ -23,10 +23,11 @@ struct View {
   std::vector<Observation> observations;
   int camera = 0, pose = 0;
   int place = -1;  ///< of the board on the body; -1: its frame is the body's
-  double condition = 0;  ///< that a stack of cameras was in
+  /// Of each of a stack's ranges: the value that its camera was at.
+  std::vector<double> conditions;
 };
 
-/// A camera as it was for one view: a stack at the view's condition, another
+/// A camera as it was for one view: a stack at the view's values, another
 /// one as it always is. The camera must outlive it.
 class SeeingCamera {
  public:

@@ -322,8 +322,7 @@ CameraPrior SmoothnessPrior(const CentralGeneric& base) {
   return prior;
 }
 
-CameraPrior StackPrior(const CentralGeneric& base, int order) {
-  const int num_terms = order + 1;
+CameraPrior StackPrior(const CentralGeneric& base, int num_terms) {
   const BSplineSurface& surface = base.surface();
   CameraPrior prior;
   prior.mean = Eigen::VectorXd::Zero(2 * num_terms * surface.num_points());

@@ -94,10 +94,10 @@ CameraPrior SmoothnessPrior(const CentralGeneric& base);
 
 /// The smoothness priors of a stack's terms, each as that of a grid and a group
 /// of its own: the first around base, those by which the camera changes with
-/// the condition around none. What the data do not tell of a term's change
-/// stays none. The camera does not turn with the condition: observations cannot
+/// the conditions around none. What the data do not tell of a term's change
+/// stays none. The camera does not turn with a condition: observations cannot
 /// tell, since each has its pose.
-CameraPrior StackPrior(const CentralGeneric& base, int order);
+CameraPrior StackPrior(const CentralGeneric& base, int num_terms);
 
 /// The smoothness prior of the directions of a grid of lines, and, as a group
 /// of its own, of the lines' points around the origin: three smooth fields, in

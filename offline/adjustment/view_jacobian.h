@@ -55,8 +55,8 @@ std::vector<ViewJacobian> WeightedJacobians(const AdjustmentState& state,
                                             double huber_px, int num_threads);
 
 /// Calls a body with a node's number of parameters as a constant that the
-/// compiler knows: those of central and non-central grids and of stacks; 0 for
-/// others. Without nodes it is not called.
+/// compiler knows: those of central and non-central grids and of most stacks; 0
+/// for others. Without nodes it is not called.
 template <typename Body>
 void WithNumPerNode(int num_per_node, const Body& body) {
   switch (num_per_node) {
@@ -72,6 +72,8 @@ void WithNumPerNode(int num_per_node, const Body& body) {
       return body(std::integral_constant<int, 6>());
     case 8:
       return body(std::integral_constant<int, 8>());
+    case 10:
+      return body(std::integral_constant<int, 10>());
     default:
       return body(std::integral_constant<int, 0>());
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -19,31 +20,71 @@
 namespace raygrid {
 namespace {
 
+// The part of the squared spread of one condition that does not go with the
+// other one.
+double PartBeside(const Eigen::MatrixX2d& values) {
+  const Eigen::MatrixX2d centered = values.rowwise() - values.colwise().mean();
+  const Eigen::Vector2d squares = centered.colwise().squaredNorm();
+  const double product = centered.col(0).dot(centered.col(1));
+  return 1 - product * product / (squares[0] * squares[1]);
+}
+
+// Throws where all images have one value of a condition, or one condition says
+// the other one.
+void RequireSpread(const ImageConditions& conditions,
+                   const std::vector<ConditionValues>& values) {
+  for (size_t k = 0; k < conditions.conditions.size(); ++k) {
+    const std::string name = ConditionName(conditions.conditions[k]);
+    const bool is_one = std::all_of(
+        values.begin(), values.end(),
+        [&](const ConditionValues& v) { return v[k] == values.front()[k]; });
+    if (is_one)
+      throw Error(ExitCode::kUsage,
+                  fmt::format("all images have one {}: nothing tells how the "
+                              "camera changes with it; calibrate without "
+                              "{}, or add images at others",
+                              name,
+                              conditions.conditions.size() > 1
+                                  ? name
+                                  : std::string("--condition")));
+  }
+  if (conditions.conditions.size() < 2) return;
+  // Below this, a change is as well one of either condition.
+  constexpr double kLeastPart = 0.05;
+  Eigen::MatrixX2d both(values.size(), 2);
+  for (size_t i = 0; i < values.size(); ++i)
+    both.row(static_cast<Eigen::Index>(i)) << values[i][0], values[i][1];
+  if (PartBeside(both) < kLeastPart)
+    throw Error(ExitCode::kUsage,
+                "the images' lens_position and temperature go together: "
+                "nothing tells which of the two changes the camera; add images "
+                "of other pairs, or calibrate over one of them");
+}
+
 void RequireConditions(const Dataset& dataset,
                        const ImageConditions& conditions,
                        const CalibrationOptions& options) {
-  const std::string name = ConditionName(conditions.condition);
+  std::string names;
+  for (const CameraCondition condition : conditions.conditions)
+    names += (names.empty() ? "" : ",") + ConditionName(condition);
   if (options.model != "central-generic")
     throw Error(ExitCode::kUsage,
                 fmt::format("--condition {}: the model is central-generic, not "
                             "{}",
-                            name, options.model));
-  std::set<double> values;
+                            names, options.model));
+  std::vector<ConditionValues> values;
   for (const ImageFeatures& image : dataset.images) {
-    const auto value = conditions.values.find(image.image);
-    if (value == conditions.values.end() || !std::isfinite(value->second))
+    const auto found = conditions.values.find(image.image);
+    if (found == conditions.values.end() ||
+        !std::all_of(found->second.begin(), found->second.end(),
+                     [](double value) { return std::isfinite(value); }))
       throw Error(ExitCode::kUsage,
                   fmt::format("image {} has no {}: give each image one, or "
                               "leave it out",
-                              image.image, name));
-    values.insert(value->second);
+                              image.image, names));
+    values.push_back(found->second);
   }
-  if (values.size() < 2)
-    throw Error(ExitCode::kUsage,
-                fmt::format("all images have one {}: nothing tells how the "
-                            "camera changes with it; calibrate without "
-                            "--condition, or add images at others",
-                            name));
+  RequireSpread(conditions, values);
 }
 
 using FeatureKey = std::tuple<std::string, int, int, int>;
@@ -77,7 +118,7 @@ Adjusted StartFrom(const CalibrationResult& result, const Dataset& used,
   adjusted.problem = BuildProblem({used}, pattern, &rejected);
   CalibrationProblem& problem = adjusted.problem;
   AdjustmentState& state = adjusted.state;
-  state.SetCamera(StackedGrid(stack, stack.middle()));
+  state.SetCamera(StackedGrid(stack, stack.Middle()));
   for (const Board& board : result.pattern.boards)
     state.points.insert(state.points.end(), board.points.begin(),
                         board.points.end());
@@ -95,11 +136,11 @@ Adjusted StartFrom(const CalibrationResult& result, const Dataset& used,
   state.rig_from_pattern.resize(problem.num_poses);
   for (size_t v = 0; v < problem.views.size(); ++v) {
     View& view = problem.views[v];
-    view.condition = conditions.values.at(problem.images[v]);
+    view.conditions = conditions.values.at(problem.images[v]);
     state.rig_from_pattern[view.pose] = pose_of(v)->second;
   }
-  adjusted.prior.cameras = {
-      StackPrior(stack.At(stack.middle()), stack.order())};
+  adjusted.prior.cameras = {StackPrior(stack.At(stack.Middle()),
+                                       static_cast<int>(stack.terms().size()))};
   adjusted.prior.points_mean = problem.nominal;
   adjusted.rejected_features = {result.rejected_features};
   return adjusted;
@@ -126,22 +167,39 @@ void AdjustStack(const CalibrationResult& result, const Pattern& pattern,
   AlignBoards(pattern, adjusted);
 }
 
-// The standard deviations of the stack's cameras at values over its range.
+// All tuples of so many values of each range, ascending.
+std::vector<ConditionValues> ValuesOver(const CameraStack& stack) {
+  // The second condition changes the camera little, and each value takes time
+  // and room.
+  constexpr int kNumFirst = 5, kNumSecond = 3;
+  std::vector<ConditionValues> all = {{}};
+  for (const ConditionRange& range : stack.ranges()) {
+    std::vector<ConditionValues> longer;
+    for (const ConditionValues& values : all)
+      for (const double value :
+           range.Spread(values.empty() ? kNumFirst : kNumSecond)) {
+        longer.push_back(values);
+        longer.back().push_back(value);
+      }
+    all = std::move(longer);
+  }
+  return all;
+}
+
+// The standard deviations of the stack's cameras at values over its ranges.
 std::vector<StackDeviation> StackDeviations(const Adjusted& adjusted,
                                             int num_threads) {
-  constexpr int kNumValues = 5;
   const auto& stack =
       dynamic_cast<const StackedGrid&>(adjusted.state.camera()).stack();
   std::vector<StackedGrid> cameras;
   std::vector<const CameraModel*> as;
-  for (int k = 0; k < kNumValues; ++k)
-    cameras.emplace_back(stack, stack.low() + (stack.high() - stack.low()) * k /
-                                                  (kNumValues - 1));
+  for (const ConditionValues& values : ValuesOver(stack))
+    cameras.emplace_back(stack, values);
   for (const StackedGrid& camera : cameras) as.push_back(&camera);
   std::vector<StackDeviation> deviations;
   for (const DeviationLattice& lattice :
        DeviationsOf(adjusted, 0, as, num_threads))
-    deviations.push_back({cameras[deviations.size()].value(), lattice});
+    deviations.push_back({cameras[deviations.size()].values(), lattice});
   return deviations;
 }
 
@@ -154,7 +212,7 @@ void PutResult(const CalibrationInput& input, const Pattern& pattern,
   result->poses.clear();
   FillResult(pattern, adjusted, 0, input.image_circle, options.num_threads,
              result);
-  CentralGeneric middle = stack.At(stack.middle());
+  CentralGeneric middle = stack.At(stack.Middle());
   middle.SetImageCircle(input.image_circle);
   result->camera.camera = middle.Clone();
   result->camera.stack =

@@ -9,24 +9,26 @@
 
 namespace raygrid {
 
-/// The value of a condition in each image, by the image's name.
+/// The values of conditions in each image, by the image's name. A lens position
+/// comes before a temperature.
 struct ImageConditions {
-  CameraCondition condition = CameraCondition::kLensPosition;
-  std::map<std::string, double> values;
+  std::vector<CameraCondition> conditions;
+  std::map<std::string, ConditionValues> values;
 };
 
-/// The most terms of a stack's polynomials that so many different values can
+/// The most terms of a condition's polynomial that so many different values can
 /// tell: one for two values, and at most three, so that there are values left
 /// to say how well they fit.
 int MaxStackOrder(int num_values);
 
-/// Calibrates one camera over the range of a condition: all images in one
-/// adjustment, in which each control point is a polynomial of the condition
-/// (camera/camera_stack.h). The result's camera is that in the middle of the
-/// range, and its training features lie where images show them; held-out
-/// errors are those of features brought to the middle of the range. Throws
-/// Error as Calibrate() does: kUsage for other models than central-generic, for
-/// images without a value, and where all have one value.
+/// Calibrates one camera over the ranges of conditions: all images in one
+/// adjustment, in which each control point is a sum of polynomials of the
+/// conditions (camera/camera_stack.h). The result's camera is that in the
+/// middle of the ranges, and its training features lie where images show them;
+/// held-out errors are those of features brought to the middle. Throws Error as
+/// Calibrate() does: kUsage for other models than central-generic, for images
+/// without a value, where all have one value of a condition, and where two
+/// conditions go together.
 RigResult CalibrateStack(const CalibrationInput& input,
                          const ImageConditions& conditions,
                          const Pattern& pattern,

@@ -16,14 +16,16 @@
 namespace raygrid {
 namespace {
 
-// Images whose values are nearest to each other, enough for a lens; and all
-// others with the same values. Of several such, those in the middle.
+// Images whose values of the first condition are nearest to each other, enough
+// for a lens; and all others with the same values. Of several such, those in
+// the middle. A second condition, a temperature, changes a lens by less than
+// this takes for alike.
 Dataset ImagesOfLikeValue(const Dataset& dataset,
                           const ImageConditions& conditions) {
   constexpr size_t kEnough = 12;
   std::vector<double> values;
   for (const ImageFeatures& image : dataset.images)
-    values.push_back(conditions.values.at(image.image));
+    values.push_back(conditions.values.at(image.image).front());
   std::sort(values.begin(), values.end());
   const size_t count = std::min(kEnough, values.size());
   const double middle = (values.front() + values.back()) / 2;
@@ -39,7 +41,7 @@ Dataset ImagesOfLikeValue(const Dataset& dataset,
   }
   Dataset like = {dataset.image_size, {}};
   for (const ImageFeatures& image : dataset.images) {
-    const double value = conditions.values.at(image.image);
+    const double value = conditions.values.at(image.image).front();
     if (value >= low && value <= high) like.images.push_back(image);
   }
   return like;
@@ -60,58 +62,62 @@ Eigen::Matrix3d FindTurn(const CameraModel& from, const CameraModel& to,
   return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
-std::pair<double, double> RangeOf(const Dataset& dataset,
-                                  const ImageConditions& conditions) {
-  double low = INFINITY, high = -INFINITY;
-  for (const ImageFeatures& image : dataset.images) {
-    const double value = conditions.values.at(image.image);
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  return {low, high};
-}
-
-int NumValues(const Dataset& dataset, const ImageConditions& conditions) {
+// The different values of a condition, ascending.
+std::set<double> ValuesOfCondition(const Dataset& dataset,
+                                   const ImageConditions& conditions,
+                                   size_t condition) {
   std::set<double> values;
   for (const ImageFeatures& image : dataset.images)
-    values.insert(conditions.values.at(image.image));
-  return static_cast<int>(values.size());
+    values.insert(conditions.values.at(image.image)[condition]);
+  return values;
 }
 
-// A stack of one term more, which does not change it.
-CameraStack WithOneMore(const CameraStack& stack) {
-  CameraStack more = stack;
-  const BSplineSurface& surface = stack.terms().front();
-  more.terms().emplace_back(surface.area(), surface.columns(), surface.rows());
-  return more;
-}
+// Adjusts stacks of one term more each time, of one condition after the other,
+// from linear ones on, as long as that predicts better: Akaike's criterion. A
+// term has at least as many parameters as its prior leaves free.
+class OrderChoice {
+ public:
+  OrderChoice(const CentralGeneric& base, const CalibrationProblem& problem,
+              const AdjustmentOptions& options, AdjustmentState* state)
+      : base_(base), problem_(problem), options_(options), state_(state) {}
 
-// Adjusts stacks of one term more each time, from a linear one on, as long as
-// that predicts better: Akaike's criterion. A term has at least as many
-// parameters as its prior leaves free.
-CameraStack ChooseOrder(CameraStack stack, int max_order,
-                        const CalibrationProblem& problem,
-                        const AdjustmentOptions& options,
-                        AdjustmentState* state) {
-  std::optional<CameraStack> best;
-  double best_cost = 0;
-  const CentralGeneric base = stack.At(stack.middle());
-  for (;; stack = WithOneMore(*best)) {
-    state->SetCamera(StackedGrid(stack, stack.middle()));
+  CameraStack Choose(CameraStack best, const std::vector<int>& max_orders) {
+    double needed = 0;
+    double best_cost = Adjust(&best, &needed);
+    for (size_t r = 0; r < max_orders.size(); ++r) {
+      while (best.orders()[r] < max_orders[r]) {
+        CameraStack more = best.WithOneMore(r);
+        const double cost = Adjust(&more, &needed);
+        if (!(cost < best_cost - needed)) break;
+        best = std::move(more);
+        best_cost = cost;
+      }
+    }
+    return best;
+  }
+
+ private:
+  // Returns the cost, and by how much it must fall to be worth a term.
+  double Adjust(CameraStack* stack, double* needed) {
+    state_->SetCamera(StackedGrid(*stack, stack->Middle()));
     GaussianPrior prior;
-    prior.cameras = {StackPrior(base, stack.order())};
-    prior.points_mean = problem.nominal;
+    prior.cameras = {
+        StackPrior(base_, static_cast<int>(stack->terms().size()))};
+    prior.points_mean = problem_.nominal;
     const AdjustmentSummary summary =
-        AdjustWithLearnedPrior(problem.views, options, &prior, state);
+        AdjustWithLearnedPrior(problem_.views, options_, &prior, state_);
     const auto num_free =
         static_cast<double>(prior.cameras[0].groups[0].free.cols());
-    const double needed = num_free * summary.noise_px * summary.noise_px;
-    if (best && !(summary.final_cost < best_cost - needed)) return *best;
-    best = dynamic_cast<const StackedGrid&>(state->camera()).stack();
-    best_cost = summary.final_cost;
-    if (best->order() >= max_order) return *best;
+    *needed = num_free * summary.noise_px * summary.noise_px;
+    *stack = dynamic_cast<const StackedGrid&>(state_->camera()).stack();
+    return summary.final_cost;
   }
-}
+
+  const CentralGeneric& base_;
+  const CalibrationProblem& problem_;
+  const AdjustmentOptions& options_;
+  AdjustmentState* state_;
+};
 
 }  // namespace
 
@@ -138,7 +144,14 @@ CameraStack StartStack(const Dataset& dataset,
   const CentralGeneric base = FitContinuedLens(
       lens.state.camera(), area, NumControlPoints(area.width(), cell_px),
       NumControlPoints(area.height(), cell_px));
-  const auto [low, high] = RangeOf(dataset, conditions);
+  std::vector<ConditionRange> ranges;
+  std::vector<int> max_orders;
+  for (size_t k = 0; k < conditions.conditions.size(); ++k) {
+    const std::set<double> values = ValuesOfCondition(dataset, conditions, k);
+    ranges.push_back(
+        {conditions.conditions[k], *values.begin(), *values.rbegin()});
+    max_orders.push_back(MaxStackOrder(static_cast<int>(values.size())));
+  }
 
   AdjustmentState state;
   state.points = problem.nominal;
@@ -147,19 +160,19 @@ CameraStack StartStack(const Dataset& dataset,
   for (const std::optional<Pose>& pose : located) {
     if (!pose) continue;
     View& view = problem.views[kept];
-    view.condition = conditions.values.at(problem.images[kept]);
+    view.conditions = conditions.values.at(problem.images[kept]);
     state.rig_from_pattern[view.pose] = *pose;
     ++kept;
   }
   adjustment.fix_points = true;
-  return ChooseOrder(CameraStack(conditions.condition, low, high, base, 1),
-                     MaxStackOrder(NumValues(dataset, conditions)), problem,
-                     adjustment, &state);
+  const CameraStack linear(ranges, std::vector<int>(ranges.size(), 1), base);
+  return OrderChoice(base, problem, adjustment, &state)
+      .Choose(linear, max_orders);
 }
 
 Dataset BringToMiddle(const Dataset& dataset, const ImageConditions& conditions,
                       const CameraStack& stack) {
-  const CentralGeneric middle = stack.At(stack.middle());
+  const CentralGeneric middle = stack.At(stack.Middle());
   Dataset brought = {dataset.image_size, {}};
   for (const ImageFeatures& image : dataset.images) {
     const CentralGeneric camera = stack.At(conditions.values.at(image.image));
@@ -176,25 +189,24 @@ Dataset BringToMiddle(const Dataset& dataset, const ImageConditions& conditions,
   return brought;
 }
 
-CameraStack ChangesOnGrid(const CameraStack& stack,
-                          const CentralGeneric& camera) {
-  constexpr int kPerCell = 3;
-  CameraStack moved(stack.condition(), stack.low(), stack.high(), camera,
-                    stack.order());
-  const int count = stack.order() + 1;
-  const std::vector<Eigen::Vector2d> pixels =
-      camera.surface().SamplePixels(kPerCell);
-  const Eigen::Matrix3d turn =
-      FindTurn(stack.At(stack.middle()), camera, pixels);
-  // The polynomials through the stack's directions at as many values as they
-  // have terms.
+namespace {
+
+// Puts the terms of one range on a grid: those of the polynomials through the
+// stack's directions at as many values as they have terms, with the other
+// conditions in the middle.
+void PutTermsOnGrid(const CameraStack& stack, size_t range,
+                    const Eigen::Matrix3d& turn,
+                    const std::vector<Eigen::Vector2d>& pixels,
+                    CameraStack* moved) {
+  const CameraStack along = stack.Along(range);
+  const ConditionRange& over = along.ranges()[0];
+  const int count = along.orders()[0] + 1;
   std::vector<CentralGeneric> cameras;
   Eigen::MatrixXd powers(count, count);
   for (int i = 0; i < count; ++i) {
-    const double value =
-        stack.low() + (stack.high() - stack.low()) * (i + 0.5) / count;
-    cameras.push_back(stack.At(value));
-    const std::vector<double> row = stack.Powers(value);
+    const double value = over.low + (over.high - over.low) * (i + 0.5) / count;
+    cameras.push_back(along.At({value}));
+    const std::vector<double> row = along.Factors({value});
     powers.row(i) = Eigen::Map<const Eigen::RowVectorXd>(row.data(), count);
   }
   const Eigen::MatrixXd to_terms = powers.inverse();
@@ -207,10 +219,24 @@ CameraStack ChangesOnGrid(const CameraStack& stack,
     for (int j = 1; j < count; ++j)
       samples[j].push_back({pixel, terms.row(j).transpose()});
   }
-  const BSplineSurface& surface = camera.surface();
+  const BSplineSurface& surface = moved->terms().front();
   for (int j = 1; j < count; ++j)
-    moved.terms()[j] = FitSurface(surface.area(), surface.columns(),
-                                  surface.rows(), samples[j]);
+    moved->terms()[moved->FirstTerm(range) + j - 1] = FitSurface(
+        surface.area(), surface.columns(), surface.rows(), samples[j]);
+}
+
+}  // namespace
+
+CameraStack ChangesOnGrid(const CameraStack& stack,
+                          const CentralGeneric& camera) {
+  constexpr int kPerCell = 3;
+  CameraStack moved(stack.ranges(), stack.orders(), camera);
+  const std::vector<Eigen::Vector2d> pixels =
+      camera.surface().SamplePixels(kPerCell);
+  const Eigen::Matrix3d turn =
+      FindTurn(stack.At(stack.Middle()), camera, pixels);
+  for (size_t r = 0; r < stack.ranges().size(); ++r)
+    PutTermsOnGrid(stack, r, turn, pixels, &moved);
   return moved;
 }
 

@@ -6,19 +6,20 @@
 namespace raygrid {
 
 /// A coarse stack from nothing but the observations: a lens from images whose
-/// values are near each other, then all images, with the board as it is given.
+/// lens positions are near each other, or temperatures, then all images, with
+/// the board as it is given.
 CameraStack StartStack(const Dataset& dataset,
                        const ImageConditions& conditions,
                        const Pattern& pattern,
                        const CalibrationOptions& options);
 
-/// The features where they would be in the middle of the stack's range. Those
+/// The features where they would be in the middle of the stack's ranges. Those
 /// that the camera there does not see are left out.
 Dataset BringToMiddle(const Dataset& dataset, const ImageConditions& conditions,
                       const CameraStack& stack);
 
 /// A stack on the grid of a camera, and in its frame, that changes with the
-/// condition as another one does. In the middle it is the camera.
+/// conditions as another one does. In the middle it is the camera.
 CameraStack ChangesOnGrid(const CameraStack& stack,
                           const CentralGeneric& camera);
 

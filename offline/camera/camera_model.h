@@ -18,7 +18,7 @@ namespace raygrid {
 /// of a spline around it, all of which act alike but for their weights, and on
 /// parameters that act everywhere.
 struct LinearizedProjection {
-  static constexpr int kMaxNodes = 16, kMaxPerNode = 8, kMaxGlobal = 20;
+  static constexpr int kMaxNodes = 16, kMaxPerNode = 14, kMaxGlobal = 20;
   static constexpr int kMaxParameters = kMaxNodes * kMaxPerNode + kMaxGlobal;
 
   Eigen::Vector2d pixel;

@@ -1,8 +1,21 @@
 #include "camera/camera_stack.h"
 
+#include <fmt/format.h>
+
+#include <numeric>
 #include <utility>
 
 namespace raygrid {
+namespace {
+
+// Adds a term to a surface, times a factor.
+void AddTerm(double factor, const BSplineSurface& term,
+             BSplineSurface* surface) {
+  for (int k = 0; k < surface->num_points(); ++k)
+    surface->points()[k] += factor * term.points()[k];
+}
+
+}  // namespace
 
 std::string ConditionName(CameraCondition condition) {
   return condition == CameraCondition::kLensPosition ? "lens_position"
@@ -13,38 +26,105 @@ std::string ConditionUnit(CameraCondition condition) {
   return condition == CameraCondition::kLensPosition ? "dioptres" : "°C";
 }
 
-CameraStack::CameraStack(CameraCondition condition, double low, double high,
-                         const ImageSize& image_size,
-                         std::vector<BSplineSurface> terms)
-    : condition_(condition),
-      low_(low),
-      high_(high),
-      image_size_(image_size),
-      terms_(std::move(terms)) {}
+std::optional<CameraCondition> FindCondition(const std::string& name) {
+  for (const CameraCondition condition :
+       {CameraCondition::kLensPosition, CameraCondition::kTemperature})
+    if (name == ConditionName(condition)) return condition;
+  return std::nullopt;
+}
 
-CameraStack::CameraStack(CameraCondition condition, double low, double high,
-                         const CentralGeneric& camera, int order)
-    : CameraStack(condition, low, high, camera.image_size(),
-                  {camera.surface()}) {
+std::vector<double> ConditionRange::Spread(int count) const {
+  std::vector<double> values;
+  for (int k = 0; k < count; ++k)
+    values.push_back(low + (high - low) * k / (count - 1));
+  return values;
+}
+
+std::string ConditionRange::Text() const {
+  return fmt::format("{:g} to {:g} {}", low, high, ConditionUnit(condition));
+}
+
+CameraStack::CameraStack(std::vector<ConditionRange> ranges,
+                         std::vector<int> orders, const CentralGeneric& camera)
+    : ranges_(std::move(ranges)),
+      orders_(std::move(orders)),
+      image_size_(camera.image_size()),
+      terms_({camera.surface()}) {
   const BSplineSurface& surface = camera.surface();
-  terms_.resize(order + 1, BSplineSurface(surface.area(), surface.columns(),
-                                          surface.rows()));
+  terms_.resize(
+      1 + std::accumulate(orders_.begin(), orders_.end(), 0),
+      BSplineSurface(surface.area(), surface.columns(), surface.rows()));
 }
 
-std::vector<double> CameraStack::Powers(double value) const {
-  const double t = (value - middle()) / ((high_ - low_) / 2);
-  std::vector<double> powers = {1};
-  while (powers.size() < terms_.size()) powers.push_back(powers.back() * t);
-  return powers;
+ConditionValues CameraStack::Middle() const {
+  ConditionValues middle;
+  for (const ConditionRange& range : ranges_) middle.push_back(range.Middle());
+  return middle;
 }
 
-CentralGeneric CameraStack::At(double value) const {
-  const std::vector<double> powers = Powers(value);
+int CameraStack::FirstTerm(size_t range) const {
+  return std::accumulate(
+      orders_.begin(), orders_.begin() + static_cast<std::ptrdiff_t>(range), 1);
+}
+
+std::vector<double> CameraStack::Factors(const ConditionValues& values) const {
+  std::vector<double> factors = {1};
+  for (size_t r = 0; r < ranges_.size(); ++r) {
+    const ConditionRange& range = ranges_[r];
+    const double t =
+        (values[r] - range.Middle()) / ((range.high - range.low) / 2);
+    double power = 1;
+    for (int j = 0; j < orders_[r]; ++j) factors.push_back(power *= t);
+  }
+  return factors;
+}
+
+CentralGeneric CameraStack::At(const ConditionValues& values) const {
+  const std::vector<double> factors = Factors(values);
   BSplineSurface surface = terms_.front();
   for (size_t j = 1; j < terms_.size(); ++j)
-    for (int k = 0; k < surface.num_points(); ++k)
-      surface.points()[k] += powers[j] * terms_[j].points()[k];
+    AddTerm(factors[j], terms_[j], &surface);
   return CentralGeneric(image_size_, std::move(surface));
+}
+
+CameraStack CameraStack::Hold(const HeldConditions& at) const {
+  ConditionValues values = Middle();
+  CameraStack rest = *this;
+  rest.ranges_.clear();
+  rest.orders_.clear();
+  rest.terms_ = {terms_.front()};
+  for (size_t r = 0; r < ranges_.size(); ++r)
+    if (at[r]) values[r] = *at[r];
+  const std::vector<double> factors = Factors(values);
+  for (size_t r = 0; r < ranges_.size(); ++r) {
+    const int first = FirstTerm(r);
+    for (int j = first; j < first + orders_[r]; ++j) {
+      if (at[r])
+        AddTerm(factors[j], terms_[j], &rest.terms_.front());
+      else
+        rest.terms_.push_back(terms_[j]);
+    }
+    if (at[r]) continue;
+    rest.ranges_.push_back(ranges_[r]);
+    rest.orders_.push_back(orders_[r]);
+  }
+  return rest;
+}
+
+CameraStack CameraStack::Along(size_t range) const {
+  HeldConditions at;
+  for (const ConditionRange& other : ranges_) at.emplace_back(other.Middle());
+  at[range].reset();
+  return Hold(at);
+}
+
+CameraStack CameraStack::WithOneMore(size_t range) const {
+  CameraStack more = *this;
+  const BSplineSurface& surface = terms_.front();
+  more.terms_.emplace(more.terms_.begin() + FirstTerm(range) + orders_[range],
+                      surface.area(), surface.columns(), surface.rows());
+  ++more.orders_[range];
+  return more;
 }
 
 }  // namespace raygrid

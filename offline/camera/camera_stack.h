@@ -1,6 +1,7 @@
 #ifndef RAYGRID_CAMERA_CAMERA_STACK_H
 #define RAYGRID_CAMERA_CAMERA_STACK_H
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,42 +19,71 @@ enum class CameraCondition {
 std::string ConditionName(CameraCondition condition);
 /// "dioptres", "°C".
 std::string ConditionUnit(CameraCondition condition);
+/// Nothing if no condition has the name.
+std::optional<CameraCondition> FindCondition(const std::string& name);
 
-/// The cameras that a camera with a grid is over a range of a condition. Each
-/// control point is a polynomial of the condition,
-///   c(v) = c_0 + c_1 t + c_2 t^2 + ...,  t = (v - middle) / half range,
-/// so t is -1 to 1 over the range. All grids lie over one area.
+/// The values of a condition from low to high, which differ.
+struct ConditionRange {
+  CameraCondition condition = CameraCondition::kLensPosition;
+  double low = 0, high = 1;
+
+  double Middle() const { return (low + high) / 2; }
+  bool Contains(double value) const { return value >= low && value <= high; }
+  /// So many values, from one end to the other.
+  std::vector<double> Spread(int count) const;
+  /// "0 to 10 dioptres".
+  std::string Text() const;
+};
+
+/// A value of each condition, in the order of a stack's ranges.
+using ConditionValues = std::vector<double>;
+/// The values of those conditions that are held.
+using HeldConditions = std::vector<std::optional<double>>;
+
+/// The cameras that a camera with a grid is over ranges of one condition or
+/// two. Each control point is a sum of polynomials of the conditions,
+///   c(v, w) = c_0 + a_1 t + a_2 t^2 + ... + b_1 u + b_2 u^2 + ...,
+/// t = (v - middle) / half range, and u alike of the second condition's value
+/// w. So t and u are -1 to 1 over the ranges. All grids lie over one area.
 class CameraStack {
  public:
-  static constexpr int kMaxOrder = 3;
+  static constexpr int kMaxConditions = 2, kMaxOrder = 3;
 
-  /// terms: c_0, c_1, ..., of one shape; low < high.
-  CameraStack(CameraCondition condition, double low, double high,
-              const ImageSize& image_size, std::vector<BSplineSurface> terms);
-  /// A camera that does not change, yet.
-  CameraStack(CameraCondition condition, double low, double high,
-              const CentralGeneric& camera, int order);
+  /// A camera that does not change, yet: orders has that of each range's
+  /// polynomial.
+  CameraStack(std::vector<ConditionRange> ranges, std::vector<int> orders,
+              const CentralGeneric& camera);
 
-  CameraCondition condition() const { return condition_; }
-  double low() const { return low_; }
-  double high() const { return high_; }
-  double middle() const { return (low_ + high_) / 2; }
-  bool Contains(double value) const { return value >= low_ && value <= high_; }
-  int order() const { return static_cast<int>(terms_.size()) - 1; }
-
+  const std::vector<ConditionRange>& ranges() const { return ranges_; }
+  const std::vector<int>& orders() const { return orders_; }
+  ConditionValues Middle() const;
   const ImageSize& image_size() const { return image_size_; }
+
+  /// c_0, then the terms of each range in turn, from the first power on; of one
+  /// shape.
   const std::vector<BSplineSurface>& terms() const { return terms_; }
   std::vector<BSplineSurface>& terms() { return terms_; }
+  /// The place of a range's first power among the terms.
+  int FirstTerm(size_t range) const;
 
-  /// 1, t, t^2, ... of a value, which may lie outside the range.
-  std::vector<double> Powers(double value) const;
+  /// The factors of the terms: 1, t, t^2, ..., u, u^2, ... Values may lie
+  /// outside the ranges.
+  std::vector<double> Factors(const ConditionValues& values) const;
 
-  /// The camera at a value; outside the range, what the polynomials go on to.
-  CentralGeneric At(double value) const;
+  /// The camera at values; outside the ranges, what the polynomials go on to.
+  CentralGeneric At(const ConditionValues& values) const;
+
+  /// The stack over the conditions that are not held.
+  CameraStack Hold(const HeldConditions& at) const;
+  /// The stack over one of the ranges, with the others in the middle.
+  CameraStack Along(size_t range) const;
+
+  /// A stack with one term more of a range, which does not change it.
+  CameraStack WithOneMore(size_t range) const;
 
  private:
-  CameraCondition condition_;
-  double low_, high_;
+  std::vector<ConditionRange> ranges_;
+  std::vector<int> orders_;
   ImageSize image_size_;
   std::vector<BSplineSurface> terms_;
 };

@@ -4,32 +4,32 @@
 
 namespace raygrid {
 
-static_assert(2 * (CameraStack::kMaxOrder + 1) <=
+static_assert(2 * (1 + CameraStack::kMaxConditions * CameraStack::kMaxOrder) <=
               LinearizedProjection::kMaxPerNode);
 
-StackedGrid::StackedGrid(CameraStack stack, double value)
+StackedGrid::StackedGrid(CameraStack stack, ConditionValues values)
     : CameraModel(stack.image_size(), stack.terms().front().area()),
       stack_(std::move(stack)),
-      value_(value),
-      powers_(stack_.Powers(value)),
-      camera_(stack_.At(value)) {}
+      values_(std::move(values)),
+      factors_(stack_.Factors(values_)),
+      camera_(stack_.At(values_)) {}
 
 bool StackedGrid::Linearize(const Eigen::Vector3d& point,
                             const Eigen::Vector2d* start, double margin_px,
                             LinearizedProjection* projection) const {
   if (!camera_.Linearize(point, start, margin_px, projection)) return false;
   const Eigen::Matrix2d by_grid = projection->by_node.leftCols<2>();
-  const int count = static_cast<int>(powers_.size());
+  const int count = static_cast<int>(factors_.size());
   projection->num_per_node = 2 * count;
   for (int j = 0; j < count; ++j)
-    projection->by_node.middleCols<2>(2 * j) = powers_[j] * by_grid;
+    projection->by_node.middleCols<2>(2 * j) = factors_[j] * by_grid;
   for (int k = 0; k < projection->num_nodes; ++k)
     projection->node_parameter[k] *= count;
   return true;
 }
 
 Eigen::VectorXd StackedGrid::Parameters() const {
-  const int count = static_cast<int>(powers_.size());
+  const int count = static_cast<int>(factors_.size());
   const int num_points = camera_.surface().num_points();
   Eigen::VectorXd parameters(2 * count * num_points);
   for (int k = 0; k < num_points; ++k)
@@ -40,18 +40,18 @@ Eigen::VectorXd StackedGrid::Parameters() const {
 }
 
 void StackedGrid::SetParameters(const Eigen::VectorXd& parameters) {
-  const int count = static_cast<int>(powers_.size());
+  const int count = static_cast<int>(factors_.size());
   for (int k = 0; k < camera_.surface().num_points(); ++k)
     for (int j = 0; j < count; ++j)
       stack_.terms()[j].points()[k] =
           parameters.segment<2>(2 * (count * k + j));
-  SetValue(value_);
+  SetValues(values_);
 }
 
-void StackedGrid::SetValue(double value) {
-  value_ = value;
-  powers_ = stack_.Powers(value);
-  camera_ = stack_.At(value);
+void StackedGrid::SetValues(ConditionValues values) {
+  values_ = std::move(values);
+  factors_ = stack_.Factors(values_);
+  camera_ = stack_.At(values_);
 }
 
 }  // namespace raygrid

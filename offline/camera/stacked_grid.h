@@ -5,12 +5,12 @@
 
 namespace raygrid {
 
-/// A stack as a camera: what it is at one value of the condition, with the
-/// parameters of the whole stack. A node's are a, b of c_0, then of c_1, and so
-/// on.
+/// A stack as a camera: what it is at one value of each condition, with the
+/// parameters of the whole stack. A node's are a, b of the first term, then of
+/// the second, and so on.
 class StackedGrid : public CameraModel {
  public:
-  StackedGrid(CameraStack stack, double value);
+  StackedGrid(CameraStack stack, ConditionValues values);
 
   std::string Name() const override { return camera_.Name(); }
   std::unique_ptr<CameraModel> Clone() const override {
@@ -33,15 +33,15 @@ class StackedGrid : public CameraModel {
   void SetParameters(const Eigen::VectorXd& parameters) override;
 
   const CameraStack& stack() const { return stack_; }
-  double value() const { return value_; }
-  /// Goes to another value of the condition.
-  void SetValue(double value);
+  const ConditionValues& values() const { return values_; }
+  /// Goes to other values of the conditions.
+  void SetValues(ConditionValues values);
   const CentralGeneric& camera() const { return camera_; }
 
  private:
   CameraStack stack_;
-  double value_;
-  std::vector<double> powers_;
+  ConditionValues values_;
+  std::vector<double> factors_;
   CentralGeneric camera_;
 };
 

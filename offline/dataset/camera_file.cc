@@ -398,25 +398,6 @@ void EmitRowTime(const RowTime& row_time, YAML::Emitter* out) {
          << fmt::format("{:.6f}", row_time.deviation_s * 1e6);
 }
 
-// The lattice's deviations at a value, where some are known below and above it
-// on lattices of its shape.
-void TakeDeviationsAt(const std::vector<StackDeviation>& known, double value,
-                      DeviationLattice* lattice) {
-  for (size_t k = 1; k < known.size(); ++k) {
-    const StackDeviation &below = known[k - 1], &above = known[k];
-    const size_t count = lattice->deviation_px.size();
-    if (value < below.value || value > above.value ||
-        below.lattice.deviation_px.size() != count ||
-        above.lattice.deviation_px.size() != count)
-      continue;
-    const double part = (value - below.value) / (above.value - below.value);
-    for (size_t i = 0; i < count; ++i)
-      lattice->deviation_px[i] = (1 - part) * below.lattice.deviation_px[i] +
-                                 part * above.lattice.deviation_px[i];
-    return;
-  }
-}
-
 void EmitPose(const Pose& pose, YAML::Emitter* out) {
   *out << YAML::Key << "camera_from_view" << YAML::Value
        << YAML::Load(FormatPose(pose, ""));
@@ -485,23 +466,6 @@ void EmitModel(const CameraModel& camera, Digits digits, YAML::Emitter* out) {
 }
 
 }  // namespace
-
-CameraFile FileAt(const CameraFile& stack, double value) {
-  CameraFile file = stack;
-  CentralGeneric camera = stack.stack->cameras.At(value);
-  camera.SetImageCircle(stack.camera->image_circle());
-  file.camera = std::make_shared<CentralGeneric>(std::move(camera));
-  if (file.uncertainty)
-    TakeDeviationsAt(stack.stack->deviations, value,
-                     &file.uncertainty->lattice);
-  if (!file.capture) file.capture.emplace();
-  if (stack.stack->cameras.condition() == CameraCondition::kLensPosition)
-    file.capture->lens_position = value;
-  else
-    file.capture->sensor_temperature_c = value;
-  file.stack.reset();
-  return file;
-}
 
 CameraFile ReadCameraFile(const std::string& path) {
   return ParseCameraFile(path, ReadFile(path));

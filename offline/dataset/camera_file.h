@@ -20,16 +20,16 @@ struct ErrorFigures {
   int count = 0;
 };
 
-/// How well a stack is known at a value of its condition.
+/// How well a stack is known at a value of each of its conditions.
 struct StackDeviation {
-  double value = 0;
+  ConditionValues values;
   DeviationLattice lattice;
 };
 
-/// A camera over the range of a condition, and how well it is known there.
+/// A camera over ranges of conditions, and how well it is known there.
 struct StackOfCameras {
   CameraStack cameras;
-  std::vector<StackDeviation> deviations;  ///< by value, ascending
+  std::vector<StackDeviation> deviations;  ///< by values, ascending
 };
 
 /// camera.yaml: a camera and what is known of it.
@@ -42,16 +42,10 @@ struct CameraFile {
   /// The pose of a view that is turned against the camera it is made from.
   std::optional<Pose> camera_from_view;
   std::optional<Capture> capture;  ///< knows something, if it is there
-  /// The cameras that it is one of: the one in the middle, unless it was taken
-  /// at another value.
+  /// The cameras that it is one of: the one in the middle.
   std::optional<StackOfCameras> stack;
   std::optional<RowTime> row_time;
 };
-
-/// The file of a stack's camera at a value of its condition, which lies in its
-/// range: deviations are linear between the values at which they are known, and
-/// the value is recorded as that at which the camera stood.
-CameraFile FileAt(const CameraFile& stack, double value);
 
 /// Throws InputError.
 CameraFile ReadCameraFile(const std::string& path);

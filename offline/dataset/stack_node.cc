@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "dataset/deviation_node.h"
 #include "dataset/error.h"
@@ -12,10 +14,38 @@ namespace raygrid {
 namespace {
 
 CameraCondition ParseCondition(const std::string& name) {
-  for (const CameraCondition condition :
-       {CameraCondition::kLensPosition, CameraCondition::kTemperature})
-    if (name == ConditionName(condition)) return condition;
-  throw InputError("stack: unknown condition '" + name + "'");
+  const auto condition = FindCondition(name);
+  if (!condition) throw InputError("stack: unknown condition '" + name + "'");
+  return *condition;
+}
+
+// The nodes of a stack's conditions: of a single one the stack's own.
+std::vector<YAML::Node> ConditionNodes(const YAML::Node& node) {
+  const YAML::Node several = node["conditions"];
+  if (!several) return {node};
+  RequireYamlList(several, "stack: conditions", CameraStack::kMaxConditions);
+  return {several.begin(), several.end()};
+}
+
+ConditionRange ParseRange(const YAML::Node& node) {
+  const YAML::Node range = node["range"];
+  RequireYamlList(range, "stack: range", 2);
+  const ConditionRange parsed = {
+      ParseCondition(node["condition"].as<std::string>()),
+      YamlNumber(range[0], "stack: range"),
+      YamlNumber(range[1], "stack: range")};
+  if (!(parsed.low < parsed.high))
+    throw InputError("stack: range is not ascending");
+  return parsed;
+}
+
+int ParseOrder(const YAML::Node& node) {
+  const YAML::Node changes = node["changes"];
+  if (!changes.IsSequence() || changes.size() < 1 ||
+      changes.size() > CameraStack::kMaxOrder)
+    throw InputError(fmt::format("stack: changes are not 1 to {} terms",
+                                 CameraStack::kMaxOrder));
+  return static_cast<int>(changes.size());
 }
 
 void ParseTerm(const YAML::Node& node, BSplineSurface* term) {
@@ -27,16 +57,55 @@ void ParseTerm(const YAML::Node& node, BSplineSurface* term) {
   }
 }
 
-std::vector<StackDeviation> ParseStackDeviations(const YAML::Node& node) {
+// A number, or of several conditions a list of one each.
+ConditionValues ParseValues(const YAML::Node& node, size_t count) {
+  const char* const kName = "stack: deviations: at";
+  if (count == 1) return {YamlNumber(node, kName)};
+  RequireYamlList(node, kName, static_cast<int>(count));
+  ConditionValues values;
+  for (const YAML::Node& value : node)
+    values.push_back(YamlNumber(value, kName));
+  return values;
+}
+
+std::vector<StackDeviation> ParseStackDeviations(const YAML::Node& node,
+                                                 size_t num_conditions) {
   std::vector<StackDeviation> deviations;
   for (const YAML::Node& entry : node) {
-    deviations.push_back({YamlNumber(entry["at"], "stack: deviations: at"),
-                          ParseDeviations(entry)});
+    deviations.push_back(
+        {ParseValues(entry["at"], num_conditions), ParseDeviations(entry)});
     if (deviations.size() > 1 &&
-        !(deviations.back().value > deviations[deviations.size() - 2].value))
+        !(deviations.back().values > deviations[deviations.size() - 2].values))
       throw InputError("stack: deviations are not in ascending order");
   }
   return deviations;
+}
+
+// ---- Writing ---------------------------------------------------------------
+
+void EmitNumbers(const std::vector<double>& numbers, YAML::Emitter* out) {
+  *out << YAML::Flow << YAML::BeginSeq;
+  for (const double number : numbers) *out << fmt::format("{:.17g}", number);
+  *out << YAML::EndSeq;
+}
+
+// The keys of one condition, in the map that is being written.
+void EmitCondition(const CameraStack& cameras, size_t range,
+                   YAML::Emitter* out) {
+  const ConditionRange& over = cameras.ranges()[range];
+  *out << YAML::Key << "condition" << YAML::Value
+       << ConditionName(over.condition) << YAML::Key << "range" << YAML::Value;
+  EmitNumbers({over.low, over.high}, out);
+  *out << YAML::Key << "changes" << YAML::Value << YAML::BeginSeq;
+  const int first = cameras.FirstTerm(range);
+  for (int k = first; k < first + cameras.orders()[range]; ++k) {
+    *out << YAML::Flow << YAML::BeginSeq;
+    for (const Eigen::Vector2d& point : cameras.terms()[k].points())
+      *out << fmt::format("{:.12f}", point.x())
+           << fmt::format("{:.12f}", point.y());
+    *out << YAML::EndSeq;
+  }
+  *out << YAML::EndSeq;
 }
 
 }  // namespace
@@ -47,46 +116,47 @@ std::optional<StackOfCameras> ParseStack(const YAML::Node& node,
   const auto* grid = dynamic_cast<const CentralGeneric*>(&camera);
   if (!grid)
     throw InputError("stack: only a central-generic camera can have one");
-  const CameraCondition condition =
-      ParseCondition(node["condition"].as<std::string>());
-  const YAML::Node range = node["range"];
-  RequireYamlList(range, "stack: range", 2);
-  const double low = YamlNumber(range[0], "stack: range");
-  const double high = YamlNumber(range[1], "stack: range");
-  if (!(low < high)) throw InputError("stack: range is not ascending");
-  const YAML::Node changes = node["changes"];
-  if (!changes.IsSequence() || changes.size() < 1 ||
-      changes.size() > CameraStack::kMaxOrder)
-    throw InputError(fmt::format("stack: changes are not 1 to {} terms",
-                                 CameraStack::kMaxOrder));
-  const int order = static_cast<int>(changes.size());
-  StackOfCameras stack = {CameraStack(condition, low, high, *grid, order), {}};
-  for (int k = 0; k < order; ++k)
-    ParseTerm(changes[k], &stack.cameras.terms()[k + 1]);
-  stack.deviations = ParseStackDeviations(node["deviations"]);
+  const std::vector<YAML::Node> nodes = ConditionNodes(node);
+  std::vector<ConditionRange> ranges;
+  std::vector<int> orders;
+  for (const YAML::Node& condition : nodes) {
+    ranges.push_back(ParseRange(condition));
+    orders.push_back(ParseOrder(condition));
+  }
+  if (ranges.size() > 1 && !(ranges[0].condition < ranges[1].condition))
+    throw InputError(
+        "stack: conditions are not lens_position and then temperature");
+  StackOfCameras stack = {CameraStack(ranges, orders, *grid), {}};
+  int term = 1;
+  for (const YAML::Node& condition : nodes)
+    for (const YAML::Node& change : condition["changes"])
+      ParseTerm(change, &stack.cameras.terms()[term++]);
+  stack.deviations = ParseStackDeviations(node["deviations"], ranges.size());
   return stack;
 }
 
 void EmitStack(const StackOfCameras& stack, YAML::Emitter* out) {
   const CameraStack& cameras = stack.cameras;
-  *out << YAML::Key << "stack" << YAML::Value << YAML::BeginMap << YAML::Key
-       << "condition" << YAML::Value << ConditionName(cameras.condition())
-       << YAML::Key << "range" << YAML::Value << YAML::Flow << YAML::BeginSeq
-       << fmt::format("{:.17g}", cameras.low())
-       << fmt::format("{:.17g}", cameras.high()) << YAML::EndSeq << YAML::Key
-       << "changes" << YAML::Value << YAML::BeginSeq;
-  for (int k = 1; k <= cameras.order(); ++k) {
-    *out << YAML::Flow << YAML::BeginSeq;
-    for (const Eigen::Vector2d& point : cameras.terms()[k].points())
-      *out << fmt::format("{:.12f}", point.x())
-           << fmt::format("{:.12f}", point.y());
+  const size_t num_conditions = cameras.ranges().size();
+  *out << YAML::Key << "stack" << YAML::Value << YAML::BeginMap;
+  if (num_conditions == 1) {
+    EmitCondition(cameras, 0, out);
+  } else {
+    *out << YAML::Key << "conditions" << YAML::Value << YAML::BeginSeq;
+    for (size_t r = 0; r < num_conditions; ++r) {
+      *out << YAML::BeginMap;
+      EmitCondition(cameras, r, out);
+      *out << YAML::EndMap;
+    }
     *out << YAML::EndSeq;
   }
-  *out << YAML::EndSeq << YAML::Key << "deviations" << YAML::Value
-       << YAML::BeginSeq;
+  *out << YAML::Key << "deviations" << YAML::Value << YAML::BeginSeq;
   for (const StackDeviation& deviation : stack.deviations) {
-    *out << YAML::BeginMap << YAML::Key << "at" << YAML::Value
-         << fmt::format("{:.17g}", deviation.value);
+    *out << YAML::BeginMap << YAML::Key << "at" << YAML::Value;
+    if (num_conditions == 1)
+      *out << fmt::format("{:.17g}", deviation.values[0]);
+    else
+      EmitNumbers(deviation.values, out);
     EmitDeviations(deviation.lattice, out);
     *out << YAML::EndMap;
   }

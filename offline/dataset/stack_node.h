@@ -10,8 +10,9 @@
 namespace raygrid {
 
 /// The stack of a camera.yaml: condition, range, changes (each term's control
-/// points a, b one after the other, from the first power on) and deviations.
-/// camera: the file's, the one in the middle of the range. Nothing if the node
+/// points a, b one after the other, from the first power on), or a list of
+/// these, conditions; and deviations. camera: the file's, the one in the middle
+/// of the ranges. Nothing if the node
 /// is not there. Throws what yaml-cpp throws, and InputError without the file's
 /// name.
 std::optional<StackOfCameras> ParseStack(const YAML::Node& node,

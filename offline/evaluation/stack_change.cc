@@ -113,13 +113,10 @@ StackChange ChangeOf(const CentralGeneric& middle, const CentralGeneric& camera,
 
 std::vector<StackChange> MeasureStackChanges(const CameraStack& stack,
                                              int num_values) {
-  const CentralGeneric middle = stack.At(stack.middle());
+  const CentralGeneric middle = stack.At(stack.Middle());
   std::vector<StackChange> changes;
-  for (int k = 0; k < num_values; ++k) {
-    const double value =
-        stack.low() + (stack.high() - stack.low()) * k / (num_values - 1);
-    changes.push_back(ChangeOf(middle, stack.At(value), value));
-  }
+  for (const double value : stack.ranges()[0].Spread(num_values))
+    changes.push_back(ChangeOf(middle, stack.At({value}), value));
   return changes;
 }
 

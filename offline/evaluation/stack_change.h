@@ -8,8 +8,8 @@
 
 namespace raygrid {
 
-/// How the image of a far scene differs at a value of a stack's condition from
-/// that in the middle of the range.
+/// How the image of a far scene differs at a value of a stack's condition, its
+/// only one, from that in the middle of the range.
 struct StackChange {
   double value = 0;
   double focal_px = 0;  ///< in the middle of the area

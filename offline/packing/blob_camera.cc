@@ -116,17 +116,17 @@ std::optional<Eigen::Vector2d> BlobCamera::Project(
   return Eigen::Vector2d(pixel.x_q16, pixel.y_q16) / 65536;
 }
 
-std::optional<BlobCamera::StackRange> BlobCamera::Range() const {
+std::optional<ConditionRange> BlobCamera::Range() const {
   if (blob_.stack == 0) return std::nullopt;
   rg_stack_section stack;
   rg_blob_stack(&blob_, &stack);
   const auto value = [&](int knot) {
     return rg_load_i32(stack.values_q16 + 4 * knot) / 65536.0;
   };
-  return StackRange{stack.condition == RG_CONDITION_TEMPERATURE
-                        ? CameraCondition::kTemperature
-                        : CameraCondition::kLensPosition,
-                    value(0), value(stack.num_knots - 1)};
+  return ConditionRange{stack.condition == RG_CONDITION_TEMPERATURE
+                            ? CameraCondition::kTemperature
+                            : CameraCondition::kLensPosition,
+                        value(0), value(stack.num_knots - 1)};
 }
 
 void BlobCamera::SetCondition(double value) {

@@ -42,11 +42,7 @@ class BlobCamera {
 
   /// The range of the stack's values, as a camera.yaml has it; nothing if the
   /// blob has no stack.
-  struct StackRange {
-    CameraCondition condition;
-    double low, high;
-  };
-  std::optional<StackRange> Range() const;
+  std::optional<ConditionRange> Range() const;
   /// Goes to a value in the stack's range. Throws Error(kBlob).
   void SetCondition(double value);
 

@@ -8,6 +8,7 @@
 #include "camera/camera_of_scene.h"
 #include "camera/central_generic.h"
 #include "camera/noncentral_generic.h"
+#include "dataset/held_stack.h"
 #include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
 #include "packing/blob_camera.h"
@@ -365,7 +366,28 @@ void RequireBlobText(const char* what, const std::string& text) {
                 fmt::format("{}: at most {} bytes", place, RG_TEXT_SIZE - 1));
 }
 
+namespace {
+
+// Packs a camera over several conditions: boards have a stack over one, which
+// is the first.
+PackedCamera PackOverFirst(const CameraFile& file, const PackOptions& options) {
+  CameraFile along = file;
+  along.stack = StackAlong(*file.stack, 0);
+  PackedCamera packed = PackCamera(along, options);
+  const std::vector<ConditionRange>& ranges = file.stack->cameras.ranges();
+  const std::string other = ConditionName(ranges[1].condition);
+  packed.remarks.push_back(fmt::format(
+      "a blob's range is of one condition: it goes over {}, at {} {:g}, the "
+      "middle; pack --at {}=VALUE packs it at another one",
+      ConditionName(ranges[0].condition), other, ranges[1].Middle(), other));
+  return packed;
+}
+
+}  // namespace
+
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
+  if (file.stack && !options.stack && file.stack->cameras.ranges().size() > 1)
+    return PackOverFirst(file, options);
   if (file.stack && !options.stack) {
     PackOptions with_stack = options;
     with_stack.stack = KnotsOf(file.stack->cameras);

@@ -51,7 +51,7 @@ StackKnots ChooseKnots(rg_condition condition, double low, double high,
                        const std::function<CentralGeneric(double)>& camera_at,
                        double max_error_px = 0.01);
 
-/// The knots of a stack that was calibrated.
+/// The knots of a stack over one condition that was calibrated.
 StackKnots KnotsOf(const CameraStack& stack);
 
 struct PackOptions {

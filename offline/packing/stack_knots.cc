@@ -59,11 +59,12 @@ std::optional<StackKnots> MakeKnots(
 }  // namespace
 
 StackKnots KnotsOf(const CameraStack& stack) {
-  return ChooseKnots(stack.condition() == CameraCondition::kLensPosition
+  const ConditionRange& range = stack.ranges()[0];
+  return ChooseKnots(range.condition == CameraCondition::kLensPosition
                          ? RG_CONDITION_LENS_POSITION
                          : RG_CONDITION_TEMPERATURE,
-                     stack.low(), stack.high(),
-                     [&](double value) { return stack.At(value); });
+                     range.low, range.high,
+                     [&](double value) { return stack.At({value}); });
 }
 
 StackKnots ChooseKnots(rg_condition condition, double low, double high,

@@ -4,10 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "camera/camera_frame.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/held_stack.h"
 #include "dataset/parallel_for.h"
 #include "exchange/format.h"
 #include "exchange/table_format.h"
@@ -281,25 +285,67 @@ PyCamera Load(const py::object& file) {
                  : ParseCameraFile(path, bytes)};
 }
 
-py::object RangeOf(const PyCamera& self) {
-  if (!self.file.stack) return py::none();
-  const CameraStack& stack = self.file.stack->cameras;
-  return py::make_tuple(ConditionName(stack.condition()), stack.low(),
-                        stack.high());
+std::vector<ConditionRange> RangesOf(const PyCamera& self) {
+  if (!self.file.stack) return {};
+  return self.file.stack->cameras.ranges();
 }
 
-PyCamera CameraAt(const PyCamera& self, double value) {
-  if (!self.file.stack)
+py::tuple AsTuple(const ConditionRange& range) {
+  return py::make_tuple(ConditionName(range.condition), range.low, range.high);
+}
+
+py::object OnlyRange(const PyCamera& self) {
+  const std::vector<ConditionRange> ranges = RangesOf(self);
+  if (ranges.size() != 1) return py::none();
+  return AsTuple(ranges[0]);
+}
+
+py::list AllRanges(const PyCamera& self) {
+  py::list all;
+  for (const ConditionRange& range : RangesOf(self)) all.append(AsTuple(range));
+  return all;
+}
+
+// The values of the ranges, of which those without a name are of the only one.
+HeldConditions ValuesOfRanges(const std::vector<ConditionRange>& ranges,
+                              std::optional<double> value,
+                              std::optional<double> lens_position,
+                              std::optional<double> temperature) {
+  HeldConditions held;
+  for (const ConditionRange& range : ranges) {
+    std::optional<double>& named =
+        range.condition == CameraCondition::kLensPosition ? lens_position
+                                                          : temperature;
+    held.push_back(std::exchange(named, std::nullopt));
+  }
+  if (lens_position || temperature)
+    throw py::value_error(
+        fmt::format("the camera does not change with {}",
+                    lens_position ? "lens_position" : "temperature"));
+  if (value && ranges.size() > 1)
+    throw py::value_error(
+        "the camera changes with two conditions: give lens_position= and "
+        "temperature=");
+  if (value && held[0]) throw py::value_error("give one value");
+  if (value) held[0] = value;
+  return held;
+}
+
+PyCamera CameraAt(const PyCamera& self, std::optional<double> value,
+                  std::optional<double> lens_position,
+                  std::optional<double> temperature) {
+  const std::vector<ConditionRange> ranges = RangesOf(self);
+  if (ranges.empty())
     throw py::value_error(
         "the camera was not calibrated over lens positions or temperatures: "
         "it has no range");
-  const CameraStack& stack = self.file.stack->cameras;
-  if (!stack.Contains(value))
-    throw py::value_error(fmt::format(
-        "{:g} is not in the range, {:g} to {:g} "
-        "{}",
-        value, stack.low(), stack.high(), ConditionUnit(stack.condition())));
-  return {FileAt(self.file, value)};
+  const HeldConditions held =
+      ValuesOfRanges(ranges, value, lens_position, temperature);
+  for (size_t r = 0; r < ranges.size(); ++r)
+    if (held[r] && !ranges[r].Contains(*held[r]))
+      throw py::value_error(fmt::format("{:g} is not in the range, {}",
+                                        *held[r], ranges[r].Text()));
+  return {FileAt(self.file, held)};
 }
 
 void Save(const PyCamera& self, const py::object& path) {
@@ -516,13 +562,20 @@ void BindCamera(py::module_* module) {
                   "with one camera. Warns of what is not taken as it stands.")
       .def("save", &Save, py::arg("path"),
            "Writes camera.yaml, whole or not at all.")
-      .def("at", &CameraAt, py::arg("value"),
+      .def("at", &CameraAt, py::arg("value") = py::none(), py::kw_only(),
+           py::arg("lens_position") = py::none(),
+           py::arg("temperature") = py::none(),
            "Of a camera that was calibrated over a range of lens positions "
            "(dioptres) or temperatures (degrees Celsius): the camera at a "
-           "value of it. Without, it is the one in the middle.")
-      .def_property_readonly("range", &RangeOf,
+           "value of it. Of one that was over both, the values have names; "
+           "over the one that is not given, it keeps its range. Without, a "
+           "camera is the one in the middle.")
+      .def_property_readonly("range", &OnlyRange,
                              "('lens_position' or 'temperature', lowest, "
-                             "highest); None of a camera without a range.")
+                             "highest); None of a camera without a range, or "
+                             "with two.")
+      .def_property_readonly("ranges", &AllRanges,
+                             "A list of all ranges, each as range has it.")
       .def("project", &Project, py::arg("points"), py::kw_only(),
            py::arg("jacobians") = false, py::arg("threads") = 0,
            "Pixels (..., 2) that see points (..., 3), in metres; of central "

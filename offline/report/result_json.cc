@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/error.h"
+#include "dataset/held_stack.h"
 #include "dataset/json_error.h"
 #include "evaluation/stack_change.h"
 #include "report/budget_json.h"
@@ -118,13 +119,15 @@ BoardBends ParseBends(const Json& json) {
   return bends;
 }
 
-// The camera over its range: how the image differs from that in the middle.
-Json StackJson(const StackOfCameras& stack) {
+// The camera over its only range: how the image differs from that in the
+// middle.
+Json RangeJson(const StackOfCameras& stack) {
   const CameraStack& cameras = stack.cameras;
-  Json json = {{"condition", ConditionName(cameras.condition())},
-               {"low", cameras.low()},
-               {"high", cameras.high()},
-               {"order", cameras.order()},
+  const ConditionRange& range = cameras.ranges()[0];
+  Json json = {{"condition", ConditionName(range.condition)},
+               {"low", range.low},
+               {"high", range.high},
+               {"order", cameras.orders()[0]},
                {"changes", Json::array()}};
   const int count = std::max(2, static_cast<int>(stack.deviations.size()));
   for (const StackChange& change : MeasureStackChanges(cameras, count)) {
@@ -140,6 +143,18 @@ Json StackJson(const StackOfCameras& stack) {
           stack.deviations[k].lattice.MedianPx();
   }
   return json;
+}
+
+// Adds "range", or of several conditions "ranges", each with the others in the
+// middle.
+void AddRanges(const StackOfCameras& stack, Json* json) {
+  const size_t count = stack.cameras.ranges().size();
+  if (count == 1) {
+    (*json)["range"] = RangeJson(stack);
+    return;
+  }
+  for (size_t r = 0; r < count; ++r)
+    (*json)["ranges"].push_back(RangeJson(StackAlong(stack, r)));
 }
 
 // Adds what is known of one camera, alone or in a rig.
@@ -191,7 +206,7 @@ void AddCamera(const CalibrationResult& result, Json* json) {
     (*json)["image_circle"] = {
         {"center_px", {circle->center.x(), circle->center.y()}},
         {"radius_px", circle->radii_px.x()}};
-  if (result.camera.stack) (*json)["range"] = StackJson(*result.camera.stack);
+  if (result.camera.stack) AddRanges(*result.camera.stack, json);
   if (result.budget) (*json)["residual_budget"] = BudgetJson(*result.budget);
   (*json)["fold_over"] = {{"part", result.fold_over.part},
                           {"trusted_part", result.fold_over.trusted_part}};

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "dataset/held_stack.h"
 #include "evaluation/residual_statistics.h"
 #include "evaluation/stack_change.h"
 #include "report/html.h"
@@ -15,6 +16,11 @@
 
 namespace raygrid {
 namespace {
+
+std::string WordsOf(CameraCondition condition) {
+  return condition == CameraCondition::kLensPosition ? "lens position"
+                                                     : "temperature";
+}
 
 // A line of a chart: one value for each of the changes.
 struct StackLine {
@@ -125,8 +131,9 @@ ColorBar BarOf(const std::string& label, double full_scale_px) {
 std::string MapsOf(const StackOfCameras& stack) {
   constexpr int kColumns = 64, kRows = 48, kCellPx = 1;
   const CameraStack& cameras = stack.cameras;
-  const std::string unit = ConditionUnit(cameras.condition());
-  const CentralGeneric middle = cameras.At(cameras.middle());
+  const ConditionRange& range = cameras.ranges()[0];
+  const std::string unit = ConditionUnit(range.condition);
+  const CentralGeneric middle = cameras.At(cameras.Middle());
   const Area& area = middle.area();
   const std::vector<Eigen::Vector2d> places = PlacesOver(area, kColumns, kRows);
   struct End {
@@ -136,14 +143,14 @@ std::string MapsOf(const StackOfCameras& stack) {
   };
   std::vector<End> ends;
   std::vector<double> sizes_px, deviations_px;
-  for (const double value : {cameras.low(), cameras.high()}) {
+  for (const double value : {range.low, range.high}) {
     End end = {fmt::format("{:g} {}", value, unit),
-               MeasureDistortion(middle, cameras.At(value), places),
+               MeasureDistortion(middle, cameras.At({value}), places),
                {}};
     for (const Eigen::Vector2d& move : end.moves)
       sizes_px.push_back(move.norm());
     for (const StackDeviation& known : stack.deviations)
-      if (known.value == value)
+      if (known.values[0] == value)
         for (const Eigen::Vector2d& place : places)
           end.deviations_px.push_back(known.lattice.At(area, place));
     deviations_px.insert(deviations_px.end(), end.deviations_px.begin(),
@@ -157,8 +164,7 @@ std::string MapsOf(const StackOfCameras& stack) {
     html += "<div class=\"pictures\">\n";
     html += HtmlPicture(
         DisplacementPicture(end.moves, kColumns, size_px),
-        fmt::format("Distortion at {} against {:g}", end.value,
-                    cameras.middle()),
+        fmt::format("Distortion at {} against {:g}", end.value, range.Middle()),
         AreaAxes(area),
         HtmlColorBar(BarOf("moved by; arrows, longer than life, say which way",
                            size_px)),
@@ -175,34 +181,18 @@ std::string MapsOf(const StackOfCameras& stack) {
   return html;
 }
 
-}  // namespace
-
-std::string StackSection(const StackOfCameras& stack) {
+// Charts, table and maps of a stack over one condition.
+std::string ChangesOf(const StackOfCameras& stack) {
   constexpr int kNumValues = 13;  // odd: the middle is one of them
-  const CameraStack& cameras = stack.cameras;
   const std::vector<StackChange> changes =
-      MeasureStackChanges(cameras, kNumValues);
-  const std::string unit =
-      (cameras.condition() == CameraCondition::kLensPosition
-           ? "lens position, "
-           : "temperature, ") +
-      ConditionUnit(cameras.condition());
+      MeasureStackChanges(stack.cameras, kNumValues);
+  const CameraCondition condition = stack.cameras.ranges()[0].condition;
+  const std::string unit = WordsOf(condition) + ", " + ConditionUnit(condition);
   const auto chart = [&](const std::string& what,
                          const std::vector<StackLine>& lines) {
     return LineChart(what + " over " + unit, changes, lines);
   };
-  std::string html = fmt::format(
-      "<h2>Over the range</h2>\n<p>The camera is known from {:g} to {:g} {}. "
-      "Each control point is a polynomial of order {}. Growth and distortion "
-      "are those of a far scene's image, against the middle of the range; "
-      "distortion is what growth and a shift leave, and maps show it by place. "
-      "The centre is that of the "
-      "nearest lens with radial distortion; bumps of a lens move it, too. "
-      "Figures above are of the middle, and held-out errors of features "
-      "brought there.</p>\n",
-      cameras.low(), cameras.high(), ConditionUnit(cameras.condition()),
-      cameras.order());
-  html += "<div class=\"pictures\">\n";
+  std::string html = "<div class=\"pictures\">\n";
   html += chart("Focal length in px",
                 {{"", "#0072b2", ValuesOf(changes, [](const StackChange& c) {
                     return c.focal_px;
@@ -223,6 +213,40 @@ std::string StackSection(const StackOfCameras& stack) {
                   })}});
   html += "</div>\n";
   return html + TableOf(stack, unit) + MapsOf(stack);
+}
+
+}  // namespace
+
+std::string StackSection(const StackOfCameras& stack) {
+  const CameraStack& cameras = stack.cameras;
+  const std::vector<ConditionRange>& ranges = cameras.ranges();
+  std::string known, orders;
+  for (size_t r = 0; r < ranges.size(); ++r) {
+    known += (r > 0 ? ", and from " : "from ") + ranges[r].Text();
+    orders += fmt::format(
+        "{}a polynomial of order {}{}", r > 0 ? " and " : "",
+        cameras.orders()[r],
+        ranges.size() > 1 ? " of the " + WordsOf(ranges[r].condition) : "");
+  }
+  std::string html = fmt::format(
+      "<h2>Over the range</h2>\n<p>The camera is known {}. "
+      "Each control point is {}{}. Growth and distortion "
+      "are those of a far scene's image, against the middle of the range; "
+      "distortion is what growth and a shift leave, and maps show it by place. "
+      "The centre is that of the "
+      "nearest lens with radial distortion; bumps of a lens move it, too. "
+      "Figures above are of the middle, and held-out errors of features "
+      "brought there.</p>\n",
+      known, ranges.size() > 1 ? "the sum of " : "", orders);
+  if (ranges.size() == 1) return html + ChangesOf(stack);
+  for (size_t r = 0; r < ranges.size(); ++r) {
+    const ConditionRange& other = ranges[1 - r];
+    html += fmt::format("<h3>Over the {}, at {:g} {}</h3>\n",
+                        WordsOf(ranges[r].condition), other.Middle(),
+                        ConditionUnit(other.condition)) +
+            ChangesOf(StackAlong(stack, r));
+  }
+  return html;
 }
 
 }  // namespace raygrid

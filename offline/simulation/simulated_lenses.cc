@@ -65,13 +65,14 @@ struct LensChange {
   Eigen::Vector2d center_px = {0, 0};
 };
 
-LensChange ChangeOf(CameraCondition condition, double value) {
-  if (condition == CameraCondition::kTemperature) {
-    const double part = (value - 20) / 50;
-    return {-40e-6 * (value - 20), 0,
-            part * (1.25 - 0.25 * part) * Eigen::Vector2d(0.4, -0.3)};
-  }
-  const double part = value / 10;
+LensChange ChangeByTemperature(double temperature) {
+  const double part = (temperature - 20) / 50;
+  return {-40e-6 * (temperature - 20), 0,
+          part * (1.25 - 0.25 * part) * Eigen::Vector2d(0.4, -0.3)};
+}
+
+LensChange ChangeByPosition(double lens_position) {
+  const double part = lens_position / 10;
   return {0.04 * part + 0.005 * part * (1 - part), 0.015 * part,
           part * Eigen::Vector2d(1.6, -0.9) +
               part * part * Eigen::Vector2d(0.3, 0.8)};
@@ -129,15 +130,27 @@ std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
       name));
 }
 
-std::unique_ptr<CameraModel> ChangingLens(CameraCondition condition,
-                                          double value, const ImageSize& size) {
-  const LensChange change = ChangeOf(condition, value);
-  OpenCvModel lens = Parametric(size, 0.83, -0.28 + change.k1, 0.09, 0);
+std::unique_ptr<CameraModel> ChangingLens(const LensState& state,
+                                          const ImageSize& size) {
+  const LensChange near = ChangeByPosition(state.lens_position);
+  const LensChange warm = ChangeByTemperature(state.temperature);
+  OpenCvModel lens = Parametric(size, 0.83, -0.28 + near.k1 + warm.k1, 0.09, 0);
   Eigen::VectorXd parameters = lens.Parameters();
-  parameters.head<2>() *= 1 + change.focal_part;
-  parameters.segment<2>(2) += change.center_px * size.width / 640;
+  parameters.head<2>() *= (1 + near.focal_part) * (1 + warm.focal_part);
+  parameters.segment<2>(2) +=
+      (near.center_px + warm.center_px) * size.width / 640;
   lens.SetParameters(parameters);
   return std::make_unique<SimulatedCamera>(lens, Bumps(size));
+}
+
+std::unique_ptr<CameraModel> ChangingLens(CameraCondition condition,
+                                          double value, const ImageSize& size) {
+  LensState state;
+  if (condition == CameraCondition::kLensPosition)
+    state.lens_position = value;
+  else
+    state.temperature = value;
+  return ChangingLens(state, size);
 }
 
 }  // namespace raygrid

@@ -24,12 +24,22 @@ namespace raygrid {
 std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
                                            const ImageSize& size);
 
-/// A lens that changes with a condition, 62 degrees with barrel distortion and
-/// local bumps, over the image and one pixel around it:
-///   lens_position  0 to 10 dioptres: the focal length grows by 4 %, not quite
+/// The conditions that a simulated lens changes with.
+struct LensState {
+  double lens_position = 0;  ///< dioptres, 0 to 10
+  double temperature = 20;   ///< degrees Celsius
+};
+
+/// A lens that changes, 62 degrees with barrel distortion and local bumps, over
+/// the image and one pixel around it:
+///   lens_position  the focal length grows by 4 % over 10 dioptres, not quite
 ///                  evenly; the centre and the distortion move with it
-///   temperature    degrees Celsius: the focal length shrinks by 40 ppm/K; the
-///                  centre moves by 0.5 px over 50 K, less the warmer it is
+///   temperature    the focal length shrinks by 40 ppm/K, of what it is at the
+///                  lens position; the centre moves by 0.5 px over 50 K, less
+///                  the warmer it is
+std::unique_ptr<CameraModel> ChangingLens(const LensState& state,
+                                          const ImageSize& size);
+/// The lens at a value of one condition, with the other as LensState has it.
 std::unique_ptr<CameraModel> ChangingLens(CameraCondition condition,
                                           double value, const ImageSize& size);
 

@@ -105,7 +105,8 @@ class Condition(CommandTest):
 
     def test_values_that_cannot_be(self):
         for at, told in ((10.5, "--at 10.5: was calibrated over 0 to 10 dioptres"),
-                         ("nan", "--at nan: was calibrated over")):
+                         ("nan", "--at: expected a number"),
+                         ("temperature=3", "changes with lens_position alone")):
             result = run("project", self.camera, "--at", at, "--points", "none.csv")
             self.assert_refused(result, 1, told)
         result = run("project", self.path("at0/true_camera.yaml"), "--at", 3, "--points", "none.csv")

@@ -21,24 +21,53 @@ struct Sweep {
   ImageConditions conditions;
 };
 
+// Adds images of the lens in a state.
+void TakeImages(const LensState& state, const ConditionValues& values,
+                const SimulationOptions& options, Sweep* sweep) {
+  const auto lens = ChangingLens(state, kSweepSize);
+  for (ImageFeatures& image :
+       SimulateObservations(*lens, FineTestBoard(), options).dataset.images) {
+    image.image = std::to_string(options.seed) + image.image;
+    sweep->conditions.values[image.image] = values;
+    sweep->input.dataset.images.push_back(std::move(image));
+  }
+}
+
 Sweep TakeSweep(CameraCondition condition, const std::vector<double>& values,
                 int images_each) {
   Sweep sweep;
-  sweep.conditions.condition = condition;
+  sweep.conditions.conditions = {condition};
   sweep.input.dataset.image_size = kSweepSize;
   SimulationOptions options;
   options.num_images = images_each;
   options.noise_px = 0.05;
   for (const double value : values) {
     options.seed = sweep.conditions.values.size() + 1;
-    const auto lens = ChangingLens(condition, value, kSweepSize);
-    for (ImageFeatures& image :
-         SimulateObservations(*lens, FineTestBoard(), options).dataset.images) {
-      image.image = std::to_string(value) + image.image;
-      sweep.conditions.values[image.image] = value;
-      sweep.input.dataset.images.push_back(std::move(image));
-    }
+    LensState state;
+    (condition == CameraCondition::kLensPosition ? state.lens_position
+                                                 : state.temperature) = value;
+    TakeImages(state, {value}, options, &sweep);
   }
+  return sweep;
+}
+
+// Images at 8 lens positions, each at a temperature of its own.
+Sweep TakeSweepOfBoth(int images_each, uint64_t seed) {
+  Sweep sweep;
+  sweep.conditions.conditions = {CameraCondition::kLensPosition,
+                                 CameraCondition::kTemperature};
+  sweep.input.dataset.image_size = kSweepSize;
+  SimulationOptions options;
+  options.num_images = 1;
+  options.noise_px = 0.05;
+  TestRandom random(seed);
+  for (const double position : {0.0, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.0})
+    for (int k = 0; k < images_each; ++k) {
+      const LensState state = {position, random.Uniform(20, 70)};
+      options.seed = 1000 * seed + sweep.conditions.values.size();
+      TakeImages(state, {state.lens_position, state.temperature}, options,
+                 &sweep);
+    }
   return sweep;
 }
 
@@ -61,9 +90,16 @@ StackOfCameras CalibrateSweep(const Sweep& sweep) {
 }
 
 double ErrorPx(const StackOfCameras& stack, double value) {
+  return CompareModels(*ChangingLens(stack.cameras.ranges()[0].condition, value,
+                                     kSweepSize),
+                       stack.cameras.At({value}), 20)
+      .rms_px;
+}
+
+double ErrorPx(const StackOfCameras& stack, const LensState& state) {
   return CompareModels(
-             *ChangingLens(stack.cameras.condition(), value, kSweepSize),
-             stack.cameras.At(value), 20)
+             *ChangingLens(state, kSweepSize),
+             stack.cameras.At({state.lens_position, state.temperature}), 20)
       .rms_px;
 }
 
@@ -78,9 +114,9 @@ double MeanSquare(const DeviationLattice& lattice) {
 TEST(CalibrateStack, TellsTheCameraAtLensPositionsThatNoImageHas) {
   const StackOfCameras stack = CalibrateSweep(TakeSweep(
       CameraCondition::kLensPosition, {0, 1.5, 3, 4.5, 6, 7.5, 9, 10}, 12));
-  EXPECT_EQ(stack.cameras.low(), 0);
-  EXPECT_EQ(stack.cameras.high(), 10);
-  EXPECT_GE(stack.cameras.order(), 2);
+  EXPECT_EQ(stack.cameras.ranges()[0].low, 0);
+  EXPECT_EQ(stack.cameras.ranges()[0].high, 10);
+  EXPECT_GE(stack.cameras.orders()[0], 2);
   for (const double value : {0.7, 2.2, 5.2, 8.3, 9.5})
     EXPECT_LT(ErrorPx(stack, value), 0.03) << value;
   // A deviation is that of the worse of two directions, and errors are smooth:
@@ -89,7 +125,7 @@ TEST(CalibrateStack, TellsTheCameraAtLensPositionsThatNoImageHas) {
   double stated = 0, found = 0;
   for (const StackDeviation& at : stack.deviations) {
     stated += MeanSquare(at.lattice);
-    found += std::pow(ErrorPx(stack, at.value), 2);
+    found += std::pow(ErrorPx(stack, at.values[0]), 2);
   }
   EXPECT_GT(found, 0.4 * stated);
   EXPECT_LT(found, 4 * stated);
@@ -98,13 +134,46 @@ TEST(CalibrateStack, TellsTheCameraAtLensPositionsThatNoImageHas) {
 TEST(CalibrateStack, FollowsACameraThatWarms) {
   const StackOfCameras stack = CalibrateSweep(
       TakeSweep(CameraCondition::kTemperature, {20, 32, 45, 58, 70}, 6));
-  EXPECT_EQ(stack.cameras.order(), 1);
+  EXPECT_EQ(stack.cameras.orders()[0], 1);
   EXPECT_LT(ErrorPx(stack, 26), 0.03);
   EXPECT_LT(ErrorPx(stack, 65), 0.03);
   // A camera that does not change is wrong by half of this, at least.
   const auto cold = ChangingLens(CameraCondition::kTemperature, 26, kSweepSize);
   const auto warm = ChangingLens(CameraCondition::kTemperature, 65, kSweepSize);
   EXPECT_GT(CompareModels(*cold, *warm, 20).rms_px, 0.2);
+}
+
+// Pairs of values that no image has. The lens's focal length is a product of
+// both changes, and the stack a sum.
+TEST(CalibrateStack, TellsTheCameraAtPairsOfConditionsThatNoImageHas) {
+  const StackOfCameras stack = CalibrateSweep(TakeSweepOfBoth(12, 1));
+  ASSERT_EQ(stack.cameras.ranges().size(), 2u);
+  EXPECT_EQ(stack.cameras.ranges()[0].condition,
+            CameraCondition::kLensPosition);
+  EXPECT_EQ(stack.cameras.ranges()[0].high, 10);
+  EXPECT_GE(stack.cameras.orders()[0], 2);
+  EXPECT_EQ(stack.cameras.orders()[1], 1);
+  for (const LensState& state :
+       {LensState{0.7, 60}, LensState{2.2, 30}, LensState{5.2, 45},
+        LensState{8.3, 62}, LensState{9.5, 25}})
+    EXPECT_LT(ErrorPx(stack, state), 0.03)
+        << state.lens_position << " " << state.temperature;
+  // A camera over the lens position alone is wrong by the temperature.
+  EXPECT_GT(CompareModels(*ChangingLens(LensState{2.2, 30}, kSweepSize),
+                          *ChangingLens(LensState{2.2, 45}, kSweepSize), 20)
+                .rms_px,
+            0.1);
+  ASSERT_EQ(stack.deviations.size(), 15u);
+  EXPECT_EQ(stack.deviations.front().values[0], 0);
+  EXPECT_EQ(stack.deviations.back().values[0], 10);
+}
+
+TEST(CalibrateStack, RefusesConditionsThatGoTogether) {
+  Sweep sweep = TakeSweepOfBoth(2, 1);
+  for (auto& [image, values] : sweep.conditions.values)
+    values[1] = 20 + 4 * values[0];
+  ExpectError(ExitCode::kUsage, {"lens_position and temperature go together"},
+              [&] { CalibrateSweep(sweep); });
 }
 
 TEST(CalibrateStack, RefusesImagesThatTellNoChange) {

@@ -5,21 +5,36 @@
 namespace raygrid {
 namespace {
 
+void Disturb(CameraStack* stack) {
+  TestRandom random(3);
+  for (size_t j = 1; j < stack->terms().size(); ++j)
+    for (Eigen::Vector2d& point : stack->terms()[j].points())
+      point = 2e-3 * random.NormalVector<2>();
+}
+
 // A lens that changes by some pixels, and all over the place.
 CameraStack UnevenStack() {
   CameraStack stack(
-      CameraCondition::kLensPosition, 1, 5,
-      FitCentralGeneric(ExampleSimulatedCamera(), {0, 0, 639, 479}, 9, 8), 3);
-  TestRandom random(3);
-  for (int j = 1; j <= stack.order(); ++j)
-    for (Eigen::Vector2d& point : stack.terms()[j].points())
-      point = 2e-3 * random.NormalVector<2>();
+      {{CameraCondition::kLensPosition, 1, 5}}, {3},
+      FitCentralGeneric(ExampleSimulatedCamera(), {0, 0, 639, 479}, 9, 8));
+  Disturb(&stack);
+  return stack;
+}
+
+// A lens that changes with two conditions, 1 to 5 and 20 to 60.
+CameraStack UnevenStackOfBoth() {
+  CameraStack stack(
+      {{CameraCondition::kLensPosition, 1, 5},
+       {CameraCondition::kTemperature, 20, 60}},
+      {3, 2},
+      FitCentralGeneric(ExampleSimulatedCamera(), {0, 0, 639, 479}, 9, 8));
+  Disturb(&stack);
   return stack;
 }
 
 TEST(CameraStack, IsItsFirstTermInTheMiddle) {
   const CameraStack stack = UnevenStack();
-  EXPECT_EQ(stack.At(3).Parameters(),
+  EXPECT_EQ(stack.At({3}).Parameters(),
             CentralGeneric({640, 480}, stack.terms()[0]).Parameters());
 }
 
@@ -33,39 +48,91 @@ TEST(CameraStack, IsAPolynomialOfTheCondition) {
         t * (stack.terms()[1].points()[20] +
              t * (stack.terms()[2].points()[20] +
                   t * stack.terms()[3].points()[20]));
-    EXPECT_LT((stack.At(value).surface().points()[20] - expected).norm(),
+    EXPECT_LT((stack.At({value}).surface().points()[20] - expected).norm(),
               1e-15);
   }
 }
 
 TEST(StackedGrid, SeesAsTheCameraAtItsValue) {
   const CameraStack stack = UnevenStack();
-  StackedGrid camera(stack, 2);
+  StackedGrid camera(stack, {2});
   ExpectRoundTrip(camera, 1e-6);
   const Eigen::Vector2d pixel(100, 300);
-  EXPECT_EQ(*camera.Unproject(pixel), *stack.At(2).Unproject(pixel));
-  camera.SetValue(4.5);
-  EXPECT_EQ(*camera.Unproject(pixel), *stack.At(4.5).Unproject(pixel));
+  EXPECT_EQ(*camera.Unproject(pixel), *stack.At({2}).Unproject(pixel));
+  camera.SetValues({4.5});
+  EXPECT_EQ(*camera.Unproject(pixel), *stack.At({4.5}).Unproject(pixel));
 }
 
 TEST(StackedGrid, DerivativesAreThoseOfProjection) {
   for (const double value : {1.0, 2.5, 4.9}) {
-    const StackedGrid camera(UnevenStack(), value);
+    const StackedGrid camera(UnevenStack(), {value});
     ExpectDerivativeByPoint(camera, 1e-6);
     ExpectDerivativeByParameter(camera, 1e-5, 1e-5);
   }
 }
 
 TEST(StackedGrid, ParametersAreThoseOfTheWholeStack) {
-  const StackedGrid camera(UnevenStack(), 2);
+  const StackedGrid camera(UnevenStack(), {2});
   StackedGrid other(
-      CameraStack(CameraCondition::kLensPosition, 1, 5,
-                  CentralGeneric({640, 480}, camera.stack().terms()[1]), 3),
-      4);
+      CameraStack({{CameraCondition::kLensPosition, 1, 5}}, {3},
+                  CentralGeneric({640, 480}, camera.stack().terms()[1])),
+      {4});
   other.SetParameters(camera.Parameters());
   EXPECT_EQ(other.Parameters(), camera.Parameters());
-  EXPECT_EQ(other.stack().At(2).Parameters(), camera.camera().Parameters());
-  EXPECT_EQ(other.value(), 4);
+  EXPECT_EQ(other.stack().At({2}).Parameters(), camera.camera().Parameters());
+  EXPECT_EQ(other.values(), ConditionValues{4});
+}
+
+TEST(CameraStack, OfTwoConditionsIsASumOfPolynomials) {
+  const CameraStack stack = UnevenStackOfBoth();
+  EXPECT_EQ(stack.Factors({4, 30}),
+            (std::vector<double>{1, 0.5, 0.25, 0.125, -0.5, 0.25}));
+  EXPECT_EQ(stack.FirstTerm(0), 1);
+  EXPECT_EQ(stack.FirstTerm(1), 4);
+  const auto change = [&](const ConditionValues& values) {
+    return Eigen::VectorXd(stack.At(values).Parameters() -
+                           stack.At(stack.Middle()).Parameters());
+  };
+  EXPECT_LT((change({4, 30}) - change({4, 40}) - change({3, 30}))
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-15);
+}
+
+TEST(CameraStack, WhereConditionsAreHeldIsAStackOverTheOthers) {
+  const CameraStack stack = UnevenStackOfBoth();
+  const auto expect_same = [](const CentralGeneric& a,
+                              const CentralGeneric& b) {
+    EXPECT_LT((a.Parameters() - b.Parameters()).cwiseAbs().maxCoeff(), 1e-15);
+  };
+  const CameraStack warm = stack.Hold({std::nullopt, 55});
+  ASSERT_EQ(warm.ranges().size(), 1u);
+  EXPECT_EQ(warm.ranges()[0].condition, CameraCondition::kLensPosition);
+  EXPECT_EQ(warm.orders(), std::vector<int>{3});
+  expect_same(warm.At({1.5}), stack.At({1.5, 55}));
+  const CameraStack near = stack.Hold({4, std::nullopt});
+  EXPECT_EQ(near.orders(), std::vector<int>{2});
+  expect_same(near.At({22}), stack.At({4, 22}));
+  const CameraStack both = stack.Hold({4, 22});
+  EXPECT_TRUE(both.ranges().empty());
+  expect_same(both.At({}), stack.At({4, 22}));
+  expect_same(stack.Along(1).At({22}), stack.At({3, 22}));
+}
+
+TEST(CameraStack, OneMoreTermDoesNotChangeIt) {
+  const CameraStack both = UnevenStackOfBoth();
+  const CameraStack more = both.WithOneMore(1);
+  EXPECT_EQ(more.orders(), (std::vector<int>{3, 3}));
+  EXPECT_EQ(more.At({2, 57}).Parameters(), both.At({2, 57}).Parameters());
+  EXPECT_EQ(more.terms()[1].points()[5], both.terms()[1].points()[5]);
+  EXPECT_EQ(more.terms()[5].points()[5], both.terms()[5].points()[5]);
+}
+
+TEST(StackedGrid, DerivativesAreThoseOfBothConditions) {
+  const StackedGrid camera(UnevenStackOfBoth(), {2.5, 51});
+  ExpectRoundTrip(camera, 1e-6);
+  ExpectDerivativeByPoint(camera, 1e-6);
+  ExpectDerivativeByParameter(camera, 1e-5, 1e-5);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "camera/view_camera.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/held_stack.h"
 #include "simulation/simulated_camera.h"
 #include "support.h"
 
@@ -407,7 +408,7 @@ TEST(CameraFile, KeepsAMaskWithoutUncertainty) {
 CameraFile StackFile() {
   CameraFile file = GridFile();
   const auto& grid = dynamic_cast<const CentralGeneric&>(*file.camera);
-  CameraStack stack(CameraCondition::kTemperature, 20, 60, grid, 2);
+  CameraStack stack({{CameraCondition::kTemperature, 20, 60}}, {2}, grid);
   for (int j = 1; j <= 2; ++j)
     for (int k = 0; k < grid.surface().num_points(); ++k)
       stack.terms()[j].points()[k] = {1e-3 * j * k, -2e-4 * k};
@@ -416,7 +417,7 @@ CameraFile StackFile() {
   DeviationLattice warm = file.uncertainty->lattice;
   for (double& deviation : warm.deviation_px) deviation *= 2;
   file.stack =
-      StackOfCameras{stack, {{20, file.uncertainty->lattice}, {60, warm}}};
+      StackOfCameras{stack, {{{20}, file.uncertainty->lattice}, {{60}, warm}}};
   return file;
 }
 
@@ -424,29 +425,103 @@ TEST(CameraFile, KeepsAStack) {
   const CameraFile file = StackFile();
   const CameraFile read = ParseCameraFile("f.yaml", FormatCameraFile(file));
   ASSERT_TRUE(read.stack.has_value());
-  EXPECT_EQ(read.stack->cameras.condition(), CameraCondition::kTemperature);
-  EXPECT_EQ(read.stack->cameras.low(), 20);
-  EXPECT_EQ(read.stack->cameras.high(), 60);
+  const ConditionRange range = read.stack->cameras.ranges()[0];
+  EXPECT_EQ(range.condition, CameraCondition::kTemperature);
+  EXPECT_EQ(range.low, 20);
+  EXPECT_EQ(range.high, 60);
   for (const double value : {20.0, 33.0, 60.0})
-    EXPECT_LT((read.stack->cameras.At(value).Parameters() -
-               file.stack->cameras.At(value).Parameters())
+    EXPECT_LT((read.stack->cameras.At({value}).Parameters() -
+               file.stack->cameras.At({value}).Parameters())
                   .cwiseAbs()
                   .maxCoeff(),
               1e-11);
   ASSERT_EQ(read.stack->deviations.size(), 2u);
-  EXPECT_EQ(read.stack->deviations[1].value, 60);
+  EXPECT_EQ(read.stack->deviations[1].values, ConditionValues{60});
   EXPECT_EQ(read.stack->deviations[1].lattice.deviation_px[0], 0.02);
   EXPECT_EQ(FormatCameraFile(read), FormatCameraFile(file));
 }
 
 TEST(CameraFile, OfAStackAtAValueIsThatCameraAlone) {
   const CameraFile file = StackFile();
-  const CameraFile at = FileAt(file, 30);
+  const CameraFile at = FileAt(file, {30});
   EXPECT_FALSE(at.stack.has_value());
-  EXPECT_EQ(at.camera->Parameters(), file.stack->cameras.At(30).Parameters());
+  EXPECT_EQ(at.camera->Parameters(), file.stack->cameras.At({30}).Parameters());
   // A quarter of the way from one to twice the deviations.
   EXPECT_NEAR(at.uncertainty->lattice.deviation_px[0], 0.0125, 1e-12);
   EXPECT_EQ(at.capture->sensor_temperature_c, 30);
+}
+
+// Deviations are 1, 2 and 4, 8 times one lattice.
+CameraFile StackFileOfBoth() {
+  CameraFile file = GridFile();
+  const auto& grid = dynamic_cast<const CentralGeneric&>(*file.camera);
+  CameraStack stack({{CameraCondition::kLensPosition, 0, 10},
+                     {CameraCondition::kTemperature, 20, 60}},
+                    {2, 1}, grid);
+  for (int j = 1; j <= 3; ++j)
+    for (int k = 0; k < grid.surface().num_points(); ++k)
+      stack.terms()[j].points()[k] = {1e-3 * j * k, -2e-4 * k};
+  file.uncertainty = ExampleUncertainty();
+  file.stack = StackOfCameras{stack, {}};
+  double factor = 1;
+  for (const double position : {0, 10})
+    for (const double temperature : {20, 60}) {
+      file.stack->deviations.push_back(
+          {{position, temperature}, file.uncertainty->lattice});
+      for (double& deviation :
+           file.stack->deviations.back().lattice.deviation_px)
+        deviation *= factor;
+      factor *= 2;
+    }
+  return file;
+}
+
+TEST(CameraFile, KeepsAStackOfTwoConditions) {
+  const CameraFile file = StackFileOfBoth();
+  const std::string text = FormatCameraFile(file);
+  const CameraFile read = ParseCameraFile("f.yaml", text);
+  ASSERT_TRUE(read.stack.has_value());
+  EXPECT_EQ(read.stack->cameras.orders(), (std::vector<int>{2, 1}));
+  for (const ConditionValues& values :
+       {ConditionValues{0, 33}, ConditionValues{7.5, 60}})
+    EXPECT_LT((read.stack->cameras.At(values).Parameters() -
+               file.stack->cameras.At(values).Parameters())
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-11);
+  ASSERT_EQ(read.stack->deviations.size(), 4u);
+  EXPECT_EQ(read.stack->deviations[2].values, (ConditionValues{10, 20}));
+  EXPECT_EQ(FormatCameraFile(read), text);
+  std::string swapped = text;
+  swapped.replace(swapped.find("condition: temperature"), 22,
+                  "condition: lens_position");
+  EXPECT_THROW(ParseCameraFile("f.yaml", swapped), InputError);
+}
+
+TEST(CameraFile, OfTwoConditionsIsHeldAtOneOrBoth) {
+  const CameraFile file = StackFileOfBoth();
+  const double once_px = file.uncertainty->lattice.deviation_px[0];
+  const CameraFile near = FileAt(file, {10, std::nullopt});
+  ASSERT_TRUE(near.stack.has_value());
+  EXPECT_EQ(near.camera->Parameters(),
+            near.stack->cameras.At({40}).Parameters());
+  EXPECT_EQ(near.capture->lens_position, 10);
+  EXPECT_FALSE(near.capture->sensor_temperature_c.has_value());
+  ASSERT_EQ(near.stack->deviations.size(), 2u);
+  EXPECT_EQ(near.stack->deviations[0].values, ConditionValues{20});
+  EXPECT_NEAR(near.stack->deviations[1].lattice.deviation_px[0], 8 * once_px,
+              1e-12);
+  EXPECT_NEAR(near.uncertainty->lattice.deviation_px[0], 6 * once_px, 1e-12);
+  // Half of the way in both.
+  const CameraFile at = FileAt(file, {5, 40});
+  EXPECT_FALSE(at.stack.has_value());
+  EXPECT_LT(
+      (at.camera->Parameters() - file.stack->cameras.At({5, 40}).Parameters())
+          .cwiseAbs()
+          .maxCoeff(),
+      1e-15);
+  EXPECT_NEAR(at.uncertainty->lattice.deviation_px[0], 3.75 * once_px, 1e-12);
+  EXPECT_EQ(at.capture->sensor_temperature_c, 40);
 }
 
 TEST(CameraFile, RefusesAMalformedStack) {

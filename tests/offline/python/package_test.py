@@ -149,6 +149,34 @@ class Rays(PackageTest):
         self.assertGreater(np.abs(camera.unproject(GRID) - expected).max(), 1e-3)
         self.assert_refuses(ValueError, "11 is not in the range, 2 to 10 dioptres", camera.at, 11)
         self.assert_refuses(ValueError, "it has no range", near.at, 5)
+        self.assert_refuses(ValueError, "does not change with temperature", camera.at, temperature=5)
+        np.testing.assert_array_equal(camera.at(lens_position=9).unproject(GRID),
+                                      near.unproject(GRID))
+
+    def test_a_camera_with_two_ranges_takes_values_by_their_names(self):
+        text = read(self.simulated_camera("wide")).decode()
+        num_points = len(raygrid.Camera.load(self.simulated_camera("wide")).parameters) // 2
+        conditions = "".join(
+            "    - condition: %s\n      range: %s\n      changes:\n        - [%s]\n" %
+            (name, values, ", ".join([change] * num_points))
+            for name, values, change in (("lens_position", [2, 10], "1e-3, -2e-3"),
+                                         ("temperature", [20, 60], "-3e-4, 1e-4")))
+        path = write(self.path("ranges.yaml"),
+                     text + "stack:\n  conditions:\n" + conditions + "  deviations: []\n")
+        camera = raygrid.Camera.load(path)
+        self.assertIsNone(camera.range)
+        self.assertEqual(camera.ranges, [("lens_position", 2, 10), ("temperature", 20, 60)])
+        at = camera.at(lens_position=9, temperature=25)
+        self.assertEqual(at.ranges, [])
+        expected = self.answers("unproject", path, GRID, "xy", ["dx", "dy", "dz"], "--at",
+                                "lens_position=9,temperature=25")
+        np.testing.assert_allclose(at.unproject(GRID), expected, rtol=0, atol=6e-13)
+        near = camera.at(lens_position=9)
+        self.assertEqual(near.range, ("temperature", 20, 60))
+        np.testing.assert_allclose(near.at(25).unproject(GRID), expected, rtol=0, atol=6e-13)
+        self.assert_refuses(ValueError, "changes with two conditions", camera.at, 9)
+        self.assert_refuses(ValueError, "61 is not in the range, 20 to 60", camera.at,
+                            temperature=61)
 
     def test_what_it_tells_of_itself_stays(self):
         camera = raygrid.Camera.load(self.simulated_camera("pinhole"))

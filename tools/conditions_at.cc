@@ -1,0 +1,102 @@
+#include "conditions_at.h"
+
+#include <fmt/format.h>
+
+#include "dataset/error.h"
+#include "named_camera.h"
+#include "word_options.h"
+
+namespace raygrid {
+namespace {
+
+double ParseValueAt(const std::string& text) {
+  return ParseNumbers("--at", text, 1,
+                      "2.5 or lens_position=2.5,temperature=40")
+      .front();
+}
+
+// An example of what a camera with these ranges takes.
+std::string ExampleAt(const std::vector<ConditionRange>& ranges) {
+  ConditionsAt example;
+  for (const ConditionRange& range : ranges)
+    example.named[range.condition] = range.Middle();
+  return example.Text();
+}
+
+[[noreturn]] void RefuseAt(const ConditionsAt& at, const std::string& name,
+                           const std::string& why) {
+  throw Error(ExitCode::kUsage,
+              fmt::format("{}: {}: {}", name, at.Text(), why));
+}
+
+}  // namespace
+
+std::string ConditionsAt::Text() const {
+  if (alone) return fmt::format("--at {:g}", *alone);
+  std::string text;
+  for (const auto& [condition, value] : named)
+    text += fmt::format("{}{}={:g}", text.empty() ? "--at " : ",",
+                        ConditionName(condition), value);
+  return text;
+}
+
+ConditionsAt ParseConditionsAt(const std::string& text) {
+  ConditionsAt at;
+  if (text.find('=') == std::string::npos) {
+    at.alone = ParseValueAt(text);
+    return at;
+  }
+  for (const std::string& part : SplitAtWords(text)) {
+    const NamedValue given = ParseNamedValue(part);
+    const auto condition = FindCondition(given.name);
+    if (!condition)
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--at {}: '{}' is no condition; there are "
+                              "lens_position and temperature",
+                              text, given.name));
+    if (!at.named.emplace(*condition, ParseValueAt(given.value)).second)
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--at {}: {} is given twice", text, given.name));
+  }
+  return at;
+}
+
+HeldConditions HeldOf(const ConditionsAt& at,
+                      const std::vector<ConditionRange>& ranges,
+                      const std::string& name) {
+  HeldConditions held(ranges.size());
+  if (at.alone && ranges.size() > 1)
+    RefuseAt(at, name,
+             "changes with two conditions; say which value is whose, as " +
+                 ExampleAt(ranges));
+  if (at.alone) held[0] = at.alone;
+  for (const auto& [condition, value] : at.named) {
+    size_t r = 0;
+    while (r < ranges.size() && ranges[r].condition != condition) ++r;
+    if (r == ranges.size())
+      RefuseAt(at, name,
+               fmt::format("changes with {} alone",
+                           ConditionName(ranges[0].condition)));
+    held[r] = value;
+  }
+  return held;
+}
+
+HeldConditions HeldInRange(const ConditionsAt& at,
+                           const std::vector<ConditionRange>& ranges,
+                           const std::string& name) {
+  HeldConditions held = HeldOf(at, ranges, name);
+  for (size_t r = 0; r < ranges.size(); ++r)
+    if (held[r] && !ranges[r].Contains(*held[r]))
+      RefuseAt(at, name, "was calibrated over " + ranges[r].Text());
+  return held;
+}
+
+std::string TextOf(const std::vector<ConditionRange>& ranges) {
+  std::string text;
+  for (const ConditionRange& range : ranges)
+    text += (text.empty() ? "" : " and ") + range.Text();
+  return text;
+}
+
+}  // namespace raygrid
