@@ -12,6 +12,7 @@
 #include "calibration/camera_in_progress.h"
 #include "calibration/camera_result.h"
 #include "calibration/camera_trust.h"
+#include "calibration/doubtful_condition.h"
 #include "calibration/stack_start.h"
 #include "calibration/stopwatch.h"
 #include "camera/stacked_grid.h"
@@ -203,6 +204,20 @@ std::vector<StackDeviation> StackDeviations(const Adjusted& adjusted,
   return deviations;
 }
 
+void WarnOf(const std::vector<DoubtfulCondition>& doubtful, Verdict* verdict) {
+  constexpr size_t kMostNamed = 5;
+  if (doubtful.empty()) return;
+  std::string names;
+  for (size_t k = 0; k < std::min(doubtful.size(), kMostNamed); ++k)
+    names += (k == 0 ? "" : "; ") + doubtful[k].Text();
+  if (doubtful.size() > kMostNamed)
+    names += fmt::format("; and {} more", doubtful.size() - kMostNamed);
+  if (verdict->word == "pass") verdict->word = "warn";
+  verdict->reasons.insert(
+      verdict->reasons.begin(),
+      names + ": correct the values, or leave these images out");
+}
+
 // The result of all images in place of that of the camera in the middle.
 void PutResult(const CalibrationInput& input, const Pattern& pattern,
                const CalibrationOptions& options, const Adjusted& adjusted,
@@ -218,6 +233,7 @@ void PutResult(const CalibrationInput& input, const Pattern& pattern,
   result->camera.stack =
       StackOfCameras{stack, StackDeviations(adjusted, options.num_threads)};
   JudgeResult(options.num_threads, result);
+  WarnOf(FindDoubtfulConditions(adjusted), &result->verdict);
 }
 
 }  // namespace

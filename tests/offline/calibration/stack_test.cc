@@ -131,6 +131,34 @@ TEST(CalibrateStack, TellsTheCameraAtLensPositionsThatNoImageHas) {
   EXPECT_LT(found, 4 * stated);
 }
 
+// The board's distance takes up most of what a wrong focal length does: the
+// residuals stay small, and the camera is wrong.
+TEST(CalibrateStack, NamesImagesWhoseValuesDoNotFit) {
+  Sweep sweep =
+      TakeSweep(CameraCondition::kLensPosition, {0, 2, 4, 6, 8, 10}, 6);
+  const auto reasons = [&] {
+    const CalibrationResult result =
+        CalibrateStack(sweep.input, sweep.conditions, FineTestBoard(),
+                       WithCellsOf40(sweep.input.dataset))
+            .cameras[0];
+    std::string text = result.verdict.word;
+    for (const std::string& reason : result.verdict.reasons)
+      text += "; " + reason;
+    return text;
+  };
+  EXPECT_EQ(reasons().find("was told at"), std::string::npos);
+  const std::string wrong = sweep.input.dataset.images[15].image;
+  ASSERT_EQ(sweep.conditions.values.at(wrong).front(), 4);
+  sweep.conditions.values.at(wrong).front() = 9;
+  const std::string told = reasons();
+  EXPECT_NE(told.find(wrong + " was told at 9 dioptres, and fits better near"),
+            std::string::npos)
+      << told;
+  EXPECT_EQ(told.find("warn"), 0u);
+  // No other image is blamed for it.
+  EXPECT_EQ(told.find("was told at"), told.rfind("was told at")) << told;
+}
+
 TEST(CalibrateStack, FollowsACameraThatWarms) {
   const StackOfCameras stack = CalibrateSweep(
       TakeSweep(CameraCondition::kTemperature, {20, 32, 45, 58, 70}, 6));
