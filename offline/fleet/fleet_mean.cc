@@ -2,44 +2,223 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <memory>
 
 #include "camera/bspline_surface.h"
 #include "camera/central_generic.h"
+#include "camera/nearest_rotation.h"
 #include "camera/stereographic.h"
+#include "camera/turned_camera.h"
 #include "fleet/robust_series.h"
 
 namespace raygrid {
 namespace {
 
 // The cameras of usual units; empty if one is not central.
-std::vector<std::shared_ptr<const CameraModel>> UsualCameras(
-    const FleetAnalysis& fleet, const std::vector<std::string>& folders) {
+std::vector<CameraFile> UsualCameras(const FleetAnalysis& fleet,
+                                     const std::vector<std::string>& folders) {
   std::vector<size_t> usual;
   for (const size_t row : fleet.compared)
     if (fleet.rows[row].unusual.empty()) usual.push_back(row);
   constexpr size_t kMost = 200;
   const size_t count = std::min(usual.size(), kMost);
-  std::vector<std::shared_ptr<const CameraModel>> cameras;
+  std::vector<CameraFile> cameras;
   for (size_t k = 0; k < count; ++k) {
     const std::string& folder = folders[usual[k * usual.size() / count]];
-    cameras.push_back(ReadCameraFile(folder + "/camera.yaml").camera);
-    if (!cameras.back()->IsCentral()) return {};
+    cameras.push_back(ReadCameraFile(folder + "/camera.yaml"));
+    if (!cameras.back().camera->IsCentral()) return {};
   }
   return cameras;
 }
 
 // The area that holds all of theirs.
-Area JoinedArea(
-    const std::vector<std::shared_ptr<const CameraModel>>& cameras) {
-  Area area = cameras[0]->area();
-  for (const auto& camera : cameras) {
-    const Area& own = camera->area();
+Area JoinedArea(const std::vector<CameraFile>& cameras) {
+  Area area = cameras[0].camera->area();
+  for (const CameraFile& file : cameras) {
+    const Area& own = file.camera->area();
     area.Extend({own.x0, own.y0});
     area.Extend({own.x1, own.y1});
   }
   return area;
+}
+
+using PixelField = std::vector<std::optional<Eigen::Vector2d>>;
+
+// The coordinates' medians over those of most units that have any.
+std::optional<Eigen::Vector2d> MedianOfMost(
+    const std::vector<PixelField>& units, size_t pixel) {
+  std::vector<double> x, y;
+  for (const PixelField& unit : units)
+    if (const auto& value = unit[pixel]) {
+      x.push_back(value->x());
+      y.push_back(value->y());
+    }
+  if (2 * x.size() <= units.size()) return std::nullopt;
+  return Eigen::Vector2d(Median(x), Median(y));
+}
+
+// A grid in which pixels have the medians of values; nothing if none has one.
+std::optional<BSplineSurface> MedianSurface(
+    const BSplineSurface& grid, const std::vector<Eigen::Vector2d>& pixels,
+    const std::vector<PixelField>& units) {
+  std::vector<SurfaceSample> samples;
+  for (size_t i = 0; i < pixels.size(); ++i)
+    if (const auto value = MedianOfMost(units, i))
+      samples.push_back({pixels[i], *value});
+  if (samples.empty()) return std::nullopt;
+  return FitSurface(grid.area(), grid.columns(), grid.rows(), samples);
+}
+
+// The directions of a camera's pixels, in the chart.
+PixelField ChartOf(const CameraModel& camera,
+                   const std::vector<Eigen::Vector2d>& pixels) {
+  PixelField values;
+  for (const Eigen::Vector2d& pixel : pixels) {
+    const auto ray = camera.Unproject(pixel);
+    values.push_back(ray ? std::optional(ToChart(*ray)) : std::nullopt);
+  }
+  return values;
+}
+
+// How far a unit's pixels look beside a reference's, in the reference's pixels
+// and without what a turn of the camera does.
+PixelField DisplacementsOf(const CameraModel& reference,
+                           const CameraModel& unit,
+                           const std::vector<Eigen::Vector2d>& pixels) {
+  const TurnedCamera turned(unit,
+                            NearestRotation(reference, unit, reference.area()));
+  PixelField values;
+  for (const Eigen::Vector2d& pixel : pixels) {
+    constexpr double kMarginPx = 50;
+    const auto ray = turned.Unproject(pixel);
+    const auto seen =
+        ray ? reference.Project(*ray, &pixel, kMarginPx) : std::nullopt;
+    values.push_back(seen ? std::optional<Eigen::Vector2d>(*seen - pixel)
+                          : std::nullopt);
+  }
+  return values;
+}
+
+// Products of Legendre polynomials of a pixel's place, up to a degree.
+constexpr int kDegree = 5, kNumPolynomials = (kDegree + 1) * (kDegree + 2) / 2;
+using Polynomials = Eigen::Matrix<double, kNumPolynomials, 1>;
+using SmoothFit = Eigen::Matrix<double, kNumPolynomials, 2>;
+
+Polynomials PolynomialsAt(const Area& area, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector2d place = (2 * (pixel - area.center()).array() /
+                                 Eigen::Array2d(area.width(), area.height()))
+                                    .matrix();
+  std::array<Eigen::Array2d, kDegree + 1> values = {Eigen::Array2d::Ones(),
+                                                    place.array()};
+  for (int n = 1; n < kDegree; ++n)
+    values[n + 1] =
+        ((2 * n + 1) * place.array() * values[n] - n * values[n - 1]) / (n + 1);
+  Polynomials products;
+  int k = 0;
+  for (int degree = 0; degree <= kDegree; ++degree)
+    for (int j = 0; j <= degree; ++j)
+      products[k++] = values[degree - j].x() * values[j].y();
+  return products;
+}
+
+// The smooth part of displacements. A unit goes astray where it saw nothing:
+// what is far from the fit counts little.
+SmoothFit FitSmooth(const PixelField& displacements,
+                    const std::vector<Polynomials>& polynomials) {
+  constexpr int kRounds = 15;
+  constexpr double kLeastFarPx = 0.1;
+  SmoothFit fit = SmoothFit::Zero();
+  double far_px = INFINITY;
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Matrix<double, kNumPolynomials, kNumPolynomials> square;
+    square.setIdentity();
+    square *= 1e-9;
+    SmoothFit right = SmoothFit::Zero();
+    std::vector<double> sizes;
+    for (size_t i = 0; i < displacements.size(); ++i) {
+      if (!displacements[i]) continue;
+      const Eigen::Vector2d left =
+          *displacements[i] - fit.transpose() * polynomials[i];
+      const double weight = 1 / (1 + left.squaredNorm() / (far_px * far_px));
+      sizes.push_back(left.norm());
+      square.selfadjointView<Eigen::Lower>().rankUpdate(polynomials[i], weight);
+      right += weight * polynomials[i] * displacements[i]->transpose();
+    }
+    fit = square.selfadjointView<Eigen::Lower>().llt().solve(right);
+    // Those of the round before, at first of none.
+    if (round > 0) far_px = std::max(kLeastFarPx, Median(sizes));
+  }
+  return fit;
+}
+
+// The mean of those that are nowhere far beyond most.
+SmoothFit MeanOfUsual(const std::vector<SmoothFit>& fits,
+                      const std::vector<Polynomials>& polynomials) {
+  constexpr double kTimesMost = 5;
+  constexpr double kLeastPx = 0.5;
+  constexpr size_t kEachPixel = 17;  // not all need be looked at
+  std::vector<bool> is_usual(fits.size(), true);
+  for (size_t i = 0; i < polynomials.size(); i += kEachPixel) {
+    std::vector<double> x, y, distances;
+    for (const SmoothFit& fit : fits) {
+      const Eigen::Vector2d moved = fit.transpose() * polynomials[i];
+      x.push_back(moved.x());
+      y.push_back(moved.y());
+    }
+    const Eigen::Vector2d middle(Median(x), Median(y));
+    for (size_t u = 0; u < fits.size(); ++u)
+      distances.push_back((Eigen::Vector2d(x[u], y[u]) - middle).norm());
+    std::vector<double> sorted = distances;
+    std::sort(sorted.begin(), sorted.end());
+    const double limit_px =
+        kTimesMost * std::max(kLeastPx, sorted[3 * sorted.size() / 4]);
+    for (size_t u = 0; u < fits.size(); ++u)
+      if (distances[u] > limit_px) is_usual[u] = false;
+  }
+  SmoothFit sum = SmoothFit::Zero();
+  double count = 0;
+  for (size_t u = 0; u < fits.size(); ++u) {
+    if (!is_usual[u]) continue;
+    sum += fits[u];
+    ++count;
+  }
+  return count > 0 ? SmoothFit(sum / count) : sum;
+}
+
+// A reference moved to the middle of units. Lenses differ smoothly, and by far
+// more than they are wrong: the middle of that is a mean, since a median goes
+// over from one unit to another from pixel to pixel. The rest is a median.
+BSplineSurface MovedToMiddle(const CentralGeneric& reference,
+                             const std::vector<CameraFile>& cameras,
+                             const std::vector<Eigen::Vector2d>& pixels) {
+  std::vector<Polynomials> polynomials;
+  for (const Eigen::Vector2d& pixel : pixels)
+    polynomials.push_back(PolynomialsAt(reference.area(), pixel));
+  std::vector<SmoothFit> fits;
+  std::vector<PixelField> rests;
+  for (const CameraFile& file : cameras) {
+    PixelField& rest =
+        rests.emplace_back(DisplacementsOf(reference, *file.camera, pixels));
+    const SmoothFit fit = FitSmooth(rest, polynomials);
+    for (size_t i = 0; i < pixels.size(); ++i)
+      if (rest[i]) *rest[i] -= fit.transpose() * polynomials[i];
+    fits.push_back(fit);
+  }
+  const SmoothFit mean = MeanOfUsual(fits, polynomials);
+  std::vector<SurfaceSample> samples;
+  for (size_t i = 0; i < pixels.size(); ++i)
+    if (const auto rest = MedianOfMost(rests, i))
+      samples.push_back(
+          {pixels[i],
+           reference.surface().Evaluate(
+               pixels[i] + mean.transpose() * polynomials[i] + *rest)});
+  const BSplineSurface& grid = reference.surface();
+  if (samples.empty()) return grid;
+  return FitSurface(grid.area(), grid.columns(), grid.rows(), samples);
 }
 
 }  // namespace
@@ -47,30 +226,28 @@ Area JoinedArea(
 std::optional<CameraFile> MeanCamera(const FleetAnalysis& fleet,
                                      const std::vector<std::string>& folders) {
   if (fleet.statistics.charts.empty()) return std::nullopt;
-  const auto cameras = UsualCameras(fleet, folders);
+  return MeanCamera(UsualCameras(fleet, folders));
+}
+
+std::optional<CameraFile> MeanCamera(const std::vector<CameraFile>& cameras) {
   if (cameras.empty()) return std::nullopt;
   // Cells of a thirty-second of the image's width.
   constexpr int kColumns = 35, kSamplesPerCell = 3;
   const Area area = JoinedArea(cameras);
   const int rows =
       std::max(7, static_cast<int>(kColumns * area.height() / area.width()));
-  std::vector<SurfaceSample> samples;
-  for (const Eigen::Vector2d& pixel :
-       BSplineSurface(area, kColumns, rows).SamplePixels(kSamplesPerCell)) {
-    std::vector<double> x, y;
-    for (const auto& camera : cameras)
-      if (const auto ray = camera->Unproject(pixel)) {
-        const Eigen::Vector2d chart = ToChart(*ray);
-        x.push_back(chart.x());
-        y.push_back(chart.y());
-      }
-    if (2 * x.size() > cameras.size())
-      samples.push_back({pixel, {Median(x), Median(y)}});
-  }
-  if (samples.empty()) return std::nullopt;
+  const BSplineSurface grid(area, kColumns, rows);
+  const std::vector<Eigen::Vector2d> pixels =
+      grid.SamplePixels(kSamplesPerCell);
+  std::vector<PixelField> charts;
+  for (const CameraFile& file : cameras)
+    charts.push_back(ChartOf(*file.camera, pixels));
+  const auto first = MedianSurface(grid, pixels, charts);
+  if (!first) return std::nullopt;
+  const ImageSize size = cameras[0].camera->image_size();
   CameraFile file;
   file.camera = std::make_shared<CentralGeneric>(
-      cameras[0]->image_size(), FitSurface(area, kColumns, rows, samples));
+      size, MovedToMiddle(CentralGeneric(size, *first), cameras, pixels));
   file.name = fmt::format("middle of {} units", cameras.size());
   return file;
 }

@@ -18,6 +18,9 @@ namespace raygrid {
 std::optional<CameraFile> MeanCamera(const FleetAnalysis& fleet,
                                      const std::vector<std::string>& folders);
 
+/// The middle of central cameras, whatever their number; nothing of none.
+std::optional<CameraFile> MeanCamera(const std::vector<CameraFile>& cameras);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_FLEET_FLEET_MEAN_H

@@ -1,0 +1,228 @@
+// The use of a fleet's middle camera for units with few images, by the
+// truth. Run by hand; --help tells the options:
+//   fleet_middle_bench [--family NAME] [--fleet N]
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <map>
+
+#include "calibration/calibration.h"
+#include "dataset/files.h"
+#include "dataset/parallel_for.h"
+#include "decentred_family.h"
+#include "evaluation/model_difference.h"
+#include "evaluation/residual_statistics.h"
+#include "fleet/fleet_mean.h"
+#include "lens_family.h"
+#include "simulation/simulated_observations.h"
+
+namespace raygrid {
+namespace {
+
+constexpr ImageSize kSize = {640, 480};
+constexpr int kFleetImages = 40, kFeatures = 120;
+constexpr double kStepPx = 8;
+
+constexpr Area kArea = {-1, -1, 640, 480};
+
+FamilyScatter ScatterOf(const std::string& name) {
+  FamilyScatter scatter;
+  if (name == "simple") return scatter;
+  scatter.centre_px = 3;
+  scatter.k2 = 0.0006;
+  scatter.p = 0.0003;
+  scatter.bumps_px = name == "bumpy" ? 0.1 : 0.02;
+  return scatter;
+}
+
+CameraFile CalibrateLens(const CameraModel& lens, int num_images, uint64_t seed,
+                         std::shared_ptr<const CameraModel> like) {
+  const Pattern pattern = ChessboardPattern(30, 24, 0.02);
+  SimulationOptions simulation;
+  simulation.num_images = num_images;
+  simulation.features_per_image = kFeatures;
+  simulation.seed = seed;
+  CalibrationOptions options;
+  options.num_threads = 1;
+  options.like = std::move(like);
+  // One image held out and cells of 1/16 of the width save the time of
+  // cross-validation.
+  ++simulation.num_images;
+  const Dataset dataset =
+      SimulateObservations(lens, pattern, simulation).dataset;
+  options.hold_out = {dataset.images.back().image};
+  options.cell_px = kSize.width / 16.0;
+  return Calibrate(dataset, pattern, options).camera;
+}
+
+struct UnitErrors {
+  double median_px = 0, rms_px = 0, p99_px = 0, ratio = 0;
+};
+
+// ratio: of the error in an axis by the stated deviation.
+UnitErrors ErrorsOf(const CameraModel& lens, const CameraFile& camera) {
+  const ModelDifference difference =
+      CompareModels(lens, *camera.camera, kStepPx);
+  UnitErrors errors = {difference.median_px, difference.rms_px,
+                       difference.p99_px, 0};
+  double sum = 0, count = 0;
+  for (size_t i = 0; i < difference.pixels.size(); ++i) {
+    const double stated_px = camera.uncertainty->lattice.At(
+        camera.camera->area(), difference.pixels[i]);
+    if (!std::isfinite(stated_px)) continue;
+    sum += difference.error_px[i].squaredNorm() / 2 / (stated_px * stated_px);
+    ++count;
+  }
+  errors.ratio = std::sqrt(sum / count);
+  return errors;
+}
+
+double MedianOf(const std::vector<UnitErrors>& units,
+                double UnitErrors::*figure) {
+  std::vector<double> values;
+  for (const UnitErrors& unit : units) values.push_back(unit.*figure);
+  return Quantile(values, 0.5);
+}
+
+void Measure(const std::string& name,
+             const std::vector<std::unique_ptr<CameraModel>>& lenses,
+             int num_images, std::shared_ptr<const CameraModel> like) {
+  std::vector<UnitErrors> errors(lenses.size());
+  ParallelFor(static_cast<int>(lenses.size()), NumThreads(0), [&](int u) {
+    errors[u] = ErrorsOf(*lenses[u],
+                         CalibrateLens(*lenses[u], num_images, 5000 + u, like));
+  });
+  double most = 0;
+  for (const UnitErrors& unit : errors) most = std::max(most, unit.p99_px);
+  std::printf(
+      "%4d images, %-28s median %.4f  RMS %.4f  p99 %.4f (most %.3f) px, "
+      "error/stated %.2f\n",
+      num_images, name.c_str(), MedianOf(errors, &UnitErrors::median_px),
+      MedianOf(errors, &UnitErrors::rms_px),
+      MedianOf(errors, &UnitErrors::p99_px), most,
+      MedianOf(errors, &UnitErrors::ratio));
+  std::fflush(stdout);
+}
+
+// Lenses of a family, one after the other, and its middle.
+struct Lenses {
+  std::function<std::unique_ptr<CameraModel>()> draw;
+  std::shared_ptr<const CameraModel> middle;
+};
+
+Lenses LensesOf(const std::string& family, uint64_t seed) {
+  if (family == "decentred") {
+    const auto random = std::make_shared<Random>(seed);
+    return {
+        [random] {
+          return DecentredFamilyLens(kSize, kArea, {}, random.get()).Clone();
+        },
+        std::make_shared<DecentredFamilyLens>(kSize, kArea)};
+  }
+  const auto lenses = std::make_shared<LensFamily>(ScatterOf(family), seed);
+  return {[lenses] { return lenses->Draw().Clone(); },
+          std::make_shared<SimulatedCamera>(LensFamily::Middle())};
+}
+
+// Errors of the fleet's units, and what of them all share: no middle camera can
+// average it away.
+void MeasureFleet(const std::vector<std::unique_ptr<CameraModel>>& lenses,
+                  const std::vector<CameraFile>& files) {
+  if (files.empty()) return;
+  std::map<std::pair<double, double>, Eigen::Vector2d> sums;
+  std::vector<double> rms, p99, shared;
+  for (size_t u = 0; u < files.size(); ++u) {
+    const ModelDifference difference =
+        CompareModels(*lenses[u], *files[u].camera, kStepPx);
+    rms.push_back(difference.rms_px);
+    p99.push_back(difference.p99_px);
+    for (size_t i = 0; i < difference.pixels.size(); ++i) {
+      const Eigen::Vector2d& pixel = difference.pixels[i];
+      sums.try_emplace({pixel.x(), pixel.y()}, Eigen::Vector2d::Zero())
+          .first->second += difference.error_px[i] / files.size();
+    }
+  }
+  double squares = 0;
+  for (const auto& [pixel, mean] : sums) {
+    squares += mean.squaredNorm() / sums.size();
+    shared.push_back(mean.norm());
+  }
+  std::printf(
+      "%zu units of %d images: RMS %.4f, p99 %.4f px (medians); their mean "
+      "error: median %.4f, RMS %.4f, p99 %.4f px\n",
+      files.size(), kFleetImages, Quantile(rms, 0.5), Quantile(p99, 0.5),
+      Quantile(shared, 0.5), std::sqrt(squares), Quantile(shared, 0.99));
+}
+
+std::vector<CameraFile> CalibrateFleet(
+    const std::vector<std::unique_ptr<CameraModel>>& lenses,
+    const std::string& prefix, std::shared_ptr<const CameraModel> like) {
+  std::vector<CameraFile> files(lenses.size());
+  ParallelFor(static_cast<int>(lenses.size()), NumThreads(0), [&](int u) {
+    const std::string path =
+        prefix.empty() ? "" : prefix + std::to_string(u) + ".yaml";
+    if (!path.empty() && std::filesystem::exists(path)) {
+      files[u] = ReadCameraFile(path);
+      return;
+    }
+    files[u] = CalibrateLens(*lenses[u], kFleetImages, 1000 + u, like);
+    if (!path.empty()) WriteFile(path, FormatCameraFile(files[u]));
+  });
+  return files;
+}
+
+struct Options {
+  std::string family = "rich", keep;
+  int fleet = 40, units = 8;
+  std::vector<int> images = {10};
+  bool again = false;
+};
+
+void Run(const Options& options) {
+  const Lenses family = LensesOf(options.family, 1);
+  std::vector<std::unique_ptr<CameraModel>> lenses, others;
+  for (int u = 0; u < options.fleet; ++u) lenses.push_back(family.draw());
+  for (int u = 0; u < options.units; ++u) others.push_back(family.draw());
+  const std::string prefix =
+      options.keep.empty() ? "" : options.keep + "/" + options.family + "-";
+  std::vector<CameraFile> files = CalibrateFleet(lenses, prefix, nullptr);
+  MeasureFleet(lenses, files);
+  const auto measure = [&](const std::string& name,
+                           std::shared_ptr<const CameraModel> like) {
+    for (const int num_images : options.images)
+      Measure(name, others, num_images, like);
+  };
+  measure("alone", nullptr);
+  measure("exact middle", family.middle);
+  const auto middle = MeanCamera(files)->camera;
+  measure("fleet's middle", middle);
+  if (!options.again) return;
+  files =
+      CalibrateFleet(lenses, prefix.empty() ? "" : prefix + "again-", middle);
+  MeasureFleet(lenses, files);
+  measure("middle of the fleet again", MeanCamera(files)->camera);
+}
+
+}  // namespace
+}  // namespace raygrid
+
+int main(int argc, char** argv) {
+  CLI::App app;
+  raygrid::Options options;
+  app.add_option("--family", options.family,
+                 "simple, rich, bumpy: 100 degrees and bumps; decentred");
+  app.add_option("--fleet", options.fleet, "units of the fleet");
+  app.add_option("--units", options.units, "other units, with few images");
+  app.add_option("--images", options.images, "of each of these");
+  app.add_option("--keep", options.keep,
+                 "folder in which the fleet's cameras are kept");
+  app.add_flag("--again", options.again,
+               "calibrate the fleet a second time, around its middle");
+  CLI11_PARSE(app, argc, argv);
+  raygrid::Run(options);
+  return 0;
+}
