@@ -7,8 +7,8 @@
 namespace raygrid {
 
 /// Becomes another program of raygrid, which is sought beside this one, where
-/// it is installed, then in the PATH. Returns only if there is none: the exit code, once it is said on
-/// standard error.
+/// it is installed, then in the PATH. Returns only if there is none: the exit
+/// code, once it is said on standard error.
 int BecomeNeighbour(const std::string& program,
                     const std::vector<std::string>& arguments);
 

@@ -58,9 +58,9 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
     Eigen::MatrixXd* joint_px2 = nullptr);
 
 /// The lattice's pixels, each with the number of observations that are nearest
-/// to it, and how they move with the camera's parameters, two rows each, but for
-/// a rotation that all share: that of least squares over the observations. No
-/// move where the camera does not tell.
+/// to it, and how they move with the camera's parameters, two rows each, but
+/// for a rotation that all share: that of least squares over the observations.
+/// No move where the camera does not tell.
 Eigen::MatrixXd MovesOfLattice(const std::vector<View>& views,
                                const AdjustmentState& state, int camera,
                                const UncertaintyOptions& lattice,

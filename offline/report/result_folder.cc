@@ -269,13 +269,13 @@ void AddReports(const std::string& folder, OutputFiles* files) {
   const RigResult& result = figures.result;
   for (size_t c = 0; c < result.cameras.size(); ++c) {
     const std::string own = In(folder, CameraFolder(result, c));
-    files->Add(In(own, "report.html"),
-               FormatHtmlReport(result.cameras[c], figures.packing[c],
-                                ReadExample(own), ReadThumbnails(own),
-                                ReadBlob(own),
-                                result.IsRig() ? std::vector<std::string>()
-                                               : figures.boards_told),
-               Links::kReplace);
+    files->Add(
+        In(own, "report.html"),
+        FormatHtmlReport(
+            result.cameras[c], figures.packing[c], ReadExample(own),
+            ReadThumbnails(own), ReadBlob(own),
+            result.IsRig() ? std::vector<std::string>() : figures.boards_told),
+        Links::kReplace);
   }
   if (result.IsRig())
     files->Add(In(folder, "report.html"),
