@@ -133,6 +133,11 @@ static RG_INLINE rg_status check_stack(const rg_camera* camera,
   if (num_knots - RG_MIN_KNOTS > RG_MAX_KNOTS - RG_MIN_KNOTS)
     return RG_ERR_STACK;
   const uint32_t knot_size = rg_load_u32(stack + RG_STACK_KNOT_SIZE);
+  /* Distances are of 31 bits, which only matters to processors of 64. */
+  if (knot_size % 4 != 0 ||
+      (sizeof(stack) > 4 &&
+       (uint32_t)(stack - camera->blob) + size > INT32_MAX))
+    return RG_ERR_STACK;
   uint32_t knots_size;
   if (rg_multiply_unsigned(num_knots, knot_size, &knots_size) != 0)
     return RG_ERR_SECTION_SIZE;

@@ -248,6 +248,30 @@ static void sections_apart_are_refused(void** state) {
   }
 }
 
+/* Two knots that could lie at odd addresses. */
+static void knots_of_whole_words_are_asked_for(void** state) {
+  (void)state;
+  enum {
+    kKnotSize = 1446,
+    kDataOffset = 24,
+    kSize = kDataOffset + 2 * kKnotSize
+  };
+  blob_section sections[7];
+  for (uint32_t n = 0; n < 7; ++n) sections[n] = section_of(kStackBlob, n);
+  static uint8_t stack[kSize] GOLDEN_ALIGNED;
+  assert_true(kSize <= sections[6].size);
+  memcpy(stack, sections[6].bytes, kSize);
+  rg_store_u16(stack + RG_STACK_KNOTS, 2);
+  rg_store_u32(stack + RG_STACK_KNOT_SIZE, kKnotSize);
+  sections[6].bytes = stack;
+  sections[6].size = kSize;
+  const uint32_t size = assemble_blob(sections, 7, edited);
+  rg_camera camera;
+  assert_int_equal(rg_camera_open(&camera, edited, size), RG_OK);
+  fails(&camera, 0, RG_ERR_STACK);
+  assert_int_equal(open_copy(edited, size), RG_ERR_STACK);
+}
+
 /* Values that do not ascend, which whole readers refuse, harm nothing. */
 static void values_in_no_order_harm_nothing(void** state) {
   (void)state;
@@ -278,6 +302,7 @@ int main(void) {
       cmocka_unit_test(blobs_without_a_stack_have_no_conditions),
       cmocka_unit_test(faults_are_refused),
       cmocka_unit_test(sections_apart_are_refused),
+      cmocka_unit_test(knots_of_whole_words_are_asked_for),
       cmocka_unit_test(values_in_no_order_harm_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
