@@ -121,8 +121,8 @@ export class Camera {
    * as the blob's stack has it; from then on, with all tables. False: the value lies outside the
    * stack's range, and the camera is that of the nearest end. */
   setCondition(value: number): boolean;
-  /** Not for a blob with a stack. Makes a table for a view, adds it to the camera's blob, and uses it. It replaces the one that
-   * an earlier call made. */
+  /** Makes a table for a view, adds it to the camera's blob, and uses it. It replaces the one that
+   * an earlier call made. Throws for a blob with a stack. */
   useView(view: View): void;
   /** Of the table in use: width and height of the frames that undistort() takes, and makes. */
   readonly frameSize: readonly [number, number];

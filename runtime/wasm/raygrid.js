@@ -316,7 +316,8 @@ export class Camera {
   // the blob's stack has it; from then on, with all of the blob's tables. False: the value lies
   // outside the stack's range, and the camera is that of the nearest end.
   setCondition(value) {
-    if (Number.isNaN(value)) throw new RangeError('a condition is a number');
+    if (typeof value !== 'number' || Number.isNaN(value))
+      throw new TypeError(`a condition is a number, not ${value}`);
     const q16 = Math.round(Math.max(-32767, Math.min(value, 32767)) * Q16);
     const status = this.#memory.calls.set_condition(q16);
     if (status !== EXTRAPOLATED) this.#memory.check(status);

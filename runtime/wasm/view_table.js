@@ -202,7 +202,6 @@ const withSection = (bytes, section, crc32) => {
   return made;
 };
 
-// Where a section begins that every open camera has.
 // Where a section begins; undefined where there is none.
 const findSection = (blob, type) => {
   const end = HEADER + ENTRY * blob.getUint16(16, true);

@@ -140,7 +140,8 @@ test('frames at a condition have theirs', () => {
     });
   });
   assert.equal(camera.setCondition(Infinity), false);
-  assert.throws(() => camera.setCondition(NaN), RangeError);
+  for (const none of [NaN, undefined, null, '5'])
+    assert.throws(() => camera.setCondition(none), TypeError);
   assert.throws(() => camera.useView(makeView({width: 64, height: 48, hfov: 1})), /--at/);
   assert.throws(() => new Camera(blobOf('kWideBlob')).setCondition(1), {status: -63});
 });
