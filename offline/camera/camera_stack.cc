@@ -37,6 +37,7 @@ std::vector<double> ConditionRange::Spread(int count) const {
   std::vector<double> values;
   for (int k = 0; k < count; ++k)
     values.push_back(low + (high - low) * k / (count - 1));
+  values.back() = high;
   return values;
 }
 

@@ -1,5 +1,6 @@
 #include "dataset/held_stack.h"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <utility>
@@ -20,13 +21,17 @@ std::vector<StackDeviation> HoldOne(const std::vector<StackDeviation>& known,
   }
   std::vector<StackDeviation> held;
   for (const auto& [others, line] : by_others) {
+    // The ends of a range may have been rounded.
+    const double inside = std::clamp(value, line.front()->values[range],
+                                     line.back()->values[range]);
     for (size_t k = 1; k < line.size(); ++k) {
       const double low = line[k - 1]->values[range],
                    high = line[k]->values[range];
       const std::vector<double>& below = line[k - 1]->lattice.deviation_px;
       const std::vector<double>& above = line[k]->lattice.deviation_px;
-      if (value < low || value > high || below.size() != above.size()) continue;
-      const double part = (value - low) / (high - low);
+      if (inside < low || inside > high || below.size() != above.size())
+        continue;
+      const double part = (inside - low) / (high - low);
       held.push_back({others, line[k]->lattice});
       for (size_t i = 0; i < below.size(); ++i)
         held.back().lattice.deviation_px[i] =

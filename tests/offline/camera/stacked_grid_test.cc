@@ -32,6 +32,16 @@ CameraStack UnevenStackOfBoth() {
   return stack;
 }
 
+// Files have deviations at a range's ends, which are looked for there.
+TEST(ConditionRange, SpreadEndsAtItsEnds) {
+  const ConditionRange range = {CameraCondition::kTemperature, 30.8, 63.9};
+  const std::vector<double> values = range.Spread(5);
+  ASSERT_EQ(values.size(), 5u);
+  EXPECT_EQ(values.front(), 30.8);
+  EXPECT_EQ(values.back(), 63.9);
+  EXPECT_NEAR(values[2], range.Middle(), 1e-12);
+}
+
 TEST(CameraStack, IsItsFirstTermInTheMiddle) {
   const CameraStack stack = UnevenStack();
   EXPECT_EQ(stack.At({3}).Parameters(),
