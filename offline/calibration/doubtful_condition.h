@@ -14,8 +14,10 @@ namespace raygrid {
 struct DoubtfulCondition {
   std::string image;
   CameraCondition condition = CameraCondition::kLensPosition;
-  double told = 0, seems = 0;
-  double deviation = 0;  ///< standard, of what it seems
+  double told = 0;
+  double seems = 0;      ///< within the range
+  double doubt = 0;      ///< the difference, in its standard deviations
+  int num_decimals = 0;  ///< of what it seems
 
   /// "front_07.png was told at 9 dioptres, and fits better near 4.2".
   std::string Text() const;
