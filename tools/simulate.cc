@@ -78,6 +78,14 @@ std::unique_ptr<CameraModel> LensNamed(const std::string& name,
   LensState state;
   const HeldConditions held = HeldOf(at, ranges, "--lens " + name);
   for (size_t r = 0; r < ranges.size(); ++r) {
+    const double width = ranges[r].high - ranges[r].low;
+    if (held[r] && !(std::abs(*held[r] - ranges[r].Middle()) <= 1.5 * width))
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--at: --lens {} changes over {}, and takes no "
+                              "value farther than that beside it",
+                              name, ranges[r].Text()));
+  }
+  for (size_t r = 0; r < ranges.size(); ++r) {
     if (!held[r]) continue;
     if (ranges[r].condition == CameraCondition::kLensPosition)
       state.lens_position = *held[r];
@@ -467,8 +475,9 @@ void AddCameraOptions(CLI::App* command, SimulateArguments* arguments) {
                        "pinhole, example, wide, fisheye, fisheye190, "
                        "noncentral, glass; without an axis of symmetry: "
                        "anamorphic, off-axis, halves, decentred, mirror; "
-                       "changing with --at: focusing (0 to 10 dioptres), "
-                       "warming (°C), focusing-warming")
+                       "changing with --at: focusing (0 to 10 dioptres; 0 if "
+                       "it is not told), warming (20 to 70 °C; 20), "
+                       "focusing-warming")
           ->capture_default_str();
   CLI::Option* const size =
       command->add_option("--size", arguments->size, "of images, WxH")

@@ -36,9 +36,13 @@ void RequireSpread(const ImageConditions& conditions,
                    const std::vector<ConditionValues>& values) {
   for (size_t k = 0; k < conditions.conditions.size(); ++k) {
     const std::string name = ConditionName(conditions.conditions[k]);
+    // Nothing changes by less.
+    const double least =
+        conditions.conditions[k] == CameraCondition::kLensPosition ? 0.01 : 0.1;
     const bool is_one = std::all_of(
-        values.begin(), values.end(),
-        [&](const ConditionValues& v) { return v[k] == values.front()[k]; });
+        values.begin(), values.end(), [&](const ConditionValues& v) {
+          return std::abs(v[k] - values.front()[k]) < least;
+        });
     if (is_one)
       throw Error(ExitCode::kUsage,
                   fmt::format("all images have one {}: nothing tells how the "
@@ -62,6 +66,9 @@ void RequireSpread(const ImageConditions& conditions,
                 "of other pairs, or calibrate over one of them");
 }
 
+// The largest value that blobs can have: formats/SPEC.md, "Stack".
+constexpr double kMostValue = 1024;
+
 void RequireConditions(const Dataset& dataset,
                        const ImageConditions& conditions,
                        const CalibrationOptions& options) {
@@ -83,6 +90,11 @@ void RequireConditions(const Dataset& dataset,
                   fmt::format("image {} has no {}: give each image one, or "
                               "leave it out",
                               image.image, names));
+    for (const double value : found->second)
+      if (std::abs(value) > kMostValue)
+        throw Error(ExitCode::kUsage,
+                    fmt::format("image {}: {:g} is no {}; at most {:g}",
+                                image.image, value, names, kMostValue));
     values.push_back(found->second);
   }
   RequireSpread(conditions, values);

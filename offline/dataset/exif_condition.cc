@@ -54,7 +54,11 @@ std::optional<double> LensPosition(const Exif& exif) {
   if (distance_m.numerator == 0) return std::nullopt;
   if (distance_m.numerator == 0xffffffff) return 0;
   // 0 of those who write 1 / dioptres, such as rpicam-still: infinity, too.
-  return static_cast<double>(distance_m.denominator) / distance_m.numerator;
+  const double dioptres =
+      static_cast<double>(distance_m.denominator) / distance_m.numerator;
+  constexpr double kNearest = 100;  // a centimetre: others are no distances
+  if (dioptres > kNearest) return std::nullopt;
+  return dioptres;
 }
 
 std::optional<double> Temperature(const Exif& exif) {
