@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -12,7 +10,6 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/held_stack.h"
-#include "dataset/parallel_for.h"
 #include "exchange/format.h"
 #include "exchange/table_format.h"
 #include "packing/blob_camera.h"
@@ -20,192 +17,10 @@
 #include "packing/view_request.h"
 #include "packing/view_sources.h"
 #include "python/bindings.h"
+#include "python/camera_points.h"
 
 namespace raygrid {
 namespace {
-
-// Calls of one thread; fewer are not worth a thread.
-constexpr size_t kCallsPerPart = 4096;
-
-// body(first, end) for parts of [0, count), without Python's lock.
-template <typename Body>
-void ForParts(size_t count, int num_threads, const Body& body) {
-  const py::gil_scoped_release released;
-  const int parts =
-      static_cast<int>((count + kCallsPerPart - 1) / kCallsPerPart);
-  ParallelFor(parts, NumThreads(num_threads), [&](int part) {
-    const size_t first = part * kCallsPerPart;
-    body(first, std::min(count, first + kCallsPerPart));
-  });
-}
-
-template <int n>
-void Put(const Eigen::Matrix<double, n, 1>& vector, double* place) {
-  Eigen::Map<Eigen::Matrix<double, n, 1>>{place} = vector;
-}
-
-// ---- Points ----------------------------------------------------------------
-
-// A point with the same image, the square of which is a number: to a central
-// camera a point's distance does not matter, to others not beyond 2^100 m.
-Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central,
-                         int* shift) {
-  constexpr int kFarAway = 100, kHuge = 300;
-  const double largest = point.cwiseAbs().maxCoeff();
-  *shift = 0;
-  if (largest < std::ldexp(1, kFarAway) &&
-      !(is_central && largest < std::ldexp(1, -kHuge)))
-    return point;
-  int exponent = 0;
-  std::frexp(largest, &exponent);
-  *shift = is_central ? -exponent : kFarAway - exponent;
-  return point.unaryExpr([shift](double x) { return std::ldexp(x, *shift); });
-}
-
-// The pixel of a point, and its derivatives if by_point is not null; NaN.
-void ProjectPoint(const CameraModel& camera, bool is_central,
-                  const double* given, double* pixel, double* by_point) {
-  int shift = 0;
-  const Eigen::Vector3d point =
-      Moderate(Eigen::Map<const Eigen::Vector3d>(given), is_central, &shift);
-  if (!by_point) {
-    const auto found = camera.Project(point);
-    Put<2>(found && camera.IsLit(*found) ? *found : Eigen::Vector2d(NAN, NAN),
-           pixel);
-    return;
-  }
-  Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> derivative(by_point);
-  LinearizedProjection found;
-  if (camera.Linearize(point, nullptr, 0, &found) &&
-      camera.IsLit(found.pixel)) {
-    Put<2>(found.pixel, pixel);
-    derivative = found.by_point * std::ldexp(1, shift);
-  } else {
-    Put<2>({NAN, NAN}, pixel);
-    derivative.setConstant(NAN);
-  }
-}
-
-py::object Project(const PyCamera& self, const py::object& given,
-                   bool with_jacobians, int num_threads) {
-  const GivenVectors points = TakeVectors(given, 3, "points");
-  DoubleArray pixels = points.Like({2});
-  DoubleArray jacobians = points.Like({2, 3});
-  if (!with_jacobians) jacobians = DoubleArray(0);
-  double* const pixel = pixels.mutable_data();
-  double* const jacobian = with_jacobians ? jacobians.mutable_data() : nullptr;
-  const CameraModel& camera = *self.file.camera;
-  const bool is_central = camera.IsCentral();
-  ForParts(points.count, num_threads, [&](size_t first, size_t end) {
-    for (size_t k = first; k < end; ++k)
-      ProjectPoint(camera, is_central, points[k], pixel + 2 * k,
-                   jacobian ? jacobian + 6 * k : nullptr);
-  });
-  if (!with_jacobians) return pixels;
-  return py::make_tuple(pixels, jacobians);
-}
-
-// ---- Pixels ----------------------------------------------------------------
-
-// Two directions across a unit vector.
-Eigen::Matrix<double, 3, 2> Across(const Eigen::Vector3d& direction) {
-  Eigen::Matrix<double, 3, 2> across;
-  across.col(0) = direction.unitOrthogonal();
-  across.col(1) = direction.cross(across.col(0));
-  return across;
-}
-
-// d pixel / d movement across the line of a point on it.
-Eigen::Matrix2d ByMovement(const CameraModel& camera,
-                           const ObservationLine& line,
-                           const Eigen::Matrix<double, 3, 2>& across,
-                           double distance, const Eigen::Vector2d& pixel) {
-  constexpr double kRoundingPx = 1e-3;
-  LinearizedProjection found;
-  if (!camera.Linearize(line.origin + distance * line.direction, &pixel,
-                        kRoundingPx, &found))
-    return Eigen::Matrix2d::Constant(NAN);
-  return found.by_point * across;
-}
-
-// d direction / d pixel. A pixel sees all points of its line, however the pixel
-// moves: of central cameras the movement across the line at a distance of 1 is
-// that of the direction. Lines of others move as a whole, too, by what they do
-// at a distance of 0, which is found from those of 1 and 2.
-Eigen::Matrix<double, 3, 2> DirectionByPixel(const CameraModel& camera,
-                                             bool is_central,
-                                             const ObservationLine& line,
-                                             const Eigen::Vector2d& pixel) {
-  const Eigen::Matrix<double, 3, 2> across = Across(line.direction);
-  const Eigen::Matrix2d near =
-      ByMovement(camera, line, across, 1, pixel).inverse();
-  if (is_central) return across * near;
-  return across * (ByMovement(camera, line, across, 2, pixel).inverse() - near);
-}
-
-void UnprojectPixel(const CameraModel& camera, const double* given,
-                    double* direction) {
-  const Eigen::Vector2d pixel(given[0], given[1]);
-  const std::optional<Eigen::Vector3d> found = camera.Unproject(pixel);
-  if (found && camera.IsLit(pixel))
-    Put<3>(*found, direction);
-  else
-    Put<3>({NAN, NAN, NAN}, direction);
-}
-
-// The derivatives at a pixel that looks along a direction; NaN without one.
-void DeriveDirection(const CameraModel& camera, bool is_central,
-                     const double* given, const double* direction,
-                     double* by_pixel) {
-  const Eigen::Vector2d pixel(given[0], given[1]);
-  Eigen::Map<Eigen::Matrix<double, 3, 2, Eigen::RowMajor>> derivative(by_pixel);
-  const auto line =
-      std::isnan(direction[0]) ? std::nullopt : camera.Line(pixel);
-  if (line)
-    derivative = DirectionByPixel(
-        camera, is_central,
-        {line->origin, Eigen::Map<const Eigen::Vector3d>(direction)}, pixel);
-  else
-    derivative.setConstant(NAN);
-}
-
-py::object Unproject(const PyCamera& self, const py::object& given,
-                     bool with_jacobians, int num_threads) {
-  const GivenVectors pixels = TakeVectors(given, 2, "pixels");
-  DoubleArray directions = pixels.Like({3});
-  DoubleArray jacobians = with_jacobians ? pixels.Like({3, 2}) : DoubleArray(0);
-  double* const direction = directions.mutable_data();
-  double* const jacobian = with_jacobians ? jacobians.mutable_data() : nullptr;
-  const CameraModel& camera = *self.file.camera;
-  const bool is_central = camera.IsCentral();
-  ForParts(pixels.count, num_threads, [&](size_t first, size_t end) {
-    for (size_t k = first; k < end; ++k)
-      UnprojectPixel(camera, pixels[k], direction + 3 * k);
-    for (size_t k = first; jacobian && k < end; ++k)
-      DeriveDirection(camera, is_central, pixels[k], direction + 3 * k,
-                      jacobian + 6 * k);
-  });
-  if (!with_jacobians) return directions;
-  return py::make_tuple(directions, jacobians);
-}
-
-py::tuple Rays(const PyCamera& self, const py::object& given, int num_threads) {
-  const GivenVectors pixels = TakeVectors(given, 2, "pixels");
-  DoubleArray origins = pixels.Like({3}), directions = pixels.Like({3});
-  double* const origin = origins.mutable_data();
-  double* const direction = directions.mutable_data();
-  const CameraModel& camera = *self.file.camera;
-  const Eigen::Vector3d none(NAN, NAN, NAN);
-  ForParts(pixels.count, num_threads, [&](size_t first, size_t end) {
-    for (size_t k = first; k < end; ++k) {
-      const Eigen::Vector2d pixel(pixels[k][0], pixels[k][1]);
-      const auto line = camera.IsLit(pixel) ? camera.Line(pixel) : std::nullopt;
-      Put<3>(line ? line->origin : none, origin + 3 * k);
-      Put<3>(line ? line->direction.normalized() : none, direction + 3 * k);
-    }
-  });
-  return py::make_tuple(origins, directions);
-}
 
 const CameraUncertainty& UncertaintyOf(const PyCamera& self) {
   if (self.file.uncertainty) return *self.file.uncertainty;
