@@ -105,8 +105,8 @@ static inline uint32_t rg_source_size(const uint8_t* section, uint32_t size,
 rg_status rg_check_remap(const uint8_t* section, uint32_t size,
                          uint32_t source_size);
 
-/* Those of a table that was checked. */
-rg_status rg_check_vertices(const uint8_t* section);
+/* Those of a table that was checked: its own, or their like in a knot. */
+rg_status rg_check_vertices(const uint8_t* section, const uint8_t* vertices);
 
 /* Checks the row time section. */
 rg_status rg_check_row_time(const uint8_t* section, uint32_t size);

@@ -178,6 +178,11 @@ static inline int rg_distorts(const uint8_t* section) {
   return rg_has_view(section) && section[RG_VIEW_DIRECTION] == RG_DISTORT;
 }
 
+/* The vertices of a remap section. */
+static inline const uint8_t* rg_find_vertices(const uint8_t* section) {
+  return section + rg_load_u32(section + RG_REMAP_DATA_OFFSET);
+}
+
 /* The bytes of a vertex of a remap section. */
 static inline uint32_t rg_vertex_size(const uint8_t* section) {
   return section[RG_REMAP_PART_LOG2] != 0 ? RG_BENT_VERTEX_SIZE
@@ -282,13 +287,11 @@ enum rg_capture_field {
 
 /* The camera at other conditions, knot after knot. */
 enum rg_stack_field {
-  RG_STACK_CONDITION = 0,  /* u16: rg_condition */
-  RG_STACK_KNOTS = 2,      /* u16: how many */
-  RG_STACK_KNOT_SIZE = 4,  /* u32, bytes: of each */
-  RG_STACK_DATA_OFFSET = 8 /* u32: knots, from the section's first byte */
+  RG_STACK_CONDITION = 0, /* u16: rg_condition */
+  RG_STACK_KNOTS = 2      /* u16: how many */
 };
-/* Behind them an i32, q16, for each knot: its value. */
-#define RG_STACK_FIELDS_SIZE 12u
+#define RG_STACK_FIELDS_SIZE 4u
+#define RG_KNOT_VALUE_SIZE 4u /* i32, q16, behind a knot's sections */
 
 /* ---- Row time ----------------------------------------------------------- */
 

@@ -324,7 +324,8 @@ rg_status rg_check_whole_remap(const uint8_t* bytes, const uint8_t* section,
   rg_status status = rg_check_remap(
       section, size,
       rg_source_size(section, size, rg_load_u32(camera + RG_CAMERA_WIDTH)));
-  if (status == RG_OK) status = rg_check_vertices(section);
+  if (status == RG_OK)
+    status = rg_check_vertices(section, rg_find_vertices(section));
   if (status != RG_OK) return status;
   if (rg_load_u32(section + RG_REMAP_FX) == 0 ||
       rg_load_u32(section + RG_REMAP_FY) == 0)

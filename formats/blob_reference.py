@@ -41,7 +41,8 @@ LINE_POINTS = struct.Struct("<2HI")
 MASK = struct.Struct("<2H2BHI")
 UNCERTAINTY = struct.Struct("<2H3I")
 CAPTURE = struct.Struct("<iI2i3I2BHi2I")
-STACK = struct.Struct("<2H2I")
+STACK = struct.Struct("<2H")
+KNOT_VALUE = struct.Struct("<i")
 ROW_TIME = struct.Struct("<iI")
 CRC_COVERED_HEADER = 28
 
@@ -936,36 +937,35 @@ def read_capture(section: bytes, camera: Camera) -> Capture:
 def knot_parts(data: bytes, table: list[Entry]) -> list[tuple[int, bytes]]:
     """Stack: type and bytes of the blob's own sections that a knot has a part for."""
     entries = [entry for entry in table if entry.type in (TYPE_GRID, TYPE_INVERSE, TYPE_REMAP)]
-    require(entries[0].type == TYPE_GRID
-            and all(low.offset + low.size == high.offset
-                    for low, high in zip(entries, entries[1:])),
-            "RG_ERR_STACK", "sections that knots have a part for are not together")
+    require(entries[0].type == TYPE_GRID and table[-1].type == TYPE_STACK
+            and entries == table[-1 - len(entries):-1],
+            "RG_ERR_STACK", "sections that knots have a part for are not together in front of the stack")
     return [(entry.type, section_bytes(data, entry)) for entry in entries]
 
 
 def read_stack(section: bytes, data: bytes, table: list[Entry]) -> Stack:
     """Stack (type 12)."""
-    condition, count, knot_size, data_offset = unpack_fields(STACK, section, "stack")
+    condition, count = unpack_fields(STACK, section, "stack")
     require(condition in CONDITIONS and count in KNOT_COUNTS
             and not any(sections(data, table, TYPE_LINE_POINTS)), "RG_ERR_STACK",
             f"the stack has {count} knots of condition {condition}")
-    values_layout = struct.Struct(f"{STACK.format}{count}i")
-    values = unpack_fields(values_layout, section, "stack")[4:]
+    own = knot_parts(data, table)
+    parts_size = sum(len(part) for _, part in own)
+    knot_size = parts_size + KNOT_VALUE.size
+    array = array_bytes(section, STACK.size, count * knot_size, "stack")
+    whole = [array[k * knot_size:(k + 1) * knot_size] for k in range(count)]
+    values = tuple(KNOT_VALUE.unpack_from(knot, parts_size)[0] for knot in whole)
     require(all(low < high for low, high in zip(values, values[1:]))
             and max(map(abs, values)) <= CONDITION_LIMIT_Q16, "RG_ERR_STACK",
             f"the values are {values}")
-    own = knot_parts(data, table)
-    require(knot_size == sum(len(part) for _, part in own), "RG_ERR_STACK",
-            f"a knot has {knot_size} bytes")
-    check_data_offset(data_offset, values_layout, "stack")
-    array = array_bytes(section, data_offset, count * knot_size, "stack")
     camera = read_camera(first_section(data, table, TYPE_CAMERA))
     sizes = mode_sizes(next(sections(data, table, TYPE_MODES), b""))
-    knots, position = [], 0
-    for _ in range(count):
+    knots = []
+    for knot in whole:
+        position = 0
         found = {TYPE_GRID: [], TYPE_INVERSE: [], TYPE_REMAP: []}
         for kind, like in own:
-            part = array[position:position + len(like)]
+            part = knot[position:position + len(like)]
             position += len(like)
             found[kind].append(read_knot_part(kind, part, like, camera, sizes))
         knots.append(Knot(found[TYPE_GRID][0], next(iter(found[TYPE_INVERSE]), None),
@@ -1716,15 +1716,30 @@ def serialize(blob: Blob) -> bytes:
 
 
 def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
-    """Type and bytes of each section: what knots have their like of comes together."""
+    """Type and bytes of each section. A stack stands last, directly behind what its knots have
+    their like of."""
     yield TYPE_CAMERA, pack_camera(blob.camera)
     if blob.modes:
         yield TYPE_MODES, b"".join(map(pack_mode, blob.modes))
+    if blob.stack is None:
+        yield from packed_parts(blob)
+    yield from packed_lone_sections(blob)
+    if blob.stack is not None:
+        yield from packed_parts(blob)
+        yield TYPE_STACK, pack_stack(blob.stack)
+
+
+def packed_parts(blob: Blob) -> Iterator[tuple[int, bytes]]:
+    """Stack: the sections that knots have their like of."""
     yield TYPE_GRID, pack_grid(blob.grid)
     for remap in blob.remaps:
         yield TYPE_REMAP, pack_remap(remap)
     if blob.inverse is not None:
         yield TYPE_INVERSE, pack_inverse(blob.inverse)
+
+
+def packed_lone_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
+    """Sections behind the camera and the modes that knots have no like of."""
     if blob.quality is not None:
         yield TYPE_QUALITY, QUALITY.pack(*dataclasses.astuple(blob.quality))
     if blob.line_points is not None:
@@ -1735,8 +1750,6 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
         yield TYPE_UNCERTAINTY, pack_uncertainty(blob.uncertainty, blob.grid)
     if blob.capture is not None:
         yield TYPE_CAPTURE, pack_capture(blob.capture)
-    if blob.stack is not None:
-        yield TYPE_STACK, pack_stack(blob.stack)
     if blob.row_time is not None:
         yield TYPE_ROW_TIME, ROW_TIME.pack(*dataclasses.astuple(blob.row_time))
 
@@ -1869,14 +1882,13 @@ def pack_capture(capture: Capture) -> bytes:
 
 def pack_stack(stack: Stack) -> bytes:
     """Stack (type 12)."""
-    count = len(stack.values)
-    knots = list(map(pack_knot, stack.knots))
-    fields = STACK.pack(stack.condition, count, len(knots[0]), STACK.size + 4 * count)
-    return fields + struct.pack(f"<{count}i", *stack.values) + b"".join(knots)
+    return STACK.pack(stack.condition, len(stack.values)) + b"".join(
+        pack_knot(knot) + KNOT_VALUE.pack(value)
+        for knot, value in zip(stack.knots, stack.values))
 
 
 def pack_knot(knot: Knot) -> bytes:
-    """Stack: a knot's grids and tables, in the order of packed_sections()."""
+    """Stack: a knot's grids and tables, in the order of packed_parts()."""
     inverse = b"" if knot.inverse is None else pack_inverse(knot.inverse)
     return pack_grid(knot.grid) + b"".join(map(pack_remap, knot.remaps)) + inverse
 

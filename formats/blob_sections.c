@@ -133,12 +133,10 @@ static int are_vertices_in_range(const uint8_t* section, const uint8_t* axis,
   return 1;
 }
 
-rg_status rg_check_vertices(const uint8_t* section) {
-  const uint8_t* const residuals =
-      section + rg_load_u32(section + RG_REMAP_DATA_OFFSET);
+rg_status rg_check_vertices(const uint8_t* section, const uint8_t* vertices) {
   for (uint32_t axis = 0; axis < 2; ++axis)
     if (!are_vertices_in_range(section, section + 4 * axis,
-                               residuals + 2 * axis))
+                               vertices + 2 * axis))
       return RG_ERR_REMAP_VERTEX;
   return RG_OK;
 }

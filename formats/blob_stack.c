@@ -37,16 +37,16 @@ static part_walk start_walk(const uint8_t* bytes) {
   return walk;
 }
 
-/* The size of a knot; 0 if the sections it has its like of do not follow each
- * other, from the central grid on. */
-static uint32_t size_of_knot(const uint8_t* bytes) {
+/* The size of what a knot has its like of; 0 if these sections do not follow
+ * each other, from the central grid to the stack. */
+static uint32_t size_of_parts(const uint8_t* bytes, const uint8_t* stack) {
   uint32_t size = 0;
   part_walk walk = start_walk(bytes);
   while (go_to_next_part(&walk)) {
     if (walk.grid == 0 || walk.own != walk.grid + size) return 0;
     size += walk.size;
   }
-  return size;
+  return walk.grid + size == stack ? size : 0;
 }
 
 /* The bytes in front of a table's arrays, but for the measured error, and its
@@ -80,11 +80,24 @@ static rg_status check_part(const uint8_t* part, const part_walk* walk,
              : RG_ERR_STACK;
 }
 
-static int are_values_in_order(const uint8_t* section, uint32_t num_knots) {
+int32_t rg_knot_value(const rg_stack_section* stack, uint32_t knot) {
+  return rg_load_i32(stack->knots + (knot + 1) * stack->knot_size -
+                     RG_KNOT_VALUE_SIZE);
+}
+
+static rg_stack_section read_stack(const uint8_t* section,
+                                   uint32_t parts_size) {
+  const rg_stack_section stack = {rg_load_u16(section + RG_STACK_CONDITION),
+                                  rg_load_u16(section + RG_STACK_KNOTS),
+                                  section + RG_STACK_FIELDS_SIZE,
+                                  parts_size + RG_KNOT_VALUE_SIZE};
+  return stack;
+}
+
+static int are_values_in_order(const rg_stack_section* stack) {
   int64_t last = -(int64_t)RG_CONDITION_LIMIT_Q16 - 1;
-  for (uint32_t k = 0; k < num_knots; ++k) {
-    const int32_t value_q16 =
-        rg_load_i32(section + RG_STACK_FIELDS_SIZE + 4 * k);
+  for (uint32_t k = 0; k < stack->num_knots; ++k) {
+    const int32_t value_q16 = rg_knot_value(stack, k);
     if (value_q16 <= last || value_q16 > RG_CONDITION_LIMIT_Q16) return 0;
     last = value_q16;
   }
@@ -93,40 +106,31 @@ static int are_values_in_order(const uint8_t* section, uint32_t num_knots) {
 
 rg_status rg_check_stack(const uint8_t* bytes, const uint8_t* section,
                          uint32_t size, const rg_sections* sections) {
-  if (size < RG_STACK_FIELDS_SIZE) return RG_ERR_SECTION_SIZE;
-  const uint32_t num_knots = rg_load_u16(section + RG_STACK_KNOTS);
-  const uint32_t fields_size = RG_STACK_FIELDS_SIZE + 4 * num_knots;
-  if (rg_load_u16(section + RG_STACK_CONDITION) - 1u >=
-          RG_CONDITION_TEMPERATURE ||
-      num_knots < RG_MIN_KNOTS || num_knots > RG_MAX_KNOTS ||
-      sections->of[RG_SECTION_LINE_POINTS].bytes)
+  const uint32_t parts_size = size_of_parts(bytes, section);
+  const rg_stack_section stack = read_stack(section, parts_size);
+  if (stack.condition - 1u >= RG_CONDITION_TEMPERATURE ||
+      stack.num_knots < RG_MIN_KNOTS || stack.num_knots > RG_MAX_KNOTS ||
+      sections->of[RG_SECTION_LINE_POINTS].bytes || parts_size == 0 ||
+      section + size != bytes + rg_load_u32(bytes + RG_HEADER_TOTAL_SIZE))
     return RG_ERR_STACK;
-  if (size < fields_size) return RG_ERR_SECTION_SIZE;
-  if (!are_values_in_order(section, num_knots)) return RG_ERR_STACK;
-  const uint32_t knot_size = rg_load_u32(section + RG_STACK_KNOT_SIZE);
-  if (knot_size == 0 || knot_size != size_of_knot(bytes)) return RG_ERR_STACK;
-  const uint64_t knots_size = (uint64_t)num_knots * knot_size;
-  if (knots_size > size) return RG_ERR_SECTION_SIZE;
-  rg_status status = rg_check_extent(section + RG_STACK_DATA_OFFSET, size,
-                                     fields_size, (uint32_t)knots_size);
-  if (status != RG_OK) return status;
-  const uint8_t* part = section + rg_load_u32(section + RG_STACK_DATA_OFFSET);
-  for (uint32_t k = 0; k < num_knots; ++k) {
+  if (size !=
+      RG_STACK_FIELDS_SIZE + (uint64_t)stack.num_knots * stack.knot_size)
+    return RG_ERR_SECTION_SIZE;
+  if (!are_values_in_order(&stack)) return RG_ERR_STACK;
+  const uint8_t* part = stack.knots;
+  for (uint32_t k = 0; k < stack.num_knots; ++k) {
     part_walk walk = start_walk(bytes);
     while (go_to_next_part(&walk)) {
-      status = check_part(part, &walk, sections->of[RG_SECTION_CAMERA].bytes);
+      const rg_status status =
+          check_part(part, &walk, sections->of[RG_SECTION_CAMERA].bytes);
       if (status != RG_OK) return status;
       part += walk.size;
     }
+    part += RG_KNOT_VALUE_SIZE;
   }
   return RG_OK;
 }
 
 void rg_blob_stack(const rg_blob* blob, rg_stack_section* stack) {
-  const uint8_t* const section = blob->bytes + blob->stack;
-  stack->condition = rg_load_u16(section + RG_STACK_CONDITION);
-  stack->num_knots = rg_load_u16(section + RG_STACK_KNOTS);
-  stack->values_q16 = section + RG_STACK_FIELDS_SIZE;
-  stack->knots = section + rg_load_u32(section + RG_STACK_DATA_OFFSET);
-  stack->knot_size = rg_load_u32(section + RG_STACK_KNOT_SIZE);
+  *stack = read_stack(blob->bytes + blob->stack, blob->stack - blob->grid);
 }

@@ -68,7 +68,7 @@ static uint32_t num_remaps(const rg_blob_contents* contents) {
 }
 
 static uint32_t knot_size_of(const rg_blob_contents* contents) {
-  uint32_t knot_size = grid_size(contents);
+  uint32_t knot_size = grid_size(contents) + RG_KNOT_VALUE_SIZE;
   if (contents->inverse) knot_size += inverse_size(contents->inverse);
   if (contents->remap) knot_size += rg_remap_section_size(contents->remap);
   for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
@@ -78,7 +78,7 @@ static uint32_t knot_size_of(const rg_blob_contents* contents) {
 
 static uint32_t stack_size(const rg_blob_contents* contents) {
   return RG_STACK_FIELDS_SIZE +
-         (4 + knot_size_of(contents)) * contents->stack->num_knots;
+         knot_size_of(contents) * contents->stack->num_knots;
 }
 
 uint32_t rg_blob_size(const rg_blob_contents* contents) {
@@ -308,8 +308,8 @@ static void write_capture(const rg_capture_section* capture, uint8_t* section) {
   rg_store_u32(section + RG_CAPTURE_ANALOGUE_GAIN, capture->analogue_gain_q16);
 }
 
-/* Writes a knot's grids and tables in the order of write_sections(), and
- * returns where the next one goes. */
+/* Writes a knot's grids and tables in the order of write_parts(), then its
+ * value, and returns where the next one goes. */
 static uint8_t* write_knot(const rg_blob_contents* contents,
                            const rg_knot_contents* knot, uint8_t* part) {
   write_grid(contents->grid, knot->control_points_q29, knot->narrow, part);
@@ -323,22 +323,17 @@ static uint8_t* write_knot(const rg_blob_contents* contents,
     write_inverse(contents->inverse, knot->inverse_points, part);
     part += inverse_size(contents->inverse);
   }
-  return part;
+  rg_store_i32(part, knot->value_q16);
+  return part + RG_KNOT_VALUE_SIZE;
 }
 
 static void write_stack(const rg_blob_contents* contents, uint8_t* section) {
   const rg_stack_contents* const stack = contents->stack;
-  const uint32_t fields_size = RG_STACK_FIELDS_SIZE + 4u * stack->num_knots;
   rg_store_u16(section + RG_STACK_CONDITION, stack->condition);
   rg_store_u16(section + RG_STACK_KNOTS, stack->num_knots);
-  rg_store_u32(section + RG_STACK_KNOT_SIZE, knot_size_of(contents));
-  rg_store_u32(section + RG_STACK_DATA_OFFSET, fields_size);
-  uint8_t* knot = section + fields_size;
-  for (uint32_t k = 0; k < stack->num_knots; ++k) {
-    rg_store_i32(section + RG_STACK_FIELDS_SIZE + 4 * k,
-                 stack->knots[k].value_q16);
+  uint8_t* knot = section + RG_STACK_FIELDS_SIZE;
+  for (uint32_t k = 0; k < stack->num_knots; ++k)
     knot = write_knot(contents, &stack->knots[k], knot);
-  }
 }
 
 static void write_row_time(const rg_row_time_section* row_time,
@@ -373,9 +368,13 @@ static void begin_remap(const rg_remap_section* remap, const int16_t* residuals,
       begin_section(writer, RG_SECTION_REMAP, 0, rg_remap_section_size(remap)));
 }
 
-/* Those of later versions than 1.0. */
-static void write_new_sections(const rg_blob_contents* contents,
-                               section_writer* writer) {
+/* Sections behind the camera and the modes that knots of a stack have no like
+ * of. */
+static void write_lone_sections(const rg_blob_contents* contents,
+                                section_writer* writer) {
+  if (contents->quality)
+    write_quality(contents->quality, begin_section(writer, RG_SECTION_QUALITY,
+                                                   0, RG_QUALITY_SIZE));
   if (contents->line_points_q28)
     write_line_points(
         contents->grid, contents->line_points_q28,
@@ -391,9 +390,6 @@ static void write_new_sections(const rg_blob_contents* contents,
   if (contents->capture)
     write_capture(contents->capture, begin_section(writer, RG_SECTION_CAPTURE,
                                                    0, RG_CAPTURE_SIZE));
-  if (contents->stack)
-    write_stack(contents, begin_section(writer, RG_SECTION_STACK, 0,
-                                        stack_size(contents)));
   if (contents->row_time)
     write_row_time(
         contents->row_time,
@@ -408,13 +404,9 @@ static void write_modes(const rg_blob_contents* contents,
     write_mode(&contents->modes[k], section + RG_MODE_SIZE * k);
 }
 
-/* Sections that knots of a stack have their like of are together. */
-static void write_sections(const rg_blob_contents* contents,
-                           section_writer* writer) {
-  write_camera(contents->camera,
-               begin_section(writer, RG_SECTION_CAMERA, RG_SECTION_CRITICAL,
-                             RG_CAMERA_SIZE));
-  if (contents->num_modes != 0) write_modes(contents, writer);
+/* Sections that knots of a stack have their like of. */
+static void write_parts(const rg_blob_contents* contents,
+                        section_writer* writer) {
   write_grid(contents->grid, contents->control_points_q29, contents->narrow,
              begin_section(writer, RG_SECTION_CENTRAL_GRID, RG_SECTION_CRITICAL,
                            grid_size(contents)));
@@ -427,10 +419,23 @@ static void write_sections(const rg_blob_contents* contents,
     write_inverse(contents->inverse, contents->inverse_points,
                   begin_section(writer, RG_SECTION_INVERSE, 0,
                                 inverse_size(contents->inverse)));
-  if (contents->quality)
-    write_quality(contents->quality, begin_section(writer, RG_SECTION_QUALITY,
-                                                   0, RG_QUALITY_SIZE));
-  write_new_sections(contents, writer);
+}
+
+/* A stack stands last, directly behind the sections that its knots have their
+ * like of. */
+static void write_sections(const rg_blob_contents* contents,
+                           section_writer* writer) {
+  write_camera(contents->camera,
+               begin_section(writer, RG_SECTION_CAMERA, RG_SECTION_CRITICAL,
+                             RG_CAMERA_SIZE));
+  if (contents->num_modes != 0) write_modes(contents, writer);
+  if (!contents->stack) write_parts(contents, writer);
+  write_lone_sections(contents, writer);
+  if (contents->stack) {
+    write_parts(contents, writer);
+    write_stack(contents, begin_section(writer, RG_SECTION_STACK, 0,
+                                        stack_size(contents)));
+  }
 }
 
 /* The version of the format that has what a table uses. */

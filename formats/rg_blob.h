@@ -217,13 +217,13 @@ typedef enum rg_condition {
 } rg_condition;
 
 /* The camera at other conditions. A knot has its like of each grid and table of
- * the blob, in the order of the section table, and as large. */
+ * the blob, in the order of the section table, and as large; and its value
+ * behind them: rg_knot_value(). */
 typedef struct rg_stack_section {
-  uint16_t condition;        /* rg_condition */
-  uint16_t num_knots;        /* RG_MIN_KNOTS to RG_MAX_KNOTS */
-  const uint8_t* values_q16; /* in the blob, little-endian i32, ascending */
-  const uint8_t* knots;      /* in the blob */
-  uint32_t knot_size;        /* bytes from one to the next */
+  uint16_t condition;   /* rg_condition */
+  uint16_t num_knots;   /* RG_MIN_KNOTS to RG_MAX_KNOTS */
+  const uint8_t* knots; /* in the blob */
+  uint32_t knot_size;   /* bytes from one to the next */
 } rg_stack_section;
 
 /* How much later than the row above it a sensor reads a row. */
@@ -265,6 +265,10 @@ void rg_blob_uncertainty(const rg_blob* blob,
                          rg_uncertainty_section* uncertainty);
 void rg_blob_capture(const rg_blob* blob, rg_capture_section* capture);
 void rg_blob_stack(const rg_blob* blob, rg_stack_section* stack);
+
+/* The value of a knot, counted from 0, in q16; they ascend. */
+int32_t rg_knot_value(const rg_stack_section* stack, uint32_t knot);
+
 void rg_blob_row_time(const rg_blob* blob, rg_row_time_section* row_time);
 
 /* How many modes a blob has, and the index-th of them, counted from 0. */

@@ -37,11 +37,11 @@ extern "C" {
  * for use outside the library. */
 typedef struct rg_camera {
   const uint8_t* blob;
-  const uint8_t* grid; /* sections, or their like in a knot; NULL where there is
-                          none: */
-  const uint8_t* inverse;
-  const uint8_t* line_points;         /* not the section, but its first point */
-  const uint8_t* remap;               /* the one in use */
+  const uint8_t* grid;    /* a section, or its like in a knot */
+  const uint8_t* inverse; /* likewise; this and others are NULL where there is
+                             none */
+  const uint8_t* line_points; /* not the section, but its first point */
+  const uint8_t* remap;       /* the section in use, never its like in a knot */
   const struct rg_stack_code* stack;  /* NULL: no condition was set */
   uint32_t knot_shift;                /* bytes from the blob's own sections to
                                          their like in the knot in use */

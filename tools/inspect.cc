@@ -137,7 +137,7 @@ Json StackFacts(const rg_blob& blob) {
       {"knots", Json::array()},
       {"bytes_a_knot", stack.knot_size}};
   for (int k = 0; k < stack.num_knots; ++k)
-    json["knots"].push_back(rg_load_i32(stack.values_q16 + 4 * k) / 65536.0);
+    json["knots"].push_back(rg_knot_value(&stack, k) / 65536.0);
   return json;
 }
 

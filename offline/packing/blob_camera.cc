@@ -121,7 +121,7 @@ std::optional<ConditionRange> BlobCamera::Range() const {
   rg_stack_section stack;
   rg_blob_stack(&blob_, &stack);
   const auto value = [&](int knot) {
-    return rg_load_i32(stack.values_q16 + 4 * knot) / 65536.0;
+    return rg_knot_value(&stack, knot) / 65536.0;
   };
   return ConditionRange{stack.condition == RG_CONDITION_TEMPERATURE
                             ? CameraCondition::kTemperature

@@ -77,6 +77,6 @@ static uint8_t part_log2(const rg_part_row* parts, const rg_span* span) {
 void rg_next_block(rg_part_row* parts, rg_block* block) {
   block->width_log2 = part_log2(parts, &parts->spans[0]);
   block->height_log2 = part_log2(parts, &parts->spans[1]);
-  rg_find_block_of_part(parts);
+  rg_find_block_of_part(parts, 0);
   rg_pass_part(parts, block->corners);
 }

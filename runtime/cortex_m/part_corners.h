@@ -66,8 +66,11 @@ static inline void rg_start_part_row(const uint8_t* section,
   rg_start_parts(parts, j);
 }
 
-/* Finds the block that the next part is in, and sizes of its vertices. */
-static RG_INLINE void rg_find_block_of_part(rg_part_row* parts) {
+/* Finds the block that the next part is in, and sizes of its vertices.
+ *
+ * knot_shift  as rg_camera has it */
+static RG_INLINE void rg_find_block_of_part(rg_part_row* parts,
+                                            uint32_t knot_shift) {
   const uint8_t* const section = parts->section;
   const uint32_t columns = rg_load_u16(section + RG_REMAP_COLUMNS);
   const uint32_t size = rg_vertex_size(section);
@@ -75,11 +78,10 @@ static RG_INLINE void rg_find_block_of_part(rg_part_row* parts) {
   const uint32_t j = parts->spans[1].before >> 16;
   const uint32_t vertex = j * columns + (parts->spans[0].before >> 16);
   const uint32_t mark = vertex - j;
-  const uint8_t* const vertices =
-      section + rg_load_u32(section + RG_REMAP_DATA_OFFSET);
+  const uint8_t* const vertices = rg_find_vertices(section);
   const uint8_t* const marks =
       vertices + rg_load_u16(section + RG_REMAP_ROWS) * row_size;
-  parts->block = vertices + vertex * size;
+  parts->block = vertices + knot_shift + vertex * size;
   parts->row_size = row_size;
   parts->vertex_size = (uint8_t)size;
   parts->is_empty = (marks[mark >> 3] >> (mark & 7)) & 1;

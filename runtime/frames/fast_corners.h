@@ -43,13 +43,14 @@ static RG_INLINE rg_lanes rg_twice_pair(rg_lanes lanes, uint32_t k) {
  * which must be one that rg_select_remap() accepted. */
 typedef struct rg_corner_lines {
   const uint8_t* section;
+  const uint8_t* vertices; /* the table's, or their like in a knot */
   uint8_t is_empty;     /* the table says that no pixel of the last part's block
                            has a source */
   uint8_t part_log2[2]; /* output pixels of a part: across, down */
   uint16_t row;         /* of parts */
   uint16_t next_part;   /* in the row */
   uint32_t vertex_size, row_size; /* of vertices, in bytes */
-  uint32_t knot_size;             /* as rg_camera has them */
+  uint32_t knot_size;             /* as rg_camera has it */
   int32_t weight;
   int32_t residual_shift, bend_shift[2], num_log2[2]; /* of a block's parts */
   uint32_t next_mark;                                 /* the next block's */
@@ -153,8 +154,8 @@ static inline uint32_t rg_num_parts_log2(const rg_corner_lines* lines,
   return (uint32_t)lines->section[RG_REMAP_BLOCK_LOG2] - lines->part_log2[axis];
 }
 
-/* To the first column of vertices of the row of parts. The section, the parts'
- * size and the row are set. */
+/* To the first column of vertices of the row of parts. The section, vertices,
+ * the parts' size and the row are set. */
 static inline void rg_start_columns(rg_corner_lines* lines) {
   const uint8_t* const section = lines->section;
   const uint32_t log2 = rg_num_parts_log2(lines, 1);
@@ -162,16 +163,14 @@ static inline void rg_start_columns(rg_corner_lines* lines) {
   const int32_t line = lines->row & ((1 << log2) - 1);
   const int32_t rest = (1 << log2) - line;
   const uint32_t columns = rg_load_u16(section + RG_REMAP_COLUMNS);
-  const uint8_t* const vertices =
-      section + rg_load_u32(section + RG_REMAP_DATA_OFFSET);
   const int32_t bend_shift =
       (int32_t)rg_bend_shift(section) - section[RG_REMAP_PART_LOG2];
   rg_lanes turns;
   lines->vertex_size = rg_vertex_size(section);
   lines->row_size = columns * lines->vertex_size;
-  lines->above = vertices + j * lines->row_size;
+  lines->above = lines->vertices + j * lines->row_size;
   lines->marks =
-      vertices + rg_load_u16(section + RG_REMAP_ROWS) * lines->row_size;
+      lines->vertices + rg_load_u16(section + RG_REMAP_ROWS) * lines->row_size;
   lines->next_mark = j * (columns - 1);
   lines->residual_shift = section[RG_REMAP_RESIDUAL_SHIFT];
   for (uint32_t axis = 0; axis < 2; ++axis) {

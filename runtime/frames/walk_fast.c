@@ -34,6 +34,7 @@ typedef struct safe_box {
 /* The walk over the parts of a lattice, and the run at hand. */
 typedef struct fast_walk {
   rg_corner_lines lines;
+  const rg_lattice* lattice;
   rg_source source;
   uint16_t num_rows;    /* of the source that follow each other in memory, from
                            the run's first_source_row on */
@@ -47,8 +48,7 @@ typedef struct fast_walk {
   uint16_t whole_parts; /* that a row of parts has, from the left */
   rg_run run __attribute__((aligned(16)));
   const rg_kernels* kernels;
-  rg_range ranges[2]; /* of the positions that have a source: x, y */
-  const rg_lattice* lattice;
+  rg_range ranges[2];   /* of the positions that have a source: x, y */
   rg_position position; /* of the pixel that a run of CARE_PIXEL is */
   safe_box safe;
   rg_lattice_lanes move;
@@ -110,6 +110,7 @@ static void start_rows(fast_walk* walk, const rg_camera* camera,
   const uint8_t* const section = camera->remap;
   const rg_lattice* const lattice = walk->lattice;
   walk->lines.section = section;
+  walk->lines.vertices = rg_find_vertices(section) + camera->knot_shift;
   walk->lines.knot_size = camera->knot_size;
   walk->lines.weight = camera->weight_q14;
   rg_set_source_size(camera, lattice, &walk->source);

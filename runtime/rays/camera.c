@@ -67,11 +67,12 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
       rg_source_size(section, size, rg_camera_size(camera->blob));
   rg_status status = rg_check_remap(section, size, frame_size);
   /* Elsewhere, what is done with any harms nothing. */
-  if (RG_FAST_WALK && status == RG_OK) status = rg_check_vertices(section);
+  if (RG_FAST_WALK && status == RG_OK)
+    status = rg_check_vertices(section, rg_find_vertices(section));
   if (RG_FAST_WALK && camera->stack && status == RG_OK)
     status = camera->stack->check_vertices(camera, section);
   if (status == RG_OK) {
-    camera->remap = section + (int32_t)camera->knot_shift;
+    camera->remap = section;
     set_frame_size(camera, frame_size);
   }
   return status;

@@ -8,16 +8,31 @@
 #include "rg_blob.h"
 #include "stack_code.h"
 
-/* The blob's stack, or NULL. */
-static const uint8_t* find_stack(const rg_camera* camera, uint32_t* size) {
-  const uint8_t* const entry = rg_find_entry(camera->blob, RG_SECTION_STACK, 0);
-  if (!entry) return 0;
-  *size = rg_load_u32(entry + RG_ENTRY_SIZE);
-  return camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
-}
+/* A blob's stack. From the central grid on, the blob is a row of pieces of one
+ * size: its own grids and tables with the stack's fields, then knots with their
+ * values. Nothing stands behind the stack. So the like of any section of the
+ * blob, in any whole knot, lies inside the blob. A distance plus a knot's size
+ * is at most the blob's size. */
+typedef struct camera_stack {
+  const uint8_t* section;
+  uint32_t size;           /* of the section */
+  const uint8_t* own_grid; /* the blob's */
+  uint32_t knot_size;      /* from one piece to the next */
+} camera_stack;
 
-static RG_INLINE const uint8_t* knots_of(const uint8_t* stack) {
-  return stack + rg_load_u32(stack + RG_STACK_DATA_OFFSET);
+/* 0 if the blob has none. */
+static RG_INLINE int find_stack(const rg_camera* camera, camera_stack* stack) {
+  const uint8_t* const blob = camera->blob;
+  const uint8_t* const last_entry =
+      blob + RG_HEADER_SIZE - RG_SECTION_ENTRY_SIZE +
+      RG_SECTION_ENTRY_SIZE * rg_load_u16(blob + RG_HEADER_SECTION_COUNT);
+  if (rg_load_u16(last_entry + RG_ENTRY_TYPE) != RG_SECTION_STACK) return 0;
+  stack->section = blob + rg_load_u32(last_entry + RG_ENTRY_OFFSET);
+  stack->size = rg_load_u32(last_entry + RG_ENTRY_SIZE);
+  stack->own_grid = camera->grid - camera->knot_shift;
+  stack->knot_size =
+      (uint32_t)(stack->section - stack->own_grid) + RG_STACK_FIELDS_SIZE;
+  return 1;
 }
 
 /* ---- Use ----------------------------------------------------------------- */
@@ -53,16 +68,12 @@ static rg_status find_in_inverse(const rg_camera* camera, int32_t x, int32_t y,
 
 #if RG_FAST_WALK
 static rg_status check_vertices(const rg_camera* camera, const uint8_t* own) {
-  uint32_t size;
-  const uint8_t* const stack = find_stack(camera, &size);
-  uint32_t rest = rg_load_u16(stack + RG_STACK_KNOTS);
-  const uint8_t* table =
-      knots_of(stack) + (own + (int32_t)camera->knot_shift - camera->grid);
-  rg_status status;
-  do {
-    status = rg_check_vertices(table);
-    table += camera->knot_size;
-  } while (--rest != 0 && status == RG_OK);
+  camera_stack stack;
+  if (!find_stack(camera, &stack)) return RG_ERR_NO_STACK;
+  rg_status status = RG_OK;
+  for (uint32_t shift = stack.knot_size; shift < stack.size && status == RG_OK;
+       shift += stack.knot_size)
+    status = rg_check_vertices(own, rg_find_vertices(own) + shift);
   return status;
 }
 #define CHECK_VERTICES check_vertices
@@ -75,79 +86,26 @@ static const rg_stack_code kStackCode = {find_in_grid, find_in_inverse,
 
 /* ---- Checks -------------------------------------------------------------- */
 
-/* The types of sections that a knot has its like of, as bits of a word. Others
- * from 32 on are no such. */
-#define LIKE_TYPES                                          \
-  (1u << RG_SECTION_CENTRAL_GRID | 1u << RG_SECTION_REMAP | \
-   1u << RG_SECTION_INVERSE)
-
-/* Whether the bytes in front of the arrays of a section's like in each knot are
- * the section's own, but for a table's measured error.
- *
- * like  in the first knot */
-static RG_INLINE int have_own_fields(const uint8_t* own, uint32_t num_bytes,
-                                     const uint8_t* like, uint32_t num_knots,
-                                     uint32_t knot_size) {
-  do {
-    for (uint32_t k = 0; k < num_bytes; k += 4)
-      if (k != RG_REMAP_MAX_ERROR_UPX &&
-          rg_load_u32(own + k) != rg_load_u32(like + k))
-        return 0;
-    like += knot_size;
-  } while (--num_knots != 0);
+/* Whether a grid has the fields of the blob's own in all knots. */
+static RG_NOINLINE int is_grid_alike(const uint8_t* own, uint32_t knot_size,
+                                     uint32_t stack_size) {
+  for (uint32_t shift = knot_size; shift < stack_size; shift += knot_size)
+    for (uint32_t k = 0; k < RG_GRID_FIELDS_SIZE; k += 4)
+      if (rg_load_u32(own + k) != rg_load_u32(own + shift + k)) return 0;
   return 1;
 }
 
-/* Whether each knot has its like of the blob's sections. */
-static RG_INLINE int are_knots_like_blob(const rg_camera* camera,
-                                         const uint8_t* knots,
-                                         uint32_t num_knots,
-                                         uint32_t knot_size) {
-  const uint8_t* entry = camera->blob + RG_HEADER_SIZE;
-  uint32_t rest = rg_load_u16(camera->blob + RG_HEADER_SECTION_COUNT);
-  do {
-    const uint32_t type = rg_load_u16(entry + RG_ENTRY_TYPE);
-    if (type < 32 && (LIKE_TYPES >> type & 1) != 0) {
-      const uint8_t* const own =
-          camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
-      const uint32_t size = rg_load_u32(entry + RG_ENTRY_SIZE);
-      const uint32_t place = (uint32_t)(own - camera->grid);
-      const uint32_t data_offset =
-          rg_load_u32(own + (type == RG_SECTION_REMAP ? RG_REMAP_DATA_OFFSET
-                                                      : RG_GRID_DATA_OFFSET));
-      if (place > knot_size || size > knot_size - place ||
-          !have_own_fields(own, rg_lesser(data_offset, size), knots + place,
-                           num_knots, knot_size))
-        return 0;
-    }
-    entry += RG_SECTION_ENTRY_SIZE;
-  } while (--rest != 0);
-  return 1;
-}
-
-/* Checks the stack of a camera that was at no condition yet. */
+/* Checks the whole knots of a stack, before the first condition. Nothing reads
+ * the fields of tables in knots. */
 static RG_INLINE rg_status check_stack(const rg_camera* camera,
-                                       const uint8_t* stack, uint32_t size) {
-  if (size < RG_STACK_FIELDS_SIZE) return RG_ERR_SECTION_SIZE;
-  const uint32_t num_knots = rg_load_u16(stack + RG_STACK_KNOTS);
-  if (num_knots - RG_MIN_KNOTS > RG_MAX_KNOTS - RG_MIN_KNOTS)
+                                       const camera_stack* stack) {
+  if (!is_grid_alike(stack->own_grid, stack->knot_size, stack->size) ||
+      (camera->inverse &&
+       !is_grid_alike(camera->inverse, stack->knot_size, stack->size)))
     return RG_ERR_STACK;
-  const uint32_t knot_size = rg_load_u32(stack + RG_STACK_KNOT_SIZE);
-  /* Distances are of 31 bits, which only matters to processors of 64. */
-  if (knot_size % 4 != 0 ||
-      (sizeof(stack) > 4 &&
-       (uint32_t)(stack - camera->blob) + size > INT32_MAX))
-    return RG_ERR_STACK;
-  uint32_t knots_size;
-  if (rg_multiply_unsigned(num_knots, knot_size, &knots_size) != 0)
-    return RG_ERR_SECTION_SIZE;
-  const rg_status status =
-      rg_check_extent(stack + RG_STACK_DATA_OFFSET, size,
-                      RG_STACK_FIELDS_SIZE + 4 * num_knots, knots_size);
-  if (status != RG_OK) return status;
-  return are_knots_like_blob(camera, knots_of(stack), num_knots, knot_size)
-             ? RG_OK
-             : RG_ERR_STACK;
+  return RG_FAST_WALK && camera->remap
+             ? kStackCode.check_vertices(camera, camera->remap)
+             : RG_OK;
 }
 
 /* ---- Conditions ---------------------------------------------------------- */
@@ -167,40 +125,48 @@ static uint16_t find_weight(uint32_t part, uint32_t whole) {
   return (uint16_t)(weight & RG_WEIGHT_MASK);
 }
 
+/* The bytes from the blob's own sections to their like in the lower knot. The
+ * value of a knot is as far behind the stack's fields. */
+static RG_INLINE uint32_t find_lower_knot(const camera_stack* stack,
+                                          int32_t value_q16) {
+  uint32_t shift = stack->knot_size;
+  while (stack->size - shift > stack->knot_size &&
+         rg_load_i32(stack->section + shift + stack->knot_size) <= value_q16)
+    shift += stack->knot_size;
+  return shift;
+}
+
+/* Moves the camera from the knot that it is at, or from the blob's own
+ * sections. */
+static RG_INLINE void move_to_knot(rg_camera* camera, const camera_stack* stack,
+                                   uint32_t shift) {
+  if (camera->inverse)
+    camera->inverse += (ptrdiff_t)shift - (ptrdiff_t)camera->knot_shift;
+  camera->grid = stack->own_grid + shift;
+  camera->knot_shift = shift;
+}
+
 rg_status rg_set_condition(rg_camera* camera, int32_t value_q16) {
-  uint32_t size;
-  const uint8_t* const stack = find_stack(camera, &size);
-  if (!stack) return RG_ERR_NO_STACK;
-  if (camera->line_points) return RG_ERR_NONCENTRAL;
+  camera_stack stack;
+  if (!find_stack(camera, &stack)) return RG_ERR_NO_STACK;
+  if (camera->line_points || stack.size <= stack.knot_size) return RG_ERR_STACK;
   if (!camera->stack) {
-    rg_status status = check_stack(camera, stack, size);
+    const rg_status status = check_stack(camera, &stack);
     if (status != RG_OK) return status;
-    camera->knot_size = rg_load_u32(stack + RG_STACK_KNOT_SIZE);
-    if (RG_FAST_WALK && camera->remap)
-      status = kStackCode.check_vertices(camera, camera->remap);
-    if (status != RG_OK) return status;
+    camera->knot_size = stack.knot_size;
     camera->stack = &kStackCode;
   }
-  const uint8_t* grid = knots_of(stack);
-  const uint8_t* value = stack + RG_STACK_FIELDS_SIZE;
-  uint32_t num_above = rg_load_u16(stack + RG_STACK_KNOTS) - 1u;
-  while (num_above != 0 && rg_load_i32(value + 4) <= value_q16) {
-    value += 4;
-    grid += camera->knot_size;
-    --num_above;
-  }
-  const int32_t moved = (int32_t)(grid - camera->grid);
-  camera->knot_shift += (uint32_t)moved;
-  camera->grid = grid;
-  if (camera->inverse) camera->inverse += moved;
-  if (camera->remap) camera->remap += moved;
+  const uint32_t shift = find_lower_knot(&stack, value_q16);
+  move_to_knot(camera, &stack, shift);
 
-  const int32_t lower_q16 = rg_load_i32(value);
+  const uint8_t* const lower = stack.section + shift;
+  const int32_t lower_q16 = rg_load_i32(lower);
   const uint32_t part_q16 = (uint32_t)value_q16 - (uint32_t)lower_q16;
   camera->weight_q14 = 0;
-  if (part_q16 == 0) return RG_OK;
-  if (value_q16 < lower_q16 || num_above == 0) return RG_EXTRAPOLATED;
-  camera->weight_q14 =
-      find_weight(part_q16, rg_load_u32(value + 4) - (uint32_t)lower_q16);
-  return RG_OK;
+  if (value_q16 >= lower_q16 && stack.size - shift > stack.knot_size) {
+    camera->weight_q14 = find_weight(
+        part_q16, rg_load_u32(lower + stack.knot_size) - (uint32_t)lower_q16);
+    return RG_OK;
+  }
+  return part_q16 == 0 ? RG_OK : RG_EXTRAPOLATED;
 }

@@ -44,7 +44,7 @@ class StacksTest(CommandTest):
         self.assertEqual(facts["format"], "1.6")
         self.assertEqual(facts["stack"], {
             "condition": "lens_position_dpt", "knots": KNOTS,
-            "bytes_a_knot": len(reference.pack_knot(self.stack.stack.knots[0]))})
+            "bytes_a_knot": len(reference.pack_knot(self.stack.stack.knots[0])) + 4})
         warm = write(self.path("warm.raygrid"), with_word(self.bytes, 0, 3 << 16 | 2))
         self.assertIn("stack: condition 'sensor_temperature_c', knots -0.5, 2, 6.18837",
                       run("inspect", warm).stdout)

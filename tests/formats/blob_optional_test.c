@@ -14,6 +14,9 @@ static uint8_t edited[sizeof(kStackBlob)] __attribute__((aligned(16)));
 #define VIEW 100u
 #define MODE_TABLE 101u
 
+/* Bytes from a knot of the stack, and its value, to the next one. */
+#define KNOT_SIZE 1448u
+
 /* A value of a field of the section of that type: in kNarrowBlob for the grid,
  * in kBentBlob for a remap, in kViewsBlob for one with a view, in kModesBlob
  * for one of a mode and for modes, in kLinesBlob for line points, in
@@ -185,19 +188,15 @@ static const field_value kValues[] = {
     {"one knot", 12, 2, 2, 1, RG_ERR_STACK},
     {"65 knots", 12, 2, 2, 65, RG_ERR_STACK},
     {"fewer knots", 12, 2, 2, 2, RG_ERR_SECTION_SIZE},
-    {"most knots", 12, 2, 2, 64, RG_ERR_STACK},
-    {"empty knots", 12, 4, 4, 0, RG_ERR_STACK},
-    {"knots of another size", 12, 4, 4, 4, RG_ERR_STACK},
-    {"knots in the values", 12, 8, 4, 20, RG_ERR_DATA_OFFSET},
-    {"knots behind a gap", 12, 8, 4, 28, RG_ERR_SECTION_SIZE},
-    {"lowest value", 12, 12, 4, 0xfc000000, RG_OK},
-    {"value below", 12, 12, 4, 0xfbffffff, RG_ERR_STACK},
-    {"smallest number as value", 12, 12, 4, 0x80000000, RG_ERR_STACK},
-    {"highest value", 12, 20, 4, 1024u << 16, RG_OK},
-    {"value above", 12, 20, 4, (1024u << 16) + 1, RG_ERR_STACK},
-    {"value twice", 12, 16, 4, 0xffff8000, RG_ERR_STACK},
-    {"value in reverse", 12, 16, 4, 0xffff0000, RG_ERR_STACK},
-    {"next value", 12, 16, 4, 0xffff8001, RG_OK},
+    {"most knots", 12, 2, 2, 64, RG_ERR_SECTION_SIZE},
+    {"lowest value", 12, KNOT_SIZE, 4, 0xfc000000, RG_OK},
+    {"value below", 12, KNOT_SIZE, 4, 0xfbffffff, RG_ERR_STACK},
+    {"smallest number as value", 12, KNOT_SIZE, 4, 0x80000000, RG_ERR_STACK},
+    {"value twice", 12, 2 * KNOT_SIZE, 4, 0xffff8000, RG_ERR_STACK},
+    {"value in reverse", 12, 2 * KNOT_SIZE, 4, 0xffff0000, RG_ERR_STACK},
+    {"next value", 12, 2 * KNOT_SIZE, 4, 0xffff8001, RG_OK},
+    {"highest value", 12, 3 * KNOT_SIZE, 4, 1024u << 16, RG_OK},
+    {"value above", 12, 3 * KNOT_SIZE, 4, (1024u << 16) + 1, RG_ERR_STACK},
 
     {"reserved field of the capture", 11, 30, 2, 1, RG_ERR_RESERVED},
     {"coldest sensor", 11, 32, 4, 0xfc000000, RG_OK},

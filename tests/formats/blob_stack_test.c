@@ -82,12 +82,11 @@ static void take_apart(void) {
       at += rg_load_u32(entry + RG_ENTRY_SIZE);
     }
     if (k == KNOTS) break;
-    assert_int_equal(at, (k + 1) * section.knot_size);
-    const rg_knot_contents knot = {
-        .value_q16 = rg_load_i32(section.values_q16 + 4 * k),
-        .narrow = &parts[k].narrow,
-        .inverse_points = &parts[k].inverse_points,
-        .remaps = parts[k].remaps};
+    assert_int_equal(at + RG_KNOT_VALUE_SIZE, (k + 1) * section.knot_size);
+    const rg_knot_contents knot = {.value_q16 = rg_knot_value(&section, k),
+                                   .narrow = &parts[k].narrow,
+                                   .inverse_points = &parts[k].inverse_points,
+                                   .remaps = parts[k].remaps};
     knots[k] = knot;
   }
   const rg_stack_contents whole = {section.condition, section.num_knots, knots};
@@ -116,6 +115,25 @@ static void stack_is_written_byte_for_byte(void** state) {
   assert_int_equal(rg_blob_size(&contents), SIZE);
   assert_int_equal(write_all(), RG_OK);
   assert_memory_equal(written, kStackBlob, SIZE);
+}
+
+/* Sections that knots have no like of stand in front of the others. */
+static void stack_stands_behind_all_else(void** state) {
+  (void)state;
+  static uint8_t large[sizeof(kStackBlob) + 64] GOLDEN_ALIGNED;
+  static const uint16_t kTypes[] = {
+      RG_SECTION_CAMERA,  RG_SECTION_ROW_TIME, RG_SECTION_CENTRAL_GRID,
+      RG_SECTION_REMAP,   RG_SECTION_REMAP,    RG_SECTION_REMAP,
+      RG_SECTION_INVERSE, RG_SECTION_STACK};
+  const rg_row_time_section row_time = {10 << 10, 0};
+  take_apart();
+  contents.row_time = &row_time;
+  assert_int_equal(rg_blob_write(&contents, large, sizeof(large)), RG_OK);
+  assert_int_equal(rg_load_u16(large + RG_HEADER_SECTION_COUNT), 8);
+  for (uint32_t k = 0; k < 8; ++k)
+    assert_int_equal(section_of(large, k).type, kTypes[k]);
+  const blob_section stack_section = section_of(large, 7);
+  assert_int_equal(stack_section.size, section_of(kStackBlob, 6).size);
 }
 
 static void missing_parts_are_refused(void** state) {
@@ -209,6 +227,7 @@ static void stack_stands_once_and_whole(void** state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(stack_is_written_byte_for_byte),
+      cmocka_unit_test(stack_stands_behind_all_else),
       cmocka_unit_test(stack_stands_once_and_whole),
       cmocka_unit_test(missing_parts_are_refused),
       cmocka_unit_test(other_tables_than_the_blobs_are_refused),

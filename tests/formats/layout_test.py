@@ -36,6 +36,7 @@ WORDS = {
     "i32 x, y, z, in q28 m": ("RG_LINE_POINT_", "i32 x, i32 y, i32 z", "RG_LINE_POINT_SIZE"),
     "control points, row by row from the top: i32 a, i32 b": (None, "i32 a, i32 b", "RG_CONTROL_POINT_SIZE"),
     "pairs of residuals i16 a, i16 b": (None, "i16 a, i16 b", "RG_NARROW_POINT_SIZE"),
+    "Behind each knot stands its value: i32, q16": (None, "i32 value", "RG_KNOT_VALUE_SIZE"),
     "| 8 | u8[32] | name |": (None, "u8[32] name", "RG_TEXT_SIZE"),
 }
 # Central and inverse grids have the other one's fields in the same places: code serves both.

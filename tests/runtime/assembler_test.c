@@ -83,9 +83,9 @@ static void check_row(uint32_t log2, uint32_t j, uint32_t num_parts) {
   b = a;
   for (uint32_t k = 0; k < num_parts; ++k) {
     rg_position in_c[4], in_thumb2[4];
-    rg_find_block_of_part(&a);
+    rg_find_block_of_part(&a, 0);
     rg_pass_part_in_c(&a, in_c);
-    rg_find_block_of_part(&b);
+    rg_find_block_of_part(&b, 0);
     rg_pass_part_in_thumb2(&b, in_thumb2);
     assert_memory_equal(in_c, in_thumb2, sizeof(in_c));
     assert_int_equal(a.spans[0].before, b.spans[0].before);

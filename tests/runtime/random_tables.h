@@ -122,7 +122,7 @@ static inline int make_table(uint32_t style_index, uint32_t size_multiple) {
   const uint32_t source_size =
       camera.frame_width | (uint32_t)camera.frame_height << 16;
   return rg_check_remap(SECTION, size, source_size) == 0 &&
-         rg_check_vertices(SECTION) == 0;
+         rg_check_vertices(SECTION, rg_find_vertices(SECTION)) == 0;
 }
 
 /* ---- Memory of exactly some bytes ---------------------------------------- */

@@ -171,8 +171,8 @@ TEST(StackPacking, TablesAreAlike) {
   rg_blob_stack(&blob.blob(), &section);
   ASSERT_EQ(section.num_knots, stack.knots.values.size());
   for (size_t k = 0; k < stack.knots.values.size(); ++k)
-    EXPECT_NEAR(rg_load_i32(section.values_q16 + 4 * k) / 65536.0,
-                stack.knots.values[k], 1e-5);
+    EXPECT_NEAR(rg_knot_value(&section, k) / 65536.0, stack.knots.values[k],
+                1e-5);
   EXPECT_EQ(blob.NumRemaps(), 2u);
   for (const PackedRemap& remap : stack.packed.remaps)
     EXPECT_LE(remap.error_px, 0.03);
