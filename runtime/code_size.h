@@ -53,7 +53,8 @@ static RG_INLINE int rg_turn(uint32_t* length) {
 
 /* RG_FORGET() makes compilers forget what they know of a value, where size
  * matters. Saves 58 bytes, 8 instructions of a projection, 1 a pixel of YUYV
- * and 24 bytes of stack of rg_remap() in ten places. */
+ * and 24 bytes of stack of rg_remap() in ten places; 8 bytes and 0.2
+ * instructions a pixel between knots of a stack in another. */
 #if RG_IS_FAST
 #define RG_FORGET(value) ((void)(value))
 #else

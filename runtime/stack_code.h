@@ -27,8 +27,8 @@ typedef struct rg_stack_code {
   rg_status (*check_vertices)(const rg_camera* camera, const uint8_t* own);
   /* rg_pass_part() between two knots: where weight_q14 is not 0. For the small
    * walk. */
-  void (*pass_part)(const rg_camera* camera, struct rg_part_row* parts,
-                    struct rg_position* corners);
+  void (*pass_part)(struct rg_part_row* parts, struct rg_position* corners,
+                    const rg_camera* camera);
 } rg_stack_code;
 
 /* Between a number of the lower knot's table and one of the upper knot's. */

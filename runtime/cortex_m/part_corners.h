@@ -106,8 +106,8 @@ static RG_INLINE void rg_pass_part(rg_part_row* parts, rg_position corners[4]) {
 #if RG_FAST_WALK
 #define RG_PASS_BLENDED_PART 0
 #else
-void rg_pass_blended_part(const rg_camera* camera, rg_part_row* parts,
-                          rg_position corners[4]);
+void rg_pass_blended_part(rg_part_row* parts, rg_position corners[4],
+                          const rg_camera* camera);
 #define RG_PASS_BLENDED_PART rg_pass_blended_part
 #endif
 

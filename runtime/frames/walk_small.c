@@ -77,7 +77,7 @@ static int next_part(small_walk* walk, const rg_camera* camera) {
       (uint16_t)rg_lesser(walk->width - pixel, 1u << run->block.width_log2);
   rg_find_block_of_part(&walk->parts, camera->knot_shift);
   if (camera->weight_q14 != 0)
-    camera->stack->pass_part(camera, &walk->parts, run->block.corners);
+    camera->stack->pass_part(&walk->parts, run->block.corners, camera);
   else
     rg_pass_part(&walk->parts, run->block.corners);
   return 1;
