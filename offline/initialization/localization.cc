@@ -1,8 +1,5 @@
 #include "initialization/localization.h"
 
-#include <ceres/ceres.h>
-#include <ceres/rotation.h>
-
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
@@ -87,52 +84,73 @@ std::optional<Pose> PoseFromPerspective(const std::vector<Sight>& sights) {
               facing.inverse() * (unit * t)};
 }
 
-// Reprojection error to first order in the angle between ray and point: the
-// Jacobian by_ray is blind to lengths.
-struct SightError {
-  const Sight& sight;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-  template <typename T>
-  bool operator()(const T* rotation, const T* translation, T* error) const {
-    const T point[3] = {T(sight.point.x()), T(sight.point.y()),
-                        T(sight.point.z())};
-    T rotated[3];
-    ceres::AngleAxisRotatePoint(rotation, point, rotated);
-    Eigen::Matrix<T, 3, 1> direction(rotated[0] + translation[0],
-                                     rotated[1] + translation[1],
-                                     rotated[2] + translation[2]);
-    direction -= sight.origin.cast<T>();
-    direction /= direction.norm();
-    const Eigen::Matrix<T, 2, 1> pixels =
-        sight.pixel_by_ray.cast<T>() * direction;
-    error[0] = pixels[0];
-    error[1] = pixels[1];
-    return true;
-  }
+// The cost of a pose's reprojection errors under Huber's loss of 1 px, and its
+// Gauss-Newton equations by the update of UpdatedPose(). Errors are of first
+// order in the angle between ray and point: the Jacobian by_ray is blind to
+// lengths.
+struct PoseEquations {
+  double cost = 0;
+  Vector6d gradient = Vector6d::Zero();
+  Matrix6d matrix = Matrix6d::Zero();
 };
 
-std::optional<Pose> Refine(const std::vector<Sight>& sights,
-                           const Pose& start) {
-  const Eigen::AngleAxisd angle_axis(start.rotation);
-  Eigen::Vector3d rotation = angle_axis.angle() * angle_axis.axis();
-  Eigen::Vector3d translation = start.translation;
-  ceres::Problem problem;
-  for (const Sight& sight : sights)
-    problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<SightError, 2, 3, 3>(
-            new SightError{sight}),
-        new ceres::HuberLoss(1), rotation.data(), translation.data());
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.max_num_iterations = 50;
-  options.function_tolerance = 1e-12;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  if (!summary.IsSolutionUsable() || !rotation.allFinite() ||
-      !translation.allFinite())
+PoseEquations EquationsOf(const std::vector<Sight>& sights, const Pose& pose) {
+  PoseEquations equations;
+  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+  for (const Sight& sight : sights) {
+    const Eigen::Vector3d rotated = rotation * sight.point;
+    const Eigen::Vector3d seen = rotated + pose.translation - sight.origin;
+    const double distance = seen.norm();
+    const Eigen::Vector3d direction = seen / distance;
+    const Eigen::Vector2d error = sight.pixel_by_ray * direction;
+    const double norm = error.norm();
+    const double weight = norm <= 1 ? 1 : 1 / norm;
+    equations.cost += norm <= 1 ? norm * norm / 2 : norm - 0.5;
+    for (int k = 0; k < 2; ++k) {
+      const Eigen::Vector3d by_ray = sight.pixel_by_ray.row(k);
+      const Eigen::Vector3d by_point =
+          (by_ray - error[k] * direction) / distance;
+      Vector6d by_pose;
+      by_pose << rotated.cross(by_point), by_point;
+      equations.gradient += (weight * error[k]) * by_pose;
+      equations.matrix += (weight * by_pose) * by_pose.transpose();
+    }
+  }
+  return equations;
+}
+
+// Levenberg and Marquardt's method.
+std::optional<Pose> Refine(const std::vector<Sight>& sights, Pose pose) {
+  constexpr int kMaxSteps = 50;
+  constexpr double kTolerance = 1e-12;      // of the cost, relative
+  constexpr double kNegligiblePx2 = 1e-20;  // of the cost, a sight
+  double lambda = 1e-4;
+  PoseEquations equations = EquationsOf(sights, pose);
+  for (int step = 0; step < kMaxSteps && std::isfinite(equations.cost);
+       ++step) {
+    Matrix6d damped = equations.matrix;
+    damped.diagonal() *= 1 + lambda;
+    const Vector6d update = -damped.ldlt().solve(equations.gradient);
+    const Pose next = UpdatedPose(pose, update);
+    const PoseEquations next_equations = EquationsOf(sights, next);
+    const double change = next_equations.cost - equations.cost;
+    const bool is_lower = change < 0;
+    const bool stands = std::abs(change) <=
+                        kTolerance * equations.cost +
+                            kNegligiblePx2 * static_cast<double>(sights.size());
+    if (is_lower) {
+      pose = next;
+      equations = next_equations;
+    }
+    if (stands) break;
+    lambda *= is_lower ? 0.1 : 10;
+  }
+  if (!std::isfinite(equations.cost) || !pose.rotation.coeffs().allFinite())
     return std::nullopt;
-  return Pose{RotationFromVector(rotation), translation};
+  return pose;
 }
 
 // Reprojection errors of a pose, to first order as above.
