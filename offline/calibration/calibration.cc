@@ -88,6 +88,7 @@ class Calibration {
   void SplitResiduals();
   void PlaceOtherImages();
   std::vector<Split> Splits() const;
+  std::vector<const CameraModel*> StartingLenses() const;
   std::vector<double> CellsPx() const;
   // A rig's boards bend where most cameras say so.
   bool DoBoardsBend() const;
@@ -169,6 +170,13 @@ std::vector<Split> Calibration::Splits() const {
   return splits;
 }
 
+std::vector<const CameraModel*> Calibration::StartingLenses() const {
+  std::vector<const CameraModel*> lenses;
+  for (const CameraInProgress& camera : cameras_)
+    lenses.push_back(&camera.lens.state.camera());
+  return lenses;
+}
+
 std::vector<double> Calibration::CellsPx() const {
   std::vector<double> cells_px;
   for (const CameraInProgress& camera : cameras_)
@@ -186,10 +194,12 @@ bool Calibration::DoBoardsBend() const {
 // ---- Start -----------------------------------------------------------------
 
 void Calibration::StartFromImages(CameraInProgress* camera) const {
+  // One of the features before they were measured again.
+  const auto& known = camera->lens.state.cameras;
   try {
-    camera->lens =
-        AdjustStartingLens(camera->split.training, pattern_,
-                           AdjustmentOptionsOf(options_), options_.area);
+    camera->lens = AdjustStartingLens(
+        camera->split.training, pattern_, AdjustmentOptionsOf(options_),
+        options_.area, known.empty() ? nullptr : known.front().get());
     camera->lens.problem.like = options_.like;
   } catch (const Error& error) {
     const size_t num_others = NumOthers(camera->result.same_views);
@@ -284,14 +294,13 @@ void Calibration::TellRowTimes() {
 
 void Calibration::ChooseGrids() {
   const Stopwatch stopwatch(&result_.seconds["cross_validation"]);
-  ForEachCamera({"cross-validation", 0.1, 0.6},
-                [&](CameraInProgress* camera, const auto& report) {
-                  camera->folds = MakeFolds({camera->split});
-                  ChooseGrid(pattern_, options_, report, camera);
-                  ChooseBends(pattern_, options_, camera);
-                  for (Folds::Fold& fold : camera->folds.folds)
-                    fold.rigid.clear();
-                });
+  ForEachCamera({"cross-validation", 0.1, 0.6}, [&](CameraInProgress* camera,
+                                                    const auto& report) {
+    camera->folds = MakeFolds({camera->split}, {&camera->lens.state.camera()});
+    ChooseGrid(pattern_, options_, report, camera);
+    ChooseBends(pattern_, options_, camera);
+    for (Folds::Fold& fold : camera->folds.folds) fold.rigid.clear();
+  });
 }
 
 // ---- Adjust ----------------------------------------------------------------
@@ -403,7 +412,7 @@ void Calibration::EvaluateHeldOutImages() {
   };
   if (!IsRig()) validation.on_done = [&first] { first.Keep(); };
   Folds folds_of_rig;
-  if (IsRig()) folds_of_rig = MakeFolds(Splits());
+  if (IsRig()) folds_of_rig = MakeFolds(Splits(), StartingLenses());
   HeldOut held_out =
       EvaluateHeldOut(adjusted_, pattern_, Splits(), validation, CellsPx(),
                       IsRig() ? &folds_of_rig : &first.folds,

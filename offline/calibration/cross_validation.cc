@@ -80,15 +80,18 @@ std::vector<Trial> MissingTrials(
   return missing;
 }
 
-Adjusted StartCameras(const std::vector<Split>& cameras, const Pattern& pattern,
+using KnownLenses = std::vector<std::shared_ptr<const CameraModel>>;
+
+Adjusted StartCameras(const std::vector<Split>& cameras,
+                      const KnownLenses& known, const Pattern& pattern,
                       const Bodies& bodies, AreaChoice area,
                       const AdjustmentOptions& options) {
   std::vector<std::string> names;
   std::vector<Adjusted> lenses;
-  for (const Split& camera : cameras) {
-    names.push_back(camera.camera);
-    lenses.push_back(
-        AdjustStartingLens(camera.training, pattern, options, area));
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    names.push_back(cameras[c].camera);
+    lenses.push_back(AdjustStartingLens(cameras[c].training, pattern, options,
+                                        area, known[c].get()));
   }
   std::vector<std::vector<RejectedImage>> rejected;
   return PutTogether(names, lenses, bodies, options, &rejected);
@@ -136,8 +139,8 @@ void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
     if (options.should_stop && options.should_stop()) return;
     UnlessRigFallsApart(fold.cameras.size(), [&] {
       if (!fold.start)
-        fold.start = StartCameras(fold.cameras, pattern, options.bodies,
-                                  options.area, adjustment);
+        fold.start = StartCameras(fold.cameras, folds->known, pattern,
+                                  options.bodies, options.area, adjustment);
       fold.start->problem.like = options.like;
       if (!is_grid) return;
       Adjusted lenses = *fold.start;
@@ -200,10 +203,12 @@ Split SplitImages(const std::string& camera, const Dataset& dataset,
   return split;
 }
 
-Folds MakeFolds(const std::vector<Split>& cameras) {
+Folds MakeFolds(const std::vector<Split>& cameras,
+                const std::vector<const CameraModel*>& known) {
   constexpr size_t kManyViews = 40;
   const auto views = Views(cameras);
   Folds folds;
+  for (const CameraModel* lens : known) folds.known.push_back(lens->Clone());
   if (views.size() < 2 * kFolds) return folds;
   folds.folds.resize(views.size() <= kManyViews ? kFolds : 1);
   for (size_t fold = 0; fold < folds.folds.size(); ++fold) {

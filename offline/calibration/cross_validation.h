@@ -2,6 +2,7 @@
 #define RAYGRID_CALIBRATION_CROSS_VALIDATION_H
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -38,10 +39,15 @@ struct Folds {
     std::vector<std::pair<std::vector<double>, Adjusted>> rigid;  ///< by cells
   };
   std::vector<Fold> folds;
+  /// Starting lenses of all training images, which each fold adjusts to its
+  /// own.
+  std::vector<std::shared_ptr<const CameraModel>> known;
 
   int count() const { return static_cast<int>(folds.size()); }
 };
-Folds MakeFolds(const std::vector<Split>& cameras);
+/// known are lenses of all training images of each camera.
+Folds MakeFolds(const std::vector<Split>& cameras,
+                const std::vector<const CameraModel*>& known);
 
 struct ValidationOptions {
   std::string model;

@@ -235,21 +235,25 @@ class StartTrials {
     return best_ && least_.mean_px < kNearPx;
   }
 
-  // Throws if none is one that calibration can go on from.
-  const Adjusted& Best() const {
+  // Whether calibration can go on from the best.
+  bool IsEnough() const {
     constexpr double kMaxUnexplainedPart = 0.25;
+    return best_ && least_.unexplained_part <= kMaxUnexplainedPart;
+  }
+
+  // Throws if it cannot.
+  const Adjusted& Best() const {
+    if (IsEnough()) return *best_;
     if (!best_)
       throw Error(ExitCode::kInitialization,
                   "no starting camera fits these features; check the pattern's "
                   "columns and rows, and take tilted views of it");
-    if (least_.unexplained_part > kMaxUnexplainedPart)
-      throw Error(
-          ExitCode::kInitialization,
-          fmt::format("the starting lens explains only {:.0f} % of {} "
-                      "features; check the pattern, and take more views, "
-                      "tilted and all over the image",
-                      100 * (1 - least_.unexplained_part), num_features_));
-    return *best_;
+    throw Error(
+        ExitCode::kInitialization,
+        fmt::format("the starting lens explains only {:.0f} % of {} "
+                    "features; check the pattern, and take more views, "
+                    "tilted and all over the image",
+                    100 * (1 - least_.unexplained_part), num_features_));
   }
 
  private:
@@ -261,6 +265,21 @@ class StartTrials {
   Misfit least_;
   double least_weighted_ = INFINITY;
 };
+
+// The lenses that need no other to start from.
+void TryAll(const Dataset& dataset, const Pattern& pattern,
+            const CalibrationProblem& problem, int num_threads,
+            StartTrials* trials) {
+  for (const auto& start : ParametricStarts(dataset, pattern))
+    trials->Try(*start);
+  if (trials->IsNear()) return;
+  const auto grid = GenericStartingGrid(dataset, pattern, problem, num_threads);
+  if (!grid) return;
+  const Area features = FeatureArea(problem, 0);
+  trials->Try(
+      *FitParametricModel("central-radial", *grid, features, {true}).model);
+  trials->Try(*grid);
+}
 
 void RequireImages(const CalibrationProblem& problem) {
   if (NumImages(problem) < kMinImages)
@@ -274,24 +293,17 @@ void RequireImages(const CalibrationProblem& problem) {
 }  // namespace
 
 Adjusted AdjustStartingLens(const Dataset& dataset, const Pattern& pattern,
-                            const AdjustmentOptions& options, AreaChoice area) {
+                            const AdjustmentOptions& options, AreaChoice area,
+                            const CameraModel* known) {
   Adjusted all;
   all.problem = BuildProblem({dataset}, pattern, &all.rejected_images);
   all.problem.area = area;
   all.rejected_features.resize(1);  // of one camera
   RequireImages(all.problem);
   StartTrials trials(pattern, all, options);
-  for (const auto& start : ParametricStarts(dataset, pattern))
-    trials.Try(*start);
-  if (!trials.IsNear()) {
-    if (const auto grid = GenericStartingGrid(dataset, pattern, all.problem,
-                                              options.num_threads)) {
-      const Area features = FeatureArea(all.problem, 0);
-      trials.Try(
-          *FitParametricModel("central-radial", *grid, features, {true}).model);
-      trials.Try(*grid);
-    }
-  }
+  if (known) trials.Try(*known);
+  if (!trials.IsEnough())
+    TryAll(dataset, pattern, all.problem, options.num_threads, &trials);
   Adjusted adjusted =
       Localized(trials.Best().state.camera(), all, options.num_threads);
   RemoveGrossOutliers(pattern, options.num_threads, &adjusted);

@@ -10,10 +10,13 @@ namespace raygrid {
 constexpr int kMinImages = 3;
 
 /// A starting lens from nothing but the observations, adjusted; area is what
-/// the camera is to be calibrated over. Throws Error: kTooFew, kInitialization.
+/// the camera is to be calibrated over. If the lens is already known of nearly
+/// the same observations, it is adjusted instead of looked for. Throws Error:
+/// kTooFew, kInitialization.
 Adjusted AdjustStartingLens(const Dataset& dataset, const Pattern& pattern,
                             const AdjustmentOptions& options,
-                            AreaChoice area = AreaChoice::kWholeImage);
+                            AreaChoice area = AreaChoice::kWholeImage,
+                            const CameraModel* known = nullptr);
 
 }  // namespace raygrid
 
