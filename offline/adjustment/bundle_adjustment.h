@@ -16,8 +16,8 @@ struct AdjustmentOptions {
   /// Boards are bent alike in all views. Adjustments follow the state, which
   /// has modes or none; AdjustModel() sets it up so.
   bool rigid_boards = true;
-  double huber_px = 1;  ///< paper, "Bundle Adjustment"
-  int max_iterations = 200;
+  double huber_px = 1;       ///< paper, "Bundle Adjustment"
+  int max_iterations = 200;  ///< beyond those that learn the prior
   /// Converged when a step lowers the cost by less than this part of it.
   double relative_tolerance = 1e-7;
   /// Converged, too, when several steps in a row lower the cost next to nothing

@@ -38,6 +38,13 @@ bool AreParametric(const Lenses& lenses) {
   });
 }
 
+// With fixed points, and no more steps than it takes to learn the prior.
+AdjustmentOptions AsStart(AdjustmentOptions options) {
+  options.fix_points = true;
+  options.max_iterations = 0;
+  return options;
+}
+
 // First with fixed points, a small problem from a rough start; then, if they
 // may move, with all of them, from a good start. Grids would follow what is
 // wrong with fixed points: for them this start ends early. Lenses cannot, and
@@ -48,7 +55,7 @@ AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
                                    AdjustmentState* state) {
   prior->points_mean = problem.nominal;
   state->SetModes({});
-  AdjustmentOptions first = WithFixedPoints(options);
+  AdjustmentOptions first = options.fix_points ? options : AsStart(options);
   first.is_start = !options.fix_points && !AreParametric(CopyCameras(*state));
   const AdjustmentSummary summary =
       AdjustWithLearnedPrior(problem.views, first, prior, state);
@@ -328,9 +335,9 @@ void PutLensesAroundGrids(const AdjustmentOptions& options,
   const AdjustmentState before = adjusted->state;
   const double before_px = MedianErrorPx(
       ComputeResiduals(before, problem.views, options.num_threads));
-  const AdjustmentSummary summary = AdjustLenses(
-      "thin-prism-fisheye", problem, CopyCameras(before),
-      WithFixedPoints(options), &adjusted->prior, &adjusted->state);
+  const AdjustmentSummary summary =
+      AdjustLenses("thin-prism-fisheye", problem, CopyCameras(before),
+                   AsStart(options), &adjusted->prior, &adjusted->state);
   if (!(MedianErrorPx(summary.residuals) <= kFarMore * before_px))
     adjusted->state = before;
 }

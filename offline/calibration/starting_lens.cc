@@ -123,6 +123,8 @@ std::optional<Adjusted> AdjustFrom(const CameraModel& start,
                                    const Pattern& pattern, const Adjusted& all,
                                    const AdjustmentOptions& options) {
   constexpr int kRounds = 2;
+  AdjustmentOptions rough = options;
+  rough.max_iterations = 0;  // after the prior is learned
   std::optional<Adjusted> adjusted;
   for (int round = 0; round < kRounds; ++round) {
     const std::unique_ptr<CameraModel> lens =
@@ -131,7 +133,7 @@ std::optional<Adjusted> AdjustFrom(const CameraModel& start,
     if (NumImages(adjusted->problem) < kMinImages) return std::nullopt;
     RemoveGrossOutliers(pattern, options.num_threads, &*adjusted);
     adjusted->summary =
-        AdjustCameras(adjusted->problem, options, &adjusted->state);
+        AdjustCameras(adjusted->problem, rough, &adjusted->state);
   }
   return adjusted;
 }
