@@ -142,11 +142,19 @@ std::optional<Adjusted> AdjustFrom(const CameraModel& start,
 // localised, it does not project their points, or gives them no direction.
 struct Misfit {
   double unexplained_part = 0;
-  double mean_px = 0;  ///< over all features, each no more than kCapPx
+  double mean_px = 0;  ///< over all features, each no more than the cap
 };
 
+// The size of a pixel in images of 640 pixels' width, which what follows was
+// found with: the more pixels a lens's image has, the more it is off.
+double LensPx(const CalibrationProblem& problem) {
+  constexpr double kWidth = 640;
+  const ImageSize& size = problem.image_sizes[0];
+  return std::max(1.0, std::max(size.width, size.height) / kWidth);
+}
+
 Misfit MisfitOf(const Adjusted& adjusted, size_t num_features) {
-  constexpr double kCapPx = 5;
+  const double cap_px = 5 * LensPx(adjusted.problem);
   size_t index = 0, explained = 0;
   double sum = 0;
   for (const View& view : adjusted.problem.views) {
@@ -156,12 +164,12 @@ Misfit MisfitOf(const Adjusted& adjusted, size_t num_features) {
           !adjusted.state.camera().Unproject(observation.pixel))
         continue;
       ++explained;
-      sum += std::min(residual.error_px.norm(), kCapPx);
+      sum += std::min(residual.error_px.norm(), cap_px);
     }
   }
   const auto count = static_cast<double>(num_features);
   const double unexplained = count - static_cast<double>(explained);
-  return {unexplained / count, (sum + kCapPx * unexplained) / count};
+  return {unexplained / count, (sum + cap_px * unexplained) / count};
 }
 
 // The factor of a start's error before it is compared.
@@ -233,8 +241,7 @@ class StartTrials {
 
   // Whether a lens with local distortion at most can be behind it.
   bool IsNear() const {
-    constexpr double kNearPx = 1;
-    return best_ && least_.mean_px < kNearPx;
+    return best_ && least_.mean_px < LensPx(thinned_.problem);
   }
 
   // Whether calibration can go on from the best.
