@@ -448,12 +448,15 @@ void Calibration::LookForTwoCameras() {
 void Calibration::CompareModels() {
   if (!options_.compare_models || options_.ShouldStop()) return;
   const Stopwatch stopwatch(&result_.seconds["comparison"]);
+  // Boards are as flat with any model.
+  CalibrationOptions options = options_;
+  options.flat_board = options.flat_board || !HavePointsMoved(adjusted_);
   ForEachCamera({"other models", 0.85, 1}, [&](CameraInProgress* camera, auto) {
     CalibrationResult& result = camera->result;
     result.parametric_models =
-        CompareParametricModels(*camera, pattern_, options_);
-    if (IsRig() || options_.ShouldStop() || !NeighborsErrAlike(result)) return;
-    if (auto figures = TryAnotherGrid(*camera, pattern_, options_))
+        CompareParametricModels(*camera, pattern_, options);
+    if (IsRig() || options.ShouldStop() || !NeighborsErrAlike(result)) return;
+    if (auto figures = TryAnotherGrid(*camera, pattern_, options))
       result.parametric_models.push_back(std::move(*figures));
   });
 }
