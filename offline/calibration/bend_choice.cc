@@ -4,12 +4,29 @@
 #include "camera/model_fitting.h"
 
 namespace raygrid {
+namespace {
+
+// Whether bends could lower squared errors by a part, as far as the residuals
+// of cameras with rigid boards tell.
+bool MayBend(const std::vector<Trial>& trials, double cell_px, double part) {
+  double sum = 0, count = 0;
+  for (const Trial& trial : trials) {
+    if (!trial.rigid_boards || trial.cells_px.front() != cell_px) continue;
+    sum += trial.share_of_bends;
+    ++count;
+  }
+  return sum > part * count;
+}
+
+}  // namespace
 
 void ChooseBends(const Pattern& pattern, const CalibrationOptions& options,
                  CameraInProgress* camera) {
   // Squared errors must fall by so much where held-out boards may bend, and
   // not rise where they may not: a camera nearer to the truth does both.
   constexpr double kBetterBy = 0.02;
+  // Bends take more of the residuals that they are adjusted to than of others.
+  constexpr double kLeastShare = 0.01;
   camera->boards_bend = false;
   if (options.rigid_board || options.flat_board ||
       IsParametricModel(options.model))
@@ -24,6 +41,7 @@ void ChooseBends(const Pattern& pattern, const CalibrationOptions& options,
     validation.rigid_boards = rigid;
     validation.keep_rigid = rigid;
     CrossValidate(pattern, validation, {{cell_px}}, &folds, &trials);
+    if (rigid && !MayBend(trials, cell_px, kLeastShare)) return;
     const HeldOut held_out = JoinFolds(trials, folds.count(), {cell_px}, rigid);
     if (held_out.flexed.empty()) return;
     flexed[rigid] = Summarize(cell_px, held_out.flexed.front()).loss;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "calibration/bend_share.h"
 #include "calibration/camera_evaluation.h"
 #include "calibration/flexed_evaluation.h"
 #include "calibration/rig_evaluation.h"
@@ -249,10 +250,12 @@ void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
       auto adjusted = RigidlyAdjusted(fold, pattern, options.model,
                                       trial.cells_px, adjustment);
       if (!adjusted) return;
-      if (options.rigid_boards)
+      if (options.rigid_boards) {
         rigid[i] = *adjusted;
-      else if (!IsParametricModel(options.model))
+        trial.share_of_bends = ShareOfBends(*adjusted, adjustment.num_threads);
+      } else if (!IsParametricModel(options.model)) {
         LetBoardsBend(pattern, adjustment, &*adjusted);
+      }
       FinishCameras(&*adjusted);
       AlignBoards(pattern, &*adjusted);
       if (!should_stop())

@@ -27,6 +27,9 @@ struct Trial {
   bool rigid_boards = false;  ///< in calibrating; or else they may bend
   HeldOut held_out;         ///< empty where a rig falls apart without the fold
   bool has_bodies = false;  ///< of several boards
+  /// With rigid boards: the part of the squared residuals that bends would
+  /// take.
+  double share_of_bends = 1;
 };
 
 /// The finished stages that an interrupted calibration of one camera need not

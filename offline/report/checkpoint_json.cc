@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 3;
+constexpr int kVersion = 4;
 
 // A checksum over what the checkpoint is about and what it holds: the result
 // goes by both.
@@ -79,6 +79,7 @@ Json TrialJson(const Trial& trial) {
           {"cell_px", trial.cells_px.front()},
           {"rigid_boards", trial.rigid_boards},
           {"bodies", trial.has_bodies},
+          {"share_of_bends", trial.share_of_bends},
           {"held_out", ResidualsJson(trial.held_out.alone.front())},
           {"flexed", ResidualsJson(trial.held_out.flexed.front())}};
 }
@@ -87,6 +88,7 @@ Trial ParseTrial(const Json& json) {
   Trial trial = {
       json.at("fold"), {json.at("cell_px")}, json.at("rigid_boards"), {}};
   trial.has_bodies = json.at("bodies");
+  trial.share_of_bends = json.at("share_of_bends");
   trial.held_out.alone = {ParseResiduals(json.at("held_out"))};
   trial.held_out.flexed = {ParseResiduals(json.at("flexed"))};
   return trial;

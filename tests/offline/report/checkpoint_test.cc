@@ -44,9 +44,9 @@ TEST(Checkpoint, OfOtherInputsOrMalformedIsRefused) {
   EXPECT_THROW(ReadCheckpoints(path, "beef"), InputError);
   for (const std::string& broken :
        {text.substr(0, text.size() / 2), std::string("{}"), std::string("[]"),
-        std::string(R"({"raygrid_resume": 3, "inputs": "cafe"})"),
+        std::string(R"({"raygrid_resume": 4, "inputs": "cafe"})"),
         std::string(
-            R"({"raygrid_resume": 3, "inputs": "cafe", "cameras": []})")}) {
+            R"({"raygrid_resume": 4, "inputs": "cafe", "cameras": []})")}) {
     WriteFile(path, broken);
     EXPECT_THROW(ReadCheckpoints(path, "cafe"), InputError) << broken;
   }

@@ -1,0 +1,56 @@
+#include "calibration/bend_share.h"
+
+#include <Eigen/Cholesky>
+#include <vector>
+
+#include "adjustment/view_jacobian.h"
+
+namespace raygrid {
+namespace {
+
+// The Gauss-Newton equations of a pose and of the flex there.
+struct BendEquations {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd gradient;
+};
+
+// How much a step of the first parameters lowers the squared residuals.
+double Decrease(const BendEquations& equations, Eigen::Index count) {
+  const Eigen::VectorXd gradient = equations.gradient.head(count);
+  return gradient.dot(
+      equations.matrix.topLeftCorner(count, count).ldlt().solve(gradient));
+}
+
+}  // namespace
+
+double ShareOfBends(const Adjusted& adjusted, int num_threads) {
+  AdjustmentState state = adjusted.state;
+  state.SetModes(ModesOf(adjusted.problem));
+  const Eigen::Index size = 6 + state.modes.count();
+  std::vector<BendEquations> poses(
+      state.rig_from_pattern.size(),
+      {Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)});
+  double squares = 0, degrees = 0;
+  for (const ViewJacobian& jacobian :
+       WeightedJacobians(state, adjusted.problem.views,
+                         AdjustmentOptions().huber_px, num_threads)) {
+    if (jacobian.count() == 0) continue;
+    BendEquations& pose = poses[jacobian.pose];
+    pose.matrix.noalias() += jacobian.by_pose * jacobian.by_pose.transpose();
+    pose.gradient.noalias() += jacobian.by_pose * jacobian.error.reshaped();
+    squares += jacobian.error.squaredNorm();
+    degrees += 2 * jacobian.count();
+  }
+  double taken = 0, num_bends = 0;
+  for (const BendEquations& pose : poses) {
+    taken += Decrease(pose, size) - Decrease(pose, 6);
+    num_bends += static_cast<double>(
+        (pose.matrix.diagonal().tail(size - 6).array() > 0).count());
+    degrees -= 6;
+  }
+  if (!(degrees > 2 * num_bends)) return 1;  // too few features to tell
+  const double noise = (squares - taken) / (degrees - num_bends);
+  return squares > 0 ? (taken - num_bends * noise) / squares : 0;
+}
+
+}  // namespace raygrid
