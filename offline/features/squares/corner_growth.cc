@@ -50,6 +50,14 @@ bool PredictFeature(const FeatureLattice& lattice, int column, int row,
 CornerGrowth::CornerGrowth(const Board& board) : board_(board) {
   const BoardAppearance appearance(board);
   for (const Eigen::Vector3d& point : board.NominalPoints()) {
+    // Corners of a chessboard look as those two rows before them do.
+    const size_t index = patches_.size();
+    const size_t two_rows = 2 * static_cast<size_t>(board.columns);
+    if (board.kind == "chessboard" && index >= two_rows) {
+      patches_.push_back(DrawnPatch(patches_[index - two_rows]));
+      near_patches_.push_back(DrawnPatch(near_patches_[index - two_rows]));
+      continue;
+    }
     const auto is_black = [&](const Eigen::Vector2d& offset) {
       return appearance.IsBlack(point.head<2>() + board.square_m * offset);
     };
