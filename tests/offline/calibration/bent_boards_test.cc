@@ -2,9 +2,11 @@
 #include <string>
 #include <vector>
 
+#include "calibration/bend_share.h"
 #include "calibration/calibration.h"
 #include "calibration/camera_evaluation.h"
 #include "calibration/flexed_evaluation.h"
+#include "calibration/starting_lens.h"
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
@@ -58,6 +60,22 @@ TEST(Calibrate, KeepsBoardsRigidThatAreRigid) {
   const CalibrationResult result =
       Calibrate(SimulateFlex(0).dataset, TestBoard(), WithCells(160));
   EXPECT_FALSE(result.bends.has_value());
+}
+
+// The share in a camera that was adjusted with rigid boards, and whose cells
+// follow the lens. Bends would take some of what coarser ones leave.
+double ShareOf(double flex_m) {
+  AdjustmentOptions options;
+  options.num_threads = 2;
+  Adjusted adjusted =
+      AdjustStartingLens(SimulateFlex(flex_m).dataset, TestBoard(), options);
+  AdjustModel(TestBoard(), "central-generic", {40}, options, &adjusted);
+  return ShareOfBends(adjusted, 2);
+}
+
+TEST(ShareOfBends, TellsBendsFromNoise) {
+  EXPECT_NEAR(ShareOf(0), 0, 0.01);
+  EXPECT_GT(ShareOf(0.0004), 0.5);
 }
 
 // Half of the features tell how the boards are bent.
