@@ -438,8 +438,12 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
       SquaredMetresPerPixel(*state, views, options);
   // A first guess: residuals, second differences and points all scatter alike.
   const std::vector<CameraGroup> groups = CameraGroups(prior);
+  std::vector<Residual> residuals =
+      ComputeResiduals(*state, views, options.num_threads);
+  const double first_variance =
+      ResidualVariance(residuals, options.huber_px, 0);
   for (const CameraGroup& group : groups)
-    if (group.group->weight == 0) group.group->weight = 1;
+    if (group.group->weight == 0) group.group->SetWeight(1, first_variance);
   if (prior->points_weight == 0)
     prior->points_weight = 1 / square_metres_per_pixel;
   for (double& weight : prior->flex_weights)
@@ -450,8 +454,6 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
   std::array<WeightUpdate, kNumBendOrders> flex_updates;
   AdjustmentOptions fixed = options;
   double variance = 0;
-  std::vector<Residual> residuals =
-      ComputeResiduals(*state, views, options.num_threads);
   EquationsBuilder builder(views, options.huber_px, options.num_threads);
   double lambda = kLearningLambda;
   for (int round = 0; round < kMaxRounds && !ShouldStop(options); ++round) {
@@ -482,12 +484,15 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
     variance = ResidualVariance(residuals, options.huber_px, num_parameters);
 
     double change = 0;
-    for (size_t g = 0; g < groups.size(); ++g)
-      change = std::max(change,
-                        updates[g].Update(evidence.groups[g], variance,
-                                          kNegligiblePx * kNegligiblePx,
-                                          groups[g].group->firmness * variance,
-                                          &groups[g].group->weight));
+    for (size_t g = 0; g < groups.size(); ++g) {
+      double weight = groups[g].group->weight;
+      change = std::max(
+          change,
+          updates[g].Update(evidence.groups[g], variance,
+                            kNegligiblePx * kNegligiblePx,
+                            groups[g].group->firmness * variance, &weight));
+      groups[g].group->SetWeight(weight, variance);
+    }
     bool is_simpler = false;
     if (!fixed.fix_points && IsNextToNothing(points)) {
       // The board is as nominal as these observations can tell.

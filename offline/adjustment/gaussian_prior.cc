@@ -151,13 +151,16 @@ std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   return scales;
 }
 
-// How far the parameters of a lens move the image: focal lengths, centre, and
-// radial distortion.
+// How far the parameters of a lens move the image: focal lengths, centre,
+// radial distortion, and what tilts it.
 struct LensDisplacements {
-  static constexpr int kCentral = 4, kRadial = 3, kCount = kCentral + kRadial;
+  static constexpr int kCentral = 4, kRadial = 3, kTilt = 4;
+  static constexpr int kCount = kCentral + kRadial + kTilt;
 
   // Displacements x, y, 1 across and 1 down, then along the radius by its third
-  // power, and its fifth and seventh, a pixel in the area's corners.
+  // power, and its fifth and seventh, a pixel in the area's corners. The last
+  // are the tangential terms p1 and p2 and the thin-prism terms sx1 and sy1, of
+  // a pixel as camera/decentring.h counts them.
   static Eigen::Matrix<double, 2, kCount> At(const Area& area,
                                              const Eigen::Vector2d& pixel) {
     const Eigen::Vector2d offset = (pixel - area.center()) / area.width();
@@ -169,6 +172,9 @@ struct LensDisplacements {
     for (int k = 0; k < kRadial; ++k)
       displacements.col(kCentral + k) =
           to_corner * std::pow(to_corner.squaredNorm(), k + 1);
+    const double x = to_corner.x(), y = to_corner.y(), r2 = x * x + y * y;
+    displacements.rightCols<kTilt>() << 2 * x * y, r2 + 2 * x * x, r2, 0,  //
+        r2 + 2 * y * y, 2 * x * y, 0, r2;
     return displacements;
   }
 
@@ -178,14 +184,20 @@ struct LensDisplacements {
   static Eigen::VectorXd Holds() {
     constexpr double kRadialHold = 1e-4;
     Eigen::VectorXd holds = Eigen::VectorXd::Zero(kCount);
-    holds.tail<kRadial>().setConstant(kRadialHold);
+    holds.segment<kRadial>(kCentral).setConstant(kRadialHold);
     return holds;
+  }
+  static Eigen::VectorXd Firmness(double tilt_firmness) {
+    Eigen::VectorXd firmness = Eigen::VectorXd::Zero(kCount);
+    firmness.tail<kTilt>().setConstant(tilt_firmness);
+    return firmness;
   }
 };
 
-// How control points move with each of these.
-Eigen::MatrixXd ByLensDisplacements(const BSplineSurface& surface,
-                                    const FieldParameters& field) {
+// How control points move with each of these. Without a firmness, the lens's
+// tilt is as the base has it.
+FreeDirections FreedOfLens(const BSplineSurface& surface,
+                           const FieldParameters& field, double tilt_firmness) {
   Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(
       field.per_point * surface.num_points(), LensDisplacements::kCount);
   for (int j = 0; j < surface.rows(); ++j) {
@@ -196,7 +208,10 @@ Eigen::MatrixXd ByLensDisplacements(const BSplineSurface& surface,
           LensDisplacements::At(surface.area(), pixel);
     }
   }
-  return directions;
+  const int count = LensDisplacements::kCount -
+                    (tilt_firmness > 0 ? 0 : LensDisplacements::kTilt);
+  return {directions.leftCols(count), LensDisplacements::Holds().head(count),
+          LensDisplacements::Firmness(tilt_firmness).head(count)};
 }
 
 // The rotations of the directions of pixels all over the area, in pixels, as a
@@ -230,11 +245,12 @@ Eigen::MatrixXd RotationOverArea(const BSplineSurface& surface,
 // The prior of directions, or of how they change, without its mean: two of a
 // control point's parameters.
 CameraPrior DirectionsPrior(const BSplineSurface& base,
-                            const FieldParameters& field) {
+                            const FieldParameters& field,
+                            double tilt_firmness = 0) {
   CameraPrior prior;
+  prior.tilt_firmness = tilt_firmness;
   prior.groups = {SmoothField(base, field, PixelsPerChartUnit(base))};
-  prior.groups[0].Free(ByLensDisplacements(base, field),
-                       LensDisplacements::Holds());
+  prior.groups[0].Free(FreedOfLens(base, field, tilt_firmness));
   // The orientation is that of displacements in pixels: in the chart,
   // displacements behind the camera, which nothing is seen of, would outweigh
   // all others. The orientation is as firm as the observations, which have no
@@ -270,10 +286,22 @@ Eigen::SparseMatrix<double> PlacesAlongLines(const BSplineSurface& directions,
 
 }  // namespace
 
-void PriorGroup::Free(const Eigen::MatrixXd& directions,
-                      const Eigen::VectorXd& holds) {
+void PriorGroup::Free(const FreeDirections& freer) {
+  freer_ = freer;
+  full_rank_ = rank;
+  HoldFree(freer.holds + freer.firmness);
+}
+
+void PriorGroup::SetWeight(double new_weight, double residual_variance) {
+  weight = new_weight;
+  if (freer_.directions.cols() == 0 || freer_.firmness.isZero(0)) return;
+  HoldFree(freer_.holds + freer_.firmness * (residual_variance / weight));
+}
+
+void PriorGroup::HoldFree(const Eigen::VectorXd& holds) {
   // K integrated over the directions' factors is
   // K - K D0 (D0^T K D0 + holds)^-1 D0^T K, and D = D0 L^-T with L L^T between.
+  const Eigen::MatrixXd& directions = freer_.directions;
   Eigen::MatrixXd square = directions.transpose() * precision * directions;
   square.diagonal() += holds;
   const Eigen::LLT<Eigen::MatrixXd> root(square);
@@ -285,11 +313,13 @@ void PriorGroup::Free(const Eigen::MatrixXd& directions,
   const double part = 1 - kHeld * kHeld;
   freed = std::sqrt(part) * (precision * free);
   // (I - m K d d^T) b scatters by K - (2 m - m^2 d^T K d) K d d^T K.
+  rank = full_rank_;
   for (Eigen::Index k = 0; k < free.cols(); ++k) {
+    constexpr double kRatherFree = 0.5;
     const double g = std::min(turn.eigenvalues()[k], 1.0);
     free.col(k) *= (1 - std::sqrt(1 - part * g)) / g / std::sqrt(part);
+    rank -= g > kRatherFree;
   }
-  rank -= static_cast<int>(directions.cols());
 }
 
 Eigen::VectorXd WithoutFree(const Eigen::MatrixXd& free,
@@ -316,8 +346,8 @@ Eigen::VectorXd CameraPrior::OrientationError(
   return turn - orientation_difference;
 }
 
-CameraPrior SmoothnessPrior(const CentralGeneric& base) {
-  CameraPrior prior = DirectionsPrior(base.surface(), {2, 0, 2});
+CameraPrior SmoothnessPrior(const CentralGeneric& base, double tilt_firmness) {
+  CameraPrior prior = DirectionsPrior(base.surface(), {2, 0, 2}, tilt_firmness);
   prior.mean = base.Parameters();
   return prior;
 }
@@ -339,10 +369,11 @@ CameraPrior StackPrior(const CentralGeneric& base, int num_terms) {
   return prior;
 }
 
-CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m) {
+CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m,
+                            double tilt_firmness) {
   constexpr int kPerNode = NonCentralGeneric::kPerNode;
   const BSplineSurface& surface = base.surface();
-  CameraPrior prior = DirectionsPrior(surface, {kPerNode, 0, 2});
+  CameraPrior prior = DirectionsPrior(surface, {kPerNode, 0, 2}, tilt_firmness);
   prior.mean = NonCentralGeneric(base).Parameters();
   const int middle = surface.num_points() / 2;
   const double chart_per_radian =

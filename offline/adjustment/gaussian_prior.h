@@ -12,6 +12,15 @@
 
 namespace raygrid {
 
+/// Directions in which the parameters of a group are freer than it holds them.
+struct FreeDirections {
+  Eigen::MatrixXd directions;  ///< a column each
+  /// Their factors x cost hold / 2 x^2, times the group's weight; 0 is free.
+  Eigen::VectorXd holds;
+  /// And firmness / 2 x^2, times the residuals' variance, whatever the weight.
+  Eigen::VectorXd firmness;
+};
+
 /// Parameters of a camera that scatter alike: K is zero for all others. In a
 /// few directions D they are as good as free, or hardly held: what counts is
 /// K - R R^T, with R = sqrt(1 - kHeld^2) K D. D^T K D is diagonal: 1 for what
@@ -21,8 +30,8 @@ struct PriorGroup {
       1e-3;  ///< of a departure, in these directions
 
   Eigen::SparseMatrix<double> precision;  ///< K, over all parameters
-  int rank = 0;                           ///< of K, less the free directions
-  double weight = 0;
+  int rank = 0;                           ///< of K, less what is rather free
+  double weight = 0;                      ///< by SetWeight()
   /// The weight is at least so many of the residuals' variance, however far the
   /// parameters depart.
   double firmness = 0;
@@ -31,10 +40,11 @@ struct PriorGroup {
   Eigen::MatrixXd free;
   Eigen::MatrixXd freed;  ///< R
 
-  /// Frees the directions that are the columns of a matrix. holds has one
-  /// number a direction: the factor x of a direction costs hold / 2 x^2,
-  /// without the weight; 0 is free.
-  void Free(const Eigen::MatrixXd& directions, const Eigen::VectorXd& holds);
+  /// Frees directions, once the group has its precision and rank.
+  void Free(const FreeDirections& freer);
+  /// Directions that are held by their firmness are the freer beside the rest
+  /// the more the group weighs.
+  void SetWeight(double new_weight, double residual_variance);
 
   /// (c - c0)^T (K - R R^T) (c - c0), without the weight.
   double SquaredDistance(const Eigen::VectorXd& difference) const {
@@ -42,6 +52,12 @@ struct PriorGroup {
     if (freed.cols() == 0) return distance;
     return distance - (freed.transpose() * difference).squaredNorm();
   }
+
+ private:
+  void HoldFree(const Eigen::VectorXd& holds);
+
+  FreeDirections freer_;
+  int full_rank_ = 0;
 };
 
 /// Turns a random vector of covariance K into one of covariance K - R R^T.
@@ -61,6 +77,7 @@ struct CameraPrior {
   Eigen::MatrixXd orientation;  ///< G, three columns a field; may be empty
   Eigen::VectorXd orientation_difference;  ///< g0; empty: zero
   double orientation_weight = 0;
+  double tilt_firmness = 0;  ///< that it was made with
 
   double Cost(const Eigen::VectorXd& parameters) const;
   /// G^T (c - c0) - g0; empty if G is.
@@ -90,7 +107,14 @@ struct GaussianPrior {
 /// outermost features they are no better known than the features tell. Also
 /// holds the camera's orientation, which no observation can see,
 /// to base's.
-CameraPrior SmoothnessPrior(const CentralGeneric& base);
+///
+/// The terms that tilt a lens are free as well if the base's were fitted to the
+/// observations: held as firmly as they were in that fit, by the cost of a term
+/// that moves the farthest corner by a pixel (camera/decentring.h), as a part
+/// of the residuals' variance. Taken for known, with 0, they would lend their
+/// errors to the grid.
+CameraPrior SmoothnessPrior(const CentralGeneric& base,
+                            double tilt_firmness = 0);
 
 /// The smoothness priors of a stack's terms, each as that of a grid and a group
 /// of its own: the first around base, those by which the camera changes with
@@ -108,7 +132,8 @@ CameraPrior StackPrior(const CentralGeneric& base, int num_terms);
 /// undo: the points end where they are smallest and smoothest. Nor do they see
 /// points drift along the lines, o(x) -> o(x) + f(x) d(x): the prior holds each
 /// control point's point in the plane across base's direction.
-CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m);
+CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m,
+                            double tilt_firmness = 0);
 
 /// Distortion coefficients around zero, each in the pixels that it moves the
 /// corner of an area by: high orders that the observations say little about

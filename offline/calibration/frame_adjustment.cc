@@ -1,5 +1,6 @@
 #include "calibration/frame_adjustment.h"
 
+#include <cmath>
 #include <utility>
 
 #include "camera/camera_frame.h"
@@ -14,20 +15,23 @@ constexpr double kStillRad = kMaxFrameTurnRad / 50;
 // The prior of a grid that is turned: around the turned mean, as strong as it
 // was. The lines' points are believed to lie around the origin in any frame.
 CameraPrior TurnedPrior(const CameraPrior& prior, const CameraModel& camera,
-                        const Eigen::Quaterniond& turned_from_camera) {
+                        const Eigen::Quaterniond& turned_from_camera,
+                        double residual_variance) {
   const std::unique_ptr<CameraModel> mean = camera.Clone();
   mean->SetParameters(prior.mean);
   const std::unique_ptr<CameraModel> base = Turned(*mean, turned_from_camera);
   CameraPrior turned;
   if (const auto* lines = dynamic_cast<const NonCentralGeneric*>(base.get())) {
     constexpr double kAnyDistanceM = 1;
-    turned = NonCentralPrior(lines->CentralPart(), kAnyDistanceM);
+    turned = NonCentralPrior(lines->CentralPart(), kAnyDistanceM,
+                             prior.tilt_firmness);
     turned.groups.back() = prior.groups.back();
   } else {
-    turned = SmoothnessPrior(dynamic_cast<const CentralGeneric&>(*base));
+    turned = SmoothnessPrior(dynamic_cast<const CentralGeneric&>(*base),
+                             prior.tilt_firmness);
   }
   for (size_t g = 0; g < turned.groups.size(); ++g)
-    turned.groups[g].weight = prior.groups[g].weight;
+    turned.groups[g].SetWeight(prior.groups[g].weight, residual_variance);
   return turned;
 }
 
@@ -38,7 +42,8 @@ void TurnCamera(size_t camera, const Eigen::Quaterniond& turned_from_camera,
                 Adjusted* adjusted) {
   AdjustmentState& state = adjusted->state;
   CameraPrior& prior = adjusted->prior.cameras[camera];
-  prior = TurnedPrior(prior, *state.cameras[camera], turned_from_camera);
+  prior = TurnedPrior(prior, *state.cameras[camera], turned_from_camera,
+                      std::pow(adjusted->summary.noise_px, 2));
   state.cameras[camera] = Turned(*state.cameras[camera], turned_from_camera);
   prior.orientation_difference =
       prior.OrientationError(state.cameras[camera]->Parameters());

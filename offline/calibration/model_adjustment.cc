@@ -68,6 +68,11 @@ AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
 struct Starts {
   const Lenses& lenses;
   const std::vector<double>& cells_px;
+  const std::vector<double>& tilt_firmness;  // empty: all 0
+
+  double TiltFirmness(size_t camera) const {
+    return tilt_firmness.empty() ? 0 : tilt_firmness[camera];
+  }
 };
 
 int NumFeatures(const CalibrationProblem& problem, int camera) {
@@ -173,7 +178,8 @@ AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
     const CentralGeneric base = AsGrid(problem, c, starts);
     prior->cameras.push_back(
-        SmoothnessPrior(ExpectedGrid(problem, *starts.lenses[c], base)));
+        SmoothnessPrior(ExpectedGrid(problem, *starts.lenses[c], base),
+                        starts.TiltFirmness(c)));
     state->cameras[c] = base.Clone();
   }
   return AdjustInTwoSteps(problem, options, prior, state);
@@ -206,7 +212,7 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
     prior->cameras.push_back(NonCentralPrior(
         ExpectedGrid(problem, *starts.lenses[c], AsGrid(problem, c, starts)),
-        MeanDistance(problem, c, *state)));
+        MeanDistance(problem, c, *state), starts.TiltFirmness(c)));
     state->cameras[c] = NonCentralGeneric(dynamic_cast<const CentralGeneric&>(
                                               *state->cameras[c]))
                             .Clone();
@@ -338,8 +344,13 @@ void PutLensesAroundGrids(const AdjustmentOptions& options,
   const AdjustmentSummary summary =
       AdjustLenses("thin-prism-fisheye", problem, CopyCameras(before),
                    AsStart(options), &adjusted->prior, &adjusted->state);
-  if (!(MedianErrorPx(summary.residuals) <= kFarMore * before_px))
-    adjusted->state = before;
+  const bool is_near = MedianErrorPx(summary.residuals) <= kFarMore * before_px;
+  if (!is_near) adjusted->state = before;
+  adjusted->tilt_firmness.clear();
+  if (!is_near || problem.like || !(summary.noise_px > 0)) return;
+  for (const CameraPrior& prior : adjusted->prior.cameras)
+    adjusted->tilt_firmness.push_back(prior.groups.back().weight /
+                                      std::pow(summary.noise_px, 2));
 }
 
 void AdjustRigidly(const Pattern& pattern, const std::string& model,
@@ -348,7 +359,8 @@ void AdjustRigidly(const Pattern& pattern, const std::string& model,
   Lenses lenses = CopyCameras(adjusted->state);
   const AdjustmentState start = adjusted->state;
   const auto adjust = [&] {
-    adjusted->summary = Adjust(model, adjusted->problem, {lenses, cells_px},
+    adjusted->summary = Adjust(model, adjusted->problem,
+                               {lenses, cells_px, adjusted->tilt_firmness},
                                options, &adjusted->prior, &adjusted->state);
   };
   adjust();

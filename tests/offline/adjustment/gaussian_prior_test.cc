@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "camera/decentring.h"
 #include "camera/stereographic.h"
 #include "support.h"
 
@@ -54,6 +55,54 @@ TEST(SmoothnessPrior, ScattersAsItHolds) {
     without.col(i) = WithoutFree(group.free, group.freed, root.col(i));
   const Eigen::MatrixXd expected = k - group.freed * group.freed.transpose();
   EXPECT_LT((without * without.transpose() - expected).norm(), 1e-9 * k.norm());
+}
+
+// A pinhole, whose tangential term p1 moves the farthest corner by so many
+// pixels.
+CentralGeneric Tilted(double p1_px) {
+  constexpr int kP1 = 10;
+  OpenCvModel lens = ExampleLens();
+  Eigen::VectorXd parameters = Eigen::VectorXd::Zero(OpenCvModel::kCount);
+  parameters.head<4>() << 510, 510, 319.5, 239.5;
+  lens.SetParameters(parameters);
+  parameters[kP1] = p1_px / DecentringPixels(lens, lens.area())[kP1];
+  lens.SetParameters(parameters);
+  return FittedGrid(lens, 80);
+}
+
+// Nearly: the surface beyond the area is not quite as the directions have it.
+TEST(SmoothnessPrior, FreesTheTiltOfAFittedLens) {
+  constexpr double kWeight = 10, kVariance = 0.01;
+  const CentralGeneric base = Tilted(0);
+  const Eigen::VectorXd tilt = Tilted(1).Parameters() - base.Parameters();
+  const auto group_with = [&](double firmness) {
+    PriorGroup group = SmoothnessPrior(base, firmness).groups[0];
+    group.SetWeight(kWeight, kVariance);
+    return group;
+  };
+  const PriorGroup known = group_with(0), fitted = group_with(2);
+  EXPECT_EQ(known.free.cols(), 7);
+  EXPECT_EQ(fitted.free.cols(), 11);
+  EXPECT_EQ(fitted.rank, known.rank - 4);
+  const double cost = known.SquaredDistance(tilt);
+  EXPECT_LT(fitted.SquaredDistance(tilt), 0.07 * cost);
+  // Held ever so firmly, it is as the rest.
+  const PriorGroup held = group_with(1e9);
+  EXPECT_NEAR(held.SquaredDistance(tilt), cost, 1e-3 * cost);
+  EXPECT_EQ(held.rank, known.rank);
+}
+
+// The firmness counts beside the residuals' variance, however much the group
+// weighs.
+TEST(SmoothnessPrior, HoldsATiltTheLessTheMoreItWeighs) {
+  constexpr double kFirmness = 2e4, kVariance = 0.01;
+  const CentralGeneric base = Tilted(0);
+  const Eigen::VectorXd tilt = Tilted(1).Parameters() - base.Parameters();
+  PriorGroup group = SmoothnessPrior(base, kFirmness).groups[0];
+  group.SetWeight(1, kVariance);
+  const double with_weak = group.SquaredDistance(tilt);
+  group.SetWeight(1000, kVariance);
+  EXPECT_LT(group.SquaredDistance(tilt), 0.5 * with_weak);
 }
 
 // A grid is turned by 1e-3, and its corners, which hardly any pixel is seen

@@ -96,7 +96,7 @@ inline PriorGroup PriorOfCenter() {
   Eigen::MatrixXd direction = Eigen::MatrixXd::Zero(OpenCvModel::kCount, 1);
   direction(OpenCvModel::kCx) = 1;
   direction(OpenCvModel::kCy) = 0.5;
-  group.Free(direction, Eigen::VectorXd::Zero(1));
+  group.Free({direction, Eigen::VectorXd::Zero(1), Eigen::VectorXd::Zero(1)});
   return group;
 }
 
