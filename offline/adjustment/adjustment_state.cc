@@ -25,6 +25,7 @@ AdjustmentState& AdjustmentState::operator=(const AdjustmentState& other) {
   body_from_board = other.body_from_board;
   points = other.points;
   modes = other.modes;
+  bend_scope = other.bend_scope;
   flex = other.flex;
   return *this;
 }
@@ -43,9 +44,33 @@ Pose AdjustmentState::CameraFromPattern(const View& view) const {
                         : camera_from_body * body_from_board[view.place];
 }
 
-void AdjustmentState::SetModes(FlexModes flex_modes) {
+void AdjustmentState::KeepShapes() {
+  if (!HasShapes()) return;
+  for (int i = 0; i < static_cast<int>(points.size()); ++i)
+    points[i] = ShapedPoint(i);
+  SetModes({}, BendScope::kBoard);
+}
+
+void AdjustmentState::TakeShapes(FlexModes flex_modes,
+                                 const std::vector<Eigen::Vector3d>& nominal) {
+  SetModes(std::move(flex_modes), BendScope::kBoard);
+  if (!HasShapes()) return;
+  // The modes of a board are orthogonal, with a mean square of 1.
+  std::vector<double> counts(flex.size());
+  for (const int board : modes.boards) ++counts[board];
+  for (size_t i = 0; i < points.size(); ++i)
+    flex[modes.boards[i]] += modes.by_point[i].transpose() *
+                             (points[i] - nominal[i]) / counts[modes.boards[i]];
+  for (size_t i = 0; i < points.size(); ++i)
+    points[i] -= modes.by_point[i] * flex[modes.boards[i]];
+}
+
+void AdjustmentState::SetModes(FlexModes flex_modes, BendScope scope) {
   modes = std::move(flex_modes);
-  flex.assign(rig_from_pattern.size(),
+  bend_scope = scope;
+  flex.assign(scope == BendScope::kPose
+                  ? rig_from_pattern.size()
+                  : static_cast<size_t>(modes.num_boards()),
               FlexModes::Coefficients::Zero(modes.count()));
 }
 

@@ -48,9 +48,11 @@ struct AdjustmentState {
   std::vector<Pose> rig_from_pattern;  ///< shared by the cameras of an instant
   /// Where boards are on their bodies, by View::place.
   std::vector<Pose> body_from_board;
-  std::vector<Eigen::Vector3d> points;        ///< in the board's frame
-  FlexModes modes;                            ///< none: boards do not bend
-  std::vector<FlexModes::Coefficients> flex;  ///< of each rig_from_pattern
+  std::vector<Eigen::Vector3d> points;  ///< in the board's frame
+  FlexModes modes;                      ///< none: boards do not bend
+  BendScope bend_scope = BendScope::kPose;
+  /// Coefficients of each rig_from_pattern, or of each board.
+  std::vector<FlexModes::Coefficients> flex;
 
   AdjustmentState() = default;
   AdjustmentState(AdjustmentState&&) = default;
@@ -69,10 +71,29 @@ struct AdjustmentState {
   /// A point of a board that stands at a pose, as it is bent there.
   Eigen::Vector3d PointAt(int pose, int point) const {
     if (modes.count() == 0) return points[point];
-    return points[point] + modes.by_point[point] * flex[pose];
+    const int index =
+        bend_scope == BendScope::kPose ? pose : modes.boards[point];
+    return points[point] + modes.by_point[point] * flex[index];
   }
+  /// Whether boards are bent, each alike in all views.
+  bool HasShapes() const {
+    return modes.count() > 0 && bend_scope == BendScope::kBoard;
+  }
+  /// Whether boards bend from view to view.
+  bool HasFlex() const {
+    return modes.count() > 0 && bend_scope == BendScope::kPose;
+  }
+  /// A point of a board as it is bent in all views.
+  Eigen::Vector3d ShapedPoint(int point) const {
+    return HasShapes() ? PointAt(0, point) : points[point];
+  }
+  /// The points take the shapes of their boards, which have no bends then.
+  void KeepShapes();
+  /// Boards take the bends of their points, from nominal ones, as their shapes.
+  void TakeShapes(FlexModes flex_modes,
+                  const std::vector<Eigen::Vector3d>& nominal);
   /// Lets boards bend, from no bend on.
-  void SetModes(FlexModes flex_modes);
+  void SetModes(FlexModes flex_modes, BendScope scope);
   /// The first camera's frame becomes the rig's.
   void MoveRigToFirstCamera();
   int NumCameraParameters() const;  ///< of all cameras together

@@ -98,6 +98,11 @@ void AddBends(const BoardPoints& board, const Plane& plane, FlexModes* modes) {
 
 }  // namespace
 
+int FlexModes::num_boards() const {
+  if (boards.empty()) return 0;
+  return *std::max_element(boards.begin(), boards.end()) + 1;
+}
+
 void FlexModes::Remove(BendOrder order,
                        std::vector<Coefficients>* coefficients) {
   for (int mode = count() - 1; mode >= 0; --mode) {

@@ -11,8 +11,12 @@ namespace raygrid {
 enum class BendOrder { kSecond, kThird, kFourth };
 constexpr int kNumBendOrders = 3;
 
-/// The ways in which boards may bend from view to view. A view's board has the
-/// points p + M f, where f has a coefficient for each mode.
+/// Which views a board is bent alike in: those of one pose, or all of the
+/// board.
+enum class BendScope { kPose, kBoard };
+
+/// The ways in which boards may bend. A view's board has the points p + M f,
+/// where f has a coefficient for each mode.
 struct FlexModes {
   static constexpr int kMaxCount = 12;  ///< 3 + 4 + 5 bends of orders 2 to 4
   using Displacement =
@@ -29,6 +33,7 @@ struct FlexModes {
   double board_radius_m = 0;  ///< root mean square of all boards
 
   int count() const { return static_cast<int>(orders.size()); }
+  int num_boards() const;
   /// The largest standard deviation of a coefficient that is believed: larger
   /// ones are errors of another kind.
   double MaxDeviationM() const;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <random>
+#include <set>
 
 #include "adjustment/normal_equations.h"
 #include "adjustment/precision_root.h"
@@ -200,11 +202,34 @@ struct Determined {
   std::array<double, kNumBendOrders> flex = {};
 };
 
-// The coefficients of bends of an order: one a mode and pose.
-double NumFlex(const AdjustmentState& state, BendOrder order) {
-  return static_cast<double>(
-      std::count(state.modes.orders.begin(), state.modes.orders.end(), order) *
-      static_cast<std::ptrdiff_t>(state.flex.size()));
+// The place of a bend among the parameters, and its order.
+struct FlexRow {
+  int row;
+  BendOrder order;
+};
+
+// The bends of all poses, or of all boards that are seen.
+std::vector<FlexRow> FlexRows(const ParameterLayout& layout,
+                              const std::vector<View>& views,
+                              const AdjustmentState& state) {
+  std::set<int> firsts;
+  for (const View& view : views) {
+    if (state.HasFlex()) firsts.insert(layout.Pose(view.pose) + 6);
+    if (layout.has_shapes() && !view.observations.empty())
+      firsts.insert(
+          layout.Shape(state.modes.boards[view.observations[0].point]));
+  }
+  std::vector<FlexRow> rows;
+  for (const int first : firsts)
+    for (int mode = 0; mode < state.modes.count(); ++mode)
+      rows.push_back({first + mode, state.modes.orders[mode]});
+  return rows;
+}
+
+double NumOfOrder(const std::vector<FlexRow>& rows, BendOrder order) {
+  return static_cast<double>(std::count_if(
+      rows.begin(), rows.end(),
+      [order](const FlexRow& row) { return row.order == order; }));
 }
 
 // The number of a group's parameters less the trace of the prior's part of H
@@ -215,14 +240,14 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
                                         const ParameterLayout& layout,
                                         const std::vector<CameraGroup>& groups,
                                         const GaussianPrior& prior,
-                                        const AdjustmentState& state,
+                                        const std::vector<FlexRow>& flex_rows,
                                         double lambda) {
   const int num_samples = equations.NumCheapSides();
   std::mt19937 random_bits(1);  // the standard fixes its sequence
   std::vector<Eigen::MatrixXd> shares;
-  const int num_modes = layout.per_pose - 6;
+  const bool has_flex = layout.per_pose > 6;
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(
-      num_modes > 0 ? layout.num_all() : layout.size, num_samples);
+      has_flex ? layout.num_all() : layout.size, num_samples);
   for (const CameraGroup& group : groups) {
     const int size = layout.NumCameraParameters(group.camera);
     Eigen::MatrixXd share(size, num_samples);
@@ -239,11 +264,9 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
     right.col(k).segment(layout.first_point, 3 * layout.num_points) =
         std::sqrt(prior.points_weight) *
         RandomSigns(3 * layout.num_points, &random_bits);
-  for (int pose = 0; pose < layout.num_poses && num_modes > 0; ++pose)
-    for (int mode = 0; mode < num_modes; ++mode)
-      right.row(layout.Pose(pose) + 6 + mode) =
-          std::sqrt(prior.FlexWeight(state.modes.orders[mode])) *
-          RandomSigns(num_samples, &random_bits).transpose();
+  for (const FlexRow& flex : flex_rows)
+    right.row(flex.row) = std::sqrt(prior.FlexWeight(flex.order)) *
+                          RandomSigns(num_samples, &random_bits).transpose();
   Eigen::MatrixXd solution, rest;
   if (!equations.SolveWithRest(lambda, right, &solution, &rest))
     return std::nullopt;
@@ -271,21 +294,17 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
       trace(layout.first_point,
             right.middleRows(layout.first_point, 3 * layout.num_points)));
   std::array<double, kNumBendOrders> flex = {};
-  for (int pose = 0; pose < layout.num_poses && num_modes > 0; ++pose)
-    for (int mode = 0; mode < num_modes; ++mode) {
-      const int row = layout.Pose(pose) + 6 + mode;
-      flex[static_cast<int>(state.modes.orders[mode])] +=
-          right.row(row).dot(solution.row(row));
-    }
+  for (const auto& [row, order] : flex_rows)
+    flex[static_cast<int>(order)] += right.row(row).dot(solution.row(row));
   for (int k = 0; k < kNumBendOrders; ++k)
     result.flex[k] =
-        determined(NumFlex(state, static_cast<BendOrder>(k)), flex[k]);
+        determined(NumOfOrder(flex_rows, static_cast<BendOrder>(k)), flex[k]);
   return result;
 }
 
 // The sum of squared coefficients of an order. A view that is far from the
 // others is of another board or camera rather than bent so much: it counts as
-// one that is as far as chance lets few be.
+// one that is as far as chance lets few be. A board may be bent alone.
 double SquaredFlex(const AdjustmentState& state, BendOrder order) {
   constexpr double kTimesMedian = 9;
   std::vector<double> squares;
@@ -296,6 +315,8 @@ double SquaredFlex(const AdjustmentState& state, BendOrder order) {
     squares.push_back(square);
   }
   if (squares.empty()) return 0;
+  if (state.bend_scope == BendScope::kBoard)
+    return std::accumulate(squares.begin(), squares.end(), 0.0);
   std::vector<double> sorted = squares;
   const auto middle =
       sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
@@ -315,6 +336,7 @@ struct Evidence {
 
 Evidence EvidenceOf(const std::vector<CameraGroup>& groups,
                     const GaussianPrior& prior, const Determined& determined,
+                    const std::vector<FlexRow>& flex_rows,
                     const AdjustmentState& state) {
   Evidence evidence;
   for (size_t g = 0; g < groups.size(); ++g) {
@@ -332,7 +354,7 @@ Evidence EvidenceOf(const std::vector<CameraGroup>& groups,
         (state.points[i] - prior.points_mean[i]).squaredNorm();
   for (int k = 0; k < kNumBendOrders; ++k) {
     const auto order = static_cast<BendOrder>(k);
-    evidence.flex[k] = {NumFlex(state, order), determined.flex[k],
+    evidence.flex[k] = {NumOfOrder(flex_rows, order), determined.flex[k],
                         SquaredFlex(state, order)};
   }
   return evidence;
@@ -344,6 +366,17 @@ constexpr double kFewDetermined = 0.02;  // part of a group
 
 bool IsNextToNothing(const GroupEvidence& evidence) {
   return evidence.determined < kFewDetermined * evidence.count;
+}
+
+// Whether parameters depart so little from their mean as chance lets 1 of 50 of
+// them. With a prior of variance u, and v of what the observations alone tell
+// of them, a part g = u / (u + v) is determined, and their squared distance is
+// g^2 times what it were without a prior, x v. The evidence is greatest where u
+// is distance / (g count), so with g = 1 - count / x. It falls towards there.
+bool IsByChance(const GroupEvidence& evidence, double prior_variance) {
+  constexpr double kLeastDetermined = 0.7;  // x is 3.3 times the count
+  return evidence.determined < kLeastDetermined * evidence.count &&
+         evidence.squared_distance < prior_variance * evidence.determined;
 }
 
 // Moves a weight round by round to where the evidence leaves it.
@@ -374,19 +407,17 @@ class WeightUpdate {
   double last_change_ = 0;  // none, or of which none is known
 };
 
-// The mean over a board's views of how it bends is its shape: it moves from the
-// flex to the points and their mean, which changes no residual.
+// The mean over a board's views of how it bends there is its shape: it moves
+// from the flex to the points and their mean, which changes no residual.
 void MoveMeanBends(const std::vector<View>& views, GaussianPrior* prior,
                    AdjustmentState* state) {
   const FlexModes& modes = state->modes;
-  if (modes.count() == 0) return;
+  if (!state->HasFlex()) return;
   std::vector<int> board_of_pose(state->flex.size(), -1);
   for (const View& view : views)
     if (!view.observations.empty())
       board_of_pose[view.pose] = modes.boards[view.observations[0].point];
-  const int num_boards =
-      *std::max_element(modes.boards.begin(), modes.boards.end()) + 1;
-  for (int board = 0; board < num_boards; ++board) {
+  for (int board = 0; board < modes.num_boards(); ++board) {
     FlexModes::Coefficients mean = FlexModes::Coefficients::Zero(modes.count());
     const double count = static_cast<double>(
         std::count(board_of_pose.begin(), board_of_pose.end(), board));
@@ -415,6 +446,12 @@ double SquaredMetresPerPixel(const AdjustmentState& state,
     count += jacobian.count();
   }
   return sum > 0 ? count / sum : 1;
+}
+
+// A view's board bends by a part of its size. A board may be of any shape.
+double LeastFlexWeight(const AdjustmentState& state, double residual_variance) {
+  if (state.bend_scope == BendScope::kBoard) return 0;
+  return residual_variance / std::pow(state.modes.MaxDeviationM(), 2);
 }
 
 }  // namespace
@@ -470,11 +507,13 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
             .decrease;
     if (!fixed.fix_points) MoveMeanBends(views, prior, state);
     Report(options, round, residuals);
-    const std::optional<Determined> determined =
-        NumDetermined(*equations, layout, groups, *prior, *state, tried_lambda);
+    const std::vector<FlexRow> flex_rows = FlexRows(layout, views, *state);
+    const std::optional<Determined> determined = NumDetermined(
+        *equations, layout, groups, *prior, flex_rows, tried_lambda);
     if (!determined) break;
-    const Evidence evidence = EvidenceOf(groups, *prior, *determined, *state);
-    double num_parameters = layout.first_point + 6.0 * layout.num_poses;
+    const Evidence evidence =
+        EvidenceOf(groups, *prior, *determined, flex_rows, *state);
+    double num_parameters = layout.first_shape + 6.0 * layout.num_poses;
     for (const GroupEvidence& group : evidence.groups)
       num_parameters += group.determined - group.count;
     const GroupEvidence& points = evidence.points;
@@ -501,8 +540,12 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
     }
     for (int k = 0; k < kNumBendOrders; ++k) {
       const GroupEvidence& flex = evidence.flex[k];
-      if (flex.count == 0 || !IsNextToNothing(flex)) continue;
-      // No view is bent like this, for all that these observations tell.
+      if (flex.count == 0) continue;
+      const double prior_variance = variance / prior->flex_weights[k];
+      if (state->HasShapes() ? !IsByChance(flex, prior_variance)
+                             : !IsNextToNothing(flex))
+        continue;
+      // Nothing is bent like this, for all that these observations tell.
       state->modes.Remove(static_cast<BendOrder>(k), &state->flex);
       is_simpler = true;
     }
@@ -518,11 +561,10 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
                                                 0, &prior->points_weight));
     for (int k = 0; k < kNumBendOrders; ++k)
       if (evidence.flex[k].count > 0)
-        change = std::max(
-            change, flex_updates[k].Update(
-                        evidence.flex[k], variance, negligible_m2,
-                        variance / std::pow(state->modes.MaxDeviationM(), 2),
-                        &prior->flex_weights[k]));
+        change = std::max(change, flex_updates[k].Update(
+                                      evidence.flex[k], variance, negligible_m2,
+                                      LeastFlexWeight(*state, variance),
+                                      &prior->flex_weights[k]));
     if (change < kStableChange && decrease < kStableCost) break;
     if (options.is_start && decrease < kGoodEnoughToStart) break;
   }

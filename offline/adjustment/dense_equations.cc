@@ -25,11 +25,11 @@ void SubtractProduct(const Eigen::MatrixXd& factor, int num_threads,
 }
 
 // A residual's derivatives by parameters that no other node shares: global ones
-// of the camera, its pose in the rig, the board's place on a body, the kept
-// group. Columns ascend.
+// of the camera, its pose in the rig, the board's place on a body, its shape,
+// the kept group. Columns ascend.
 struct OtherColumns {
-  static constexpr int kMax =
-      LinearizedProjection::kMaxGlobal + 12 + kMaxPerPose;
+  static constexpr int kMax = LinearizedProjection::kMaxGlobal + 12 +
+                              FlexModes::kMaxCount + kMaxPerPose;
   int count = 0;
   std::array<int, kMax> index;
   Eigen::Matrix<double, 2, kMax> value;
@@ -133,6 +133,9 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
     if (layout_.has_places() && jacobian.place >= 0)
       others.Add(layout_.Place(jacobian.place),
                  ViewJacobian::Block<6>(jacobian.by_place, i));
+    if (layout_.has_shapes() && jacobian.board >= 0)
+      others.Add(layout_.Shape(jacobian.board),
+                 ViewJacobian::Block(jacobian.by_shape, i));
     if (eliminate_points_)
       others.Add(FirstPose() + layout_.per_pose * jacobian.pose, by_pose);
     else if (layout_.num_points > 0)

@@ -205,6 +205,12 @@ Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
             index, index,
             ViewJacobian::Block<6>(j.by_place, i).col(k).squaredNorm());
       }
+      for (int k = 0; j.board >= 0 && k < layout_.per_board; ++k) {
+        const int index = layout_.Shape(j.board) + k;
+        triplets.emplace_back(
+            index, index,
+            ViewJacobian::Block(j.by_shape, i).col(k).squaredNorm());
+      }
     }
   }
   if (layout_.num_points > 0) {
@@ -301,6 +307,9 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
           for (int c = 0; j.place >= 0 && c < 6; ++c)
             row.Add(layout_.Place(j.place) + c,
                     ViewJacobian::Block<6>(j.by_place, i).col(c));
+          for (int c = 0; j.board >= 0 && c < layout_.per_board; ++c)
+            row.Add(layout_.Shape(j.board) + c,
+                    ViewJacobian::Block(j.by_shape, i).col(c));
           for (int c = 0; layout_.num_points > 0 && c < 3; ++c)
             row.Add(layout_.Point(j.points[i]) + c,
                     ViewJacobian::Block<3>(j.by_point, i).col(c));

@@ -24,7 +24,7 @@ Similarity BestSimilarity(const AlignedBoard& board,
   const Eigen::Index count = static_cast<Eigen::Index>(board.nominal.size());
   Eigen::Matrix3Xd from(3, count), to(3, count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    from.col(i) = state.points[board.first + i];
+    from.col(i) = state.ShapedPoint(board.first + static_cast<int>(i));
     to.col(i) = board.nominal[i];
   }
   const Eigen::Matrix3d linear =
@@ -58,8 +58,9 @@ void Apply(const Similarity& similarity, const AlignedBoard& board,
     Pose& pose = state->rig_from_pattern[index];
     pose.rotation = (pose.rotation * r.inverse()).normalized();
     pose.translation = s * pose.translation - pose.rotation * t;
-    if (state->modes.count() > 0) state->flex[index] *= s;
+    if (state->HasFlex()) state->flex[index] *= s;
   }
+  if (state->HasShapes()) state->flex[state->modes.boards[board.first]] *= s;
 }
 
 // A board's place on its body, when both were brought to their nominal points:

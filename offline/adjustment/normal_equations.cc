@@ -76,16 +76,19 @@ ParameterLayout::ParameterLayout(const AdjustmentState& state,
     : first_camera{0},
       num_points(fixed.points ? 0 : static_cast<int>(state.points.size())),
       num_poses(static_cast<int>(state.rig_from_pattern.size())),
-      per_pose(6 + state.modes.count()) {
+      per_pose(6 + (state.HasFlex() ? state.modes.count() : 0)) {
   if (!fixed.cameras && !state.cameras.empty()) {
     for (const auto& camera : state.cameras)
       first_camera.push_back(first_camera.back() + camera->NumParameters());
     first_place =
         first_camera.back() + 6 * (static_cast<int>(state.cameras.size()) - 1);
   }
-  first_point = first_place;
-  if (!(fixed.cameras && fixed.points))
-    first_point += 6 * static_cast<int>(state.body_from_board.size());
+  first_shape = first_place;
+  const bool are_boards_known = fixed.cameras && fixed.points;
+  if (!are_boards_known)
+    first_shape += 6 * static_cast<int>(state.body_from_board.size());
+  per_board = state.HasShapes() && !are_boards_known ? state.modes.count() : 0;
+  first_point = first_shape + per_board * state.modes.num_boards();
   size = first_point + 3 * num_points;
 }
 
@@ -97,8 +100,10 @@ AdjustmentStep ParameterLayout::Step(const Eigen::VectorXd& parameters,
         first_camera[c], first_camera[c + 1] - first_camera[c]));
   for (int first = first_camera.back(); first < first_place; first += 6)
     step.camera_poses.push_back(parameters.segment<6>(first));
-  for (int first = first_place; first < first_point; first += 6)
+  for (int first = first_place; first < first_shape; first += 6)
     step.places.push_back(parameters.segment<6>(first));
+  for (int first = first_shape; first < first_point; first += per_board)
+    step.flex.emplace_back(parameters.segment(first, per_board));
   step.points = parameters.tail(size - first_point);
   for (int i = 0; i < num_poses; ++i) {
     step.poses.push_back(poses.segment<6>(per_pose * i));
@@ -139,13 +144,21 @@ PriorEquations::PriorEquations(const GaussianPrior& prior,
         triplets.emplace_back(k, k, prior.points_weight);
     }
   }
-  precision.setFromTriplets(triplets.begin(), triplets.end());
-  flex_precision.resize(state.modes.count());
-  flex_gradient.resize(state.modes.count(), layout.num_poses);
+  FlexModes::Coefficients weights(state.modes.count());
   for (int mode = 0; mode < state.modes.count(); ++mode)
-    flex_precision[mode] = prior.FlexWeight(state.modes.orders[mode]);
-  for (int i = 0; i < layout.num_poses && state.modes.count() > 0; ++i)
-    flex_gradient.col(i) = flex_precision.cwiseProduct(state.flex[i]);
+    weights[mode] = prior.FlexWeight(state.modes.orders[mode]);
+  for (int i = layout.first_shape; i < layout.first_point; ++i) {
+    const int board = (i - layout.first_shape) / layout.per_board;
+    const int mode = (i - layout.first_shape) % layout.per_board;
+    triplets.emplace_back(i, i, weights[mode]);
+    gradient[i] = weights[mode] * state.flex[board][mode];
+  }
+  precision.setFromTriplets(triplets.begin(), triplets.end());
+  if (!state.HasFlex()) return;
+  flex_precision = weights;
+  flex_gradient.resize(weights.size(), layout.num_poses);
+  for (int i = 0; i < layout.num_poses; ++i)
+    flex_gradient.col(i) = weights.cwiseProduct(state.flex[i]);
 }
 
 std::unique_ptr<NormalEquations> EquationsBuilder::Build(

@@ -18,23 +18,26 @@ struct AdjustmentStep {
   std::vector<Eigen::Matrix<double, 6, 1>> places;        ///< if not fixed
   Eigen::VectorXd points;  ///< three numbers a point
   std::vector<Eigen::Matrix<double, 6, 1>> poses;
-  std::vector<FlexModes::Coefficients> flex;  ///< of each pose, if boards bend
+  std::vector<FlexModes::Coefficients> flex;  ///< if boards bend
 };
 
 /// The parameters without equations; cameras are fixed with their poses in the
-/// rig. Places of boards on bodies are fixed where both others are.
+/// rig. Places of boards on bodies, and boards' shapes, are fixed where both
+/// others are.
 struct FixedParameters {
   bool cameras = false, points = false;
 };
 
 /// The places of parameters in a vector of them all: cameras, their poses in
-/// the rig, boards' places on bodies, points; then, beyond its size, the rig
-/// poses, each with the flex of the board that stands there.
+/// the rig, boards' places on bodies, bends that boards have in all views,
+/// points; then, beyond its size, the rig poses, each with the flex of the
+/// board that stands there.
 struct ParameterLayout {
   ParameterLayout(const AdjustmentState& state, const FixedParameters& fixed);
 
   std::vector<int> first_camera;  ///< of each, and their end; {0} if fixed
-  int first_place = 0, first_point = 0, size = 0;
+  int first_place = 0, first_shape = 0, first_point = 0, size = 0;
+  int per_board = 0;   ///< bends of a board in all views
   int num_points = 0;  ///< 0 if they are fixed
   int num_poses = 0;   ///< of the rig
   int per_pose = 6;    ///< parameters of a pose and of the board's flex
@@ -47,8 +50,10 @@ struct ParameterLayout {
   int CameraPose(int camera) const {
     return first_camera.back() + 6 * (camera - 1);
   }
-  bool has_places() const { return first_place < first_point; }
+  bool has_places() const { return first_place < first_shape; }
   int Place(int place) const { return first_place + 6 * place; }
+  bool has_shapes() const { return first_shape < first_point; }
+  int Shape(int board) const { return first_shape + per_board * board; }
   int Point(int point) const { return first_point + 3 * point; }
 
   int Pose(int pose) const { return size + per_pose * pose; }

@@ -64,6 +64,7 @@ LinearizedResidual Linearize(const AdjustmentState& state,
   }
   if (state.modes.count() > 0)
     result.by_flex = result.by_point * state.modes.by_point[observation.point];
+  if (state.HasShapes()) result.board = state.modes.boards[observation.point];
   return result;
 }
 

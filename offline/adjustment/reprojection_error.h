@@ -24,6 +24,7 @@ struct Residual {
 struct LinearizedResidual {
   Residual residual;
   int camera = 0, pose = 0, place = -1, point = 0;
+  int board = -1;  ///< whose bends by_flex is by; -1: those of the pose
   /// The derivatives by the updates of UpdatedPose() of camera_from_rig,
   /// rig_from_pattern and body_from_board, the last where the view has a place.
   Eigen::Matrix<double, 2, 6> by_camera_pose, by_pose, by_place;

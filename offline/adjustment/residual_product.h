@@ -22,6 +22,9 @@ class ResidualProduct {
         camera_pose_(jacobian.camera > 0 ? layout.CameraPose(jacobian.camera)
                                          : -1),
         place_(jacobian.place >= 0 ? layout.Place(jacobian.place) : -1),
+        shape_(layout.has_shapes() && jacobian.board >= 0
+                   ? layout.Shape(jacobian.board)
+                   : -1),
         first_point_(layout.num_points > 0 ? layout.first_point : -1) {}
 
   template <int kNum>
@@ -43,6 +46,9 @@ class ResidualProduct {
     if (place_ >= 0)
       u += ViewJacobian::Block<6>(j.by_place, i) *
            x.template middleRows<6>(place_);
+    if (shape_ >= 0)
+      u += ViewJacobian::Block(j.by_shape, i) *
+           x.middleRows(shape_, j.by_shape.rows() / 2);
     if (first_point_ >= 0)
       u += ViewJacobian::Block<3>(j.by_point, i) *
            x.template middleRows<3>(first_point_ + 3 * j.points[i]);
@@ -68,6 +74,9 @@ class ResidualProduct {
     if (place_ >= 0)
       y->template middleRows<6>(place_) +=
           ViewJacobian::Block<6>(j.by_place, i).transpose() * u;
+    if (shape_ >= 0)
+      y->middleRows(shape_, j.by_shape.rows() / 2) +=
+          ViewJacobian::Block(j.by_shape, i).transpose() * u;
     if (first_point_ >= 0)
       y->template middleRows<3>(first_point_ + 3 * j.points[i]) +=
           ViewJacobian::Block<3>(j.by_point, i).transpose() * u;
@@ -128,7 +137,7 @@ class ResidualProduct {
   }
 
   const ViewJacobian& jacobian_;
-  int first_, camera_pose_, place_, first_point_;
+  int first_, camera_pose_, place_, shape_, first_point_;
 };
 
 }  // namespace raygrid

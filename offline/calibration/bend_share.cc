@@ -25,7 +25,8 @@ double Decrease(const BendEquations& equations, Eigen::Index count) {
 
 double ShareOfBends(const Adjusted& adjusted, int num_threads) {
   AdjustmentState state = adjusted.state;
-  state.SetModes(ModesOf(adjusted.problem));
+  state.KeepShapes();
+  state.SetModes(ModesOf(adjusted.problem), BendScope::kPose);
   const Eigen::Index size = 6 + state.modes.count();
   std::vector<BendEquations> poses(
       state.rig_from_pattern.size(),

@@ -450,7 +450,8 @@ void Calibration::CompareModels() {
   const Stopwatch stopwatch(&result_.seconds["comparison"]);
   // Boards are as flat with any model.
   CalibrationOptions options = options_;
-  options.flat_board = options.flat_board || !HavePointsMoved(adjusted_);
+  options.flat_board = options.flat_board || (!HavePointsMoved(adjusted_) &&
+                                              !adjusted_.state.HasShapes());
   ForEachCamera({"other models", 0.85, 1}, [&](CameraInProgress* camera, auto) {
     CalibrationResult& result = camera->result;
     result.parametric_models =

@@ -36,7 +36,7 @@ std::optional<BoardBends> BendsOf(const Pattern& pattern,
                                   const Adjusted& adjusted, int camera) {
   const AdjustmentState& state = adjusted.state;
   const CalibrationProblem& problem = adjusted.problem;
-  if (state.modes.count() == 0) return std::nullopt;
+  if (!state.HasFlex()) return std::nullopt;
   BoardBends bends;
   int most_bent = -1;  // view of the problem
   double square = 0;

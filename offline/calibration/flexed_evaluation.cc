@@ -58,7 +58,7 @@ std::vector<std::vector<FeatureResidual>> EvaluateFlexed(
   CalibrationProblem told =
       BuildProblem(Halves(datasets, true), pattern, &rejected);
   AdjustmentState state = LocalizedState(rig, &told, num_threads);
-  state.SetModes(ModesOf(told));
+  state.SetModes(ModesOf(told), BendScope::kPose);
   if (told.views.empty() || state.modes.count() == 0) return residuals;
   GaussianPrior prior;
   prior.points_mean = state.points;

@@ -54,12 +54,13 @@ AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
                                    GaussianPrior* prior,
                                    AdjustmentState* state) {
   prior->points_mean = problem.nominal;
-  state->SetModes({});
+  state->SetModes({}, BendScope::kBoard);
   AdjustmentOptions first = options.fix_points ? options : AsStart(options);
   first.is_start = !options.fix_points && !AreParametric(CopyCameras(*state));
   const AdjustmentSummary summary =
       AdjustWithLearnedPrior(problem.views, first, prior, state);
   if (options.fix_points) return summary;
+  state->SetModes(ModesOf(problem), BendScope::kBoard);
   return AdjustWithLearnedPrior(problem.views, options, prior, state);
 }
 
@@ -386,7 +387,12 @@ void AdjustRigidly(const Pattern& pattern, const std::string& model,
 
 void LetBoardsBend(const Pattern& pattern, const AdjustmentOptions& options,
                    Adjusted* adjusted) {
-  adjusted->state.SetModes(ModesOf(adjusted->problem));
+  AdjustmentState& state = adjusted->state;
+  const std::vector<Eigen::Vector3d> points = state.points;
+  state.KeepShapes();
+  for (size_t i = 0; i < points.size(); ++i)
+    adjusted->prior.points_mean[i] += state.points[i] - points[i];
+  state.SetModes(ModesOf(adjusted->problem), BendScope::kPose);
   adjusted->prior.flex_weights = {};
   AdjustAgain(options, adjusted);
   if (RemoveOutliers(pattern, adjusted) == Removed::kSome)
@@ -454,10 +460,9 @@ bool HavePointsMoved(const Adjusted& adjusted) {
 Pattern AdjustedPattern(const Pattern& pattern, const Adjusted& adjusted) {
   Pattern result = pattern;
   for (size_t b = 0; b < pattern.boards.size(); ++b) {
-    const auto first =
-        adjusted.state.points.begin() + adjusted.problem.first_points[b];
-    result.boards[b].points.assign(first,
-                                   first + pattern.boards[b].num_points());
+    const int first = adjusted.problem.first_points[b];
+    for (int i = 0; i < pattern.boards[b].num_points(); ++i)
+      result.boards[b].points[i] = adjusted.state.ShapedPoint(first + i);
   }
   return result;
 }

@@ -163,7 +163,6 @@ Adjusted StartFrom(const CalibrationResult& result, const Dataset& used,
 void AdjustStack(const CalibrationResult& result, const Pattern& pattern,
                  const CalibrationOptions& options, Adjusted* adjusted) {
   AdjustmentOptions adjustment = StoppableAdjustment(options);
-  if (!HavePointsMoved(*adjusted)) adjustment.fix_points = true;
   AdjustmentOptions first = adjustment;
   first.fix_points = true;
   first.is_start = true;
@@ -172,10 +171,14 @@ void AdjustStack(const CalibrationResult& result, const Pattern& pattern,
         adjusted->problem.views, with, &adjusted->prior, &adjusted->state);
   };
   adjust(first);
+  const CalibrationProblem& problem = adjusted->problem;
   if (result.bends) {
-    adjusted->state.SetModes(ModesOf(adjusted->problem));
+    adjusted->state.SetModes(ModesOf(problem), BendScope::kPose);
     adjustment.rigid_boards = false;
+  } else if (HavePointsMoved(*adjusted)) {
+    adjusted->state.TakeShapes(ModesOf(problem), problem.nominal);
   }
+  if (!HavePointsMoved(*adjusted)) adjustment.fix_points = true;
   adjust(adjustment);
   AlignBoards(pattern, adjusted);
 }

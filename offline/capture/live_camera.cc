@@ -98,7 +98,8 @@ void LiveCamera::GoOn() {
   }
   RemoveViews(remove, &next.problem);
   next.state.rig_from_pattern = kept;
-  next.state.SetModes({});
+  next.state.KeepShapes();
+  next.state.SetModes({}, BendScope::kBoard);
   const double noise_px = next.summary.noise_px;
   next.summary =
       AdjustBundle(next.problem.views, next.prior, Options(), &next.state);

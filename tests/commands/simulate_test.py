@@ -161,16 +161,17 @@ class Simulate(CommandTest):
         self.assertNotIn("points", read(os.path.join(folder, "pattern.yaml")).decode())
 
     def test_calibrate_finds_a_board_that_is_hardly_bent(self):
-        """Its shape is told by bends of the views before it is the board's."""
-        folder = self.simulate("--board-bend-mm", 0.1, "--seed", 11, images=20)
-        out = self.path("calibrated")
-        self.assert_done(run("calibrate", "--features", os.path.join(folder, "features.csv"),
-                             "--pattern", os.path.join(folder, "pattern.yaml"),
-                             "--image-size", "640x480", "--skip-comparison", "-o", out))
-        result = run("compare", os.path.join(folder, "true_camera.yaml"),
-                     os.path.join(out, "camera.yaml"), "--json")
-        self.assert_done(result)
-        self.assertLess(json.loads(result.stdout)["median_px"], 0.03)
+        """Points that scatter independently would leave 0.05 to 0.12 px."""
+        for bend_mm, seed in ((0.1, 11), (0.07, 23), (0.15, 27)):
+            folder = self.simulate("--board-bend-mm", bend_mm, "--seed", seed, images=20)
+            out = self.path("calibrated")
+            self.assert_done(run("calibrate", "--features", os.path.join(folder, "features.csv"),
+                                 "--pattern", os.path.join(folder, "pattern.yaml"),
+                                 "--image-size", "640x480", "--skip-comparison", "-o", out))
+            result = run("compare", os.path.join(folder, "true_camera.yaml"),
+                         os.path.join(out, "camera.yaml"), "--json")
+            self.assert_done(result)
+            self.assertLess(json.loads(result.stdout)["median_px"], 0.02)
 
     def test_non_central_lens_has_its_exact_lines_beside_it(self):
         for options in ((), ("--render", "--pattern", self.chessboard())):

@@ -70,12 +70,12 @@ TEST(FlexModes, LeaveOutAnOrderWithItsCoefficients) {
   EXPECT_EQ(modes.by_point[7].col(3), all.by_point[7].col(7));
 }
 
-// A flat board seen by many, each view bent by so much.
-SmallProblem BentProblem(double bend_m) {
+// A flat board seen by many, in each view or in all of them bent by so much.
+SmallProblem BentProblem(double bend_m, BendScope scope = BendScope::kPose) {
   SmallProblem problem = MakeSmallProblem({20, 60, 0.05});
   for (Eigen::Vector3d& point : problem.state.points) point.z() = 0;
   AdjustmentState& state = problem.state;
-  state.SetModes(MakeFlexModes({{0, state.points}}, 60));
+  state.SetModes(MakeFlexModes({{0, state.points}}, 60), scope);
   TestRandom random(3);
   for (FlexModes::Coefficients& flex : state.flex)
     for (int mode = 0; mode < 3; ++mode) flex[mode] = bend_m * random.Normal();
@@ -92,7 +92,7 @@ SmallProblem BentProblem(double bend_m) {
 
 AdjustmentState WithoutBends(const AdjustmentState& state) {
   AdjustmentState flat = state;
-  flat.SetModes(state.modes);
+  flat.SetModes(state.modes, state.bend_scope);
   return flat;
 }
 
@@ -125,6 +125,56 @@ TEST(AdjustWithLearnedPrior, FindsThatBoardsDoNotBend) {
     EXPECT_LT(flex.norm(), 1e-4);
 }
 
+TEST(AdjustWithLearnedPrior, FindsTheShapeOfABoard) {
+  const SmallProblem problem = BentProblem(0.001, BendScope::kBoard);
+  AdjustmentState state = WithoutBends(problem.state);
+  GaussianPrior prior = PriorOf(problem);
+  prior.points_mean = state.points;
+  AdjustWithLearnedPrior(problem.views, {}, &prior, &state);
+  ASSERT_TRUE(state.HasShapes());
+  // Some of it is the camera's, whose prior is weak.
+  EXPECT_LT((state.flex[0].head<3>() - problem.state.flex[0].head<3>()).norm(),
+            0.1 * problem.state.flex[0].norm());
+  // Its points are nominal beside it.
+  for (size_t i = 0; i < state.points.size(); ++i)
+    EXPECT_EQ(state.points[i], prior.points_mean[i]);
+}
+
+TEST(AdjustWithLearnedPrior, FindsThatABoardIsFlat) {
+  int num_flat = 0;
+  for (int seed = 0; seed < 20; ++seed) {
+    SmallProblem problem = BentProblem(0, BendScope::kBoard);
+    TestRandom random(100 + seed);
+    for (View& view : problem.views)
+      for (Observation& observation : view.observations)
+        observation.pixel += 0.05 * random.NormalVector<2>();
+    AdjustmentState state = WithoutBends(problem.state);
+    GaussianPrior prior = PriorOf(problem);
+    prior.points_mean = state.points;
+    AdjustWithLearnedPrior(problem.views, {}, &prior, &state);
+    num_flat += !state.HasShapes();
+  }
+  EXPECT_GE(num_flat, 18);
+}
+
+TEST(AdjustmentState, TakesAShapeFromItsPointsAndGivesItBack) {
+  const SmallProblem problem = BentProblem(0.001, BendScope::kBoard);
+  const std::vector<Eigen::Vector3d> nominal = problem.state.points;
+  AdjustmentState state = problem.state;
+  state.KeepShapes();
+  EXPECT_FALSE(state.HasShapes());
+  for (int i = 0; i < 60; ++i)
+    EXPECT_EQ(state.points[i], problem.state.ShapedPoint(i));
+  const auto before = ComputeResiduals(problem.state, problem.views, 1);
+  const auto after = ComputeResiduals(state, problem.views, 1);
+  for (size_t i = 0; i < before.size(); ++i)
+    EXPECT_EQ(before[i].error_px, after[i].error_px);
+  state.TakeShapes(problem.state.modes, nominal);
+  EXPECT_LT((state.flex[0] - problem.state.flex[0]).norm(), 1e-12);
+  for (int i = 0; i < 60; ++i)
+    EXPECT_LT((state.points[i] - nominal[i]).norm(), 1e-12);
+}
+
 // A shape that all views share is the board's.
 TEST(AdjustWithLearnedPrior, GivesTheMeanBendToTheBoard) {
   SmallProblem problem = BentProblem(0.0005);
@@ -150,13 +200,14 @@ TEST(AdjustWithLearnedPrior, GivesTheMeanBendToTheBoard) {
   EXPECT_NEAR(std::abs(shape), 0.003, 0.0005);
 }
 
-TEST(AlignToNominal, ChangesNoResidualOfBentBoards) {
-  const SmallProblem problem = BentProblem(0.001);
+void ExpectAlignedAlike(BendScope scope) {
+  const SmallProblem problem = BentProblem(0.001, scope);
   AdjustmentState state = problem.state;
   const Eigen::Quaterniond turn(RotationFromVector({0.02, -0.03, 0.1}));
   std::vector<Eigen::Vector3d> nominal;
-  for (const Eigen::Vector3d& point : state.points)
-    nominal.push_back(1.1 * (turn * point) + Eigen::Vector3d(0.1, 0.2, 0));
+  for (int i = 0; i < 60; ++i)
+    nominal.push_back(1.1 * (turn * state.ShapedPoint(i)) +
+                      Eigen::Vector3d(0.1, 0.2, 0));
   std::vector<int> poses(state.rig_from_pattern.size());
   for (size_t i = 0; i < poses.size(); ++i) poses[i] = static_cast<int>(i);
   AlignToNominal({{0, nominal, poses}}, &state);
@@ -164,7 +215,12 @@ TEST(AlignToNominal, ChangesNoResidualOfBentBoards) {
   const auto after = ComputeResiduals(state, problem.views, 1);
   for (size_t i = 0; i < before.size(); ++i)
     EXPECT_LT((before[i].error_px - after[i].error_px).norm(), 1e-7);
-  EXPECT_LT((state.points[5] - nominal[5]).norm(), 1e-9);
+  EXPECT_LT((state.ShapedPoint(5) - nominal[5]).norm(), 1e-9);
+}
+
+TEST(AlignToNominal, ChangesNoResidualOfBentBoards) {
+  ExpectAlignedAlike(BendScope::kPose);
+  ExpectAlignedAlike(BendScope::kBoard);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "adjustment/normal_equations.h"
 
 #include <Eigen/LU>
+#include <optional>
 
 #include "adjustment/dense_equations.h"
 #include "adjustment/large_equations.h"
@@ -12,30 +13,34 @@ namespace raygrid {
 namespace {
 
 // Which parameters there are: cameras, their poses in the rig, places of
-// boards, points, poses.
+// boards, their shapes, points, poses.
 struct Layout {
-  int num_cameras = 0, num_places = 0, num_points = 0, num_poses = 0,
-      per_pose = 6;
+  int num_cameras = 0, num_places = 0, num_shapes = 0, num_points = 0,
+      num_poses = 0, per_pose = 6;
 
   Layout(const SmallProblem& problem, bool fix_cameras, bool fix_points,
-         int num_modes = 0)
+         const AdjustmentState& state = {})
       : num_cameras(
             fix_cameras ? 0 : static_cast<int>(problem.state.cameras.size())),
         num_places(
             fix_cameras && fix_points
                 ? 0
                 : static_cast<int>(problem.state.body_from_board.size())),
+        num_shapes(state.HasShapes() && !(fix_cameras && fix_points)
+                       ? state.modes.count() * state.modes.num_boards()
+                       : 0),
         num_points(fix_points ? 0
                               : static_cast<int>(problem.state.points.size())),
         num_poses(static_cast<int>(problem.state.rig_from_pattern.size())),
-        per_pose(6 + num_modes) {}
+        per_pose(6 + (state.HasFlex() ? state.modes.count() : 0)) {}
 
   int Camera(int c) const { return OpenCvModel::kCount * c; }
   int CameraPose(int c) const { return Camera(num_cameras) + 6 * (c - 1); }
   int Place(int i) const {
     return CameraPose(std::max(1, num_cameras)) + 6 * i;
   }
-  int Point(int i) const { return Place(num_places) + 3 * i; }
+  int Shape(int i) const { return Place(num_places) + i; }
+  int Point(int i) const { return Shape(num_shapes) + 3 * i; }
   int Pose(int i) const { return Point(num_points) + per_pose * i; }
   int Size() const { return Pose(num_poses); }
 };
@@ -59,7 +64,11 @@ Eigen::MatrixXd DenseJacobian(const LinearizedResidual& r,
   if (layout.num_points > 0)
     row.middleCols<3>(layout.Point(r.point)) = r.by_point;
   row.middleCols<6>(layout.Pose(r.pose)) = r.by_pose;
-  row.middleCols(layout.Pose(r.pose) + 6, r.by_flex.cols()) = r.by_flex;
+  const auto count = static_cast<int>(r.by_flex.cols());
+  if (r.board < 0)
+    row.middleCols(layout.Pose(r.pose) + 6, count) = r.by_flex;
+  else if (layout.num_shapes > 0)
+    row.middleCols(layout.Shape(count * r.board), count) = r.by_flex;
   return row;
 }
 
@@ -81,9 +90,13 @@ void AddDensePrior(const GaussianPrior& prior, const AdjustmentState& state,
     dense->g.segment<3>(layout.Point(i)) +=
         prior.points_weight * (state.points[i] - prior.points_mean[i]);
   }
-  for (int i = 0; i < layout.num_poses; ++i)
+  const bool has_flex =
+      state.HasFlex() || (state.HasShapes() && layout.num_shapes > 0);
+  for (int i = 0; has_flex && i < static_cast<int>(state.flex.size()); ++i)
     for (int mode = 0; mode < state.modes.count(); ++mode) {
-      const int row = layout.Pose(i) + 6 + mode;
+      const int row = state.HasFlex()
+                          ? layout.Pose(i) + 6 + mode
+                          : layout.Shape(state.modes.count() * i + mode);
       const double weight = prior.FlexWeight(state.modes.orders[mode]);
       dense->h(row, row) += weight;
       dense->g(row) += weight * state.flex[i][mode];
@@ -146,17 +159,21 @@ Eigen::VectorXd Stacked(const AdjustmentStep& step, const Layout& layout) {
   stacked.segment(layout.Point(0), 3 * layout.num_points) = step.points;
   for (int i = 0; i < layout.num_poses; ++i)
     stacked.segment<6>(layout.Pose(i)) = step.poses[i];
-  for (size_t i = 0; i < step.flex.size(); ++i)
-    stacked.segment(layout.Pose(static_cast<int>(i)) + 6, step.flex[i].size()) =
-        step.flex[i];
+  for (int i = 0; i < static_cast<int>(step.flex.size()); ++i) {
+    const auto count = static_cast<int>(step.flex[i].size());
+    stacked.segment(
+        layout.num_shapes > 0 ? layout.Shape(count * i) : layout.Pose(i) + 6,
+        count) = step.flex[i];
+  }
   return stacked;
 }
 
 // Each board bends at random, by all modes but those of one order.
-void Bend(AdjustmentState* state, GaussianPrior* prior) {
+void Bend(BendScope scope, AdjustmentState* state, GaussianPrior* prior) {
   std::vector<Eigen::Vector3d> flat = state->points;
   for (Eigen::Vector3d& point : flat) point.z() = 0;
-  state->SetModes(MakeFlexModes({{0, flat}}, static_cast<int>(flat.size())));
+  state->SetModes(MakeFlexModes({{0, flat}}, static_cast<int>(flat.size())),
+                  scope);
   ASSERT_EQ(state->modes.count(), FlexModes::kMaxCount);
   state->modes.Remove(BendOrder::kThird, &state->flex);
   TestRandom random(9);
@@ -169,16 +186,16 @@ void Bend(AdjustmentState* state, GaussianPrior* prior) {
 // Every parameter's step compared in units of its own uncertainty.
 void ExpectDenseSolution(const SmallProblem& problem, bool fix_camera,
                          bool fix_points, Method method = Method::kDense,
-                         bool may_bend = false) {
+                         std::optional<BendScope> bends = {}) {
   AdjustmentState state = Disturbed(problem.state, !fix_points);
   GaussianPrior prior = PriorOf(problem);
-  if (may_bend) Bend(&state, &prior);
+  if (bends) Bend(*bends, &state, &prior);
   TestRandom random(4);
   prior.cameras[0].orientation.resize(OpenCvModel::kCount, 3);
   for (int k = 0; k < prior.cameras[0].orientation.size(); ++k)
     prior.cameras[0].orientation.data()[k] = random.Normal();
   prior.cameras[0].orientation_weight = 2;
-  const Layout layout(problem, fix_camera, fix_points, state.modes.count());
+  const Layout layout(problem, fix_camera, fix_points, state);
   for (const double lambda : {1e-4, 1.0}) {
     WholeSystem dense = BuildDense(problem.views, state, prior, layout);
     dense.h.diagonal() *= 1 + lambda;
@@ -199,9 +216,9 @@ void ExpectDenseSolution(const SmallProblem& problem, bool fix_camera,
 
 void ExpectDenseSolution(const SmallProblemSizes& sizes, bool fix_camera,
                          bool fix_points, Method method = Method::kDense,
-                         bool may_bend = false) {
+                         std::optional<BendScope> bends = {}) {
   ExpectDenseSolution(MakeSmallProblem(sizes), fix_camera, fix_points, method,
-                      may_bend);
+                      bends);
 }
 
 TEST(NormalEquations, EliminatingPointsSolvesTheWholeSystem) {
@@ -251,12 +268,30 @@ TEST(NormalEquations, BoardsOfABodyShareItsPoses) {
 }
 
 TEST(NormalEquations, BendsAreSolvedForWithTheirPoses) {
-  ExpectDenseSolution({4, 60, 0.4}, false, false, Method::kDense, true);
-  ExpectDenseSolution({12, 20, 0.4}, false, false, Method::kDense, true);
-  ExpectDenseSolution({6, 30, 0.4, 2}, false, true, Method::kDense, true);
-  ExpectDenseSolution({6, 30, 0.4}, true, true, Method::kDense, true);
-  ExpectDenseSolution({4, 60, 0.4}, false, false, Method::kLarge, true);
-  ExpectDenseSolution({12, 20, 0.4, 2}, false, false, Method::kLarge, true);
+  ExpectDenseSolution({4, 60, 0.4}, false, false, Method::kDense,
+                      BendScope::kPose);
+  ExpectDenseSolution({12, 20, 0.4}, false, false, Method::kDense,
+                      BendScope::kPose);
+  ExpectDenseSolution({6, 30, 0.4, 2}, false, true, Method::kDense,
+                      BendScope::kPose);
+  ExpectDenseSolution({6, 30, 0.4}, true, true, Method::kDense,
+                      BendScope::kPose);
+  ExpectDenseSolution({4, 60, 0.4}, false, false, Method::kLarge,
+                      BendScope::kPose);
+  ExpectDenseSolution({12, 20, 0.4, 2}, false, false, Method::kLarge,
+                      BendScope::kPose);
+}
+
+TEST(NormalEquations, ShapesAreSolvedForBesideTheCameras) {
+  const BendScope of = BendScope::kBoard;
+  ExpectDenseSolution({4, 60, 0.4}, false, false, Method::kDense, of);
+  ExpectDenseSolution({12, 20, 0.4}, false, false, Method::kDense, of);
+  ExpectDenseSolution({6, 30, 0.4, 2}, false, true, Method::kDense, of);
+  ExpectDenseSolution({6, 30, 0.4}, true, true, Method::kDense, of);
+  ExpectDenseSolution({4, 60, 0.4}, false, false, Method::kLarge, of);
+  ExpectDenseSolution({12, 20, 0.4, 2}, false, true, Method::kLarge, of);
+  ExpectDenseSolution(WithTwoBoardsOnABody(MakeSmallProblem({12, 20, 0.4})),
+                      false, false, Method::kDense, of);
 }
 
 TEST(NormalEquations, SolutionDoesNotDependOnTheNumberOfThreads) {
@@ -301,15 +336,15 @@ TEST(NormalEquations, ResidualsThatAreNotValidDoNotCount) {
 
 // With bends the poses' part of the inverse, too.
 void ExpectInverse(const SmallProblemSizes& sizes, Method method,
-                   bool may_bend = false) {
+                   std::optional<BendScope> bends = {}) {
   SmallProblem problem = MakeSmallProblem(sizes);
   GaussianPrior prior = PriorOf(problem);
-  if (may_bend) Bend(&problem.state, &prior);
-  const Layout layout(problem, false, false, problem.state.modes.count());
+  if (bends) Bend(*bends, &problem.state, &prior);
+  const Layout layout(problem, false, false, problem.state);
   WholeSystem dense = BuildDense(problem.views, problem.state, prior, layout);
   dense.h.diagonal() *= 1 + 1e-6;
   const Eigen::MatrixXd inverse = dense.h.inverse();
-  const int size = may_bend ? layout.Size() : layout.Pose(0);
+  const int size = bends ? layout.Size() : layout.Pose(0);
   Eigen::MatrixXd solution;
   ASSERT_TRUE(
       BuildEquations(problem.views, problem.state, prior, {}, method)
@@ -326,8 +361,9 @@ TEST(NormalEquations, SolveForGivesColumnsOfTheInverse) {
   for (const Method method : {Method::kDense, Method::kLarge}) {
     ExpectInverse({4, 30, 0.3}, method);   // points eliminated
     ExpectInverse({12, 20, 0.3}, method);  // poses eliminated
-    ExpectInverse({4, 60, 0.3}, method, true);
-    ExpectInverse({12, 20, 0.3}, method, true);
+    ExpectInverse({4, 60, 0.3}, method, BendScope::kPose);
+    ExpectInverse({4, 60, 0.3}, method, BendScope::kBoard);
+    ExpectInverse({12, 20, 0.3}, method, BendScope::kPose);
   }
 }
 

@@ -16,7 +16,8 @@ SmallProblem SmallGridProblem() {
 SmallProblem BentProblem() {
   SmallProblem problem = MakeSmallProblem({3, 30, 0.3, 2});
   for (Eigen::Vector3d& point : problem.state.points) point.z() = 0;
-  problem.state.SetModes(MakeFlexModes({{0, problem.state.points}}, 30));
+  problem.state.SetModes(MakeFlexModes({{0, problem.state.points}}, 30),
+                         BendScope::kPose);
   TestRandom random(5);
   for (FlexModes::Coefficients& flex : problem.state.flex)
     for (Eigen::Index k = 0; k < flex.size(); ++k)
