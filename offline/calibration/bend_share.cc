@@ -12,6 +12,8 @@ namespace {
 struct BendEquations {
   Eigen::MatrixXd matrix;
   Eigen::VectorXd gradient;
+  double squares = 0;
+  int num_features = 0;
 };
 
 // How much a step of the first parameters lowers the squared residuals.
@@ -31,7 +33,6 @@ double ShareOfBends(const Adjusted& adjusted, int num_threads) {
   std::vector<BendEquations> poses(
       state.rig_from_pattern.size(),
       {Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)});
-  double squares = 0, degrees = 0;
   for (const ViewJacobian& jacobian :
        WeightedJacobians(state, adjusted.problem.views,
                          AdjustmentOptions().huber_px, num_threads)) {
@@ -39,15 +40,18 @@ double ShareOfBends(const Adjusted& adjusted, int num_threads) {
     BendEquations& pose = poses[jacobian.pose];
     pose.matrix.noalias() += jacobian.by_pose * jacobian.by_pose.transpose();
     pose.gradient.noalias() += jacobian.by_pose * jacobian.error.reshaped();
-    squares += jacobian.error.squaredNorm();
-    degrees += 2 * jacobian.count();
+    pose.squares += jacobian.error.squaredNorm();
+    pose.num_features += jacobian.count();
   }
-  double taken = 0, num_bends = 0;
+  double squares = 0, degrees = 0, taken = 0, num_bends = 0;
   for (const BendEquations& pose : poses) {
+    // With fewer, bends take noise as well as errors.
+    if (pose.num_features < size) continue;
+    squares += pose.squares;
+    degrees += 2 * pose.num_features - 6;
     taken += Decrease(pose, size) - Decrease(pose, 6);
     num_bends += static_cast<double>(
         (pose.matrix.diagonal().tail(size - 6).array() > 0).count());
-    degrees -= 6;
   }
   if (!(degrees > 2 * num_bends)) return 1;  // too few features to tell
   const double noise = (squares - taken) / (degrees - num_bends);

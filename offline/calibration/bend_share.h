@@ -8,7 +8,8 @@ namespace raygrid {
 /// The part of the squared residuals of cameras with rigid boards that bends of
 /// each view's board would take away, to first order, beyond what they take of
 /// noise that features do not share. About 0, and a little below it by chance,
-/// if boards do not bend.
+/// if boards do not bend. Told by views of at least 18 features, one for each
+/// parameter of their poses and bends; 1 if there are none.
 double ShareOfBends(const Adjusted& adjusted, int num_threads);
 
 }  // namespace raygrid

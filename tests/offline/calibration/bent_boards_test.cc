@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -64,11 +65,14 @@ TEST(Calibrate, KeepsBoardsRigidThatAreRigid) {
 
 // The share in a camera that was adjusted with rigid boards, and whose cells
 // follow the lens. Bends would take some of what coarser ones leave.
-double ShareOf(double flex_m) {
+double ShareOf(double flex_m, size_t max_features = SIZE_MAX) {
   AdjustmentOptions options;
   options.num_threads = 2;
-  Adjusted adjusted =
-      AdjustStartingLens(SimulateFlex(flex_m).dataset, TestBoard(), options);
+  Dataset dataset = SimulateFlex(flex_m).dataset;
+  for (ImageFeatures& image : dataset.images)
+    if (image.features.size() > max_features)
+      image.features.resize(max_features);
+  Adjusted adjusted = AdjustStartingLens(dataset, TestBoard(), options);
   AdjustModel(TestBoard(), "central-generic", {40}, options, &adjusted);
   return ShareOfBends(adjusted, 2);
 }
@@ -76,6 +80,10 @@ double ShareOf(double flex_m) {
 TEST(ShareOfBends, TellsBendsFromNoise) {
   EXPECT_NEAR(ShareOf(0), 0, 0.01);
   EXPECT_GT(ShareOf(0.0004), 0.5);
+}
+
+TEST(ShareOfBends, IsAllWhereViewsHaveTooFewFeaturesToTell) {
+  EXPECT_EQ(ShareOf(0, 17), 1);
 }
 
 // Half of the features tell how the boards are bent.
