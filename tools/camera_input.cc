@@ -41,16 +41,32 @@ void SayTheMiddle(const std::string& path,
              Printable(path), TextOf(ranges));
 }
 
-// A stack's camera at values, in place of that in the middle. keeps_stack: over
-// what is not given it stays a stack. Returns whether it was one.
-bool TakeAt(const std::string& path, const ConditionsAt& at, bool keeps_stack,
-            CameraFile* file) {
-  if (!file->stack) return false;
-  if (at.IsGiven())
-    *file = FileAt(*file, HeldInRange(at, file->stack->cameras.ranges(), path));
-  if (file->stack && !keeps_stack)
+// How a stack is read.
+enum class Reading {
+  kOne,       // a camera out of it
+  kRest,      // over conditions whose values are not given it stays a stack
+  kOneOfTwo,  // a camera; some values may be the other's
+};
+
+// Values for a camera with these ranges, each in its range.
+HeldConditions ValuesFor(const std::string& path, const ConditionsAt& at,
+                         Reading reading,
+                         const std::vector<ConditionRange>& ranges) {
+  if (reading != Reading::kOneOfTwo) return HeldInRange(at, ranges, path);
+  return HeldInRange(OfRanges(at, ranges), ranges, path);
+}
+
+// A stack's camera at values, in place of that in the middle. Returns the
+// stack's ranges.
+std::vector<ConditionRange> TakeAt(const std::string& path,
+                                   const ConditionsAt& at, Reading reading,
+                                   CameraFile* file) {
+  if (!file->stack) return {};
+  const std::vector<ConditionRange> ranges = file->stack->cameras.ranges();
+  if (at.IsGiven()) *file = FileAt(*file, ValuesFor(path, at, reading, ranges));
+  if (file->stack && reading != Reading::kRest)
     SayTheMiddle(path, file->stack->cameras.ranges());
-  return true;
+  return ranges;
 }
 
 Error NoStack(const std::string& path) {
@@ -61,7 +77,7 @@ Error NoStack(const std::string& path) {
 }
 
 CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
-                           const ConditionsAt& at, bool keeps_stack = false) {
+                           const ConditionsAt& at, Reading reading) {
   CameraInput input;
   if (!IsBlob(path, bytes)) {
     if (const TableFormat* table = RecognizeTable(bytes))
@@ -69,16 +85,19 @@ CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
     const Format* format = RecognizeFormat(bytes);
     input.file = format ? ParseForeignCamera(*format, path, bytes)
                         : ParseCameraFile(path, bytes);
-    input.is_of_stack = TakeAt(path, at, keeps_stack, &input.file);
+    input.ranges = TakeAt(path, at, reading, &input.file);
     return input;
   }
   input.blob.emplace(path, bytes);
   if (const auto range = input.blob->Range()) {
-    input.is_of_stack = true;
-    if (at.IsGiven())
-      input.blob->SetCondition(*HeldInRange(at, {*range}, path)[0]);
-    else if (!keeps_stack)
-      SayTheMiddle(path, {*range});
+    input.ranges = {*range};
+    const HeldConditions held = at.IsGiven()
+                                    ? ValuesFor(path, at, reading, input.ranges)
+                                    : HeldConditions(1);
+    if (held[0])
+      input.blob->SetCondition(*held[0]);
+    else if (reading != Reading::kRest)
+      SayTheMiddle(path, input.ranges);
   }
   input.file.camera = input.blob->ToModel();
   rg_camera_section identity;
@@ -99,14 +118,14 @@ CameraInput ReadCamera(const std::string& path, const ConditionsAt& at) {
 
 CameraInput ParseCamera(const std::string& path, const std::string& bytes,
                         const ConditionsAt& at) {
-  CameraInput input = ParseAnyCamera(path, bytes, at);
-  if (at.IsGiven() && !input.is_of_stack) throw NoStack(path);
+  CameraInput input = ParseAnyCamera(path, bytes, at, Reading::kOne);
+  if (at.IsGiven() && input.ranges.empty()) throw NoStack(path);
   return input;
 }
 
 CameraInput ReadCameraOrStack(const std::string& path, const ConditionsAt& at) {
-  CameraInput input = ParseAnyCamera(path, ReadFile(path), at, true);
-  if (at.IsGiven() && !input.is_of_stack) throw NoStack(path);
+  CameraInput input = ParseAnyCamera(path, ReadFile(path), at, Reading::kRest);
+  if (at.IsGiven() && input.ranges.empty()) throw NoStack(path);
   return input;
 }
 
@@ -114,10 +133,27 @@ std::array<CameraInput, 2> ReadTwoCameras(const std::string& first,
                                           const std::string& second,
                                           const ConditionsAt& at) {
   std::array<CameraInput, 2> cameras = {
-      ParseAnyCamera(first, ReadFile(first), at),
-      ParseAnyCamera(second, ReadFile(second), at)};
-  if (at.IsGiven() && !cameras[0].is_of_stack && !cameras[1].is_of_stack)
-    throw NoStack(first + ", " + second);
+      ParseAnyCamera(first, ReadFile(first), at, Reading::kOneOfTwo),
+      ParseAnyCamera(second, ReadFile(second), at, Reading::kOneOfTwo)};
+  std::vector<ConditionRange> ranges = cameras[0].ranges;
+  ranges.insert(ranges.end(), cameras[1].ranges.begin(),
+                cameras[1].ranges.end());
+  if (at.IsGiven() && ranges.empty()) throw NoStack(first + ", " + second);
+  if (OfRanges(at, ranges).named.size() < at.named.size())
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("{}, {}: {}: they change with {} alone", first, second,
+                    at.Text(), ConditionName(ranges[0].condition)));
+  for (size_t c = 0; c < 2; ++c) {
+    const std::vector<ConditionRange>& own = cameras[c].ranges;
+    if (own.empty() || OfRanges(at, own).named.size() == at.named.size())
+      continue;
+    fmt::print(stderr,
+               "raygrid: {}: {}: changes with {} alone; the rest is for the "
+               "other camera\n",
+               Printable(c == 0 ? first : second), at.Text(),
+               ConditionName(own[0].condition));
+  }
   return cameras;
 }
 

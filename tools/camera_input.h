@@ -18,7 +18,8 @@ namespace raygrid {
 struct CameraInput {
   CameraFile file;                 ///< a blob's grid in double precision
   std::optional<BlobCamera> blob;  ///< if it was one
-  bool is_of_stack = false;        ///< was taken out of one, by --at
+  /// That it was calibrated over, if it is of a stack.
+  std::vector<ConditionRange> ranges;
 };
 
 /// at: the values of the conditions, of a camera that is a stack; where one is
@@ -33,8 +34,9 @@ CameraInput ParseCamera(const std::string& path, const std::string& bytes,
 /// ReadCamera(), but over conditions that at does not give it stays a stack.
 CameraInput ReadCameraOrStack(const std::string& path, const ConditionsAt& at);
 
-/// Reads two cameras, of which at is for those that are stacks. Throws
-/// Error(kUsage) if none is.
+/// Reads two cameras, of which at is for those that are stacks. Values of
+/// conditions that one of them does not change with are the other's, which is
+/// said on standard error. Throws Error(kUsage) if neither does.
 std::array<CameraInput, 2> ReadTwoCameras(const std::string& first,
                                           const std::string& second,
                                           const ConditionsAt& at);

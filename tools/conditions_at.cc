@@ -82,6 +82,16 @@ HeldConditions HeldOf(const ConditionsAt& at,
   return held;
 }
 
+ConditionsAt OfRanges(const ConditionsAt& at,
+                      const std::vector<ConditionRange>& ranges) {
+  ConditionsAt own = {at.alone, {}};
+  for (const ConditionRange& range : ranges) {
+    const auto given = at.named.find(range.condition);
+    if (given != at.named.end()) own.named.insert(*given);
+  }
+  return own;
+}
+
 HeldConditions HeldInRange(const ConditionsAt& at,
                            const std::vector<ConditionRange>& ranges,
                            const std::string& name) {

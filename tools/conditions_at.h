@@ -32,6 +32,10 @@ ConditionsAt ParseConditionsAt(const std::string& text);
 HeldConditions HeldOf(const ConditionsAt& at,
                       const std::vector<ConditionRange>& ranges,
                       const std::string& name);
+/// The values that are given of conditions which a camera with these ranges
+/// changes with.
+ConditionsAt OfRanges(const ConditionsAt& at,
+                      const std::vector<ConditionRange>& ranges);
 /// HeldOf(), and throws Error(kUsage) for values that are not in the ranges.
 HeldConditions HeldInRange(const ConditionsAt& at,
                            const std::vector<ConditionRange>& ranges,

@@ -112,6 +112,15 @@ class BothConditions(CommandTest):
             self.assertLess(self.error_px(8.3, 60, blob, "--at", at)[0], 0.05)
         result = run("project", blob, "--at", "temperature=60", "--points", "none.csv")
         self.assert_refused(result, 1, "changes with lens_position alone")
+        # A value that one camera does not change with is the other's.
+        at = "lens_position=8.3,temperature=60"
+        result = run("compare", self.camera, blob, "--at", at, "--json")
+        self.assert_done(result)
+        self.assertIn("changes with lens_position alone; the rest is for the other camera",
+                      result.stderr)
+        self.assertLess(json.loads(result.stdout)["median_px"], 0.01)
+        result = run("compare", blob, blob, "--at", at)
+        self.assert_refused(result, 1, "they change with lens_position alone")
 
         _, said, told = pack("--at", "lens_position=8.3")
         self.assertEqual(said, "")
