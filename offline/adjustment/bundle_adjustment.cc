@@ -208,21 +208,33 @@ struct FlexRow {
   BendOrder order;
 };
 
-// The bends of all poses, or of all boards that are seen.
+// Whether a bend moves any point of a board: one of few rows has fewer bends.
+bool IsTold(const FlexModes& modes, int board, int mode) {
+  for (size_t i = 0; i < modes.boards.size(); ++i)
+    if (modes.boards[i] == board && !modes.by_point[i].col(mode).isZero(0))
+      return true;
+  return false;
+}
+
+// The bends of all poses, or those that all boards that are seen may have.
 std::vector<FlexRow> FlexRows(const ParameterLayout& layout,
                               const std::vector<View>& views,
                               const AdjustmentState& state) {
-  std::set<int> firsts;
+  const FlexModes& modes = state.modes;
+  std::set<int> poses, boards;
   for (const View& view : views) {
-    if (state.HasFlex()) firsts.insert(layout.Pose(view.pose) + 6);
+    if (state.HasFlex()) poses.insert(view.pose);
     if (layout.has_shapes() && !view.observations.empty())
-      firsts.insert(
-          layout.Shape(state.modes.boards[view.observations[0].point]));
+      boards.insert(modes.boards[view.observations[0].point]);
   }
   std::vector<FlexRow> rows;
-  for (const int first : firsts)
-    for (int mode = 0; mode < state.modes.count(); ++mode)
-      rows.push_back({first + mode, state.modes.orders[mode]});
+  for (const int pose : poses)
+    for (int mode = 0; mode < modes.count(); ++mode)
+      rows.push_back({layout.Pose(pose) + 6 + mode, modes.orders[mode]});
+  for (const int board : boards)
+    for (int mode = 0; mode < modes.count(); ++mode)
+      if (IsTold(modes, board, mode))
+        rows.push_back({layout.Shape(board) + mode, modes.orders[mode]});
   return rows;
 }
 

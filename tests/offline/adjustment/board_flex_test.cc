@@ -140,6 +140,46 @@ TEST(AdjustWithLearnedPrior, FindsTheShapeOfABoard) {
     EXPECT_EQ(state.points[i], prior.points_mean[i]);
 }
 
+// The last points of each board are boards of their own, too small for bends.
+SmallProblem WithSmallBoards(SmallProblem problem) {
+  constexpr int kFirst = 39, kSize = 7;
+  AdjustmentState& state = problem.state;
+  std::vector<BoardPoints> boards = {
+      {0, {state.points.begin(), state.points.begin() + kFirst}}};
+  for (int first = kFirst; first < 60; first += kSize)
+    boards.push_back(
+        {first,
+         {state.points.begin() + first, state.points.begin() + first + kSize}});
+  const std::vector<View> views = std::move(problem.views);
+  const std::vector<Pose> poses = state.rig_from_pattern;
+  problem.views.clear();
+  state.rig_from_pattern.clear();
+  for (const View& view : views)
+    for (const BoardPoints& board : boards) {
+      View part = view;
+      part.pose = static_cast<int>(state.rig_from_pattern.size());
+      const auto first = view.observations.begin() + board.first;
+      part.observations.assign(
+          first, first + static_cast<std::ptrdiff_t>(board.nominal.size()));
+      problem.views.push_back(part);
+      state.rig_from_pattern.push_back(poses[view.pose]);
+    }
+  state.SetModes(MakeFlexModes(boards, 60), BendScope::kBoard);
+  return problem;
+}
+
+TEST(AdjustWithLearnedPrior, FindsTheShapeOfABoardBesideSmallOnes) {
+  const SmallProblem problem =
+      WithSmallBoards(BentProblem(0.0003, BendScope::kBoard));
+  AdjustmentState state = problem.state;
+  GaussianPrior prior = PriorOf(problem);
+  prior.points_mean = state.points;
+  AdjustWithLearnedPrior(problem.views, {}, &prior, &state);
+  ASSERT_TRUE(state.HasShapes());
+  EXPECT_EQ(state.modes.orders.front(), BendOrder::kSecond);
+  EXPECT_GT(state.flex[0].head<3>().norm(), 0.0003);
+}
+
 TEST(AdjustWithLearnedPrior, FindsThatABoardIsFlat) {
   int num_flat = 0;
   for (int seed = 0; seed < 20; ++seed) {
