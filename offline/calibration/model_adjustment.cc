@@ -1,5 +1,6 @@
 #include "calibration/model_adjustment.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -450,10 +451,24 @@ void AlignBoards(const Pattern& pattern, Adjusted* adjusted) {
 
 bool HavePointsMoved(const Adjusted& adjusted) {
   constexpr double kRoundingM = 1e-9;
-  for (size_t i = 0; i < adjusted.state.points.size(); ++i)
-    if ((adjusted.state.points[i] - adjusted.problem.nominal[i]).norm() >
-        kRoundingM)
-      return true;
+  constexpr Eigen::Index kLeast = 3;  // fewer do not tell a motion
+  const std::vector<int>& firsts = adjusted.problem.first_points;
+  const std::vector<Eigen::Vector3d>& points = adjusted.state.points;
+  for (size_t b = 0; b < firsts.size(); ++b) {
+    const size_t end = b + 1 < firsts.size() ? firsts[b + 1] : points.size();
+    const Eigen::Index count = static_cast<Eigen::Index>(end) - firsts[b];
+    Eigen::Matrix3Xd from(3, count), to(3, count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      from.col(i) = adjusted.problem.nominal[firsts[b] + i];
+      to.col(i) = points[firsts[b] + i];
+    }
+    // A bent board is aligned with its shape, which moves and scales it.
+    if (count >= kLeast)
+      from = (Eigen::umeyama(from, to) * from.colwise().homogeneous())
+                 .topRows<3>()
+                 .eval();
+    if (((from - to).colwise().norm().array() > kRoundingM).any()) return true;
+  }
   return false;
 }
 
