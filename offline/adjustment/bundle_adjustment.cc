@@ -307,7 +307,8 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
             right.middleRows(layout.first_point, 3 * layout.num_points)));
   std::array<double, kNumBendOrders> flex = {};
   for (const auto& [row, order] : flex_rows)
-    flex[static_cast<int>(order)] += right.row(row).dot(solution.row(row));
+    flex[static_cast<int>(order)] +=
+        solution.row(row).dot(right.row(row) + rest.row(row));
   for (int k = 0; k < kNumBendOrders; ++k)
     result.flex[k] =
         determined(NumOfOrder(flex_rows, static_cast<BendOrder>(k)), flex[k]);

@@ -305,6 +305,13 @@ std::vector<Area> CalibratedAreas(const CalibrationProblem& problem) {
 
 enum class Removed { kNone, kSome, kPartOfArea };
 
+// Without outliers boards may have shapes that were not told before.
+void LetBoardsHaveShapes(Adjusted* adjusted) {
+  AdjustmentState& state = adjusted->state;
+  state.KeepShapes();
+  state.TakeShapes(ModesOf(adjusted->problem), adjusted->problem.nominal);
+}
+
 void AdjustAgain(const AdjustmentOptions& options, Adjusted* adjusted) {
   adjusted->summary = AdjustWithLearnedPrior(
       adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
@@ -370,6 +377,7 @@ void AdjustRigidly(const Pattern& pattern, const std::string& model,
     case Removed::kNone:
       break;
     case Removed::kSome:
+      if (!options.fix_points) LetBoardsHaveShapes(adjusted);
       AdjustAgain(options, adjusted);
       break;
     case Removed::kPartOfArea:

@@ -98,7 +98,6 @@ void LiveCamera::GoOn() {
   }
   RemoveViews(remove, &next.problem);
   next.state.rig_from_pattern = kept;
-  next.state.KeepShapes();
   next.state.SetModes({}, BendScope::kBoard);
   const double noise_px = next.summary.noise_px;
   next.summary =
