@@ -2,15 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+
+#include "features/refinement/float_lanes.h"
 
 namespace raygrid {
 namespace {
 
-constexpr double kMinPatchContrast = 1;  // standard deviation, grey levels
+constexpr float kMinPatchContrast = 1;  // standard deviation, grey levels
 constexpr double kFinestStepPx = 0.25;
 constexpr double kStepSquares = 0.06;
 
 constexpr int kNumSamples = DrawnPatch::kSamples * DrawnPatch::kSamples;
+static_assert(kNumSamples % kLanes == 0);
 
 float Interpolated(const GreyImage& image, float x, float y) {
   const int ix = std::min(static_cast<int>(x), image.size.width - 2);
@@ -29,41 +33,64 @@ class PatchOverlay {
   PatchOverlay(const GreyImage& image, const DrawnPatch& patch,
                const LocalMapping& mapping, double min_visible)
       : image_(image), patch_(patch), min_visible_(min_visible) {
-    for (const Eigen::Vector2d& offset : patch.Offsets())
-      places_.push_back(mapping(offset).cast<float>());
+    int i = 0;
+    for (const Eigen::Vector2d& offset : patch.Offsets()) {
+      const Eigen::Vector2f place = mapping(offset).cast<float>();
+      x_[i] = place.x();
+      y_[i++] = place.y();
+    }
+    first_ = {x_.minCoeff(), y_.minCoeff()};
+    last_ = {x_.maxCoeff(), y_.maxCoeff()};
   }
 
   double Correlation(const Eigen::Vector2d& shift) const {
-    const Eigen::Vector2f s = shift.cast<float>();
-    const float x1 = static_cast<float>(image_.size.width - 1);
-    const float y1 = static_cast<float>(image_.size.height - 1);
-    int count = 0;
-    double sum_p = 0, sum_q = 0, sum_pp = 0, sum_qq = 0, sum_pq = 0;
-    for (int i = 0; i < kNumSamples; ++i) {
-      const float x = places_[i].x() + s.x(), y = places_[i].y() + s.y();
-      if (!(x >= 0 && y >= 0 && x <= x1 && y <= y1)) continue;
-      const double p = Interpolated(image_, x, y), q = patch_.levels()[i];
-      ++count;
-      sum_p += p;
-      sum_q += q;
-      sum_pp += p * p;
-      sum_qq += q * q;
-      sum_pq += p * q;
-    }
-    if (count < min_visible_ * kNumSamples) return -1;
-    const double var_p = sum_pp / count - sum_p * sum_p / count / count;
-    const double var_q = sum_qq / count - sum_q * sum_q / count / count;
-    if (var_p < kMinPatchContrast * kMinPatchContrast || var_q < 1e-3)
+    Levels seen, drawn;
+    const int count = Sample(shift.cast<float>(), &seen, &drawn);
+    if (count == 0 || count < min_visible_ * kNumSamples) return -1;
+    auto p = seen.head(count), q = drawn.head(count);
+    p -= p.mean();
+    q -= q.mean();
+    const float var_p = p.square().mean(), var_q = q.square().mean();
+    if (var_p < kMinPatchContrast * kMinPatchContrast || var_q < 1e-3F)
       return -1;
-    return (sum_pq / count - sum_p * sum_q / count / count) /
-           std::sqrt(var_p * var_q);
+    return (p * q).mean() / std::sqrt(var_p * var_q);
   }
 
  private:
+  using Levels = Eigen::Array<float, kNumSamples, 1>;
+
+  // The levels that lie in the image, and those drawn there.
+  int Sample(const Eigen::Vector2f& shift, Levels* seen, Levels* drawn) const {
+    const int width = image_.size.width;
+    const float x1 = static_cast<float>(width - 1);
+    const float y1 = static_cast<float>(image_.size.height - 1);
+    const Eigen::Vector2f first = first_ + shift, last = last_ + shift;
+    if (first.x() >= 0 && first.y() >= 0 && last.x() < x1 && last.y() < y1) {
+      for (int i = 0; i < kNumSamples; i += kLanes) {
+        const FloatLanes value = Bilinear(image_.levels.data(), width, 0,
+                                          LoadLanes(&x_[i]) + shift.x(),
+                                          LoadLanes(&y_[i]) + shift.y())
+                                     .value;
+        std::memcpy(&(*seen)[i], &value, sizeof(value));
+      }
+      *drawn = Levels::Map(patch_.levels().data());
+      return kNumSamples;
+    }
+    int count = 0;
+    for (int i = 0; i < kNumSamples; ++i) {
+      const float x = x_[i] + shift.x(), y = y_[i] + shift.y();
+      if (!(x >= 0 && y >= 0 && x <= x1 && y <= y1)) continue;
+      (*seen)[count] = Interpolated(image_, x, y);
+      (*drawn)[count++] = patch_.levels()[i];
+    }
+    return count;
+  }
+
   const GreyImage& image_;
   const DrawnPatch& patch_;
   double min_visible_;
-  std::vector<Eigen::Vector2f> places_;
+  Levels x_, y_;                  // of the samples
+  Eigen::Vector2f first_, last_;  // least and greatest x and y
 };
 
 }  // namespace
@@ -117,7 +144,7 @@ PatchMatch FindPatch(const GreyImage& image, const DrawnPatch& patch,
   Eigen::Vector2d best_shift = Eigen::Vector2d::Zero();
   double best = overlay.Correlation(best_shift);
   const auto try_shift = [&](const Eigen::Vector2d& shift) {
-    if (shift.norm() > search_px) return;
+    if (shift == best_shift || shift.norm() > search_px) return;
     const double correlation = overlay.Correlation(shift);
     if (correlation <= best) return;
     best = correlation;
