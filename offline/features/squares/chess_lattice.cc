@@ -113,9 +113,16 @@ class SeedFinder {
   const std::vector<Saddle>& saddles_;
 };
 
-bool IsOn(const FeatureLattice& lattice, const Eigen::Vector2d& pixel) {
+// What grew from a seed.
+struct Grown {
+  FeatureLattice lattice;
+  std::vector<Feature> features;
+};
+
+bool IsOn(const Grown& grown, const Eigen::Vector2d& pixel) {
   constexpr double kNear = 0.3;  // of the distance to a neighbour
-  for (const Feature& f : lattice.Features())
+  const FeatureLattice& lattice = grown.lattice;
+  for (const Feature& f : grown.features)
     for (const auto& [dc, dr] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
       if (lattice.Has(f.column + dc, f.row + dr) &&
           (pixel - f.pixel).norm() <
@@ -137,7 +144,7 @@ ChessLatticeFinder::ChessLatticeFinder(int max_side)
 void ChessLatticeFinder::Find(
     const GreyImage& image,
     const std::function<bool(const FeatureLattice&)>& is_wanted) const {
-  std::vector<FeatureLattice> lattices;
+  std::vector<Grown> all;
   const auto grow = [&](const Seed& seed) {
     FeatureLattice lattice(canvas_);
     const int row = canvas_.rows / 2;
@@ -165,17 +172,17 @@ void ChessLatticeFinder::Find(
     for (const Saddle& saddle : saddles) {
       if (num_seeds > kMaxSeeds) break;
       ++num_seeds;
-      if (std::any_of(lattices.begin(), lattices.end(),
-                      [&](const FeatureLattice& lattice) {
-                        return IsOn(lattice, saddle.pixel);
-                      }))
+      if (std::any_of(all.begin(), all.end(), [&](const Grown& grown) {
+            return IsOn(grown, saddle.pixel);
+          }))
         continue;
       const auto seed = finder.SeedAt(saddle);
       if (!seed) continue;
       FeatureLattice lattice = grow(*seed);
       if (lattice.num_found() < kMinCorners) continue;
       if (is_wanted(lattice)) return;
-      lattices.push_back(std::move(lattice));
+      std::vector<Feature> features = lattice.Features();
+      all.push_back({std::move(lattice), std::move(features)});
     }
   }
 }
