@@ -30,10 +30,10 @@ Eigen::Vector2d CellOffset(int i, int j) {
 }
 
 std::vector<char> AsymmetricCells(const BoardAppearance& appearance,
-                                  const Board& board, int feature) {
+                                  const Board& board,
+                                  const Eigen::Vector2d& center) {
   constexpr int n = SymmetryMask::kCells;
   const bool inverts = ReflectionInvertsColors(board);
-  const Eigen::Vector2d center = board.NominalPoints()[feature].head<2>();
   std::vector<char> is_asymmetric(n * n);
   for (int j = 0; j < n; ++j) {
     for (int i = 0; i < n; ++i) {
@@ -63,8 +63,14 @@ std::vector<SymmetryMask> SymmetryMask::OfBoard(const Board& board) {
   const BoardAppearance appearance(board);
   const double margin = MarginSquares(board);
   std::vector<SymmetryMask> masks(board.num_points());
+  const std::vector<Eigen::Vector3d> points = board.NominalPoints();
   for (int feature = 0; feature < board.num_points(); ++feature) {
-    const std::vector<char> cells = AsymmetricCells(appearance, board, feature);
+    const std::vector<char> cells =
+        AsymmetricCells(appearance, board, points[feature].head<2>());
+    if (std::count(cells.begin(), cells.end(), 1) == 0) {
+      masks[feature].cells_.assign(cells.size(), 1);
+      continue;
+    }
     for (int j = 0; j < kCells; ++j)
       for (int i = 0; i < kCells; ++i)
         masks[feature].cells_[j * kCells + i] =
