@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <random>
 
 #include "features/refinement/float_lanes.h"
@@ -39,7 +40,12 @@ struct Pairs {
   }
 };
 
-// How one sample's pair is made from the start's mapping.
+inline FloatLanes Absolute(FloatLanes x) {
+  return reinterpret_cast<FloatLanes>(reinterpret_cast<IntLanes>(x) &
+                                      0x7fffffff);
+}
+
+// How samples' pairs are made from the start's mapping.
 class PairMaker {
  public:
   PairMaker(const ImageSize& size, int window_px, const LocalMapping& start)
@@ -52,44 +58,50 @@ class PairMaker {
         y1_(size.height - 1 - kBorderPx),
         reach_(kScale * (window_px / 2 + kSlackPx)) {}
 
-  // False where one of the two is outside the image, or off symmetric ground.
-  // (u, v) = A^-1 (dx, dy).
-  bool Make(float dx, float dy, const SymmetryMask& mask, size_t i,
-            Pairs* pairs) const {
-    const float ex = std::fabs(dx), ey = std::fabs(dy);
-    if (!(center_.x() - ex >= kBorderPx && center_.y() - ey >= kBorderPx &&
-          center_.x() + ex <= x1_ && center_.y() + ey <= y1_))
-      return false;
-    const float u = inverse_(0, 0) * dx + inverse_(0, 1) * dy;
-    const float v = inverse_(1, 0) * dx + inverse_(1, 1) * dy;
-    if (!mask.IsSymmetric(u, v)) return false;
-    const float uu = u * u, uv = u * v, vv = v * v;
-    const float even_x = w_(0, 0) * uu + w_(0, 1) * uv + w_(0, 2) * vv;
-    const float even_y = w_(1, 0) * uu + w_(1, 1) * uv + w_(1, 2) * vv;
-    const float odd_x =
+  // Makes the pairs of the first num_lanes of some samples, from place i on,
+  // but for those of which one is outside the image, or off symmetric ground.
+  // Returns how many there are. (u, v) = A^-1 (dx, dy).
+  size_t Make(FloatLanes dx, FloatLanes dy, int num_lanes,
+              const SymmetryMask& mask, size_t i, Pairs* pairs) const {
+    const FloatLanes ex = Absolute(dx), ey = Absolute(dy);
+    const FloatLanes u = inverse_(0, 0) * dx + inverse_(0, 1) * dy;
+    const FloatLanes v = inverse_(1, 0) * dx + inverse_(1, 1) * dy;
+    const FloatLanes uu = u * u, uv = u * v, vv = v * v;
+    const FloatLanes even_x = w_(0, 0) * uu + w_(0, 1) * uv + w_(0, 2) * vv;
+    const FloatLanes even_y = w_(1, 0) * uu + w_(1, 1) * uv + w_(1, 2) * vv;
+    const FloatLanes odd_x =
         u * (w_(0, 3) * uu + w_(0, 4) * uv + w_(0, 5) * vv) + w_(0, 6) * v * vv;
-    const float odd_y =
+    const FloatLanes odd_y =
         u * (w_(1, 3) * uu + w_(1, 4) * uv + w_(1, 5) * vv) + w_(1, 6) * v * vv;
-    const float nx = linear_(0, 0) * u + linear_(0, 1) * v;
-    const float ny = linear_(1, 0) * u + linear_(1, 1) * v;
-    const float d = perspective_.x() * u + perspective_.y() * v;
-    const float q = 1 / (1 + d), r = 1 / (1 - d);
-    const float ax = even_x + (nx * q + odd_x), ay = even_y + (ny * q + odd_y);
-    const float bx = even_x - (nx * r + odd_x), by = even_y - (ny * r + odd_y);
-    if (!(std::max(std::max(std::fabs(ax), std::fabs(ay)),
-                   std::max(std::fabs(bx), std::fabs(by))) <= reach_))
-      return false;
-    pairs->u[i] = u;
-    pairs->v[i] = v;
-    pairs->even_x[i] = even_x;
-    pairs->even_y[i] = even_y;
-    pairs->odd_x[i] = odd_x;
-    pairs->odd_y[i] = odd_y;
-    pairs->ax[i] = ax;
-    pairs->ay[i] = ay;
-    pairs->bx[i] = bx;
-    pairs->by[i] = by;
-    return true;
+    const FloatLanes nx = linear_(0, 0) * u + linear_(0, 1) * v;
+    const FloatLanes ny = linear_(1, 0) * u + linear_(1, 1) * v;
+    const FloatLanes d = perspective_.x() * u + perspective_.y() * v;
+    const FloatLanes q = 1 / (1 + d), r = 1 / (1 - d);
+    const FloatLanes ax = even_x + (nx * q + odd_x);
+    const FloatLanes ay = even_y + (ny * q + odd_y);
+    const FloatLanes bx = even_x - (nx * r + odd_x);
+    const FloatLanes by = even_y - (ny * r + odd_y);
+    const IntLanes is_inside =
+        (center_.x() - ex >= kBorderPx) & (center_.y() - ey >= kBorderPx) &
+        (center_.x() + ex <= x1_) & (center_.y() + ey <= y1_) &
+        (Absolute(ax) <= reach_) & (Absolute(ay) <= reach_) &
+        (Absolute(bx) <= reach_) & (Absolute(by) <= reach_);
+    size_t count = 0;
+    for (int k = 0; k < num_lanes; ++k) {
+      if (!is_inside[k] || !mask.IsSymmetric(u[k], v[k])) continue;
+      const size_t at = i + count++;
+      pairs->u[at] = u[k];
+      pairs->v[at] = v[k];
+      pairs->even_x[at] = even_x[k];
+      pairs->even_y[at] = even_y[k];
+      pairs->odd_x[at] = odd_x[k];
+      pairs->odd_y[at] = odd_y[k];
+      pairs->ax[at] = ax[k];
+      pairs->ay[at] = ay[k];
+      pairs->bx[at] = bx[k];
+      pairs->by[at] = by[k];
+    }
+    return count;
   }
 
  private:
@@ -105,10 +117,17 @@ void MakePairs(const ImageSize& size, const SymmetrySamples& samples,
                const SymmetryMask& mask, const LocalMapping& start,
                Pairs* pairs) {
   const PairMaker maker(size, samples.window_px, start);
-  pairs->Resize(samples.x.size());
+  const size_t num_samples = samples.x.size();
+  pairs->Resize(num_samples);
   size_t count = 0;
-  for (size_t i = 0; i < samples.x.size(); ++i)
-    count += maker.Make(samples.x[i], samples.y[i], mask, count, pairs);
+  for (size_t i = 0; i < num_samples; i += kLanes) {
+    const size_t num_lanes = std::min<size_t>(kLanes, num_samples - i);
+    FloatLanes dx = {}, dy = {};
+    std::memcpy(&dx, &samples.x[i], num_lanes * sizeof(float));
+    std::memcpy(&dy, &samples.y[i], num_lanes * sizeof(float));
+    count +=
+        maker.Make(dx, dy, static_cast<int>(num_lanes), mask, count, pairs);
+  }
   pairs->Resize(count - count % kLanes);
 }
 
