@@ -313,7 +313,8 @@ bool IsWhole(const ImageDetection& image, const Board& board) {
 }
 
 // Some of the images that do not show the whole board, evenly spread; none
-// where enough do.
+// where enough do, or where most show a part of a chessboard that is told from
+// all others: with another size few would.
 std::vector<int> ImagesToLookAt(const FolderDetection& found,
                                 const Board& board) {
   constexpr int kMaxImages = 5;
@@ -324,8 +325,13 @@ std::vector<int> ImagesToLookAt(const FolderDetection& found,
   const int num_doubtful = static_cast<int>(doubtful.size());
   // Corners have no numbers: chessboards are seen as they are, or hardly ever.
   // Markers may fit a wrong board in parts.
-  const double enough = board.kind == "chessboard" ? 0.25 : 0.9;
+  const bool is_chessboard = board.kind == "chessboard";
+  const double enough = is_chessboard ? 0.25 : 0.9;
   if (count - num_doubtful > enough * count) return {};
+  const auto num_told =
+      std::count_if(found.images.begin(), found.images.end(),
+                    [](const auto& image) { return !image.features.empty(); });
+  if (is_chessboard && 2 * num_told > count) return {};
   const int num_looked_at = std::min(kMaxImages, num_doubtful);
   std::vector<int> chosen;
   for (int k = 0; k < num_looked_at; ++k)
