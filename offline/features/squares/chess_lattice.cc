@@ -113,7 +113,7 @@ class SeedFinder {
   const std::vector<Saddle>& saddles_;
 };
 
-// What grew from a seed.
+// A lattice that grew from a seed.
 struct Grown {
   FeatureLattice lattice;
   std::vector<Feature> features;
