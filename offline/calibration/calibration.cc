@@ -85,6 +85,7 @@ class Calibration {
   void EvaluateHeldOutImages();
   void LookForTwoCameras();
   void CompareModels();
+  void TellUncertainty(CameraInProgress* camera, int num_threads) const;
   void SplitResiduals();
   void PlaceOtherImages();
   std::vector<Split> Splits() const;
@@ -445,8 +446,20 @@ void Calibration::LookForTwoCameras() {
   if (options_.ShouldStop()) camera.result.two_cameras.reset();
 }
 
+void Calibration::TellUncertainty(CameraInProgress* camera,
+                                  int num_threads) const {
+  FillUncertainty(adjusted_, static_cast<int>(camera - cameras_.data()),
+                  camera->input->image_circle, num_threads, &camera->result);
+}
+
+// Uncertainty is told beside other models: it hardly needs a second thread.
 void Calibration::CompareModels() {
-  if (!options_.compare_models || options_.ShouldStop()) return;
+  if (!options_.compare_models || options_.ShouldStop()) {
+    const Stopwatch stopwatch(&result_.seconds["uncertainty"]);
+    for (CameraInProgress& camera : cameras_)
+      TellUncertainty(&camera, options_.num_threads);
+    return;
+  }
   const Stopwatch stopwatch(&result_.seconds["comparison"]);
   // Boards are as flat with any model.
   CalibrationOptions options = options_;
@@ -454,8 +467,9 @@ void Calibration::CompareModels() {
                                               !adjusted_.state.HasShapes());
   ForEachCamera({"other models", 0.85, 1}, [&](CameraInProgress* camera, auto) {
     CalibrationResult& result = camera->result;
-    result.parametric_models =
-        CompareParametricModels(*camera, pattern_, options);
+    result.parametric_models = CompareParametricModels(
+        *camera, pattern_, options,
+        [&](int num_threads) { TellUncertainty(camera, num_threads); });
     if (IsRig() || options.ShouldStop() || !NeighborsErrAlike(result)) return;
     if (auto figures = TryAnotherGrid(*camera, pattern_, options))
       result.parametric_models.push_back(std::move(*figures));

@@ -345,11 +345,6 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
            adjusted.state.CameraFromPattern(problem.views[v])});
   result->training = TrainingResiduals(pattern, adjusted, camera, num_threads);
   result->camera.training = ComputeErrorFigures(result->training);
-  result->camera.uncertainty = UncertaintyOf(adjusted, camera, num_threads);
-  if (result->camera.uncertainty)
-    result->feature_noise = result->camera.uncertainty->noise;
-  if (image_circle && result->camera.uncertainty)
-    DistrustBeyond(*image_circle, &result->camera.uncertainty->mask);
   result->rejected_features = adjusted.rejected_features[camera];
   result->bends = BendsOf(pattern, adjusted, camera);
   result->num_parameters = adjusted.state.cameras[camera]->NumParameters();
@@ -358,11 +353,20 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
       ComputeBias(result->training, result->camera.camera->area());
   result->noise_bias_kl =
       NoiseBias(result->training, result->camera.camera->area());
-  const auto& uncertainty = result->camera.uncertainty;
-  result->fold_over = MeasureFoldOver(
-      *result->camera.camera, uncertainty ? &uncertainty->mask : nullptr);
   if (!result->camera.camera->IsCentral())
     result->line_spread = MeasureLineSpread(*result->camera.camera);
+}
+
+void FillUncertainty(const Adjusted& adjusted, int camera,
+                     const std::optional<ImageCircle>& image_circle,
+                     int num_threads, CalibrationResult* result) {
+  auto& uncertainty = result->camera.uncertainty;
+  uncertainty = UncertaintyOf(adjusted, camera, num_threads);
+  if (uncertainty) result->feature_noise = uncertainty->noise;
+  if (image_circle && uncertainty)
+    DistrustBeyond(*image_circle, &uncertainty->mask);
+  result->fold_over = MeasureFoldOver(
+      *result->camera.camera, uncertainty ? &uncertainty->mask : nullptr);
 }
 
 void NameUnusedImages(const Dataset& measured,

@@ -18,6 +18,12 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
                 const std::optional<ImageCircle>& image_circle, int num_threads,
                 CalibrationResult* result);
 
+/// Fills in how well the camera is known, and where. What FillResult() fills in
+/// is there, and is left alone.
+void FillUncertainty(const Adjusted& adjusted, int camera,
+                     const std::optional<ImageCircle>& image_circle,
+                     int num_threads, CalibrationResult* result);
+
 /// Adds to the rejected images those measured that are neither used nor held
 /// out nor rejected already, and those skipped: each that was given is in one
 /// of the lists.

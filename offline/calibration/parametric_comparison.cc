@@ -11,6 +11,8 @@
 namespace raygrid {
 namespace {
 
+using Beside = std::function<void(int num_threads)>;
+
 struct Candidate {
   std::string model;
   double cell_px = 0;  // of grids
@@ -73,7 +75,8 @@ ModelFigures FiguresIn(Measurement measurement) {
 std::vector<ModelFigures> Measure(const std::vector<Candidate>& candidates,
                                   const CameraInProgress& camera,
                                   const Pattern& pattern,
-                                  const CalibrationOptions& options) {
+                                  const CalibrationOptions& options,
+                                  const Beside& beside) {
   std::vector<Measurement> measurements;
   for (const Candidate& candidate : candidates)
     measurements.push_back({candidate, {}, {}, {}});
@@ -82,7 +85,10 @@ std::vector<ModelFigures> Measure(const std::vector<Candidate>& candidates,
   AdjustmentOptions adjustment = StoppableAdjustment(options);
   adjustment.rigid_boards = !camera.boards_bend;
   adjustment.num_threads = std::max(1, num_threads / num_parts);
-  ParallelFor(num_parts, num_threads, [&](int part) {
+  const int num_beside = beside ? 1 : 0;
+  ParallelFor(num_beside + num_parts, num_threads, [&](int i) {
+    if (i < num_beside) return beside(std::max(1, num_threads / 2));
+    const int part = i - num_beside;
     Measurement& measurement = measurements[part / 2];
     ValidationOptions validation = ValidationOptionsOf(options);
     validation.model = measurement.candidate.model;
@@ -111,11 +117,11 @@ std::vector<ModelFigures> Measure(const std::vector<Candidate>& candidates,
 
 std::vector<ModelFigures> CompareParametricModels(
     const CameraInProgress& camera, const Pattern& pattern,
-    const CalibrationOptions& options) {
+    const CalibrationOptions& options, const Beside& beside) {
   std::vector<Candidate> candidates;
   for (const char* model : {"opencv", "thin-prism-fisheye", "central-radial"})
     if (model != options.model) candidates.push_back({model});
-  return Measure(candidates, camera, pattern, options);
+  return Measure(candidates, camera, pattern, options, beside);
 }
 
 std::optional<ModelFigures> TryAnotherGrid(const CameraInProgress& camera,
@@ -129,7 +135,7 @@ std::optional<ModelFigures> TryAnotherGrid(const CameraInProgress& camera,
   double cell_px = camera.result.cell_px;
   cell_px = std::max(cell_px, MediumCellPx(training, model));
   const std::vector<ModelFigures> figures =
-      Measure({{model, cell_px}}, camera, pattern, options);
+      Measure({{model, cell_px}}, camera, pattern, options, {});
   if (figures.empty()) return std::nullopt;
   return figures.front();
 }

@@ -1,6 +1,7 @@
 #ifndef RAYGRID_CALIBRATION_PARAMETRIC_COMPARISON_H
 #define RAYGRID_CALIBRATION_PARAMETRIC_COMPARISON_H
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -11,10 +12,12 @@ namespace raygrid {
 /// Every parametric model but the one that options are for, adjusted to the
 /// training images from a parametric start, and tested with the images held
 /// out; without such, by cross-validation. Models that cannot be adjusted are
-/// left out.
+/// left out. Other work for the camera is done beside them, with half of the
+/// threads: beside(num_threads) is called once.
 std::vector<ModelFigures> CompareParametricModels(
     const CameraInProgress& camera, const Pattern& pattern,
-    const CalibrationOptions& options);
+    const CalibrationOptions& options,
+    const std::function<void(int num_threads)>& beside);
 
 /// noncentral-generic beside a central grid, and central-generic beside a
 /// parametric model, likewise: with cells of the same size, or larger where the

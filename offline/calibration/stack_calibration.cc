@@ -242,6 +242,7 @@ void PutResult(const CalibrationInput& input, const Pattern& pattern,
   result->poses.clear();
   FillResult(pattern, adjusted, 0, input.image_circle, options.num_threads,
              result);
+  FillUncertainty(adjusted, 0, input.image_circle, options.num_threads, result);
   CentralGeneric middle = stack.At(stack.Middle());
   middle.SetImageCircle(input.image_circle);
   result->camera.camera = middle.Clone();
