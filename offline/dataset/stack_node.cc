@@ -28,32 +28,57 @@ std::vector<YAML::Node> ConditionNodes(const YAML::Node& node) {
 }
 
 ConditionRange ParseRange(const YAML::Node& node) {
-  const YAML::Node range = node["range"];
-  RequireYamlList(range, "stack: range", 2);
-  const ConditionRange parsed = {
-      ParseCondition(node["condition"].as<std::string>()),
-      YamlNumber(range[0], "stack: range"),
-      YamlNumber(range[1], "stack: range")};
+  const YAML::Node range = node["range"], name = node["condition"];
+  if (!name || !name.IsScalar())
+    throw InputError(
+        "stack: no condition; give condition: lens_position or condition: "
+        "temperature");
+  const CameraCondition condition = ParseCondition(name.Scalar());
+  const std::string what = fmt::format("stack: range of {}", name.Scalar());
+  if (!range || !range.IsSequence() || range.size() != 2)
+    throw InputError(what +
+                     ": not two values; give range: [lowest, highest], as "
+                     "calibrated");
+  const ConditionRange parsed = {condition, YamlNumber(range[0], what),
+                                 YamlNumber(range[1], what)};
   if (!(parsed.low < parsed.high))
-    throw InputError("stack: range is not ascending");
+    throw InputError(
+        fmt::format("{}: {:g} is not below {:g}; give the lower value first",
+                    what, parsed.low, parsed.high));
   return parsed;
 }
 
 int ParseOrder(const YAML::Node& node) {
   const YAML::Node changes = node["changes"];
-  if (!changes.IsSequence() || changes.size() < 1 ||
-      changes.size() > CameraStack::kMaxOrder)
-    throw InputError(fmt::format("stack: changes are not 1 to {} terms",
-                                 CameraStack::kMaxOrder));
-  return static_cast<int>(changes.size());
+  const size_t count = changes && changes.IsSequence() ? changes.size() : 0;
+  if (count < 1 || count > CameraStack::kMaxOrder)
+    throw InputError(fmt::format(
+        "stack: changes with {}: {}, where 1 to {} lists of numbers are "
+        "expected; take the file as raygrid calibrate wrote it",
+        node["condition"].Scalar(),
+        !changes               ? std::string("none")
+        : changes.IsSequence() ? fmt::format("a list of {}", count)
+                               : "no list",
+        CameraStack::kMaxOrder));
+  return static_cast<int>(count);
 }
 
-void ParseTerm(const YAML::Node& node, BSplineSurface* term) {
-  RequireYamlList(node, "stack: one of changes", 2 * term->num_points());
+// what: which list it is, for messages.
+void ParseTerm(const YAML::Node& node, const std::string& what,
+               BSplineSurface* term) {
+  const size_t expected = 2 * term->points().size();
+  if (!node.IsSequence() || node.size() != expected)
+    throw InputError(fmt::format(
+        "{}: {}, where a pair for each control point, {} numbers, is expected; "
+        "take the file as raygrid calibrate wrote it",
+        what,
+        node.IsSequence() ? fmt::format("a list of {}", node.size())
+                          : std::string("no list"),
+        expected));
   int index = 0;
   for (Eigen::Vector2d& point : term->points()) {
-    point.x() = YamlNumber(node[index++], "stack: changes");
-    point.y() = YamlNumber(node[index++], "stack: changes");
+    point.x() = YamlNumber(node[index++], what);
+    point.y() = YamlNumber(node[index++], what);
   }
 }
 
@@ -128,9 +153,14 @@ std::optional<StackOfCameras> ParseStack(const YAML::Node& node,
         "stack: conditions are not lens_position and then temperature");
   StackOfCameras stack = {CameraStack(ranges, orders, *grid), {}};
   int term = 1;
-  for (const YAML::Node& condition : nodes)
+  for (const YAML::Node& condition : nodes) {
+    int number = 0;
     for (const YAML::Node& change : condition["changes"])
-      ParseTerm(change, &stack.cameras.terms()[term++]);
+      ParseTerm(change,
+                fmt::format("stack: list {} of changes with {}", ++number,
+                            condition["condition"].Scalar()),
+                &stack.cameras.terms()[term++]);
+  }
   stack.deviations = ParseStackDeviations(node["deviations"], ranges.size());
   return stack;
 }
