@@ -285,7 +285,7 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
   RequireNoInputReplaced(arguments, FindImages(arguments.images).paths);
   RequireWritableFolder(arguments.output);
 
-  std::string inputs;
+  std::string inputs, unused_rows;
   RigResult result;
   ResultExtras extras;
   {
@@ -300,6 +300,8 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
     const std::vector<CalibrationInput> calibration_inputs =
         CalibrationInputs(cameras, arguments, common.threads, &checkpoints);
     const auto conditions = ConditionsOf(arguments, cameras.front());
+    if (conditions)
+      unused_rows = RowsOfNoImage(arguments, *conditions, cameras.front());
     result = conditions ? CalibrateStack(calibration_inputs.front(),
                                          *conditions, pattern, options)
                         : Calibrate(calibration_inputs, pattern, options);
@@ -320,6 +322,8 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
   else if (!common.quiet)
     PrintSummary(result, arguments.output);
   if (!common.quiet) PrintRemarks(result, extras);
+  if (!common.quiet && !unused_rows.empty())
+    fmt::print(stderr, "raygrid: {}\n", unused_rows);
   RequireSuccess(result.verdict, !checkpoints.empty(), arguments.output);
 }
 

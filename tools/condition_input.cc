@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <set>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "dataset/files.h"
 #include "dataset/image_files.h"
 #include "dataset/image_header.h"
+#include "dataset/text_encoding.h"
 #include "named_camera.h"
 #include "session_file.h"
 
@@ -278,6 +280,27 @@ std::optional<ImageConditions> ConditionsOf(const CalibrateArguments& arguments,
   else if (conditions.values.empty())
     conditions.values = arguments.session_values;
   return conditions;
+}
+
+std::string RowsOfNoImage(const CalibrateArguments& arguments,
+                          const ImageConditions& conditions,
+                          const Measurements& measurements) {
+  if (arguments.conditions.empty()) return "";
+  std::set<std::string> images;
+  for (const ImageFeatures& image : measurements.dataset.images)
+    images.insert(image.image);
+  for (const auto* others : {&measurements.skipped, &measurements.left_out})
+    for (const RejectedImage& image : *others)
+      images.insert(std::filesystem::path(image.image).filename().string());
+  size_t count = 0;
+  std::string first;
+  for (const auto& [image, values] : conditions.values)
+    if (images.count(image) == 0 && count++ == 0) first = image;
+  if (count == 0) return "";
+  return fmt::format(
+      "{}: {} of its {} rows name no image of the calibration, such as {}; "
+      "check the names",
+      arguments.conditions, count, conditions.values.size(), Printable(first));
 }
 
 }  // namespace raygrid

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "calibration/stack_calibration.h"
 #include "calibration_input.h"
@@ -46,6 +47,12 @@ std::optional<ConditionValues> ValuesOf(const CalibrateArguments& arguments,
 /// Error(kUsage), InputError.
 std::optional<ImageConditions> ConditionsOf(const CalibrateArguments& arguments,
                                             const Measurements& measurements);
+
+/// A remark on rows of --conditions that name none of the images; empty if all
+/// rows do.
+std::string RowsOfNoImage(const CalibrateArguments& arguments,
+                          const ImageConditions& conditions,
+                          const Measurements& measurements);
 
 }  // namespace raygrid
 

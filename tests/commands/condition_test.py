@@ -130,6 +130,18 @@ class Condition(CommandTest):
                                          "--model", "opencv"), 1, "the model is central-generic")
         self.assert_nothing_in(self.path("refused"))
 
+    def test_rows_of_no_image_are_told(self):
+        more = write(self.path("more.csv"), read(self.values).decode() + "gone1.png,1\ngone0.png,3\n")
+        options = ("--condition", "lens_position", "--conditions", more)
+        result = self.calibrate(*options, out="more")
+        self.assert_done(result)
+        lines = [line for line in result.stderr.splitlines() if "rows" in line]
+        self.assertEqual(lines, [f"raygrid: {more}: 2 of its 44 rows name no image of the calibration, such as "
+                                 "gone0.png; check the names"])
+        self.assertEqual(self.calibrate(*options, "--quiet", out="more").stderr, "")
+        self.assertNotIn("rows", self.calibrate("--condition", "lens_position", "--conditions", self.values,
+                                                out="all").stderr)
+
     def test_folders_of_images_at_values(self):
         folders = []
         for position in (0, 10):
