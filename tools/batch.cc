@@ -71,9 +71,9 @@ std::vector<UnitJob> MakeJobs(const BatchPlan& plan,
       resolved.pattern = Resolve(base, unit.pattern);
     resolved.images = Resolve(base, unit.images);
     resolved.features = Resolve(base, unit.features);
-    resolved.like = Resolve(base, unit.like);
-    for (auto& camera : resolved.cameras)
-      camera.second = Resolve(base, camera.second);
+    for (auto* paths :
+         {&resolved.option_files, &resolved.cameras, &resolved.cameras_at})
+      for (auto& [name, path] : *paths) path = Resolve(base, path);
   }
   return jobs;
 }
@@ -104,13 +104,15 @@ std::string Fingerprint(const BatchUnit& unit, uint64_t seed) {
   hash.Add(fmt::format("{}", seed));
   hash.Add(IsBoardSpec(unit.pattern) ? unit.pattern : ReadFile(unit.pattern));
   for (const std::string& option : unit.options) hash.Add(option);
-  if (!unit.like.empty()) hash.Add("like " + ReadFile(unit.like));
+  for (const auto& [option, path] : unit.option_files)
+    hash.Add(option + " " + ReadFile(path));
   if (!unit.features.empty()) hash.Add(ReadFile(unit.features));
   if (!unit.images.empty()) HashFolder(unit.images, &hash);
-  for (const auto& [camera, folder] : unit.cameras) {
-    hash.Add(camera);
-    HashFolder(folder, &hash);
-  }
+  for (const auto* folders : {&unit.cameras, &unit.cameras_at})
+    for (const auto& [name, folder] : *folders) {
+      hash.Add(name);
+      HashFolder(folder, &hash);
+    }
   return hash.Text();
 }
 
@@ -150,9 +152,12 @@ std::vector<std::string> WordsOfUnit(const UnitJob& job,
   words.push_back("--output=" + job.folder);
   if (!IsRig(unit)) words.push_back("--serial=" + unit.serial);
   words.insert(words.end(), unit.options.begin(), unit.options.end());
-  if (!unit.like.empty()) words.push_back("--like=" + unit.like);
+  for (const auto& [option, path] : unit.option_files)
+    words.push_back("--" + option + "=" + path);
   for (const auto& [camera, folder] : unit.cameras)
     words.push_back("--camera=" + camera + "=" + folder);
+  for (const auto& [value, folder] : unit.cameras_at)
+    words.push_back("--camera-at=" + value + "=" + folder);
   if (!unit.features.empty()) words.push_back("--features=" + unit.features);
   if (!unit.images.empty()) {
     words.push_back("--");
@@ -318,7 +323,8 @@ std::vector<const UnitJob*> ChooseJobs(const std::vector<UnitJob>& jobs,
 std::vector<std::string> ImageFolders(const BatchUnit& unit) {
   std::vector<std::string> folders;
   if (!unit.images.empty()) folders.push_back(unit.images);
-  for (const auto& camera : unit.cameras) folders.push_back(camera.second);
+  for (const auto* more : {&unit.cameras, &unit.cameras_at})
+    for (const auto& [name, folder] : *more) folders.push_back(folder);
   return folders;
 }
 
@@ -353,7 +359,9 @@ void RunBatch(const BatchArguments& arguments, const CommonOptions& common) {
   };
   // A mean that units are calibrated with would change them, and they it.
   std::vector<std::string> inputs = {arguments.plan};
-  for (const UnitJob& job : jobs) inputs.push_back(job.unit.like);
+  for (const UnitJob& job : jobs)
+    for (const auto& [option, path] : job.unit.option_files)
+      inputs.push_back(path);
   RequireNoInputReplaced(
       inputs, {output(kFleetFile), output(kFleetPage), output(kFleetCamera)});
   if (arguments.slurm)
@@ -400,6 +408,8 @@ void AddBatch(CLI::App* app, CommonOptions* common) {
       "    - {serial: A002, features: A002.csv, image_size: [640, 480]}\n"
       "    - {serial: A003, images: A003/, lens_batch: L7}\n"
       "    - {serial: R001, cameras: {left: R001/l, right: R001/r}}\n"
+      "    - {serial: F001, condition: lens_position,\n"
+      "       cameras_at: {0.5: F001/far, 2: F001/near}}\n"
       "    - {serial: G-1, images: G-1/, repeats: A001, operator: ann, "
       "station: s1}",
       common);

@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "camera/camera_stack.h"
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "dataset/yaml_file.h"
@@ -16,6 +17,7 @@ namespace raygrid {
 namespace {
 
 constexpr size_t kMaxSerialSize = 31;  // as blobs have it
+constexpr char kConditionKey[] = "condition";
 
 // Keys of a plan or a unit, and the options of raygrid calibrate that they
 // become: with a value, or without one.
@@ -24,6 +26,7 @@ const std::vector<std::pair<std::string, std::string>> kValueOptions = {
     {"cell_px", "--cell-px"},
     {"image_size", "--image-size"},
     {"area", "--area"},
+    {kConditionKey, "--condition"},
     {"same_view_px", "--same-view-px"},
     {"image_circle", "--image-circle"},
     {"seed", "--seed"},
@@ -32,13 +35,17 @@ const std::vector<std::pair<std::string, std::string>> kFlagOptions = {
     {"flat_board", "--flat-board"},
     {"rigid_board", "--rigid-board"},
     {"measure_once", "--measure-once"},
+    {"rolling_shutter", "--rolling-shutter"},
     {"skip_comparison", "--skip-comparison"}};
+// Those that name a file.
+const std::vector<std::string> kFileOptions = {"conditions", "like", "times"};
 
 void RequireKnownKeys(const YAML::Node& map, const std::string& what,
                       const std::set<std::string>& own_keys) {
   std::set<std::string> known = own_keys;
   for (const auto* options : {&kValueOptions, &kFlagOptions})
     for (const auto& option : *options) known.insert(option.first);
+  known.insert(kFileOptions.begin(), kFileOptions.end());
   for (const auto& entry : map) {
     const std::string key = entry.first.as<std::string>();
     if (known.count(key) == 0)
@@ -48,15 +55,42 @@ void RequireKnownKeys(const YAML::Node& map, const std::string& what,
   }
 }
 
+// One of the conditions, or a list of several, as --condition has them.
+std::string ConditionText(const YAML::Node& value) {
+  const std::vector<YAML::Node> several =
+      value.IsSequence() ? std::vector<YAML::Node>(value.begin(), value.end())
+                         : std::vector<YAML::Node>{value};
+  std::vector<std::string> names;
+  for (const YAML::Node& node : several) {
+    const std::string name = node.IsScalar() ? node.Scalar() : "";
+    if (!FindCondition(name))
+      throw InputError(fmt::format(
+          "condition: '{}' is none; there are lens_position, temperature and "
+          "[lens_position, temperature]",
+          Printable(name)));
+    names.push_back(name);
+  }
+  return fmt::format("{}", fmt::join(names, ","));
+}
+
 // A number, a word, or [width, height].
 std::string OptionText(const YAML::Node& value, const std::string& key) {
   if (value.IsSequence() && key == "image_size") {
     RequireYamlList(value, "image_size", 2);
     return fmt::format("{}x{}", value[0].as<int>(), value[1].as<int>());
   }
+  if (key == kConditionKey) return ConditionText(value);
   if (!value.IsScalar())
     throw InputError(fmt::format("key '{}' has no single value", key));
   return value.as<std::string>();
+}
+
+bool IsTrue(const YAML::Node& value, const std::string& key) {
+  bool is_true = false;
+  if (!value.IsScalar() || !YAML::convert<bool>::decode(value, is_true))
+    throw InputError(fmt::format("line {}: key '{}' is neither true nor false",
+                                 value.Mark().line + 1, key));
+  return is_true;
 }
 
 // A unit's own value, or the plan's.
@@ -73,9 +107,42 @@ std::vector<std::string> ReadOptions(const YAML::Node& unit,
       options.push_back(option + "=" + OptionText(value, key));
   for (const auto& [key, option] : kFlagOptions)
     if (const YAML::Node value = Find(unit, plan, key);
-        value && value.as<bool>())
+        value && IsTrue(value, key))
       options.push_back(option);
   return options;
+}
+
+std::map<std::string, std::string> ReadFolders(const YAML::Node& node,
+                                               const std::string& key) {
+  std::map<std::string, std::string> folders;
+  if (!node) return folders;
+  if (!node.IsMap())
+    throw InputError(fmt::format("key '{}' has no folder for each", key));
+  for (const auto& entry : node)
+    folders[entry.first.as<std::string>()] = entry.second.as<std::string>();
+  return folders;
+}
+
+// Calibrate would refuse these of each unit after the other.
+void RequireOptionsFit(const BatchUnit& unit, const YAML::Node& node,
+                       const YAML::Node& plan) {
+  const bool has_condition = Find(node, plan, kConditionKey).IsDefined();
+  const YAML::Node shutter = Find(node, plan, "rolling_shutter");
+  const bool has_shutter = shutter && IsTrue(shutter, "rolling_shutter");
+  const auto& files = unit.option_files;
+  if (!has_condition && (files.count("conditions") || !unit.cameras_at.empty()))
+    throw InputError(fmt::format(
+        "unit {}: say what the values of {} are, with condition: "
+        "lens_position or condition: temperature",
+        unit.serial, unit.cameras_at.empty() ? "conditions" : "cameras_at"));
+  if (!has_shutter && files.count("times"))
+    throw InputError(fmt::format("unit {}: times are for rolling_shutter: true",
+                                 unit.serial));
+  if (has_shutter && has_condition)
+    throw InputError(
+        fmt::format("unit {}: has both rolling_shutter and "
+                    "condition; a calibration has one of them",
+                    unit.serial));
 }
 
 void RequireSerial(const std::string& serial) {
@@ -105,24 +172,27 @@ BatchUnit ReadUnit(const YAML::Node& node, const YAML::Node& plan) {
   RequireSerial(unit.serial);
   const std::string what = "unit " + unit.serial;
   RequireKnownKeys(node, what,
-                   {"serial", "images", "features", "cameras", "pattern",
-                    "like", "lens_batch", "repeats", "operator", "station"});
+                   {"serial", "images", "features", "cameras", "cameras_at",
+                    "pattern", "lens_batch", "repeats", "operator", "station"});
   unit.pattern = ReadText(node["pattern"] ? node : plan, "pattern");
   unit.images = ReadText(node, "images");
   unit.features = ReadText(node, "features");
-  if (node["cameras"])
-    for (const auto& camera : node["cameras"])
-      unit.cameras[camera.first.as<std::string>()] =
-          camera.second.as<std::string>();
-  if (!unit.images.empty() + !unit.features.empty() + !unit.cameras.empty() !=
+  unit.cameras = ReadFolders(node["cameras"], "cameras");
+  unit.cameras_at = ReadFolders(node["cameras_at"], "cameras_at");
+  if (!unit.images.empty() + !unit.features.empty() + !unit.cameras.empty() +
+          !unit.cameras_at.empty() !=
       1)
     throw InputError(what +
-                     ": has not one of images (a folder), features (a file) "
-                     "and cameras (a folder of each)");
+                     ": has not one of images (a folder), features (a file), "
+                     "cameras (a folder of each) and cameras_at (a folder of "
+                     "each value of the condition)");
   if (unit.pattern.empty())
     throw InputError(what + ": has no pattern, nor has the plan");
   unit.options = ReadOptions(node, plan);
-  unit.like = ReadText(node["like"] ? node : plan, "like");
+  for (const std::string& key : kFileOptions)
+    if (const YAML::Node value = Find(node, plan, key))
+      unit.option_files[key] = OptionText(value, key);
+  RequireOptionsFit(unit, node, plan);
   unit.lens_batch = ReadText(node, "lens_batch");
   unit.repeats = ReadText(node, "repeats");
   if (!unit.repeats.empty()) RequireSerial(unit.repeats);
@@ -188,7 +258,7 @@ BatchPlan ReadPlan(const YAML::Node& root) {
   if (root["raygrid_batch"].as<int>() != 1)
     throw InputError("raygrid_batch: only version 1 is known");
   RequireKnownKeys(root, "plan",
-                   {"raygrid_batch", "pattern", "like", "limits", "units"});
+                   {"raygrid_batch", "pattern", "limits", "units"});
   BatchPlan plan;
   if (root["limits"]) plan.limits = ReadLimits(root["limits"]);
   if (!root["units"] || !root["units"].IsSequence() ||

@@ -12,12 +12,14 @@ namespace raygrid {
 struct BatchUnit {
   std::string serial;   ///< letters, digits and . _ - +; also its folder's name
   std::string pattern;  ///< as in the plan: a file, or a board in a word
-  /// Either a folder of images, or features, or the folder of each camera.
+  /// Either a folder of images, or features, or the folder of each camera, or
+  /// of each value of a condition.
   std::string images, features;
-  std::map<std::string, std::string> cameras;
+  std::map<std::string, std::string> cameras, cameras_at;
   /// Options of raygrid calibrate, in one order for the same plan.
   std::vector<std::string> options;
-  std::string like;  ///< a camera file for raygrid calibrate --like, or ""
+  /// Files that options of raygrid calibrate read, by the options' names.
+  std::map<std::string, std::string> option_files;
   std::string lens_batch;  ///< the batch of lenses that it has one of, or ""
   /// The golden unit that this is another calibration of, or "".
   std::string repeats;

@@ -93,6 +93,53 @@ class Batch(CommandTest):
         self.assertEqual(sorted(os.listdir(self.out)), [".batch.lock", "A0.failed.json", "A1", "A3", "B0.failed.json", "fleet.csv",
                                                          "fleet.html"])
 
+    def test_conditions_and_rolling_shutters_are_passed_on(self):
+        features, values, board = [], ["image,value"], "chessboard:13x9:30mm"
+        for position in (0, 5, 10):
+            folder = self.path("at%d" % position)
+            self.assert_done(run("simulate", "--lens", "focusing", "--at", position, "--pattern", board, "--images", 7,
+                                 "--noise-px", 0.03, "--seed", position + 1, "-o", folder))
+            lines = read(folder + "/features.csv").decode().splitlines()
+            features = features or lines[:1]
+            features += ["%d_%s" % (position, line) for line in lines[1:]]
+            values += ["%d_sim%04d.png,%d" % (position, i, position) for i in range(7)]
+        write(self.path("focusing.csv"), "\n".join(features) + "\n")
+        write(self.path("values.csv"), "\n".join(values) + "\n")
+        plan = write(self.path("conditions.yaml"), f"""raygrid_batch: 1
+pattern: {board}
+skip_comparison: true
+flat_board: true
+image_size: [640, 480]
+cell_px: 80
+units:
+  - {{serial: F1, features: focusing.csv, condition: lens_position, conditions: values.csv}}
+  - {{serial: R1, features: at0/features.csv, rolling_shutter: true, times: gone.csv}}
+""")
+        result = self.batch(plan)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertRegex(result.stderr, "R1: error: .*gone.csv")
+        self.assertIn("condition: lens_position", read(self.out + "/F1/camera.yaml").decode())
+        done = read(self.out + "/F1/unit.json")
+        self.batch(plan)
+        self.assertEqual(read(self.out + "/F1/unit.json"), done)
+        write(self.path("values.csv"), "\n".join(values).replace("10_sim0006.png,10", "10_sim0006.png,9.9") + "\n")
+        self.batch(plan)
+        self.assertNotEqual(read(self.out + "/F1/unit.json"), done)
+
+    def test_bad_conditions_are_refused_in_one_line(self):
+        for unit, told in (("condition: focus", "condition: 'focus' is none; there are lens_position, temperature"),
+                           ("condition: [temperature, 3]", "condition: '3' is none"),
+                           ("conditions: v.csv", "unit C1: say what the values of conditions are"),
+                           ("times: t.csv", "unit C1: times are for rolling_shutter: true"),
+                           ("rolling_shutter: maybe", "key 'rolling_shutter' is neither true nor false"),
+                           ("rolling_shutter: true, condition: temperature", "unit C1: has both rolling_shutter and")):
+            plan = self.plan((), more=[f"  - {{serial: C1, features: A1/features.csv, {unit}}}\n"])
+            self.assert_refused(self.batch(plan), 2, told)
+        for at, told in (("{0: far, 1: near}", "unit C1: say what the values of cameras_at are"),
+                         ("far", "key 'cameras_at' has no folder for each")):
+            plan = self.plan((), more=[f"  - {{serial: C1, cameras_at: {at}}}\n"])
+            self.assert_refused(self.batch(plan), 2, told)
+
     def make_fleet(self):
         """A plan of units made of one: 24 of a family with a tilted sensor and a jump, a golden one again."""
         self.assert_done(self.batch(self.plan(("A1",))))
