@@ -118,13 +118,15 @@ class Influences {
     }
     return true;
   }
-  // Sums of squares over views, for each move.
-  Eigen::VectorXd Of(const ViewErrors& errors) const {
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(by_view_.front().cols());
+  // Squares, a row for each view and a column for each move.
+  Eigen::MatrixXd Of(const ViewErrors& errors) const {
+    Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(
+        static_cast<Eigen::Index>(errors.size()), by_view_.front().cols());
     for (size_t v = 0; v < by_view_.size(); ++v)
       if (by_view_[v].rows() > 0)
-        sum += (by_view_[v].transpose() * errors[v].reshaped()).cwiseAbs2();
-    return sum;
+        squares.row(static_cast<Eigen::Index>(v)) =
+            (by_view_[v].transpose() * errors[v].reshaped()).cwiseAbs2();
+    return squares;
   }
 
  private:
@@ -134,7 +136,7 @@ class Influences {
 // The sums that tell of errors' noise.
 struct Told {
   Moments products;
-  Eigen::VectorXd influence;
+  Eigen::MatrixXd influence;  // of views on moves
 };
 
 ViewErrors NoErrors(const LinearResponse& response) {
@@ -188,28 +190,43 @@ struct NoiseFit {
   double own = 0, shared = 0, distance2 = 0;
 };
 
-// The part of an excess over what is expected that chance hardly makes, of so
-// many views: next to nothing of one standard deviation, nearly all of many.
-double Significant(double excess, double expected, int num_views) {
+// Each view's influence, in the mean over moves, in units of what white noise
+// does in all views.
+Eigen::VectorXd InUnitsOf(const Told& white, const Told& told) {
+  const Eigen::RowVectorXd units = white.influence.colwise().sum();
+  return (told.influence.array().rowwise() / units.array()).rowwise().mean();
+}
+
+// The number of views of equal influence that scatter as much together as
+// these.
+double NumEqual(const Eigen::VectorXd& influences) {
+  return std::pow(influences.sum(), 2) / influences.squaredNorm();
+}
+
+// The part of an excess over white noise's influence, in units of that, which
+// chance hardly makes of so many equal views: next to nothing of one standard
+// deviation, nearly all of many.
+double Significant(double excess, double num_views) {
   if (!(excess > 0)) return excess;
-  const double deviations = excess / (expected * std::sqrt(2.0 / num_views));
-  return excess * deviations * deviations / (1 + deviations * deviations);
+  const double square = excess * excess * num_views / 2;  // of deviations
+  return excess * square / (1 + square);
 }
 
 // The parts that have the observed sum of squares and the observed influence,
 // in the mean over moves, in units of what white noise has.
 NoiseFit FitParts(const Told& observed, const Told& own, const Told& shared,
-                  const Moments& counts, int num_views) {
+                  const Moments& counts) {
   const auto influence = [&own](const Told& told) {
-    return (told.influence.array() / own.influence.array()).mean();
+    return InUnitsOf(own, told).sum();
   };
   const double squares = observed.products[0];
   const double if_white = squares / own.products[0];
   Eigen::Matrix2d matrix;
   matrix << own.products[0], shared.products[0], 1, influence(shared);
+  const double excess = influence(observed) / if_white - 1;
   const Eigen::Vector2d right(
-      squares, if_white + Significant(influence(observed) - if_white, if_white,
-                                      num_views));
+      squares,
+      if_white * (1 + Significant(excess, NumEqual(InUnitsOf(own, own)))));
   Eigen::Vector2d variances = matrix.inverse() * right;
   if (!(variances[1] >= 0)) variances = {if_white, 0};
   if (!(variances[0] >= 0)) variances = {0, right[1] / matrix(1, 1)};
@@ -356,21 +373,25 @@ ObservationNoise MeasureNoise(const LinearResponse& response,
   const auto tell = [&](const ViewErrors& errors) {
     return Told{products.Of(errors), influences.Of(errors)};
   };
-  // A draw of many views is a mean over them.
+  // A draw of many views is a mean over them. All is in units of white noise,
+  // so its mean is to be known best.
   const int num_draws =
       std::clamp(1000 / products.num_views(), 2, response.IsExact() ? 16 : 8);
-  const auto told_by = [&](const auto& draw_errors, const auto& draw_gradient) {
-    return ToldBy(response, num_draws, tell, draw_errors, draw_gradient);
+  const int num_white_draws = response.IsExact() ? 4 * num_draws : num_draws;
+  const auto told_by = [&](int count, const auto& draw_errors,
+                           const auto& draw_gradient) {
+    return ToldBy(response, count, tell, draw_errors, draw_gradient);
   };
   const auto no_errors = [&] { return NoErrors(response); };
   const auto no_gradient = [&]() -> Eigen::VectorXd {
     return Eigen::VectorXd::Zero(response.layout().num_all());
   };
-  const auto prior = told_by(no_errors, [&]() -> Eigen::VectorXd {
+  const auto prior = told_by(num_draws, no_errors, [&]() -> Eigen::VectorXd {
     return response.DrawPrior(&random_bits) + response.DrawFlex(&random_bits);
   });
-  const auto own =
-      told_by([&] { return OwnNoise(response, &random_bits); }, no_gradient);
+  const auto own = told_by(
+      num_white_draws, [&] { return OwnNoise(response, &random_bits); },
+      no_gradient);
   if (!prior || !own) return white;
   // Less what the truth's distance from the prior's mean leaves in residuals.
   Told observed = tell(ErrorsOf(response));
@@ -383,11 +404,11 @@ ObservationNoise MeasureNoise(const LinearResponse& response,
   for (const double length : kLengths) {
     const std::vector<SmoothField> fields =
         SmoothFields(response, state.points, length);
-    const auto shared =
-        told_by([&] { return SharedNoise(fields, &random_bits); }, no_gradient);
+    const auto shared = told_by(
+        num_draws, [&] { return SharedNoise(fields, &random_bits); },
+        no_gradient);
     if (!shared) return white;
-    fits.push_back(FitParts(observed, *own, *shared, products.counts(),
-                            products.num_views()));
+    fits.push_back(FitParts(observed, *own, *shared, products.counts()));
   }
   return Mean(fits, noise_px);
 }

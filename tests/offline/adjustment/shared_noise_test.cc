@@ -148,6 +148,54 @@ TEST(MeasureNoise, FindsWhatSharedNoiseDoes) {
   }
 }
 
+// Few views, of which two see all features, the others every sixth or so.
+ExactViews UnequalViews(int num_views) {
+  ExactViews exact;
+  exact.problem = MakeExactGridProblem(num_views, 90);
+  exact.prior.cameras = {WeakGridPrior(exact.problem)};
+  for (int v = 2; v < num_views; ++v) {
+    std::vector<Observation> some;
+    for (size_t i = v % 3; i < 90; i += 6)
+      some.push_back(exact.problem.views[v].observations[i]);
+    exact.problem.views[v].observations = some;
+  }
+  return exact;
+}
+
+TEST(MeasureNoise, SeldomFindsSharedPartInWhiteNoiseOfFewUnequalViews) {
+  constexpr int kDraws = 60;
+  int num_alarms = 0, num_all = 0;
+  for (const int num_views : {5, 6, 10, 20}) {
+    const ExactViews exact = UnequalViews(num_views);
+    const auto fields =
+        SmoothFields(exact.Response(), exact.problem.state.points, 4);
+    const double truth_px = TypicalPx(exact, {kOwnPx, kOwnPx, {}});
+    for (int draw = 0; draw < kDraws; ++draw) {
+      const ObservationNoise found =
+          exact.NoiseOf(exact.Adjusted(fields, kOwnPx, 0, 1000 + draw), kOwnPx);
+      num_alarms += TypicalPx(exact, found) > 1.25 * truth_px;
+      ++num_all;
+    }
+  }
+  EXPECT_LE(num_alarms, num_all / 6);
+}
+
+TEST(MeasureNoise, FindsSharedPartOfManyUnequalViews) {
+  constexpr int kDraws = 10;
+  const ExactViews exact = UnequalViews(60);
+  const auto fields =
+      SmoothFields(exact.Response(), exact.problem.state.points, 4);
+  const double truth_px = TypicalPx(exact, {kOwnPx, kOwnPx, {{4, kOwnPx}}});
+  ASSERT_GT(truth_px, 1.5 * TypicalPx(exact, {kOwnPx, kOwnPx, {}}));
+  double mean_px = 0;
+  for (int draw = 0; draw < kDraws; ++draw)
+    mean_px += TypicalPx(exact, exact.NoiseOf(exact.Adjusted(fields, kOwnPx,
+                                                             kOwnPx, 50 + draw),
+                                              1.3 * kOwnPx)) /
+               kDraws;
+  EXPECT_NEAR(mean_px / truth_px, 1, 0.2);
+}
+
 TEST(MeasureNoise, IsWhatAdjustedCamerasScatterWith) {
   constexpr int kNumDraws = 30;
   const ExactViews exact;
