@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "dataset/text_encoding.h"
+#include "evaluation/board_shape.h"
 #include "evaluation/budget_verdict.h"
 #include "evaluation/row_time_text.h"
 #include "evaluation/stack_change.h"
@@ -85,6 +87,28 @@ void PrintRowTime(const CalibrationResult& result) {
                            result.camera.camera->image_size().height));
 }
 
+// How far boards were found to be from flat and from nominal; nothing of those
+// that are both. The report shows all of them.
+void PrintBoards(const Pattern& pattern) {
+  constexpr double kTellableM = 5e-7;
+  constexpr int kMostLines = 3;
+  int num_told = 0;
+  for (const Board& board : pattern.boards) {
+    if (board.kind == "points") continue;  // may have depth
+    const BoardShape shape = MeasureBoardShape(board);
+    if (std::max(shape.rms_height_m, shape.rms_shift_m) < kTellableM) continue;
+    if (++num_told > kMostLines) continue;
+    fmt::print(
+        "  board {} is {:.3f} mm from flat (RMS), {:.3f} mm at most; within "
+        "its plane points are {:.3f} mm from their places\n",
+        board.id, 1e3 * shape.rms_height_m, 1e3 * shape.max_height_m,
+        1e3 * shape.rms_shift_m);
+  }
+  if (num_told > kMostLines)
+    fmt::print("  so are {} more boards, as the report shows\n",
+               num_told - kMostLines);
+}
+
 // One line, as the report has it: its limit, and the one thing to do.
 void PrintLimit(const CalibrationResult& result) {
   if (!result.budget) return;
@@ -158,6 +182,7 @@ void PrintSummary(const RigResult& result, const std::string& folder) {
     PrintRig(result);
   else
     PrintSingleCamera(result.cameras.front());
+  PrintBoards(result.cameras.front().pattern);
   for (const std::string& told :
        BodySentences(result.bodies, result.board_pairs))
     fmt::print("  {}\n", told);

@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import os
+import re
 
 from command_test import CommandTest, main, read, run, write
 
@@ -165,9 +166,13 @@ class Simulate(CommandTest):
         for bend_mm, seed in ((0.1, 11), (0.07, 23), (0.15, 27)):
             folder = self.simulate("--board-bend-mm", bend_mm, "--seed", seed, images=20)
             out = self.path("calibrated")
-            self.assert_done(run("calibrate", "--features", os.path.join(folder, "features.csv"),
-                                 "--pattern", os.path.join(folder, "pattern.yaml"),
-                                 "--image-size", "640x480", "--skip-comparison", "-o", out))
+            result = run("calibrate", "--features", os.path.join(folder, "features.csv"),
+                         "--pattern", os.path.join(folder, "pattern.yaml"),
+                         "--image-size", "640x480", "--skip-comparison", "-o", out)
+            self.assert_done(result)
+            # Such a board is 0.357 bends from the nearest plane (RMS).
+            told = re.search(r"board 0 is ([\d.]+) mm from flat", result.stdout)
+            self.assertAlmostEqual(float(told[1]) / bend_mm, 0.357, delta=0.05)
             result = run("compare", os.path.join(folder, "true_camera.yaml"),
                          os.path.join(out, "camera.yaml"), "--json")
             self.assert_done(result)
