@@ -135,9 +135,9 @@ TEST(AdjustWithLearnedPrior, FindsTheShapeOfABoard) {
   // Some of it is the camera's, whose prior is weak.
   EXPECT_LT((state.flex[0].head<3>() - problem.state.flex[0].head<3>()).norm(),
             0.1 * problem.state.flex[0].norm());
-  // Its points are nominal beside it.
+  // Its points are nominal beside it, as far as the noise tells.
   for (size_t i = 0; i < state.points.size(); ++i)
-    EXPECT_EQ(state.points[i], prior.points_mean[i]);
+    EXPECT_LT((state.points[i] - prior.points_mean[i]).norm(), 1e-5);
 }
 
 // The last points of each board are boards of their own, too small for bends.
