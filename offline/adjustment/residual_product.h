@@ -22,9 +22,8 @@ class ResidualProduct {
         camera_pose_(jacobian.camera > 0 ? layout.CameraPose(jacobian.camera)
                                          : -1),
         place_(jacobian.place >= 0 ? layout.Place(jacobian.place) : -1),
-        shape_(layout.has_shapes() && jacobian.board >= 0
-                   ? layout.Shape(jacobian.board)
-                   : -1),
+        shape_(layout.Shape(jacobian.board)),
+        num_bends_(jacobian.board >= 0 ? layout.per_board : 0),
         first_point_(layout.num_points > 0 ? layout.first_point : -1) {}
 
   template <int kNum>
@@ -46,9 +45,7 @@ class ResidualProduct {
     if (place_ >= 0)
       u += ViewJacobian::Block<6>(j.by_place, i) *
            x.template middleRows<6>(place_);
-    if (shape_ >= 0)
-      u += ViewJacobian::Block(j.by_shape, i) *
-           x.middleRows(shape_, j.by_shape.rows() / 2);
+    for (int k = 0; k < num_bends_; ++k) u += Bend(i, k) * x.row(shape_ + k);
     if (first_point_ >= 0)
       u += ViewJacobian::Block<3>(j.by_point, i) *
            x.template middleRows<3>(first_point_ + 3 * j.points[i]);
@@ -74,15 +71,19 @@ class ResidualProduct {
     if (place_ >= 0)
       y->template middleRows<6>(place_) +=
           ViewJacobian::Block<6>(j.by_place, i).transpose() * u;
-    if (shape_ >= 0)
-      y->middleRows(shape_, j.by_shape.rows() / 2) +=
-          ViewJacobian::Block(j.by_shape, i).transpose() * u;
+    for (int k = 0; k < num_bends_; ++k)
+      y->row(shape_ + k) += Bend(i, k).transpose() * u;
     if (first_point_ >= 0)
       y->template middleRows<3>(first_point_ + 3 * j.points[i]) +=
           ViewJacobian::Block<3>(j.by_point, i).transpose() * u;
   }
 
  private:
+  // The derivative by a bend of the board.
+  Eigen::Map<const Eigen::Vector2d> Bend(int i, int k) const {
+    return Eigen::Map<const Eigen::Vector2d>(&jacobian_.by_shape(2 * k, i));
+  }
+
   // The nodes of a spline surface, each a K-vector; those of a row follow each
   // other.
   static constexpr int kNumNodes = 16, kNodesInARow = 4;
@@ -137,7 +138,7 @@ class ResidualProduct {
   }
 
   const ViewJacobian& jacobian_;
-  int first_, camera_pose_, place_, shape_, first_point_;
+  int first_, camera_pose_, place_, shape_, num_bends_, first_point_;
 };
 
 }  // namespace raygrid
