@@ -356,7 +356,7 @@ void PutLensesAroundGrids(const AdjustmentOptions& options,
   const bool is_near = MedianErrorPx(summary.residuals) <= kFarMore * before_px;
   if (!is_near) adjusted->state = before;
   adjusted->tilt_firmness.clear();
-  if (!is_near || problem.like || !(summary.noise_px > 0)) return;
+  if (!is_near || !(summary.noise_px > 0)) return;
   for (const CameraPrior& prior : adjusted->prior.cameras)
     adjusted->tilt_firmness.push_back(prior.groups.back().weight /
                                       std::pow(summary.noise_px, 2));
