@@ -1,11 +1,11 @@
 #include "adjustment/large_equations.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
 
 #include "adjustment/coarse_basis.h"
+#include "adjustment/node_blocks.h"
 #include "adjustment/node_products.h"
 #include "adjustment/residual_product.h"
 #include "dataset/parallel_for.h"
@@ -17,69 +17,6 @@ constexpr int kMaxIterations = 300;
 // A preconditioner is renewed when it takes twice the iterations that it took
 // when it was new, and so many more.
 constexpr int kMaxWorse = 6;
-
-template <typename Block>
-void InvertBlocks(Eigen::MatrixXd* blocks) {
-  const Eigen::Index k = blocks->rows();
-  for (Eigen::Index i = 0; i < blocks->cols(); i += k) {
-    const Block block = blocks->middleCols(i, k);
-    blocks->middleCols(i, k) = block.inverse();
-  }
-}
-
-void InvertNodeBlocks(Eigen::MatrixXd* blocks) {
-  // A coarse node that nothing reaches has no entries.
-  for (Eigen::Index i = 0; i < blocks->cols(); ++i)
-    (*blocks)(i % blocks->rows(), i) += kDampingFloor;
-  if (blocks->rows() == 2)
-    InvertBlocks<Eigen::Matrix2d>(blocks);
-  else
-    InvertBlocks<Eigen::MatrixXd>(blocks);
-}
-
-// *product += blocks * vectors, block by block.
-template <int kNum>
-void AddBlockProduct(const Eigen::MatrixXd& blocks, const double* vectors,
-                     double* product) {
-  const Eigen::Index k = blocks.rows();
-  for (Eigen::Index i = 0; i < blocks.cols(); ++i)
-    for (Eigen::Index p = 0; p < k; ++p)
-      for (Eigen::Index n = 0; n < kNum; ++n)
-        product[(i / k * k + p) * kNum + n] +=
-            blocks(p, i) * vectors[i * kNum + n];
-}
-
-// T^T A T's blocks of coarse nodes.
-Eigen::MatrixXd CoarseBlocks(const GridShape& shape,
-                             const GridTransfer& transfer, int first,
-                             const Eigen::SparseMatrix<double>& a) {
-  const int k = shape.per_node;
-  Eigen::MatrixXd blocks =
-      Eigen::MatrixXd::Zero(k, transfer.coarse().num_parameters());
-  for (int i = 0; i < shape.num_parameters(); ++i) {
-    const int node = i / k;
-    const auto& x = transfer.columns()[node % shape.columns];
-    const auto& y = transfer.rows()[node / shape.columns];
-    for (Eigen::SparseMatrix<double>::InnerIterator it(a, first + i); it;
-         ++it) {
-      const int row = static_cast<int>(it.row()) - first;
-      const auto& other_x = transfer.columns()[row / k % shape.columns];
-      const auto& other_y = transfer.rows()[row / k / shape.columns];
-      double wx[4];
-      for (int n = 0; n < 4; ++n)
-        wx[n] = x.weight[n] * other_x.WeightOf(x.first + n);
-      for (int m = 0; m < 4; ++m) {
-        const double wy =
-            it.value() * y.weight[m] * other_y.WeightOf(y.first + m);
-        if (wy == 0) continue;
-        const int coarse = (y.first + m) * transfer.coarse().columns + x.first;
-        for (int n = 0; n < 4; ++n)
-          blocks(row % k, (coarse + n) * k + i % k) += wy * wx[n];
-      }
-    }
-  }
-  return blocks;
-}
 
 }  // namespace
 
