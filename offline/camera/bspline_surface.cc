@@ -96,6 +96,21 @@ void AddSmoothness(int columns, int rows, double weight,
   }
 }
 
+// Whether the surface is folded at a control point, by those around it.
+bool IsFoldedAt(const BSplineSurface& surface, int index,
+                const UnfoldedSide& side) {
+  const int columns = surface.columns();
+  const int column = index % columns, row = index / columns;
+  const auto point = [&](int c, int r) -> const Eigen::Vector2d& {
+    return surface.points()[std::clamp(r, 0, surface.rows() - 1) * columns +
+                            std::clamp(c, 0, columns - 1)];
+  };
+  Eigen::Matrix2d derivative;
+  derivative << point(column + 1, row) - point(column - 1, row),
+      point(column, row + 1) - point(column, row - 1);
+  return side.IsFolded(derivative);
+}
+
 }  // namespace
 
 BSplineSurface::BSplineSurface(const Area& area, int columns, int rows)
@@ -167,13 +182,30 @@ Eigen::Vector2d BSplineSurface::Evaluate(const Eigen::Vector2d& pixel,
 }
 
 int MostlyHandedness(const BSplineSurface& surface) {
+  constexpr int kSteps = 8;
+  const Area& area = surface.area();
+  const Eigen::Vector2d extent(area.width(), area.height());
   int sum = 0;
-  for (const Eigen::Vector2d& pixel : surface.SamplePixels(4)) {
-    Eigen::Matrix2d derivative;
-    surface.Evaluate(pixel, &derivative);
-    sum += derivative.determinant() < 0 ? -1 : 1;
-  }
+  for (int j = 0; j <= kSteps; ++j)
+    for (int i = 0; i <= kSteps; ++i) {
+      const Eigen::Vector2d part(double(i) / kSteps - 0.5,
+                                 double(j) / kSteps - 0.5);
+      Eigen::Matrix2d derivative;
+      surface.Evaluate(area.center() + part.cwiseProduct(extent / 2),
+                       &derivative);
+      sum += derivative.determinant() < 0 ? -1 : 1;
+    }
   return sum < 0 ? -1 : 1;
+}
+
+UnfoldedSide UnfoldedSideOf(const BSplineSurface& surface) {
+  constexpr double kMaxStep = 1 / 32.0;  // of the longer side
+  const Area& area = surface.area();
+  const UnfoldedSide side = {MostlyHandedness(surface),
+                             kMaxStep * std::max(area.width(), area.height())};
+  for (int k = 0; k < surface.num_points(); ++k)
+    if (IsFoldedAt(surface, k, side)) return side;
+  return {};
 }
 
 int NumControlPoints(double extent_px, double cell_px) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "camera/area.h"
+#include "camera/pixel_search.h"
 
 namespace raygrid {
 
@@ -61,9 +62,13 @@ class BSplineSurface {
   std::vector<Eigen::Vector2d> points_;
 };
 
-/// +1 or -1, the sign of the derivative's determinant in most of the area. It
-/// is the other one where the surface is folded.
+/// +1 or -1, the sign of the derivative's determinant in most of the area's
+/// middle, half as wide and half as high. It is the other one where the surface
+/// is folded, as a grid may be beyond a fisheye's image circle.
 int MostlyHandedness(const BSplineSurface& surface);
+
+/// The side of most of the middle; no side where no control point is folded.
+UnfoldedSide UnfoldedSideOf(const BSplineSurface& surface);
 
 /// The number of control points along an extent for cells no longer than
 /// cell_px.

@@ -22,6 +22,7 @@ Eigen::Vector2d NearestControlPoint(const BSplineSurface& surface,
 }
 
 std::optional<PixelSolution> Solve(const BSplineSurface& surface,
+                                   const UnfoldedSide& side,
                                    const Eigen::Vector2d& target,
                                    const Eigen::Vector2d* start,
                                    double margin_px) {
@@ -31,19 +32,21 @@ std::optional<PixelSolution> Solve(const BSplineSurface& surface,
     return target - surface.Evaluate(pixel, derivative);
   };
   const Area& area = surface.area();
-  std::optional<PixelSolution> solution =
-      FindPixel(area, start ? *start : area.center(), margin_px, error);
-  if (!solution)
-    solution =
-        FindPixel(area, NearestControlPoint(surface, target), margin_px, error);
-  return solution;
+  const auto solution =
+      FindPixel(area, start ? *start : area.center(), margin_px, error, side);
+  if (solution || (side.folds() && !start)) return solution;
+  return FindPixel(
+      area, side.folds() ? area.center() : NearestControlPoint(surface, target),
+      margin_px, error, side);
 }
 
 }  // namespace
 
 CentralGeneric::CentralGeneric(const ImageSize& image_size,
                                BSplineSurface surface)
-    : CameraModel(image_size, surface.area()), surface_(std::move(surface)) {}
+    : CameraModel(image_size, surface.area()),
+      surface_(std::move(surface)),
+      side_(UnfoldedSideOf(surface_)) {}
 
 std::optional<Eigen::Vector3d> CentralGeneric::Unproject(
     const Eigen::Vector2d& pixel) const {
@@ -54,7 +57,8 @@ std::optional<Eigen::Vector3d> CentralGeneric::Unproject(
 std::optional<Eigen::Vector2d> CentralGeneric::Project(
     const Eigen::Vector3d& point, const Eigen::Vector2d* start,
     double margin_px) const {
-  const auto solution = Solve(surface_, ToChart(point), start, margin_px);
+  const auto solution =
+      Solve(surface_, side_, ToChart(point), start, margin_px);
   if (!solution) return std::nullopt;
   return solution->pixel;
 }
@@ -62,7 +66,8 @@ std::optional<Eigen::Vector2d> CentralGeneric::Project(
 bool CentralGeneric::Linearize(const Eigen::Vector3d& point,
                                const Eigen::Vector2d* start, double margin_px,
                                LinearizedProjection* projection) const {
-  const auto solution = Solve(surface_, ToChart(point), start, margin_px);
+  const auto solution =
+      Solve(surface_, side_, ToChart(point), start, margin_px);
   if (!solution) return false;
   const Eigen::Matrix2d inverse = solution->derivative.inverse();
   projection->pixel = solution->pixel;
@@ -89,6 +94,7 @@ Eigen::VectorXd CentralGeneric::Parameters() const {
 void CentralGeneric::SetParameters(const Eigen::VectorXd& parameters) {
   Eigen::Map<Eigen::VectorXd>(surface_.points().front().data(),
                               2 * surface_.num_points()) = parameters;
+  side_ = UnfoldedSideOf(surface_);
 }
 
 CentralGeneric FitCentralGeneric(const CameraModel& model, const Area& area,

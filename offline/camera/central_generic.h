@@ -21,6 +21,8 @@ class CentralGeneric : public CameraModel {
   }
   std::optional<Eigen::Vector3d> Unproject(
       const Eigen::Vector2d& pixel) const override;
+  /// A grid that folds over shows some directions twice: pixels of folds are
+  /// never returned.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
                                          const Eigen::Vector2d* start,
                                          double margin_px) const override;
@@ -41,6 +43,7 @@ class CentralGeneric : public CameraModel {
 
  private:
   BSplineSurface surface_;
+  UnfoldedSide side_;
 };
 
 /// The grid model closest to another model: directions at samples_per_cell^2

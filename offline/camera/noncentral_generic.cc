@@ -23,7 +23,8 @@ NonCentralGeneric::NonCentralGeneric(const ImageSize& image_size,
                                      std::vector<Eigen::Vector3d> points)
     : CameraModel(image_size, directions.area()),
       directions_(std::move(directions)),
-      points_(std::move(points)) {
+      points_(std::move(points)),
+      side_(UnfoldedSideOf(directions_)) {
   assert(static_cast<int>(points_.size()) == directions_.num_points());
 }
 
@@ -91,11 +92,12 @@ std::optional<PixelSolution> NonCentralGeneric::Solve(
         line.chart_by_pixel + ToChartDerivative(sight) * line.origin_by_pixel;
     return ToChart(sight) - line.chart;
   };
-  auto solution =
-      FindPixel(area(), start ? *start : area().center(), margin_px, error);
-  if (!solution)
-    solution = FindPixel(area(), NearestControlPoint(point), margin_px, error);
-  return solution;
+  const auto solution = FindPixel(area(), start ? *start : area().center(),
+                                  margin_px, error, side_);
+  if (solution || (side_.folds() && !start)) return solution;
+  return FindPixel(area(),
+                   side_.folds() ? area().center() : NearestControlPoint(point),
+                   margin_px, error, side_);
 }
 
 std::optional<Eigen::Vector2d> NonCentralGeneric::Project(
@@ -144,6 +146,7 @@ void NonCentralGeneric::SetParameters(const Eigen::VectorXd& parameters) {
     directions_.points()[k] = parameters.segment<2>(kPerNode * k);
     points_[k] = parameters.segment<3>(kPerNode * k + 2);
   }
+  side_ = UnfoldedSideOf(directions_);
 }
 
 NonCentralGeneric FitNonCentralGeneric(const CameraModel& model,

@@ -31,6 +31,7 @@ class NonCentralGeneric : public CameraModel {
       const Eigen::Vector2d& pixel) const override;
   std::optional<ObservationLine> Line(
       const Eigen::Vector2d& pixel) const override;
+  /// Pixels of folds are never returned, as CentralGeneric says.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
                                          const Eigen::Vector2d* start,
                                          double margin_px) const override;
@@ -70,6 +71,7 @@ class NonCentralGeneric : public CameraModel {
 
   BSplineSurface directions_;
   std::vector<Eigen::Vector3d> points_;
+  UnfoldedSide side_;
 };
 
 /// The grid model closest to another model: its lines at samples_per_cell^2

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "camera/area.h"
@@ -18,6 +19,22 @@ struct PixelSolution {
   Eigen::Matrix2d derivative;
 };
 
+/// The pixels of a surface that show something. A lens mirrors nothing, so
+/// where the surface is of the other handedness it is folded over. Beyond a
+/// second fold it shows directions of the first side again; short steps from
+/// the middle do not lead there.
+struct UnfoldedSide {
+  int handedness = 0;  ///< +1 or -1; 0 where nothing folds
+  /// No step of a search is longer, so none leads over a fold.
+  double max_step_px = std::numeric_limits<double>::infinity();
+
+  bool folds() const { return handedness != 0; }
+  /// By the derivative by the pixel, of the surface or of minus an error.
+  bool IsFolded(const Eigen::Matrix2d& derivative) const {
+    return folds() && !(derivative.determinant() * handedness > 0);
+  }
+};
+
 inline Eigen::Vector2d ClampToArea(const Eigen::Vector2d& pixel,
                                    const Area& area, double margin_px) {
   return {std::clamp(pixel.x(), area.x0 - margin_px, area.x1 + margin_px),
@@ -25,35 +42,42 @@ inline Eigen::Vector2d ClampToArea(const Eigen::Vector2d& pixel,
 }
 
 /// Newton's method with step halving, within the area. error(pixel, derivative)
-/// gives the error and minus its derivative by the pixel.
+/// gives the error and minus its derivative by the pixel. Where a surface folds
+/// over, the search keeps to its unfolded side.
 template <typename Error>
 std::optional<PixelSolution> FindPixel(const Area& area,
                                        const Eigen::Vector2d& start,
-                                       double margin_px, const Error& error) {
-  constexpr int kMaxIterations = 50;
+                                       double margin_px, const Error& error,
+                                       const UnfoldedSide& side = {}) {
+  constexpr int kMaxIterations = 50, kMaxHalvings = 10;
   constexpr double kConvergedPx = 1e-9, kAcceptedPx = 1e-6;
   PixelSolution at;
   at.pixel = ClampToArea(start, area, margin_px);
   Eigen::Vector2d error_here = error(at.pixel, &at.derivative);
+  if (side.IsFolded(at.derivative)) return std::nullopt;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const double determinant = at.derivative.determinant();
     if (!(std::abs(determinant) > 1e-30)) return std::nullopt;
     const Eigen::Vector2d newton = at.derivative.inverse() * error_here;
-    if (newton.norm() < kConvergedPx) return at;
+    const double far_px = newton.norm();
+    if (far_px < kConvergedPx) return at;
 
     bool improved = false;
-    for (double length = 1; length > 1e-3 && !improved; length /= 2) {
+    double length = std::min(1.0, side.max_step_px / far_px);
+    for (int k = 0; k < kMaxHalvings && !improved; ++k, length /= 2) {
       PixelSolution next;
       next.pixel = ClampToArea(at.pixel + length * newton, area, margin_px);
       const Eigen::Vector2d next_error = error(next.pixel, &next.derivative);
-      if (!(next_error.squaredNorm() < error_here.squaredNorm())) continue;
+      if (!(next_error.squaredNorm() < error_here.squaredNorm()) ||
+          side.IsFolded(next.derivative))
+        continue;
       improved = true;
       at = next;
       error_here = next_error;
     }
     // No decrease: converged as far as rounding allows, or stuck at the edge.
     if (!improved)
-      return newton.norm() < kAcceptedPx ? std::optional(at) : std::nullopt;
+      return far_px < kAcceptedPx ? std::optional(at) : std::nullopt;
   }
   return std::nullopt;
 }

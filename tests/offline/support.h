@@ -96,16 +96,63 @@ inline CentralGeneric ExampleFisheye() {
   return CentralGeneric(size, surface);
 }
 
+inline Eigen::Vector3d PointAlong(const ObservationLine& line,
+                                  double distance) {
+  return line.origin + distance * line.direction;
+}
+
+/// A fisheye of 800 x 800 pixels that folds over where it is farther than
+/// radius_px from the middle: there it shows again what it shows inside. If
+/// radius_px is less than 283, corners are folded twice.
+/// mirror: +1, or -1 for a camera whose images are mirrored.
+inline CentralGeneric FoldedFisheye(double radius_px, double mirror) {
+  const ImageSize size = {800, 800};
+  BSplineSurface surface(WholeImage(size), 43, 43);
+  for (int k = 0; k < surface.num_points(); ++k) {
+    const Eigen::Vector2d offset = surface.PixelOf(k) - surface.area().center();
+    const double angle = M_PI / 2 * offset.norm() / radius_px;
+    const Eigen::Vector2d chart =
+        offset / radius_px * (angle > 0 ? std::sin(angle) / angle : 1);
+    surface.points()[k] = {mirror * chart.x(), chart.y()};
+  }
+  return CentralGeneric(size, surface);
+}
+
+/// Expects that what a camera of FoldedFisheye() shows inside is projected
+/// there from any start that is not folded twice, and what it shows in its
+/// folds, inside or nowhere.
+inline void ExpectProjectionIntoFold(const CameraModel& camera,
+                                     double radius_px) {
+  constexpr double kEdgePx = 15;
+  const Eigen::Vector2d middle = camera.area().center();
+  TestRandom random(12);
+  int num_folded = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector2d pixel = random.PixelIn(camera.area());
+    const Eigen::Vector2d start = random.PixelIn(camera.area());
+    const bool has_start =
+        i % 2 == 1 && (start - middle).norm() < 2 * radius_px - kEdgePx;
+    const double radius = (pixel - middle).norm();
+    if (std::abs(radius - radius_px) < kEdgePx) continue;
+    const auto projection = camera.Project(PointAlong(*camera.Line(pixel), 2),
+                                           has_start ? &start : nullptr, 0);
+    if (radius < radius_px) {
+      ASSERT_TRUE(projection) << pixel.transpose();
+      EXPECT_LT((*projection - pixel).norm(), 1e-6);
+    } else {
+      ++num_folded;
+      EXPECT_TRUE(!projection || (*projection - middle).norm() < radius_px)
+          << pixel.transpose();
+    }
+  }
+  EXPECT_GT(num_folded, 100);
+}
+
 /// The grid nearest to a model over its area.
 inline CentralGeneric FittedGrid(const CameraModel& model, double cell_px) {
   const Area& area = model.area();
   return FitCentralGeneric(model, area, NumControlPoints(area.width(), cell_px),
                            NumControlPoints(area.height(), cell_px));
-}
-
-inline Eigen::Vector3d PointAlong(const ObservationLine& line,
-                                  double distance) {
-  return line.origin + distance * line.direction;
 }
 
 /// Expects that Project() inverts Line() at random pixels.

@@ -32,6 +32,12 @@ TEST(CentralGeneric, ProjectionDoesNotDependOnItsStart) {
   }
 }
 
+TEST(CentralGeneric, ProjectsNothingIntoAFold) {
+  for (const double radius_px : {380.0, 200.0})
+    for (const double mirror : {1.0, -1.0})
+      ExpectProjectionIntoFold(FoldedFisheye(radius_px, mirror), radius_px);
+}
+
 TEST(CentralGeneric, SeesNothingOutsideItsArea) {
   const CentralGeneric camera = ExampleGrid();
   const Area& area = camera.area();

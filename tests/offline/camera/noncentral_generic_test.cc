@@ -34,6 +34,13 @@ TEST(NonCentralGeneric, ProjectionDoesNotDependOnItsStart) {
   }
 }
 
+TEST(NonCentralGeneric, ProjectsNothingIntoAFold) {
+  for (const double radius_px : {380.0, 200.0})
+    for (const double mirror : {1.0, -1.0})
+      ExpectProjectionIntoFold(
+          NonCentralGeneric(FoldedFisheye(radius_px, mirror)), radius_px);
+}
+
 TEST(NonCentralGeneric, DerivativeByPointIsThatOfProjection) {
   ExpectDerivativeByPoint(UnevenLines(), 1e-6);
 }
