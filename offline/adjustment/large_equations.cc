@@ -44,8 +44,11 @@ LargeEquations::LargeEquations(const ParameterLayout& layout,
   }
   AccumulatePoses();
   if (memory_->diagonal.size() != layout_.size) *memory_ = Memory();
-  if (memory_->diagonal.size() == 0)
-    memory_->diagonal = LocalMatrix().diagonal();
+  memory_->local.resize(0, 0);  // of other equations
+  if (memory_->diagonal.size() == 0) {
+    memory_->local = LocalMatrix();
+    memory_->diagonal = memory_->local.diagonal();
+  }
 }
 
 // Work is cut into as many chunks whatever the number of threads, and their
@@ -301,7 +304,11 @@ LargeEquations::CameraLevels LargeEquations::LevelsOf(
 
 bool LargeEquations::MakePreconditioner(const System& system,
                                         Preconditioner* preconditioner) const {
-  Eigen::SparseMatrix<double> a = LocalMatrix();
+  Eigen::SparseMatrix<double> a;
+  if (memory_->local.size() > 0)
+    a.swap(memory_->local);
+  else
+    a = LocalMatrix();
   memory_->diagonal = a.diagonal();
   a += prior_.precision;
   a.diagonal() += system.damping;

@@ -145,7 +145,8 @@ class LargeEquations::Memory {
 
  private:
   friend class LargeEquations;
-  Eigen::VectorXd diagonal;  // of H without the prior
+  Eigen::VectorXd diagonal;           // of H without the prior
+  Eigen::SparseMatrix<double> local;  // LocalMatrix() of the equations at hand
   std::unique_ptr<Preconditioner> preconditioner;
   int iterations_when_new = 0, last_iterations_ = 0;
   Eigen::MatrixXd last_solution;  // of SolveWithRest()
