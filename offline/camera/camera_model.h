@@ -93,6 +93,15 @@ class CameraModel {
                          const Eigen::Vector2d* start, double margin_px,
                          LinearizedProjection* projection) const = 0;
 
+  /// Linearize() of a point that a pixel of the area shows. False where it does
+  /// not: where the camera folds over, another pixel does.
+  bool LinearizeAt(const Eigen::Vector2d& pixel, const Eigen::Vector3d& point,
+                   LinearizedProjection* projection) const {
+    constexpr double kOwnMarginPx = 1, kOwnPixelPx = 0.1;
+    return Linearize(point, &pixel, kOwnMarginPx, projection) &&
+           (projection->pixel - pixel).norm() < kOwnPixelPx;
+  }
+
   virtual Eigen::VectorXd Parameters() const = 0;
   virtual void SetParameters(const Eigen::VectorXd& parameters) = 0;
   int NumParameters() const { return static_cast<int>(Parameters().size()); }
