@@ -547,8 +547,12 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
   options.cell_px = ParseCellPx(arguments.cell_px);
   options.area = arguments.area == "features" ? AreaChoice::kFeatures
                                               : AreaChoice::kWholeImage;
-  if (!arguments.like.empty())
-    options.like = ReadCamera(arguments.like).file.camera;
+  if (!arguments.like.empty()) {
+    const CameraFile like = ReadCamera(arguments.like).file;
+    options.like = like.camera;
+    if (like.spread)
+      options.like_spread = std::make_shared<LensSpread>(*like.spread);
+  }
   options.flat_board = arguments.flat_board;
   options.rigid_board = arguments.rigid_board;
   options.boards_move = arguments.boards_move;

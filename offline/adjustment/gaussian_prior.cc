@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "camera/central_radial.h"
 #include "camera/decentring.h"
@@ -242,15 +243,122 @@ Eigen::MatrixXd RotationOverArea(const BSplineSurface& surface,
   return rotation / static_cast<double>(pixels.size());
 }
 
+// Fits surfaces to values at pixels all over the area, one axis after the
+// other.
+class LatticeFit {
+ public:
+  explicit LatticeFit(const BSplineSurface& surface)
+      : pixels_(surface.SamplePixels(kPerCell)),
+        x_(surface.columns(), (surface.columns() - 3) * kPerCell + 1),
+        y_(surface.rows(), (surface.rows() - 3) * kPerCell + 1) {
+    for (Eigen::Index i = 0; i < x_.cols(); ++i) {
+      const SplineSupport support = surface.Support(pixels_[i]);
+      for (int k = 0; k < 4; ++k)
+        x_.insert(support.column + k, i) = support.wx[k];
+    }
+    for (Eigen::Index j = 0; j < y_.cols(); ++j) {
+      const SplineSupport support = surface.Support(pixels_[j * x_.cols()]);
+      for (int k = 0; k < 4; ++k) y_.insert(support.row + k, j) = support.wy[k];
+    }
+    x_normal_.compute(Eigen::MatrixXd(x_ * x_.transpose()));
+    y_normal_.compute(Eigen::MatrixXd(y_ * y_.transpose()));
+  }
+  const std::vector<Eigen::Vector2d>& pixels() const { return pixels_; }
+
+  // The control points, row by row.
+  Eigen::VectorXd Of(const Eigen::VectorXd& values) const {
+    const Eigen::Map<const Eigen::MatrixXd> lattice(values.data(), x_.cols(),
+                                                    y_.cols());
+    const Eigen::MatrixXd along_x = x_normal_.solve(x_ * lattice);
+    const Eigen::MatrixXd points =
+        y_normal_.solve(y_ * along_x.transpose()).transpose();
+    return Eigen::Map<const Eigen::VectorXd>(points.data(), points.size());
+  }
+
+ private:
+  static constexpr int kPerCell = 3;  // enough for a single cell
+
+  std::vector<Eigen::Vector2d> pixels_;
+  Eigen::SparseMatrix<double> x_, y_;  // a column each pixel along the axis
+  Eigen::LLT<Eigen::MatrixXd> x_normal_, y_normal_;
+};
+
+// The control points of surfaces with these values at pixels, a column each.
+// Beyond the area they go on as what is inside it does: the smoothness would
+// see a bend there.
+Eigen::MatrixXd ControlValues(
+    const BSplineSurface& surface, const FieldParameters& field,
+    const std::function<Eigen::MatrixXd(const Eigen::Vector2d&)>& at) {
+  const LatticeFit fit(surface);
+  const Eigen::Index count = at(fit.pixels()[0]).cols();
+  Eigen::MatrixXd values(fit.pixels().size(), 2 * count);
+  for (size_t i = 0; i < fit.pixels().size(); ++i)
+    values.row(i) = at(fit.pixels()[i]).reshaped().transpose();
+  Eigen::MatrixXd result =
+      Eigen::MatrixXd::Zero(field.per_point * surface.num_points(), count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::VectorXd x = fit.Of(values.col(2 * k)),
+                          y = fit.Of(values.col(2 * k + 1));
+    for (int i = 0; i < surface.num_points(); ++i)
+      result.col(k).segment<2>(field.ParameterOf(i)) << x[i], y[i];
+  }
+  return result;
+}
+
+// Beside what is freed of a lens, how a fleet's lenses differ: by normal
+// numbers, so their firmness is 1.
+FreeDirections WithSpread(const FreeDirections& lens,
+                          const BSplineSurface& surface,
+                          const FieldParameters& field,
+                          const std::vector<BSplineSurface>& spread) {
+  const Eigen::MatrixXd moved =
+      ControlValues(surface, field, [&](const Eigen::Vector2d& pixel) {
+        Eigen::MatrixXd displacements(2, spread.size());
+        for (size_t k = 0; k < spread.size(); ++k) {
+          const Area& area = spread[k].area();
+          displacements.col(k) =
+              spread[k].Evaluate({std::clamp(pixel.x(), area.x0, area.x1),
+                                  std::clamp(pixel.y(), area.y0, area.y1)});
+        }
+        return Eigen::MatrixXd(ChartDerivative(surface, pixel) * displacements);
+      });
+  FreeDirections all;
+  all.directions.resize(moved.rows(), lens.directions.cols() + moved.cols());
+  all.directions << lens.directions, moved;
+  all.holds.resize(all.directions.cols());
+  all.holds << lens.holds, Eigen::VectorXd::Zero(moved.cols());
+  all.firmness.resize(all.directions.cols());
+  all.firmness << lens.firmness, Eigen::VectorXd::Ones(moved.cols());
+  return all;
+}
+
+// Directions turned back by what the orientation is held against: else a
+// centre that differs would take a turn with it, which the smoothness would
+// have to undo.
+Eigen::MatrixXd WithoutTurns(const Eigen::MatrixXd& directions,
+                             const Eigen::MatrixXd& orientation,
+                             const BSplineSurface& surface,
+                             const FieldParameters& field) {
+  const Eigen::MatrixXd turns =
+      ControlValues(surface, field, [&](const Eigen::Vector2d& pixel) {
+        return Eigen::MatrixXd(
+            ChartRotationDerivative(surface.Evaluate(pixel)));
+      });
+  const Eigen::Matrix3d by_turn = orientation.transpose() * turns;
+  return directions -
+         turns * by_turn.inverse() * (orientation.transpose() * directions);
+}
+
 // The prior of directions, or of how they change, without its mean: two of a
 // control point's parameters.
 CameraPrior DirectionsPrior(const BSplineSurface& base,
                             const FieldParameters& field,
-                            double tilt_firmness = 0) {
+                            double tilt_firmness = 0,
+                            const std::vector<BSplineSurface>& spread = {}) {
   CameraPrior prior;
   prior.tilt_firmness = tilt_firmness;
+  prior.spread = spread;
   prior.groups = {SmoothField(base, field, PixelsPerChartUnit(base))};
-  prior.groups[0].Free(FreedOfLens(base, field, tilt_firmness));
   // The orientation is that of displacements in pixels: in the chart,
   // displacements behind the camera, which nothing is seen of, would outweigh
   // all others. The orientation is as firm as the observations, which have no
@@ -259,6 +367,13 @@ CameraPrior DirectionsPrior(const BSplineSurface& base,
   prior.orientation =
       std::sqrt(base.num_points()) * RotationOverArea(base, field, middle_px);
   prior.orientation_weight = middle_px * middle_px;
+  FreeDirections freed = FreedOfLens(base, field, tilt_firmness);
+  if (!spread.empty()) {
+    freed = WithSpread(freed, base, field, spread);
+    freed.directions =
+        WithoutTurns(freed.directions, prior.orientation, base, field);
+  }
+  prior.groups[0].Free(freed);
   return prior;
 }
 
@@ -317,7 +432,7 @@ void PriorGroup::HoldFree(const Eigen::VectorXd& holds) {
   for (Eigen::Index k = 0; k < free.cols(); ++k) {
     constexpr double kRatherFree = 0.5;
     const double g = std::min(turn.eigenvalues()[k], 1.0);
-    free.col(k) *= (1 - std::sqrt(1 - part * g)) / g / std::sqrt(part);
+    free.col(k) *= std::sqrt(part) / (1 + std::sqrt(1 - part * g));
     rank -= g > kRatherFree;
   }
 }
@@ -346,8 +461,10 @@ Eigen::VectorXd CameraPrior::OrientationError(
   return turn - orientation_difference;
 }
 
-CameraPrior SmoothnessPrior(const CentralGeneric& base, double tilt_firmness) {
-  CameraPrior prior = DirectionsPrior(base.surface(), {2, 0, 2}, tilt_firmness);
+CameraPrior SmoothnessPrior(const CentralGeneric& base, double tilt_firmness,
+                            const std::vector<BSplineSurface>& spread) {
+  CameraPrior prior =
+      DirectionsPrior(base.surface(), {2, 0, 2}, tilt_firmness, spread);
   prior.mean = base.Parameters();
   return prior;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "adjustment/board_flex.h"
+#include "camera/bspline_surface.h"
 #include "camera/central_generic.h"
 #include "camera/parametric_model.h"
 
@@ -77,7 +78,8 @@ struct CameraPrior {
   Eigen::MatrixXd orientation;  ///< G, three columns a field; may be empty
   Eigen::VectorXd orientation_difference;  ///< g0; empty: zero
   double orientation_weight = 0;
-  double tilt_firmness = 0;  ///< that it was made with
+  double tilt_firmness = 0;                 ///< that it was made with
+  std::vector<BSplineSurface> spread = {};  ///< and with these
 
   double Cost(const Eigen::VectorXd& parameters) const;
   /// G^T (c - c0) - g0; empty if G is.
@@ -113,8 +115,14 @@ struct GaussianPrior {
 /// that moves the farthest corner by a pixel (camera/decentring.h), as a part
 /// of the residuals' variance. Taken for known, with 0, they would lend their
 /// errors to the grid.
+///
+/// spread tells how lenses differ from base, if that is a fleet's middle: by
+/// displacements in pixels, each times a standard normal number. Then the
+/// smoothness is about what these and the lens leave, of which no part is to be
+/// a turn.
 CameraPrior SmoothnessPrior(const CentralGeneric& base,
-                            double tilt_firmness = 0);
+                            double tilt_firmness = 0,
+                            const std::vector<BSplineSurface>& spread = {});
 
 /// The smoothness priors of a stack's terms, each as that of a grid and a group
 /// of its own: the first around base, those by which the camera changes with

@@ -202,6 +202,7 @@ void Calibration::StartFromImages(CameraInProgress* camera) const {
         camera->split.training, pattern_, AdjustmentOptionsOf(options_),
         options_.area, known.empty() ? nullptr : known.front().get());
     camera->lens.problem.like = options_.like;
+    camera->lens.problem.like_spread = options_.like_spread;
   } catch (const Error& error) {
     const size_t num_others = NumOthers(camera->result.same_views);
     if (error.code() != ExitCode::kTooFew || num_others == 0) throw;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "camera/lens_spread.h"
 #include "dataset/dataset.h"
 #include "dataset/image_times.h"
 #include "evaluation/rig_result.h"
@@ -55,6 +56,8 @@ struct CalibrationOptions {
   /// around a lens of few parameters, so few images do. For central-generic, a
   /// single camera and images of its size.
   std::shared_ptr<const CameraModel> like = {};
+  /// How lenses differ from it, if it is a fleet's middle camera.
+  std::shared_ptr<const LensSpread> like_spread = {};
   /// The pattern's points are kept as they are given, in each image.
   bool flat_board = false;
   bool rigid_board = false;  ///< boards are bent alike in all images

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "adjustment/adjustment_state.h"
+#include "camera/lens_spread.h"
 #include "dataset/dataset.h"
 #include "evaluation/calibration_result.h"
 #include "initialization/localization.h"
@@ -19,6 +20,8 @@ struct CalibrationProblem {
   AreaChoice area = AreaChoice::kWholeImage;
   /// A camera of a like lens, which grids lie around; or none.
   std::shared_ptr<const CameraModel> like = {};
+  /// How lenses differ from it, if that is known.
+  std::shared_ptr<const LensSpread> like_spread = {};
   std::vector<View> views;
   std::vector<std::string> images;  ///< of each view
   std::vector<int> boards;          ///< index in the pattern, of each view

@@ -22,6 +22,7 @@ ValidationOptions ValidationOptionsOf(const CalibrationOptions& options) {
   validation.model = options.model;
   validation.area = options.area;
   validation.like = options.like;
+  validation.like_spread = options.like_spread;
   validation.flat_board = options.flat_board;
   validation.num_threads = options.num_threads;
   validation.should_stop = options.should_stop;

@@ -143,6 +143,7 @@ void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
         fold.start = StartCameras(fold.cameras, folds->known, pattern,
                                   options.bodies, options.area, adjustment);
       fold.start->problem.like = options.like;
+      fold.start->problem.like_spread = options.like_spread;
       if (!is_grid) return;
       Adjusted lenses = *fold.start;
       PutLensesAroundGrids(adjustment, &lenses);

@@ -10,6 +10,7 @@
 
 #include "calibration/bodies.h"
 #include "calibration/model_adjustment.h"
+#include "camera/lens_spread.h"
 #include "dataset/dataset.h"
 #include "evaluation/checkpoint.h"
 
@@ -52,7 +53,9 @@ Folds MakeFolds(const std::vector<Split>& cameras,
 struct ValidationOptions {
   std::string model;
   AreaChoice area = AreaChoice::kWholeImage;
-  std::shared_ptr<const CameraModel> like = {};  ///< CalibrationOptions::like
+  /// Those of CalibrationOptions.
+  std::shared_ptr<const CameraModel> like = {};
+  std::shared_ptr<const LensSpread> like_spread = {};
   bool flat_board = false;
   bool rigid_boards = true;  ///< in calibrating
   /// Whether to keep what is adjusted with rigid boards, for trials of the same

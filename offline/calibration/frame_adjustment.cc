@@ -28,7 +28,7 @@ CameraPrior TurnedPrior(const CameraPrior& prior, const CameraModel& camera,
     turned.groups.back() = prior.groups.back();
   } else {
     turned = SmoothnessPrior(dynamic_cast<const CentralGeneric&>(*base),
-                             prior.tilt_firmness);
+                             prior.tilt_firmness, prior.spread);
   }
   for (size_t g = 0; g < turned.groups.size(); ++g)
     turned.groups[g].SetWeight(prior.groups[g].weight, residual_variance);

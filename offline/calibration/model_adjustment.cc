@@ -177,11 +177,14 @@ AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
                               const AdjustmentOptions& options,
                               GaussianPrior* prior, AdjustmentState* state) {
   *prior = {};
+  std::vector<BSplineSurface> spread;
+  if (problem.like && problem.like_spread)
+    spread = problem.like_spread->Surfaces(problem.like->area());
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
     const CentralGeneric base = AsGrid(problem, c, starts);
     prior->cameras.push_back(
         SmoothnessPrior(ExpectedGrid(problem, *starts.lenses[c], base),
-                        starts.TiltFirmness(c)));
+                        starts.TiltFirmness(c), spread));
     state->cameras[c] = base.Clone();
   }
   return AdjustInTwoSteps(problem, options, prior, state);

@@ -18,6 +18,7 @@
 #include "dataset/files.h"
 #include "dataset/image_header.h"
 #include "dataset/pose_node.h"
+#include "dataset/spread_node.h"
 #include "dataset/stack_node.h"
 #include "dataset/yaml_file.h"
 
@@ -191,16 +192,8 @@ ErrorModes ParseModes(const YAML::Node& node) {
   modes.rest_px = node["rest_px"].as<double>();
   if (!(modes.rest_px >= 0)) throw InputError("modes: rest_px is negative");
   modes.beyond = ParseBeyond(node["beyond"]);
-  for (const YAML::Node& mode : node["displacements_px"]) {
-    RequireYamlList(mode, "modes: one of displacements_px",
-                    2 * modes.columns * modes.rows);
-    std::vector<Eigen::Vector2d>& field = modes.displacements_px.emplace_back();
-    for (int i = 0; i < modes.columns * modes.rows; ++i) {
-      const char* const name = "modes: displacements_px";
-      field.emplace_back(YamlNumber(mode[2 * i], name),
-                         YamlNumber(mode[2 * i + 1], name));
-    }
-  }
+  modes.displacements_px = ParseDisplacements(node["displacements_px"], "modes",
+                                              modes.columns * modes.rows);
   return modes;
 }
 
@@ -324,6 +317,7 @@ CameraFile Parse(const YAML::Node& root) {
   }
   file.uncertainty = ParseUncertainty(root, image_size);
   file.capture = ParseCapture(root["capture"], image_size);
+  file.spread = ParseSpread(root["spread"]);
   file.stack = ParseStack(root["stack"], *file.camera);
   file.row_time = ParseRowTime(root);
   return file;
@@ -353,16 +347,9 @@ void EmitModes(const ErrorModes& modes, YAML::Emitter* out) {
        << "tilt_rad" << YAML::Value
        << fmt::format("{:.8f}", modes.beyond.tilt_rad) << YAML::Key
        << "local_px" << YAML::Value
-       << fmt::format("{:.6f}", modes.beyond.local_px) << YAML::EndMap
-       << YAML::Key << "displacements_px" << YAML::Value << YAML::BeginSeq;
-  for (const auto& field : modes.displacements_px) {
-    *out << YAML::Flow << YAML::BeginSeq;
-    for (const Eigen::Vector2d& displacement : field)
-      *out << fmt::format("{:.5f}", displacement.x())
-           << fmt::format("{:.5f}", displacement.y());
-    *out << YAML::EndSeq;
-  }
-  *out << YAML::EndSeq << YAML::EndMap;
+       << fmt::format("{:.6f}", modes.beyond.local_px) << YAML::EndMap;
+  EmitDisplacements(modes.displacements_px, out);
+  *out << YAML::EndMap;
 }
 
 void EmitLattice(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
@@ -511,6 +498,7 @@ std::string FormatCameraFile(const CameraFile& file, Digits digits) {
   if (file.uncertainty) EmitUncertainty(*file.uncertainty, &out);
   if (file.camera_from_view) EmitPose(*file.camera_from_view, &out);
   if (file.capture) EmitCapture(*file.capture, &out);
+  if (file.spread) EmitSpread(*file.spread, &out);
   if (file.stack) EmitStack(*file.stack, &out);
   if (file.row_time) EmitRowTime(*file.row_time, &out);
   // The model, which no camera lacks, comes last: a file that was cut is no

@@ -8,6 +8,7 @@
 #include "camera/camera_model.h"
 #include "camera/camera_stack.h"
 #include "camera/camera_uncertainty.h"
+#include "camera/lens_spread.h"
 #include "camera/pose.h"
 #include "dataset/capture.h"
 #include "dataset/row_time.h"
@@ -45,6 +46,8 @@ struct CameraFile {
   /// The cameras that it is one of: the one in the middle.
   std::optional<StackOfCameras> stack;
   std::optional<RowTime> row_time;
+  /// A fleet's middle camera: how its units differ from it.
+  std::optional<LensSpread> spread;
 };
 
 /// Throws InputError.

@@ -48,4 +48,33 @@ void EmitDeviations(const DeviationLattice& lattice, YAML::Emitter* out) {
   *out << YAML::EndSeq;
 }
 
+std::vector<std::vector<Eigen::Vector2d>> ParseDisplacements(
+    const YAML::Node& node, const std::string& name, int num_places) {
+  const std::string one = name + ": one of displacements_px",
+                    all = name + ": displacements_px";
+  std::vector<std::vector<Eigen::Vector2d>> displacements_px;
+  for (const YAML::Node& list : node) {
+    RequireYamlList(list, one.c_str(), 2 * num_places);
+    std::vector<Eigen::Vector2d>& field = displacements_px.emplace_back();
+    for (int i = 0; i < num_places; ++i)
+      field.emplace_back(YamlNumber(list[2 * i], all),
+                         YamlNumber(list[2 * i + 1], all));
+  }
+  return displacements_px;
+}
+
+void EmitDisplacements(
+    const std::vector<std::vector<Eigen::Vector2d>>& displacements_px,
+    YAML::Emitter* out) {
+  *out << YAML::Key << "displacements_px" << YAML::Value << YAML::BeginSeq;
+  for (const auto& field : displacements_px) {
+    *out << YAML::Flow << YAML::BeginSeq;
+    for (const Eigen::Vector2d& displacement : field)
+      *out << fmt::format("{:.5f}", displacement.x())
+           << fmt::format("{:.5f}", displacement.y());
+    *out << YAML::EndSeq;
+  }
+  *out << YAML::EndSeq;
+}
+
 }  // namespace raygrid

@@ -3,6 +3,9 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <string>
+#include <vector>
+
 #include "camera/camera_uncertainty.h"
 
 namespace raygrid {
@@ -14,6 +17,16 @@ DeviationLattice ParseDeviations(const YAML::Node& node);
 
 /// Adds these keys to the map that is being written.
 void EmitDeviations(const DeviationLattice& lattice, YAML::Emitter* out);
+
+/// displacements_px of a YAML file: lists of dx, dy of num_places places each.
+/// Throws what yaml-cpp throws, and InputError that begins with name.
+std::vector<std::vector<Eigen::Vector2d>> ParseDisplacements(
+    const YAML::Node& node, const std::string& name, int num_places);
+
+/// Adds this key to the map that is being written.
+void EmitDisplacements(
+    const std::vector<std::vector<Eigen::Vector2d>>& displacements_px,
+    YAML::Emitter* out);
 
 }  // namespace raygrid
 

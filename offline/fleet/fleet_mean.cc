@@ -4,15 +4,14 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 
 #include "camera/bspline_surface.h"
 #include "camera/central_generic.h"
-#include "camera/nearest_rotation.h"
 #include "camera/stereographic.h"
-#include "camera/turned_camera.h"
+#include "fleet/fleet_spread.h"
+#include "fleet/lens_displacements.h"
 #include "fleet/robust_series.h"
 
 namespace raygrid {
@@ -45,8 +44,6 @@ Area JoinedArea(const std::vector<CameraFile>& cameras) {
   }
   return area;
 }
-
-using PixelField = std::vector<std::optional<Eigen::Vector2d>>;
 
 // The coordinates' medians over those of most units that have any.
 std::optional<Eigen::Vector2d> MedianOfMost(
@@ -84,46 +81,10 @@ PixelField ChartOf(const CameraModel& camera,
   return values;
 }
 
-// How far a unit's pixels look beside a reference's, in the reference's pixels
-// and without what a turn of the camera does.
-PixelField DisplacementsOf(const CameraModel& reference,
-                           const CameraModel& unit,
-                           const std::vector<Eigen::Vector2d>& pixels) {
-  const TurnedCamera turned(unit,
-                            NearestRotation(reference, unit, reference.area()));
-  PixelField values;
-  for (const Eigen::Vector2d& pixel : pixels) {
-    constexpr double kMarginPx = 50;
-    const auto ray = turned.Unproject(pixel);
-    const auto seen =
-        ray ? reference.Project(*ray, &pixel, kMarginPx) : std::nullopt;
-    values.push_back(seen ? std::optional<Eigen::Vector2d>(*seen - pixel)
-                          : std::nullopt);
-  }
-  return values;
-}
-
-// Products of Legendre polynomials of a pixel's place, up to a degree.
-constexpr int kDegree = 5, kNumPolynomials = (kDegree + 1) * (kDegree + 2) / 2;
+// Their degree in each coordinate.
+constexpr int kDegree = 5, kNumPolynomials = NumPolynomials(kDegree);
 using Polynomials = Eigen::Matrix<double, kNumPolynomials, 1>;
 using SmoothFit = Eigen::Matrix<double, kNumPolynomials, 2>;
-
-Polynomials PolynomialsAt(const Area& area, const Eigen::Vector2d& pixel) {
-  const Eigen::Vector2d place = (2 * (pixel - area.center()).array() /
-                                 Eigen::Array2d(area.width(), area.height()))
-                                    .matrix();
-  std::array<Eigen::Array2d, kDegree + 1> values = {Eigen::Array2d::Ones(),
-                                                    place.array()};
-  for (int n = 1; n < kDegree; ++n)
-    values[n + 1] =
-        ((2 * n + 1) * place.array() * values[n] - n * values[n - 1]) / (n + 1);
-  Polynomials products;
-  int k = 0;
-  for (int degree = 0; degree <= kDegree; ++degree)
-    for (int j = 0; j <= degree; ++j)
-      products[k++] = values[degree - j].x() * values[j].y();
-  return products;
-}
 
 // The smooth part of displacements. A unit goes astray where it saw nothing:
 // what is far from the fit counts little.
@@ -155,9 +116,9 @@ SmoothFit FitSmooth(const PixelField& displacements,
   return fit;
 }
 
-// The mean of those that are nowhere far beyond most.
-SmoothFit MeanOfUsual(const std::vector<SmoothFit>& fits,
-                      const std::vector<Polynomials>& polynomials) {
+// Which of them are nowhere far beyond most.
+std::vector<bool> UsualOf(const std::vector<SmoothFit>& fits,
+                          const std::vector<Polynomials>& polynomials) {
   constexpr double kTimesMost = 5;
   constexpr double kLeastPx = 0.5;
   constexpr size_t kEachPixel = 17;  // not all need be looked at
@@ -179,6 +140,11 @@ SmoothFit MeanOfUsual(const std::vector<SmoothFit>& fits,
     for (size_t u = 0; u < fits.size(); ++u)
       if (distances[u] > limit_px) is_usual[u] = false;
   }
+  return is_usual;
+}
+
+SmoothFit MeanOfUsual(const std::vector<SmoothFit>& fits,
+                      const std::vector<bool>& is_usual) {
   SmoothFit sum = SmoothFit::Zero();
   double count = 0;
   for (size_t u = 0; u < fits.size(); ++u) {
@@ -192,12 +158,14 @@ SmoothFit MeanOfUsual(const std::vector<SmoothFit>& fits,
 // A reference moved to the middle of units. Lenses differ smoothly, and by far
 // more than they are wrong: the middle of that is a mean, since a median goes
 // over from one unit to another from pixel to pixel. The rest is a median.
+// Tells which units the mean is of.
 BSplineSurface MovedToMiddle(const CentralGeneric& reference,
                              const std::vector<CameraFile>& cameras,
-                             const std::vector<Eigen::Vector2d>& pixels) {
+                             const std::vector<Eigen::Vector2d>& pixels,
+                             std::vector<bool>* is_usual) {
   std::vector<Polynomials> polynomials;
   for (const Eigen::Vector2d& pixel : pixels)
-    polynomials.push_back(PolynomialsAt(reference.area(), pixel));
+    polynomials.push_back(PolynomialsAt(reference.area(), pixel, kDegree));
   std::vector<SmoothFit> fits;
   std::vector<PixelField> rests;
   for (const CameraFile& file : cameras) {
@@ -208,7 +176,8 @@ BSplineSurface MovedToMiddle(const CentralGeneric& reference,
       if (rest[i]) *rest[i] -= fit.transpose() * polynomials[i];
     fits.push_back(fit);
   }
-  const SmoothFit mean = MeanOfUsual(fits, polynomials);
+  *is_usual = UsualOf(fits, polynomials);
+  const SmoothFit mean = MeanOfUsual(fits, *is_usual);
   std::vector<SurfaceSample> samples;
   for (size_t i = 0; i < pixels.size(); ++i)
     if (const auto rest = MedianOfMost(rests, i))
@@ -245,9 +214,15 @@ std::optional<CameraFile> MeanCamera(const std::vector<CameraFile>& cameras) {
   const auto first = MedianSurface(grid, pixels, charts);
   if (!first) return std::nullopt;
   const ImageSize size = cameras[0].camera->image_size();
+  std::vector<bool> is_usual;
   CameraFile file;
   file.camera = std::make_shared<CentralGeneric>(
-      size, MovedToMiddle(CentralGeneric(size, *first), cameras, pixels));
+      size,
+      MovedToMiddle(CentralGeneric(size, *first), cameras, pixels, &is_usual));
+  std::vector<CameraFile> usual;
+  for (size_t u = 0; u < cameras.size(); ++u)
+    if (is_usual[u]) usual.push_back(cameras[u]);
+  file.spread = SpreadAround(*file.camera, usual);
   file.name = fmt::format("middle of {} units", cameras.size());
   return file;
 }

@@ -1,6 +1,8 @@
 #include "adjustment/gaussian_prior.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
 
 #include "camera/decentring.h"
 #include "camera/stereographic.h"
@@ -103,6 +105,82 @@ TEST(SmoothnessPrior, HoldsATiltTheLessTheMoreItWeighs) {
   const double with_weak = group.SquaredDistance(tilt);
   group.SetWeight(1000, kVariance);
   EXPECT_LT(group.SquaredDistance(tilt), 0.5 * with_weak);
+}
+
+// Displacements of a bump, in pixels, over the area.
+BSplineSurface Bump(const Area& area, double height_px) {
+  BSplineSurface bump(area, 17, 13);
+  for (int k = 0; k < bump.num_points(); ++k)
+    bump.points()[k].y() =
+        height_px *
+        std::exp(-(bump.PixelOf(k) - area.center()).squaredNorm() / 8e4);
+  return bump;
+}
+
+// A grid's parameters that fit values at pixels.
+template <typename Value>
+Eigen::VectorXd FittedParameters(const BSplineSurface& surface,
+                                 const Value& value) {
+  std::vector<SurfaceSample> samples;
+  for (const Eigen::Vector2d& pixel : surface.SamplePixels(3))
+    samples.push_back({pixel, value(pixel)});
+  const BSplineSurface fitted =
+      FitSurface(surface.area(), surface.columns(), surface.rows(), samples);
+  Eigen::VectorXd parameters(2 * fitted.num_points());
+  for (int k = 0; k < fitted.num_points(); ++k)
+    parameters.segment<2>(2 * k) = fitted.points()[k];
+  return parameters;
+}
+
+// How a grid changes with displacements, less the turn in them.
+Eigen::VectorXd Displaced(const CentralGeneric& base, const CameraPrior& prior,
+                          const BSplineSurface& displacement) {
+  const BSplineSurface& surface = base.surface();
+  const Eigen::VectorXd moved =
+      FittedParameters(surface, [&](const Eigen::Vector2d& pixel) {
+        Eigen::Matrix2d by_pixel;
+        surface.Evaluate(pixel, &by_pixel);
+        return Eigen::Vector2d(by_pixel * displacement.Evaluate(pixel));
+      });
+  Eigen::MatrixXd turns(moved.size(), 3);
+  for (int axis = 0; axis < 3; ++axis)
+    turns.col(axis) =
+        FittedParameters(surface, [&](const Eigen::Vector2d& pixel) {
+          return Eigen::Vector2d(
+              ChartRotationDerivative(surface.Evaluate(pixel)).col(axis));
+        });
+  return moved - turns * (prior.orientation.transpose() * turns).inverse() *
+                     (prior.orientation.transpose() * moved);
+}
+
+// Units differ by a bump. It costs its factor's square, or what the smoothness
+// makes of it, or between them what is cheapest: 1 / (1 + 1 / smooth). The
+// smoothness alone is that of a spread of next to nothing.
+TEST(SmoothnessPrior, HoldsASpreadByItsDeviation) {
+  constexpr double kWeight = 10, kVariance = 0.01;
+  const CentralGeneric base = Base();
+  const BSplineSurface bump = Bump(base.area(), 0.5);
+  const auto cost_with = [&](const BSplineSurface& spread, double times) {
+    const CameraPrior prior = SmoothnessPrior(base, 0, {spread});
+    PriorGroup group = prior.groups[0];
+    group.SetWeight(kWeight, kVariance);
+    return kWeight / kVariance *
+           group.SquaredDistance(times * Displaced(base, prior, bump));
+  };
+  const double smooth = cost_with(Bump(base.area(), 1e-6), 1);
+  EXPECT_GT(smooth, 10);
+  const double expected = 1 / (1 + 1 / smooth);
+  EXPECT_NEAR(cost_with(bump, 1), expected, 0.01 * expected);
+  EXPECT_NEAR(cost_with(bump, 2), 4 * expected, 0.04 * expected);
+}
+
+// A direction that moves nothing is no number that is none.
+TEST(SmoothnessPrior, TakesASpreadOfZeros) {
+  const CentralGeneric base = Base();
+  const PriorGroup with =
+      SmoothnessPrior(base, 0, {Bump(base.area(), 0)}).groups[0];
+  EXPECT_TRUE(with.free.allFinite());
+  EXPECT_TRUE(with.freed.allFinite());
 }
 
 // A grid is turned by 1e-3, and its corners, which hardly any pixel is seen

@@ -596,6 +596,47 @@ TEST(CameraFile, RefusesAMalformedMaskOrLattice) {
   }
 }
 
+CameraFile FileOfAFleet() {
+  CameraFile file = GridFile();
+  file.spread = LensSpread{4, 5, {}};
+  for (int k = 0; k < 2; ++k) {
+    auto& field = file.spread->displacements_px.emplace_back();
+    for (int i = 0; i < 20; ++i) field.emplace_back(0.25 * i, -0.125 * k * i);
+  }
+  return file;
+}
+
+TEST(CameraFile, KeepsTheSpreadOfAFleet) {
+  const CameraFile file = FileOfAFleet();
+  const std::string text = FormatCameraFile(file);
+  const CameraFile read = ReadCameraText(text);
+  ASSERT_TRUE(read.spread);
+  EXPECT_EQ(read.spread->columns, 4);
+  EXPECT_EQ(read.spread->rows, 5);
+  EXPECT_EQ(read.spread->displacements_px, file.spread->displacements_px);
+  EXPECT_EQ(FormatCameraFile(read), text);
+  EXPECT_FALSE(ReadCameraText(FormatCameraFile(GridFile())).spread);
+}
+
+TEST(CameraFile, RefusesAMalformedSpread) {
+  const std::string text = FormatCameraFile(FileOfAFleet());
+  const size_t spread = text.find("spread:");
+  const std::string before = text.substr(0, spread), own = text.substr(spread);
+  const auto refused = [&](const std::string& from, const std::string& to) {
+    ExpectCameraRefused(before + Replaced(own, from, to));
+  };
+  refused("columns: 4", "columns: 3");
+  refused("columns: 4", "columns: 66");
+  refused("columns: 4", "columns: 6");
+  refused("rows: 5", "rows: many");
+  refused("0.25000", ".nan");
+  refused("0.25000", "far");
+  refused("displacements_px", "displacements");
+  CameraFile none = FileOfAFleet();
+  none.spread->displacements_px.clear();
+  ExpectCameraRefused(FormatCameraFile(none));
+}
+
 TEST(ErrorModes, AreBilinearBetweenTheirPixels) {
   const ErrorModes modes = ExampleUncertainty().modes;
   const Area area = {10, 20, 110, 70};

@@ -17,6 +17,7 @@
 #include "evaluation/model_difference.h"
 #include "evaluation/residual_statistics.h"
 #include "fleet/fleet_mean.h"
+#include "fleet/fleet_spread.h"
 #include "lens_family.h"
 #include "simulation/simulated_observations.h"
 
@@ -29,31 +30,74 @@ constexpr double kStepPx = 8;
 
 constexpr Area kArea = {-1, -1, 640, 480};
 
-FamilyScatter ScatterOf(const std::string& name) {
+// Strangers differ so many times as much in all of it.
+FamilyScatter ScatterOf(const std::string& name, double times) {
   FamilyScatter scatter;
+  scatter.focal *= times;
+  scatter.k1 *= times;
   if (name == "simple") return scatter;
-  scatter.centre_px = 3;
-  scatter.k2 = 0.0006;
-  scatter.p = 0.0003;
-  scatter.bumps_px = name == "bumpy" ? 0.1 : 0.02;
+  scatter.centre_px = times * 3;
+  scatter.k2 = times * 0.0006;
+  scatter.p = times * 0.0003;
+  scatter.bumps_px = times * (name == "bumpy" ? 0.1 : 0.02);
   return scatter;
 }
 
-CameraFile CalibrateLens(const CameraModel& lens, int num_images, uint64_t seed,
-                         std::shared_ptr<const CameraModel> like) {
+DecentredFamilyLens::Scatter DecentredScatter(double times) {
+  DecentredFamilyLens::Scatter scatter;
+  for (double* deviation : {&scatter.focal, &scatter.centre, &scatter.radial3,
+                            &scatter.radial5, &scatter.tilt, &scatter.bumps})
+    *deviation *= times;
+  return scatter;
+}
+
+// A camera that others lie around, and how they differ from it, if known.
+struct Around {
+  std::shared_ptr<const CameraModel> camera = nullptr;
+  std::shared_ptr<const LensSpread> spread = nullptr;
+};
+
+Around AroundOf(const CameraFile& file) {
+  Around around = {file.camera};
+  if (file.spread) around.spread = std::make_shared<LensSpread>(*file.spread);
+  return around;
+}
+
+// Images and the part of their width and height that features are in.
+struct Sight {
+  int num_images = 10;
+  double part = 1;
+};
+
+void KeepMiddle(double part, Dataset* dataset) {
+  const Eigen::Vector2d middle = kArea.center(),
+                        half = Eigen::Vector2d(kSize.width, kSize.height) / 2;
+  for (ImageFeatures& image : dataset->images) {
+    std::vector<Feature> kept;
+    for (const Feature& feature : image.features)
+      if (((feature.pixel - middle).array().abs() <= part * half.array()).all())
+        kept.push_back(feature);
+    image.features = kept;
+  }
+}
+
+CameraFile CalibrateLens(const CameraModel& lens, const Sight& sight,
+                         uint64_t seed, const Around& around) {
   const Pattern pattern = ChessboardPattern(30, 24, 0.02);
   SimulationOptions simulation;
-  simulation.num_images = num_images;
-  simulation.features_per_image = kFeatures;
+  simulation.num_images = sight.num_images;
+  simulation.features_per_image =
+      static_cast<int>(kFeatures / (sight.part * sight.part));
   simulation.seed = seed;
   CalibrationOptions options;
   options.num_threads = 1;
-  options.like = std::move(like);
+  options.like = around.camera;
+  options.like_spread = around.spread;
   // One image held out and cells of 1/16 of the width save the time of
   // cross-validation.
   ++simulation.num_images;
-  const Dataset dataset =
-      SimulateObservations(lens, pattern, simulation).dataset;
+  Dataset dataset = SimulateObservations(lens, pattern, simulation).dataset;
+  KeepMiddle(sight.part, &dataset);
   options.hold_out = {dataset.images.back().image};
   options.cell_px = kSize.width / 16.0;
   return Calibrate(dataset, pattern, options).camera;
@@ -90,18 +134,20 @@ double MedianOf(const std::vector<UnitErrors>& units,
 
 void Measure(const std::string& name,
              const std::vector<std::unique_ptr<CameraModel>>& lenses,
-             int num_images, std::shared_ptr<const CameraModel> like) {
+             const Sight& sight, const Around& around) {
   std::vector<UnitErrors> errors(lenses.size());
   ParallelFor(static_cast<int>(lenses.size()), NumThreads(0), [&](int u) {
     errors[u] = ErrorsOf(*lenses[u],
-                         CalibrateLens(*lenses[u], num_images, 5000 + u, like));
+                         CalibrateLens(*lenses[u], sight, 5000 + u, around));
   });
   double most = 0;
   for (const UnitErrors& unit : errors) most = std::max(most, unit.p99_px);
   std::printf(
-      "%4d images, %-28s median %.4f  RMS %.4f  p99 %.4f (most %.3f) px, "
+      "%4d images of %3.0f %%, %-28s median %.4f  RMS %.4f  p99 %.4f (most "
+      "%.3f) px, "
       "error/stated %.2f\n",
-      num_images, name.c_str(), MedianOf(errors, &UnitErrors::median_px),
+      sight.num_images, 100 * sight.part, name.c_str(),
+      MedianOf(errors, &UnitErrors::median_px),
       MedianOf(errors, &UnitErrors::rms_px),
       MedianOf(errors, &UnitErrors::p99_px), most,
       MedianOf(errors, &UnitErrors::ratio));
@@ -114,16 +160,18 @@ struct Lenses {
   std::shared_ptr<const CameraModel> middle;
 };
 
-Lenses LensesOf(const std::string& family, uint64_t seed) {
+Lenses LensesOf(const std::string& family, uint64_t seed, double times = 1) {
   if (family == "decentred") {
     const auto random = std::make_shared<Random>(seed);
-    return {
-        [random] {
-          return DecentredFamilyLens(kSize, kArea, {}, random.get()).Clone();
-        },
-        std::make_shared<DecentredFamilyLens>(kSize, kArea)};
+    return {[random, times] {
+              return DecentredFamilyLens(kSize, kArea, DecentredScatter(times),
+                                         random.get())
+                  .Clone();
+            },
+            std::make_shared<DecentredFamilyLens>(kSize, kArea)};
   }
-  const auto lenses = std::make_shared<LensFamily>(ScatterOf(family), seed);
+  const auto lenses =
+      std::make_shared<LensFamily>(ScatterOf(family, times), seed);
   return {[lenses] { return lenses->Draw().Clone(); },
           std::make_shared<SimulatedCamera>(LensFamily::Middle())};
 }
@@ -160,7 +208,7 @@ void MeasureFleet(const std::vector<std::unique_ptr<CameraModel>>& lenses,
 
 std::vector<CameraFile> CalibrateFleet(
     const std::vector<std::unique_ptr<CameraModel>>& lenses,
-    const std::string& prefix, std::shared_ptr<const CameraModel> like) {
+    const std::string& prefix, const Around& around) {
   std::vector<CameraFile> files(lenses.size());
   ParallelFor(static_cast<int>(lenses.size()), NumThreads(0), [&](int u) {
     const std::string path =
@@ -169,42 +217,61 @@ std::vector<CameraFile> CalibrateFleet(
       files[u] = ReadCameraFile(path);
       return;
     }
-    files[u] = CalibrateLens(*lenses[u], kFleetImages, 1000 + u, like);
+    files[u] = CalibrateLens(*lenses[u], {kFleetImages}, 1000 + u, around);
     if (!path.empty()) WriteFile(path, FormatCameraFile(files[u]));
   });
   return files;
+}
+
+// A family's exact middle, and its spread by many exact lenses.
+Around ExactAround(const std::string& family) {
+  constexpr int kMany = 200;
+  const Lenses lenses = LensesOf(family, 9);
+  std::vector<CameraFile> files(kMany);
+  for (CameraFile& file : files) file.camera = lenses.draw();
+  CameraFile middle;
+  middle.camera = lenses.middle;
+  middle.spread = SpreadAround(*lenses.middle, files);
+  return AroundOf(middle);
 }
 
 struct Options {
   std::string family = "rich", keep;
   int fleet = 40, units = 8;
   std::vector<int> images = {10};
-  bool again = false;
+  double part = 1, times = 1;
+  bool again = false, alone = true, exact = true;
 };
 
 void Run(const Options& options) {
   const Lenses family = LensesOf(options.family, 1);
+  const Lenses strangers = LensesOf(options.family, 77, options.times);
   std::vector<std::unique_ptr<CameraModel>> lenses, others;
   for (int u = 0; u < options.fleet; ++u) lenses.push_back(family.draw());
-  for (int u = 0; u < options.units; ++u) others.push_back(family.draw());
+  for (int u = 0; u < options.units; ++u)
+    others.push_back(options.times == 1 ? family.draw() : strangers.draw());
+  const auto measure = [&](const std::string& name, const Around& around) {
+    for (const int num_images : options.images)
+      Measure(name, others, {num_images, options.part}, around);
+  };
+  const auto measure_both = [&](const std::string& name, const Around& around) {
+    measure(name, {around.camera});
+    measure(name + ", spread", around);
+  };
+  if (options.alone) measure("alone", {});
+  if (options.exact) measure_both("exact middle", ExactAround(options.family));
+  if (options.fleet == 0) return;
   const std::string prefix =
       options.keep.empty() ? "" : options.keep + "/" + options.family + "-";
-  std::vector<CameraFile> files = CalibrateFleet(lenses, prefix, nullptr);
+  std::vector<CameraFile> files = CalibrateFleet(lenses, prefix, {});
   MeasureFleet(lenses, files);
-  const auto measure = [&](const std::string& name,
-                           std::shared_ptr<const CameraModel> like) {
-    for (const int num_images : options.images)
-      Measure(name, others, num_images, like);
-  };
-  measure("alone", nullptr);
-  measure("exact middle", family.middle);
-  const auto middle = MeanCamera(files)->camera;
-  measure("fleet's middle", middle);
+  const Around middle = AroundOf(*MeanCamera(files));
+  measure_both("fleet's middle", middle);
   if (!options.again) return;
   files =
       CalibrateFleet(lenses, prefix.empty() ? "" : prefix + "again-", middle);
   MeasureFleet(lenses, files);
-  measure("middle of the fleet again", MeanCamera(files)->camera);
+  measure_both("fleet again", AroundOf(*MeanCamera(files)));
 }
 
 }  // namespace
@@ -220,6 +287,12 @@ int main(int argc, char** argv) {
   app.add_option("--images", options.images, "of each of these");
   app.add_option("--keep", options.keep,
                  "folder in which the fleet's cameras are kept");
+  app.add_option("--part", options.part,
+                 "of the images' width and height that features are in");
+  app.add_option("--times", options.times,
+                 "strangers, which differ so many times as much");
+  app.add_flag("!--no-alone", options.alone, "not without --like");
+  app.add_flag("!--no-exact", options.exact, "not around the exact middle");
   app.add_flag("--again", options.again,
                "calibrate the fleet a second time, around its middle");
   CLI11_PARSE(app, argc, argv);

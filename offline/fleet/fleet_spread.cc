@@ -1,0 +1,171 @@
+#include "fleet/fleet_spread.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "fleet/lens_displacements.h"
+
+namespace raygrid {
+namespace {
+
+// Smooth displacements have a factor for each polynomial, in x and then in y.
+// The polynomials' mean square over the area is 1: a factor is an RMS
+// displacement.
+constexpr int kSpreadDegree = 7;
+constexpr int kNumShapes = NumPolynomials(kSpreadDegree);
+constexpr int kNumFactors = 2 * kNumShapes;
+
+Eigen::VectorXd ShapesAt(const Area& area, const Eigen::Vector2d& pixel) {
+  Eigen::VectorXd shapes = PolynomialsAt(area, pixel, kSpreadDegree);
+  int k = 0;
+  for (int sum = 0; sum <= kSpreadDegree; ++sum)
+    for (int j = 0; j <= sum; ++j, ++k)
+      shapes[k] *= std::sqrt((2 * (sum - j) + 1) * (2 * j + 1));
+  return shapes;
+}
+
+// Fits factors to displacements of places all over an area.
+class SmoothFactors {
+ public:
+  explicit SmoothFactors(const Area& area) : area_(area) {
+    constexpr int kColumns = 32, kRows = 24;
+    for (int j = 0; j < kRows; ++j)
+      for (int i = 0; i < kColumns; ++i) {
+        places_.emplace_back(area.x0 + area.width() * (i + 0.5) / kColumns,
+                             area.y0 + area.height() * (j + 0.5) / kRows);
+        shapes_.push_back(ShapesAt(area, places_.back()));
+      }
+  }
+  const std::vector<Eigen::Vector2d>& places() const { return places_; }
+
+  // A place that is not seen counts for nothing.
+  Eigen::VectorXd Of(const PixelField& displacements) const {
+    constexpr double kHold = 1e-3;
+    Eigen::MatrixXd square =
+        kHold * Eigen::MatrixXd::Identity(kNumShapes, kNumShapes);
+    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(kNumShapes, 2);
+    for (size_t i = 0; i < places_.size(); ++i) {
+      if (!displacements[i]) continue;
+      square.noalias() += shapes_[i] * shapes_[i].transpose();
+      right += shapes_[i] * displacements[i]->transpose();
+    }
+    const Eigen::MatrixXd factors = square.llt().solve(right);
+    return Eigen::Map<const Eigen::VectorXd>(factors.data(), kNumFactors);
+  }
+
+  // The factors' covariance by the errors that a unit's file states.
+  Eigen::MatrixXd ErrorsOf(const CameraFile& unit) const {
+    constexpr double kLeastPx = 1e-4;
+    // The rest that modes leave is alike over about so many parts of an image.
+    constexpr double kPartsOfRest = 192;
+    Eigen::MatrixXd errors =
+        kLeastPx * kLeastPx *
+        Eigen::MatrixXd::Identity(kNumFactors, kNumFactors);
+    if (!unit.uncertainty) return errors;
+    const ErrorModes& modes = unit.uncertainty->modes;
+    errors.diagonal().array() += modes.rest_px * modes.rest_px / kPartsOfRest;
+    for (size_t m = 0; m < modes.displacements_px.size(); ++m) {
+      PixelField field;
+      for (const Eigen::Vector2d& place : places_)
+        field.emplace_back(modes.At(m, unit.camera->area(), place));
+      const Eigen::VectorXd factors = Of(field);
+      errors.noalias() += factors * factors.transpose();
+    }
+    return errors;
+  }
+
+ private:
+  Area area_;
+  std::vector<Eigen::Vector2d> places_;
+  std::vector<Eigen::VectorXd> shapes_;
+};
+
+// The covariance C that makes differences most likely which scatter by C and
+// errors of their own around none (expectation maximization).
+Eigen::MatrixXd LikeliestCovariance(
+    const std::vector<Eigen::VectorXd>& differences,
+    const std::vector<Eigen::MatrixXd>& errors) {
+  constexpr int kRounds = 60;
+  const double count = static_cast<double>(differences.size());
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(kNumFactors, kNumFactors);
+  for (const Eigen::VectorXd& difference : differences)
+    covariance += difference * difference.transpose() / count;
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kNumFactors, kNumFactors);
+    for (size_t u = 0; u < differences.size(); ++u) {
+      const Eigen::LLT<Eigen::MatrixXd> root(covariance + errors[u]);
+      const Eigen::MatrixXd by_root = root.matrixL().solve(covariance);
+      const Eigen::VectorXd expected = covariance * root.solve(differences[u]);
+      sum += expected * expected.transpose() + covariance -
+             by_root.transpose() * by_root;
+    }
+    covariance = (sum + sum.transpose()) / (2 * count);
+  }
+  return covariance;
+}
+
+// The directions of a covariance whose deviations are worth a word.
+std::vector<Eigen::VectorXd> Directions(const Eigen::MatrixXd& covariance) {
+  constexpr double kLeastPx = 0.002;
+  constexpr int kMost = 24;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
+  std::vector<Eigen::VectorXd> directions;
+  for (int k = kNumFactors - 1; k >= 0; --k) {
+    const double deviation_px =
+        std::sqrt(std::max(eigen.eigenvalues()[k], 0.0));
+    if (deviation_px < kLeastPx || directions.size() == kMost) break;
+    Eigen::VectorXd direction = deviation_px * eigen.eigenvectors().col(k);
+    Eigen::Index largest = 0;
+    direction.cwiseAbs().maxCoeff(&largest);
+    directions.push_back(direction[largest] < 0 ? Eigen::VectorXd(-direction)
+                                                : direction);
+  }
+  return directions;
+}
+
+}  // namespace
+
+std::optional<LensSpread> SpreadAround(const CameraModel& middle,
+                                       const std::vector<CameraFile>& units) {
+  constexpr size_t kFewest = 8;
+  if (units.size() < kFewest) return std::nullopt;
+  const Area& area = middle.area();
+  const SmoothFactors factors(area);
+  std::vector<Eigen::VectorXd> differences;
+  std::vector<Eigen::MatrixXd> errors;
+  const double count = static_cast<double>(units.size());
+  Eigen::MatrixXd of_middle = Eigen::MatrixXd::Zero(kNumFactors, kNumFactors);
+  for (const CameraFile& unit : units) {
+    differences.push_back(
+        factors.Of(DisplacementsOf(middle, *unit.camera, factors.places())));
+    errors.push_back(factors.ErrorsOf(unit));
+    of_middle += errors.back() / (count * count);
+  }
+  // Units lie nearer to their own middle than a further one does.
+  const Eigen::MatrixXd covariance =
+      (count + 1) / (count - 1) * LikeliestCovariance(differences, errors) +
+      of_middle;
+  constexpr int kColumns = 17;
+  constexpr int kFewestRows = 5;
+  LensSpread spread;
+  spread.columns = kColumns;
+  spread.rows = std::clamp(static_cast<int>(std::lround(
+                               (kColumns - 1) * area.height() / area.width())) +
+                               1,
+                           kFewestRows, 2 * kColumns);
+  const std::vector<Eigen::Vector2d> places = spread.Places(area);
+  for (const Eigen::VectorXd& direction : Directions(covariance)) {
+    auto& field = spread.displacements_px.emplace_back();
+    for (const Eigen::Vector2d& place : places) {
+      const Eigen::VectorXd shapes = ShapesAt(area, place);
+      field.emplace_back(shapes.dot(direction.head(kNumShapes)),
+                         shapes.dot(direction.tail(kNumShapes)));
+    }
+  }
+  if (spread.displacements_px.empty()) return std::nullopt;
+  return spread;
+}
+
+}  // namespace raygrid
