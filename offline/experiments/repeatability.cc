@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <vector>
 
 #include "calibration/calibration.h"
 #include "dataset/error.h"
@@ -68,6 +70,7 @@ std::array<std::vector<std::string>, 2> Halves(const Dataset& dataset,
 // A pixel that both cameras have features around and state to know, and how it
 // moves as the camera turns.
 struct Place {
+  int index = 0;  // of all that may be looked at
   Eigen::Vector2d pixel, difference_px;
   Eigen::Matrix<double, 2, 3> by_rotation;
   double stated_px = 0;   // by the deviations of both, which a user sees
@@ -98,10 +101,12 @@ std::vector<Place> PlacesOf(const CalibrationResult& first,
   const double near_px = kNearPart * area.width();
   const auto &ua = *first.camera.uncertainty, &ub = *second.camera.uncertainty;
   std::vector<Place> places;
+  int index = 0;
   const double step_px = area.width() / kColumns;
   for (double y = area.y0 + step_px / 2; y < area.y1; y += step_px)
     for (double x = area.x0 + step_px / 2; x < area.x1; x += step_px) {
       Place place;
+      place.index = index++;
       place.pixel = {x, y};
       const auto ray = b.Unproject(place.pixel);
       const auto seen_at = ray ? a.Project(*ray) : std::nullopt;
@@ -196,7 +201,52 @@ double TypicalRoot(const std::vector<double>& squares) {
 
 struct Repetition {
   Spread trusted, known;
+  // Each place's difference by how far noise scatters it.
+  std::map<int, Eigen::Vector2d> by_scatter;
 };
+
+// The RMS ratio that draws of so many independent normal numbers have in nine
+// of ten cases, if it ought to be 1: roots of chi-squared quantiles (Wilson and
+// Hilferty 1931).
+std::array<double, 2> ChanceRange(double numbers) {
+  constexpr double kQuantile95 = 1.6449;
+  const double variance = 2 / (9 * numbers);
+  const auto root = [&](double sign) {
+    const double cube_root =
+        1 - variance + sign * kQuantile95 * std::sqrt(variance);
+    return std::pow(std::max(0.0, cube_root), 1.5);
+  };
+  return {root(-1), root(1)};
+}
+
+// How many independent numbers the differences of all pairs are. Fields of n
+// numbers, drawn independently, have a mean squared cosine of 1 / n.
+std::optional<double> IndependentNumbers(
+    const std::vector<std::optional<Repetition>>& repetitions) {
+  std::map<int, size_t> times;
+  size_t num_pairs = 0;
+  for (const auto& repetition : repetitions) {
+    if (!repetition) continue;
+    ++num_pairs;
+    for (const auto& place : repetition->by_scatter) ++times[place.first];
+  }
+  std::vector<Eigen::VectorXd> fields;
+  for (const auto& repetition : repetitions) {
+    if (!repetition) continue;
+    std::vector<double> field;
+    for (const auto& [index, difference] : repetition->by_scatter)
+      if (times[index] == num_pairs)
+        field.insert(field.end(), difference.begin(), difference.end());
+    fields.push_back(Eigen::Map<const Eigen::VectorXd>(
+        field.data(), static_cast<Eigen::Index>(field.size())));
+  }
+  double sum = 0, count = 0;
+  for (size_t i = 0; i < fields.size(); ++i)
+    for (size_t j = 0; j < i; ++j, ++count)
+      sum += std::pow(fields[i].normalized().dot(fields[j].normalized()), 2);
+  if (!(sum > 0)) return std::nullopt;
+  return static_cast<double>(num_pairs) * count / sum;
+}
 
 // The cells and whether boards bend are those of all images together.
 std::optional<Repetition> Repeat(const ImageSet& set,
@@ -219,6 +269,7 @@ std::optional<Repetition> Repeat(const ImageSet& set,
   Repetition repetition;
   for (const Place& place : places) {
     repetition.known.Add(place);
+    repetition.by_scatter[place.index] = place.difference_px / place.scatter_px;
     if (place.is_trusted) repetition.trusted.Add(place);
   }
   return repetition;
@@ -242,7 +293,12 @@ std::vector<std::optional<Repetition>> RepeatAll(
 }
 
 std::vector<Cell> RowOf(const std::string& set, const std::string& pair,
-                        const Repetition& repetition) {
+                        const Repetition& repetition,
+                        const std::optional<double>& numbers) {
+  const auto chance = [&](int end) -> Cell {
+    if (!numbers) return std::string("none");
+    return ChanceRange(*numbers)[end];
+  };
   const Spread &trusted = repetition.trusted, &known = repetition.known;
   const auto root = [&](double sum, double count) -> Cell {
     if (trusted.count() == 0) return std::string("none");
@@ -259,7 +315,9 @@ std::vector<Cell> RowOf(const std::string& set, const std::string& pair,
           RootMean(known.by_stated2),
           TypicalRoot(known.by_stated2),
           RootMean(known.by_scatter2),
-          TypicalRoot(known.by_scatter2)};
+          TypicalRoot(known.by_scatter2),
+          chance(0),
+          chance(1)};
 }
 
 }  // namespace
@@ -277,7 +335,9 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
                    "known_ratio",
                    "known_median_ratio",
                    "known_scatter_ratio",
-                   "known_median_scatter_ratio"};
+                   "known_median_scatter_ratio",
+                   "chance_least",
+                   "chance_most"};
   table.chart.title = "Cameras of two halves of the images";
   table.chart.note =
       "their difference by what the stated noise does, RMS over pixels that "
@@ -295,7 +355,7 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
     for (int k = 0; k < kPairs; ++k) {
       if (!repetitions[k]) continue;
       const Repetition& own = *repetitions[k];
-      table.rows.push_back(RowOf(sets[i].name, std::to_string(k + 1), own));
+      table.rows.push_back(RowOf(sets[i].name, std::to_string(k + 1), own, {}));
       ratios.points.push_back({k + 1.0, RootMean(own.known.by_scatter2)});
       all.trusted.Add(own.trusted);
       all.known.Add(own.known);
@@ -304,7 +364,8 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
       throw Error(ExitCode::kTooFew,
                   "no two halves of the images give cameras that see the same "
                   "places; take more images");
-    table.rows.push_back(RowOf(sets[i].name, "all", all));
+    table.rows.push_back(
+        RowOf(sets[i].name, "all", all, IndependentNumbers(repetitions)));
     table.chart.series.push_back(ratios);
     if (options.progress)
       options.progress(static_cast<double>(i + 1) /
@@ -320,7 +381,12 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
        "around and state to know to 3 px"},
       {"scatter ratio",
        "by what noise alone does, in the mean of both axes: smoothing moves "
-       "both cameras alike"}};
+       "both cameras alike"},
+      {"chance",
+       "the scatter ratio of all known places that nine of ten repetitions "
+       "have "
+       "if it ought to be 1: places move together, so pairs differ in a few "
+       "numbers, which are counted by how alike two pairs' differences are"}};
   return table;
 }
 

@@ -495,6 +495,10 @@ cameras:
         # White noise alone would make the ratio about 2.
         self.assertGreater(float(rows[-1]["known_ratio"]), 0.2)
         self.assertLess(float(rows[-1]["known_ratio"]), 1.4)
+        # Ten pairs of many numbers each scatter little, but they do.
+        least, most = (float(rows[-1][name]) for name in ("chance_least", "chance_most"))
+        self.assertTrue(0.5 < least < 0.97 and 1.03 < most < 1.4, (least, most))
+        self.assertEqual(rows[0]["chance_least"], "none")
         # Noise alone scatters cameras by less than is stated of their errors.
         self.assertGreater(float(rows[-1]["known_scatter_ratio"]), float(rows[-1]["known_ratio"]))
         self.assert_refused(run("experiment", "repeatability", "-o", self.path("few"),
