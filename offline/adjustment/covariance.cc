@@ -26,7 +26,7 @@ bool AddPixel(const CameraModel& camera, const Eigen::Vector2d& pixel,
   LinearizedProjection linear;
   if (!line) return false;
   const Eigen::Vector3d point = line->origin + kFarM * line->direction;
-  if (!camera.LinearizeAt(pixel, point, &linear)) return false;
+  if (!camera.Linearize(point, &pixel, 1, &linear)) return false;
   auto rows = derivatives->by_parameters.middleRows<2>(row);
   for (int k = 0; k < linear.num_nodes; ++k)
     rows.middleCols(linear.node_parameter[k], linear.num_per_node) +=

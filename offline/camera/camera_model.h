@@ -80,7 +80,8 @@ class CameraModel {
 
   /// The pixel at which a point, or a central camera's direction of any length,
   /// is seen; nothing if it is not within the area widened by margin_px. A
-  /// start, near the result, saves time.
+  /// start, near the result, saves time. Nothing is found from a start where a
+  /// grid folds over.
   virtual std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
                                                  const Eigen::Vector2d* start,
                                                  double margin_px) const = 0;
@@ -92,15 +93,6 @@ class CameraModel {
   virtual bool Linearize(const Eigen::Vector3d& point,
                          const Eigen::Vector2d* start, double margin_px,
                          LinearizedProjection* projection) const = 0;
-
-  /// Linearize() of a point that a pixel of the area shows. False where it does
-  /// not: where the camera folds over, another pixel does.
-  bool LinearizeAt(const Eigen::Vector2d& pixel, const Eigen::Vector3d& point,
-                   LinearizedProjection* projection) const {
-    constexpr double kOwnMarginPx = 1, kOwnPixelPx = 0.1;
-    return Linearize(point, &pixel, kOwnMarginPx, projection) &&
-           (projection->pixel - pixel).norm() < kOwnPixelPx;
-  }
 
   virtual Eigen::VectorXd Parameters() const = 0;
   virtual void SetParameters(const Eigen::VectorXd& parameters) = 0;

@@ -34,10 +34,9 @@ std::optional<PixelSolution> Solve(const BSplineSurface& surface,
   const Area& area = surface.area();
   const auto solution =
       FindPixel(area, start ? *start : area.center(), margin_px, error, side);
-  if (solution || (side.folds() && !start)) return solution;
-  return FindPixel(
-      area, side.folds() ? area.center() : NearestControlPoint(surface, target),
-      margin_px, error, side);
+  if (solution || side.folds()) return solution;
+  return FindPixel(area, NearestControlPoint(surface, target), margin_px,
+                   error);
 }
 
 }  // namespace

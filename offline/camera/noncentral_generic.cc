@@ -94,10 +94,8 @@ std::optional<PixelSolution> NonCentralGeneric::Solve(
   };
   const auto solution = FindPixel(area(), start ? *start : area().center(),
                                   margin_px, error, side_);
-  if (solution || (side_.folds() && !start)) return solution;
-  return FindPixel(area(),
-                   side_.folds() ? area().center() : NearestControlPoint(point),
-                   margin_px, error, side_);
+  if (solution || side_.folds()) return solution;
+  return FindPixel(area(), NearestControlPoint(point), margin_px, error);
 }
 
 std::optional<Eigen::Vector2d> NonCentralGeneric::Project(

@@ -36,8 +36,8 @@ std::vector<LinePair> SampleLines(const CameraModel& first,
       const auto b = second.Line(pixel);
       LinearizedProjection projection;
       if (!a || !b ||
-          !first.LinearizeAt(pixel, a->origin + length_m * a->direction,
-                             &projection))
+          !first.Linearize(a->origin + length_m * a->direction, &pixel, 1,
+                           &projection))
         continue;
       pairs.push_back({pixel, *a, *b, 0, length_m * projection.by_point});
       if (are_central) continue;

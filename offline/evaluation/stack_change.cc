@@ -17,7 +17,7 @@ double FocalPx(const CentralGeneric& camera) {
   const Eigen::Vector2d pixel = camera.area().center();
   const auto direction = camera.Unproject(pixel);
   LinearizedProjection projection;
-  if (!direction || !camera.LinearizeAt(pixel, *direction, &projection))
+  if (!direction || !camera.Linearize(*direction, &pixel, 1, &projection))
     return NAN;
   const Eigen::Matrix2d square =
       projection.by_point * projection.by_point.transpose();

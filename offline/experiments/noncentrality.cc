@@ -74,7 +74,7 @@ Effect EffectAt(const CameraModel& camera, const Eigen::Vector3d& center,
     };
     const Eigen::Vector3d point = start + distance_m * line->direction;
     LinearizedProjection linear;
-    if (!camera.LinearizeAt(pixel, point, &linear)) continue;
+    if (!camera.Linearize(point, &pixel, 1, &linear)) continue;
     const double error_px =
         (linear.by_point * distance_m *
          (seen_from_center(right_at_m) - seen_from_center(distance_m)))

@@ -63,7 +63,7 @@ UnprojectionError MeasureOpened(const PackingTruth& truth,
       const auto exact = camera.Unproject(pixel);
       LinearizedProjection projection;
       rg_ray ray;
-      if (!exact || !camera.LinearizeAt(pixel, *exact, &projection) ||
+      if (!exact || !camera.Linearize(*exact, &pixel, 1, &projection) ||
           rg_unproject(&packed, {x * 65536, y * 65536}, &ray) != RG_OK)
         continue;
       const Eigen::Vector3d direction =

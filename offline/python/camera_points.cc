@@ -88,9 +88,10 @@ Eigen::Matrix2d ByMovement(const CameraModel& camera,
                            const ObservationLine& line,
                            const Eigen::Matrix<double, 3, 2>& across,
                            double distance, const Eigen::Vector2d& pixel) {
+  constexpr double kRoundingPx = 1e-3;
   LinearizedProjection found;
-  if (!camera.LinearizeAt(pixel, line.origin + distance * line.direction,
-                          &found))
+  if (!camera.Linearize(line.origin + distance * line.direction, &pixel,
+                        kRoundingPx, &found))
     return Eigen::Matrix2d::Constant(NAN);
   return found.by_point * across;
 }

@@ -119,8 +119,8 @@ inline CentralGeneric FoldedFisheye(double radius_px, double mirror) {
 }
 
 /// Expects that what a camera of FoldedFisheye() shows inside is projected
-/// there from any start that is not folded twice, and what it shows in its
-/// folds, inside or nowhere.
+/// there from the middle and from any start inside, what it shows in its folds
+/// inside or nowhere, and nothing from a start in its fold.
 inline void ExpectProjectionIntoFold(const CameraModel& camera,
                                      double radius_px) {
   constexpr double kEdgePx = 15;
@@ -130,13 +130,18 @@ inline void ExpectProjectionIntoFold(const CameraModel& camera,
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Vector2d pixel = random.PixelIn(camera.area());
     const Eigen::Vector2d start = random.PixelIn(camera.area());
-    const bool has_start =
-        i % 2 == 1 && (start - middle).norm() < 2 * radius_px - kEdgePx;
     const double radius = (pixel - middle).norm();
-    if (std::abs(radius - radius_px) < kEdgePx) continue;
+    const double start_radius = (start - middle).norm();
+    if (std::abs(radius - radius_px) < kEdgePx ||
+        std::abs(start_radius - radius_px) < kEdgePx)
+      continue;
+    // Nothing tells a start that is folded twice from one inside.
+    const bool has_start = i % 2 == 1 && start_radius < 2 * radius_px - kEdgePx;
     const auto projection = camera.Project(PointAlong(*camera.Line(pixel), 2),
                                            has_start ? &start : nullptr, 0);
-    if (radius < radius_px) {
+    if (has_start && start_radius > radius_px) {
+      EXPECT_FALSE(projection) << start.transpose();
+    } else if (radius < radius_px) {
       ASSERT_TRUE(projection) << pixel.transpose();
       EXPECT_LT((*projection - pixel).norm(), 1e-6);
     } else {
