@@ -486,7 +486,7 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
   constexpr double kGoodEnoughToStart = 0.1;  // decrease of the cost
   const double square_metres_per_pixel =
       SquaredMetresPerPixel(*state, views, options);
-  // A first guess: residuals, second differences and points all scatter alike.
+  // A first guess: residuals, second differences and bends all scatter alike.
   const std::vector<CameraGroup> groups = CameraGroups(prior);
   std::vector<Residual> residuals =
       ComputeResiduals(*state, views, options.num_threads);
@@ -494,8 +494,12 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
       ResidualVariance(residuals, options.huber_px, 0);
   for (const CameraGroup& group : groups)
     if (group.group->weight == 0) group.group->SetWeight(1, first_variance);
+  // Points scatter as far as their observations together leave open.
   if (prior->points_weight == 0)
-    prior->points_weight = 1 / square_metres_per_pixel;
+    prior->points_weight =
+        std::max(1.0, static_cast<double>(residuals.size()) /
+                          static_cast<double>(state->points.size())) /
+        square_metres_per_pixel;
   for (double& weight : prior->flex_weights)
     if (weight == 0) weight = 1 / square_metres_per_pixel;
 
