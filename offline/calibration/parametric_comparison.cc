@@ -88,20 +88,21 @@ std::vector<ModelFigures> Measure(const std::vector<Candidate>& candidates,
   const int num_beside = beside ? 1 : 0;
   ParallelFor(num_beside + num_parts, num_threads, [&](int i) {
     if (i < num_beside) return beside(std::max(1, num_threads / 2));
-    const int part = i - num_beside;
-    Measurement& measurement = measurements[part / 2];
+    // The last models have the most parameters and take longest: first.
+    const int from_last = (i - num_beside) / 2, part = (i - num_beside) % 2;
+    Measurement& measurement = measurements[candidates.size() - 1 - from_last];
     ValidationOptions validation = ValidationOptionsOf(options);
     validation.model = measurement.candidate.model;
     validation.rigid_boards = adjustment.rigid_boards;
     validation.num_threads = adjustment.num_threads;
     try {
-      if (part % 2 == 0) {
+      if (part == 0) {
         MeasureTraining(camera, pattern, validation, adjustment, &measurement);
       } else {
         Folds folds = camera.folds;  // which other models start, too
         MeasureHeldOut(camera, pattern, validation, &folds, &measurement);
       }
-      measurement.is_done[part % 2] = true;
+      measurement.is_done[part] = true;
     } catch (const Error&) {
     }
   });
