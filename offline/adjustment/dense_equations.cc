@@ -25,11 +25,11 @@ void SubtractProduct(const Eigen::MatrixXd& factor, int num_threads,
 }
 
 // A residual's derivatives by parameters that no other node shares: global ones
-// of the camera, its pose in the rig, the board's place on a body, its shape,
-// the kept group. Columns ascend.
+// of the camera, its pose in the rig, the board's place on a body, the kept
+// group. Columns ascend.
 struct OtherColumns {
-  static constexpr int kMax = LinearizedProjection::kMaxGlobal + 12 +
-                              FlexModes::kMaxCount + kMaxPerPose;
+  static constexpr int kMax =
+      LinearizedProjection::kMaxGlobal + 12 + kMaxPerPose;
   int count = 0;
   std::array<int, kMax> index;
   Eigen::Matrix<double, 2, kMax> value;
@@ -94,29 +94,35 @@ struct NodeContribution {
 
 DenseEquations::DenseEquations(const ParameterLayout& layout,
                                const std::vector<ViewJacobian>& jacobians,
+                               const FlexModes& modes,
                                const PriorEquations& prior, int num_threads)
     : layout_(layout),
       num_threads_(num_threads),
       eliminate_points_(3 * layout.num_points >
                         layout.per_pose * layout.num_poses),
       block_size_(eliminate_points_ ? 3 : layout.per_pose) {
+  const ShapeMoves moves(layout, modes);
+  const ParameterLayout with_points = moves.WithPoints();
   const int num_blocks =
       eliminate_points_ ? layout.num_points : layout.num_poses;
   const int size = eliminate_points_
                        ? layout.first_point + layout.per_pose * layout.num_poses
-                       : layout.size;
+                       : with_points.size;
   a_.setZero(size, size);
   v_.assign(num_blocks, PoseMatrix::Zero(block_size_, block_size_));
   w_.setZero(size, block_size_ * num_blocks);
   gradient_ = {Eigen::MatrixXd::Zero(size, 1),
                Eigen::MatrixXd::Zero(block_size_ * num_blocks, 1)};
-  for (const ViewJacobian& jacobian : jacobians) AddJacobian(jacobian);
+  for (const ViewJacobian& jacobian : jacobians)
+    AddJacobian(with_points, jacobian);
+  if (layout.has_shapes()) AddBends(with_points, moves);
   AddPrior(prior);
 }
 
-void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
-  const bool has_cameras = layout_.has_cameras();
-  const int first = has_cameras ? layout_.first_camera[jacobian.camera] : 0;
+void DenseEquations::AddJacobian(const ParameterLayout& layout,
+                                 const ViewJacobian& jacobian) {
+  const bool has_cameras = layout.has_cameras();
+  const int first = has_cameras ? layout.first_camera[jacobian.camera] : 0;
   const int num_nodes = has_cameras ? jacobian.num_nodes : 0;
   for (int i = 0; i < jacobian.count(); ++i) {
     const ByBlock by_pose = jacobian.ByPose(i).transpose();
@@ -127,19 +133,16 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
       others.Add(first + jacobian.first_global,
                  ViewJacobian::Block(jacobian.by_global, i));
       if (jacobian.camera > 0)
-        others.Add(layout_.CameraPose(jacobian.camera),
+        others.Add(layout.CameraPose(jacobian.camera),
                    ViewJacobian::Block<6>(jacobian.by_camera_pose, i));
     }
-    if (layout_.has_places() && jacobian.place >= 0)
-      others.Add(layout_.Place(jacobian.place),
+    if (layout.has_places() && jacobian.place >= 0)
+      others.Add(layout.Place(jacobian.place),
                  ViewJacobian::Block<6>(jacobian.by_place, i));
-    if (layout_.has_shapes() && jacobian.board >= 0)
-      others.Add(layout_.Shape(jacobian.board),
-                 ViewJacobian::Block(jacobian.by_shape, i));
     if (eliminate_points_)
-      others.Add(FirstPose() + layout_.per_pose * jacobian.pose, by_pose);
-    else if (layout_.num_points > 0)
-      others.Add(layout_.Point(point), by_point);
+      others.Add(layout.first_point + layout.per_pose * jacobian.pose, by_pose);
+    else if (layout.num_points > 0)
+      others.Add(layout.Point(point), by_point);
 
     ByBlock by_block(2, block_size_);
     if (eliminate_points_)
@@ -170,6 +173,42 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
                      products.AddTo<kPerNode>(&a_, &w, &gradient_.kept);
                    });
   }
+}
+
+void DenseEquations::AddBends(const ParameterLayout& with_points,
+                              const ShapeMoves& moves) {
+  const Eigen::MatrixXd displacements = moves.Displacements();
+  const Eigen::Index num = displacements.cols(), at = layout_.first_shape;
+  const auto of_point = [&](Eigen::Index i) {
+    return displacements.middleRows<3>(3 * i);
+  };
+  if (eliminate_points_) {
+    for (int i = 0; i < with_points.num_points; ++i)
+      w_.block(at, 3 * i, num, 3).noalias() = of_point(i).transpose() * v_[i];
+    gradient_.kept.middleRows(at, num) = moves.OfPoints(gradient_.eliminated);
+    const Eigen::MatrixXd with_kept = moves.OfPoints(w_.transpose());
+    const Eigen::Index end = at + num, behind = a_.rows() - end;
+    a_.block(at, 0, num, end) = with_kept.leftCols(end);
+    a_.block(end, at, behind, num) = with_kept.rightCols(behind).transpose();
+    return;
+  }
+  const Eigen::Index first = with_points.first_point;
+  const Eigen::Index count = with_points.size - first;
+  w_.middleRows(at, num) = moves.OfPoints(w_.bottomRows(count));
+  gradient_.kept.middleRows(at, num) =
+      moves.OfPoints(gradient_.kept.bottomRows(count));
+  a_.block(at, 0, num, at) = moves.OfPoints(a_.block(first, 0, count, at));
+  for (Eigen::Index i = 0; i < with_points.num_points; ++i) {
+    const Eigen::Index point = first + 3 * i;
+    a_.block(point, at, 3, num).noalias() =
+        a_.block<3, 3>(point, point).selfadjointView<Eigen::Lower>() *
+        of_point(i);
+  }
+  a_.block(at, at, num, num) = moves.OfPoints(a_.block(first, at, count, num));
+  // Points that are fixed were summed for the bends alone.
+  a_.conservativeResize(layout_.size, layout_.size);
+  w_.conservativeResize(layout_.size, Eigen::NoChange);
+  gradient_.kept.conservativeResize(layout_.size, 1);
 }
 
 void DenseEquations::AddPrior(const PriorEquations& prior) {

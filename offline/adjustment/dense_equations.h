@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "adjustment/normal_equations.h"
+#include "adjustment/shape_moves.h"
 
 namespace raygrid {
 
@@ -18,9 +19,11 @@ namespace raygrid {
 /// is left.
 class DenseEquations : public NormalEquations {
  public:
+  /// modes: the ways in which boards may bend.
   DenseEquations(const ParameterLayout& layout,
                  const std::vector<ViewJacobian>& jacobians,
-                 const PriorEquations& prior, int num_threads);
+                 const FlexModes& modes, const PriorEquations& prior,
+                 int num_threads);
 
   bool Solve(double lambda, AdjustmentStep* step) const override;
   bool SolveFor(double lambda, const Eigen::MatrixXd& right,
@@ -37,7 +40,10 @@ class DenseEquations : public NormalEquations {
     std::vector<Eigen::LLT<PoseMatrix>> blocks;
     Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> dense;
   };
-  void AddJacobian(const ViewJacobian& jacobian);
+  // Adds nothing to bends that boards have in all views.
+  void AddJacobian(const ParameterLayout& layout, const ViewJacobian& jacobian);
+  // Gives bends the sums of their points, by ShapeMoves.
+  void AddBends(const ParameterLayout& with_points, const ShapeMoves& moves);
   void AddPrior(const PriorEquations& prior);
   bool Reduce(double lambda, Reduced* reduced) const;
   // The place of the first pose among the kept, or the eliminated.

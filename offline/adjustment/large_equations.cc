@@ -26,6 +26,7 @@ LargeEquations::LargeEquations(const ParameterLayout& layout,
                                const AdjustmentState& state, double tolerance,
                                int num_threads, std::shared_ptr<Memory> memory)
     : layout_(layout),
+      moves_(layout, state.modes),
       jacobians_(std::move(jacobians)),
       prior_(prior),
       points_(state.points),
@@ -65,12 +66,13 @@ template <int kNum, typename Body>
 Columns<kNum> LargeEquations::SumOverPoses(const Body& body) const {
   std::vector<Columns<kNum>> sums(NumChunks());
   ParallelFor(NumChunks(), num_threads_, [&](int chunk) {
-    sums[chunk].setZero(layout_.size, kNum);
+    sums[chunk].setZero(moves_.moved().size, kNum);
     for (int p = ChunkBegin(chunk); p < ChunkBegin(chunk + 1); ++p)
       body(p, &sums[chunk]);
   });
   for (size_t chunk = 1; chunk < sums.size(); ++chunk) sums[0] += sums[chunk];
-  return sums.empty() ? Columns<kNum>::Zero(layout_.size, kNum) : sums[0];
+  if (sums.empty()) return Columns<kNum>::Zero(layout_.size, kNum);
+  return moves_.Back(sums[0]);
 }
 
 void LargeEquations::AccumulatePoses() {
@@ -88,7 +90,7 @@ void LargeEquations::AccumulatePoses() {
           if (j.count() == 0) continue;
           pose.v.noalias() += j.by_pose * j.by_pose.transpose();
           pose.gradient.noalias() += j.by_pose * j.error.reshaped();
-          const ResidualProduct product(layout_, j);
+          const ResidualProduct product(moves_.moved(), j);
           for (int i = 0; i < j.count(); ++i)
             product.AddTransposed<1>(j.error.col(i), i, sum);
         }
@@ -145,17 +147,11 @@ Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
             index, index,
             ViewJacobian::Block<6>(j.by_place, i).col(k).squaredNorm());
       }
-      for (int k = 0; j.board >= 0 && k < layout_.per_board; ++k) {
-        const int index = layout_.Shape(j.board) + k;
-        triplets.emplace_back(
-            index, index,
-            ViewJacobian::Block(j.by_shape, i).col(k).squaredNorm());
-      }
     }
   }
-  if (layout_.num_points > 0) {
-    std::vector<Eigen::Matrix3d> blocks(layout_.num_points,
-                                        Eigen::Matrix3d::Zero());
+  const int num_points = moves_.moved().num_points;
+  if (num_points > 0) {
+    std::vector<Eigen::Matrix3d> blocks(num_points, Eigen::Matrix3d::Zero());
     for (const ViewJacobian& j : jacobians_)
       for (int i = 0; i < j.count(); ++i) {
         const auto by_point = ViewJacobian::Block<3>(j.by_point, i);
@@ -165,6 +161,13 @@ Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
       for (int k = 0; k < 9; ++k)
         triplets.emplace_back(layout_.Point(i) + k % 3,
                               layout_.Point(i) + k / 3, blocks[i].data()[k]);
+    const Eigen::MatrixXd displacements = moves_.Displacements();
+    for (int i = 0; i < num_points; ++i)
+      for (Eigen::Index k = 0; k < displacements.cols(); ++k) {
+        const Eigen::Vector3d moved = displacements.block<3, 1>(3 * i, k);
+        const int index = layout_.first_shape + static_cast<int>(k);
+        triplets.emplace_back(index, index, moved.dot(blocks[i] * moved));
+      }
   }
   Eigen::SparseMatrix<double> matrix(layout_.size, layout_.size);
   matrix.setFromTriplets(triplets.begin(), triplets.end());
@@ -190,6 +193,7 @@ bool LargeEquations::MakeSystem(double lambda, System* system) const {
 template <int kNum>
 Columns<kNum> LargeEquations::Apply(const System& system,
                                     const Columns<kNum>& x) const {
+  const Columns<kNum> moved = moves_.Moved(x);
   Columns<kNum> y = SumOverPoses<kNum>([&](int p, Columns<kNum>* sum) {
     const std::vector<int>& views = poses_[p].views;
     std::vector<Columns<kNum>> images;  // of x, by each view
@@ -198,9 +202,9 @@ Columns<kNum> LargeEquations::Apply(const System& system,
     for (const int v : views) {
       const ViewJacobian& j = jacobians_[v];
       Columns<kNum>& u = images.emplace_back(2 * j.count(), kNum);
-      const ResidualProduct product(layout_, j);
+      const ResidualProduct product(moves_.moved(), j);
       for (int i = 0; i < j.count(); ++i)
-        u.template middleRows<2>(2 * i) = product.Times<kNum>(x, i);
+        u.template middleRows<2>(2 * i) = product.Times<kNum>(moved, i);
       if (j.count() > 0) pose.noalias() += j.by_pose * u;
     }
     system.poses[p].solveInPlace(pose);
@@ -208,7 +212,7 @@ Columns<kNum> LargeEquations::Apply(const System& system,
       const ViewJacobian& j = jacobians_[views[k]];
       Columns<kNum>& u = images[k];
       if (j.count() > 0) u.noalias() -= j.by_pose.transpose() * pose;
-      const ResidualProduct product(layout_, j);
+      const ResidualProduct product(moves_.moved(), j);
       for (int i = 0; i < j.count(); ++i)
         product.AddTransposed<kNum>(u.template middleRows<2>(2 * i), i, sum);
     }
@@ -220,12 +224,14 @@ Columns<kNum> LargeEquations::Apply(const System& system,
 Eigen::MatrixXd LargeEquations::CoarseMatrix(
     const System& system, const Preconditioner& preconditioner) const {
   const auto& coarse_basis = preconditioner.basis;
+  const ParameterLayout& moved = moves_.moved();
+  const CoarseBasis moved_basis = moves_.Moved(coarse_basis);
   const int size = static_cast<int>(coarse_basis.cols());
   std::vector<Eigen::MatrixXd> sums(NumChunks());
   ParallelFor(NumChunks(), num_threads_, [&](int chunk) {
     Eigen::MatrixXd& sum = sums[chunk];
     sum.setZero(size, size);
-    SparseRow row(coarse_basis);
+    SparseRow row(moved_basis);
     Eigen::MatrixXd with_pose(size, layout_.per_pose);
     for (int p = ChunkBegin(chunk); p < ChunkBegin(chunk + 1); ++p) {
       with_pose.setZero();
@@ -242,16 +248,13 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
             row.Add(first + j.first_global + c,
                     ViewJacobian::Block(j.by_global, i).col(c));
           for (int c = 0; j.camera > 0 && c < 6; ++c)
-            row.Add(layout_.CameraPose(j.camera) + c,
+            row.Add(moved.CameraPose(j.camera) + c,
                     ViewJacobian::Block<6>(j.by_camera_pose, i).col(c));
           for (int c = 0; j.place >= 0 && c < 6; ++c)
-            row.Add(layout_.Place(j.place) + c,
+            row.Add(moved.Place(j.place) + c,
                     ViewJacobian::Block<6>(j.by_place, i).col(c));
-          for (int c = 0; j.board >= 0 && c < layout_.per_board; ++c)
-            row.Add(layout_.Shape(j.board) + c,
-                    ViewJacobian::Block(j.by_shape, i).col(c));
-          for (int c = 0; layout_.num_points > 0 && c < 3; ++c)
-            row.Add(layout_.Point(j.points[i]) + c,
+          for (int c = 0; moved.num_points > 0 && c < 3; ++c)
+            row.Add(moved.Point(j.points[i]) + c,
                     ViewJacobian::Block<3>(j.by_point, i).col(c));
           row.AddProductsTo(j.ByPose(i).transpose(), &sum, &with_pose);
           row.Clear();
@@ -454,7 +457,7 @@ void LargeEquations::AddByPose(int pose, const PoseVector& y,
                                Eigen::VectorXd* sum) const {
   for (const int v : poses_[pose].views) {
     const ViewJacobian& j = jacobians_[v];
-    const ResidualProduct product(layout_, j);
+    const ResidualProduct product(moves_.moved(), j);
     for (int i = 0; i < j.count(); ++i)
       product.AddTransposed<1>(j.ByPose(i).transpose() * y, i, sum);
   }
@@ -464,7 +467,7 @@ PoseVector LargeEquations::OfPose(int pose, const Eigen::VectorXd& x) const {
   PoseVector y = PoseVector::Zero(layout_.per_pose);
   for (const int v : poses_[pose].views) {
     const ViewJacobian& j = jacobians_[v];
-    const ResidualProduct product(layout_, j);
+    const ResidualProduct product(moves_.moved(), j);
     for (int i = 0; i < j.count(); ++i)
       y.noalias() += j.ByPose(i) * product.Times<1>(x, i);
   }
@@ -483,9 +486,10 @@ Eigen::VectorXd LargeEquations::PosesBehind(const System& system,
                                             const Eigen::VectorXd& x,
                                             Eigen::VectorXd poses) const {
   const int k = layout_.per_pose;
+  const Eigen::VectorXd moved = moves_.Moved(x);
   ParallelFor(layout_.num_poses, num_threads_, [&](int p) {
     auto pose = poses.segment(k * p, k);
-    pose = system.poses[p].solve(pose - OfPose(p, x));
+    pose = system.poses[p].solve(pose - OfPose(p, moved));
   });
   return poses;
 }

@@ -12,6 +12,7 @@
 #include "adjustment/node_frames.h"
 #include "adjustment/normal_equations.h"
 #include "adjustment/residual_product.h"
+#include "adjustment/shape_moves.h"
 
 namespace raygrid {
 
@@ -81,6 +82,7 @@ class LargeEquations : public NormalEquations {
 
   int NumChunks() const;
   int ChunkBegin(int chunk) const;
+  // The sum of what body(pose, &sum) adds over ShapeMoves::moved().
   template <int kNum, typename Body>
   Columns<kNum> SumOverPoses(const Body& body) const;
 
@@ -104,7 +106,8 @@ class LargeEquations : public NormalEquations {
   template <int kNum>
   bool ConjugateGradients(const System& system, bool is_started,
                           Columns<kNum>* side, Columns<kNum>* x) const;
-  // W y of a pose's y, added to *sum; W^T x of a pose.
+  // W y of a pose's y, added to *sum; W^T x of a pose. Over
+  // ShapeMoves::moved().
   void AddByPose(int pose, const PoseVector& y, Eigen::VectorXd* sum) const;
   PoseVector OfPose(int pose, const Eigen::VectorXd& x) const;
   // W V^-1 y, over the layout.
@@ -125,6 +128,7 @@ class LargeEquations : public NormalEquations {
                 Eigen::MatrixXd* solution, Eigen::MatrixXd* rest) const;
 
   ParameterLayout layout_;
+  ShapeMoves moves_;
   std::vector<ViewJacobian> jacobians_;
   PriorEquations prior_;
   std::vector<Eigen::Vector3d> points_;

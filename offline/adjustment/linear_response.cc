@@ -19,14 +19,15 @@ LinearResponse::LinearResponse(const std::vector<View>& views,
                                int max_exact_unknowns)
     : layout_(state, {false, options.fix_points}),
       prior_(prior, state, layout_),
+      moves_(layout_, state.modes),
       jacobians_(WeightedJacobians(state, views, options.huber_px,
                                    options.num_threads)),
       is_exact_(NumDenseUnknowns(layout_) <= max_exact_unknowns),
       prior_root_(prior_.precision) {
   const int num_threads = NumThreads(options.num_threads);
   if (is_exact_)
-    equations_ = std::make_unique<DenseEquations>(layout_, jacobians_, prior_,
-                                                  num_threads);
+    equations_ = std::make_unique<DenseEquations>(
+        layout_, jacobians_, state.modes, prior_, num_threads);
   else
     equations_ = std::make_unique<LargeEquations>(
         layout_, jacobians_, prior_, state, kTolerance, num_threads,
@@ -35,29 +36,32 @@ LinearResponse::LinearResponse(const std::vector<View>& views,
 
 Eigen::VectorXd LinearResponse::Gradient(const ViewErrors& errors) const {
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout_.num_all());
+  Eigen::VectorXd moved = Eigen::VectorXd::Zero(moves_.moved().size);
   for (size_t v = 0; v < jacobians_.size(); ++v) {
     const ViewJacobian& j = jacobians_[v];
-    const ResidualProduct product(layout_, j);
+    const ResidualProduct product(moves_.moved(), j);
     for (int i = 0; i < j.count(); ++i) {
       const Eigen::Vector2d error = errors[v].col(i);
-      product.AddTransposed<1>(error, i, &gradient);
+      product.AddTransposed<1>(error, i, &moved);
       gradient.segment(layout_.Pose(j.pose), layout_.per_pose).noalias() +=
           j.ByPose(i) * error;
     }
   }
+  gradient.head(layout_.size) = moves_.Back(moved);
   return gradient;
 }
 
 ViewErrors LinearResponse::ErrorsBy(const Eigen::VectorXd& parameters) const {
   ViewErrors errors;
+  const Eigen::VectorXd moved =
+      moves_.Moved<Eigen::VectorXd>(parameters.head(layout_.size));
   for (const ViewJacobian& j : jacobians_) {
-    const ResidualProduct product(layout_, j);
+    const ResidualProduct product(moves_.moved(), j);
     const Eigen::VectorXd pose =
         parameters.segment(layout_.Pose(j.pose), layout_.per_pose);
     Eigen::Matrix2Xd& own = errors.emplace_back(2, j.count());
     for (int i = 0; i < j.count(); ++i)
-      own.col(i) =
-          product.Times<1>(parameters, i) + j.ByPose(i).transpose() * pose;
+      own.col(i) = product.Times<1>(moved, i) + j.ByPose(i).transpose() * pose;
   }
   return errors;
 }

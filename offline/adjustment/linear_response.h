@@ -9,6 +9,7 @@
 #include "adjustment/bundle_adjustment.h"
 #include "adjustment/normal_equations.h"
 #include "adjustment/precision_root.h"
+#include "adjustment/shape_moves.h"
 
 namespace raygrid {
 
@@ -52,6 +53,7 @@ class LinearResponse {
  private:
   ParameterLayout layout_;
   PriorEquations prior_;
+  ShapeMoves moves_;
   std::vector<ViewJacobian> jacobians_;
   bool is_exact_;
   PrecisionRoot prior_root_;

@@ -172,8 +172,8 @@ std::unique_ptr<NormalEquations> EquationsBuilder::Build(
   if (!memory_) memory_ = std::make_shared<LargeEquations::Memory>();
   const auto memory = std::static_pointer_cast<LargeEquations::Memory>(memory_);
   if (DenseIsFaster(layout, NumOperations(jacobians, *memory)))
-    return std::make_unique<DenseEquations>(layout, jacobians, prior_equations,
-                                            num_threads_);
+    return std::make_unique<DenseEquations>(layout, jacobians, state.modes,
+                                            prior_equations, num_threads_);
   return std::make_unique<LargeEquations>(layout, std::move(jacobians),
                                           prior_equations, state, kTolerance,
                                           num_threads_, memory);

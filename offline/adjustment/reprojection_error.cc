@@ -62,9 +62,8 @@ LinearizedResidual Linearize(const AdjustmentState& state,
          state.body_from_board[view.place].rotation.toRotationMatrix())
             .eval();
   }
-  if (state.modes.count() > 0)
+  if (state.HasFlex())
     result.by_flex = result.by_point * state.modes.by_point[observation.point];
-  if (state.HasShapes()) result.board = state.modes.boards[observation.point];
   return result;
 }
 

@@ -24,11 +24,12 @@ struct Residual {
 struct LinearizedResidual {
   Residual residual;
   int camera = 0, pose = 0, place = -1, point = 0;
-  int board = -1;  ///< whose bends by_flex is by; -1: those of the pose
   /// The derivatives by the updates of UpdatedPose() of camera_from_rig,
   /// rig_from_pattern and body_from_board, the last where the view has a place.
   Eigen::Matrix<double, 2, 6> by_camera_pose, by_pose, by_place;
   Eigen::Matrix<double, 2, 3> by_point;
+  /// By the bends of the pose. Those that boards have in all views move the
+  /// point: their derivatives are by_point times FlexModes::by_point.
   Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, FlexModes::kMaxCount> by_flex;
   LinearizedProjection projection;  ///< derivatives by the camera's parameters
 };

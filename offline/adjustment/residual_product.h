@@ -13,7 +13,8 @@ template <int kNum>
 using Columns = Eigen::Matrix<double, Eigen::Dynamic, kNum,
                               kNum == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
 
-/// u = J x and y += J^T u for one residual, over the layout, of a few vectors.
+/// u = J x and y += J^T u for one residual, of a few vectors, over a layout
+/// without bends that boards have in all views (ShapeMoves::moved()).
 class ResidualProduct {
  public:
   ResidualProduct(const ParameterLayout& layout, const ViewJacobian& jacobian)
@@ -22,8 +23,6 @@ class ResidualProduct {
         camera_pose_(jacobian.camera > 0 ? layout.CameraPose(jacobian.camera)
                                          : -1),
         place_(jacobian.place >= 0 ? layout.Place(jacobian.place) : -1),
-        shape_(layout.Shape(jacobian.board)),
-        num_bends_(jacobian.board >= 0 ? layout.per_board : 0),
         first_point_(layout.num_points > 0 ? layout.first_point : -1) {}
 
   template <int kNum>
@@ -45,7 +44,6 @@ class ResidualProduct {
     if (place_ >= 0)
       u += ViewJacobian::Block<6>(j.by_place, i) *
            x.template middleRows<6>(place_);
-    for (int k = 0; k < num_bends_; ++k) u += Bend(i, k) * x.row(shape_ + k);
     if (first_point_ >= 0)
       u += ViewJacobian::Block<3>(j.by_point, i) *
            x.template middleRows<3>(first_point_ + 3 * j.points[i]);
@@ -71,19 +69,12 @@ class ResidualProduct {
     if (place_ >= 0)
       y->template middleRows<6>(place_) +=
           ViewJacobian::Block<6>(j.by_place, i).transpose() * u;
-    for (int k = 0; k < num_bends_; ++k)
-      y->row(shape_ + k) += Bend(i, k).transpose() * u;
     if (first_point_ >= 0)
       y->template middleRows<3>(first_point_ + 3 * j.points[i]) +=
           ViewJacobian::Block<3>(j.by_point, i).transpose() * u;
   }
 
  private:
-  // The derivative by a bend of the board.
-  Eigen::Map<const Eigen::Vector2d> Bend(int i, int k) const {
-    return Eigen::Map<const Eigen::Vector2d>(&jacobian_.by_shape(2 * k, i));
-  }
-
   // The nodes of a spline surface, each a K-vector; those of a row follow each
   // other.
   static constexpr int kNumNodes = 16, kNodesInARow = 4;
@@ -138,7 +129,7 @@ class ResidualProduct {
   }
 
   const ViewJacobian& jacobian_;
-  int first_, camera_pose_, place_, shape_, num_bends_, first_point_;
+  int first_, camera_pose_, place_, first_point_;
 };
 
 }  // namespace raygrid

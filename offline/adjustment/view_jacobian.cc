@@ -19,7 +19,6 @@ void Resize(const LinearizedResidual& like, int count, ViewJacobian* jacobian) {
   jacobian->camera = like.camera;
   jacobian->pose = like.pose;
   jacobian->place = like.place;
-  jacobian->board = like.board;
   jacobian->num_nodes = projection.num_nodes;
   jacobian->num_per_node = projection.num_per_node;
   jacobian->num_global = projection.num_global;
@@ -30,9 +29,7 @@ void Resize(const LinearizedResidual& like, int count, ViewJacobian* jacobian) {
   jacobian->by_global.resize(2 * projection.num_global, count);
   jacobian->by_camera_pose.resize(12, like.camera > 0 ? count : 0);
   jacobian->by_place.resize(12, like.place >= 0 ? count : 0);
-  const bool has_flex = like.board < 0;
-  jacobian->by_pose.resize(6 + (has_flex ? like.by_flex.cols() : 0), 2 * count);
-  jacobian->by_shape.resize(has_flex ? 0 : 2 * like.by_flex.cols(), count);
+  jacobian->by_pose.resize(6 + like.by_flex.cols(), 2 * count);
   jacobian->by_point.resize(6, count);
   jacobian->error.resize(2, count);
 }
@@ -53,10 +50,7 @@ void SetColumn(const LinearizedResidual& r, double root, int column,
   if (r.place >= 0) jacobian->by_place.col(column) = root * Flat(r.by_place, 6);
   auto by_pose = jacobian->by_pose.middleCols<2>(2 * column);
   by_pose.topRows<6>() = root * r.by_pose.transpose();
-  if (r.board < 0)
-    by_pose.bottomRows(r.by_flex.cols()) = root * r.by_flex.transpose();
-  else
-    jacobian->by_shape.col(column) = root * Flat(r.by_flex, r.by_flex.cols());
+  by_pose.bottomRows(r.by_flex.cols()) = root * r.by_flex.transpose();
   jacobian->by_point.col(column) = root * Flat(r.by_point, 3);
   jacobian->error.col(column) = root * r.residual.error_px;
 }

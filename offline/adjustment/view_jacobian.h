@@ -13,14 +13,13 @@ namespace raygrid {
 /// root of the loss's weight. A column an observation; its derivative by k
 /// parameters is a column of 2 k numbers.
 struct ViewJacobian {
-  int camera = 0, pose = 0, place = -1, board = -1;
+  int camera = 0, pose = 0, place = -1;
   /// The numbers and places of parameters, as in LinearizedProjection.
   int num_nodes = 0, num_per_node = 0, num_global = 0, first_global = 0;
 
   std::vector<int> points;
   Eigen::MatrixXi node_parameter;
   Eigen::MatrixXd node_weight, by_node, by_global;
-  Eigen::MatrixXd by_shape;  ///< by the bends of the board; may have no rows
   Eigen::Matrix<double, 12, Eigen::Dynamic> by_camera_pose, by_place;
   /// By the board's pose and its flex there: a row a parameter, two columns an
   /// observation.

@@ -52,6 +52,7 @@ struct WholeSystem {
 };
 
 Eigen::MatrixXd DenseJacobian(const LinearizedResidual& r,
+                              const AdjustmentState& state,
                               const Layout& layout) {
   Eigen::MatrixXd row = Eigen::MatrixXd::Zero(2, layout.Size());
   if (layout.num_cameras > 0)
@@ -64,11 +65,12 @@ Eigen::MatrixXd DenseJacobian(const LinearizedResidual& r,
   if (layout.num_points > 0)
     row.middleCols<3>(layout.Point(r.point)) = r.by_point;
   row.middleCols<6>(layout.Pose(r.pose)) = r.by_pose;
-  const auto count = static_cast<int>(r.by_flex.cols());
-  if (r.board < 0)
-    row.middleCols(layout.Pose(r.pose) + 6, count) = r.by_flex;
-  else if (layout.num_shapes > 0)
-    row.middleCols(layout.Shape(count * r.board), count) = r.by_flex;
+  row.middleCols(layout.Pose(r.pose) + 6, r.by_flex.cols()) = r.by_flex;
+  if (layout.num_shapes > 0) {
+    const int count = state.modes.count();
+    row.middleCols(layout.Shape(count * state.modes.boards[r.point]), count) =
+        r.by_point * state.modes.by_point[r.point];
+  }
   return row;
 }
 
@@ -110,7 +112,7 @@ WholeSystem BuildDense(const std::vector<View>& views,
                        Eigen::VectorXd::Zero(layout.Size())};
   for (const View& view : views) {
     for (const LinearizedResidual& r : LinearizeView(state, view)) {
-      const Eigen::MatrixXd row = DenseJacobian(r, layout);
+      const Eigen::MatrixXd row = DenseJacobian(r, state, layout);
       const double weight = HuberWeight(r.residual.error_px.norm(), 1);
       dense.h += weight * row.transpose() * row;
       dense.g += weight * row.transpose() * r.residual.error_px;
@@ -130,8 +132,8 @@ std::unique_ptr<NormalEquations> BuildFrom(
   const ParameterLayout layout(state, fixed);
   const PriorEquations prior_equations(prior, state, layout);
   if (method == Method::kDense)
-    return std::make_unique<DenseEquations>(layout, jacobians, prior_equations,
-                                            num_threads);
+    return std::make_unique<DenseEquations>(layout, jacobians, state.modes,
+                                            prior_equations, num_threads);
   return std::make_unique<LargeEquations>(
       layout, jacobians, prior_equations, state, kTolerance, num_threads,
       std::make_shared<LargeEquations::Memory>());
@@ -466,7 +468,7 @@ TEST(LargeEquations, TellWhatTheirSolutionsLeave) {
   }
   const ParameterLayout layout(smooth.problem.state, {});
   const DenseEquations dense(
-      layout, smooth.jacobians,
+      layout, smooth.jacobians, smooth.problem.state.modes,
       PriorEquations(smooth.prior, smooth.problem.state, layout), 1);
   ASSERT_TRUE(dense.SolveFor(kLambda, right, &exact));
   const auto products = [](const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {

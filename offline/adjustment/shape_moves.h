@@ -1,0 +1,88 @@
+#ifndef RAYGRID_ADJUSTMENT_SHAPE_MOVES_H
+#define RAYGRID_ADJUSTMENT_SHAPE_MOVES_H
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "adjustment/board_flex.h"
+#include "adjustment/coarse_basis.h"
+#include "adjustment/normal_equations.h"
+
+namespace raygrid {
+
+/// Bends that boards have in all views, as moves of the boards' points: T. A
+/// residual depends on them by its point alone. So its derivatives J over a
+/// layout are J' T, where J' is over cameras, places and all points, and knows
+/// no bends. Equations are summed over J', and taken to the layout once.
+class ShapeMoves {
+ public:
+  ShapeMoves(const ParameterLayout& layout, const FlexModes& modes);
+
+  /// The layout of J': without bends, with all points. The layout itself if it
+  /// has no bends.
+  const ParameterLayout& moved() const { return moved_; }
+
+  /// The layout with all points, though they may be fixed, if it has bends.
+  ParameterLayout WithPoints() const;
+
+  /// T x, from rows of the layout (before the poses) to rows of moved().
+  template <typename Matrix>
+  Matrix Moved(const Matrix& x) const {
+    if (boards_.empty()) return x;
+    Matrix y = Matrix::Zero(moved_.size, x.cols());
+    y.topRows(layout_.first_shape) = x.topRows(layout_.first_shape);
+    if (layout_.num_points > 0)
+      y.bottomRows(NumCoordinates()) = x.bottomRows(NumCoordinates());
+    for (const Board& board : boards_)
+      y.middleRows(moved_.first_point + board.first, board.modes.rows())
+          .noalias() +=
+          board.modes * x.middleRows(board.shape, board.modes.cols());
+    return y;
+  }
+  CoarseBasis Moved(const CoarseBasis& basis) const;
+
+  /// T^T y, from rows of moved() to rows of the layout.
+  template <typename Matrix>
+  Matrix Back(const Matrix& y) const {
+    if (boards_.empty()) return y;
+    Matrix x(layout_.size, y.cols());
+    x.topRows(layout_.first_shape) = y.topRows(layout_.first_shape);
+    x.middleRows(layout_.first_shape, NumBends()) =
+        OfPoints(y.bottomRows(NumCoordinates()));
+    if (layout_.num_points > 0)
+      x.bottomRows(NumCoordinates()) = y.bottomRows(NumCoordinates());
+    return x;
+  }
+
+  /// The bends' rows of T^T y alone, from the points' rows of y.
+  template <typename Derived>
+  Eigen::MatrixXd OfPoints(const Eigen::MatrixBase<Derived>& y) const {
+    Eigen::MatrixXd bends = Eigen::MatrixXd::Zero(NumBends(), y.cols());
+    for (const Board& board : boards_)
+      bends.middleRows(board.shape - layout_.first_shape, board.modes.cols())
+          .noalias() = board.modes.transpose() *
+                       y.middleRows(board.first, board.modes.rows());
+    return bends;
+  }
+
+  /// The coordinates' moves by a unit of each bend, a column a bend.
+  Eigen::MatrixXd Displacements() const;
+
+  int NumBends() const { return layout_.first_point - layout_.first_shape; }
+
+ private:
+  // A board's bends in the layout, and how they move coordinates of points,
+  // from the first of the board's on.
+  struct Board {
+    int shape, first;
+    Eigen::MatrixXd modes;
+  };
+  int NumCoordinates() const { return 3 * moved_.num_points; }
+
+  ParameterLayout layout_, moved_;
+  std::vector<Board> boards_;  // none if the layout has no bends
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_ADJUSTMENT_SHAPE_MOVES_H
