@@ -484,6 +484,7 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
   constexpr int kMaxRounds = 30;
   constexpr double kStableCost = 1e-4;
   constexpr double kGoodEnoughToStart = 0.1;  // decrease of the cost
+  constexpr double kRoughChange = 0.1, kRoughDecrease = 0.05;
   const double square_metres_per_pixel =
       SquaredMetresPerPixel(*state, views, options);
   // A first guess: residuals, second differences and bends all scatter alike.
@@ -510,6 +511,7 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
   double variance = 0;
   EquationsBuilder builder(views, options.huber_px, options.num_threads);
   double lambda = kLearningLambda;
+  bool is_asked = !options.is_enough, is_enough = false;
   for (int round = 0; round < kMaxRounds && !ShouldStop(options); ++round) {
     // One step, then what its equations tell of the prior.
     const FixedParameters fixed_parameters = {fixed.fix_cameras,
@@ -584,8 +586,13 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
                                       &prior->flex_weights[k]));
     if (change < kStableChange && decrease < kStableCost) break;
     if (options.is_start && decrease < kGoodEnoughToStart) break;
+    if (is_asked || change > kRoughChange || decrease > kRoughDecrease)
+      continue;
+    is_asked = true;
+    is_enough = options.is_enough(residuals);
+    if (is_enough) break;
   }
-  if (options.is_start) fixed.max_iterations = 0;
+  if (options.is_start || is_enough) fixed.max_iterations = 0;
   AdjustmentSummary summary =
       Adjust(views, *prior, fixed, lambda, &builder, state);
   if (!fixed.fix_points) MoveMeanBends(views, prior, state);

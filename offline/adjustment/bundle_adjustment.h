@@ -28,6 +28,10 @@ struct AdjustmentOptions {
   /// The result is no more than a start: it ends once steps are small beside
   /// those that the next adjustment takes.
   bool is_start = false;
+  /// Asked at most once, with a learned prior: when another step would change
+  /// residuals and prior by no more than per cents, whether they serve as they
+  /// are. Then the adjustment ends.
+  std::function<bool(const std::vector<Residual>&)> is_enough;
   /// Asked between iterations; the best state so far stays.
   std::function<bool()> should_stop;
   /// Told each iteration and its cost; iterations start anew when a stage of

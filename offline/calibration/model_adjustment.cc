@@ -22,6 +22,7 @@ namespace {
 // The pattern's points stay where they are nominally.
 AdjustmentOptions WithFixedPoints(AdjustmentOptions options) {
   options.fix_points = true;
+  options.is_enough = {};
   return options;
 }
 
@@ -42,6 +43,7 @@ bool AreParametric(const Lenses& lenses) {
 // With fixed points, and no more steps than it takes to learn the prior.
 AdjustmentOptions AsStart(AdjustmentOptions options) {
   options.fix_points = true;
+  options.is_enough = {};
   options.max_iterations = 0;
   return options;
 }
@@ -270,6 +272,10 @@ std::vector<double> OutlierThresholds(const std::vector<Residual>& residuals,
   return thresholds;
 }
 
+bool IsOutlier(const Residual& residual, double threshold) {
+  return !residual.valid || residual.error_px.norm() > threshold;
+}
+
 // Residuals beyond the thresholds leave the problem; they are returned by
 // camera.
 std::vector<std::vector<FeatureResidual>> TakeOutliers(
@@ -283,8 +289,7 @@ std::vector<std::vector<FeatureResidual>> TakeOutliers(
     std::vector<Observation> kept;
     for (const Observation& observation : view.observations) {
       const Residual& residual = residuals[index++];
-      if (residual.valid &&
-          residual.error_px.norm() <= thresholds[view.camera]) {
+      if (!IsOutlier(residual, thresholds[view.camera])) {
         kept.push_back(observation);
         continue;
       }
@@ -297,6 +302,16 @@ std::vector<std::vector<FeatureResidual>> TakeOutliers(
     view.observations = std::move(kept);
   }
   return removed;
+}
+
+bool HasOutliers(const std::vector<Residual>& residuals,
+                 const CalibrationProblem& problem) {
+  const std::vector<double> thresholds = OutlierThresholds(residuals, problem);
+  size_t index = 0;
+  for (const View& view : problem.views)
+    for (size_t k = 0; k < view.observations.size(); ++k, ++index)
+      if (IsOutlier(residuals[index], thresholds[view.camera])) return true;
+  return false;
 }
 
 std::vector<Area> CalibratedAreas(const CalibrationProblem& problem) {
@@ -370,12 +385,18 @@ void AdjustRigidly(const Pattern& pattern, const std::string& model,
                    const AdjustmentOptions& options, Adjusted* adjusted) {
   Lenses lenses = CopyCameras(adjusted->state);
   const AdjustmentState start = adjusted->state;
-  const auto adjust = [&] {
+  const auto adjust = [&](const AdjustmentOptions& with) {
     adjusted->summary = Adjust(model, adjusted->problem,
                                {lenses, cells_px, adjusted->tilt_firmness},
-                               options, &adjusted->prior, &adjusted->state);
+                               with, &adjusted->prior, &adjusted->state);
   };
-  adjust();
+  // Once there are outliers, no more than they are asked for.
+  AdjustmentOptions first = options;
+  if (!IsParametricModel(model))
+    first.is_enough = [adjusted](const std::vector<Residual>& residuals) {
+      return HasOutliers(residuals, adjusted->problem);
+    };
+  adjust(first);
   switch (RemoveOutliers(pattern, adjusted)) {
     case Removed::kNone:
       break;
@@ -392,7 +413,7 @@ void AdjustRigidly(const Pattern& pattern, const std::string& model,
         PutLensesAroundGrids(options, adjusted);
         lenses = CopyCameras(adjusted->state);
       }
-      adjust();
+      adjust(options);
       break;
   }
 }

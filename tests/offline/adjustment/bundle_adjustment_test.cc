@@ -380,6 +380,48 @@ double LearnedPointsWeight(double deviation_m) {
   return prior.points_weight;
 }
 
+// A grid that is adjusted with a learned prior.
+struct LearnedGrid {
+  GridProblem grid{30};
+  AdjustmentState state = grid.problem.state;
+  AdjustmentSummary summary;
+
+  explicit LearnedGrid(const AdjustmentOptions& options) {
+    GaussianPrior prior = grid.prior;
+    summary =
+        AdjustWithLearnedPrior(grid.problem.views, options, &prior, &state);
+  }
+};
+
+TEST(AdjustWithLearnedPrior, EndsOnceItsResidualsAreEnough) {
+  AdjustmentOptions options;
+  const LearnedGrid whole(options);
+  int num_asked = 0;
+  std::vector<Residual> told;
+  bool is_enough = false;
+  options.is_enough = [&](const std::vector<Residual>& residuals) {
+    ++num_asked;
+    told = residuals;
+    return is_enough;
+  };
+  const LearnedGrid asked(options);
+  EXPECT_EQ(num_asked, 1);
+  EXPECT_EQ(asked.state.camera().Parameters(),
+            whole.state.camera().Parameters());
+  is_enough = true;
+  const LearnedGrid ended(options);
+  EXPECT_EQ(num_asked, 2);
+  EXPECT_EQ(ended.summary.num_iterations, 0);
+  EXPECT_NE(ended.state.camera().Parameters(),
+            whole.state.camera().Parameters());
+  ASSERT_EQ(told.size(), ended.summary.residuals.size());
+  for (size_t i = 0; i < told.size(); ++i) {
+    EXPECT_EQ(told[i].error_px, ended.summary.residuals[i].error_px);
+    EXPECT_LT((told[i].error_px - whole.summary.residuals[i].error_px).norm(),
+              0.1);
+  }
+}
+
 TEST(AdjustWithLearnedPrior, FindsHowFarPointsLieFromNominal) {
   // The ratio of the variances of a residual's and a point's coordinate.
   for (const double deviation_m : {0.001, 0.003}) {
