@@ -119,7 +119,8 @@ void TellUnits(const FleetAnalysis& fleet, const CommonOptions& common) {
       fmt::print(stderr, "raygrid: unit {}: {}: {}\n", row.serial, row.status,
                  Printable(row.reason));
     else if (!common.json && !common.quiet)
-      fmt::print("{}: {}, {:.2f} s\n", row.serial, row.status, row.seconds);
+      fmt::print("{}: {}, {:.2f} s{}\n", row.serial, row.status, row.seconds,
+                 row.reason.empty() ? "" : ": " + Printable(row.reason));
   if (common.json)
     PrintJson(fleet);
   else if (!common.quiet)

@@ -403,7 +403,8 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
       "--like", arguments->like,
       "camera.yaml of a like lens, as of another unit or a fleet_camera.yaml: "
       "the grid lies around it where images tell little, so 10 images do; "
-      "focal length, centre and distortion are its own all the same");
+      "focal length, centre and distortion are its own all the same; a camera "
+      "that lies too far from a fleet's middle for a unit of it is told");
   AddHoldOut(command,
              "images (of a rig: instants) to evaluate with instead of "
              "calibrating with them (default: cross-validation)",

@@ -137,6 +137,8 @@ void PrintSingleCamera(const CalibrationResult& result) {
   if (result.camera.stack) PrintStack(result.camera.stack->cameras);
   PrintImageCircle(*result.camera.camera);
   PrintRowTime(result);
+  if (result.fleet_distance)
+    fmt::print("  it lies {}\n", result.fleet_distance->Text());
   PrintLimit(result);
   if (result.line_spread)
     fmt::print(

@@ -519,6 +519,8 @@ RigResult Calibration::Judge() {
   if (!is_interrupted) SplitResiduals();
   for (CameraInProgress& camera : cameras_) {
     if (is_interrupted) camera.result.checkpoint = std::move(camera.checkpoint);
+    if (!is_interrupted && options_.like && options_.like_spread)
+      FillFleetDistance(*options_.like, *options_.like_spread, &camera.result);
     NameUnusedImages(camera.dataset, camera.input->skipped, &camera.result);
     JudgeResult(options_.num_threads, &camera.result);
     result_.cameras.push_back(std::move(camera.result));

@@ -11,6 +11,7 @@
 #include "calibration/camera_check.h"
 #include "calibration/camera_trust.h"
 #include "calibration/cross_validation.h"
+#include "calibration/evenly_chosen.h"
 #include "calibration/same_views.h"
 #include "evaluation/prediction_comparison.h"
 
@@ -293,6 +294,7 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
   if (normals.size() == result.poses.size()) figures.tilt_rad = TiltOf(normals);
   AddSides(result, &figures);
   figures.fold_over = result.fold_over;
+  figures.fleet_distance = result.fleet_distance;
   figures.pixel_aspect = PixelAspect(*result.camera.camera);
   if (const auto& uncertainty = result.camera.uncertainty) {
     const Area& area = result.camera.camera->area();
@@ -367,6 +369,20 @@ void FillUncertainty(const Adjusted& adjusted, int camera,
     DistrustBeyond(*image_circle, &uncertainty->mask);
   result->fold_over = MeasureFoldOver(
       *result->camera.camera, uncertainty ? &uncertainty->mask : nullptr);
+}
+
+void FillFleetDistance(const CameraModel& middle, const LensSpread& spread,
+                       CalibrationResult* result) {
+  constexpr size_t kEnough = 2000;
+  std::vector<Eigen::Vector2d> pixels;
+  for (const ImageFeatures& image : result->features.images)
+    for (const Feature& feature : image.features)
+      pixels.push_back(feature.pixel);
+  const CameraFile& camera = result->camera;
+  result->fleet_distance = MeasureFleetDistance(
+      middle, spread, *camera.camera,
+      camera.uncertainty ? &camera.uncertainty->lattice : nullptr,
+      EvenlyChosen(pixels, kEnough));
 }
 
 void NameUnusedImages(const Dataset& measured,

@@ -31,6 +31,11 @@ void NameUnusedImages(const Dataset& measured,
                       const std::vector<RejectedImage>& skipped,
                       CalibrationResult* result);
 
+/// Fills in how far the camera lies from a fleet's middle, where it has
+/// features.
+void FillFleetDistance(const CameraModel& middle, const LensSpread& spread,
+                       CalibrationResult* result);
+
 /// Figures of the held-out residuals, if there are any, what they show beyond
 /// the camera's modes, and the verdict.
 void JudgeResult(int num_threads, CalibrationResult* result);

@@ -8,6 +8,7 @@
 #include "dataset/camera_file.h"
 #include "dataset/dataset.h"
 #include "evaluation/checkpoint.h"
+#include "evaluation/fleet_distance.h"
 #include "evaluation/fold_over.h"
 #include "evaluation/line_spread.h"
 #include "evaluation/residual_budget.h"
@@ -101,6 +102,8 @@ struct CalibrationResult {
   FeatureNoise feature_noise;
   std::optional<LineSpread> line_spread;  ///< of a camera that is not central
   FoldOver fold_over;
+  /// From the fleet that the grid lies around; nothing without a spread.
+  std::optional<FleetDistance> fleet_distance;
   std::optional<RowTimeEstimate> row_time;  ///< if it was asked for
   /// The causes of the training residuals; none of an interrupted calibration.
   std::optional<ResidualBudget> budget;

@@ -130,6 +130,11 @@ void JudgeImagesApart(const CalibrationFigures& figures, Verdict* verdict) {
        verdict);
 }
 
+void JudgeFleetDistance(const CalibrationFigures& figures, Verdict* verdict) {
+  const auto& distance = figures.fleet_distance;
+  if (distance && distance->IsStranger()) Warn(distance->Warning(), verdict);
+}
+
 void JudgeUncertainty(const CalibrationFigures& figures, Verdict* verdict) {
   if (!figures.median_deviation_px) {
     Warn(
@@ -297,8 +302,8 @@ Verdict JudgeCalibration(const CalibrationFigures& figures) {
   // Errors of a state on its way say nothing.
   if (figures.interrupted) return verdict;
   for (const auto judge :
-       {JudgeImagesApart, JudgeUncertainty, JudgeFoldOver, JudgePixels,
-        JudgeNeighbors, JudgeHeldOutError, JudgeOverfit})
+       {JudgeImagesApart, JudgeFleetDistance, JudgeUncertainty, JudgeFoldOver,
+        JudgePixels, JudgeNeighbors, JudgeHeldOutError, JudgeOverfit})
     judge(figures, &verdict);
   return verdict;
 }

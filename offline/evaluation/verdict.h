@@ -8,6 +8,7 @@
 #include "camera/area.h"
 #include "dataset/camera_file.h"
 #include "evaluation/budget_verdict.h"
+#include "evaluation/fleet_distance.h"
 #include "evaluation/fold_over.h"
 
 namespace raygrid {
@@ -47,6 +48,7 @@ struct CalibrationFigures {
   /// trusted_px.
   std::optional<double> median_deviation_px, trusted_part, trusted_px;
   FoldOver fold_over;
+  std::optional<FleetDistance> fleet_distance;
   /// The model that predicts held-out images best, of those that were tried and
   /// are better.
   std::optional<BetterModel> better_model;

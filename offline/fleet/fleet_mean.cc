@@ -9,9 +9,10 @@
 
 #include "camera/bspline_surface.h"
 #include "camera/central_generic.h"
+#include "camera/lens_displacements.h"
 #include "camera/stereographic.h"
+#include "fleet/area_polynomials.h"
 #include "fleet/fleet_spread.h"
-#include "fleet/lens_displacements.h"
 #include "fleet/robust_series.h"
 
 namespace raygrid {

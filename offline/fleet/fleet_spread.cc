@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fleet/lens_displacements.h"
+#include "camera/lens_displacements.h"
+#include "fleet/area_polynomials.h"
 
 namespace raygrid {
 namespace {

@@ -50,6 +50,9 @@ void AddResult(const Json& result, UnitRow* row) {
   row->status = result.value("verdict", "");
   if (row->status == "fail" && !result.at("reasons").empty())
     row->reason = result.at("reasons")[0].get<std::string>();
+  // The warning that a lens is none of the fleet that `like` is of, no other.
+  const Json& distance = result.value("fleet_distance", Json::object());
+  if (row->status == "warn") row->reason = distance.value("warning", "");
 }
 
 // Pixels per radian about the z axis, over both of the image's axes.

@@ -89,6 +89,8 @@ void AddTrustRows(const CalibrationResult& result, std::vector<HtmlRow>* rows) {
     rows->push_back(
         {"time of a row", EscapeHtml(RowTimeText(*result.row_time,
                                                  camera.image_size().height))});
+  if (result.fleet_distance)
+    rows->push_back({"it lies", EscapeHtml(result.fleet_distance->Text())});
   if (result.line_spread)
     rows->push_back({"lines pass the point nearest to all by",
                      fmt::format("{:.3f} mm (RMS), {:.3f} mm (largest)",

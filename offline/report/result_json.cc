@@ -210,6 +210,11 @@ void AddCamera(const CalibrationResult& result, Json* json) {
   if (result.budget) (*json)["residual_budget"] = BudgetJson(*result.budget);
   (*json)["fold_over"] = {{"part", result.fold_over.part},
                           {"trusted_part", result.fold_over.trusted_part}};
+  if (const auto& distance = result.fleet_distance) {
+    Json& json_of = (*json)["fleet_distance"];
+    json_of = {{"rms_px", distance->rms_px}, {"units_px", distance->units_px}};
+    if (distance->IsStranger()) json_of["warning"] = distance->Warning();
+  }
   if (result.row_time) (*json)["row_time"] = RowTimeJson(*result.row_time);
   if (result.line_spread)
     (*json)["line_spread"] = {{"rms_m", result.line_spread->rms_m},
@@ -427,6 +432,11 @@ void ParseMore(const Json& json, CalibrationResult* result) {
     LineSpread& spread = result->line_spread.emplace();
     spread.rms_m = json.at("line_spread").at("rms_m").get<double>();
     spread.max_m = json.at("line_spread").at("max_m").get<double>();
+  }
+  if (json.contains("fleet_distance")) {
+    const Json& distance = json.at("fleet_distance");
+    result->fleet_distance = {distance.at("rms_px").get<double>(),
+                              distance.at("units_px").get<double>()};
   }
 }
 

@@ -243,10 +243,30 @@ units:
         run("batch", again, "-o", self.path("few-units"))
         self.assertEqual(read(self.path("few-units/N1/camera.yaml")).decode().replace('serial: "N1"\n', ""),
                          read(self.path("five-like/camera.yaml")).decode())
+        facts = json.loads(read(self.path("few-units/N1/result.json")))
+        self.assertLess(facts["fleet_distance"]["rms_px"], 5 * facts["fleet_distance"]["units_px"])
+        self.assertNotIn("warning", facts["fleet_distance"])
         self.assert_refused(run("batch", again, "-o", self.out), 7, "fleet_camera.yaml")
         self.assert_refused(run(*words, "--model", "opencv", "--like", middle, "-o", self.path("no")), 1, "--like")
         words[4] = "320x240"
         self.assert_refused(run(*words, "--like", middle, "-o", self.path("no")), 1, "160x120", "320x240")
+
+    def test_a_stranger_to_the_fleet_is_told(self):
+        plan = self.make_fleet()
+        self.assert_done(run("batch", plan, "-o", self.out, "--gather"))
+        self.assert_done(run("simulate", "--images", 5, "--features-per-image", 60, "--pattern", self.path("board.yaml"),
+                             "--lens", "pinhole", "--size", "160x120", "-o", self.path("stranger")))
+        text = PLAN.replace("model: opencv", "cell_px: 40\nlike: " + self.out + "/fleet_camera.yaml") % ""
+        strange = write(self.path("strange.yaml"), text + "  - {serial: S1, features: stranger/features.csv}\n")
+        self.out = self.path("strange")
+        result = run("batch", strange, "-o", self.out)
+        self.assert_done(result)
+        told = "S1: warn, .*: this camera lies .* px from the fleet's middle .*; calibrate it without"
+        self.assertRegex(result.stdout, told)
+        facts = json.loads(read(self.out + "/S1/result.json"))
+        self.assertIn(facts["fleet_distance"]["warning"], facts["reasons"])
+        self.assertEqual(self.table()["S1"]["reason"], facts["fleet_distance"]["warning"])
+        self.assertIn("this camera lies", read(self.out + "/S1/report.html").decode())
 
     def test_limits_end_in_6_and_cost_no_calibration(self):
         self.assert_done(self.batch(self.plan()))

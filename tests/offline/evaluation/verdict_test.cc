@@ -37,6 +37,16 @@ TEST(Verdict, PassesGoodFigures) {
   EXPECT_TRUE(verdict.reasons.empty());
 }
 
+TEST(Verdict, TellsAStrangerAmongAFleet) {
+  CalibrationFigures figures = GoodFigures();
+  figures.fleet_distance = FleetDistance{1.2, 0.3};
+  EXPECT_EQ(JudgeCalibration(figures).word, "pass");
+  figures.fleet_distance = FleetDistance{4.1, 0.3};
+  const Verdict verdict = JudgeCalibration(figures);
+  EXPECT_EQ(verdict.word, "warn");
+  EXPECT_TRUE(HasReason(verdict, "4.1 px from the fleet's middle"));
+}
+
 TEST(Verdict, FailsWhatDidNotConverge) {
   CalibrationFigures figures = GoodFigures();
   figures.converged = false;

@@ -81,8 +81,8 @@ void KeepMiddle(double part, Dataset* dataset) {
   }
 }
 
-CameraFile CalibrateLens(const CameraModel& lens, const Sight& sight,
-                         uint64_t seed, const Around& around) {
+CalibrationResult CalibrateLens(const CameraModel& lens, const Sight& sight,
+                                uint64_t seed, const Around& around) {
   const Pattern pattern = ChessboardPattern(30, 24, 0.02);
   SimulationOptions simulation;
   simulation.num_images = sight.num_images;
@@ -100,11 +100,12 @@ CameraFile CalibrateLens(const CameraModel& lens, const Sight& sight,
   KeepMiddle(sight.part, &dataset);
   options.hold_out = {dataset.images.back().image};
   options.cell_px = kSize.width / 16.0;
-  return Calibrate(dataset, pattern, options).camera;
+  return Calibrate(dataset, pattern, options);
 }
 
 struct UnitErrors {
   double median_px = 0, rms_px = 0, p99_px = 0, ratio = 0;
+  std::optional<FleetDistance> distance = {};
 };
 
 // ratio: of the error in an axis by the stated deviation.
@@ -112,7 +113,7 @@ UnitErrors ErrorsOf(const CameraModel& lens, const CameraFile& camera) {
   const ModelDifference difference =
       CompareModels(lens, *camera.camera, kStepPx);
   UnitErrors errors = {difference.median_px, difference.rms_px,
-                       difference.p99_px, 0};
+                       difference.p99_px};
   double sum = 0, count = 0;
   for (size_t i = 0; i < difference.pixels.size(); ++i) {
     const double stated_px = camera.uncertainty->lattice.At(
@@ -132,13 +133,31 @@ double MedianOf(const std::vector<UnitErrors>& units,
   return Quantile(values, 0.5);
 }
 
+// Whether units are told to be strangers, by how far they lie from the middle.
+void PrintDistances(const std::vector<UnitErrors>& units) {
+  std::vector<double> times;
+  int num_told = 0;
+  for (const UnitErrors& unit : units) {
+    if (!unit.distance) return;
+    times.push_back(unit.distance->rms_px / unit.distance->units_px);
+    num_told += unit.distance->IsStranger();
+  }
+  std::printf(
+      "     from the middle %.2f to %.2f times as far as units, median %.2f; "
+      "%d of %zu told\n",
+      Quantile(times, 0), Quantile(times, 1), Quantile(times, 0.5), num_told,
+      units.size());
+}
+
 void Measure(const std::string& name,
              const std::vector<std::unique_ptr<CameraModel>>& lenses,
              const Sight& sight, const Around& around) {
   std::vector<UnitErrors> errors(lenses.size());
   ParallelFor(static_cast<int>(lenses.size()), NumThreads(0), [&](int u) {
-    errors[u] = ErrorsOf(*lenses[u],
-                         CalibrateLens(*lenses[u], sight, 5000 + u, around));
+    const CalibrationResult result =
+        CalibrateLens(*lenses[u], sight, 5000 + u, around);
+    errors[u] = ErrorsOf(*lenses[u], result.camera);
+    errors[u].distance = result.fleet_distance;
   });
   double most = 0;
   for (const UnitErrors& unit : errors) most = std::max(most, unit.p99_px);
@@ -151,6 +170,7 @@ void Measure(const std::string& name,
       MedianOf(errors, &UnitErrors::rms_px),
       MedianOf(errors, &UnitErrors::p99_px), most,
       MedianOf(errors, &UnitErrors::ratio));
+  PrintDistances(errors);
   std::fflush(stdout);
 }
 
@@ -217,7 +237,8 @@ std::vector<CameraFile> CalibrateFleet(
       files[u] = ReadCameraFile(path);
       return;
     }
-    files[u] = CalibrateLens(*lenses[u], {kFleetImages}, 1000 + u, around);
+    files[u] =
+        CalibrateLens(*lenses[u], {kFleetImages}, 1000 + u, around).camera;
     if (!path.empty()) WriteFile(path, FormatCameraFile(files[u]));
   });
   return files;
@@ -236,26 +257,29 @@ Around ExactAround(const std::string& family) {
 }
 
 struct Options {
-  std::string family = "rich", keep;
+  std::string family = "rich", units_family, keep;
   int fleet = 40, units = 8;
   std::vector<int> images = {10};
   double part = 1, times = 1;
-  bool again = false, alone = true, exact = true;
+  bool again = false, alone = true, exact = true, plain = true;
 };
 
 void Run(const Options& options) {
   const Lenses family = LensesOf(options.family, 1);
-  const Lenses strangers = LensesOf(options.family, 77, options.times);
+  const bool are_of_fleet = options.units_family.empty() && options.times == 1;
+  const Lenses strangers = LensesOf(
+      options.units_family.empty() ? options.family : options.units_family, 77,
+      options.times);
   std::vector<std::unique_ptr<CameraModel>> lenses, others;
   for (int u = 0; u < options.fleet; ++u) lenses.push_back(family.draw());
   for (int u = 0; u < options.units; ++u)
-    others.push_back(options.times == 1 ? family.draw() : strangers.draw());
+    others.push_back(are_of_fleet ? family.draw() : strangers.draw());
   const auto measure = [&](const std::string& name, const Around& around) {
     for (const int num_images : options.images)
       Measure(name, others, {num_images, options.part}, around);
   };
   const auto measure_both = [&](const std::string& name, const Around& around) {
-    measure(name, {around.camera});
+    if (options.plain) measure(name, {around.camera});
     measure(name + ", spread", around);
   };
   if (options.alone) measure("alone", {});
@@ -289,10 +313,14 @@ int main(int argc, char** argv) {
                  "folder in which the fleet's cameras are kept");
   app.add_option("--part", options.part,
                  "of the images' width and height that features are in");
+  app.add_option("--units-family", options.units_family,
+                 "of the other units: strangers");
   app.add_option("--times", options.times,
                  "strangers, which differ so many times as much");
   app.add_flag("!--no-alone", options.alone, "not without --like");
   app.add_flag("!--no-exact", options.exact, "not around the exact middle");
+  app.add_flag("!--no-plain", options.plain,
+               "around middles with their spread only");
   app.add_flag("--again", options.again,
                "calibrate the fleet a second time, around its middle");
   CLI11_PARSE(app, argc, argv);

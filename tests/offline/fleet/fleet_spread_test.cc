@@ -6,10 +6,10 @@
 #include <memory>
 
 #include "calibration/calibration.h"
+#include "camera/lens_displacements.h"
 #include "decentred_family.h"
 #include "evaluation/model_difference.h"
 #include "fleet/fleet_mean.h"
-#include "fleet/lens_displacements.h"
 #include "lens_family.h"
 #include "simulation/random.h"
 #include "simulation/simulated_observations.h"

@@ -236,12 +236,14 @@ TEST(ResultFolder, HoldsAllThatTheReportSays) {
                                                 {},
                                                 {}};
   result.feature_noise = {0.0612, 0.0734, 4.5};
+  result.fleet_distance = FleetDistance{1.7, 0.3};
   WriteResultTo(out, result);
   const std::string html = ReportOf(out);
   for (const char* part :
        {"0.0612 px each for itself, 0.0734 px that neighbours share over 4.5",
         "Verdict: warn", "only 2 images", "12345 bytes", "40.0 (chosen)",
-        "central-radial", "pure noise", "(3, 4): 5.00 px off", "front"})
+        "central-radial", "pure noise", "(3, 4): 5.00 px off", "front",
+        "1.7 px from the fleet&#39;s middle"})
     EXPECT_TRUE(Has(html, part)) << part;
   EXPECT_EQ(ReportOf(out), html);
 }

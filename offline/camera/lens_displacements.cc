@@ -1,0 +1,25 @@
+#include "camera/lens_displacements.h"
+
+#include "camera/nearest_rotation.h"
+#include "camera/turned_camera.h"
+
+namespace raygrid {
+
+PixelField DisplacementsOf(const CameraModel& reference,
+                           const CameraModel& unit,
+                           const std::vector<Eigen::Vector2d>& pixels) {
+  const TurnedCamera turned(unit,
+                            NearestRotation(reference, unit, reference.area()));
+  PixelField values;
+  for (const Eigen::Vector2d& pixel : pixels) {
+    const auto ray = turned.Unproject(pixel);
+    const auto seen =
+        ray ? reference.Project(*ray, &pixel, kDisplacementMarginPx)
+            : std::nullopt;
+    values.push_back(seen ? std::optional<Eigen::Vector2d>(*seen - pixel)
+                          : std::nullopt);
+  }
+  return values;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,117 @@
+#include "evaluation/fleet_distance.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "camera/lens_displacements.h"
+
+namespace raygrid {
+namespace {
+
+// How the middle's image moves with a turn of the camera about each axis, a
+// place's two rows after another; zero where it sees nothing.
+Eigen::MatrixXd DisplacementsByTurn(
+    const CameraModel& middle, const std::vector<Eigen::Vector2d>& places) {
+  Eigen::MatrixXd by_turn = Eigen::MatrixXd::Zero(2 * places.size(), 3);
+  for (size_t i = 0; i < places.size(); ++i) {
+    const auto ray = middle.Unproject(places[i]);
+    LinearizedProjection projection;
+    if (!ray || !middle.Linearize(*ray, &places[i], 1, &projection)) continue;
+    Eigen::Matrix3d cross;  // w x ray, by w
+    cross << 0, ray->z(), -ray->y(), -ray->z(), 0, ray->x(), ray->y(),
+        -ray->x(), 0;
+    by_turn.middleRows<2>(2 * i) = projection.by_point * cross;
+  }
+  return by_turn;
+}
+
+Eigen::MatrixXd Stacked(const LensSpread& spread, const Area& area,
+                        const std::vector<Eigen::Vector2d>& places) {
+  const std::vector<BSplineSurface> surfaces = spread.Surfaces(area);
+  Eigen::MatrixXd columns(2 * places.size(), surfaces.size());
+  for (size_t k = 0; k < surfaces.size(); ++k)
+    for (size_t i = 0; i < places.size(); ++i)
+      columns.block<2, 1>(2 * i, k) = surfaces[k].Evaluate(places[i]);
+  return columns;
+}
+
+// The sum of squares of columns, less what turns make up for.
+double SquaresWithoutTurns(const Eigen::MatrixXd& by_turn,
+                           const Eigen::MatrixXd& columns) {
+  return (columns - by_turn * by_turn.colPivHouseholderQr().solve(columns))
+      .squaredNorm();
+}
+
+// The sum of squared distances between what the camera sees and what the middle
+// does.
+double SquaredDistances(const CameraModel& middle, const CameraModel& camera,
+                        const std::vector<Eigen::Vector2d>& places) {
+  const PixelField field = DisplacementsOf(middle, camera, places);
+  std::vector<Eigen::Vector2d> seen;
+  for (size_t i = 0; i < places.size(); ++i)
+    if (field[i]) seen.push_back(places[i]);
+  Eigen::VectorXd moved(2 * seen.size());
+  Eigen::Index row = 0;
+  for (const auto& displacement : field)
+    if (displacement) {
+      moved.segment<2>(row) = *displacement;
+      row += 2;
+    }
+  const double beyond = static_cast<double>(places.size() - seen.size()) *
+                        std::pow(kDisplacementMarginPx, 2);
+  return beyond + SquaresWithoutTurns(DisplacementsByTurn(middle, seen), moved);
+}
+
+double SquaredDeviations(const CameraModel& camera,
+                         const DeviationLattice& deviations,
+                         const std::vector<Eigen::Vector2d>& places) {
+  double sum = 0;
+  for (const Eigen::Vector2d& place : places) {
+    const double deviation_px = deviations.At(camera.area(), place);
+    if (std::isfinite(deviation_px)) sum += 2 * std::pow(deviation_px, 2);
+  }
+  return sum;
+}
+
+}  // namespace
+
+bool FleetDistance::IsStranger() const {
+  constexpr double kTimesUnits = 5, kLeastPx = 0.1;
+  return rms_px > std::max(kLeastPx, kTimesUnits * units_px);
+}
+
+std::string FleetDistance::Text() const {
+  return fmt::format(
+      "{:.2g} px from the fleet's middle where features are (RMS), units of "
+      "the fleet {:.2g} px",
+      rms_px, units_px);
+}
+
+std::string FleetDistance::Warning() const {
+  return fmt::format(
+      "this camera lies {}: is its lens of another kind or focus? --like may "
+      "harm such a lens where it has no features; calibrate it without",
+      Text());
+}
+
+std::optional<FleetDistance> MeasureFleetDistance(
+    const CameraModel& middle, const LensSpread& spread,
+    const CameraModel& camera, const DeviationLattice* deviations,
+    const std::vector<Eigen::Vector2d>& pixels) {
+  std::vector<Eigen::Vector2d> places;
+  for (const Eigen::Vector2d& pixel : pixels)
+    if (middle.area().Contains(pixel)) places.push_back(pixel);
+  if (places.empty()) return std::nullopt;
+  const double count = static_cast<double>(places.size());
+  double of_units = SquaresWithoutTurns(DisplacementsByTurn(middle, places),
+                                        Stacked(spread, middle.area(), places));
+  if (deviations) of_units += SquaredDeviations(camera, *deviations, places);
+  return FleetDistance{
+      std::sqrt(SquaredDistances(middle, camera, places) / count),
+      std::sqrt(of_units / count)};
+}
+
+}  // namespace raygrid

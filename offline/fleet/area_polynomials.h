@@ -1,0 +1,22 @@
+#ifndef RAYGRID_FLEET_AREA_POLYNOMIALS_H
+#define RAYGRID_FLEET_AREA_POLYNOMIALS_H
+
+#include <Eigen/Core>
+
+#include "camera/area.h"
+
+namespace raygrid {
+
+/// How many PolynomialsAt() has of a degree.
+constexpr int NumPolynomials(int degree) {
+  return (degree + 1) * (degree + 2) / 2;
+}
+
+/// Products of Legendre polynomials of a pixel's place in an area, up to a
+/// degree: 1, x, y, x^2, ...; each from -1 to 1.
+Eigen::VectorXd PolynomialsAt(const Area& area, const Eigen::Vector2d& pixel,
+                              int degree);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_FLEET_AREA_POLYNOMIALS_H
