@@ -184,11 +184,9 @@ MovementErrors ParseBeyond(const YAML::Node& node) {
 ErrorModes ParseModes(const YAML::Node& node) {
   ErrorModes modes;
   if (!node) return modes;
-  modes.columns = node["columns"].as<int>();
-  modes.rows = node["rows"].as<int>();
-  if (std::min(modes.columns, modes.rows) < 2 ||
-      std::max(modes.columns, modes.rows) > 65)
-    throw InputError("modes: columns and rows must be 2 to 65");
+  const LatticeSize size = ParseLatticeSize(node, "modes", 2, 65);
+  modes.columns = size.columns;
+  modes.rows = size.rows;
   modes.rest_px = node["rest_px"].as<double>();
   if (!(modes.rest_px >= 0)) throw InputError("modes: rest_px is negative");
   modes.beyond = ParseBeyond(node["beyond"]);

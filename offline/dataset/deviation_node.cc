@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "dataset/error.h"
@@ -10,13 +9,24 @@
 
 namespace raygrid {
 
+LatticeSize ParseLatticeSize(const YAML::Node& node, const std::string& name,
+                             int least, int most) {
+  const auto count = [&](const char* key) {
+    int value = 0;
+    if (!node.IsMap() || !node[key] ||
+        !YAML::convert<int>::decode(node[key], value) || value < least ||
+        value > most)
+      throw InputError(fmt::format("{}: {} is not a whole number from {} to {}",
+                                   name, key, least, most));
+    return value;
+  };
+  const int columns = count("columns");
+  return {columns, count("rows")};
+}
+
 DeviationLattice ParseDeviations(const YAML::Node& node) {
-  DeviationLattice lattice;
-  lattice.columns = node["columns"].as<int>();
-  lattice.rows = node["rows"].as<int>();
-  if (std::min(lattice.columns, lattice.rows) < 2 ||
-      std::max(lattice.columns, lattice.rows) > 65)
-    throw InputError("uncertainty: columns and rows must be 2 to 65");
+  const LatticeSize size = ParseLatticeSize(node, "uncertainty", 2, 65);
+  DeviationLattice lattice = {size.columns, size.rows, {}};
   const YAML::Node rows = node["deviation_px"];
   RequireYamlList(rows, "uncertainty: deviation_px", lattice.rows);
   for (const YAML::Node& row : rows) {

@@ -10,6 +10,16 @@
 
 namespace raygrid {
 
+/// How many places a lattice has across and down.
+struct LatticeSize {
+  int columns = 0, rows = 0;
+};
+
+/// columns and rows of a YAML file, from least to most each. Throws InputError
+/// that begins with name.
+LatticeSize ParseLatticeSize(const YAML::Node& node, const std::string& name,
+                             int least, int most);
+
 /// A lattice of standard deviations in a YAML file: columns, rows,
 /// deviation_px. Throws what yaml-cpp throws, and InputError without the file's
 /// name.
@@ -19,7 +29,7 @@ DeviationLattice ParseDeviations(const YAML::Node& node);
 void EmitDeviations(const DeviationLattice& lattice, YAML::Emitter* out);
 
 /// displacements_px of a YAML file: lists of dx, dy of num_places places each.
-/// Throws what yaml-cpp throws, and InputError that begins with name.
+/// Throws InputError that begins with name.
 std::vector<std::vector<Eigen::Vector2d>> ParseDisplacements(
     const YAML::Node& node, const std::string& name, int num_places);
 

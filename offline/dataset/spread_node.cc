@@ -1,29 +1,39 @@
 #include "dataset/spread_node.h"
 
-#include <algorithm>
+#include <string>
 
 #include "dataset/deviation_node.h"
 #include "dataset/error.h"
 
 namespace raygrid {
 
-std::optional<LensSpread> ParseSpread(const YAML::Node& node) {
-  if (!node) return std::nullopt;
+namespace {
+
+LensSpread SpreadOf(const YAML::Node& node) {
   constexpr int kLeast = 4, kMost = 65;
   constexpr size_t kMostDisplacements = 64;
-  LensSpread spread;
-  spread.columns = node["columns"].as<int>();
-  spread.rows = node["rows"].as<int>();
-  if (std::min(spread.columns, spread.rows) < kLeast ||
-      std::max(spread.columns, spread.rows) > kMost)
-    throw InputError("spread: columns and rows must be 4 to 65");
+  if (!node.IsMap())
+    throw InputError("spread: no columns, rows and displacements_px");
+  const LatticeSize size = ParseLatticeSize(node, "spread", kLeast, kMost);
   const YAML::Node fields = node["displacements_px"];
-  if (!fields.IsSequence() || fields.size() == 0 ||
+  if (!fields || !fields.IsSequence() || fields.size() == 0 ||
       fields.size() > kMostDisplacements)
     throw InputError("spread: displacements_px are not 1 to 64 lists");
-  spread.displacements_px =
-      ParseDisplacements(fields, "spread", spread.columns * spread.rows);
-  return spread;
+  return {size.columns, size.rows,
+          ParseDisplacements(fields, "spread", size.columns * size.rows)};
+}
+
+}  // namespace
+
+std::optional<LensSpread> ParseSpread(const YAML::Node& node) {
+  if (!node) return std::nullopt;
+  try {
+    return SpreadOf(node);
+  } catch (const InputError& error) {
+    throw InputError(std::string(error.what()) +
+                     "; take the file as raygrid batch wrote it, or remove "
+                     "'spread'");
+  }
 }
 
 void EmitSpread(const LensSpread& spread, YAML::Emitter* out) {

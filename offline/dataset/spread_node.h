@@ -10,8 +10,7 @@
 namespace raygrid {
 
 /// spread in a camera file: columns, rows, displacements_px. Nothing of a file
-/// without it. Throws what yaml-cpp throws, and InputError without the file's
-/// name.
+/// without it. Throws InputError without the file's name.
 std::optional<LensSpread> ParseSpread(const YAML::Node& node);
 
 /// Adds this key to the map that is being written.

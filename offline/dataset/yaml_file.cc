@@ -117,6 +117,13 @@ void RequireNothingMore(const std::string& path, YAML::Parser* parser) {
   throw InputError(fmt::format("{}: {}; remove it", path, what));
 }
 
+// A missing node has no line.
+std::string InLine(const YAML::Node& node) {
+  return node.IsDefined() && !node.Mark().is_null()
+             ? fmt::format(" in line {}", node.Mark().line + 1)
+             : "";
+}
+
 }  // namespace
 
 void RequireYamlFile(const std::string& path, const std::string& text) {
@@ -150,10 +157,11 @@ void RequireKind(const YAML::Node& root, const std::string& kind) {
 }
 
 double YamlNumber(const YAML::Node& node, const std::string& name) {
-  const double number = node.as<double>();
-  if (!(std::abs(number) <= kLargestNumber))
-    throw InputError(
-        fmt::format("{}: not a number, or beyond {:g}", name, kLargestNumber));
+  double number = NAN;
+  if (!node.IsDefined() || !YAML::convert<double>::decode(node, number) ||
+      !(std::abs(number) <= kLargestNumber))
+    throw InputError(fmt::format("{}{}: not a number, or beyond {:g}", name,
+                                 InLine(node), kLargestNumber));
   return number;
 }
 

@@ -21,7 +21,7 @@ void RequireYamlFile(const std::string& path, const std::string& text);
 void RequireKind(const YAML::Node& root, const std::string& kind);
 
 /// Any number that a file consists of: neither NaN nor beyond arithmetic.
-/// Throws InputError with the name, or what yaml-cpp throws.
+/// Throws InputError with the name and the line.
 double YamlNumber(const YAML::Node& node, const std::string& name);
 
 /// Throws InputError with the name if a node is no list of that size.

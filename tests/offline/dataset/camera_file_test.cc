@@ -622,16 +622,24 @@ TEST(CameraFile, RefusesAMalformedSpread) {
   const std::string text = FormatCameraFile(FileOfAFleet());
   const size_t spread = text.find("spread:");
   const std::string before = text.substr(0, spread), own = text.substr(spread);
-  const auto refused = [&](const std::string& from, const std::string& to) {
-    ExpectCameraRefused(before + Replaced(own, from, to));
+  const auto refused = [&](const std::string& from, const std::string& to,
+                           const std::string& told) {
+    ExpectError(ExitCode::kInput,
+                {"spread: " + told, "take the file as raygrid batch wrote it"},
+                [&] { ReadCameraText(before + Replaced(own, from, to)); });
   };
-  refused("columns: 4", "columns: 3");
-  refused("columns: 4", "columns: 66");
-  refused("columns: 4", "columns: 6");
-  refused("rows: 5", "rows: many");
-  refused("0.25000", ".nan");
-  refused("0.25000", "far");
-  refused("displacements_px", "displacements");
+  const std::string columns = "columns is not a whole number from 4 to 65";
+  for (const char* number : {"3", "66", "many", "[4]", "4.5", "99999999999"})
+    refused("columns: 4", std::string("columns: ") + number, columns);
+  refused("columns: 4", "column: 4", columns);
+  refused("rows: 5", "rows: many", "rows is not");
+  refused("columns: 4", "columns: 6", "one of displacements_px: not a list");
+  for (const char* number : {".nan", ".inf", "far", "~", "[1]"})
+    refused("0.25000", number, "displacements_px in line ");
+  refused("displacements_px", "displacements", "displacements_px are not 1 to");
+  for (const char* value : {"3", "[4, 5]", "~"})
+    refused("spread:", fmt::format("spread: {}\nspare:", value),
+            "no columns, rows and displacements_px");
   CameraFile none = FileOfAFleet();
   none.spread->displacements_px.clear();
   ExpectCameraRefused(FormatCameraFile(none));
