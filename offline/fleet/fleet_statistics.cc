@@ -1,5 +1,6 @@
 #include "fleet/fleet_statistics.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <boost/math/distributions/beta.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
@@ -57,6 +58,44 @@ double OwnHotellingLimit(double chance, double count, double num_directions) {
          boost::math::quantile(boost::math::complement(distribution, chance));
 }
 
+// Columns of which the mean of lenses is made: one for each part, or a line.
+Eigen::MatrixXd MeansOf(const MeanChanges& changes, Eigen::Index count) {
+  if (!changes.drifts.empty()) {
+    Eigen::MatrixXd line(count, 2);
+    line << Eigen::VectorXd::Ones(count),
+        Eigen::VectorXd::LinSpaced(count, -1, 1);
+    return line;
+  }
+  std::vector<int> ends = changes.Cuts();
+  ends.push_back(static_cast<int>(count));
+  Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(count, ends.size());
+  int begin = 0;
+  for (size_t k = 0; k < ends.size(); ++k) {
+    parts.col(k).segment(begin, ends[k] - begin).setOnes();
+    begin = ends[k];
+  }
+  return parts;
+}
+
+// Lenses about medians of single pixels, and what their mean may do.
+struct CenteredLenses {
+  Eigen::MatrixXd rows, means;
+};
+
+// About the mean of usual lenses, which is one of them. Medians of pixels are
+// not: what no lens is would be the shape of all units of a part.
+Eigen::MatrixXd AboutUsual(const CenteredLenses& lenses,
+                           const std::vector<bool>& is_usual) {
+  Eigen::MatrixXd rows = lenses.rows, means = lenses.means;
+  for (size_t i = 0; i < is_usual.size(); ++i)
+    if (!is_usual[i]) {
+      rows.row(i).setZero();
+      means.row(i).setZero();
+    }
+  return lenses.rows -
+         lenses.means * means.completeOrthogonalDecomposition().solve(rows);
+}
+
 // The two charts of lenses whose jumps are taken out, and the directions.
 struct LensCharts {
   std::vector<double> lens, shape;
@@ -66,18 +105,19 @@ struct LensCharts {
 
 // Limits come from usual units alone: those beyond them are left out, and all
 // is reckoned again.
-LensCharts ChartLenses(const Eigen::MatrixXd& rows, double chance) {
-  const auto count = static_cast<size_t>(rows.rows());
+LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
+  const auto count = static_cast<size_t>(lenses.rows.rows());
   std::vector<bool> is_usual(count, true);
   // At first the half that is nearest to the middle, by each pixel.
   std::vector<double> distances;
-  for (Eigen::Index i = 0; i < rows.rows(); ++i)
-    distances.push_back(rows.row(i).squaredNorm());
+  for (Eigen::Index i = 0; i < lenses.rows.rows(); ++i)
+    distances.push_back(lenses.rows.row(i).squaredNorm());
   const double median = Median(distances);
   for (size_t i = 0; i < count; ++i) is_usual[i] = distances[i] <= 4 * median;
   LensCharts charts;
   constexpr int kRounds = 10;
   for (int round = 0; round < kRounds; ++round) {
+    const Eigen::MatrixXd rows = AboutUsual(lenses, is_usual);
     charts.directions = DirectionsOf(rows, is_usual);
     const Eigen::MatrixXd scores = rows * charts.directions.axes;
     const Eigen::VectorXd rest =
@@ -143,8 +183,8 @@ void AddNamed(const std::string& name, const MeanChanges& changes,
 }
 
 // The lenses, with what their mean does along their directions taken out.
-Eigen::MatrixXd AboutTheirMean(const Eigen::MatrixXd& pixels, double chance,
-                               FleetStatistics* statistics) {
+CenteredLenses AboutTheirMean(const Eigen::MatrixXd& pixels, double chance,
+                              FleetStatistics* statistics) {
   const Eigen::Index count = pixels.rows();
   const Eigen::MatrixXd scores = pixels * NeighbourDirections(pixels).axes;
   std::vector<std::vector<double>> series;
@@ -158,7 +198,7 @@ Eigen::MatrixXd AboutTheirMean(const Eigen::MatrixXd& pixels, double chance,
         MiddleOf({rows.col(k).data(), rows.col(k).data() + count}, changes);
     rows.col(k) -= Eigen::Map<const Eigen::VectorXd>(middle.data(), count);
   }
-  return rows;
+  return {rows, MeansOf(changes, count)};
 }
 
 void AddFigureChart(const FleetFigure& figure, double chance,
@@ -218,11 +258,11 @@ FleetStatistics FindOutliers(const FleetInput& input) {
   // Lenses share it with each figure.
   const double change_chance =
       kFleetChance / (1 + static_cast<double>(input.figures.size()));
-  const Eigen::MatrixXd rows =
+  const CenteredLenses centered =
       AboutTheirMean(input.pixels, change_chance, &statistics);
   const double chance =
       kFleetChance / (static_cast<double>(2 + input.figures.size()) * count);
-  const LensCharts lenses = ChartLenses(rows, chance);
+  const LensCharts lenses = ChartLenses(centered, chance);
   statistics.num_directions =
       static_cast<int>(lenses.directions.variances.size());
   const std::vector<double> zeros(count, 0.0);
