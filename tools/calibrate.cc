@@ -284,6 +284,7 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
   const Pattern pattern = MeantPattern(arguments.pattern, common);
   RequireNoInputReplaced(arguments, FindImages(arguments.images).paths);
   RequireWritableFolder(arguments.output);
+  RequireImageCodecs();
 
   std::string inputs, unused_rows;
   RigResult result;

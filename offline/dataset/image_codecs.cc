@@ -58,6 +58,8 @@ const ImageCodecs& Loaded() {
 
 }  // namespace
 
+void LoadImageCodecs() { Loaded(); }
+
 cv::Mat DecodeImage(const std::string& bytes, int flags) {
   const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U,
                         const_cast<char*>(bytes.data()));

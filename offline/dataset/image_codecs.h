@@ -7,9 +7,12 @@
 
 namespace raygrid {
 
-// The module raygrid_image_codecs.so has both. It is loaded with the first
+// The module raygrid_image_codecs.so has these. It is loaded with the first
 // image: OpenCV's codecs bring 140 libraries, which would take 0.09 s of each
 // start. An InputError says where the module is missing.
+
+/// Loads the module now.
+void LoadImageCodecs();
 
 /// Decodes an image file as cv::imdecode() does; flags are cv::ImreadModes. The
 /// image is empty if the bytes are none.

@@ -238,6 +238,8 @@ std::string EncodePng(const Image& image) {
   return EncodeImage(".png", pixels);
 }
 
+void RequireImageCodecs() { LoadImageCodecs(); }
+
 FoundImages FindImages(const std::vector<std::string>& paths) {
   FoundImages found;
   for (const std::string& path : paths) {

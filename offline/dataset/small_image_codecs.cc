@@ -547,6 +547,9 @@ bool BeginsWith(const std::string& bytes, const std::string& magic,
 
 }  // namespace
 
+// Codecs are linked here.
+void LoadImageCodecs() {}
+
 cv::Mat DecodeImage(const std::string& bytes, int flags) {
   if (bytes.size() < 12) return {};
   cv::Mat pixels;

@@ -68,6 +68,12 @@ class BadInput(CommandTest):
         self.assertFalse(os.path.exists(self.path("none.csv")))
         self.assert_done(run("inspect", self.path("good.raygrid"), program=program))
 
+        # Features need no image, but the report has some: told before the work.
+        too_few = write(self.path("too_few.csv"), features(1))
+        result = run("calibrate", "--features", too_few, "--image-size", "640x480",
+                     "--pattern", self.pattern, "-o", self.path("copied"), program=program)
+        self.assert_refused(result, 2, "raygrid_image_codecs.so", "install")
+
     def test_truncated_image(self):
         board = self.path("board")
         self.assert_done(run("pattern", "chessboard", "--columns", 9, "--rows", 6, "--square-mm",
