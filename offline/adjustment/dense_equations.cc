@@ -25,11 +25,11 @@ void SubtractProduct(const Eigen::MatrixXd& factor, int num_threads,
 }
 
 // A residual's derivatives by parameters that no other node shares: global ones
-// of the camera, its pose in the rig, the board's place on a body, the kept
-// group. Columns ascend.
+// of the camera, its pose in the rig, the board's place on a body, its shape,
+// the kept group. Columns ascend.
 struct OtherColumns {
-  static constexpr int kMax =
-      LinearizedProjection::kMaxGlobal + 12 + kMaxPerPose;
+  static constexpr int kMax = LinearizedProjection::kMaxGlobal + 12 +
+                              FlexModes::kMaxCount + kMaxPerPose;
   int count = 0;
   std::array<int, kMax> index;
   Eigen::Matrix<double, 2, kMax> value;
@@ -101,28 +101,26 @@ DenseEquations::DenseEquations(const ParameterLayout& layout,
       eliminate_points_(3 * layout.num_points >
                         layout.per_pose * layout.num_poses),
       block_size_(eliminate_points_ ? 3 : layout.per_pose) {
-  const ShapeMoves moves(layout, modes);
-  const ParameterLayout with_points = moves.WithPoints();
   const int num_blocks =
       eliminate_points_ ? layout.num_points : layout.num_poses;
   const int size = eliminate_points_
                        ? layout.first_point + layout.per_pose * layout.num_poses
-                       : with_points.size;
+                       : layout.size;
   a_.setZero(size, size);
   v_.assign(num_blocks, PoseMatrix::Zero(block_size_, block_size_));
   w_.setZero(size, block_size_ * num_blocks);
   gradient_ = {Eigen::MatrixXd::Zero(size, 1),
                Eigen::MatrixXd::Zero(block_size_ * num_blocks, 1)};
-  for (const ViewJacobian& jacobian : jacobians)
-    AddJacobian(with_points, jacobian);
-  if (layout.has_shapes()) AddBends(with_points, moves);
+  for (const ViewJacobian& jacobian : jacobians) AddJacobian(jacobian, modes);
+  if (layout.has_shapes() && layout.num_points > 0)
+    AddBends(ShapeMoves(layout, modes));
   AddPrior(prior);
 }
 
-void DenseEquations::AddJacobian(const ParameterLayout& layout,
-                                 const ViewJacobian& jacobian) {
-  const bool has_cameras = layout.has_cameras();
-  const int first = has_cameras ? layout.first_camera[jacobian.camera] : 0;
+void DenseEquations::AddJacobian(const ViewJacobian& jacobian,
+                                 const FlexModes& modes) {
+  const bool has_cameras = layout_.has_cameras();
+  const int first = has_cameras ? layout_.first_camera[jacobian.camera] : 0;
   const int num_nodes = has_cameras ? jacobian.num_nodes : 0;
   for (int i = 0; i < jacobian.count(); ++i) {
     const ByBlock by_pose = jacobian.ByPose(i).transpose();
@@ -133,16 +131,19 @@ void DenseEquations::AddJacobian(const ParameterLayout& layout,
       others.Add(first + jacobian.first_global,
                  ViewJacobian::Block(jacobian.by_global, i));
       if (jacobian.camera > 0)
-        others.Add(layout.CameraPose(jacobian.camera),
+        others.Add(layout_.CameraPose(jacobian.camera),
                    ViewJacobian::Block<6>(jacobian.by_camera_pose, i));
     }
-    if (layout.has_places() && jacobian.place >= 0)
-      others.Add(layout.Place(jacobian.place),
+    if (layout_.has_places() && jacobian.place >= 0)
+      others.Add(layout_.Place(jacobian.place),
                  ViewJacobian::Block<6>(jacobian.by_place, i));
+    if (layout_.has_shapes() && layout_.num_points == 0)
+      others.Add(layout_.Shape(modes.boards[point]),
+                 by_point * modes.by_point[point]);
     if (eliminate_points_)
-      others.Add(layout.first_point + layout.per_pose * jacobian.pose, by_pose);
-    else if (layout.num_points > 0)
-      others.Add(layout.Point(point), by_point);
+      others.Add(FirstPose() + layout_.per_pose * jacobian.pose, by_pose);
+    else if (layout_.num_points > 0)
+      others.Add(layout_.Point(point), by_point);
 
     ByBlock by_block(2, block_size_);
     if (eliminate_points_)
@@ -175,16 +176,13 @@ void DenseEquations::AddJacobian(const ParameterLayout& layout,
   }
 }
 
-void DenseEquations::AddBends(const ParameterLayout& with_points,
-                              const ShapeMoves& moves) {
-  const Eigen::MatrixXd displacements = moves.Displacements();
-  const Eigen::Index num = displacements.cols(), at = layout_.first_shape;
-  const auto of_point = [&](Eigen::Index i) {
-    return displacements.middleRows<3>(3 * i);
-  };
+void DenseEquations::AddBends(const ShapeMoves& moves) {
+  const Eigen::Index at = layout_.first_shape, num = moves.NumBends();
   if (eliminate_points_) {
-    for (int i = 0; i < with_points.num_points; ++i)
-      w_.block(at, 3 * i, num, 3).noalias() = of_point(i).transpose() * v_[i];
+    moves.ForPoints([&](int point, int bend, const auto& move) {
+      w_.block(at + bend, 3 * point, move.cols(), 3).noalias() =
+          move.transpose() * v_[point];
+    });
     gradient_.kept.middleRows(at, num) = moves.OfPoints(gradient_.eliminated);
     const Eigen::MatrixXd with_kept = moves.OfPoints(w_.transpose());
     const Eigen::Index end = at + num, behind = a_.rows() - end;
@@ -192,23 +190,18 @@ void DenseEquations::AddBends(const ParameterLayout& with_points,
     a_.block(end, at, behind, num) = with_kept.rightCols(behind).transpose();
     return;
   }
-  const Eigen::Index first = with_points.first_point;
-  const Eigen::Index count = with_points.size - first;
+  const Eigen::Index first = layout_.first_point;
+  const Eigen::Index count = layout_.size - first;
   w_.middleRows(at, num) = moves.OfPoints(w_.bottomRows(count));
   gradient_.kept.middleRows(at, num) =
       moves.OfPoints(gradient_.kept.bottomRows(count));
   a_.block(at, 0, num, at) = moves.OfPoints(a_.block(first, 0, count, at));
-  for (Eigen::Index i = 0; i < with_points.num_points; ++i) {
-    const Eigen::Index point = first + 3 * i;
-    a_.block(point, at, 3, num).noalias() =
-        a_.block<3, 3>(point, point).selfadjointView<Eigen::Lower>() *
-        of_point(i);
-  }
+  moves.ForPoints([&](int point, int bend, const auto& move) {
+    const Eigen::Index row = layout_.Point(point);
+    a_.block(row, at + bend, 3, move.cols()).noalias() =
+        a_.block<3, 3>(row, row).selfadjointView<Eigen::Lower>() * move;
+  });
   a_.block(at, at, num, num) = moves.OfPoints(a_.block(first, at, count, num));
-  // Points that are fixed were summed for the bends alone.
-  a_.conservativeResize(layout_.size, layout_.size);
-  w_.conservativeResize(layout_.size, Eigen::NoChange);
-  gradient_.kept.conservativeResize(layout_.size, 1);
 }
 
 void DenseEquations::AddPrior(const PriorEquations& prior) {

@@ -40,10 +40,11 @@ class DenseEquations : public NormalEquations {
     std::vector<Eigen::LLT<PoseMatrix>> blocks;
     Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> dense;
   };
-  // Adds nothing to bends that boards have in all views.
-  void AddJacobian(const ParameterLayout& layout, const ViewJacobian& jacobian);
+  // Adds nothing to bends that boards have in all views, unless points are
+  // fixed.
+  void AddJacobian(const ViewJacobian& jacobian, const FlexModes& modes);
   // Gives bends the sums of their points, by ShapeMoves.
-  void AddBends(const ParameterLayout& with_points, const ShapeMoves& moves);
+  void AddBends(const ShapeMoves& moves);
   void AddPrior(const PriorEquations& prior);
   bool Reduce(double lambda, Reduced* reduced) const;
   // The place of the first pose among the kept, or the eliminated.

@@ -161,13 +161,13 @@ Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
       for (int k = 0; k < 9; ++k)
         triplets.emplace_back(layout_.Point(i) + k % 3,
                               layout_.Point(i) + k / 3, blocks[i].data()[k]);
-    const Eigen::MatrixXd displacements = moves_.Displacements();
-    for (int i = 0; i < num_points; ++i)
-      for (Eigen::Index k = 0; k < displacements.cols(); ++k) {
-        const Eigen::Vector3d moved = displacements.block<3, 1>(3 * i, k);
-        const int index = layout_.first_shape + static_cast<int>(k);
-        triplets.emplace_back(index, index, moved.dot(blocks[i] * moved));
+    moves_.ForPoints([&](int point, int bend, const auto& move) {
+      for (Eigen::Index k = 0; k < move.cols(); ++k) {
+        const int index = layout_.first_shape + bend + static_cast<int>(k);
+        triplets.emplace_back(index, index,
+                              move.col(k).dot(blocks[point] * move.col(k)));
       }
+    });
   }
   Eigen::SparseMatrix<double> matrix(layout_.size, layout_.size);
   matrix.setFromTriplets(triplets.begin(), triplets.end());

@@ -41,19 +41,6 @@ ShapeMoves::ShapeMoves(const ParameterLayout& layout, const FlexModes& modes)
   }
 }
 
-ParameterLayout ShapeMoves::WithPoints() const {
-  ParameterLayout result = layout_;
-  result.num_points = moved_.num_points;
-  result.size = result.Point(result.num_points);
-  return result;
-}
-
-Eigen::MatrixXd ShapeMoves::Displacements() const {
-  Eigen::MatrixXd bends = Eigen::MatrixXd::Zero(layout_.size, NumBends());
-  bends.middleRows(layout_.first_shape, NumBends()).setIdentity();
-  return Moved(bends).bottomRows(NumCoordinates());
-}
-
 CoarseBasis ShapeMoves::Moved(const CoarseBasis& basis) const {
   if (boards_.empty()) return basis;
   std::vector<Eigen::Triplet<double>> triplets;

@@ -22,9 +22,6 @@ class ShapeMoves {
   /// has no bends.
   const ParameterLayout& moved() const { return moved_; }
 
-  /// The layout with all points, though they may be fixed, if it has bends.
-  ParameterLayout WithPoints() const;
-
   /// T x, from rows of the layout (before the poses) to rows of moved().
   template <typename Matrix>
   Matrix Moved(const Matrix& x) const {
@@ -65,8 +62,16 @@ class ShapeMoves {
     return bends;
   }
 
-  /// The coordinates' moves by a unit of each bend, a column a bend.
-  Eigen::MatrixXd Displacements() const;
+  /// Calls body(point, first, move) for the points of each board: the first of
+  /// its bends among all of the layout, and how a unit of each moves the point,
+  /// 3 x N.
+  template <typename Body>
+  void ForPoints(const Body& body) const {
+    for (const Board& board : boards_)
+      for (int i = 0; i < board.modes.rows(); i += 3)
+        body((board.first + i) / 3, board.shape - layout_.first_shape,
+             board.modes.template middleRows<3>(i));
+  }
 
   int NumBends() const { return layout_.first_point - layout_.first_shape; }
 

@@ -64,9 +64,13 @@ TEST_P(ShapeMovesOf, GoBackByTheTranspose) {
       Eigen::MatrixXd::Identity(layout_.size, layout_.size));
   const Eigen::MatrixXd y = Drawn(moves_.moved().size, 3);
   EXPECT_LT((moves_.Back(y) - all.transpose() * y).norm(), 1e-12);
-  EXPECT_EQ(moves_.Displacements(),
-            all.middleCols(layout_.first_shape, moves_.NumBends())
-                .bottomRows(3 * moves_.moved().num_points));
+  Eigen::MatrixXd of_points =
+      Eigen::MatrixXd::Zero(3 * moves_.moved().num_points, moves_.NumBends());
+  moves_.ForPoints([&](int point, int first, const auto& move) {
+    of_points.block(3 * point, first, 3, move.cols()) = move;
+  });
+  EXPECT_EQ(of_points, all.middleCols(layout_.first_shape, moves_.NumBends())
+                           .bottomRows(of_points.rows()));
 }
 
 TEST_P(ShapeMovesOf, MoveABasis) {
