@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <optional>
-#include <random>
-#include <set>
 
 #include "adjustment/normal_equations.h"
-#include "adjustment/precision_root.h"
+#include "adjustment/prior_evidence.h"
 
 namespace raygrid {
 namespace {
@@ -167,258 +164,8 @@ AdjustmentSummary Adjust(const std::vector<View>& views,
   return summary;
 }
 
-// ---- Evidence approximation ------------------------------------------------
-
 // So little damping that it does not count as knowledge of the parameters.
 constexpr double kLearningLambda = 1e-6;
-
-// The evidence on a group of parameters under the prior: how many of them there
-// are, how many the observations determine, and their squared distance from the
-// prior's mean (in K's metric).
-struct GroupEvidence {
-  double count = 0, determined = 0, squared_distance = 0;
-};
-
-// A group of the prior, with the place of its camera among the parameters.
-struct CameraGroup {
-  int camera = 0;
-  PriorGroup* group = nullptr;
-  PrecisionRoot root;
-};
-
-std::vector<CameraGroup> CameraGroups(GaussianPrior* prior) {
-  std::vector<CameraGroup> groups;
-  for (size_t c = 0; c < prior->cameras.size(); ++c)
-    for (PriorGroup& group : prior->cameras[c].groups)
-      groups.push_back(
-          {static_cast<int>(c), &group, PrecisionRoot(group.precision)});
-  return groups;
-}
-
-// How many parameters of each group of the prior the observations determine.
-struct Determined {
-  std::vector<double> groups;  // of cameras
-  double points = 0;
-  std::array<double, kNumBendOrders> flex = {};
-};
-
-// The place of a bend among the parameters, and its order.
-struct FlexRow {
-  int row;
-  BendOrder order;
-};
-
-// Whether a bend moves any point of a board: one of few rows has fewer bends.
-bool IsTold(const FlexModes& modes, int board, int mode) {
-  for (size_t i = 0; i < modes.boards.size(); ++i)
-    if (modes.boards[i] == board && !modes.by_point[i].col(mode).isZero(0))
-      return true;
-  return false;
-}
-
-// The bends of all poses, or those that all boards that are seen may have.
-std::vector<FlexRow> FlexRows(const ParameterLayout& layout,
-                              const std::vector<View>& views,
-                              const AdjustmentState& state) {
-  const FlexModes& modes = state.modes;
-  std::set<int> poses, boards;
-  for (const View& view : views) {
-    if (state.HasFlex()) poses.insert(view.pose);
-    if (layout.has_shapes() && !view.observations.empty())
-      boards.insert(modes.boards[view.observations[0].point]);
-  }
-  std::vector<FlexRow> rows;
-  for (const int pose : poses)
-    for (int mode = 0; mode < modes.count(); ++mode)
-      rows.push_back({layout.Pose(pose) + 6 + mode, modes.orders[mode]});
-  for (const int board : boards)
-    for (int mode = 0; mode < modes.count(); ++mode)
-      if (IsTold(modes, board, mode))
-        rows.push_back({layout.Shape(board) + mode, modes.orders[mode]});
-  return rows;
-}
-
-double NumOfOrder(const std::vector<FlexRow>& rows, BendOrder order) {
-  return static_cast<double>(std::count_if(
-      rows.begin(), rows.end(),
-      [order](const FlexRow& row) { return row.order == order; }));
-}
-
-// The number of a group's parameters less the trace of the prior's part of H
-// times H's inverse, which is the mean of b^T H^-1 b (Hutchinson, 1989), with
-// b = sqrt(weight) B z of random signs z. For all groups at once: they are
-// independent. Nothing if the system is singular.
-std::optional<Determined> NumDetermined(const NormalEquations& equations,
-                                        const ParameterLayout& layout,
-                                        const std::vector<CameraGroup>& groups,
-                                        const GaussianPrior& prior,
-                                        const std::vector<FlexRow>& flex_rows,
-                                        double lambda) {
-  const int num_samples = equations.NumCheapSides();
-  std::mt19937 random_bits(1);  // the standard fixes its sequence
-  std::vector<Eigen::MatrixXd> shares;
-  const bool has_flex = layout.per_pose > 6;
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(
-      has_flex ? layout.num_all() : layout.size, num_samples);
-  for (const CameraGroup& group : groups) {
-    const int size = layout.NumCameraParameters(group.camera);
-    Eigen::MatrixXd share(size, num_samples);
-    for (int k = 0; k < num_samples; ++k)
-      share.col(k) =
-          std::sqrt(group.group->weight) *
-          WithoutFree(group.group->free, group.group->freed,
-                      group.root.Times(
-                          RandomSigns(group.root.size(), &random_bits), size));
-    right.middleRows(layout.first_camera[group.camera], size) += share;
-    shares.push_back(std::move(share));
-  }
-  for (int k = 0; k < num_samples; ++k)
-    right.col(k).segment(layout.first_point, 3 * layout.num_points) =
-        std::sqrt(prior.points_weight) *
-        RandomSigns(3 * layout.num_points, &random_bits);
-  for (const FlexRow& flex : flex_rows)
-    right.row(flex.row) = std::sqrt(prior.FlexWeight(flex.order)) *
-                          RandomSigns(num_samples, &random_bits).transpose();
-  Eigen::MatrixXd solution, rest;
-  if (!equations.SolveWithRest(lambda, right, &solution, &rest))
-    return std::nullopt;
-  // Determined parameters are a small difference of large numbers: an error e
-  // of x, which alone makes the trace wrong by b^T e, would drown it. With x^T
-  // (b - H x) added it is e^T H e. Parameters belong to one group: it gets
-  // their part.
-  const auto trace = [&](int first, const Eigen::MatrixXd& share) {
-    const auto left =
-        (share.array() != 0).select(rest.middleRows(first, share.rows()), 0.0);
-    return solution.middleRows(first, share.rows())
-        .cwiseProduct(share + left)
-        .sum();
-  };
-  const auto determined = [num_samples](double count, double sum) {
-    return std::clamp(count - sum / num_samples, 1e-3 * count, count);
-  };
-  Determined result;
-  for (size_t g = 0; g < groups.size(); ++g)
-    result.groups.push_back(
-        determined(groups[g].group->rank,
-                   trace(layout.first_camera[groups[g].camera], shares[g])));
-  result.points = determined(
-      3.0 * layout.num_points,
-      trace(layout.first_point,
-            right.middleRows(layout.first_point, 3 * layout.num_points)));
-  std::array<double, kNumBendOrders> flex = {};
-  for (const auto& [row, order] : flex_rows)
-    flex[static_cast<int>(order)] +=
-        solution.row(row).dot(right.row(row) + rest.row(row));
-  for (int k = 0; k < kNumBendOrders; ++k)
-    result.flex[k] =
-        determined(NumOfOrder(flex_rows, static_cast<BendOrder>(k)), flex[k]);
-  return result;
-}
-
-// The sum of squared coefficients of an order. A view that is far from the
-// others is of another board or camera rather than bent so much: it counts as
-// one that is as far as chance lets few be. A board may be bent alone.
-double SquaredFlex(const AdjustmentState& state, BendOrder order) {
-  constexpr double kTimesMedian = 9;
-  std::vector<double> squares;
-  for (const FlexModes::Coefficients& flex : state.flex) {
-    double square = 0;
-    for (int mode = 0; mode < state.modes.count(); ++mode)
-      if (state.modes.orders[mode] == order) square += flex[mode] * flex[mode];
-    squares.push_back(square);
-  }
-  if (squares.empty()) return 0;
-  if (state.bend_scope == BendScope::kBoard)
-    return std::accumulate(squares.begin(), squares.end(), 0.0);
-  std::vector<double> sorted = squares;
-  const auto middle =
-      sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  double sum = 0;
-  for (const double square : squares)
-    sum += std::min(square, kTimesMedian * *middle);
-  return sum;
-}
-
-// The evidence of each group of the prior.
-struct Evidence {
-  std::vector<GroupEvidence> groups;  // of cameras
-  GroupEvidence points;
-  std::array<GroupEvidence, kNumBendOrders> flex;
-};
-
-Evidence EvidenceOf(const std::vector<CameraGroup>& groups,
-                    const GaussianPrior& prior, const Determined& determined,
-                    const std::vector<FlexRow>& flex_rows,
-                    const AdjustmentState& state) {
-  Evidence evidence;
-  for (size_t g = 0; g < groups.size(); ++g) {
-    const Eigen::VectorXd difference =
-        state.cameras[groups[g].camera]->Parameters() -
-        prior.cameras[groups[g].camera].mean;
-    evidence.groups.push_back({static_cast<double>(groups[g].group->rank),
-                               determined.groups[g],
-                               groups[g].group->SquaredDistance(difference)});
-  }
-  evidence.points = {3.0 * static_cast<double>(state.points.size()),
-                     determined.points, 0};
-  for (size_t i = 0; i < state.points.size(); ++i)
-    evidence.points.squared_distance +=
-        (state.points[i] - prior.points_mean[i]).squaredNorm();
-  for (int k = 0; k < kNumBendOrders; ++k) {
-    const auto order = static_cast<BendOrder>(k);
-    evidence.flex[k] = {NumOfOrder(flex_rows, order), determined.flex[k],
-                        SquaredFlex(state, order)};
-  }
-  return evidence;
-}
-
-constexpr double kNegligiblePx = 1e-3;   // smaller departures are no matter
-constexpr double kStableChange = 0.05;   // of a weight's logarithm
-constexpr double kFewDetermined = 0.02;  // part of a group
-
-bool IsNextToNothing(const GroupEvidence& evidence) {
-  return evidence.determined < kFewDetermined * evidence.count;
-}
-
-// Whether parameters depart so little from their mean as chance lets 1 of 50 of
-// them. With a prior of variance u, and v of what the observations alone tell
-// of them, a part g = u / (u + v) is determined, and their squared distance is
-// g^2 times what it were without a prior, x v. The evidence is greatest where u
-// is distance / (g count), so with g = 1 - count / x. It falls towards there.
-bool IsByChance(const GroupEvidence& evidence, double prior_variance) {
-  constexpr double kLeastDetermined = 0.7;  // x is 3.3 times the count
-  return evidence.determined < kLeastDetermined * evidence.count &&
-         evidence.squared_distance < prior_variance * evidence.determined;
-}
-
-// Moves a weight round by round to where the evidence leaves it.
-class WeightUpdate {
- public:
-  // The variance of the group's parameters is taken for no smaller than
-  // smallest_variance, the weight for no smaller than least_weight. Returns how
-  // much the weight's logarithm changed.
-  double Update(const GroupEvidence& group, double residual_variance,
-                double smallest_variance, double least_weight, double* weight) {
-    const double variance =
-        std::max(group.squared_distance / group.determined, smallest_variance);
-    double change = std::log(residual_variance / variance / *weight);
-    // Changes that shrink by the same factor add up to a known sum.
-    const double factor = change / last_change_;
-    last_change_ = change;
-    if (factor > 0 && factor < kMaxFactor) {
-      change /= 1 - factor;
-      last_change_ = 0;
-    }
-    const double before = *weight;
-    *weight = std::max(before * std::exp(change), least_weight);
-    return std::abs(std::log(*weight / before));
-  }
-
- private:
-  static constexpr double kMaxFactor = 0.8;
-  double last_change_ = 0;  // none, or of which none is known
-};
 
 // The mean over a board's views of how it bends there is its shape: it moves
 // from the flex to the points and their mean, which changes no residual.
@@ -461,11 +208,114 @@ double SquaredMetresPerPixel(const AdjustmentState& state,
   return sum > 0 ? count / sum : 1;
 }
 
-// A view's board bends by a part of its size. A board may be of any shape.
-double LeastFlexWeight(const AdjustmentState& state, double residual_variance) {
-  if (state.bend_scope == BendScope::kBoard) return 0;
-  return residual_variance / std::pow(state.modes.MaxDeviationM(), 2);
+// A first guess of weights that are 0: residuals, second differences and bends
+// all scatter alike, and points as far as their observations together leave
+// open.
+void GuessWeights(const std::vector<CameraGroup>& groups,
+                  const std::vector<Residual>& residuals, double huber_px,
+                  size_t num_points, double square_metres_per_pixel,
+                  GaussianPrior* prior) {
+  const double variance = ResidualVariance(residuals, huber_px, 0);
+  for (const CameraGroup& group : groups)
+    if (group.group->weight == 0) group.group->SetWeight(1, variance);
+  if (prior->points_weight == 0)
+    prior->points_weight = std::max(1.0, static_cast<double>(residuals.size()) /
+                                             static_cast<double>(num_points)) /
+                           square_metres_per_pixel;
+  for (double& weight : prior->flex_weights)
+    if (weight == 0) weight = 1 / square_metres_per_pixel;
 }
+
+// How many parameters residuals have been adjusted by.
+double NumEffectiveParameters(const PriorEvidence& evidence,
+                              const ParameterLayout& layout) {
+  double count = layout.first_shape + 6.0 * layout.num_poses;
+  for (const GroupEvidence& group : evidence.groups)
+    count += group.determined - group.count;
+  if (layout.num_points > 0) count += evidence.points.determined;
+  for (const GroupEvidence& flex : evidence.flex) count += flex.determined;
+  return count;
+}
+
+// Takes boards for as nominal, and as flat, as observations can tell. Whether
+// they tell less than was adjusted.
+bool LeaveOutWhatIsNotTold(const PriorEvidence& evidence, double variance,
+                           const GaussianPrior& prior, bool* fix_points,
+                           AdjustmentState* state) {
+  bool is_simpler = false;
+  if (!*fix_points && IsNextToNothing(evidence.points)) {
+    state->points = prior.points_mean;
+    *fix_points = is_simpler = true;
+  }
+  for (int k = 0; k < kNumBendOrders; ++k) {
+    const GroupEvidence& flex = evidence.flex[k];
+    if (flex.count == 0) continue;
+    if (state->HasShapes() ? !IsByChance(flex, variance / prior.flex_weights[k])
+                           : !IsNextToNothing(flex))
+      continue;
+    state->modes.Remove(static_cast<BendOrder>(k), &state->flex);
+    is_simpler = true;
+  }
+  return is_simpler;
+}
+
+// The weights of a prior, from round to round. Updates return how much the
+// weights' logarithms changed at most.
+class PriorUpdate {
+ public:
+  PriorUpdate(const std::vector<CameraGroup>& groups,
+              double square_metres_per_pixel)
+      : groups_(groups),
+        negligible_m2_(kNegligiblePx2 * square_metres_per_pixel),
+        of_groups_(groups.size()) {}
+
+  double UpdateCameras(const PriorEvidence& evidence, double variance) {
+    double change = 0;
+    for (size_t g = 0; g < groups_.size(); ++g) {
+      PriorGroup& group = *groups_[g].group;
+      double weight = group.weight;
+      change = std::max(
+          change,
+          of_groups_[g].Update(evidence.groups[g], variance, kNegligiblePx2,
+                               group.firmness * variance, &weight));
+      group.SetWeight(weight, variance);
+    }
+    return change;
+  }
+
+  double UpdateBoards(const PriorEvidence& evidence, double variance,
+                      bool fix_points, const AdjustmentState& state,
+                      GaussianPrior* prior) {
+    double change = 0;
+    if (!fix_points)
+      change = of_points_.Update(evidence.points, variance, negligible_m2_, 0,
+                                 &prior->points_weight);
+    for (int k = 0; k < kNumBendOrders; ++k)
+      if (evidence.flex[k].count > 0)
+        change = std::max(
+            change,
+            of_flex_[k].Update(evidence.flex[k], variance, negligible_m2_,
+                               LeastFlexWeight(state, variance),
+                               &prior->flex_weights[k]));
+    return change;
+  }
+
+ private:
+  // Smaller departures are no matter.
+  static constexpr double kNegligiblePx2 = 1e-3 * 1e-3;
+
+  // A view's board bends by a part of its size. A board may be of any shape.
+  static double LeastFlexWeight(const AdjustmentState& state, double variance) {
+    if (state.bend_scope == BendScope::kBoard) return 0;
+    return variance / std::pow(state.modes.MaxDeviationM(), 2);
+  }
+
+  const std::vector<CameraGroup>& groups_;
+  double negligible_m2_;
+  std::vector<WeightUpdate> of_groups_;
+  WeightUpdate of_points_;
+  std::array<WeightUpdate, kNumBendOrders> of_flex_;
+};
 
 }  // namespace
 
@@ -482,31 +332,19 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
                                          GaussianPrior* prior,
                                          AdjustmentState* state) {
   constexpr int kMaxRounds = 30;
+  constexpr double kStableChange = 0.05;  // of a weight's logarithm
   constexpr double kStableCost = 1e-4;
   constexpr double kGoodEnoughToStart = 0.1;  // decrease of the cost
   constexpr double kRoughChange = 0.1, kRoughDecrease = 0.05;
+  const std::vector<CameraGroup> groups = CameraGroups(prior);
   const double square_metres_per_pixel =
       SquaredMetresPerPixel(*state, views, options);
-  // A first guess: residuals, second differences and bends all scatter alike.
-  const std::vector<CameraGroup> groups = CameraGroups(prior);
   std::vector<Residual> residuals =
       ComputeResiduals(*state, views, options.num_threads);
-  const double first_variance =
-      ResidualVariance(residuals, options.huber_px, 0);
-  for (const CameraGroup& group : groups)
-    if (group.group->weight == 0) group.group->SetWeight(1, first_variance);
-  // Points scatter as far as their observations together leave open.
-  if (prior->points_weight == 0)
-    prior->points_weight =
-        std::max(1.0, static_cast<double>(residuals.size()) /
-                          static_cast<double>(state->points.size())) /
-        square_metres_per_pixel;
-  for (double& weight : prior->flex_weights)
-    if (weight == 0) weight = 1 / square_metres_per_pixel;
+  GuessWeights(groups, residuals, options.huber_px, state->points.size(),
+               square_metres_per_pixel, prior);
 
-  std::vector<WeightUpdate> updates(groups.size());
-  WeightUpdate points_update;
-  std::array<WeightUpdate, kNumBendOrders> flex_updates;
+  PriorUpdate update(groups, square_metres_per_pixel);
   AdjustmentOptions fixed = options;
   double variance = 0;
   EquationsBuilder builder(views, options.huber_px, options.num_threads);
@@ -526,64 +364,20 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
             .decrease;
     if (!fixed.fix_points) MoveMeanBends(views, prior, state);
     Report(options, round, residuals);
-    const std::vector<FlexRow> flex_rows = FlexRows(layout, views, *state);
-    const std::optional<Determined> determined = NumDetermined(
-        *equations, layout, groups, *prior, flex_rows, tried_lambda);
-    if (!determined) break;
-    const Evidence evidence =
-        EvidenceOf(groups, *prior, *determined, flex_rows, *state);
-    double num_parameters = layout.first_shape + 6.0 * layout.num_poses;
-    for (const GroupEvidence& group : evidence.groups)
-      num_parameters += group.determined - group.count;
-    const GroupEvidence& points = evidence.points;
-    if (!fixed.fix_points) num_parameters += points.determined;
-    for (const GroupEvidence& flex : evidence.flex)
-      num_parameters += flex.determined;
-    variance = ResidualVariance(residuals, options.huber_px, num_parameters);
-
-    double change = 0;
-    for (size_t g = 0; g < groups.size(); ++g) {
-      double weight = groups[g].group->weight;
-      change = std::max(
-          change,
-          updates[g].Update(evidence.groups[g], variance,
-                            kNegligiblePx * kNegligiblePx,
-                            groups[g].group->firmness * variance, &weight));
-      groups[g].group->SetWeight(weight, variance);
-    }
-    bool is_simpler = false;
-    if (!fixed.fix_points && IsNextToNothing(points)) {
-      // The board is as nominal as these observations can tell.
-      state->points = prior->points_mean;
-      fixed.fix_points = is_simpler = true;
-    }
-    for (int k = 0; k < kNumBendOrders; ++k) {
-      const GroupEvidence& flex = evidence.flex[k];
-      if (flex.count == 0) continue;
-      const double prior_variance = variance / prior->flex_weights[k];
-      if (state->HasShapes() ? !IsByChance(flex, prior_variance)
-                             : !IsNextToNothing(flex))
-        continue;
-      // Nothing is bent like this, for all that these observations tell.
-      state->modes.Remove(static_cast<BendOrder>(k), &state->flex);
-      is_simpler = true;
-    }
-    if (is_simpler) {
+    const std::optional<PriorEvidence> evidence = EvidenceOn(
+        groups, *prior, views, *equations, layout, tried_lambda, *state);
+    if (!evidence) break;
+    variance = ResidualVariance(residuals, options.huber_px,
+                                NumEffectiveParameters(*evidence, layout));
+    double change = update.UpdateCameras(*evidence, variance);
+    if (LeaveOutWhatIsNotTold(*evidence, variance, *prior, &fixed.fix_points,
+                              state)) {
       residuals = ComputeResiduals(*state, views, options.num_threads);
       continue;
     }
-    const double negligible_m2 =
-        kNegligiblePx * kNegligiblePx * square_metres_per_pixel;
-    if (!fixed.fix_points)
-      change =
-          std::max(change, points_update.Update(points, variance, negligible_m2,
-                                                0, &prior->points_weight));
-    for (int k = 0; k < kNumBendOrders; ++k)
-      if (evidence.flex[k].count > 0)
-        change = std::max(change, flex_updates[k].Update(
-                                      evidence.flex[k], variance, negligible_m2,
-                                      LeastFlexWeight(*state, variance),
-                                      &prior->flex_weights[k]));
+    change =
+        std::max(change, update.UpdateBoards(*evidence, variance,
+                                             fixed.fix_points, *state, prior));
     if (change < kStableChange && decrease < kStableCost) break;
     if (options.is_start && decrease < kGoodEnoughToStart) break;
     if (is_asked || change > kRoughChange || decrease > kRoughDecrease)

@@ -1,0 +1,243 @@
+#include "adjustment/prior_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <set>
+
+namespace raygrid {
+namespace {
+
+// How many parameters of each group of the prior the observations determine.
+struct Determined {
+  std::vector<double> groups;  // of cameras
+  double points = 0;
+  std::array<double, kNumBendOrders> flex = {};
+};
+
+// The place of a bend among the parameters, and its order.
+struct FlexRow {
+  int row;
+  BendOrder order;
+};
+
+// Whether a bend moves any point of a board: one of few rows has fewer bends.
+bool IsTold(const FlexModes& modes, int board, int mode) {
+  for (size_t i = 0; i < modes.boards.size(); ++i)
+    if (modes.boards[i] == board && !modes.by_point[i].col(mode).isZero(0))
+      return true;
+  return false;
+}
+
+// The bends of all poses, or those that all boards that are seen may have.
+std::vector<FlexRow> FlexRows(const ParameterLayout& layout,
+                              const std::vector<View>& views,
+                              const AdjustmentState& state) {
+  const FlexModes& modes = state.modes;
+  std::set<int> poses, boards;
+  for (const View& view : views) {
+    if (state.HasFlex()) poses.insert(view.pose);
+    if (layout.has_shapes() && !view.observations.empty())
+      boards.insert(modes.boards[view.observations[0].point]);
+  }
+  std::vector<FlexRow> rows;
+  for (const int pose : poses)
+    for (int mode = 0; mode < modes.count(); ++mode)
+      rows.push_back({layout.Pose(pose) + 6 + mode, modes.orders[mode]});
+  for (const int board : boards)
+    for (int mode = 0; mode < modes.count(); ++mode)
+      if (IsTold(modes, board, mode))
+        rows.push_back({layout.Shape(board) + mode, modes.orders[mode]});
+  return rows;
+}
+
+double NumOfOrder(const std::vector<FlexRow>& rows, BendOrder order) {
+  return static_cast<double>(std::count_if(
+      rows.begin(), rows.end(),
+      [order](const FlexRow& row) { return row.order == order; }));
+}
+
+// The number of a group's parameters less the trace of the prior's part of H
+// times H's inverse, which is the mean of b^T H^-1 b (Hutchinson, 1989), with
+// b = sqrt(weight) B z of random signs z. For all groups at once: they are
+// independent. Nothing if the system is singular.
+std::optional<Determined> NumDetermined(const NormalEquations& equations,
+                                        const ParameterLayout& layout,
+                                        const std::vector<CameraGroup>& groups,
+                                        const GaussianPrior& prior,
+                                        const std::vector<FlexRow>& flex_rows,
+                                        double lambda) {
+  const int num_samples = equations.NumCheapSides();
+  std::mt19937 random_bits(1);  // the standard fixes its sequence
+  std::vector<Eigen::MatrixXd> shares;
+  const bool has_flex = layout.per_pose > 6;
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(
+      has_flex ? layout.num_all() : layout.size, num_samples);
+  for (const CameraGroup& group : groups) {
+    const int size = layout.NumCameraParameters(group.camera);
+    Eigen::MatrixXd share(size, num_samples);
+    for (int k = 0; k < num_samples; ++k)
+      share.col(k) =
+          std::sqrt(group.group->weight) *
+          WithoutFree(group.group->free, group.group->freed,
+                      group.root.Times(
+                          RandomSigns(group.root.size(), &random_bits), size));
+    right.middleRows(layout.first_camera[group.camera], size) += share;
+    shares.push_back(std::move(share));
+  }
+  for (int k = 0; k < num_samples; ++k)
+    right.col(k).segment(layout.first_point, 3 * layout.num_points) =
+        std::sqrt(prior.points_weight) *
+        RandomSigns(3 * layout.num_points, &random_bits);
+  for (const FlexRow& flex : flex_rows)
+    right.row(flex.row) = std::sqrt(prior.FlexWeight(flex.order)) *
+                          RandomSigns(num_samples, &random_bits).transpose();
+  Eigen::MatrixXd solution, rest;
+  if (!equations.SolveWithRest(lambda, right, &solution, &rest))
+    return std::nullopt;
+  // Determined parameters are a small difference of large numbers: an error e
+  // of x, which alone makes the trace wrong by b^T e, would drown it. With x^T
+  // (b - H x) added it is e^T H e. Parameters belong to one group: it gets
+  // their part.
+  const auto trace = [&](int first, const Eigen::MatrixXd& share) {
+    const auto left =
+        (share.array() != 0).select(rest.middleRows(first, share.rows()), 0.0);
+    return solution.middleRows(first, share.rows())
+        .cwiseProduct(share + left)
+        .sum();
+  };
+  const auto determined = [num_samples](double count, double sum) {
+    return std::clamp(count - sum / num_samples, 1e-3 * count, count);
+  };
+  Determined result;
+  for (size_t g = 0; g < groups.size(); ++g)
+    result.groups.push_back(
+        determined(groups[g].group->rank,
+                   trace(layout.first_camera[groups[g].camera], shares[g])));
+  result.points = determined(
+      3.0 * layout.num_points,
+      trace(layout.first_point,
+            right.middleRows(layout.first_point, 3 * layout.num_points)));
+  std::array<double, kNumBendOrders> flex = {};
+  for (const auto& [row, order] : flex_rows)
+    flex[static_cast<int>(order)] +=
+        solution.row(row).dot(right.row(row) + rest.row(row));
+  for (int k = 0; k < kNumBendOrders; ++k)
+    result.flex[k] =
+        determined(NumOfOrder(flex_rows, static_cast<BendOrder>(k)), flex[k]);
+  return result;
+}
+
+// The sum of squared coefficients of an order. A view that is far from the
+// others is of another board or camera rather than bent so much: it counts as
+// one that is as far as chance lets few be. A board may be bent alone.
+double SquaredFlex(const AdjustmentState& state, BendOrder order) {
+  constexpr double kTimesMedian = 9;
+  std::vector<double> squares;
+  for (const FlexModes::Coefficients& flex : state.flex) {
+    double square = 0;
+    for (int mode = 0; mode < state.modes.count(); ++mode)
+      if (state.modes.orders[mode] == order) square += flex[mode] * flex[mode];
+    squares.push_back(square);
+  }
+  if (squares.empty()) return 0;
+  if (state.bend_scope == BendScope::kBoard)
+    return std::accumulate(squares.begin(), squares.end(), 0.0);
+  std::vector<double> sorted = squares;
+  const auto middle =
+      sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  double sum = 0;
+  for (const double square : squares)
+    sum += std::min(square, kTimesMedian * *middle);
+  return sum;
+}
+
+PriorEvidence EvidenceOf(const std::vector<CameraGroup>& groups,
+                         const GaussianPrior& prior,
+                         const Determined& determined,
+                         const std::vector<FlexRow>& flex_rows,
+                         const AdjustmentState& state) {
+  PriorEvidence evidence;
+  for (size_t g = 0; g < groups.size(); ++g) {
+    const Eigen::VectorXd difference =
+        state.cameras[groups[g].camera]->Parameters() -
+        prior.cameras[groups[g].camera].mean;
+    evidence.groups.push_back({static_cast<double>(groups[g].group->rank),
+                               determined.groups[g],
+                               groups[g].group->SquaredDistance(difference)});
+  }
+  evidence.points = {3.0 * static_cast<double>(state.points.size()),
+                     determined.points, 0};
+  for (size_t i = 0; i < state.points.size(); ++i)
+    evidence.points.squared_distance +=
+        (state.points[i] - prior.points_mean[i]).squaredNorm();
+  for (int k = 0; k < kNumBendOrders; ++k) {
+    const auto order = static_cast<BendOrder>(k);
+    evidence.flex[k] = {NumOfOrder(flex_rows, order), determined.flex[k],
+                        SquaredFlex(state, order)};
+  }
+  return evidence;
+}
+
+}  // namespace
+
+std::vector<CameraGroup> CameraGroups(GaussianPrior* prior) {
+  std::vector<CameraGroup> groups;
+  for (size_t c = 0; c < prior->cameras.size(); ++c)
+    for (PriorGroup& group : prior->cameras[c].groups)
+      groups.push_back(
+          {static_cast<int>(c), &group, PrecisionRoot(group.precision)});
+  return groups;
+}
+
+std::optional<PriorEvidence> EvidenceOn(const std::vector<CameraGroup>& groups,
+                                        const GaussianPrior& prior,
+                                        const std::vector<View>& views,
+                                        const NormalEquations& equations,
+                                        const ParameterLayout& layout,
+                                        double lambda,
+                                        const AdjustmentState& state) {
+  const std::vector<FlexRow> flex_rows = FlexRows(layout, views, state);
+  const std::optional<Determined> determined =
+      NumDetermined(equations, layout, groups, prior, flex_rows, lambda);
+  if (!determined) return std::nullopt;
+  return EvidenceOf(groups, prior, *determined, flex_rows, state);
+}
+
+bool IsNextToNothing(const GroupEvidence& evidence) {
+  constexpr double kFewDetermined = 0.02;  // part of a group
+  return evidence.determined < kFewDetermined * evidence.count;
+}
+
+// With a prior of variance u, and v of what the observations alone tell of the
+// parameters, a part g = u / (u + v) is determined, and their squared distance
+// is g^2 times what it were without a prior, x v. The evidence is greatest
+// where u is distance / (g count), so with g = 1 - count / x. It falls towards
+// there.
+bool IsByChance(const GroupEvidence& evidence, double prior_variance) {
+  constexpr double kLeastDetermined = 0.7;  // x is 3.3 times the count
+  return evidence.determined < kLeastDetermined * evidence.count &&
+         evidence.squared_distance < prior_variance * evidence.determined;
+}
+
+double WeightUpdate::Update(const GroupEvidence& group,
+                            double residual_variance, double smallest_variance,
+                            double least_weight, double* weight) {
+  const double variance =
+      std::max(group.squared_distance / group.determined, smallest_variance);
+  double change = std::log(residual_variance / variance / *weight);
+  // Changes that shrink by the same factor add up to a known sum.
+  const double factor = change / last_change_;
+  last_change_ = change;
+  if (factor > 0 && factor < kMaxFactor) {
+    change /= 1 - factor;
+    last_change_ = 0;
+  }
+  const double before = *weight;
+  *weight = std::max(before * std::exp(change), least_weight);
+  return std::abs(std::log(*weight / before));
+}
+
+}  // namespace raygrid
