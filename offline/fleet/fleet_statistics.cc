@@ -103,6 +103,27 @@ struct LensCharts {
   LensDirections directions;
 };
 
+// A part whose mean one lens pulled away seems unusual as a whole, and would
+// never have a mean of its own again: the half of it that is nearest is usual.
+void KeepUsualOfEachPart(const CenteredLenses& lenses,
+                         const std::vector<double>& shape,
+                         std::vector<bool>* is_usual) {
+  for (Eigen::Index part = 0; part < lenses.means.cols(); ++part) {
+    std::vector<double> shapes;
+    bool has_usual = false;
+    for (size_t i = 0; i < shape.size(); ++i) {
+      if (lenses.means(i, part) == 0) continue;
+      shapes.push_back(shape[i]);
+      has_usual = has_usual || (*is_usual)[i];
+    }
+    if (has_usual) continue;
+    const double median = Median(shapes);
+    for (size_t i = 0; i < shape.size(); ++i)
+      if (lenses.means(i, part) != 0 && shape[i] <= median)
+        (*is_usual)[i] = true;
+  }
+}
+
 // Limits come from usual units alone: those beyond them are left out, and all
 // is reckoned again.
 LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
@@ -150,6 +171,7 @@ LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
       next.push_back(charts.lens[i] <=
                          (is_usual[i] ? own_limit : charts.lens_limit) &&
                      charts.shape[i] <= charts.shape_limit);
+    KeepUsualOfEachPart(lenses, charts.shape, &next);
     if (next == is_usual) break;
     is_usual = next;
   }

@@ -144,6 +144,24 @@ TEST(FleetStatistics, FindsSmallTiltsByGoodCalibrations) {
   EXPECT_LE(num_false_alarms, 2);
 }
 
+// One tilted sensor of few new units pulls their mean so far that all of them
+// seem unusual.
+TEST(FleetStatistics, NamesOneOfAFewNewUnitsAndNotAll) {
+  constexpr int kFleets = 10, kUnits = 100, kNew = 6, kTilted = 96;
+  int num_found = 0, num_false_alarms = 0;
+  for (uint64_t seed = 1; seed <= kFleets; ++seed) {
+    Family family(seed, 0.01);
+    std::vector<FamilyLens> lenses;
+    for (int u = 0; u < kUnits; ++u)
+      lenses.push_back(family.Draw(u < kUnits - kNew ? 800 : 820));
+    lenses[kTilted].tilt_rad = 0.005;
+    for (const int unit : UnusualUnits(FindOutliers(family.MakeFleet(lenses))))
+      ++(unit == kTilted ? num_found : num_false_alarms);
+  }
+  EXPECT_EQ(num_found, kFleets);
+  EXPECT_LE(num_false_alarms, 2);
+}
+
 // One tilted sensor of few units is a direction in which lenses vary, by
 // itself: no unit of the fleet is as far off as a new one may be.
 TEST(FleetStatistics, FindsATiltedSensorOfFewUnits) {
