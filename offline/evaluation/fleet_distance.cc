@@ -84,16 +84,21 @@ bool FleetDistance::IsStranger() const {
 }
 
 std::string FleetDistance::Text() const {
+  // Two digits, or all before the point.
+  const auto digits = [](double px) {
+    return px < 99.5 ? fmt::format("{:.2g}", px) : fmt::format("{:.0f}", px);
+  };
   return fmt::format(
-      "{:.2g} px from the fleet's middle where features are (RMS), units of "
-      "the fleet {:.2g} px",
-      rms_px, units_px);
+      "{} px from the fleet's middle where features are (RMS), units of the "
+      "fleet {} px",
+      digits(rms_px), digits(units_px));
 }
 
 std::string FleetDistance::Warning() const {
   return fmt::format(
-      "this camera lies {}: is its lens of another kind or focus? --like may "
-      "harm such a lens where it has no features; calibrate it without",
+      "this camera lies {}: is its lens of another kind or focus? The fleet "
+      "may "
+      "harm such a lens where it has no features; calibrate it without 'like'",
       Text());
 }
 
