@@ -296,6 +296,17 @@ TEST(NormalEquations, ShapesAreSolvedForBesideTheCameras) {
                       false, false, Method::kDense, of);
 }
 
+// A square of all coordinates would take 115 GB.
+TEST(NormalEquations, FixedPointsTakeNoMemoryBesideShapes) {
+  SmallProblem problem = MakeSmallProblem({6, 30, 0.4});
+  problem.state.points.resize(40000, Eigen::Vector3d(0.1, 0.05, 0));
+  GaussianPrior prior = PriorOf(problem);
+  Bend(BendScope::kBoard, &problem.state, &prior);
+  AdjustmentStep step;
+  EXPECT_TRUE(BuildEquations(problem.views, problem.state, prior, {false, true})
+                  ->Solve(1e-4, &step));
+}
+
 TEST(NormalEquations, SolutionDoesNotDependOnTheNumberOfThreads) {
   const SmallProblem problem = MakeSmallProblem({40, 60, 0.4});
   const GaussianPrior prior = PriorOf(problem);
