@@ -1,0 +1,310 @@
+#include "packing/remap_error.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "cortex_m/part_corners.h"
+#include "dataset/parallel_for.h"
+#include "frames/lattice_map.h"
+#include "frames/pixel_formats.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kPositionUnits = 4096;  // a board's positions are Q12
+
+// The section as a board will read it.
+std::vector<uint32_t> SectionWords(const RemapTable& table) {
+  rg_remap_section section = table.section;
+  section.empty_blocks = table.empty_blocks.data();
+  section.bends = table.bends.data();
+  std::vector<uint32_t> words(rg_remap_section_size(&section) / 4);
+  rg_write_remap(&section, table.residuals.data(),
+                 reinterpret_cast<uint8_t*>(words.data()));
+  return words;
+}
+
+// The error of an output pixel: the distance of its position from the exact
+// one, which may be off by the margin; for a pixel without exact position, how
+// far inside the rectangle the table puts it.
+double PixelError(const Area& rectangle,
+                  const std::optional<Eigen::Vector2d>& exact, double margin_px,
+                  const Eigen::Vector2d& position) {
+  const bool taken = rectangle.Contains(position);
+  if (exact)
+    return taken || rectangle.Contains(*exact, margin_px)
+               ? (position - *exact).norm()
+               : 0;
+  if (!taken) return 0;
+  const Eigen::Vector2d inside(
+      std::min(position.x() - rectangle.x0, rectangle.x1 - position.x()),
+      std::min(position.y() - rectangle.y0, rectangle.y1 - position.y()));
+  return std::max(1.0, inside.minCoeff());
+}
+
+// The errors of a table, with the integers of the board.
+class TableErrors {
+ public:
+  TableErrors(const CameraModel& camera, const OutputImage& output,
+              const SourceMap& map, const Blocks& blocks,
+              const RemapTable& table, int num_threads)
+      : camera_(camera),
+        output_(output),
+        map_(map),
+        blocks_(blocks),
+        words_(SectionWords(table)),
+        num_threads_(num_threads),
+        part_(1 << blocks.layout.SmallestLog2()),
+        num_part_rows_((map.height + part_ - 1) / part_) {}
+
+  // The worst PixelError; nothing if it is above the limit. First by the map,
+  // then by the camera for the pixels that may be the worst.
+  std::optional<double> Worst(double limit_px) const {
+    std::vector<double> worst(num_part_rows_, 0);
+    std::atomic<bool> fails{false};
+    ParallelFor(num_part_rows_, num_threads_, [&](int j) {
+      if (fails) return;
+      worst[j] = WorstOfPartRow(j);
+      if (worst[j] - map_.max_deviation_px > limit_px) fails = true;
+    });
+    if (fails) return std::nullopt;
+    const double about = *std::max_element(worst.begin(), worst.end());
+    const double enough = about - 2 * map_.max_deviation_px;
+    ParallelFor(num_part_rows_, num_threads_, [&](int j) {
+      worst[j] = worst[j] >= enough ? ExactWorstOfPartRow(j, enough) : 0;
+    });
+    const double exact =
+        std::max(about - map_.max_deviation_px,
+                 *std::max_element(worst.begin(), worst.end()));
+    if (exact > limit_px) return std::nullopt;
+    return exact;
+  }
+
+ private:
+  // Calls visit(x, block) for parts of a row of parts, with their first column.
+  template <typename Visit>
+  void ForParts(int j, const Visit& visit) const {
+    const auto* section = reinterpret_cast<const uint8_t*>(words_.data());
+    const int log2 = blocks_.layout.SmallestLog2();
+    rg_part_row parts;
+    rg_start_part_row(section, log2, log2, j, &parts);
+    for (int x = 0; x < map_.width; x += part_) {
+      rg_block block;
+      rg_next_block(&parts, &block);
+      if (!parts.is_empty) visit(x, block);
+    }
+  }
+
+  // Calls visit(x, y, position) for the pixels of a part.
+  template <typename Visit>
+  void ForPixels(int x0, int y0, const rg_block& block,
+                 const Visit& visit) const {
+    for (int y = y0; y < std::min(y0 + part_, map_.height); ++y) {
+      rg_block_row row;
+      rg_find_block_row(&block, y - y0, &row);
+      for (int x = x0; x < std::min(x0 + part_, map_.width); ++x) {
+        const rg_position p = rg_row_position(&row, x - x0);
+        visit(x, y,
+              Eigen::Vector2d(p.q12[0] / kPositionUnits,
+                              p.q12[1] / kPositionUnits));
+      }
+    }
+  }
+
+  bool IsWhole(int x0, int y0) const {
+    constexpr int kLog2 = SourceMap::kCellLog2;
+    const int column = x0 >> kLog2, row = y0 >> kLog2, num = part_ >> kLog2;
+    if (column + num > map_.columns || row + num > map_.rows) return false;
+    for (int j = row; j < row + num; ++j)
+      for (int i = column; i < column + num; ++i)
+        if (map_.cell(i, j) != SourceMap::Cell::kWhole) return false;
+    return true;
+  }
+
+  double WorstOfPartRow(int j) const {
+    double worst = 0;
+    ForParts(j, [&](int x0, const rg_block& block) {
+      const int y0 = j * part_;
+      if (IsWhole(x0, y0)) {
+        worst = std::max(worst, WorstOfWholePart(x0, y0, block));
+        return;
+      }
+      ForPixels(x0, y0, block,
+                [&](int x, int y, const Eigen::Vector2d& position) {
+                  worst = std::max(worst, ErrorByMap(x, y, position));
+                });
+    });
+    return worst;
+  }
+
+  double ErrorByMap(int x, int y, const Eigen::Vector2d& position) const {
+    const auto source =
+        map_.IsKnown(x, y) ? std::optional(map_.At(x, y)) : std::nullopt;
+    if (!source && output_.is_free_where_unseen &&
+        !output_.direction(Eigen::Vector2d(x, y)))
+      return 0;
+    return PixelError(map_.rectangle, source, map_.max_deviation_px, position);
+  }
+  double ExactError(int x, int y, const Eigen::Vector2d& position) const {
+    const auto source = map_.IsKnown(x, y)
+                            ? ExactSource(camera_, output_, map_, x, y)
+                            : std::nullopt;
+    return PixelError(map_.rectangle, source, 0, position);
+  }
+
+  // The worst error of a part all of whose pixels have sources in the
+  // rectangle.
+  double WorstOfWholePart(int x0, int y0, const rg_block& block) const {
+    constexpr int kLanes = SourceMap::kCellSize;
+    using Integers = Eigen::Array<int32_t, kLanes, 1>;
+    using Floats = Eigen::Array<float, kLanes, 1>;
+    constexpr int kUnit = SourceMap::kUnitsPerPx / 4096;
+    const Integers count = Integers::LinSpaced(0, kLanes - 1);
+    Floats worst = Floats::Zero();
+    for (int r = 0; r < part_; ++r) {
+      rg_block_row row;
+      rg_find_block_row(&block, r, &row);
+      const size_t first = map_.Index(x0, y0 + r);
+      for (int k = 0; k < part_; k += kLanes) {
+        Floats square = Floats::Zero();
+        for (int axis = 0; axis < 2; ++axis) {
+          const int32_t step = row.step.q12[axis] * kUnit;
+          const int32_t start = row.start.q12[axis] * kUnit + k * step;
+          const Eigen::Map<const Integers> source(
+              &map_.sources[axis][first + k]);
+          square += (count * step + start - source).cast<float>().square();
+        }
+        worst = worst.max(square);
+      }
+    }
+    return std::sqrt(static_cast<double>(worst.maxCoeff())) /
+           SourceMap::kUnitsPerPx;
+  }
+
+  // The worst error of a row of parts, of the pixels that are enough off.
+  double ExactWorstOfPartRow(int j, double enough) const {
+    double worst = 0;
+    ForParts(j, [&](int x0, const rg_block& block) {
+      ForPixels(x0, j * part_, block,
+                [&](int x, int y, const Eigen::Vector2d& position) {
+                  if (ErrorByMap(x, y, position) >= enough)
+                    worst = std::max(worst, ExactError(x, y, position));
+                });
+    });
+    return worst;
+  }
+
+  const CameraModel& camera_;
+  const OutputImage& output_;
+  const SourceMap& map_;
+  const Blocks& blocks_;
+  const std::vector<uint32_t> words_;
+  const int num_threads_, part_, num_part_rows_;
+};
+
+// The worst error of a lattice of chroma, by the map: a source is the mean of
+// those of the output pixels that a sample stands for.
+double WorstOfChroma(const SourceMap& map, const std::vector<uint32_t>& words,
+                     const rg_lattice& lattice, int num_threads) {
+  const auto* section = reinterpret_cast<const uint8_t*>(words.data());
+  const uint32_t width_log2 = rg_part_log2(section, &lattice, 0);
+  const uint32_t height_log2 = rg_part_log2(section, &lattice, 1);
+  const int num_x = 1 << lattice.log2[0], num_y = 1 << lattice.log2[1];
+  const Eigen::Vector2d half(lattice.half[0] / 2.0, lattice.half[1] / 2.0);
+  const Eigen::Vector2d unit(num_x, num_y);
+  // The sample's position in the lattice, if it counts.
+  const auto source = [&](int x, int y) -> std::optional<Eigen::Vector2d> {
+    Eigen::Vector2d sum(0, 0);
+    for (int j = y; j < y + num_y; ++j) {
+      for (int i = x; i < x + num_x; ++i) {
+        if (i >= map.width || j >= map.height || !map.IsKnown(i, j) ||
+            !map.rectangle.Contains(map.At(i, j)))
+          return std::nullopt;
+        sum += map.At(i, j);
+      }
+    }
+    return (sum / (num_x * num_y) - half).cwiseQuotient(unit);
+  };
+  const int part_height = 1 << height_log2;
+  std::vector<double> worst((map.height + part_height - 1) / part_height, 0);
+  ParallelFor(static_cast<int>(worst.size()), num_threads, [&](int j) {
+    rg_part_row parts;
+    rg_start_part_row(section, width_log2, height_log2, j, &parts);
+    for (int x0 = 0; x0 < map.width; x0 += 1 << width_log2) {
+      rg_block block;
+      rg_next_block(&parts, &block);
+      if (parts.is_empty) continue;
+      rg_lattice_block(&lattice, &block);
+      for (int r = 0; r < 1 << block.height_log2; ++r) {
+        rg_block_row row;
+        rg_find_block_row(&block, r, &row);
+        for (int k = 0; k < 1 << block.width_log2; ++k) {
+          const auto exact =
+              source(x0 + num_x * k, j * part_height + num_y * r);
+          if (!exact) continue;
+          const rg_position p = rg_row_position(&row, k);
+          worst[j] = std::max(
+              worst[j],
+              (Eigen::Vector2d(p.q12[0], p.q12[1]) / kPositionUnits - *exact)
+                  .norm());
+        }
+      }
+    }
+  });
+  return *std::max_element(worst.begin(), worst.end());
+}
+
+}  // namespace
+
+std::optional<double> WorstRemapError(const CameraModel& camera,
+                                      const OutputImage& output,
+                                      const SourceMap& map,
+                                      const Blocks& blocks,
+                                      const RemapTable& table, double limit_px,
+                                      int num_threads) {
+  return TableErrors(camera, output, map, blocks, table, num_threads)
+      .Worst(limit_px);
+}
+
+double WorstChromaError(const SourceMap& map, const RemapTable& table,
+                        int num_threads) {
+  const std::vector<uint32_t> words = SectionWords(table);
+  double worst = 0;
+  for (const rg_format format : {RG_FORMAT_NV12, RG_FORMAT_YUYV}) {
+    rg_lattice lattice;
+    rg_find_lattice(format, 1, &lattice);
+    worst = std::max(worst, WorstOfChroma(map, words, lattice, num_threads));
+  }
+  return worst;
+}
+
+double LeastRemapError(const SourceMap& map, int part_log2) {
+  const int part = 1 << part_log2, half = part / 2;
+  double worst = 0;
+  for (int y0 = 0; y0 + part < map.height; y0 += part) {
+    for (int x0 = 0; x0 + part < map.width; x0 += part) {
+      bool are_inside = true;
+      Eigen::Vector2d at[3][3];
+      for (int j = 0; j < 3; ++j) {
+        for (int i = 0; i < 3; ++i) {
+          const int x = x0 + i * half, y = y0 + j * half;
+          at[j][i] = map.At(x, y);
+          are_inside &= map.IsKnown(x, y) && map.rectangle.Contains(at[j][i]);
+        }
+      }
+      if (!are_inside) continue;
+      const Eigen::Vector2d corners =
+          (at[0][0] + at[0][2] + at[2][0] + at[2][2]) / 4;
+      worst =
+          std::max({worst, (corners - at[1][1]).norm() / 2,
+                    (at[0][1] + at[2][1] - at[1][0] - at[1][2]).norm() / 4});
+    }
+  }
+  // A row's step is rounded.
+  const double rounding_px = half / kPositionUnits + map.max_deviation_px;
+  return worst - rounding_px;
+}
+
+}  // namespace raygrid
