@@ -36,6 +36,7 @@ class ShapeMoves {
           board.modes * x.middleRows(board.shape, board.modes.cols());
     return y;
   }
+  /// T times a basis of the layout.
   CoarseBasis Moved(const CoarseBasis& basis) const;
 
   /// T^T y, from rows of moved() to rows of the layout.
