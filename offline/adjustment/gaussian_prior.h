@@ -100,59 +100,6 @@ struct GaussianPrior {
   }
 };
 
-/// Smoothness of a grid's difference from base: K sums the squared second
-/// differences, across, down and mixed, of the displacement in pixels that
-/// separates the two. Keeps nodes that few observations determine near where
-/// their neighbours and the parametric lens would have them. Focal lengths and
-/// centre are free, and radial distortion of orders 3, 5 and 7 nearly so: those
-/// of the parametric lens make up for what it does not follow, and beyond the
-/// outermost features they are no better known than the features tell. Also
-/// holds the camera's orientation, which no observation can see,
-/// to base's.
-///
-/// The terms that tilt a lens are free as well if the base's were fitted to the
-/// observations: held as firmly as they were in that fit, by the cost of a term
-/// that moves the farthest corner by a pixel (camera/decentring.h), as a part
-/// of the residuals' variance. Taken for known, with 0, they would lend their
-/// errors to the grid.
-///
-/// spread tells how lenses differ from base, if that is a fleet's middle: by
-/// displacements in pixels, each times a standard normal number. Then the
-/// smoothness is about what these and the lens leave, of which no part is to be
-/// a turn.
-CameraPrior SmoothnessPrior(const CentralGeneric& base,
-                            double tilt_firmness = 0,
-                            const std::vector<BSplineSurface>& spread = {});
-
-/// The smoothness priors of a stack's terms, each as that of a grid and a group
-/// of its own: the first around base, those by which the camera changes with
-/// the conditions around none. What the data do not tell of a term's change
-/// stays none. The camera does not turn with a condition: observations cannot
-/// tell, since each has its pose.
-CameraPrior StackPrior(const CentralGeneric& base, int num_terms);
-
-/// The smoothness prior of the directions of a grid of lines, and, as a group
-/// of its own, of the lines' points around the origin: three smooth fields, in
-/// the pixels that their displacement across the line moves a point's image at
-/// distance_m.
-///
-/// Observations do not see a shift of all points together, which the poses
-/// undo: the points end where they are smallest and smoothest. Nor do they see
-/// points drift along the lines, o(x) -> o(x) + f(x) d(x): the prior holds each
-/// control point's point in the plane across base's direction.
-CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m,
-                            double tilt_firmness = 0);
-
-/// Distortion coefficients around zero, each in the pixels that it moves the
-/// corner of an area by: high orders that the observations say little about
-/// stay small, where they would otherwise fold the image beyond the outermost
-/// features. Focal lengths and centre are free. A radial spline scatters
-/// smoothly around where it is, as a group of its own. So do the terms that
-/// tilt the lens, whose weight is at least what camera/decentring.h asks for
-/// with so many features.
-CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area,
-                            int num_features);
-
 }  // namespace raygrid
 
 #endif  // RAYGRID_ADJUSTMENT_GAUSSIAN_PRIOR_H

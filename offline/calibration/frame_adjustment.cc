@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "adjustment/smoothness_prior.h"
 #include "camera/camera_frame.h"
 #include "camera/noncentral_generic.h"
 

@@ -6,7 +6,9 @@
 #include <memory>
 #include <set>
 
+#include "adjustment/distortion_prior.h"
 #include "adjustment/metric_scale.h"
+#include "adjustment/smoothness_prior.h"
 #include "calibration/continued_lens.h"
 #include "calibration/grid_like.h"
 #include "calibration/polynomial_part.h"

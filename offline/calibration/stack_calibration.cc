@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "adjustment/smoothness_prior.h"
 #include "calibration/camera_in_progress.h"
 #include "calibration/camera_result.h"
 #include "calibration/camera_trust.h"

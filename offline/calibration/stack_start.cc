@@ -1,15 +1,15 @@
 #include "calibration/stack_start.h"
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
 
+#include "adjustment/smoothness_prior.h"
 #include "calibration/camera_in_progress.h"
 #include "calibration/continued_lens.h"
 #include "calibration/starting_lens.h"
+#include "camera/nearest_rotation.h"
 #include "camera/stacked_grid.h"
 #include "camera/stereographic.h"
 
@@ -45,21 +45,6 @@ Dataset ImagesOfLikeValue(const Dataset& dataset,
     if (value >= low && value <= high) like.images.push_back(image);
   }
   return like;
-}
-
-// The rotation between the frames of two cameras of one image.
-Eigen::Matrix3d FindTurn(const CameraModel& from, const CameraModel& to,
-                         const std::vector<Eigen::Vector2d>& pixels) {
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector2d& pixel : pixels) {
-    const auto a = from.Unproject(pixel), b = to.Unproject(pixel);
-    if (a && b) sum += *b * a->transpose();
-  }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(
-      sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d signs(1, 1, 1);
-  signs[2] = (svd.matrixU() * svd.matrixV().transpose()).determinant();
-  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
 // The different values of a condition, ascending.
@@ -234,7 +219,8 @@ CameraStack ChangesOnGrid(const CameraStack& stack,
   const std::vector<Eigen::Vector2d> pixels =
       camera.surface().SamplePixels(kPerCell);
   const Eigen::Matrix3d turn =
-      FindTurn(stack.At(stack.Middle()), camera, pixels);
+      NearestRotation(camera, stack.At(stack.Middle()), camera.area())
+          .toRotationMatrix();
   for (size_t r = 0; r < stack.ranges().size(); ++r)
     PutTermsOnGrid(stack, r, turn, pixels, &moved);
   return moved;

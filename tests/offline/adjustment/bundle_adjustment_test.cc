@@ -6,6 +6,7 @@
 #include <ceres/normal_prior.h>
 #include <ceres/rotation.h>
 
+#include "adjustment/smoothness_prior.h"
 #include "small_problem.h"
 #include "support.h"
 

@@ -6,6 +6,7 @@
 #include "adjustment/dense_equations.h"
 #include "adjustment/large_equations.h"
 #include "adjustment/precision_root.h"
+#include "adjustment/smoothness_prior.h"
 #include "small_problem.h"
 #include "support.h"
 

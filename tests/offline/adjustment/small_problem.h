@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "adjustment/adjustment_state.h"
+#include "adjustment/distortion_prior.h"
 #include "adjustment/gaussian_prior.h"
+#include "adjustment/smoothness_prior.h"
 #include "support.h"
 
 namespace raygrid {

@@ -1,4 +1,4 @@
-#include "adjustment/gaussian_prior.h"
+#include "adjustment/smoothness_prior.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

@@ -1,0 +1,82 @@
+#include "adjustment/distortion_prior.h"
+
+#include <cmath>
+#include <vector>
+
+#include "adjustment/matern_field.h"
+#include "camera/central_radial.h"
+#include "camera/decentring.h"
+#include "camera/opencv.h"
+#include "camera/thin_prism_fisheye.h"
+
+namespace raygrid {
+namespace {
+
+// Parameters that are independent, each in the pixels that a unit of it moves
+// an image by; 0 of those that do not belong to the group.
+PriorGroup CoefficientGroup(const Eigen::VectorXd& pixels) {
+  PriorGroup group;
+  group.precision.resize(pixels.size(), pixels.size());
+  for (Eigen::Index k = 0; k < pixels.size(); ++k) {
+    if (pixels[k] == 0) continue;
+    group.precision.insert(k, k) = pixels[k] * pixels[k];
+    ++group.rank;
+  }
+  return group;
+}
+
+PriorGroup DecentringGroup(const ParametricModel& lens, const Area& area,
+                           int num_features) {
+  PriorGroup group = CoefficientGroup(DecentringPixels(lens, area));
+  // An error has two coordinates.
+  group.firmness = 2.0 * num_features * kDecentringPart * kDecentringPart;
+  return group;
+}
+
+// A Matern field over the angle, of the pixels that the factor moves by.
+PriorGroup RadialGroup(const CentralRadial& lens) {
+  const int count = static_cast<int>(lens.spline().size());
+  const double kappa = MaternKappa(lens.max_angle_rad(), lens.cell_rad());
+  std::vector<Eigen::Triplet<double>> triplets;
+  int num_rows = 0;
+  for (int order = 0; order <= kMaternOrder; ++order) {
+    const double factor = std::sqrt(Binomial(kMaternOrder, order)) *
+                          std::pow(kappa, kMaternOrder - order);
+    for (int first = 0; first + order < count; ++first, ++num_rows)
+      for (int k = 0; k <= order; ++k)
+        triplets.emplace_back(num_rows, first + k,
+                              factor * DifferenceFactor(order, k) *
+                                  lens.others()[CentralRadial::kFx] *
+                                  (first + k + 1) * lens.cell_rad());
+  }
+  const int num_parameters = lens.NumParameters();
+  Eigen::SparseMatrix<double> rows(num_rows, num_parameters);
+  rows.setFromTriplets(triplets.begin(), triplets.end());
+  PriorGroup group;
+  group.precision = rows.transpose() * rows;
+  group.rank = count;
+  return group;
+}
+
+}  // namespace
+
+CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area,
+                            int num_features) {
+  const Eigen::VectorXd parameters = lens.Parameters();
+  const int num_parameters = lens.NumParameters();
+  CameraPrior prior;
+  prior.mean = Eigen::VectorXd::Zero(num_parameters);
+  prior.orientation = Eigen::MatrixXd::Zero(num_parameters, 0);
+
+  if (const auto* radial = dynamic_cast<const CentralRadial*>(&lens)) {
+    const int first = FirstCommonParameter(lens);
+    prior.mean.head(first) = parameters.head(first);
+    prior.groups.push_back(RadialGroup(*radial));
+  } else {
+    prior.groups.push_back(CoefficientGroup(RadialPixels(lens, area)));
+  }
+  prior.groups.push_back(DecentringGroup(lens, area, num_features));
+  return prior;
+}
+
+}  // namespace raygrid

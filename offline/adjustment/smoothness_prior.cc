@@ -1,0 +1,376 @@
+#include "adjustment/smoothness_prior.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "adjustment/matern_field.h"
+#include "camera/lattice_fit.h"
+#include "camera/noncentral_generic.h"
+#include "camera/stereographic.h"
+
+namespace raygrid {
+namespace {
+
+// A term of a difference: control point and factor.
+struct Term {
+  int point;
+  double factor;
+};
+
+// The parameters of each control point, out of per_point, that make a field.
+struct FieldParameters {
+  int per_point, first, count;
+
+  int ParameterOf(int point) const { return per_point * point + first; }
+};
+
+class DifferenceRows {
+ public:
+  // pixels_per_unit: of the field at each control point.
+  DifferenceRows(const FieldParameters& field,
+                 const std::vector<double>& pixels_per_unit)
+      : field_(field), scale_(pixels_per_unit) {}
+
+  // One row for each coordinate.
+  void Add(const std::vector<Term>& terms, double factor) {
+    for (int coordinate = 0; coordinate < field_.count; ++coordinate) {
+      for (const Term& term : terms)
+        triplets_.emplace_back(
+            num_rows_,
+            field_.per_point * term.point + field_.first + coordinate,
+            factor * term.factor * scale_[term.point]);
+      ++num_rows_;
+    }
+  }
+
+  // D^T D
+  Eigen::SparseMatrix<double> Precision() const {
+    Eigen::SparseMatrix<double> rows(num_rows_,
+                                     field_.per_point * scale_.size());
+    rows.setFromTriplets(triplets_.begin(), triplets_.end());
+    return rows.transpose() * rows;
+  }
+
+ private:
+  FieldParameters field_;
+  std::vector<double> scale_;
+  std::vector<Eigen::Triplet<double>> triplets_;
+  int num_rows_ = 0;
+};
+
+// The mixed differences of these orders, wherever they fit in the grid.
+void AddDerivative(const BSplineSurface& surface, int x_order, int y_order,
+                   double factor, DifferenceRows* differences) {
+  for (int j = 0; j + y_order < surface.rows(); ++j) {
+    for (int i = 0; i + x_order < surface.columns(); ++i) {
+      std::vector<Term> terms;
+      for (int y = 0; y <= y_order; ++y)
+        for (int x = 0; x <= x_order; ++x)
+          terms.push_back(
+              {(j + y) * surface.columns() + i + x,
+               DifferenceFactor(x_order, x) * DifferenceFactor(y_order, y)});
+      differences->Add(terms, factor);
+    }
+  }
+}
+
+PriorGroup SmoothGroup(const BSplineSurface& surface,
+                       const FieldParameters& field,
+                       const std::vector<double>& pixels_per_unit) {
+  DifferenceRows differences(field, pixels_per_unit);
+  const double kappa =
+      MaternKappa(std::max(surface.area().width(), surface.area().height()),
+                  std::sqrt(surface.cell_width() * surface.cell_height()));
+  for (int order = 0; order <= kMaternOrder; ++order)
+    for (int y_order = 0; y_order <= order; ++y_order)
+      AddDerivative(
+          surface, order - y_order, y_order,
+          std::sqrt(Binomial(kMaternOrder, order) * Binomial(order, y_order)) *
+              std::pow(kappa, kMaternOrder - order),
+          &differences);
+  PriorGroup group;
+  group.precision = differences.Precision();
+  group.rank = field.count * surface.num_points();
+  return group;
+}
+
+// The surface's derivative at a control point; beyond the area, at its edge.
+Eigen::Matrix2d ChartDerivative(const BSplineSurface& surface,
+                                const Eigen::Vector2d& pixel) {
+  const Area& area = surface.area();
+  Eigen::Matrix2d derivative;
+  surface.Evaluate({std::clamp(pixel.x(), area.x0, area.x1),
+                    std::clamp(pixel.y(), area.y0, area.y1)},
+                   &derivative);
+  return derivative;
+}
+
+// How many pixels a unit of the chart is at a pixel.
+double PixelsPerChartUnitAt(const BSplineSurface& surface,
+                            const Eigen::Vector2d& pixel) {
+  return 1 / std::sqrt(std::abs(ChartDerivative(surface, pixel).determinant()));
+}
+
+// How many pixels a unit of the chart is around each control point.
+std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
+  std::vector<double> scales;
+  for (int i = 0; i < surface.num_points(); ++i)
+    scales.push_back(PixelsPerChartUnitAt(surface, surface.PixelOf(i)));
+  return scales;
+}
+
+// How far the parameters of a lens move the image: focal lengths, centre,
+// radial distortion, and what tilts it.
+struct LensDisplacements {
+  static constexpr int kCentral = 4, kRadial = 3, kTilt = 4;
+  static constexpr int kCount = kCentral + kRadial + kTilt;
+
+  // Displacements x, y, 1 across and 1 down, then along the radius by its third
+  // power, and its fifth and seventh, a pixel in the area's corners. The last
+  // are the tangential terms p1 and p2 and the thin-prism terms sx1 and sy1, of
+  // a pixel as camera/decentring.h counts them.
+  static Eigen::Matrix<double, 2, kCount> At(const Area& area,
+                                             const Eigen::Vector2d& pixel) {
+    const Eigen::Vector2d offset = (pixel - area.center()) / area.width();
+    const Eigen::Vector2d to_corner =
+        (pixel - area.center()) * 2 / std::hypot(area.width(), area.height());
+    Eigen::Matrix<double, 2, kCount> displacements;
+    displacements.leftCols<kCentral>() << offset.x(), 0, 1, 0,  //
+        0, offset.y(), 0, 1;
+    for (int k = 0; k < kRadial; ++k)
+      displacements.col(kCentral + k) =
+          to_corner * std::pow(to_corner.squaredNorm(), k + 1);
+    const double x = to_corner.x(), y = to_corner.y(), r2 = x * x + y * y;
+    displacements.rightCols<kTilt>() << 2 * x * y, r2 + 2 * x * x, r2, 0,  //
+        r2 + 2 * y * y, 2 * x * y, 0, r2;
+    return displacements;
+  }
+
+  // Radial distortion is held a hundredth as much as a pixel of the field: so
+  // little holds nothing that features tell, but where they are in a small part
+  // of the image, high orders would move the rest by any number of pixels.
+  static Eigen::VectorXd Holds() {
+    constexpr double kRadialHold = 1e-4;
+    Eigen::VectorXd holds = Eigen::VectorXd::Zero(kCount);
+    holds.segment<kRadial>(kCentral).setConstant(kRadialHold);
+    return holds;
+  }
+  static Eigen::VectorXd Firmness(double tilt_firmness) {
+    Eigen::VectorXd firmness = Eigen::VectorXd::Zero(kCount);
+    firmness.tail<kTilt>().setConstant(tilt_firmness);
+    return firmness;
+  }
+};
+
+// How control points move with each of these. Without a firmness, the lens's
+// tilt is as the base has it.
+FreeDirections FreedOfLens(const BSplineSurface& surface,
+                           const FieldParameters& field, double tilt_firmness) {
+  Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(
+      field.per_point * surface.num_points(), LensDisplacements::kCount);
+  for (int i = 0; i < surface.num_points(); ++i) {
+    const Eigen::Vector2d pixel = surface.PixelOf(i);
+    directions.middleRows<2>(field.ParameterOf(i)) =
+        ChartDerivative(surface, pixel) *
+        LensDisplacements::At(surface.area(), pixel);
+  }
+  const int count = LensDisplacements::kCount -
+                    (tilt_firmness > 0 ? 0 : LensDisplacements::kTilt);
+  return {directions.leftCols(count), LensDisplacements::Holds().head(count),
+          LensDisplacements::Firmness(tilt_firmness).head(count)};
+}
+
+// The rotations of the directions of pixels all over the area, in pixels, as a
+// linear function of the control points. Over the control points themselves the
+// camera could turn while those at its corners, that little is seen of, turned
+// the other way.
+Eigen::MatrixXd RotationOverArea(const BSplineSurface& surface,
+                                 const FieldParameters& field,
+                                 double middle_px) {
+  constexpr int kPerCell = 4;
+  Eigen::MatrixXd rotation =
+      Eigen::MatrixXd::Zero(field.per_point * surface.num_points(), 3);
+  const std::vector<Eigen::Vector2d> pixels = surface.SamplePixels(kPerCell);
+  for (const Eigen::Vector2d& pixel : pixels) {
+    // Pixels where the lens folds or is continued count for little: a unit of
+    // the chart is any number of pixels there, and nothing is seen.
+    const double scale = PixelsPerChartUnitAt(surface, pixel) / middle_px;
+    const Eigen::Matrix<double, 2, 3> by_rotation =
+        std::pow(std::min(scale, 1 / scale), 2) *
+        ChartRotationDerivative(surface.Evaluate(pixel));
+    const SplineSupport support = surface.Support(pixel);
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 4; ++i)
+        rotation.middleRows<2>(field.ParameterOf(
+            (support.row + j) * surface.columns() + support.column + i)) +=
+            support.wx[i] * support.wy[j] * by_rotation;
+  }
+  return rotation / static_cast<double>(pixels.size());
+}
+
+// The control points of surfaces with these values at pixels, a column each.
+// Beyond the area they go on as what is inside it does: the smoothness would
+// see a bend there.
+Eigen::MatrixXd ControlValues(
+    const BSplineSurface& surface, const FieldParameters& field,
+    const std::function<Eigen::MatrixXd(const Eigen::Vector2d&)>& at) {
+  const LatticeFit fit(surface);
+  const Eigen::Index count = at(fit.pixels()[0]).cols();
+  Eigen::MatrixXd values(fit.pixels().size(), 2 * count);
+  for (size_t i = 0; i < fit.pixels().size(); ++i)
+    values.row(i) = at(fit.pixels()[i]).reshaped().transpose();
+  Eigen::MatrixXd result =
+      Eigen::MatrixXd::Zero(field.per_point * surface.num_points(), count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::VectorXd x = fit.Of(values.col(2 * k)),
+                          y = fit.Of(values.col(2 * k + 1));
+    for (int i = 0; i < surface.num_points(); ++i)
+      result.col(k).segment<2>(field.ParameterOf(i)) << x[i], y[i];
+  }
+  return result;
+}
+
+// Beside what is freed of a lens, how a fleet's lenses differ: by normal
+// numbers, so their firmness is 1.
+FreeDirections WithSpread(const FreeDirections& lens,
+                          const BSplineSurface& surface,
+                          const FieldParameters& field,
+                          const std::vector<BSplineSurface>& spread) {
+  const Eigen::MatrixXd moved =
+      ControlValues(surface, field, [&](const Eigen::Vector2d& pixel) {
+        Eigen::MatrixXd displacements(2, spread.size());
+        for (size_t k = 0; k < spread.size(); ++k) {
+          const Area& area = spread[k].area();
+          displacements.col(k) =
+              spread[k].Evaluate({std::clamp(pixel.x(), area.x0, area.x1),
+                                  std::clamp(pixel.y(), area.y0, area.y1)});
+        }
+        return Eigen::MatrixXd(ChartDerivative(surface, pixel) * displacements);
+      });
+  FreeDirections all;
+  all.directions.resize(moved.rows(), lens.directions.cols() + moved.cols());
+  all.directions << lens.directions, moved;
+  all.holds.resize(all.directions.cols());
+  all.holds << lens.holds, Eigen::VectorXd::Zero(moved.cols());
+  all.firmness.resize(all.directions.cols());
+  all.firmness << lens.firmness, Eigen::VectorXd::Ones(moved.cols());
+  return all;
+}
+
+// Directions turned back by what the orientation is held against: else a
+// centre that differs would take a turn with it, which the smoothness would
+// have to undo.
+Eigen::MatrixXd WithoutTurns(const Eigen::MatrixXd& directions,
+                             const Eigen::MatrixXd& orientation,
+                             const BSplineSurface& surface,
+                             const FieldParameters& field) {
+  const Eigen::MatrixXd turns =
+      ControlValues(surface, field, [&](const Eigen::Vector2d& pixel) {
+        return Eigen::MatrixXd(
+            ChartRotationDerivative(surface.Evaluate(pixel)));
+      });
+  const Eigen::Matrix3d by_turn = orientation.transpose() * turns;
+  return directions -
+         turns * by_turn.inverse() * (orientation.transpose() * directions);
+}
+
+// The prior of directions, or of how they change, without its mean: two of a
+// control point's parameters.
+CameraPrior DirectionsPrior(const BSplineSurface& base,
+                            const FieldParameters& field,
+                            double tilt_firmness = 0,
+                            const std::vector<BSplineSurface>& spread = {}) {
+  CameraPrior prior;
+  prior.tilt_firmness = tilt_firmness;
+  prior.spread = spread;
+  prior.groups = {SmoothGroup(base, field, PixelsPerChartUnit(base))};
+  // The orientation is that of displacements in pixels: in the chart,
+  // displacements behind the camera, which nothing is seen of, would outweigh
+  // all others. The orientation is as firm as the observations, which have no
+  // say in it, are in everything else.
+  const double middle_px = PixelsPerChartUnitAt(base, base.area().center());
+  prior.orientation =
+      std::sqrt(base.num_points()) * RotationOverArea(base, field, middle_px);
+  prior.orientation_weight = middle_px * middle_px;
+  FreeDirections freed = FreedOfLens(base, field, tilt_firmness);
+  if (!spread.empty()) {
+    freed = WithSpread(freed, base, field, spread);
+    freed.directions =
+        WithoutTurns(freed.directions, prior.orientation, base, field);
+  }
+  prior.groups[0].Free(freed);
+  return prior;
+}
+
+// How firmly a control point's point is held in its place along its line,
+// beside how the differences between neighbours are: no observation tells it,
+// so it is to be none of what is looked for.
+constexpr double kFirmness = 1e4;
+
+Eigen::SparseMatrix<double> PlacesAlongLines(const BSplineSurface& directions,
+                                             double pixels_per_metre) {
+  std::vector<Eigen::Triplet<double>> triplets;
+  int first = NonCentralGeneric::kFirstOfPoint;
+  for (const Eigen::Vector2d& chart : directions.points()) {
+    const Eigen::Vector3d along = pixels_per_metre * FromChart(chart);
+    for (int k = 0; k < 9; ++k)
+      triplets.emplace_back(first + k % 3, first + k / 3,
+                            kFirmness * along[k % 3] * along[k / 3]);
+    first += NonCentralGeneric::kPerNode;
+  }
+  const int size = NonCentralGeneric::kPerNode * directions.num_points();
+  Eigen::SparseMatrix<double> precision(size, size);
+  precision.setFromTriplets(triplets.begin(), triplets.end());
+  return precision;
+}
+
+}  // namespace
+
+CameraPrior SmoothnessPrior(const CentralGeneric& base, double tilt_firmness,
+                            const std::vector<BSplineSurface>& spread) {
+  CameraPrior prior =
+      DirectionsPrior(base.surface(), {2, 0, 2}, tilt_firmness, spread);
+  prior.mean = base.Parameters();
+  return prior;
+}
+
+CameraPrior StackPrior(const CentralGeneric& base, int num_terms) {
+  const BSplineSurface& surface = base.surface();
+  CameraPrior prior;
+  prior.mean = Eigen::VectorXd::Zero(2 * num_terms * surface.num_points());
+  for (int k = 0; k < surface.num_points(); ++k)
+    prior.mean.segment<2>(2 * num_terms * k) = surface.points()[k];
+  prior.orientation.resize(prior.mean.size(), 3 * num_terms);
+  for (int term = 0; term < num_terms; ++term) {
+    CameraPrior of_term =
+        DirectionsPrior(surface, {2 * num_terms, 2 * term, 2});
+    prior.groups.push_back(std::move(of_term.groups[0]));
+    prior.orientation.middleCols<3>(3 * term) = of_term.orientation;
+    prior.orientation_weight = of_term.orientation_weight;
+  }
+  return prior;
+}
+
+CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m,
+                            double tilt_firmness) {
+  constexpr int kPerNode = NonCentralGeneric::kPerNode;
+  const BSplineSurface& surface = base.surface();
+  CameraPrior prior = DirectionsPrior(surface, {kPerNode, 0, 2}, tilt_firmness);
+  prior.mean = NonCentralGeneric(base).Parameters();
+  const int middle = surface.num_points() / 2;
+  const double chart_per_radian =
+      (1 + surface.points()[middle].squaredNorm()) / 2;
+  const std::vector<double> pixels_per_metre(
+      surface.num_points(),
+      PixelsPerChartUnit(surface)[middle] * chart_per_radian / distance_m);
+  PriorGroup points =
+      SmoothGroup(surface, {kPerNode, NonCentralGeneric::kFirstOfPoint, 3},
+                  pixels_per_metre);
+  points.precision += PlacesAlongLines(surface, pixels_per_metre[middle]);
+  prior.groups.push_back(std::move(points));
+  return prior;
+}
+
+}  // namespace raygrid
