@@ -288,7 +288,7 @@ class PriorUpdate {
                       GaussianPrior* prior) {
     double change = 0;
     if (!fix_points)
-      change = of_points_.Update(evidence.points, variance, negligible_m2_, 0,
+      change = of_points_.Update(evidence.points, variance, negligible_m2_,
                                  &prior->points_weight);
     for (int k = 0; k < kNumBendOrders; ++k)
       if (evidence.flex[k].count > 0)
@@ -313,7 +313,7 @@ class PriorUpdate {
   const std::vector<CameraGroup>& groups_;
   double negligible_m2_;
   std::vector<WeightUpdate> of_groups_;
-  WeightUpdate of_points_;
+  ScatterUpdate of_points_;
   std::array<WeightUpdate, kNumBendOrders> of_flex_;
 };
 

@@ -154,9 +154,18 @@ double SquaredFlex(const AdjustmentState& state, BendOrder order) {
   return sum;
 }
 
+int NumSeenPoints(const std::vector<View>& views) {
+  std::set<int> points;
+  for (const View& view : views)
+    for (const Observation& observation : view.observations)
+      points.insert(observation.point);
+  return static_cast<int>(points.size());
+}
+
 PriorEvidence EvidenceOf(const std::vector<CameraGroup>& groups,
                          const GaussianPrior& prior,
                          const Determined& determined,
+                         const std::vector<View>& views,
                          const std::vector<FlexRow>& flex_rows,
                          const AdjustmentState& state) {
   PriorEvidence evidence;
@@ -168,8 +177,7 @@ PriorEvidence EvidenceOf(const std::vector<CameraGroup>& groups,
                                determined.groups[g],
                                groups[g].group->SquaredDistance(difference)});
   }
-  evidence.points = {3.0 * static_cast<double>(state.points.size()),
-                     determined.points, 0};
+  evidence.points = {3.0 * NumSeenPoints(views), determined.points, 0};
   for (size_t i = 0; i < state.points.size(); ++i)
     evidence.points.squared_distance +=
         (state.points[i] - prior.points_mean[i]).squaredNorm();
@@ -203,7 +211,7 @@ std::optional<PriorEvidence> EvidenceOn(const std::vector<CameraGroup>& groups,
   const std::optional<Determined> determined =
       NumDetermined(equations, layout, groups, prior, flex_rows, lambda);
   if (!determined) return std::nullopt;
-  return EvidenceOf(groups, prior, *determined, flex_rows, state);
+  return EvidenceOf(groups, prior, *determined, views, flex_rows, state);
 }
 
 bool IsNextToNothing(const GroupEvidence& evidence) {
@@ -237,6 +245,27 @@ double WeightUpdate::Update(const GroupEvidence& group,
   }
   const double before = *weight;
   *weight = std::max(before * std::exp(change), least_weight);
+  return std::abs(std::log(*weight / before));
+}
+
+// With u and v as above, a distance of g^2 (u0 + v) a parameter, where u0 is
+// the variance that is looked for, lets it be taken for g (u0 + v) next. That
+// changes it by g (u0 - u): so 1 / g of this change is all of it. Where v
+// differs among parameters, that is too much, and the step turns back: then
+// less of it is taken.
+double ScatterUpdate::Update(const GroupEvidence& group,
+                             double residual_variance, double smallest_variance,
+                             double* weight) {
+  constexpr double kMostSmaller = 10;  // in a round
+  const double variance = residual_variance / *weight;
+  const double step = group.squared_distance / group.determined - variance;
+  if (step * last_step_ < 0) exponent_ /= 2;
+  last_step_ = step;
+  const double next =
+      variance + step * std::pow(group.count / group.determined, exponent_);
+  const double before = *weight;
+  *weight = residual_variance /
+            std::max({next, variance / kMostSmaller, smallest_variance});
   return std::abs(std::log(*weight / before));
 }
 

@@ -32,7 +32,7 @@ std::vector<CameraGroup> CameraGroups(GaussianPrior* prior);
 /// The evidence of each group of the prior.
 struct PriorEvidence {
   std::vector<GroupEvidence> groups;  ///< of cameras
-  GroupEvidence points;
+  GroupEvidence points;               ///< those that are seen
   std::array<GroupEvidence, kNumBendOrders> flex;
 };
 
@@ -63,6 +63,19 @@ class WeightUpdate {
  private:
   static constexpr double kMaxFactor = 0.8;
   double last_change_ = 0;  // none, or of which none is known
+};
+
+/// Moves the weight of parameters that scatter independently, and that the
+/// observations tell about as well of one as of another. Where these leave
+/// nothing of a scatter, weights as above grow by as much in each round.
+class ScatterUpdate {
+ public:
+  /// As WeightUpdate::Update().
+  double Update(const GroupEvidence& group, double residual_variance,
+                double smallest_variance, double* weight);
+
+ private:
+  double last_step_ = 0, exponent_ = 1;
 };
 
 }  // namespace raygrid
