@@ -70,7 +70,8 @@ class WeightUpdate {
 /// nothing of a scatter, weights as above grow by as much in each round.
 class ScatterUpdate {
  public:
-  /// As WeightUpdate::Update().
+  /// Returns how much the weight's logarithm changed. The parameters' variance
+  /// is taken for no smaller than smallest_variance.
   double Update(const GroupEvidence& group, double residual_variance,
                 double smallest_variance, double* weight);
 

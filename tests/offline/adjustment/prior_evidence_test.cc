@@ -7,9 +7,8 @@
 namespace raygrid {
 namespace {
 
-// What observations tell of parameters that scatter by a variance, where they
-// alone tell some of them with one error and the others with another. Held by a
-// prior of some variance.
+// Parameters that scatter by a variance. Observations alone tell some of them
+// with one error, and the others with another.
 struct Scattered {
   double variance;
   double num_well, well, num_badly, badly;
