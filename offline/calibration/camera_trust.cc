@@ -199,6 +199,7 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   const std::vector<PixelUncertainty> pixels =
       ProjectionUncertainty(response, noise, adjusted.problem.views,
                             adjusted.state, camera, size, &joint_px2);
+  if (pixels.empty()) return std::nullopt;
   DeviationLattice seen = {size.columns, size.rows, {}}, total = seen,
                    scatter = seen;
   for (const PixelUncertainty& pixel : pixels) {
