@@ -213,7 +213,7 @@ double SquaredMetresPerPixel(const AdjustmentState& state,
 // open.
 void GuessWeights(const std::vector<CameraGroup>& groups,
                   const std::vector<Residual>& residuals, double huber_px,
-                  size_t num_points, double square_metres_per_pixel,
+                  int num_points, double square_metres_per_pixel,
                   GaussianPrior* prior) {
   const double variance = ResidualVariance(residuals, huber_px, 0);
   for (const CameraGroup& group : groups)
@@ -243,7 +243,8 @@ bool LeaveOutWhatIsNotTold(const PriorEvidence& evidence, double variance,
                            const GaussianPrior& prior, bool* fix_points,
                            AdjustmentState* state) {
   bool is_simpler = false;
-  if (!*fix_points && IsNextToNothing(evidence.points)) {
+  if (!*fix_points && IsNextToNothing(evidence.points) &&
+      !ScattersMore(evidence.points, variance / prior.points_weight)) {
     state->points = prior.points_mean;
     *fix_points = is_simpler = true;
   }
@@ -341,7 +342,8 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
       SquaredMetresPerPixel(*state, views, options);
   std::vector<Residual> residuals =
       ComputeResiduals(*state, views, options.num_threads);
-  GuessWeights(groups, residuals, options.huber_px, state->points.size(),
+  GuessWeights(groups, residuals, options.huber_px,
+               NumSeenPoints(views, state->points.size()),
                square_metres_per_pixel, prior);
 
   PriorUpdate update(groups, square_metres_per_pixel);
@@ -378,13 +380,13 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
     change =
         std::max(change, update.UpdateBoards(*evidence, variance,
                                              fixed.fix_points, *state, prior));
+    if (!is_asked && change <= kRoughChange && decrease <= kRoughDecrease) {
+      is_asked = true;
+      is_enough = options.is_enough(residuals);
+      if (is_enough) break;
+    }
     if (change < kStableChange && decrease < kStableCost) break;
     if (options.is_start && decrease < kGoodEnoughToStart) break;
-    if (is_asked || change > kRoughChange || decrease > kRoughDecrease)
-      continue;
-    is_asked = true;
-    is_enough = options.is_enough(residuals);
-    if (is_enough) break;
   }
   if (options.is_start || is_enough) fixed.max_iterations = 0;
   AdjustmentSummary summary =

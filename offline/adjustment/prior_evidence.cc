@@ -67,7 +67,7 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
                                         const std::vector<CameraGroup>& groups,
                                         const GaussianPrior& prior,
                                         const std::vector<FlexRow>& flex_rows,
-                                        double lambda) {
+                                        int num_seen_points, double lambda) {
   const int num_samples = equations.NumCheapSides();
   std::mt19937 random_bits(1);  // the standard fixes its sequence
   std::vector<Eigen::MatrixXd> shares;
@@ -115,10 +115,13 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
     result.groups.push_back(
         determined(groups[g].group->rank,
                    trace(layout.first_camera[groups[g].camera], shares[g])));
+  // Nothing is determined of a point that is not seen: it adds 1 to the trace.
+  const double num_unseen = layout.num_points - num_seen_points;
   result.points = determined(
-      3.0 * layout.num_points,
+      3.0 * num_seen_points,
       trace(layout.first_point,
-            right.middleRows(layout.first_point, 3 * layout.num_points)));
+            right.middleRows(layout.first_point, 3 * layout.num_points)) -
+          3 * num_unseen * num_samples);
   std::array<double, kNumBendOrders> flex = {};
   for (const auto& [row, order] : flex_rows)
     flex[static_cast<int>(order)] +=
@@ -154,20 +157,11 @@ double SquaredFlex(const AdjustmentState& state, BendOrder order) {
   return sum;
 }
 
-int NumSeenPoints(const std::vector<View>& views) {
-  std::set<int> points;
-  for (const View& view : views)
-    for (const Observation& observation : view.observations)
-      points.insert(observation.point);
-  return static_cast<int>(points.size());
-}
-
 PriorEvidence EvidenceOf(const std::vector<CameraGroup>& groups,
                          const GaussianPrior& prior,
                          const Determined& determined,
-                         const std::vector<View>& views,
                          const std::vector<FlexRow>& flex_rows,
-                         const AdjustmentState& state) {
+                         int num_seen_points, const AdjustmentState& state) {
   PriorEvidence evidence;
   for (size_t g = 0; g < groups.size(); ++g) {
     const Eigen::VectorXd difference =
@@ -177,7 +171,7 @@ PriorEvidence EvidenceOf(const std::vector<CameraGroup>& groups,
                                determined.groups[g],
                                groups[g].group->SquaredDistance(difference)});
   }
-  evidence.points = {3.0 * NumSeenPoints(views), determined.points, 0};
+  evidence.points = {3.0 * num_seen_points, determined.points, 0};
   for (size_t i = 0; i < state.points.size(); ++i)
     evidence.points.squared_distance +=
         (state.points[i] - prior.points_mean[i]).squaredNorm();
@@ -200,6 +194,14 @@ std::vector<CameraGroup> CameraGroups(GaussianPrior* prior) {
   return groups;
 }
 
+int NumSeenPoints(const std::vector<View>& views, size_t num_points) {
+  std::vector<bool> is_seen(num_points);
+  for (const View& view : views)
+    for (const Observation& observation : view.observations)
+      is_seen[observation.point] = true;
+  return static_cast<int>(std::count(is_seen.begin(), is_seen.end(), true));
+}
+
 std::optional<PriorEvidence> EvidenceOn(const std::vector<CameraGroup>& groups,
                                         const GaussianPrior& prior,
                                         const std::vector<View>& views,
@@ -208,15 +210,21 @@ std::optional<PriorEvidence> EvidenceOn(const std::vector<CameraGroup>& groups,
                                         double lambda,
                                         const AdjustmentState& state) {
   const std::vector<FlexRow> flex_rows = FlexRows(layout, views, state);
-  const std::optional<Determined> determined =
-      NumDetermined(equations, layout, groups, prior, flex_rows, lambda);
+  const int num_seen_points = NumSeenPoints(views, state.points.size());
+  const std::optional<Determined> determined = NumDetermined(
+      equations, layout, groups, prior, flex_rows, num_seen_points, lambda);
   if (!determined) return std::nullopt;
-  return EvidenceOf(groups, prior, *determined, views, flex_rows, state);
+  return EvidenceOf(groups, prior, *determined, flex_rows, num_seen_points,
+                    state);
 }
 
 bool IsNextToNothing(const GroupEvidence& evidence) {
   constexpr double kFewDetermined = 0.02;  // part of a group
   return evidence.determined < kFewDetermined * evidence.count;
+}
+
+bool ScattersMore(const GroupEvidence& evidence, double prior_variance) {
+  return evidence.squared_distance > prior_variance * evidence.determined;
 }
 
 // With a prior of variance u, and v of what the observations alone tell of the
@@ -227,7 +235,7 @@ bool IsNextToNothing(const GroupEvidence& evidence) {
 bool IsByChance(const GroupEvidence& evidence, double prior_variance) {
   constexpr double kLeastDetermined = 0.7;  // x is 3.3 times the count
   return evidence.determined < kLeastDetermined * evidence.count &&
-         evidence.squared_distance < prior_variance * evidence.determined;
+         !ScattersMore(evidence, prior_variance);
 }
 
 double WeightUpdate::Update(const GroupEvidence& group,
@@ -256,7 +264,7 @@ double WeightUpdate::Update(const GroupEvidence& group,
 double ScatterUpdate::Update(const GroupEvidence& group,
                              double residual_variance, double smallest_variance,
                              double* weight) {
-  constexpr double kMostSmaller = 10;  // in a round
+  constexpr double kMostSmaller = 10, kMostLarger = 100;  // in a round
   const double variance = residual_variance / *weight;
   const double step = group.squared_distance / group.determined - variance;
   if (step * last_step_ < 0) exponent_ /= 2;
@@ -264,8 +272,10 @@ double ScatterUpdate::Update(const GroupEvidence& group,
   const double next =
       variance + step * std::pow(group.count / group.determined, exponent_);
   const double before = *weight;
-  *weight = residual_variance /
-            std::max({next, variance / kMostSmaller, smallest_variance});
+  *weight =
+      residual_variance / std::max(std::clamp(next, variance / kMostSmaller,
+                                              variance * kMostLarger),
+                                   smallest_variance);
   return std::abs(std::log(*weight / before));
 }
 

@@ -36,6 +36,9 @@ struct PriorEvidence {
   std::array<GroupEvidence, kNumBendOrders> flex;
 };
 
+/// How many of the points are in any view.
+int NumSeenPoints(const std::vector<View>& views, size_t num_points);
+
 /// The evidence of observations on a prior's strength (MacKay, "Bayesian
 /// Interpolation", 1992). equations: of the views, damped by lambda. Nothing if
 /// the system is singular.
@@ -46,6 +49,9 @@ std::optional<PriorEvidence> EvidenceOn(
 
 /// Whether the observations tell next to nothing of a group.
 bool IsNextToNothing(const GroupEvidence& evidence);
+
+/// Whether the evidence is greater with a larger variance of the prior.
+bool ScattersMore(const GroupEvidence& evidence, double prior_variance);
 
 /// Whether parameters depart so little from their mean as chance lets 1 of 50
 /// of them.

@@ -3,6 +3,7 @@
 #include "calibration/calibration.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <string>
@@ -98,6 +99,35 @@ TEST(AdjustModel, ConvergesWhereFeaturesAreLostAndFound) {
   Adjusted adjusted = AdjustStartingLens(c.dataset, c.pattern, options);
   AdjustModel(c.pattern, c.model, {0}, options, &adjusted);
   EXPECT_TRUE(adjusted.summary.converged);
+}
+
+// Beside outliers the scatter of points is lost at first. It must be found once
+// these have left.
+TEST(AdjustModel, FindsAPrintsScatterOnceOutliersHaveLeft) {
+  constexpr double kScatterM = 0.0001;
+  const Pattern nominal = ChessboardPattern(30, 24, 0.02);
+  TestRandom random(4);
+  Pattern printed = nominal;
+  for (Eigen::Vector3d& point : printed.boards[0].points)
+    point += kScatterM * random.NormalVector<3>();
+  SimulationOptions simulation;
+  simulation.num_images = 20;
+  simulation.features_per_image = 80;
+  simulation.noise_px = 0.05;
+  Dataset dataset =
+      SimulateObservations(ExampleSimulatedCamera(), printed, simulation)
+          .dataset;
+  for (ImageFeatures& image : dataset.images)
+    for (size_t k = 0; k < image.features.size(); k += 20)
+      image.features[k].pixel += 2 * random.NormalVector<2>();
+  AdjustmentOptions options;
+  options.num_threads = 2;
+  Adjusted adjusted = AdjustStartingLens(dataset, nominal, options);
+  AdjustModel(nominal, "central-generic", {80}, options, &adjusted);
+  EXPECT_GT(adjusted.rejected_features[0].size(), 40u);
+  EXPECT_NEAR(
+      adjusted.summary.noise_px / std::sqrt(adjusted.prior.points_weight),
+      kScatterM, 0.3 * kScatterM);
 }
 
 TEST(Calibrate, HeldOutImagesAreNotCalibratedWith) {
