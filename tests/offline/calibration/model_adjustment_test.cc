@@ -1,0 +1,72 @@
+// A camera is fitted to the features from a lens that starts it.
+
+#include "calibration/model_adjustment.h"
+
+#include <cmath>
+
+#include "calibration/starting_lens.h"
+#include "gtest/gtest.h"
+#include "random_calibration.h"
+#include "simulation/simulated_camera.h"
+#include "simulation/simulated_observations.h"
+#include "support.h"
+#include "test_boards.h"
+
+namespace raygrid {
+namespace {
+
+// A few of those that convergence_bench tries.
+TEST(AdjustModel, ParametricModelsConverge) {
+  for (int seed = 0; seed < 8; ++seed) {
+    const RandomCalibration c = MakeRandomCalibration(seed, 10, 30);
+    AdjustmentOptions options;
+    options.num_threads = 2;
+    options.fix_points = c.flat_board;
+    Adjusted adjusted = AdjustStartingLens(c.dataset, c.pattern, options);
+    AdjustModel(c.pattern, c.model, {0}, options, &adjusted);
+    EXPECT_TRUE(adjusted.summary.converged) << seed << ": " << c.model;
+  }
+}
+
+// A feature behind a wide lens that steps lose and find again: after 50 steps
+// none may be lost, or they would go round in a circle.
+TEST(AdjustModel, ConvergesWhereFeaturesAreLostAndFound) {
+  const RandomCalibration c = MakeRandomCalibration(289, 10, 300);
+  AdjustmentOptions options;
+  options.num_threads = 2;
+  Adjusted adjusted = AdjustStartingLens(c.dataset, c.pattern, options);
+  AdjustModel(c.pattern, c.model, {0}, options, &adjusted);
+  EXPECT_TRUE(adjusted.summary.converged);
+}
+
+// Beside outliers the scatter of points is lost at first. It must be found once
+// these have left.
+TEST(AdjustModel, FindsAPrintsScatterOnceOutliersHaveLeft) {
+  constexpr double kScatterM = 0.0001;
+  const Pattern nominal = ChessboardPattern(30, 24, 0.02);
+  TestRandom random(4);
+  Pattern printed = nominal;
+  for (Eigen::Vector3d& point : printed.boards[0].points)
+    point += kScatterM * random.NormalVector<3>();
+  SimulationOptions simulation;
+  simulation.num_images = 20;
+  simulation.features_per_image = 80;
+  simulation.noise_px = 0.05;
+  Dataset dataset =
+      SimulateObservations(ExampleSimulatedCamera(), printed, simulation)
+          .dataset;
+  for (ImageFeatures& image : dataset.images)
+    for (size_t k = 0; k < image.features.size(); k += 20)
+      image.features[k].pixel += 2 * random.NormalVector<2>();
+  AdjustmentOptions options;
+  options.num_threads = 2;
+  Adjusted adjusted = AdjustStartingLens(dataset, nominal, options);
+  AdjustModel(nominal, "central-generic", {80}, options, &adjusted);
+  EXPECT_GT(adjusted.rejected_features[0].size(), 40u);
+  EXPECT_NEAR(
+      adjusted.summary.noise_px / std::sqrt(adjusted.prior.points_weight),
+      kScatterM, 0.3 * kScatterM);
+}
+
+}  // namespace
+}  // namespace raygrid
