@@ -2,6 +2,7 @@
 #define RAYGRID_ADJUSTMENT_RESIDUAL_PRODUCT_H
 
 #include <Eigen/Core>
+#include <algorithm>
 
 #include "adjustment/normal_equations.h"
 
@@ -13,8 +14,15 @@ template <int kNum>
 using Columns = Eigen::Matrix<double, Eigen::Dynamic, kNum,
                               kNum == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
 
+/// A residual's two numbers of as many vectors.
+template <int kNum>
+using Pairs = Eigen::Matrix<double, 2, kNum,
+                            kNum == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
+
 /// u = J x and y += J^T u for one residual, of a few vectors, over a layout
-/// without bends that boards have in all views (ShapeMoves::moved()).
+/// without bends that boards have in all views (ShapeMoves::moved()). Loops
+/// over plain numbers, since a compiler takes minutes for as many products of
+/// small matrices.
 class ResidualProduct {
  public:
   ResidualProduct(const ParameterLayout& layout, const ViewJacobian& jacobian)
@@ -26,106 +34,92 @@ class ResidualProduct {
         first_point_(layout.num_points > 0 ? layout.first_point : -1) {}
 
   template <int kNum>
-  Eigen::Matrix<double, 2, kNum> Times(const Columns<kNum>& x, int i) const {
+  Pairs<kNum> Times(const Columns<kNum>& x, int i) const {
     const ViewJacobian& j = jacobian_;
-    Eigen::Matrix<double, 2, kNum> u = Eigen::Matrix<double, 2, kNum>::Zero();
+    Pairs<kNum> u = Pairs<kNum>::Zero();
     WithNumPerNode(j.num_per_node, [&](auto per_node) {
-      if constexpr (per_node == 0)
-        u = AnyNodes(x, i);
-      else
-        u = Nodes<per_node>(x, i);
+      const int size = kNum * (per_node > 0 ? per_node : j.num_per_node);
+      double sum[kNum * LinearizedProjection::kMaxPerNode];
+      std::fill_n(sum, size, 0.0);
+      for (int k = 0; k < j.num_nodes; ++k) {
+        const double* node = At<kNum>(x, first_ + j.node_parameter(k, i));
+        const double weight = j.node_weight(k, i);
+        for (int n = 0; n < size; ++n) sum[n] += weight * node[n];
+      }
+      AddTimes<kNum>(j.by_node, i, sum, &u);
     });
-    if (j.num_global > 0)
-      u += ViewJacobian::Block(j.by_global, i) *
-           x.middleRows(first_ + j.first_global, j.num_global);
-    if (camera_pose_ >= 0)
-      u += ViewJacobian::Block<6>(j.by_camera_pose, i) *
-           x.template middleRows<6>(camera_pose_);
-    if (place_ >= 0)
-      u += ViewJacobian::Block<6>(j.by_place, i) *
-           x.template middleRows<6>(place_);
-    if (first_point_ >= 0)
-      u += ViewJacobian::Block<3>(j.by_point, i) *
-           x.template middleRows<3>(first_point_ + 3 * j.points[i]);
+    ForOthers(i, [&](const auto& derivatives, int first) {
+      AddTimes<kNum>(derivatives, i, At<kNum>(x, first), &u);
+    });
     return u;
   }
 
   template <int kNum>
-  void AddTransposed(const Eigen::Matrix<double, 2, kNum>& u, int i,
-                     Columns<kNum>* y) const {
+  void AddTransposed(const Pairs<kNum>& u, int i, Columns<kNum>* y) const {
     const ViewJacobian& j = jacobian_;
     WithNumPerNode(j.num_per_node, [&](auto per_node) {
-      if constexpr (per_node == 0)
-        AddAnyNodes(u, i, y);
-      else
-        AddNodes<per_node>(u, i, y);
+      const int size = kNum * (per_node > 0 ? per_node : j.num_per_node);
+      double sum[kNum * LinearizedProjection::kMaxPerNode];
+      std::fill_n(sum, size, 0.0);
+      AddTransposedTimes<kNum>(j.by_node, i, u, sum);
+      for (int k = 0; k < j.num_nodes; ++k) {
+        double* node = At<kNum>(*y, first_ + j.node_parameter(k, i));
+        const double weight = j.node_weight(k, i);
+        for (int n = 0; n < size; ++n) node[n] += weight * sum[n];
+      }
     });
-    if (j.num_global > 0)
-      y->middleRows(first_ + j.first_global, j.num_global) +=
-          ViewJacobian::Block(j.by_global, i).transpose() * u;
-    if (camera_pose_ >= 0)
-      y->template middleRows<6>(camera_pose_) +=
-          ViewJacobian::Block<6>(j.by_camera_pose, i).transpose() * u;
-    if (place_ >= 0)
-      y->template middleRows<6>(place_) +=
-          ViewJacobian::Block<6>(j.by_place, i).transpose() * u;
-    if (first_point_ >= 0)
-      y->template middleRows<3>(first_point_ + 3 * j.points[i]) +=
-          ViewJacobian::Block<3>(j.by_point, i).transpose() * u;
+    ForOthers(i, [&](const auto& derivatives, int first) {
+      AddTransposedTimes<kNum>(derivatives, i, u, At<kNum>(*y, first));
+    });
   }
 
  private:
-  // The nodes of a spline surface, each a K-vector; those of a row follow each
-  // other.
-  static constexpr int kNumNodes = 16, kNodesInARow = 4;
-
-  // Numbers of K parameters that follow each other.
-  template <int K, int kNum>
-  using Node = Eigen::Matrix<double, K, kNum,
-                             kNum == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
-
-  template <int K, int kNum>
-  Eigen::Matrix<double, 2, kNum> Nodes(const Columns<kNum>& x, int i) const {
-    Node<K, kNum> sum = Node<K, kNum>::Zero();
-    const double* weight = jacobian_.node_weight.col(i).data();
-    for (int k = 0; k < kNumNodes; k += kNodesInARow) {
-      const double* row =
-          x.data() + kNum * (first_ + jacobian_.node_parameter(k, i));
-      for (int n = 0; n < kNodesInARow; ++n)
-        sum +=
-            weight[k + n] * Eigen::Map<const Node<K, kNum>>(row + n * K * kNum);
-    }
-    return ViewJacobian::Block<K>(jacobian_.by_node, i) * sum;
+  // A parameter's numbers, which those of the next parameters follow.
+  template <int kNum>
+  static const double* At(const Columns<kNum>& x, int parameter) {
+    return x.data() + static_cast<Eigen::Index>(kNum) * parameter;
   }
   template <int kNum>
-  Eigen::Matrix<double, 2, kNum> AnyNodes(const Columns<kNum>& x, int i) const {
-    Columns<kNum> sum = Columns<kNum>::Zero(jacobian_.num_per_node, kNum);
-    for (int k = 0; k < jacobian_.num_nodes; ++k)
-      sum += jacobian_.node_weight(k, i) *
-             x.middleRows(first_ + jacobian_.node_parameter(k, i), sum.rows());
-    return ViewJacobian::Block(jacobian_.by_node, i) * sum;
+  static double* At(Columns<kNum>& y, int parameter) {
+    return y.data() + static_cast<Eigen::Index>(kNum) * parameter;
   }
-  template <int K, int kNum>
-  void AddNodes(const Eigen::Matrix<double, 2, kNum>& u, int i,
-                Columns<kNum>* y) const {
-    const Node<K, kNum> sum =
-        ViewJacobian::Block<K>(jacobian_.by_node, i).transpose() * u;
-    const double* weight = jacobian_.node_weight.col(i).data();
-    for (int k = 0; k < kNumNodes; k += kNodesInARow) {
-      double* row =
-          y->data() + kNum * (first_ + jacobian_.node_parameter(k, i));
-      for (int n = 0; n < kNodesInARow; ++n)
-        Eigen::Map<Node<K, kNum>>(row + n * K * kNum) += weight[k + n] * sum;
+
+  // Calls a body with derivatives by all but the nodes, and with the first
+  // parameter that they are by.
+  template <typename Body>
+  void ForOthers(int i, const Body& body) const {
+    const ViewJacobian& j = jacobian_;
+    if (j.num_global > 0) body(j.by_global, first_ + j.first_global);
+    if (camera_pose_ >= 0) body(j.by_camera_pose, camera_pose_);
+    if (place_ >= 0) body(j.by_place, place_);
+    if (first_point_ >= 0) body(j.by_point, first_point_ + 3 * j.points[i]);
+  }
+
+  // *u += D x, with column i of derivatives as D.
+  template <int kNum, typename Derivatives>
+  static void AddTimes(const Derivatives& derivatives, int i, const double* x,
+                       Pairs<kNum>* u) {
+    const double* d = derivatives.col(i).data();
+    double top[kNum] = {}, bottom[kNum] = {};
+    for (Eigen::Index k = 0; k < derivatives.rows() / 2; ++k)
+      for (int n = 0; n < kNum; ++n) {
+        top[n] += d[2 * k] * x[k * kNum + n];
+        bottom[n] += d[2 * k + 1] * x[k * kNum + n];
+      }
+    for (int n = 0; n < kNum; ++n) {
+      (*u)(0, n) += top[n];
+      (*u)(1, n) += bottom[n];
     }
   }
-  template <int kNum>
-  void AddAnyNodes(const Eigen::Matrix<double, 2, kNum>& u, int i,
-                   Columns<kNum>* y) const {
-    const Columns<kNum> sum =
-        ViewJacobian::Block(jacobian_.by_node, i).transpose() * u;
-    for (int k = 0; k < jacobian_.num_nodes; ++k)
-      y->middleRows(first_ + jacobian_.node_parameter(k, i), sum.rows()) +=
-          jacobian_.node_weight(k, i) * sum;
+
+  // y += D^T u
+  template <int kNum, typename Derivatives>
+  static void AddTransposedTimes(const Derivatives& derivatives, int i,
+                                 const Pairs<kNum>& u, double* y) {
+    const double* d = derivatives.col(i).data();
+    for (Eigen::Index k = 0; k < derivatives.rows() / 2; ++k)
+      for (int n = 0; n < kNum; ++n)
+        y[k * kNum + n] += d[2 * k] * u(0, n) + d[2 * k + 1] * u(1, n);
   }
 
   const ViewJacobian& jacobian_;
