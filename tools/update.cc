@@ -176,7 +176,13 @@ void UpdateSlots(const UpdateArguments& arguments, const CommonOptions& common,
   const SlotStore store(arguments.slots);
   const uint64_t slot_size = SizeOfSlots(store, arguments);
   RequireSlotSize(slot_size, arguments, blob);
-  const BlobSlots read = ReadSlots(store.Read(2 * slot_size));
+  const std::string bytes = store.Read(2 * slot_size);
+  if (const auto place = FindMisplacedSlot(bytes); place && !arguments.is_new)
+    throw InputError(fmt::format(
+        "{}: a slot begins at byte {}, and the second one ought to at {}; name "
+        "a copy of both slots, whole and with nothing behind them",
+        arguments.slots, *place, slot_size));
+  const BlobSlots read = ReadSlots(bytes);
   RequireSlots(read, arguments);
   if (read.newest && read.slots[*read.newest].blob == blob) {
     Tell(arguments, common, *read.newest, read.slots[*read.newest].sequence,

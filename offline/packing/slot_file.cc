@@ -52,6 +52,14 @@ bool IsSlotFile(const std::string& bytes) {
          bytes.compare(bytes.size() / 2, size, kSlotMagic, size) == 0;
 }
 
+std::optional<uint64_t> FindMisplacedSlot(const std::string& bytes) {
+  const std::string magic(kSlotMagic, sizeof(kSlotMagic));
+  for (size_t at = bytes.find(magic, 1); at != std::string::npos;
+       at = bytes.find(magic, at + 1))
+    if (at != bytes.size() / 2) return at;
+  return std::nullopt;
+}
+
 BlobSlots ReadSlots(const std::string& bytes) {
   const size_t size = bytes.size() / 2;
   BlobSlots read = {

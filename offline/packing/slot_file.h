@@ -31,6 +31,10 @@ bool IsSlotFile(const std::string& bytes);
 
 BlobSlots ReadSlots(const std::string& bytes);
 
+/// The place of a slot that is neither the first one nor in the middle of the
+/// bytes: these are not the two slots of a device, or not all of them.
+std::optional<uint64_t> FindMisplacedSlot(const std::string& bytes);
+
 /// Bytes to be written at a place.
 struct SlotWrite {
   uint64_t offset;  ///< from the first slot's first byte

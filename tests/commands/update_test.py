@@ -132,6 +132,15 @@ class Update(CommandTest):
         photo = write(self.path("photo.bin"), bytes(range(256)) * 256)
         self.assert_refused(run("update", blob, "--slots", photo), 2, "--new")
         self.assert_refused(run("update", blob, "--slots", photo, "--slot-size", "4K"), 2, "65536 bytes")
+        # A copy of flash with more behind the slots, or with less.
+        two = self.path("two.bin")
+        self.assert_done(run("update", blob, "--slots", two))
+        self.assert_done(run("update", self.path("b.raygrid"), "--slots", two))
+        whole = read(two)
+        for copy in (whole + bytes(1000), whole[:100000]):
+            place = write(self.path("copy.bin"), copy)
+            self.assert_refused(run("update", blob, "--slots", place), 2, "a slot begins at byte 65536")
+            self.assertEqual(read(place), copy)
         self.assertEqual(read(photo), bytes(range(256)) * 256)
         self.assert_done(run("update", blob, "--slots", photo, "--new"))
         self.assertEqual(newest(read(photo)), (0, 1, self.blobs["a"]))
