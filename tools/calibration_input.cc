@@ -161,8 +161,10 @@ std::vector<NamedImages> ParseCameras(const CalibrateArguments& arguments) {
   if (!arguments.rig.empty()) return arguments.rig;
   if (arguments.cameras.empty()) return {{"", arguments.images}};
   std::vector<NamedImages> cameras;
-  for (const auto& [name, folder] :
-       ParseNamedCameras("--camera", "FOLDER", arguments.cameras))
+  const std::vector<NamedValue> folders =
+      ParseNamedCameras("--camera", "FOLDER", arguments.cameras);
+  RequireDifferentFolders("--camera", folders);
+  for (const auto& [name, folder] : folders)
     cameras.push_back({name, {folder}});
   if (cameras.size() == 1)
     throw Error(ExitCode::kUsage,

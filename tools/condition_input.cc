@@ -230,6 +230,10 @@ Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
           fmt::format("--camera-at {}={}: the value is given twice; put "
                       "its images into one folder",
                       folder.text, folder.folder));
+  std::vector<NamedValue> places;
+  for (const FolderAt& folder : folders)
+    places.push_back({folder.text, folder.folder});
+  RequireDifferentFolders("--camera-at", places);
   Measurements measurements;
   for (size_t k = 0; k < folders.size(); ++k) {
     const auto part = [&](double done) {

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <set>
+#include <system_error>
 
 #include "dataset/error.h"
 #include "dataset/rig_file.h"
@@ -40,6 +42,21 @@ std::vector<NamedValue> ParseNamedCameras(
           fmt::format("{} {}: two cameras of one name", option, camera.name));
   }
   return cameras;
+}
+
+void RequireDifferentFolders(const std::string& option,
+                             const std::vector<NamedValue>& folders) {
+  for (size_t k = 1; k < folders.size(); ++k)
+    for (size_t before = 0; before < k; ++before) {
+      std::error_code ignored;
+      if (std::filesystem::equivalent(folders[before].value, folders[k].value,
+                                      ignored))
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{} {}={}: the folder of {} again; give each "
+                                "its own images",
+                                option, folders[k].name, folders[k].value,
+                                folders[before].name));
+    }
 }
 
 }  // namespace raygrid

@@ -24,6 +24,11 @@ std::vector<NamedValue> ParseNamedCameras(
     const std::string& option, const std::string& value_name,
     const std::vector<std::string>& texts);
 
+/// Throws Error(kUsage) if two values are one folder, by whatever path: its
+/// images cannot be those of both.
+void RequireDifferentFolders(const std::string& option,
+                             const std::vector<NamedValue>& folders);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_TOOLS_NAMED_CAMERA_H

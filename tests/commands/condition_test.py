@@ -162,6 +162,9 @@ class Condition(CommandTest):
             self.assertTrue(read(self.path("folders/" + name)).startswith(b"\x89PNG"))
         result = run("calibrate", "--condition", "lens_position", *folders, *folders, *options)
         self.assert_refused(result, 1, "the value is given twice")
+        again = "5=" + os.path.join(self.path("photographs"), "0", "..", "0")
+        result = run("calibrate", "--condition", "lens_position", *folders, "--camera-at", again, *options)
+        self.assert_refused(result, 1, "the folder of 0 again")
         result = run("calibrate", "--condition", "lens_position", "--camera-at", "near=x", *options)
         self.assert_refused(result, 1, "expected VALUE=FOLDER")
 
