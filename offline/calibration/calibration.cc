@@ -522,6 +522,7 @@ RigResult Calibration::Judge() {
     if (!is_interrupted && options_.like && options_.like_spread)
       FillFleetDistance(*options_.like, *options_.like_spread, &camera.result);
     NameUnusedImages(camera.dataset, camera.input->skipped, &camera.result);
+    NameImagesLeftOut(camera, &camera.result.rejected_images);
     JudgeResult(options_.num_threads, &camera.result);
     result_.cameras.push_back(std::move(camera.result));
   }

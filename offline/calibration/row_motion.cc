@@ -1,7 +1,9 @@
 #include "calibration/row_motion.h"
 
 #include <map>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "calibration/measuring_again.h"
 #include "shutter/row_time.h"
@@ -30,6 +32,17 @@ MovingViews ViewsBy(const CameraModel& camera, const Pattern& found,
           LocalizedBoards(camera, features, found, num_threads), &times};
 }
 
+// The images that lost all of their features with the motion.
+std::set<std::string> ImagesLeftOut(const Dataset& measured,
+                                    const Dataset& still) {
+  std::set<std::string> names;
+  for (size_t i = 0; i < measured.images.size(); ++i)
+    if (!measured.images[i].features.empty() &&
+        still.images[i].features.empty())
+      names.insert(measured.images[i].image);
+  return names;
+}
+
 }  // namespace
 
 std::optional<StillFeatures> FeaturesWithoutRowMotion(
@@ -54,7 +67,22 @@ RowTimeEstimate RowTimeOf(const CameraInProgress& camera,
   RowTimeEstimate row_time = EstimateRowTime(
       ViewsBy(calibrated, found, features, *camera.input->times, num_threads));
   row_time.is_taken_out = camera.still.has_value();
+  if (camera.still)
+    row_time.num_left_out =
+        static_cast<int>(ImagesLeftOut(features, *camera.still).size());
   return row_time;
+}
+
+void NameImagesLeftOut(const CameraInProgress& camera,
+                       std::vector<RejectedImage>* rejected) {
+  if (!camera.still) return;
+  const std::set<std::string> left_out =
+      ImagesLeftOut(AllFeatures(camera), *camera.still);
+  for (RejectedImage& image : *rejected)
+    if (left_out.count(image.image) > 0)
+      image = {image.image,
+               "its motion is not known: no time, or no "
+               "neighbours in time"};
 }
 
 }  // namespace raygrid

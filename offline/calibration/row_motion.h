@@ -2,6 +2,7 @@
 #define RAYGRID_CALIBRATION_ROW_MOTION_H
 
 #include <optional>
+#include <vector>
 
 #include "calibration/camera_in_progress.h"
 
@@ -25,6 +26,11 @@ std::optional<StillFeatures> FeaturesWithoutRowMotion(
 RowTimeEstimate RowTimeOf(const CameraInProgress& camera,
                           const CameraModel& calibrated, const Pattern& found,
                           int num_threads);
+
+/// Tells of rejected images that they were left out since their motion is not
+/// known, where it is so.
+void NameImagesLeftOut(const CameraInProgress& camera,
+                       std::vector<RejectedImage>* rejected);
 
 }  // namespace raygrid
 

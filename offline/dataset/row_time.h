@@ -26,6 +26,7 @@ struct RowTimeEstimate {
   int num_images = 0;  ///< that told it, those with neighbours in time
   /// Whether features were moved to where they would have been seen at once.
   bool is_taken_out = false;
+  int num_left_out = 0;  ///< images whose motion is not known, if it was
 
   bool IsTold() const { return untold.empty(); }
 };

@@ -18,6 +18,11 @@ std::string RowTimeText(const RowTimeEstimate& row_time, int num_rows) {
   if (value.seconds < 0) text += ", the last one first";
   if (row_time.is_taken_out)
     text += "; the camera is calibrated as if frames were read at once";
+  if (row_time.num_left_out > 0)
+    text += fmt::format(
+        ", without {} {} that {} no time, or no neighbours in time",
+        row_time.num_left_out, row_time.num_left_out == 1 ? "image" : "images",
+        row_time.num_left_out == 1 ? "has" : "have");
   return text;
 }
 

@@ -390,8 +390,8 @@ RowTimeEstimate EstimateRowTime(const MovingViews& views) {
     none.num_images = num_images;
     none.untold = fmt::format(
         "{} images have two neighbours in time on either side, each at most "
-        "{:g} s away, and {} are needed; record consecutive frames of a moving "
-        "camera",
+        "{:g} s away, and {} are needed; see that times are in seconds, and "
+        "record consecutive frames of a moving camera",
         num_images, kMaxFrameGapS, kMinImages);
     return none;
   }
@@ -404,19 +404,18 @@ Dataset WithoutRowMotion(const MovingViews& views, double row_time_s) {
   RowTimeAdjustment adjustment(views);
   adjustment.Adjust(row_time_s);
   Dataset still = *views.dataset;
+  for (ImageFeatures& seen : still.images) seen.features.clear();
+  const Area image = WholeImage(views.camera->image_size());
   for (const MovingBoard& board : adjustment.boards())
     for (const MovingFrame& frame : board.frames)
-      for (const TrackPoint& point : board.track.points[frame.stencil->frame])
-        still.images[point.image].features[point.feature].pixel +=
+      for (const TrackPoint& point : board.track.points[frame.stencil->frame]) {
+        Feature feature =
+            views.dataset->images[point.image].features[point.feature];
+        feature.pixel +=
             MoveOfPoint(*views.camera, board, frame, point, row_time_s);
-  const Area image = WholeImage(views.camera->image_size());
-  for (ImageFeatures& seen : still.images)
-    seen.features.erase(
-        std::remove_if(seen.features.begin(), seen.features.end(),
-                       [&](const Feature& feature) {
-                         return !image.Contains(feature.pixel);
-                       }),
-        seen.features.end());
+        if (image.Contains(feature.pixel))
+          still.images[point.image].features.push_back(feature);
+      }
   return still;
 }
 

@@ -26,7 +26,7 @@ RowTimeEstimate EstimateRowTime(const MovingViews& views);
 
 /// The features where they would have been seen, had their frame been read at
 /// one instant, that of its middle row; without those that would have been seen
-/// outside the image then. Those of images whose motion is not known stay.
+/// outside the image then, and those of frames whose motion is not known.
 Dataset WithoutRowMotion(const MovingViews& views, double row_time_s);
 
 }  // namespace raygrid

@@ -83,6 +83,20 @@ class RollingShutterTest(CommandTest):
         facts = json.loads(run("inspect", result / "camera.raygrid", "--json").stdout)
         self.assertNotIn("row_time_us", facts)
 
+    def test_images_of_unknown_motion_are_left_out_and_named(self):
+        rows = read(self.moving / "times.csv").decode().splitlines(keepends=True)
+        gone = ("sim0060.png", "sim0061.png")
+        times = write(self.path("gaps.csv"), "".join(row for row in rows if not row.startswith(gone)))
+        result = Path(self.path("gaps"))
+        done = self.calibrate(self.moving, "--rolling-shutter", "--times", times, "-o", result)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("without 2 images that have no time, or no neighbours in time", done.stdout)
+        facts = json.loads(read(result / "result.json"))
+        self.assertEqual(facts["row_time"]["left_out"], 2)
+        self.assertEqual([image["image"] for image in facts["images"]["rejected"]], list(gone))
+        self.assertIn("its motion is not known", facts["images"]["rejected"][0]["reason"])
+        self.better(result)
+
     def refusal(self, *options):
         folder = Path(self.path("refused"))
         done = self.calibrate(self.moving, *options, "-o", folder)
