@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "adjustment/smoothness_prior.h"
 #include "calibration/camera_in_progress.h"
@@ -220,6 +222,60 @@ std::vector<StackDeviation> StackDeviations(const Adjusted& adjusted,
   return deviations;
 }
 
+// The RMS of t^(order + 1) that no polynomial of the order has.
+double RmsBeyondOrder(const Eigen::ArrayXd& t, int order) {
+  Eigen::MatrixXd powers(t.size(), order + 1);
+  for (int k = 0; k <= order; ++k) powers.col(k) = t.pow(k);
+  const Eigen::VectorXd next = t.pow(order + 1);
+  const Eigen::VectorXd beyond =
+      next - powers * powers.colPivHouseholderQr().solve(next);
+  return std::sqrt(beyond.squaredNorm() / static_cast<double>(t.size()));
+}
+
+// The middle of the widest gap between values.
+double MiddleOfGap(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  size_t widest = 1;
+  for (size_t k = 1; k < values.size(); ++k)
+    if (values[k] - values[k - 1] > values[widest] - values[widest - 1])
+      widest = k;
+  return (values[widest - 1] + values[widest]) / 2;
+}
+
+// Two positions fit any line: images there show no error of the cameras
+// between them.
+std::vector<std::string> FindUntestedConditions(const CameraStack& stack,
+                                                const Adjusted& adjusted) {
+  constexpr double kLeastPart = 0.3;  // of what evenly spread values show
+  std::vector<std::string> untested;
+  for (size_t k = 0; k < stack.ranges().size(); ++k) {
+    const ConditionRange& range = stack.ranges()[k];
+    std::vector<double> values;
+    for (const View& view : adjusted.problem.views)
+      values.push_back(view.conditions[k]);
+    const Eigen::ArrayXd t =
+        (Eigen::Map<const Eigen::ArrayXd>(
+             values.data(), static_cast<Eigen::Index>(values.size())) -
+         range.Middle()) /
+        (range.high - range.Middle());
+    const int order = stack.orders()[k];
+    const Eigen::ArrayXd even = Eigen::ArrayXd::LinSpaced(101, -1, 1);
+    if (RmsBeyondOrder(t, order) < kLeastPart * RmsBeyondOrder(even, order))
+      untested.push_back(fmt::format(
+          "any polynomial of order {} fits these values of {}, and no image "
+          "shows the error between them, which is not in what is stated: add "
+          "images elsewhere, as at {:.3g} {}",
+          order, ConditionName(range.condition), MiddleOfGap(values),
+          ConditionUnit(range.condition)));
+  }
+  return untested;
+}
+
+void Warn(const std::string& reason, Verdict* verdict) {
+  if (verdict->word == "pass") verdict->word = "warn";
+  verdict->reasons.insert(verdict->reasons.begin(), reason);
+}
+
 void WarnOf(const std::vector<DoubtfulCondition>& doubtful, Verdict* verdict) {
   constexpr size_t kMostNamed = 5;
   if (doubtful.empty()) return;
@@ -228,10 +284,7 @@ void WarnOf(const std::vector<DoubtfulCondition>& doubtful, Verdict* verdict) {
     names += (k == 0 ? "" : "; ") + doubtful[k].Text();
   if (doubtful.size() > kMostNamed)
     names += fmt::format("; and {} more", doubtful.size() - kMostNamed);
-  if (verdict->word == "pass") verdict->word = "warn";
-  verdict->reasons.insert(
-      verdict->reasons.begin(),
-      names + ": correct the values, or leave these images out");
+  Warn(names + ": correct the values, or leave these images out", verdict);
 }
 
 // The result of all images in place of that of the camera in the middle.
@@ -251,6 +304,8 @@ void PutResult(const CalibrationInput& input, const Pattern& pattern,
       StackOfCameras{stack, StackDeviations(adjusted, options.num_threads)};
   JudgeResult(options.num_threads, result);
   WarnOf(FindDoubtfulConditions(adjusted), &result->verdict);
+  for (const std::string& reason : FindUntestedConditions(stack, adjusted))
+    Warn(reason, &result->verdict);
 }
 
 }  // namespace

@@ -159,6 +159,29 @@ TEST(CalibrateStack, NamesImagesWhoseValuesDoNotFit) {
   EXPECT_EQ(told.find("was told at"), told.rfind("was told at")) << told;
 }
 
+// Two positions fit any line: in the middle, rays may be as wrong as they like.
+TEST(CalibrateStack, WarnsWhereNoImageShowsTheErrorBetweenValues) {
+  const auto warns = [](const std::vector<double>& positions) {
+    const Sweep sweep = TakeSweep(CameraCondition::kLensPosition, positions, 8);
+    const Verdict verdict =
+        CalibrateStack(sweep.input, sweep.conditions, FineTestBoard(),
+                       WithCellsOf40(sweep.input.dataset))
+            .verdict;
+    for (const std::string& reason : verdict.reasons)
+      if (reason.find("fits these values of lens_position") !=
+          std::string::npos) {
+        EXPECT_NE(verdict.word, "pass");
+        EXPECT_NE(reason.find("as at 5 dioptres"), std::string::npos) << reason;
+        return true;
+      }
+    return false;
+  };
+  EXPECT_TRUE(warns({0, 10}));
+  // A driver tells each image a value that is a little different.
+  EXPECT_TRUE(warns({0, 0.1, 9.9, 10}));
+  EXPECT_FALSE(warns({0, 3, 7, 10}));
+}
+
 TEST(CalibrateStack, FollowsACameraThatWarms) {
   const StackOfCameras stack = CalibrateSweep(
       TakeSweep(CameraCondition::kTemperature, {20, 32, 45, 58, 70}, 6));
