@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dataset/held_stack.h"
 #include "dataset/text_encoding.h"
 #include "evaluation/board_shape.h"
 #include "evaluation/budget_verdict.h"
@@ -54,6 +55,17 @@ void PrintUncertainty(const CameraUncertainty& uncertainty,
       100 * uncertainty.TrustedPart(camera.image_size(), camera.area()));
   const FeatureNoise& noise = uncertainty.noise;
   if (noise.IsShared()) fmt::print("  noise of features: {}\n", noise.Text());
+}
+
+void PrintKnownOverRanges(const CameraFile& file) {
+  if (const auto known = UncertaintyOverRanges(file))
+    fmt::print(
+        "  in the middle of the range; at all its values: median {:.4f} px, "
+        "{:.0f} % "
+        "of the image\n",
+        known->lattice.MedianPx(),
+        100 *
+            known->TrustedPart(file.camera->image_size(), file.camera->area()));
 }
 
 // How the camera changes over each of its ranges.
@@ -134,7 +146,10 @@ void PrintSingleCamera(const CalibrationResult& result) {
                *result.bias_kl, *result.noise_bias_kl);
   if (result.camera.uncertainty)
     PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
-  if (result.camera.stack) PrintStack(result.camera.stack->cameras);
+  if (result.camera.stack) {
+    PrintKnownOverRanges(result.camera);
+    PrintStack(result.camera.stack->cameras);
+  }
   PrintImageCircle(*result.camera.camera);
   PrintRowTime(result);
   if (result.fleet_distance)

@@ -12,6 +12,7 @@
 #include "dataset/dataset.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/held_stack.h"
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
 #include "exchange/format.h"
@@ -208,6 +209,25 @@ Json LensFacts(const ParametricModel& lens) {
   return json;
 }
 
+// The ranges that a camera is over, and all of its parameters.
+void AddRanges(const CameraFile& file, Json* json) {
+  const CameraStack& stack = file.stack->cameras;
+  int num_terms = 1;
+  for (size_t r = 0; r < stack.ranges().size(); ++r) {
+    const ConditionRange& range = stack.ranges()[r];
+    num_terms += stack.orders()[r];
+    (*json)["ranges"].push_back({{"condition", ConditionName(range.condition)},
+                                 {"range", {range.low, range.high}},
+                                 {"order", stack.orders()[r]}});
+  }
+  (*json)["parameters"] = num_terms * file.camera->NumParameters();
+  const auto known = UncertaintyOverRanges(file);
+  if (!known || !known->TellsDeviations()) return;
+  (*json)["uncertainty"]["median_over_range_px"] = known->lattice.MedianPx();
+  (*json)["uncertainty"]["trusted_part_over_range"] =
+      known->TrustedPart(file.camera->image_size(), file.camera->area());
+}
+
 Json CameraFacts(const CameraFile& file) {
   const ImageSize& size = file.camera->image_size();
   const Area& area = file.camera->area();
@@ -235,6 +255,7 @@ Json CameraFacts(const CameraFile& file) {
   if (file.uncertainty)
     json["uncertainty"]["trusted_part_of_image"] =
         file.uncertainty->TrustedPart(size, area);
+  if (file.stack) AddRanges(file, &json);
   if (file.capture) json["capture"] = CaptureFacts(*file.capture);
   if (file.row_time) AddRowTime(*file.row_time, &json);
   if (file.camera_from_view) {

@@ -58,23 +58,6 @@ int CountNear(const std::vector<int>& counts, const TrustMask& mask, int cell) {
   return sum;
 }
 
-// Whether no deviation in a cell is larger: those of its corners, between which
-// they are bilinear, or nearest to them in the area.
-bool IsKnown(const DeviationLattice& lattice, const Area& area,
-             const TrustMask& mask, int cell, double max_deviation_px) {
-  const Eigen::Vector2d center = mask.CellCenter(cell);
-  const double half = mask.cell_px / 2.0;
-  for (const double dy : {-half, half}) {
-    for (const double dx : {-half, half}) {
-      const Eigen::Vector2d corner(
-          std::clamp(center.x() + dx, area.x0, area.x1),
-          std::clamp(center.y() + dy, area.y0, area.y1));
-      if (!(lattice.At(area, corner) <= max_deviation_px)) return false;
-    }
-  }
-  return true;
-}
-
 // The cells that features were seen near.
 TrustMask CellsNearFeatures(const Adjusted& adjusted, int camera) {
   TrustMask near =
@@ -83,17 +66,6 @@ TrustMask CellsNearFeatures(const Adjusted& adjusted, int camera) {
   for (int cell = 0; cell < near.columns * near.rows; ++cell)
     near.is_trusted[cell] = CountNear(counts, near, cell) >= kMinFeatures;
   return near;
-}
-
-// Those of them that are known.
-TrustMask KnownCells(const TrustMask& near, const Area& area,
-                     const DeviationLattice& lattice, double max_deviation_px) {
-  TrustMask mask = near;
-  for (int cell = 0; cell < mask.columns * mask.rows; ++cell)
-    mask.is_trusted[cell] =
-        near.is_trusted[cell] &&
-        IsKnown(lattice, area, mask, cell, max_deviation_px);
-  return mask;
 }
 
 // The strongest modes of a covariance of the lattice's pixels, on a coarser
@@ -214,8 +186,8 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   CameraUncertainty uncertainty;
   uncertainty.max_deviation_px =
       std::max(kTrustedPart * noise_px, kAlwaysTrustedPx);
-  uncertainty.mask =
-      KnownCells(near, area, total, uncertainty.max_deviation_px);
+  uncertainty.mask = near;
+  uncertainty.mask.DistrustBeyond(uncertainty.max_deviation_px, total, area);
   uncertainty.modes = ModesOf(joint_px2, size);
   uncertainty.noise = {noise.own_px, noise.SharedPx(), noise.MeanLength()};
   uncertainty.scatter = scatter;

@@ -101,6 +101,24 @@ bool TrustMask::TrustsAny() const {
          is_trusted.end();
 }
 
+void TrustMask::DistrustBeyond(double max_deviation_px,
+                               const DeviationLattice& lattice,
+                               const Area& area) {
+  const double half = cell_px / 2.0;
+  for (size_t cell = 0; cell < is_trusted.size(); ++cell) {
+    const Eigen::Vector2d center = CellCenter(static_cast<int>(cell));
+    // Between its corners, deviations are about bilinear.
+    for (const double dy : {-half, half})
+      for (const double dx : {-half, half}) {
+        const Eigen::Vector2d corner(
+            std::clamp(center.x() + dx, area.x0, area.x1),
+            std::clamp(center.y() + dy, area.y0, area.y1));
+        if (!(lattice.At(area, corner) <= max_deviation_px))
+          is_trusted[cell] = false;
+      }
+  }
+}
+
 std::string FeatureNoise::Text() const {
   if (own_px > 0)
     return fmt::format(

@@ -1,6 +1,7 @@
 #include "dataset/held_stack.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <utility>
@@ -53,6 +54,16 @@ HeldConditions AllHeld(const ConditionValues& values) {
   return {values.begin(), values.end()};
 }
 
+// In place of a camera's deviations, those of another camera of its stack.
+void PutDeviations(const DeviationLattice& lattice, const Area& area,
+                   CameraUncertainty* uncertainty) {
+  if (lattice.deviation_px.size() != uncertainty->lattice.deviation_px.size())
+    return;
+  uncertainty->lattice = lattice;
+  uncertainty->mask.DistrustBeyond(uncertainty->max_deviation_px, lattice,
+                                   area);
+}
+
 }  // namespace
 
 StackOfCameras HoldStack(const StackOfCameras& stack,
@@ -75,12 +86,10 @@ CameraFile FileAt(const CameraFile& stack, const HeldConditions& at) {
   camera.SetImageCircle(stack.camera->image_circle());
   file.camera = std::make_shared<CentralGeneric>(std::move(camera));
   if (file.uncertainty) {
-    DeviationLattice& lattice = file.uncertainty->lattice;
     const std::vector<StackDeviation> known =
         HoldDeviations(rest.deviations, AllHeld(middle));
-    if (known.size() == 1 &&
-        known[0].lattice.deviation_px.size() == lattice.deviation_px.size())
-      lattice = known[0].lattice;
+    if (known.size() == 1)
+      PutDeviations(known[0].lattice, file.camera->area(), &*file.uncertainty);
   }
   if (!file.capture) file.capture.emplace();
   for (size_t r = 0; r < ranges.size(); ++r) {
@@ -95,6 +104,23 @@ CameraFile FileAt(const CameraFile& stack, const HeldConditions& at) {
   else
     file.stack = std::move(rest);
   return file;
+}
+
+std::optional<CameraUncertainty> UncertaintyOverRanges(
+    const CameraFile& stack) {
+  if (!stack.uncertainty) return std::nullopt;
+  CameraUncertainty worst = *stack.uncertainty;
+  DeviationLattice largest = worst.lattice;
+  std::vector<double>& most = largest.deviation_px;
+  for (const StackDeviation& known : stack.stack->deviations) {
+    const std::vector<double>& there = known.lattice.deviation_px;
+    if (there.size() != most.size()) continue;
+    for (size_t i = 0; i < most.size(); ++i)
+      // The camera does not tell where one of them is not a number.
+      if (!std::isnan(most[i]) && !(there[i] <= most[i])) most[i] = there[i];
+  }
+  PutDeviations(largest, stack.camera->area(), &worst);
+  return worst;
 }
 
 }  // namespace raygrid

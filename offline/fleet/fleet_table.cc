@@ -11,6 +11,7 @@
 #include "dataset/csv.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/held_stack.h"
 
 namespace raygrid {
 namespace {
@@ -79,8 +80,9 @@ void AddCamera(const CameraFile& file, UnitRow* row) {
   if (const auto focal = FocalLength(*file.camera))
     row->figures["focal_px"] = *focal;
   double worst = 0;
-  if (file.uncertainty)
-    for (const double deviation : file.uncertainty->lattice.deviation_px)
+  if (const auto known =
+          file.stack ? UncertaintyOverRanges(file) : file.uncertainty)
+    for (const double deviation : known->lattice.deviation_px)
       if (std::isfinite(deviation)) worst = std::max(worst, deviation);
   if (worst > 0) row->figures["worst_deviation_px"] = worst;
 }
@@ -111,8 +113,8 @@ UnitRow ReadUnitRow(const std::string& serial, const std::string& folder,
     AddResult(Json::parse(ReadFile(path)), &row);
   } catch (const Json::exception&) {
     throw InputError(path +
-                     ": is no result of raygrid calibrate; remove the "
-                     "folder, and run the batch again");
+                     ": is no result of raygrid calibrate; run the batch "
+                     "again");
   }
   if (std::filesystem::exists(folder + "/camera.yaml"))
     AddCamera(ReadCameraFile(folder + "/camera.yaml"), &row);

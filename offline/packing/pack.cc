@@ -391,7 +391,10 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   if (file.stack && !options.stack) {
     PackOptions with_stack = options;
     with_stack.stack = KnotsOf(file.stack->cameras);
-    return PackCamera(file, with_stack);
+    // A blob has one statement of how well its cameras are known.
+    CameraFile known_everywhere = file;
+    known_everywhere.uncertainty = UncertaintyOverRanges(file);
+    return PackCamera(known_everywhere, with_stack);
   }
   const CameraModel& camera = *file.camera;
   const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "dataset/held_stack.h"
 #include "evaluation/row_time_text.h"
 #include "report/budget_section.h"
 #include "report/html.h"
@@ -77,6 +78,14 @@ void AddTrustRows(const CalibrationResult& result, std::vector<HtmlRow>* rows) {
                                 100 * known->TrustedPart(camera.image_size(),
                                                          camera.area()),
                                 known->max_deviation_px)});
+    if (result.camera.stack) {
+      const auto everywhere = UncertaintyOverRanges(result.camera);
+      rows->push_back(
+          {"trusted at all values of the range",
+           fmt::format("{:.0f} % of the image",
+                       100 * everywhere->TrustedPart(camera.image_size(),
+                                                     camera.area()))});
+    }
     const FeatureNoise& noise = result.feature_noise;
     if (noise.IsShared()) rows->push_back({"noise of features", noise.Text()});
   }

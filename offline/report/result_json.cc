@@ -86,6 +86,7 @@ Json RowTimeJson(const RowTimeEstimate& row_time) {
   }
   json["images"] = row_time.num_images;
   json["taken_out"] = row_time.is_taken_out;
+  if (row_time.num_left_out > 0) json["left_out"] = row_time.num_left_out;
   return json;
 }
 
@@ -202,6 +203,13 @@ void AddCamera(const CalibrationResult& result, Json* json) {
          {{"own_px", result.feature_noise.own_px},
           {"shared_px", result.feature_noise.shared_px},
           {"shared_features", result.feature_noise.shared_features}}}};
+  if (result.camera.stack && result.camera.uncertainty) {
+    const auto everywhere = UncertaintyOverRanges(result.camera);
+    (*json)["uncertainty"]["median_over_range_px"] =
+        everywhere->lattice.MedianPx();
+    (*json)["uncertainty"]["trusted_part_over_range"] =
+        everywhere->TrustedPart(camera.image_size(), area);
+  }
   if (const auto& circle = camera.image_circle())
     (*json)["image_circle"] = {
         {"center_px", {circle->center.x(), circle->center.y()}},
@@ -392,6 +400,7 @@ RowTimeEstimate ParseRowTime(const Json& json) {
   RowTimeEstimate row_time;
   row_time.num_images = json.at("images").get<int>();
   row_time.is_taken_out = json.at("taken_out").get<bool>();
+  row_time.num_left_out = json.value("left_out", 0);
   row_time.value = {NumberIfAny(json, "row_time_us").value_or(0) * 1e-6,
                     NumberIfAny(json, "deviation_us").value_or(0) * 1e-6};
   if (json.contains("untold"))

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "camera/central_radial.h"
 #include "camera/lens_models.h"
 #include "camera/splined_stereographic.h"
@@ -524,6 +526,36 @@ TEST(CameraFile, OfTwoConditionsIsHeldAtOneOrBoth) {
       1e-15);
   EXPECT_NEAR(at.uncertainty->lattice.deviation_px[0], 3.75 * once_px, 1e-12);
   EXPECT_EQ(at.capture->sensor_temperature_c, 40);
+}
+
+TEST(CameraFile, OfAStackTrustsNoCellThatIsKnownTooBadlyThere) {
+  CameraFile file = StackFileOfBoth();
+  file.uncertainty->lattice.deviation_px[4] = 0.05;
+  double factor = 1;
+  for (StackDeviation& known : file.stack->deviations) {
+    known.lattice.deviation_px[4] = 0.05 * factor;
+    factor *= 2;
+  }
+  std::vector<bool>& trusted = file.uncertainty->mask.is_trusted;
+  trusted.assign(trusted.size(), true);
+  const auto& deviations = file.uncertainty->lattice.deviation_px;
+  file.uncertainty->max_deviation_px =
+      2.5 * *std::max_element(deviations.begin(), deviations.end());
+  const size_t all = trusted.size();
+  const auto num_trusted = [](const std::optional<CameraUncertainty>& known) {
+    const std::vector<bool>& cells = known->mask.is_trusted;
+    return static_cast<size_t>(std::count(cells.begin(), cells.end(), true));
+  };
+  EXPECT_EQ(num_trusted(FileAt(file, {0, 20}).uncertainty), all);
+  EXPECT_EQ(num_trusted(FileAt(file, {0, 60}).uncertainty), all);
+  const size_t at_end = num_trusted(FileAt(file, {10, 60}).uncertainty);
+  EXPECT_LT(at_end, all);
+  const auto everywhere = UncertaintyOverRanges(file);
+  EXPECT_EQ(num_trusted(everywhere), at_end);
+  EXPECT_EQ(everywhere->lattice.deviation_px[0], 8 * deviations[0]);
+  // A camera that does not tell at one value is not known everywhere.
+  file.stack->deviations[1].lattice.deviation_px[0] = NAN;
+  EXPECT_TRUE(std::isnan(UncertaintyOverRanges(file)->lattice.deviation_px[0]));
 }
 
 TEST(CameraFile, RefusesAMalformedStack) {
