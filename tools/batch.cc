@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -124,9 +125,42 @@ std::optional<BatchJson> ReadRecord(const std::string& path) {
   return record.is_object() ? std::optional(record) : std::nullopt;
 }
 
+// The names of the files of a result.
+std::vector<std::string> FilesOfResult(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const auto& file : fs::directory_iterator(folder))
+    if (file.is_regular_file() && file.path().filename() != kUnitFile)
+      names.push_back(file.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// The row of a finished unit. Throws InputError if its result is not whole any
+// more: a file has gone, is empty, as after a power cut, or cannot be read.
+UnitRow ReadResult(const UnitJob& job, const BatchJson& record,
+                   const FigureLimits& limits) {
+  const BatchJson names = record.value("files", BatchJson::array());
+  for (const BatchJson& name : names) {
+    const std::string path =
+        job.folder + "/" + (name.is_string() ? name.get<std::string>() : "");
+    std::error_code error;
+    if (fs::file_size(path, error) == 0 || error)
+      throw InputError(path + ": is missing or empty; run the batch again");
+  }
+  UnitRow row = ReadUnitRow(job.unit.serial, job.folder, limits);
+  row.seconds = record.value("seconds", 0.0);
+  return row;
+}
+
 bool IsFinished(const UnitJob& job, const std::string& fingerprint) {
   const auto record = ReadRecord(job.folder + "/" + kUnitFile);
-  return record && record->value("inputs", "") == fingerprint;
+  if (!record || record->value("inputs", "") != fingerprint) return false;
+  try {
+    ReadResult(job, *record, {});
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
 }
 
 // ---- One unit --------------------------------------------------------------
@@ -147,7 +181,11 @@ std::vector<std::string> WordsOfUnit(const UnitJob& job,
   const BatchUnit& unit = job.unit;
   std::vector<std::string> words = {"calibrate", "--quiet"};
   words.push_back(fmt::format("--threads={}", common.threads));
-  words.push_back(fmt::format("--seed={}", common.seed));
+  const bool has_seed = std::any_of(
+      unit.options.begin(), unit.options.end(), [](const std::string& option) {
+        return option.compare(0, 7, "--seed=") == 0;
+      });
+  if (!has_seed) words.push_back(fmt::format("--seed={}", common.seed));
   words.push_back("--pattern=" + unit.pattern);
   words.push_back("--output=" + job.folder);
   if (!IsRig(unit)) words.push_back("--serial=" + unit.serial);
@@ -197,9 +235,11 @@ void CalibrateUnit(const UnitJob& job, const std::string& fingerprint,
                              : end.last_error);
     return;
   }
-  WriteFile(record,
-            BatchJson({{"inputs", fingerprint}, {"seconds", seconds}}).dump(2) +
-                "\n");
+  WriteFile(record, BatchJson({{"inputs", fingerprint},
+                               {"seconds", seconds},
+                               {"files", FilesOfResult(job.folder)}})
+                            .dump(2) +
+                        "\n");
   unlink(job.failure_file.c_str());
 }
 
@@ -258,9 +298,14 @@ UnitRow ReadRow(const UnitJob& job, const FigureLimits& limits) {
     row.exit_code = static_cast<int>(ExitCode::kInput);
     return row;
   }
-  row = ReadUnitRow(row.serial, job.folder, limits);
-  row.seconds = record->value("seconds", 0.0);
-  return row;
+  try {
+    return ReadResult(job, *record, limits);
+  } catch (const InputError& error) {
+    row.status = "error";
+    row.reason = error.what();
+    row.exit_code = static_cast<int>(ExitCode::kInput);
+    return row;
+  }
 }
 
 std::vector<UnitRow> ReadRows(const std::vector<const UnitJob*>& jobs,

@@ -4,6 +4,8 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <set>
 #include <tuple>
@@ -123,6 +125,12 @@ std::map<std::string, std::string> ReadFolders(const YAML::Node& node,
   return folders;
 }
 
+bool IsNumber(const std::string& text) {
+  char* end;
+  return std::isfinite(std::strtod(text.c_str(), &end)) && !text.empty() &&
+         *end == 0;
+}
+
 // Calibrate would refuse these of each unit after the other.
 void RequireOptionsFit(const BatchUnit& unit, const YAML::Node& node,
                        const YAML::Node& plan) {
@@ -135,14 +143,36 @@ void RequireOptionsFit(const BatchUnit& unit, const YAML::Node& node,
         "unit {}: say what the values of {} are, with condition: "
         "lens_position or condition: temperature",
         unit.serial, unit.cameras_at.empty() ? "conditions" : "cameras_at"));
-  if (!has_shutter && files.count("times"))
-    throw InputError(fmt::format("unit {}: times are for rolling_shutter: true",
-                                 unit.serial));
   if (has_shutter && has_condition)
     throw InputError(
         fmt::format("unit {}: has both rolling_shutter and "
                     "condition; a calibration has one of them",
                     unit.serial));
+  if (has_condition && !unit.features.empty() && !files.count("conditions"))
+    throw InputError(fmt::format(
+        "unit {}: features have no values of the condition; name the file that "
+        "has them, with conditions",
+        unit.serial));
+  for (const auto& [value, folder] : unit.cameras_at)
+    if (!IsNumber(value))
+      throw InputError(
+          fmt::format("unit {}: cameras_at: '{}' is no value of the condition",
+                      unit.serial, Printable(value)));
+  if (!unit.cameras_at.empty() &&
+      ConditionText(Find(node, plan, kConditionKey)).find(',') !=
+          std::string::npos)
+    throw InputError(fmt::format(
+        "unit {}: cameras_at has values of one condition; tell both "
+        "of images or features, with conditions",
+        unit.serial));
+  if (has_shutter && !unit.features.empty() && !files.count("times"))
+    throw InputError(fmt::format(
+        "unit {}: features have no times; name the file that has them, with "
+        "times",
+        unit.serial));
+  if (!has_shutter && files.count("times"))
+    throw InputError(fmt::format("unit {}: times are for rolling_shutter: true",
+                                 unit.serial));
 }
 
 void RequireSerial(const std::string& serial) {
@@ -150,13 +180,18 @@ void RequireSerial(const std::string& serial) {
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-+";
   if (serial.empty() || serial.size() > kMaxSerialSize ||
       serial.find_first_not_of(kLetters) != std::string::npos ||
-      serial[0] == '.' || serial[0] == '-' || serial == "fleet.csv" ||
-      serial == "fleet.html" || serial == "fleet_camera.yaml" ||
-      serial.find(".failed") != std::string::npos)
+      serial[0] == '.' || serial[0] == '-')
     throw InputError(
         fmt::format("serial '{}': names a folder, so it has 1 to {} letters, "
                     "digits or . _ - +, a letter or digit first",
                     Printable(serial), kMaxSerialSize));
+  if (serial == "fleet.csv" || serial == "fleet.html" ||
+      serial == "fleet_camera.yaml" ||
+      serial.find(".failed") != std::string::npos)
+    throw InputError(
+        fmt::format("serial '{}': the batch has a file of that name; choose "
+                    "another one",
+                    serial));
 }
 
 // The single value of a key; empty if the key is missing.

@@ -130,12 +130,17 @@ units:
         for unit, told in (("condition: focus", "condition: 'focus' is none; there are lens_position, temperature"),
                            ("condition: [temperature, 3]", "condition: '3' is none"),
                            ("conditions: v.csv", "unit C1: say what the values of conditions are"),
+                           ("condition: temperature", "unit C1: features have no values of the condition"),
+                           ("rolling_shutter: true", "unit C1: features have no times"),
                            ("times: t.csv", "unit C1: times are for rolling_shutter: true"),
                            ("rolling_shutter: maybe", "key 'rolling_shutter' is neither true nor false"),
                            ("rolling_shutter: true, condition: temperature", "unit C1: has both rolling_shutter and")):
             plan = self.plan((), more=[f"  - {{serial: C1, features: A1/features.csv, {unit}}}\n"])
             self.assert_refused(self.batch(plan), 2, told)
-        for at, told in (("{0: far, 1: near}", "unit C1: say what the values of cameras_at are"),
+        for at, told in (("{a: far, 1: near}, condition: temperature", "unit C1: cameras_at: 'a' is no value"),
+                         ("{0: far, 1: near}, condition: [lens_position, temperature]",
+                          "unit C1: cameras_at has values of one condition"),
+                         ("{0: far, 1: near}", "unit C1: say what the values of cameras_at are"),
                          ("far", "key 'cameras_at' has no folder for each")):
             plan = self.plan((), more=[f"  - {{serial: C1, cameras_at: {at}}}\n"])
             self.assert_refused(self.batch(plan), 2, told)
@@ -411,6 +416,30 @@ units:
         self.assertIn("rig.yaml", os.listdir(self.out + "/rig"))
         self.assert_refused(result, 2, "R2: error", "rig/r")
 
+    def test_damaged_results_are_named_and_made_again(self):
+        plan = self.plan()
+        self.assert_done(self.batch(plan))
+        expected = self.files()
+        for damage in (lambda path: write(path, b""), os.remove):
+            for name in ("result.json", "camera.yaml", "camera.raygrid"):
+                damage(f"{self.out}/A2/{name}")
+                self.assert_refused(self.batch(plan, "--gather"), 2, "A2: error", name, "run the batch again")
+                self.assertEqual([row["status"] for row in self.table().values()], ["warn", "error", "warn"])
+                self.assert_done(self.batch(plan))
+                self.assert_same_files(self.files(), expected)
+        # Cut, or full of something else.
+        for name, told in (("result.json", "is no result"), ("camera.yaml", "camera.yaml")):
+            contents = read(f"{self.out}/A2/{name}")
+            for damaged in (contents[:len(contents) // 2], b"x" * len(contents)):
+                write(f"{self.out}/A2/{name}", damaged)
+                self.assert_refused(self.batch(plan, "--gather"), 2, "A2: error", told)
+                self.assert_done(self.batch(plan))
+                self.assert_same_files(self.files(), expected)
+
+    def test_a_plan_tells_the_seed(self):
+        self.assert_done(self.batch(self.plan(GOOD[:1], more=["seed: 7\n"])))
+        self.assert_done(self.batch(self.plan(GOOD[:1]), "--seed", 7, output="-same"))
+
     def test_bad_plans_are_refused_before_the_work(self):
         for words, change in (
                 (("stands twice", "A1"), lambda text: text.replace("serial: A2", "serial: A1")),
@@ -426,7 +455,7 @@ units:
                 (("names a folder",), lambda text: text.replace("serial: A2,", "serial: A2, repeats: ../A1,")),
                 (("'lens_batch' has no single value",), lambda text: text.replace(
                     "serial: A2,", "serial: A2, lens_batch: [1],")),
-                (("names a folder",), lambda text: text.replace("serial: A2", "serial: fleet.html")),
+                (("the batch has a file of that name",), lambda text: text.replace("serial: A2", "serial: fleet.html")),
                 (("no pattern",), lambda text: text.replace("pattern: board.yaml\n", "")),
                 (("no list of units",), lambda text: text.split("units:")[0]),
                 (("not a batch",), lambda text: text.replace("raygrid_batch: 1\n", "")),
