@@ -1,5 +1,8 @@
 #include "calibration/bend_choice.h"
 
+#include <vector>
+
+#include "calibration/cell_search.h"
 #include "calibration/grid_choice.h"
 #include "camera/model_fitting.h"
 
@@ -16,6 +19,31 @@ bool MayBend(const std::vector<Trial>& trials, double cell_px, double part) {
     ++count;
   }
   return sum > part * count;
+}
+
+// Cells that rigid boards chose coarser than the medium ones stay so if they
+// surely predict flexed boards better, too: bends are noise to rigid boards.
+void ChooseGridAgain(const Pattern& pattern, const CalibrationOptions& options,
+                     const ValidationOptions& validation,
+                     CameraInProgress* camera) {
+  if (options.cell_px > 0) return;
+  Folds& folds = camera->folds;
+  std::vector<Trial>& trials = camera->checkpoint.trials;
+  const auto flexed_with = [&](double cell_px) {
+    CrossValidate(pattern, validation, {{cell_px}}, &folds, &trials);
+    return JoinFolds(trials, folds.count(), {cell_px}, false).flexed;
+  };
+  const Dataset& images = camera->split.training;
+  double& chosen_px = camera->result.cell_px;
+  for (const double finer_px : CellCandidates(images, options.model)) {
+    if (finer_px >= chosen_px || finer_px < MediumCellPx(images, options.model))
+      continue;
+    const auto coarser = flexed_with(chosen_px), finer = flexed_with(finer_px);
+    if (coarser.empty() || finer.empty() ||
+        GainOver(finer.front(), coarser.front()) >= kCoarserGain)
+      return;
+    chosen_px = finer_px;
+  }
 }
 
 }  // namespace
@@ -49,6 +77,8 @@ void ChooseBends(const Pattern& pattern, const CalibrationOptions& options,
   }
   camera->boards_bend = flexed[false] < (1 - kBetterBy) * flexed[true] &&
                         alone[false] <= alone[true];
+  if (camera->boards_bend)
+    ChooseGridAgain(pattern, options, validation, camera);
 }
 
 }  // namespace raygrid

@@ -8,7 +8,8 @@ namespace raygrid {
 /// Decides whether boards may bend from image to image while a camera is
 /// adjusted, by how that camera and one of rigid boards predict held-out
 /// images. They may not with a parametric model, nor with fewer images than
-/// cross-validation needs. Sets camera->boards_bend.
+/// cross-validation needs. Sets camera->boards_bend. If they may, cells of the
+/// grid that rigid boards chose coarser than the medium ones are chosen again.
 void ChooseBends(const Pattern& pattern, const CalibrationOptions& options,
                  CameraInProgress* camera);
 

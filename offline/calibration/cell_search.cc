@@ -10,10 +10,8 @@
 namespace raygrid {
 namespace {
 
-// A prior holds what a grid has too many of, at little loss; what it has too
-// few of is lost. So a coarser one has to gain something, and a finer one more,
-// as it takes time: in standard deviations.
-constexpr double kCoarserGain = 1, kFinerGain = 2;
+// A finer grid has to gain more, as it takes time: in standard deviations.
+constexpr double kFinerGain = 2;
 
 bool Try(std::vector<int> resolutions, const CellSearch::Measure& measure,
          CellSearch* search) {

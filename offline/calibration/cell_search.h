@@ -17,6 +17,11 @@ namespace raygrid {
 double GainOver(const std::vector<FeatureResidual>& others,
                 const std::vector<FeatureResidual>& residuals);
 
+/// A prior holds what a grid has too many of, at little loss; what it has too
+/// few of is lost. So a coarser one has to gain something: GainOver() the finer
+/// one.
+constexpr double kCoarserGain = 1;
+
 /// Which of a list of resolutions of a grid, from coarse to fine, to take.
 struct CellSearch {
   int chosen = 0;
