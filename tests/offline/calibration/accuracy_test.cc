@@ -2,6 +2,7 @@
 // with.
 
 #include <cstdio>
+#include <map>
 
 #include "calibration/calibration.h"
 #include "calibration/camera_evaluation.h"
@@ -200,6 +201,29 @@ TEST(Accuracy, DisplacedFeaturesAreRejectedAndDoLittleHarm) {
   EXPECT_GT(num_rejected, 0.95 * num_displaced);
   EXPECT_LE(result.rejected_features.size(), 1.1 * num_displaced);
   EXPECT_LT(difference.median_px, 1.3 * clean.median_px);
+}
+
+// To rigid boards bends are noise, of which coarser cells take less.
+TEST(Accuracy, ChoosesCellsByBoardsThatBend) {
+  SimulationOptions simulation;
+  simulation.num_images = 100;
+  simulation.features_per_image = 17 * 11;
+  simulation.noise_px = 0.02;
+  simulation.board_flex_m = 0.0001;
+  simulation.seed = 1;
+  const Pattern pattern = ChessboardPattern(17, 11, 0.024);
+  CalibrationOptions options;
+  options.num_threads = 2;
+  const CalibrationResult result = Calibrate(
+      SimulateObservations(ExampleSimulatedCamera(), pattern, simulation)
+          .dataset,
+      pattern, options);
+  ASSERT_TRUE(result.bends.has_value());
+  std::map<double, double> loss_by_rigid_boards;
+  for (const CellCandidate& tried : result.cell_candidates)
+    loss_by_rigid_boards[tried.cell_px] = tried.loss;
+  EXPECT_LT(loss_by_rigid_boards.at(80), loss_by_rigid_boards.at(40));
+  EXPECT_EQ(result.cell_px, 40);
 }
 
 }  // namespace

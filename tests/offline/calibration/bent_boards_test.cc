@@ -1,6 +1,5 @@
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -56,26 +55,6 @@ TEST(Calibrate, FollowsBoardsThatBendFromImageToImage) {
   EXPECT_GT(bent.camera.held_out->rms_px, 0.1);
   EXPECT_LT(bent.held_out_flexed->rms_px, 0.6 * bent.camera.held_out->rms_px);
   EXPECT_LT(bent.held_out_flexed->rms_px, rigid.held_out_flexed->rms_px);
-}
-
-// To rigid boards bends are noise, of which coarser cells take less.
-TEST(Calibrate, ChoosesCellsByBoardsThatBend) {
-  SimulationOptions simulation;
-  simulation.num_images = 100;
-  simulation.noise_px = 0.02;
-  simulation.board_flex_m = 0.0001;
-  simulation.seed = 1;
-  const Pattern pattern = ChessboardPattern(17, 11, 0.024);
-  const CalibrationResult result = Calibrate(
-      SimulateObservations(ExampleSimulatedCamera(), pattern, simulation)
-          .dataset,
-      pattern, WithCells(0));
-  ASSERT_TRUE(result.bends.has_value());
-  std::map<double, double> loss_by_rigid_boards;
-  for (const CellCandidate& tried : result.cell_candidates)
-    loss_by_rigid_boards[tried.cell_px] = tried.loss;
-  EXPECT_LT(loss_by_rigid_boards.at(80), loss_by_rigid_boards.at(40));
-  EXPECT_EQ(result.cell_px, 40);
 }
 
 TEST(Calibrate, KeepsBoardsRigidThatAreRigid) {
