@@ -187,7 +187,7 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   uncertainty.max_deviation_px =
       std::max(kTrustedPart * noise_px, kAlwaysTrustedPx);
   uncertainty.mask = near;
-  uncertainty.mask.DistrustBeyond(uncertainty.max_deviation_px, total, area);
+  uncertainty.mask.DistrustAbove(uncertainty.max_deviation_px, total, area);
   uncertainty.modes = ModesOf(joint_px2, size);
   uncertainty.noise = {noise.own_px, noise.SharedPx(), noise.MeanLength()};
   uncertainty.scatter = scatter;

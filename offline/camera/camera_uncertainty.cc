@@ -101,9 +101,9 @@ bool TrustMask::TrustsAny() const {
          is_trusted.end();
 }
 
-void TrustMask::DistrustBeyond(double max_deviation_px,
-                               const DeviationLattice& lattice,
-                               const Area& area) {
+void TrustMask::DistrustAbove(double max_deviation_px,
+                              const DeviationLattice& lattice,
+                              const Area& area) {
   const double half = cell_px / 2.0;
   for (size_t cell = 0; cell < is_trusted.size(); ++cell) {
     const Eigen::Vector2d center = CellCenter(static_cast<int>(cell));

@@ -46,8 +46,8 @@ struct TrustMask {
   bool TrustsAny() const;
   /// Trusts no cell any more in which a deviation is larger. The deviations are
   /// those over the area; beyond it, the nearest ones of it count.
-  void DistrustBeyond(double max_deviation_px, const DeviationLattice& lattice,
-                      const Area& area);
+  void DistrustAbove(double max_deviation_px, const DeviationLattice& lattice,
+                     const Area& area);
 };
 
 /// Standard deviations of what moves the images of an unchanged camera beyond

@@ -60,8 +60,7 @@ void PutDeviations(const DeviationLattice& lattice, const Area& area,
   if (lattice.deviation_px.size() != uncertainty->lattice.deviation_px.size())
     return;
   uncertainty->lattice = lattice;
-  uncertainty->mask.DistrustBeyond(uncertainty->max_deviation_px, lattice,
-                                   area);
+  uncertainty->mask.DistrustAbove(uncertainty->max_deviation_px, lattice, area);
 }
 
 }  // namespace
