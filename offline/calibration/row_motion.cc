@@ -80,9 +80,10 @@ void NameImagesLeftOut(const CameraInProgress& camera,
       ImagesLeftOut(AllFeatures(camera), *camera.still);
   for (RejectedImage& image : *rejected)
     if (left_out.count(image.image) > 0)
-      image = {image.image,
-               "its motion is not known: no time, or no "
-               "neighbours in time"};
+      image = {
+          image.image,
+          "its motion is not known: it has no time, no neighbours in time, "
+          "or no board that could be localised"};
 }
 
 }  // namespace raygrid

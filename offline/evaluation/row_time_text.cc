@@ -20,9 +20,9 @@ std::string RowTimeText(const RowTimeEstimate& row_time, int num_rows) {
     text += "; the camera is calibrated as if frames were read at once";
   if (row_time.num_left_out > 0)
     text += fmt::format(
-        ", without {} {} that {} no time, or no neighbours in time",
-        row_time.num_left_out, row_time.num_left_out == 1 ? "image" : "images",
-        row_time.num_left_out == 1 ? "has" : "have");
+        ", without {} of unknown motion, which have no time or no neighbours "
+        "in time",
+        row_time.num_left_out);
   return text;
 }
 

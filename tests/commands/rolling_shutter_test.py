@@ -90,7 +90,7 @@ class RollingShutterTest(CommandTest):
         result = Path(self.path("gaps"))
         done = self.calibrate(self.moving, "--rolling-shutter", "--times", times, "-o", result)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("without 2 images that have no time, or no neighbours in time", done.stdout)
+        self.assertIn("without 2 of unknown motion, which have no time or no neighbours in time", done.stdout)
         facts = json.loads(read(result / "result.json"))
         self.assertEqual(facts["row_time"]["left_out"], 2)
         self.assertEqual([image["image"] for image in facts["images"]["rejected"]], list(gone))
