@@ -30,7 +30,8 @@ struct UnitRow {
 ///
 /// The focal length and centre are those of the image about the camera's z
 /// axis: pixels per radian, and the pixel that looks along it. The worst
-/// deviation is the largest stated one of the calibrated area. Rigs have only
+/// deviation is the largest stated one of the calibrated area, over a range at
+/// any of its values. Rigs have only
 /// what result.json says of them.
 UnitRow ReadUnitRow(const std::string& serial, const std::string& folder,
                     const FigureLimits& limits);
