@@ -45,7 +45,23 @@ struct OtherColumns {
 
 using ByBlock = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxPerPose>;
 
-// A residual's products that its nodes are part of.
+// *y += factor * x, of as many numbers.
+void AddScaled(double factor, const double* x, int size, double* y) {
+  for (int n = 0; n < size; ++n) y[n] += factor * x[n];
+}
+
+// The product of a node's derivatives and others, pairs of numbers: as many
+// numbers a column of these.
+void MultiplyPairs(const double* by_node, int size, const double* others,
+                   int num_others, double* product) {
+  for (int other = 0; other < num_others; ++other)
+    for (int n = 0; n < size; ++n)
+      product[size * other + n] = by_node[2 * n] * others[2 * other] +
+                                  by_node[2 * n + 1] * others[2 * other + 1];
+}
+
+// A residual's products that its nodes are part of. Loops over plain numbers,
+// since a compiler takes half a minute for as many products of small matrices.
 struct NodeContribution {
   const ViewJacobian& jacobian;
   int column, first;  // of the residual, and the camera's first parameter
@@ -53,39 +69,41 @@ struct NodeContribution {
   const ByBlock& by_block;
   const Eigen::Vector2d& error;
 
+  // kPerNode as of WithNumPerNode(). Columns of w are those of the residual's
+  // block.
   template <int kPerNode, typename Columns>
   void AddTo(Eigen::MatrixXd* a, Columns* w, Eigen::MatrixXd* gradient) const {
-    constexpr int kMaxPerNode = kPerNode == Eigen::Dynamic
-                                    ? LinearizedProjection::kMaxPerNode
-                                    : kPerNode;
-    using PerNode = Eigen::Matrix<double, kPerNode, Eigen::Dynamic, 0,
-                                  kMaxPerNode, OtherColumns::kMax>;
-    const int per_node = jacobian.num_per_node;
-    const Eigen::Matrix<double, 2, kPerNode, 0, 2, kMaxPerNode> by_node =
-        ViewJacobian::Block(jacobian.by_node, column);
+    constexpr int kMax =
+        kPerNode > 0 ? kPerNode : LinearizedProjection::kMaxPerNode;
+    const int size = kPerNode > 0 ? kPerNode : jacobian.num_per_node;
+    const int num_block = static_cast<int>(by_block.cols());
+    const double* by_node = &jacobian.by_node(0, column);
     // All nodes act alike, but for their weights.
-    const Eigen::Matrix<double, kPerNode, kPerNode, 0, kMaxPerNode, kMaxPerNode>
-        node_node = by_node.transpose() * by_node;
-    const PerNode node_block = by_node.transpose() * by_block;
-    const Eigen::Matrix<double, kPerNode, 1, 0, kMaxPerNode, 1> node_error =
-        by_node.transpose() * error;
-    const PerNode node_others =
-        by_node.transpose() * others.value.leftCols(others.count);
+    double node_node[kMax * kMax], node_error[kMax];
+    double node_block[kMax * kMaxPerPose];
+    double node_others[kMax * OtherColumns::kMax];
+    MultiplyPairs(by_node, size, by_node, size, node_node);
+    MultiplyPairs(by_node, size, error.data(), 1, node_error);
+    MultiplyPairs(by_node, size, by_block.data(), num_block, node_block);
+    MultiplyPairs(by_node, size, others.value.data(), others.count,
+                  node_others);
     for (int k = 0; k < jacobian.num_nodes; ++k) {
       const double weight = jacobian.node_weight(k, column);
       const int row = first + jacobian.node_parameter(k, column);
-      gradient->col(0).template segment<kPerNode>(row, per_node) +=
-          weight * node_error;
-      for (int b = 0; b < by_block.cols(); ++b)
-        w->col(b).template segment<kPerNode>(row, per_node) +=
-            weight * node_block.col(b);
-      for (int l = 0; l <= k; ++l)
-        a->template block<kPerNode, kPerNode>(
-            row, first + jacobian.node_parameter(l, column), per_node,
-            per_node) += weight * jacobian.node_weight(l, column) * node_node;
+      AddScaled(weight, node_error, size, &(*gradient)(row, 0));
+      for (int b = 0; b < num_block; ++b)
+        AddScaled(weight, node_block + size * b, size, &(*w)(row, b));
+      for (int l = 0; l <= k; ++l) {
+        const int other_node = first + jacobian.node_parameter(l, column);
+        const double both = weight * jacobian.node_weight(l, column);
+        for (int n = 0; n < size; ++n)
+          AddScaled(both, node_node + size * n, size,
+                    &(*a)(row, other_node + n));
+      }
       for (int other = 0; other < others.count; ++other)
-        a->row(others.index[other]).template segment<kPerNode>(row, per_node) +=
-            weight * node_others.col(other).transpose();
+        for (int n = 0; n < size; ++n)
+          (*a)(others.index[other], row + n) +=
+              weight * node_others[size * other + n];
     }
   }
 };
@@ -169,9 +187,7 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian,
                                        others,   by_block, error};
     WithNumPerNode(num_nodes == 0 ? 0 : jacobian.num_per_node,
                    [&](auto per_node) {
-                     constexpr int kPerNode =
-                         per_node == 0 ? Eigen::Dynamic : int{per_node};
-                     products.AddTo<kPerNode>(&a_, &w, &gradient_.kept);
+                     products.AddTo<per_node>(&a_, &w, &gradient_.kept);
                    });
   }
 }
