@@ -31,6 +31,7 @@ MotionStencil MakeStencil(const std::vector<double>& times_s, int first,
   const Eigen::Matrix<double, kFrames, kFrames> inverse = powers.inverse();
   stencil.by_velocity = inverse.row(1).transpose() / step_s;
   stencil.by_acceleration = 2 * inverse.row(2).transpose() / (step_s * step_s);
+  stencil.by_unevenness = inverse.row(4).transpose().normalized();
   stencil.by_coarse_velocity.setZero();
   if (!stencil.IsCentral()) return stencil;
   const double before = times_s[frame] - times_s[frame - 1];
@@ -66,6 +67,7 @@ FrameMotion MotionAt(const MotionStencil& stencil,
     motion.velocity += stencil.by_velocity[j] * update;
     motion.acceleration += stencil.by_acceleration[j] * update;
     motion.coarse_velocity += stencil.by_coarse_velocity[j] * update;
+    motion.unevenness += stencil.by_unevenness[j] * update;
   }
   return motion;
 }

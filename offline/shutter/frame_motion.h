@@ -20,6 +20,10 @@ struct FrameMotion {
   /// The velocity by the nearest two frames instead of four. Their difference
   /// tells how far the motion is from what frames so far apart can follow.
   Vector6d coarse_velocity = Vector6d::Zero();
+  /// By how much the five poses are not those of a motion of degree three. Time
+  /// stamps that scatter by s seconds make its variance the square of s times
+  /// the velocity.
+  Vector6d unevenness = Vector6d::Zero();
 
   /// The pose so long after that of the frame.
   Pose After(double seconds, const Pose& pose) const {
@@ -36,7 +40,8 @@ struct MotionStencil {
   int first = 0;  ///< of five frames in a row
   int frame = 0;
   /// By which the poses of the five enter velocity and acceleration.
-  Eigen::Matrix<double, 5, 1> by_velocity, by_acceleration, by_coarse_velocity;
+  Eigen::Matrix<double, 5, 1> by_velocity, by_acceleration, by_coarse_velocity,
+      by_unevenness;
 
   /// Whether there are two frames before it and two behind.
   bool IsCentral() const { return frame == first + 2; }

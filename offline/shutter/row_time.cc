@@ -75,14 +75,17 @@ class RowTimeAdjustment {
                    Eigen::VectorXd* all) const;
   void AddSharedOf(size_t board, const SharedMatrix& own,
                    Eigen::MatrixXd* all) const;
-  double NoisePart(const MovingBoard& board, const MovingFrame& frame) const;
+  double NoisePart(const MovingBoard& board, const MovingFrame& frame,
+                   const Eigen::Matrix<double, 5, 1>& weights) const;
   void FollowPoses();
   Sums Linearize(const Eigen::VectorXd& shared);
   void TakeNoiseOut(Sums* sums);
   void MovePoses(const Eigen::VectorXd& change);
   double Step();
   double VarianceByFrames() const;
-  double RelativeBias() const;
+  double BiasByQuickMotion() const;
+  double TimeVariance() const;
+  double BiasByTimes() const;
 
   const CameraModel& camera_;
   ImageSize size_;
@@ -149,17 +152,17 @@ void RowTimeAdjustment::Adjust(std::optional<double> row_time_s) {
   }
 }
 
-// The information on the row time that the noise of velocities pretends: they
-// enter it squared. For noise of 1 px.
-double RowTimeAdjustment::NoisePart(const MovingBoard& board,
-                                    const MovingFrame& frame) const {
+// The information on the row time that the noise of a weighted sum of poses
+// pretends, were it a velocity: they enter it squared. For noise of 1 px.
+double RowTimeAdjustment::NoisePart(
+    const MovingBoard& board, const MovingFrame& frame,
+    const Eigen::Matrix<double, 5, 1>& weights) const {
   const Matrix6d information = frame.equations.OnVelocity();
   double part = 0;
   for (const MovingFrame& other : board.frames) {
     const int j = other.stencil->frame - frame.stencil->first;
-    if (j < 0 || j > 4 || other.stencil == frame.stencil) continue;
-    const double weight = frame.stencil->by_velocity[j];
-    part += weight * weight *
+    if (j < 0 || j > 4) continue;
+    part += weights[j] * weights[j] *
             (other.equations.pose_covariance * information).trace();
   }
   return part;
@@ -206,7 +209,8 @@ void RowTimeAdjustment::TakeNoiseOut(Sums* sums) {
   for (const MovingBoard& board : boards_)
     for (const MovingFrame& frame : board.frames) {
       if (!frame.Tells()) continue;
-      noise += noise_variance_ * NoisePart(board, frame);
+      noise +=
+          noise_variance_ * NoisePart(board, frame, frame.stencil->by_velocity);
       const Vector6d& velocity = frame.motion.velocity;
       motion += velocity.dot(frame.equations.OnVelocity() * velocity);
     }
@@ -282,7 +286,7 @@ double RowTimeAdjustment::VarianceByFrames() const {
 // quick for the time between frames seem slower than they are. A motion of
 // frequency f seems slower by u = (2 pi f T)^2 / 6 from two neighbours, and by
 // 1.2 u^2 from four, so what two and four differ by tells it.
-double RowTimeAdjustment::RelativeBias() const {
+double RowTimeAdjustment::BiasByQuickMotion() const {
   double difference = 0, all = 0;
   for (const MovingBoard& board : boards_)
     for (const MovingFrame& frame : board.frames) {
@@ -294,6 +298,36 @@ double RowTimeAdjustment::RelativeBias() const {
       all += fine.dot(weight * fine);
     }
   return all > 0 ? 1.2 * difference / all : 0;
+}
+
+// The variance of time stamps, in s^2: what makes a smooth motion uneven,
+// beyond the noise of poses. Motions that are quick for the frames count, too.
+double RowTimeAdjustment::TimeVariance() const {
+  double uneven = 0, all = 0;
+  for (const MovingBoard& board : boards_)
+    for (const MovingFrame& frame : board.frames) {
+      if (!frame.Tells()) continue;
+      const Matrix6d weight = frame.equations.OnVelocity();
+      const FrameMotion& motion = frame.motion;
+      uneven += motion.unevenness.dot(weight * motion.unevenness) -
+                noise_variance_ *
+                    NoisePart(board, frame, frame.stencil->by_unevenness);
+      all += motion.velocity.dot(weight * motion.velocity);
+    }
+  return all > 0 ? std::max(0.0, uneven / all) : 0;
+}
+
+// How much too small the row time may be, as a part of it: velocities by times
+// that scatter have noise, which pretends motion as that of poses does.
+double RowTimeAdjustment::BiasByTimes() const {
+  double pretended = 0;
+  for (const MovingBoard& board : boards_)
+    for (const MovingFrame& frame : board.frames)
+      if (frame.Tells())
+        pretended += frame.stencil->by_velocity.squaredNorm() *
+                     frame.motion.velocity.dot(frame.equations.OnVelocity() *
+                                               frame.motion.velocity);
+  return TimeVariance() * pretended * covariance_(0, 0);
 }
 
 // The time in which a frame is read at most, for the shortest time between two.
@@ -319,10 +353,12 @@ RowTimeEstimate RowTimeAdjustment::Result(int num_images) const {
   RowTimeEstimate result;
   result.num_images = num_images;
   result.value.seconds = row_time_s_;
-  const double bias_s = RelativeBias() * row_time_s_;
+  const double bias_s = BiasByQuickMotion() * row_time_s_;
+  const double bias_by_times_s = BiasByTimes() * row_time_s_;
   const double variance =
       std::max(VarianceByFrames(), DeviationByNoise() * DeviationByNoise());
-  result.value.deviation_s = std::sqrt(variance + bias_s * bias_s);
+  result.value.deviation_s =
+      std::sqrt(variance + bias_s * bias_s + bias_by_times_s * bias_by_times_s);
   const double longest_s = LongestRowTime(boards_, size_.height);
   const double limit_s = kTold * longest_s;
   if (!std::isfinite(result.value.seconds) ||
