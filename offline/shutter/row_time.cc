@@ -353,12 +353,11 @@ RowTimeEstimate RowTimeAdjustment::Result(int num_images) const {
   RowTimeEstimate result;
   result.num_images = num_images;
   result.value.seconds = row_time_s_;
-  const double bias_s = BiasByQuickMotion() * row_time_s_;
-  const double bias_by_times_s = BiasByTimes() * row_time_s_;
+  const double bias_s =
+      std::hypot(BiasByQuickMotion(), BiasByTimes()) * row_time_s_;
   const double variance =
       std::max(VarianceByFrames(), DeviationByNoise() * DeviationByNoise());
-  result.value.deviation_s =
-      std::sqrt(variance + bias_s * bias_s + bias_by_times_s * bias_by_times_s);
+  result.value.deviation_s = std::sqrt(variance + bias_s * bias_s);
   const double longest_s = LongestRowTime(boards_, size_.height);
   const double limit_s = kTold * longest_s;
   if (!std::isfinite(result.value.seconds) ||
@@ -368,8 +367,9 @@ RowTimeEstimate RowTimeAdjustment::Result(int num_images) const {
         "board, while it records";
   else if (result.value.deviation_s > limit_s && std::abs(bias_s) > limit_s / 2)
     result.untold = fmt::format(
-        "the camera moves too quickly for the time between frames (+-{}); move "
-        "it more slowly, or record more frames a second",
+        "the camera moves too quickly for the time between frames, or times "
+        "scatter (+-{}); take the sensor's times, move the camera more slowly, "
+        "or record more frames a second",
         MicrosecondsText(result.value.deviation_s));
   else if (result.value.deviation_s > limit_s)
     result.untold = fmt::format(
