@@ -9,6 +9,7 @@
 
 #include "calibration_input.h"
 #include "calibration_summary.h"
+#include "circumstances.h"
 #include "condition_input.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -58,12 +59,13 @@ void GoTo(const ImageConditions& conditions, const std::string& image,
 std::optional<BeforeAfter> ExampleImage(const Measurements& measurements,
                                         const CalibrationResult& result,
                                         const CalibrateArguments& arguments,
+                                        const Circumstances& circumstances,
                                         const std::string& blob) {
   constexpr int kMaxWidthPx = 800;
   const std::string& wanted = arguments.hold_out.empty()
                                   ? result.features.images.front().image
                                   : arguments.hold_out.front();
-  const auto conditions = ConditionsOf(arguments, measurements);
+  const auto& conditions = circumstances.conditions;
   for (size_t i = 0; i < measurements.paths.size(); ++i) {
     if (measurements.dataset.images[i].image != wanted) continue;
     const Image before = ReadImage(measurements.paths[i], true);
@@ -124,6 +126,7 @@ int64_t PeakMemoryBytes() {
 ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
                         const RigResult& result,
                         const CalibrateArguments& arguments,
+                        const Circumstances& circumstances,
                         const CommonOptions& common) {
   ResultExtras extras = {common.seed, PeakMemoryBytes(), {}};
   for (size_t c = 0; c < cameras.size(); ++c) {
@@ -139,7 +142,8 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
         PackWhatCanBe(camera.camera, common.threads, IsInterrupted);
     own.packing = FiguresOf(packed);
     if (!result.IsRig() && !packed.remaps.empty())
-      own.example = ExampleImage(calibrated, camera, arguments, packed.blob);
+      own.example = ExampleImage(calibrated, camera, arguments, circumstances,
+                                 packed.blob);
     own.blob = packed.blob;
     if (!packed.remaps.empty())
       own.view = ViewCameraFile(packed.remaps[0].view, camera.camera.name);
@@ -286,7 +290,8 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
   RequireWritableFolder(arguments.output);
   RequireImageCodecs();
 
-  std::string inputs, unused_rows;
+  std::string inputs;
+  std::vector<std::string> remarks;
   RigResult result;
   ResultExtras extras;
   {
@@ -294,22 +299,24 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
     const CalibrationOptions options = OptionsOf(arguments, common, &bar);
     const std::vector<Measurements> cameras =
         GatherCameras(arguments, common, given, pattern, &bar);
-    inputs = InputsOf(arguments, common, cameras, pattern);
+    const Circumstances circumstances = ReadCircumstances(arguments, cameras);
+    inputs = InputsOf(arguments, common, cameras, circumstances, pattern);
     CheckpointFile checkpoints(arguments.output, inputs, cameras.size());
     if (arguments.resume) checkpoints.Read();
     NoteInterruptions();
-    const std::vector<CalibrationInput> calibration_inputs =
-        CalibrationInputs(cameras, arguments, common.threads, &checkpoints);
-    const auto conditions = ConditionsOf(arguments, cameras.front());
+    const std::vector<CalibrationInput> calibration_inputs = CalibrationInputs(
+        cameras, circumstances, arguments, common.threads, &checkpoints);
+    const auto& conditions = circumstances.conditions;
     if (conditions)
-      unused_rows = RowsOfNoImage(arguments, *conditions, cameras.front());
+      remarks = {RowsOfNoImage(arguments, *conditions, cameras.front()),
+                 ValuesOfOtherUnits(*conditions)};
     result = conditions ? CalibrateStack(calibration_inputs.front(),
                                          *conditions, pattern, options)
                         : Calibrate(calibration_inputs, pattern, options);
     FinishUndisturbed();
     CompleteResult(cameras, arguments, &result);
     bar.Show("packing", 0.9);
-    extras = MakeExtras(cameras, result, arguments, common);
+    extras = MakeExtras(cameras, result, arguments, circumstances, common);
   }
   const std::vector<Checkpoint> checkpoints = CheckpointsOf(result);
   KeepFinishedResult(arguments.output, checkpoints, inputs);
@@ -323,8 +330,9 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
   else if (!common.quiet)
     PrintSummary(result, arguments.output);
   if (!common.quiet) PrintRemarks(result, extras);
-  if (!common.quiet && !unused_rows.empty())
-    fmt::print(stderr, "raygrid: {}\n", unused_rows);
+  for (const std::string& remark : remarks)
+    if (!common.quiet && !remark.empty())
+      fmt::print(stderr, "raygrid: {}\n", remark);
   RequireSuccess(result.verdict, !checkpoints.empty(), arguments.output);
 }
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "camera_input.h"
-#include "condition_input.h"
+#include "circumstances.h"
 #include "dataset/content_hash.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -319,6 +319,12 @@ FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
   if (!arguments.features.empty() && !arguments.modes.empty())
     throw Error(ExitCode::kUsage,
                 "--mode is for images; features are of calibrated frames");
+  for (const std::string& image : arguments.images)
+    if (std::filesystem::path(image).extension() == ".csv")
+      throw Error(ExitCode::kUsage,
+                  fmt::format("{}: a table, no image; give features as "
+                              "--features {}",
+                              image, image));
   RequireTimes(arguments);
   return arguments.features.empty() ? FeaturesByCamera()
                                     : ReadFeatures(arguments.features);
@@ -384,43 +390,18 @@ std::vector<Measurements> GatherCameras(const CalibrateArguments& arguments,
   return cameras;
 }
 
-std::vector<std::optional<ImageTimes>> TimesOf(
-    const CalibrateArguments& arguments,
-    const std::vector<Measurements>& cameras) {
-  std::vector<std::optional<ImageTimes>> times(cameras.size());
-  if (!arguments.rolling_shutter) return times;
-  const ImageTimes given =
-      arguments.times.empty() ? ImageTimes() : ReadImageTimes(arguments.times);
-  for (size_t c = 0; c < cameras.size(); ++c) {
-    times[c] = c < arguments.session_times.size() && given.empty()
-                   ? arguments.session_times[c]
-                   : given;
-    const std::vector<ImageFeatures>& images = cameras[c].dataset.images;
-    if (std::none_of(images.begin(), images.end(),
-                     [&](const ImageFeatures& image) {
-                       return times[c]->count(image.image) > 0;
-                     }))
-      throw InputError(fmt::format(
-          "{}: has the time of no image of the calibration, such as {}",
-          arguments.times.empty() ? "the session" : arguments.times,
-          images.empty() ? "none" : Printable(images.front().image)));
-  }
-  return times;
-}
-
 std::vector<CalibrationInput> CalibrationInputs(
     const std::vector<Measurements>& cameras,
-    const CalibrateArguments& arguments, int num_threads,
-    CheckpointFile* checkpoints) {
+    const Circumstances& circumstances, const CalibrateArguments& arguments,
+    int num_threads, CheckpointFile* checkpoints) {
   std::vector<CalibrationInput> inputs;
-  const auto times = TimesOf(arguments, cameras);
   for (size_t c = 0; c < cameras.size(); ++c)
     inputs.push_back(
         {arguments.name.empty() ? cameras[c].camera : arguments.name,
          cameras[c].dataset, AgainIn(cameras[c], arguments, num_threads),
          checkpoints->Of(c),
          [=](const Checkpoint& done) { checkpoints->Keep(c, done); },
-         cameras[c].image_circle, cameras[c].skipped, times[c]});
+         cameras[c].image_circle, cameras[c].skipped, circumstances.times[c]});
   return inputs;
 }
 
@@ -458,6 +439,7 @@ void RequireNoInputReplaced(const CalibrateArguments& arguments,
   inputs.push_back(arguments.pattern);
   inputs.push_back(arguments.features);
   inputs.push_back(arguments.times);
+  inputs.push_back(arguments.conditions);
   inputs.push_back(arguments.like);
   for (const char* name :
        {"camera.raygrid", "camera.yaml", "example_after.png",
@@ -472,6 +454,7 @@ void RequireNoInputReplaced(const CalibrateArguments& arguments,
 std::string InputsOf(const CalibrateArguments& arguments,
                      const CommonOptions& common,
                      const std::vector<Measurements>& cameras,
+                     const Circumstances& circumstances,
                      const Pattern& pattern) {
   ContentHash hash;
   hash.Add(RAYGRID_VERSION);
@@ -494,13 +477,13 @@ std::string InputsOf(const CalibrateArguments& arguments,
       arguments.measure_once, common.seed));
   for (const std::string& image : arguments.hold_out) hash.Add(image);
   for (const std::string& mode : arguments.modes) hash.Add(mode);
-  if (const auto conditions = ConditionsOf(arguments, cameras.front())) {
+  if (const auto& conditions = circumstances.conditions) {
     for (const CameraCondition condition : conditions->conditions)
       hash.Add(ConditionName(condition));
     for (const auto& [image, values] : conditions->values)
       hash.Add(fmt::format("{} {:.17g}", image, fmt::join(values, " ")));
   }
-  for (const auto& times : TimesOf(arguments, cameras))
+  for (const auto& times : circumstances.times)
     if (times) hash.Add(FormatImageTimes(*times));
   if (!arguments.like.empty()) hash.Add(ReadFile(arguments.like));
   return hash.Text();

@@ -99,19 +99,14 @@ std::vector<Measurements> GatherCameras(const CalibrateArguments& arguments,
                                         const Pattern& pattern,
                                         ProgressBar* bar);
 
-/// When the images of each camera were taken, if the time of a row is to be
-/// estimated. Throws Error(kUsage) if that cannot be: no times are known, or
-/// images are of several sensor modes; InputError.
-std::vector<std::optional<ImageTimes>> TimesOf(
-    const CalibrateArguments& arguments,
-    const std::vector<Measurements>& cameras);
+struct Circumstances;
 
 /// The inputs of a calibration, with the checkpoints of an interrupted one, if
 /// there are any. They use cameras and checkpoints.
 std::vector<CalibrationInput> CalibrationInputs(
     const std::vector<Measurements>& cameras,
-    const CalibrateArguments& arguments, int num_threads,
-    CheckpointFile* checkpoints);
+    const Circumstances& circumstances, const CalibrateArguments& arguments,
+    int num_threads, CheckpointFile* checkpoints);
 
 /// Throws Error(kOutput) if the result would replace the pattern, the features
 /// or an image.
@@ -122,6 +117,7 @@ void RequireNoInputReplaced(const CalibrateArguments& arguments,
 std::string InputsOf(const CalibrateArguments& arguments,
                      const CommonOptions& common,
                      const std::vector<Measurements>& cameras,
+                     const Circumstances& circumstances,
                      const Pattern& pattern);
 
 /// Throws Error(kUsage).

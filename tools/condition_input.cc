@@ -307,4 +307,20 @@ std::string RowsOfNoImage(const CalibrateArguments& arguments,
       arguments.conditions, count, conditions.values.size(), Printable(first));
 }
 
+std::string ValuesOfOtherUnits(const ImageConditions& conditions) {
+  for (const auto& [image, values] : conditions.values)
+    for (size_t k = 0; k < values.size(); ++k) {
+      const CameraCondition condition = conditions.conditions[k];
+      const bool is_lens = condition == CameraCondition::kLensPosition;
+      const double low = is_lens ? 0 : -100, high = is_lens ? 50 : 150;
+      if (values[k] >= low && values[k] <= high) continue;
+      return fmt::format(
+          "{}: {} {:g} is none in {}, which are from {} to {}; the camera is "
+          "right only for values in the same unit",
+          Printable(image), ConditionName(condition), values[k],
+          is_lens ? "dioptres (1 / metres)" : "°C", low, high);
+    }
+  return "";
+}
+
 }  // namespace raygrid

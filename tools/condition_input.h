@@ -54,6 +54,10 @@ std::string RowsOfNoImage(const CalibrateArguments& arguments,
                           const ImageConditions& conditions,
                           const Measurements& measurements);
 
+/// A remark on values that are not in dioptres or °C, by their size; empty if
+/// all may be.
+std::string ValuesOfOtherUnits(const ImageConditions& conditions);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_TOOLS_CONDITION_INPUT_H

@@ -53,6 +53,10 @@ class BadInput(CommandTest):
         write(self.path("text/a.png"), "this is no image\n")
         self.assert_refused(self.calibrate(self.path("text")), 2, "a.png", "not an image")
 
+    def test_features_in_the_place_of_images(self):
+        self.assert_refused(self.calibrate(self.path("sim/features.csv")), 1, "no image",
+                            "--features " + self.path("sim/features.csv"))
+
     def test_program_that_was_copied_without_its_module(self):
         program = self.path("copy/bin/raygrid")
         os.makedirs(os.path.dirname(program))

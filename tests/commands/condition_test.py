@@ -3,6 +3,7 @@
 import json
 import os
 import struct
+import threading
 
 from command_test import CommandTest, main, read, run, write
 from png_files import chunk
@@ -139,8 +140,17 @@ class Condition(CommandTest):
         self.assertEqual(lines, [f"raygrid: {more}: 2 of its 44 rows name no image of the calibration, such as "
                                  "gone0.png; check the names"])
         self.assertEqual(self.calibrate(*options, "--quiet", out="more").stderr, "")
-        self.assertNotIn("rows", self.calibrate("--condition", "lens_position", "--conditions", self.values,
-                                                out="all").stderr)
+
+    def test_values_of_another_unit_come_through_a_pipe_and_are_told(self):
+        table = "".join(line + ("00\n" if i else "\n")
+                        for i, line in enumerate(read(self.values).decode().splitlines()))
+        pipe = self.path("pipe")
+        os.mkfifo(pipe)
+        threading.Thread(target=write, args=(pipe, table), daemon=True).start()
+        result = self.calibrate("--condition", "lens_position", "--conditions", pipe, out="steps")
+        self.assert_done(result)
+        self.assertIn("lens_position 1000 is none in dioptres", result.stderr)
+        self.assertNotIn("rows", result.stderr)
 
     def test_folders_of_images_at_values(self):
         folders = []
