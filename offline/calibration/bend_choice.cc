@@ -46,13 +46,24 @@ void ChooseGridAgain(const Pattern& pattern, const CalibrationOptions& options,
   }
 }
 
+double Loss(const std::vector<FeatureResidual>& residuals) {
+  return Summarize(0, residuals).loss;
+}
+
 }  // namespace
+
+bool BendsPredictBetter(const HeldOut& bent, const HeldOut& rigid) {
+  constexpr double kBetterBy = 0.02;  // of the loss
+  constexpr double kSure = 1.5;       // deviations
+  const double alone = GainOver(rigid.alone.front(), bent.alone.front());
+  const double flexed = GainOver(rigid.flexed.front(), bent.flexed.front());
+  return Loss(bent.flexed.front()) <
+             (1 - kBetterBy) * Loss(rigid.flexed.front()) &&
+         alone > -kSure && alone + flexed > kSure;
+}
 
 void ChooseBends(const Pattern& pattern, const CalibrationOptions& options,
                  CameraInProgress* camera) {
-  // Squared errors must fall by so much where held-out boards may bend, and
-  // not rise where they may not: a camera nearer to the truth does both.
-  constexpr double kBetterBy = 0.02;
   // Bends take more of the residuals that they are adjusted to than of others.
   constexpr double kLeastShare = 0.01;
   camera->boards_bend = false;
@@ -64,19 +75,16 @@ void ChooseBends(const Pattern& pattern, const CalibrationOptions& options,
   std::vector<Trial>& trials = camera->checkpoint.trials;
   ValidationOptions validation = ValidationOptionsOf(options);
   validation.on_done = [camera] { camera->Keep(); };
-  double flexed[2] = {}, alone[2] = {};
+  HeldOut held_out[2];
   for (const bool rigid : {true, false}) {
     validation.rigid_boards = rigid;
     validation.keep_rigid = rigid;
     CrossValidate(pattern, validation, {{cell_px}}, &folds, &trials);
     if (rigid && !MayBend(trials, cell_px, kLeastShare)) return;
-    const HeldOut held_out = JoinFolds(trials, folds.count(), {cell_px}, rigid);
-    if (held_out.flexed.empty()) return;
-    flexed[rigid] = Summarize(cell_px, held_out.flexed.front()).loss;
-    alone[rigid] = Summarize(cell_px, held_out.alone.front()).loss;
+    held_out[rigid] = JoinFolds(trials, folds.count(), {cell_px}, rigid);
+    if (held_out[rigid].flexed.empty()) return;
   }
-  camera->boards_bend = flexed[false] < (1 - kBetterBy) * flexed[true] &&
-                        alone[false] <= alone[true];
+  camera->boards_bend = BendsPredictBetter(held_out[false], held_out[true]);
   if (camera->boards_bend)
     ChooseGridAgain(pattern, options, validation, camera);
 }

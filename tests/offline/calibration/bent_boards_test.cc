@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "calibration/bend_choice.h"
 #include "calibration/bend_share.h"
 #include "calibration/calibration.h"
 #include "calibration/camera_evaluation.h"
@@ -61,6 +62,36 @@ TEST(Calibrate, KeepsBoardsRigidThatAreRigid) {
   const CalibrationResult result =
       Calibrate(SimulateFlex(0).dataset, TestBoard(), WithCells(160));
   EXPECT_FALSE(result.bends.has_value());
+}
+
+// One camera's errors in twelve images: by so many pixels where boards may
+// bend, and where they may not. There images differ by what their boards bend.
+HeldOut HeldOutErrors(double flexed_px, double alone_px, double spread_px) {
+  HeldOut errors = {{{}}, {}, {{}}};
+  for (int image = 0; image < 12; ++image)
+    for (int i = 0; i < 50; ++i) {
+      FeatureResidual residual;
+      residual.image = "image_" + std::to_string(image);
+      residual.column = i;
+      residual.error_px = {flexed_px + 0.0001 * image, 0};
+      errors.flexed[0].push_back(residual);
+      residual.error_px.x() = alone_px + (image % 2 ? spread_px : -spread_px);
+      errors.alone[0].push_back(residual);
+    }
+  return errors;
+}
+
+TEST(BendsPredictBetter, AsksWhatChanceMakesOfTheBoardsOwnBends) {
+  const HeldOut rigid = HeldOutErrors(0.05, 0.1, 0);
+  // By 0.5 % in the mean, by 20 % up and down from image to image.
+  EXPECT_TRUE(BendsPredictBetter(HeldOutErrors(0.04, 0.1, 0.02), rigid));
+  // By 5 % in each image, without any doubt.
+  EXPECT_FALSE(BendsPredictBetter(HeldOutErrors(0.04, 0.105, 0), rigid));
+  EXPECT_FALSE(BendsPredictBetter(HeldOutErrors(0.0498, 0.1, 0), rigid));
+  HeldOut one_image = HeldOutErrors(0.05, 0.1, 0);
+  for (FeatureResidual& residual : one_image.flexed[0])
+    if (residual.image == "image_0") residual.error_px.setZero();
+  EXPECT_FALSE(BendsPredictBetter(one_image, rigid));
 }
 
 // The share in a camera that was adjusted with rigid boards, and whose cells
