@@ -6,10 +6,10 @@
 namespace raygrid {
 
 /// Whether a camera of boards that bend predicts held-out images better than
-/// one of rigid boards: clearly where their boards may bend, not surely worse
-/// where they may not, and surely better in the sum of both. Errors of the
-/// second kind are mostly the boards' own bends, so they differ by chance.
-/// HeldOut is of one camera.
+/// one of rigid boards: where their boards may bend, and in the sum of that
+/// gain and the one where they may not, which must not surely be a loss. These
+/// errors are mostly the boards' own bends, so they differ by chance. HeldOut
+/// is of one camera.
 bool BendsPredictBetter(const HeldOut& bent, const HeldOut& rigid);
 
 /// Decides whether boards may bend from image to image while a camera is
