@@ -60,9 +60,9 @@ void TryCells(const std::string& lens, int num_images, int num_seeds,
           std::log(TrueErrorPx(*truth, dataset, pattern, &cell_px)) / num_seeds;
     }
   }
-  std::printf(" cells chosen: %.4f px; with", std::exp(chosen_px));
+  std::printf(" cells chosen: %.5f px; with", std::exp(chosen_px));
   for (size_t i = 0; i < errors_px.size(); ++i)
-    std::printf(" %d: %.4f", kCells[i], std::exp(errors_px[i]));
+    std::printf(" %d: %.5f", kCells[i], std::exp(errors_px[i]));
   std::printf(" px\n");
   std::fflush(stdout);
 }
