@@ -413,11 +413,13 @@ void Calibration::EvaluateHeldOutImages() {
     Report("cross-validation", 0.7 + 0.15 * done);
   };
   if (!IsRig()) validation.on_done = [&first] { first.Keep(); };
-  Folds folds_of_rig;
-  if (IsRig()) folds_of_rig = MakeFolds(Splits(), StartingLenses());
+  // Folds of single cameras were started before bodies were known.
+  const bool is_anew = IsRig() || !bodies_.empty();
+  Folds anew;
+  if (is_anew) anew = MakeFolds(Splits(), StartingLenses());
   HeldOut held_out =
       EvaluateHeldOut(adjusted_, pattern_, Splits(), validation, CellsPx(),
-                      IsRig() ? &folds_of_rig : &first.folds,
+                      is_anew ? &anew : &first.folds,
                       IsRig() ? &of_rig : &first.checkpoint.trials);
   result_.held_out = std::move(held_out.together);
   result_.cross_validated = options_.hold_out.empty();

@@ -140,6 +140,21 @@ TEST(CalibrateBodies, AreThoseBoardsThatWereNotMoved) {
   EXPECT_EQ(told[1].find("boards 0, 1 and 2"), 0u) << told[1];
 }
 
+// Folds were started for the choice of bends, before the body was found.
+TEST(CalibrateBodies, OfOneCameraAreCrossValidated) {
+  const SimulatedRigObservations seen =
+      SimulateRig(Row(1), SeveralBoards(2), FarApart(), Views(12, 1));
+  CalibrationOptions options;
+  options.num_threads = 2;
+  options.cell_px = 160;
+  const RigResult result =
+      Calibrate(CamerasOf(seen), seen.true_pattern, options);
+  ASSERT_EQ(result.bodies.size(), 1u);
+  const CalibrationResult& camera = result.cameras.front();
+  EXPECT_TRUE(camera.cross_validated);
+  EXPECT_EQ(camera.held_out.size(), camera.training.size());
+}
+
 TEST(CalibrateBodies, AreNoneWhereBoardsMove) {
   const SimulatedRigObservations seen =
       SimulateRig(Row(1), SeveralBoards(2), Views(30, 1));
