@@ -87,6 +87,7 @@ class Calibration {
   void CompareModels();
   void TellUncertainty(CameraInProgress* camera, int num_threads) const;
   void SplitResiduals();
+  void TellFlatBoards();
   void PlaceOtherImages();
   std::vector<Split> Splits() const;
   std::vector<const CameraModel*> StartingLenses() const;
@@ -516,7 +517,16 @@ void Calibration::PlaceOtherImages() {
                                     poses[c].begin(), poses[c].end());
 }
 
+// Boards that were taken for flat are looked at once more, free.
+void Calibration::TellFlatBoards() {
+  const double height_m =
+      HeightOfFlatBoards(pattern_, StoppableAdjustment(options_), adjusted_);
+  for (CameraInProgress& camera : cameras_)
+    camera.result.flat_board_height_m = height_m;
+}
+
 RigResult Calibration::Judge() {
+  if (options_.flat_board && !options_.ShouldStop()) TellFlatBoards();
   const bool is_interrupted = options_.ShouldStop();
   if (!is_interrupted) SplitResiduals();
   for (CameraInProgress& camera : cameras_) {

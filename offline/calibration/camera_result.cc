@@ -294,6 +294,7 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
   if (normals.size() == result.poses.size()) figures.tilt_rad = TiltOf(normals);
   AddSides(result, &figures);
   figures.fold_over = result.fold_over;
+  figures.flat_board_height_m = result.flat_board_height_m;
   figures.fleet_distance = result.fleet_distance;
   figures.pixel_aspect = PixelAspect(*result.camera.camera);
   if (const auto& uncertainty = result.camera.uncertainty) {

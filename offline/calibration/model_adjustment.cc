@@ -15,6 +15,7 @@
 #include "calibration/unseen_nodes.h"
 #include "camera/model_fitting.h"
 #include "camera/noncentral_generic.h"
+#include "evaluation/board_shape.h"
 #include "evaluation/line_spread.h"
 #include "evaluation/residual_statistics.h"
 
@@ -432,6 +433,21 @@ void LetBoardsBend(const Pattern& pattern, const AdjustmentOptions& options,
   AdjustAgain(options, adjusted);
   if (RemoveOutliers(pattern, adjusted) == Removed::kSome)
     AdjustAgain(options, adjusted);
+}
+
+double HeightOfFlatBoards(const Pattern& pattern,
+                          const AdjustmentOptions& options, Adjusted adjusted) {
+  if (AreParametric(CopyCameras(adjusted.state))) return 0;
+  AdjustmentOptions free = options;
+  free.fix_points = false;
+  LetBoardsHaveShapes(&adjusted);
+  AdjustAgain(free, &adjusted);
+  if (!adjusted.state.HasShapes()) return 0;
+  AlignBoards(pattern, &adjusted);
+  double height_m = 0;
+  for (const Board& board : AdjustedPattern(pattern, adjusted).boards)
+    height_m = std::max(height_m, MeasureBoardShape(board).rms_height_m);
+  return height_m;
 }
 
 void AdjustModel(const Pattern& pattern, const std::string& model,

@@ -62,6 +62,12 @@ void FinishCameras(Adjusted* adjusted);
 /// Brings boards whose points were free to where they are nominally.
 void AlignBoards(const Pattern& pattern, Adjusted* adjusted);
 
+/// How far the boards of grids are from flat that were taken for flat: RMS of
+/// the one that is farthest, metres, once they may bend. 0 unless they bend
+/// more than chance would have it.
+double HeightOfFlatBoards(const Pattern& pattern,
+                          const AdjustmentOptions& options, Adjusted adjusted);
+
 /// False where the prior's strength kept the points as they are; then they were
 /// no more than aligned.
 bool HavePointsMoved(const Adjusted& adjusted);

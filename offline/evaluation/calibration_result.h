@@ -102,6 +102,7 @@ struct CalibrationResult {
   FeatureNoise feature_noise;
   std::optional<LineSpread> line_spread;  ///< of a camera that is not central
   FoldOver fold_over;
+  double flat_board_height_m = 0;  ///< as in CalibrationFigures
   /// From the fleet that the grid lies around; nothing without a spread.
   std::optional<FleetDistance> fleet_distance;
   std::optional<RowTimeEstimate> row_time;  ///< if it was asked for

@@ -130,6 +130,15 @@ void JudgeImagesApart(const CalibrationFigures& figures, Verdict* verdict) {
        verdict);
 }
 
+void JudgeFlatBoard(const CalibrationFigures& figures, Verdict* verdict) {
+  if (figures.flat_board_height_m > 0)
+    Warn(fmt::format("--flat-board is believed, but a board is {:.3f} mm from "
+                     "flat (RMS) where it may be, and bends the camera "
+                     "instead; calibrate without --flat-board",
+                     1e3 * figures.flat_board_height_m),
+         verdict);
+}
+
 void JudgeFleetDistance(const CalibrationFigures& figures, Verdict* verdict) {
   const auto& distance = figures.fleet_distance;
   if (distance && distance->IsStranger()) Warn(distance->Warning(), verdict);
@@ -301,9 +310,9 @@ Verdict JudgeCalibration(const CalibrationFigures& figures) {
     judge(figures, &verdict);
   // Errors of a state on its way say nothing.
   if (figures.interrupted) return verdict;
-  for (const auto judge :
-       {JudgeImagesApart, JudgeFleetDistance, JudgeUncertainty, JudgeFoldOver,
-        JudgePixels, JudgeNeighbors, JudgeHeldOutError, JudgeOverfit})
+  for (const auto judge : {JudgeImagesApart, JudgeFlatBoard, JudgeFleetDistance,
+                           JudgeUncertainty, JudgeFoldOver, JudgePixels,
+                           JudgeNeighbors, JudgeHeldOutError, JudgeOverfit})
     judge(figures, &verdict);
   return verdict;
 }

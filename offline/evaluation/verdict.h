@@ -48,6 +48,9 @@ struct CalibrationFigures {
   /// trusted_px.
   std::optional<double> median_deviation_px, trusted_part, trusted_px;
   FoldOver fold_over;
+  /// How far from flat boards are that were taken for flat, RMS: where they may
+  /// be, they surely are. 0 where nothing says so.
+  double flat_board_height_m = 0;
   std::optional<FleetDistance> fleet_distance;
   /// The model that predicts held-out images best, of those that were tried and
   /// are better.

@@ -58,6 +58,28 @@ TEST(Calibrate, FollowsBoardsThatBendFromImageToImage) {
   EXPECT_LT(bent.held_out_flexed->rms_px, rigid.held_out_flexed->rms_px);
 }
 
+// A camera follows a board that is bent and taken for flat, and leaves no
+// residuals that would tell.
+TEST(Calibrate, SaysThatABoardIsNotFlatAsTold) {
+  for (const double bend_m : {0.0, 0.0005}) {
+    SimulationOptions simulation;
+    simulation.num_images = 16;
+    simulation.features_per_image = 130;
+    simulation.board_bend_m = bend_m;
+    CalibrationOptions options = WithCells(160);
+    options.flat_board = true;
+    const CalibrationResult result = Calibrate(
+        SimulateObservations(ExampleSimulatedCamera(), TestBoard(), simulation)
+            .dataset,
+        TestBoard(), options);
+    EXPECT_EQ(result.flat_board_height_m > 0, bend_m > 0);
+    EXPECT_LT(result.flat_board_height_m, bend_m + 1e-9);
+    EXPECT_EQ(result.verdict.reasons.front().find("--flat-board") !=
+                  std::string::npos,
+              bend_m > 0);
+  }
+}
+
 TEST(Calibrate, KeepsBoardsRigidThatAreRigid) {
   const CalibrationResult result =
       Calibrate(SimulateFlex(0).dataset, TestBoard(), WithCells(160));
