@@ -109,19 +109,30 @@ std::vector<std::string> AlikeCauses(const ResidualBudget& budget) {
   return names;
 }
 
+// Models that do not follow the lens and boards that are not as told leave such
+// errors, too, and cost no images to try.
+std::string AdviceOnViewsAlike(const BudgetFacts& facts) {
+  if (!facts.better_model.empty()) return BetterModelAdvice(facts);
+  if (!facts.IsGrid() && !facts.generic_tried)
+    return "calibrate with --model central-generic first, since a model that "
+           "does not follow the lens leaves such errors, too";
+  if (facts.IsGrid() && !facts.points_free)
+    return "calibrate without --flat-board first, since a board that is not as "
+           "told leaves such errors, too";
+  if (facts.model == "central-generic" && !facts.noncentral_tried)
+    return "calibrate with --model noncentral-generic first, since lines that "
+           "do not meet in a point, as behind glass, leave such errors, too";
+  return "take the images anew with camera and board still, a stiff board and "
+         "focus locked; tilted boards tell these causes apart";
+}
+
 BudgetVerdict OfViewsAlike(const std::vector<std::string>& causes,
                            const ResidualBudget& budget) {
   return {"views",
           fmt::format("each image has errors of its own ({} % of the squared "
                       "residuals); these explain them alike: {}",
                       Percent(budget.OfViews()), fmt::join(causes, ", ")),
-          // A lens that the model does not follow leaves such errors, too.
-          !budget.facts.IsGrid() && !budget.facts.generic_tried
-              ? "calibrate with --model central-generic first, since a model "
-                "that does not follow the lens leaves such errors, too"
-              : "take the images anew with camera and board still, a stiff "
-                "board and focus locked; tilted boards tell these causes "
-                "apart"};
+          AdviceOnViewsAlike(budget.facts)};
 }
 
 BudgetVerdict OfCause(ErrorCause cause, const ResidualBudget& budget) {

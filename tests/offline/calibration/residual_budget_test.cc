@@ -233,6 +233,19 @@ TEST(JudgeBudget, NamesNoCauseThatAnotherExplainsAsWell) {
             std::string::npos);
   budget.facts.generic_tried = true;
   EXPECT_EQ(JudgeBudget(budget).advice.find("--model"), std::string::npos);
+  budget.facts.model = "central-generic";
+  budget.facts.points_free = false;
+  EXPECT_NE(JudgeBudget(budget).advice.find("without --flat-board first"),
+            std::string::npos);
+  budget.facts.points_free = true;
+  EXPECT_NE(JudgeBudget(budget).advice.find("--model noncentral-generic first"),
+            std::string::npos);
+  budget.facts.noncentral_tried = true;
+  EXPECT_EQ(JudgeBudget(budget).advice.find("--model"), std::string::npos);
+  budget.facts.better_model = "noncentral-generic";
+  EXPECT_NE(JudgeBudget(budget).advice.find(
+                "--model noncentral-generic, which predicts"),
+            std::string::npos);
 }
 
 // A cause that is not told says of errors that neighbours share what the
