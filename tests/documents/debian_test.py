@@ -10,7 +10,8 @@ HEADERS = ("runtime/raygrid.h", "formats/rg_projection.h", "formats/rg_status.h"
 # Groups of tools/install_packages that packages are built with, but for what Debian need not name
 # or only users of the build folder need.
 GROUPS = ("host", "python", "camera")
-UNNAMED = {"g++", "python3-numpy"}
+# Packages are built with g++, the preset host with clang.
+UNNAMED = {"g++", "clang-14", "python3-numpy"}
 # A function's declaration begins at the left with its type. Macros and comments do not.
 DECLARED = re.compile(r"^(?!typedef|static|#)[a-z][\w ]*[ *]+(rg_\w+)\(", re.MULTILINE)
 

@@ -15,7 +15,7 @@ constexpr int kNumWitnesses = 6;
 // further away, through lens distortion and the error of a small marker's
 // corners.
 constexpr double kWitnessDistance = 3.3;
-constexpr double kTolerance = 0.15;
+constexpr double kMarkerTolerance = 0.15;
 constexpr double kTolerancePerDistance = 0.12;
 
 }  // namespace
@@ -156,7 +156,7 @@ bool MarkerConstellation::Confirms(const SeenMarker& witness,
   // The comparison is false, too, where a degenerate witness makes the position
   // not a number.
   return (found - expected).norm() <
-         kTolerance * pitch_m_ + kTolerancePerDistance * distance;
+         kMarkerTolerance * pitch_m_ + kTolerancePerDistance * distance;
 }
 
 }  // namespace raygrid

@@ -12,7 +12,7 @@ namespace {
 constexpr double kMinCorrelation = 0.5;
 constexpr int kMinStars = 12;   // of a lattice, or it is not believed
 constexpr int kMaxTrials = 40;  // candidates
-constexpr size_t kNumNearest = 12, kNumWitnesses = 40;
+constexpr size_t kNumNearest = 12, kNumNeighbors = 40;
 // Stars of few segments have junctions along the edges of their squares too.
 constexpr int kFewSegments = 6, kMoreJunctions = 2;
 
@@ -139,7 +139,7 @@ std::optional<LooseLatticeFinder::Seed> LooseLatticeFinder::SeedAt(
   const int num_turns = 4 / QuarterTurnsThatKeepStars(board_.segments);
   const int density = board_.segments <= kFewSegments ? kMoreJunctions : 1;
   const auto offsets =
-      OffsetsAround(candidates, center, density * kNumWitnesses);
+      OffsetsAround(candidates, center, density * kNumNeighbors);
   for (const Basis& basis : BasesOf(offsets, density * kNumNearest)) {
     LocalMapping mapping;
     mapping.center = center;
