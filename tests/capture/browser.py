@@ -8,6 +8,9 @@ import subprocess
 import tempfile
 import time
 
+# A page that takes longer hangs.
+HANG_S = 300
+
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
 
 
@@ -65,7 +68,7 @@ class Browser:
         if self.session:
             message["sessionId"] = self.session
         os.write(self.to, json.dumps(message).encode() + b"\0")
-        end = time.monotonic() + 60
+        end = time.monotonic() + HANG_S
         while True:
             answer = self.read_message(end)
             if answer.get("id") == self.number:
@@ -90,9 +93,9 @@ class Browser:
             raise RuntimeError(str(result["exceptionDetails"])[:500])
         return result["result"].get("value")
 
-    def wait_for(self, expression, seconds=20):
+    def wait_for(self, expression):
         """The value of an expression once that is true."""
-        end = time.monotonic() + seconds
+        end = time.monotonic() + HANG_S
         while True:
             try:
                 value = self.evaluate(expression)

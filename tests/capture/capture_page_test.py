@@ -12,7 +12,7 @@ import sys
 import time
 import unittest
 
-from browser import BROWSER, Browser
+from browser import BROWSER, HANG_S, Browser
 
 programs = argparse.Namespace()
 
@@ -58,7 +58,7 @@ class Page(unittest.TestCase):
 
     def read_line(self):
         """What the program printed next; it is told commands so."""
-        if not select.select([self.demo.stdout], [], [], 10)[0]:
+        if not select.select([self.demo.stdout], [], [], HANG_S)[0]:
             self.fail("the program was told nothing")
         return self.demo.stdout.readline().decode().rstrip("\n")
 

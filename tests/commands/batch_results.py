@@ -2,7 +2,6 @@
 import json
 import os
 import re
-import time
 
 from command_test import read
 
@@ -24,17 +23,6 @@ def result_files(folder):
                 contents = [line.rsplit(b",", 1)[0] for line in contents.splitlines()]
             files[os.path.relpath(path, folder)] = contents
     return files
-
-
-def wait_until(is_so, seconds=60):
-    """Waits for what is to come, and returns it. Fails if it does not come."""
-    end = time.monotonic() + seconds
-    while True:
-        value = is_so()
-        if value:
-            return value
-        assert time.monotonic() < end, "it did not come in time"
-        time.sleep(0.01)
 
 
 def waits_for_a_lock(folder):

@@ -10,11 +10,10 @@ import resource
 import shutil
 import signal
 import subprocess
-import time
 import xml.dom.minidom
 
-from batch_results import result_files, wait_until, waits_for_a_lock
-from command_test import CommandTest, SIMULATED_PATTERN, main, programs, read, run, write
+from batch_results import result_files, waits_for_a_lock
+from command_test import HANG_S, CommandTest, SIMULATED_PATTERN, main, programs, read, run, wait_until, write
 
 PLAN = """raygrid_batch: 1
 pattern: board.yaml
@@ -315,11 +314,9 @@ units:
         self.out = self.path("killed")
         shutil.rmtree(self.out, ignore_errors=True)
         with subprocess.Popen([programs.raygrid, "batch", plan, "-o", self.out]) as process:
-            end = time.monotonic() + 60
-            while not os.path.exists(self.out + "/A1/unit.json") and time.monotonic() < end:
-                time.sleep(0.005)
+            wait_until(lambda: os.path.exists(self.out + "/A1/unit.json"))
             process.send_signal(number)
-            return process.wait(timeout=60)
+            return process.wait(timeout=HANG_S)
 
     def test_a_run_that_was_killed_goes_on_to_the_same_bytes(self):
         plan = self.plan()
@@ -338,11 +335,11 @@ units:
         self.out = self.path("crashed")
         with subprocess.Popen([programs.raygrid, "batch", self.plan(), "-o", self.out], stderr=subprocess.PIPE,
                               text=True) as process:
-            children, end = [], time.monotonic() + 60
-            while not (children and os.path.isdir(self.out + "/A1")) and time.monotonic() < end:
-                children = read(f"/proc/{process.pid}/task/{process.pid}/children").split()
+            wait_until(lambda: os.path.isdir(self.out + "/A1"))
+            children = wait_until(
+                lambda: read(f"/proc/{process.pid}/task/{process.pid}/children").split())
             os.kill(int(children[0]), signal.SIGKILL)
-            errors = process.communicate(timeout=60)[1]
+            errors = process.communicate(timeout=HANG_S)[1]
         self.assertEqual(process.returncode, 2)
         self.assertEqual([line for line in errors.splitlines() if "signal 9" not in line], [])
         self.assertIn("unit A1: error", errors)
@@ -359,9 +356,9 @@ units:
             with subprocess.Popen(command, stdout=subprocess.DEVNULL) as second:
                 wait_until(lambda: waits_for_a_lock(self.out))
                 os.kill(child, signal.SIGCONT)
-                self.assertEqual(first.wait(timeout=60), 0)
+                self.assertEqual(first.wait(timeout=HANG_S), 0)
                 made = os.stat(self.out + "/A1/camera.yaml")
-                self.assertEqual(second.wait(timeout=60), 0)
+                self.assertEqual(second.wait(timeout=HANG_S), 0)
         self.assertEqual(os.stat(self.out + "/A1/camera.yaml").st_ino, made.st_ino)
         self.assertEqual(sorted(os.listdir(self.out)), [".batch.lock", "A1"])
 

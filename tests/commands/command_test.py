@@ -1,8 +1,10 @@
 """Helpers of the command tests: running a program, and a few files to run it on."""
 import argparse
 import os
+import resource
 import subprocess
 import tempfile
+import time
 import unittest
 
 programs = argparse.Namespace()
@@ -18,6 +20,10 @@ boards:
   - {id: 0, kind: chessboard, columns: 14, rows: 10, square_m: 0.03}
 """
 
+# A program that takes longer hangs. No test depends on how busy the machine is: what is to
+# be quick is measured in seconds of a processor.
+HANG_S = 600
+
 cache = tempfile.TemporaryDirectory()
 
 
@@ -32,11 +38,23 @@ def main(module):
     unittest.main(module=module, argv=[module] + rest, verbosity=2)
 
 
-def run(*arguments, program=None, timeout=300):
+def run(*arguments, program=None):
     """Runs raygrid, or another program, without a terminal."""
     command = [program or programs.raygrid, *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL,
-                          timeout=timeout, check=False)
+                          timeout=HANG_S, check=False)
+
+
+def cpu_seconds(pid):
+    """What a running process has used of processors."""
+    fields = read(f"/proc/{pid}/stat").decode().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def cpu_seconds_of_children():
+    """What programs that have ended used of processors."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 def write(path, contents):
@@ -50,6 +68,17 @@ def write(path, contents):
 def read(path):
     with open(path, "rb") as file:
         return file.read()
+
+
+def wait_until(is_so):
+    """Waits for what is to come, and returns it. Fails if it does not come."""
+    end = time.monotonic() + HANG_S
+    while True:
+        value = is_so()
+        if value:
+            return value
+        assert time.monotonic() < end, "it did not come in time"
+        time.sleep(0.01)
 
 
 class CommandTest(unittest.TestCase):

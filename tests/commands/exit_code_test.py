@@ -6,7 +6,7 @@ import re
 import resource
 import subprocess
 
-from command_test import (CommandTest, SIMULATED_PATTERN, main, programs, read, run, write)
+from command_test import (HANG_S, CommandTest, SIMULATED_PATTERN, main, programs, read, run, write)
 
 README = os.path.join(os.path.dirname(__file__), "../../README.md")
 COMMANDS = ("batch", "calibrate", "capture", "check", "compare", "detect", "evaluate", "experiment", "export", "fit",
@@ -177,7 +177,7 @@ class Ends(CommandTest):
         with subprocess.Popen([programs.raygrid, "pack", self.path("sim/true_camera.yaml"), "-o",
                                blob, "--threads", "8"], stderr=subprocess.PIPE,
                               stdout=subprocess.PIPE, preexec_fn=limit) as process:
-            error = process.communicate(timeout=60)[1]
+            error = process.communicate(timeout=HANG_S)[1]
         self.assertEqual(process.returncode, 0, error)
         self.assert_done(run("inspect", blob))
 
@@ -187,7 +187,7 @@ class Ends(CommandTest):
                                    "--square-mm", "20", "-o", self.path("board")], {0, 7})):
             with subprocess.Popen([programs.raygrid, *arguments], stdin=subprocess.DEVNULL,
                                   preexec_fn=lambda: (os.close(1), os.close(2))) as process:
-                self.assertIn(process.wait(timeout=60), codes, arguments)
+                self.assertIn(process.wait(timeout=HANG_S), codes, arguments)
         self.assert_done(run("inspect", self.path("board/pattern.yaml")))
 
     def test_points_of_any_length_are_projected(self):

@@ -8,7 +8,7 @@ import subprocess
 import zlib
 
 import png_files
-from command_test import CommandTest, PATTERN, SIMULATED_PATTERN, main, programs, read, run, write
+from command_test import HANG_S, CommandTest, PATTERN, SIMULATED_PATTERN, main, programs, read, run, write
 from png_files import chunk, read_png
 
 SIZE = (160, 120)
@@ -67,7 +67,7 @@ class Images(CommandTest):
         result = subprocess.run(
             [os.path.basename(programs.raygrid), "detect", picture, "--pattern", pattern, "--no-cache",
              "-o", self.path("path/f.csv")], env={**os.environ, "PATH": path}, cwd=self.folder,
-            capture_output=True, text=True, timeout=300, check=False)
+            capture_output=True, text=True, timeout=HANG_S, check=False)
         self.assert_refused(result, 3, "no board found")
 
     def test_images_that_would_get_one_name_are_refused(self):
@@ -289,13 +289,12 @@ class Boards(CommandTest):
         folder = self.folder_with()
         os.mkfifo(os.path.join(folder, "a.png"))
         os.symlink("/dev/zero", os.path.join(folder, "b.png"))
-        result = run("detect", folder, "--pattern", self.pattern, "-o", self.path("f.csv"),
-                     timeout=60)
+        result = run("detect", folder, "--pattern", self.pattern, "-o", self.path("f.csv"))
         self.assert_done(result)
         for name in ("a.png", "b.png"):
             self.assertIn(f"{name}: skipped: no regular file", result.stderr)
         result = run("detect", folder, "--pattern", os.path.join(folder, "b.png"), "-o",
-                     self.path("f.csv"), timeout=60)
+                     self.path("f.csv"))
         self.assert_refused(result, 2, "b.png", "device")
 
     def test_sizes_are_checked_before_pixels_are_read(self):

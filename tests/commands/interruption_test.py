@@ -7,7 +7,8 @@ import signal
 import subprocess
 import time
 
-from command_test import CommandTest, SIMULATED_PATTERN, main, programs, read, run, write
+from command_test import (HANG_S, CommandTest, SIMULATED_PATTERN, cpu_seconds, cpu_seconds_of_children,
+                          main, programs, read, run, write)
 
 
 class Interruption(CommandTest):
@@ -24,16 +25,23 @@ class Interruption(CommandTest):
                 "640x480", "--pattern", self.path("sim/pattern.yaml"), "--threads", 1, "-o",
                 self.path(output), *more]
 
+    def finished(self, arguments):
+        """Runs a calibration to its end; the seconds of a processor that it takes."""
+        before = cpu_seconds_of_children()
+        self.assert_done(run(*arguments))
+        return cpu_seconds_of_children() - before
+
     def interrupted(self, arguments, number, seconds, attempts=8):
-        """Sends a calibration a signal after some time, another one if that is too early or too
-        late, and waits for its end."""
+        """Sends a calibration a signal once it has used so many seconds of a processor, fewer or
+        more if that is too late or too early, and waits for its end."""
         command = [programs.raygrid, *map(str, arguments)]
         for _ in range(attempts):
             with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                   text=True) as process:
-                time.sleep(seconds)
+                while process.poll() is None and cpu_seconds(process.pid) < seconds:
+                    time.sleep(0.005)
                 process.send_signal(number)
-                _, error = process.communicate(timeout=120)
+                _, error = process.communicate(timeout=HANG_S)
             if "--resume" in error:
                 break
             if process.returncode == 0:  # a finished result would be kept
@@ -74,7 +82,7 @@ class Interruption(CommandTest):
                     break
                 time.sleep(0.01)
             process.kill()
-            process.communicate(timeout=60)
+            process.communicate(timeout=HANG_S)
         self.assertEqual(process.returncode, -signal.SIGKILL)
         return os.path.getsize(path)
 
@@ -91,9 +99,7 @@ class Interruption(CommandTest):
 
     def test_state_so_far_is_written_and_gone_on_from(self):
         coarse = ("--cell-px", 160)
-        started = time.monotonic()
-        self.assert_done(run(*self.arguments("whole", "--seed", 0, *coarse)))
-        whole_seconds = time.monotonic() - started
+        whole_seconds = self.finished(self.arguments("whole", "--seed", 0, *coarse))
         for number, part in ((signal.SIGINT, 0.5), (signal.SIGTERM, 0.95)):
             with self.subTest(signal=number):
                 output = f"part{part}"
@@ -115,9 +121,7 @@ class Interruption(CommandTest):
 
     def test_a_finished_result_is_kept(self):
         quick = ("--cell-px", 160, "--skip-comparison")
-        started = time.monotonic()
-        self.assert_done(run(*self.arguments("finished", *quick)))
-        seconds = time.monotonic() - started
+        seconds = self.finished(self.arguments("finished", *quick))
         arguments = self.arguments("finished", "--seed", 1, *quick)
         for part in (0.5, 0.35, 0.7, 0.25, 0.9):
             before = self.files_in("finished")
@@ -164,9 +168,7 @@ class Interruption(CommandTest):
                     "640x480", "--pattern", self.path("rig/pattern.yaml"), "--cell-px", 160,
                     "--skip-comparison", "--threads", 1, "-o", self.path(output), *more]
 
-        started = time.monotonic()
-        self.assert_done(run(*arguments("rig-whole")))
-        seconds = time.monotonic() - started
+        seconds = self.finished(arguments("rig-whole"))
         code, error = self.interrupted(arguments("rig-part"), signal.SIGINT, 0.5 * seconds)
         self.assertEqual(code, 5, error)
         self.assertIn("--resume", error)
@@ -185,15 +187,11 @@ class Interruption(CommandTest):
                    "--cell-px", "500", "--skip-comparison", "--threads", "1", "-o",
                    self.path("large-out")]
 
-        def worked(pid):
-            fields = read(f"/proc/{pid}/stat").decode().rsplit(")", 1)[1].split()
-            return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
         with subprocess.Popen(command, stdout=subprocess.DEVNULL,
                               stderr=subprocess.DEVNULL) as process:
-            while worked(process.pid) < 0.3:
+            while process.poll() is None and cpu_seconds(process.pid) < 0.3:
                 time.sleep(0.01)
-            before = worked(process.pid)
+            before = cpu_seconds(process.pid)
             process.send_signal(signal.SIGTERM)
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
@@ -204,21 +202,26 @@ class Interruption(CommandTest):
         command = [programs.raygrid, *map(str, self.arguments("twice", "--cell-px", 12))]
         with subprocess.Popen(command, stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE) as process:
-            time.sleep(1)
+            while process.poll() is None and cpu_seconds(process.pid) < 0.8:
+                time.sleep(0.01)
+            before = cpu_seconds(process.pid)
             process.send_signal(signal.SIGINT)
             time.sleep(0.05)
             process.send_signal(signal.SIGINT)
-            process.communicate(timeout=5)
-            self.assertIn(process.returncode, (-signal.SIGINT, 5))
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        self.assertIn(process.returncode, (-signal.SIGINT, 5))
+        self.assertLess(usage.ru_utime + usage.ru_stime - before, 3)
 
     def test_other_commands_end_at_once_and_leave_no_half_written_file(self):
         folder = self.path("rendered")
         command = [programs.raygrid, "simulate", "--render", "--images", "500", "-o", folder]
         with subprocess.Popen(command, stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE) as process:
-            time.sleep(2)
+            while process.poll() is None and cpu_seconds(process.pid) < 1:
+                time.sleep(0.01)
             process.send_signal(signal.SIGINT)
-            process.communicate(timeout=5)
+            process.communicate(timeout=HANG_S)
         self.assertEqual(process.returncode, -signal.SIGINT)
         for place, _, names in os.walk(folder):
             for name in names:

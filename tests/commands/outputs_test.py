@@ -54,7 +54,7 @@ class Outputs(CommandTest):
         os.mkfifo(self.path("pipe"))
         for arguments in ((self.path("pipe"), self.path("c.raygrid")),
                           (self.path("c.raygrid"), self.path("pipe"))):
-            result = self.undistort(*arguments, self.path("never.raw"), timeout=10)
+            result = self.undistort(*arguments, self.path("never.raw"))
             self.assert_refused(result, 2, "pipe", "cannot be read")
 
     # ---- Limits of the shell ----------------------------------------------------

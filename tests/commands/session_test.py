@@ -8,10 +8,9 @@ import resource
 import shutil
 import signal
 import subprocess
-import time
 import unittest
 
-from command_test import CommandTest, main, programs, read, run, write
+from command_test import HANG_S, CommandTest, main, programs, read, run, wait_until, write
 from png_files import read_png
 
 BOARD = "chessboard:9x6:25mm"
@@ -77,10 +76,7 @@ class Session(CommandTest):
         return names
 
     def wait_for(self, condition):
-        deadline = time.monotonic() + 60
-        while not condition():
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.05)
+        wait_until(condition)
 
     def has_frames(self, number):
         frames = os.path.join(self.session, "frames")
@@ -149,7 +145,7 @@ class Session(CommandTest):
         with open(video, "rb") as file:
             result = subprocess.run(
                 [programs.raygrid, "capture", "--source", "-", "--pattern", BOARD, "-o", self.session,
-                 "--no-calibrate"], stdin=file, capture_output=True, text=True, timeout=300, check=False)
+                 "--no-calibrate"], stdin=file, capture_output=True, text=True, timeout=HANG_S, check=False)
         self.assert_done(result)
         sessions.append(self.told())
         self.assertEqual(sessions[0], sessions[1])
@@ -182,7 +178,7 @@ class Session(CommandTest):
     def test_other_videos_are_read_by_ffmpeg(self):
         video = write(self.path("in.y4m"), self.video)
         subprocess.run(["ffmpeg", "-v", "error", "-i", video, "-c:v", "ffv1", self.path("video.mkv")],
-                       check=True, timeout=300)
+                       check=True, timeout=HANG_S)
         self.assert_done(self.capture(source=self.path("video.mkv")))
         self.assert_whole()
 
@@ -232,7 +228,7 @@ class Session(CommandTest):
         first.stdin.flush()
         self.wait_for(lambda: self.has_frames(1))
         self.assert_refused(self.capture("--resume"), 7, "another capture")
-        first.communicate(timeout=60)
+        first.communicate(timeout=HANG_S)
         self.assertEqual(first.returncode, 0)
         self.assert_whole()
 
@@ -242,7 +238,7 @@ class Session(CommandTest):
             process = self.start(source=video)
             self.wait_for(lambda: number == 0 or self.has_frames(number))
             process.send_signal(signal.SIGINT)
-            process.communicate(timeout=60)
+            process.communicate(timeout=HANG_S)
             self.assertIn(process.returncode, (0, 3, -signal.SIGINT))
             if number > 0:
                 self.assertGreaterEqual(len(self.assert_whole()), number)
@@ -252,7 +248,7 @@ class Session(CommandTest):
         process = self.start(source=write(self.path("killed.y4m"), self.video))
         self.wait_for(lambda: self.has_frames(4))
         process.kill()
-        process.communicate(timeout=60)
+        process.communicate(timeout=HANG_S)
         names = {frame["image"] for frame in self.told()["frames"]}
         self.assertGreaterEqual(len(names), 3)
         self.assertLessEqual(names, set(os.listdir(os.path.join(self.session, "frames"))))
@@ -262,7 +258,7 @@ class Session(CommandTest):
         process = self.start("--timeout", "1")
         process.stdin.write(self.video_of(self.names[:6]))
         process.stdin.flush()
-        process.wait(timeout=60)
+        process.wait(timeout=HANG_S)
         error = process.stderr.read().decode()
         self.assertEqual(process.returncode, 2, error)
         self.assertIn("--resume", error.strip().splitlines()[-1])
@@ -274,7 +270,7 @@ class Session(CommandTest):
         video = write(self.path("full.y4m"), self.video)
         result = subprocess.run(
             [programs.raygrid, "capture", "--source", video, "--pattern", BOARD, "-o", self.session,
-             "--no-calibrate"], preexec_fn=limit_files, capture_output=True, text=True, timeout=300,
+             "--no-calibrate"], preexec_fn=limit_files, capture_output=True, text=True, timeout=HANG_S,
             stdin=subprocess.DEVNULL, check=False)
         self.assertEqual(result.returncode, 7, result.stderr)
         self.assertIn("cannot be written", result.stderr.strip().splitlines()[-1])
@@ -306,7 +302,7 @@ class Session(CommandTest):
                 break
             text += part
         os.close(ours)
-        self.assertEqual(process.wait(timeout=60), 0)
+        self.assertEqual(process.wait(timeout=HANG_S), 0)
         process.stdout.close()
         last = text.decode().split("\x1b[J")[-1].replace("\r", "")
         self.assertRegex(last, r"\+-+\+\n(\|.*\|\n)+\+-+\+\n")

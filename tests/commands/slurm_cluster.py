@@ -7,7 +7,7 @@ import socket
 import subprocess
 import tempfile
 
-from batch_results import wait_until
+from command_test import HANG_S, wait_until
 
 CONFIGURATION = """ClusterName=test
 SlurmctldHost={host}(127.0.0.1)
@@ -82,12 +82,12 @@ class Cluster:
 
     def start(self, *command):
         result = subprocess.run(command, env=self.environment, stdin=subprocess.DEVNULL, capture_output=True,
-                                text=True, check=False, timeout=60)
+                                text=True, check=False, timeout=HANG_S)
         assert result.returncode == 0, (command, result.stdout, result.stderr)
 
     def ask(self, *command):
         return subprocess.run(command, env=self.environment, capture_output=True, text=True, check=False,
-                              timeout=60).stdout
+                              timeout=HANG_S).stdout
 
     def pid(self, name):
         with open(f"{self.folder}/{name}.pid", encoding="utf-8") as file:

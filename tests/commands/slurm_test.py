@@ -9,8 +9,8 @@ import subprocess
 import unittest
 from unittest import mock
 
-from batch_results import result_files, wait_until, waits_for_a_lock
-from command_test import CommandTest, SIMULATED_PATTERN, main, programs, read, run, write
+from batch_results import result_files, waits_for_a_lock
+from command_test import CommandTest, SIMULATED_PATTERN, main, programs, read, run, wait_until, write
 from slurm_cluster import Cluster, what_is_missing
 
 PLAN = """raygrid_batch: 1
@@ -105,13 +105,12 @@ class Slurm(CommandTest):
         task, stopped = wait_until(work)
         os.kill(cluster.pid("n1"), signal.SIGKILL)
         # Slurm gives it to the other node, where it waits for the one that outlived its own.
-        wait_until(lambda: cluster.processes(SLURM_ARRAY_TASK_ID=task, SLURMD_NODENAME="n2", SLURM_RESTART_COUNT=1),
-                   seconds=120)
+        wait_until(lambda: cluster.processes(SLURM_ARRAY_TASK_ID=task, SLURMD_NODENAME="n2", SLURM_RESTART_COUNT=1))
         wait_until(lambda: waits_for_a_lock(out))
         self.assertFalse(os.path.exists(f"{out}/{serial(int(task))}/unit.json"))
         for pid in stopped:
             os.kill(pid, signal.SIGCONT)
-        wait_until(lambda: os.path.exists(out + "/fleet.html") and not cluster.ask("squeue", "-h"), seconds=120)
+        wait_until(lambda: os.path.exists(out + "/fleet.html") and not cluster.ask("squeue", "-h"))
 
         files, wanted = result_files(out), result_files(expected)
         logs = {name: files.pop(name).decode() for name in list(files) if name.startswith(".slurm/")}
