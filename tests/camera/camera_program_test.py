@@ -112,14 +112,21 @@ class CameraProgram(unittest.TestCase):
         for word in words:
             self.assertIn(word, error)
 
-    @staticmethod
-    def wait_until_caught(process, number):
-        """Until the program has a handler of a signal."""
-        caught = 0
-        while not caught >> (number - 1) & 1:
-            with open(f"/proc/{process.pid}/status", encoding="utf-8") as file:
-                caught = int(re.search(r"^SigCgt:\s*(\w+)", file.read(), re.MULTILINE).group(1), 16)
+    def wait_for(self, process, is_so):
+        """Until something is so of a program that runs."""
+        end = time.monotonic() + MAX_SECONDS
+        while not is_so():
+            self.assertIsNone(process.poll(), "it ended too early")
+            self.assertLess(time.monotonic(), end)
             time.sleep(0.01)
+
+    def wait_until_caught(self, process, number):
+        """Until the program has a handler of a signal."""
+        def is_caught():
+            with open(f"/proc/{process.pid}/status", encoding="utf-8") as file:
+                caught = re.search(r"^SigCgt:\s*(\w+)", file.read(), re.MULTILINE).group(1)
+            return int(caught, 16) >> (number - 1) & 1
+        self.wait_for(process, is_caught)
 
     def assert_ends(self, process, code, number=None):
         """Ends by itself, or after a signal."""
@@ -320,8 +327,8 @@ class CameraProgram(unittest.TestCase):
             with self.subTest(number):
                 folder = f"signal{int(number)}"
                 process = self.start("-o", folder, "--fps", 200)
-                while len(glob.glob(self.path(folder + "/*.raw"))) < 2:
-                    time.sleep(0.01)
+                written = self.path(folder + "/*.raw")
+                self.wait_for(process, lambda files=written: len(glob.glob(files)) >= 2)
                 error = self.assert_ends(process, 0, number)
                 frames = self.frames_in(folder)
                 self.assertGreater(len(frames), 0)
@@ -460,24 +467,26 @@ class CameraProgram(unittest.TestCase):
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
         process = self.start("--http", port, "--fps", 50, *arguments)
-        for _ in range(100):
+
+        def answers():
             try:
-                socket.create_connection(("127.0.0.1", port), timeout=5).close()
-                return process, port
+                socket.create_connection(("127.0.0.1", port), timeout=MAX_SECONDS).close()
+                return True
             except ConnectionRefusedError:
-                time.sleep(0.05)
-        self.fail("nobody serves")
+                return False
+        self.wait_for(process, answers)
+        return process, port
 
     @staticmethod
     def ask(port, path="/", data=None):
         with urllib.request.urlopen(f"http://127.0.0.1:{port}{path}", data=data,
-                                    timeout=5) as answer:
+                                    timeout=MAX_SECONDS) as answer:
             return answer.read().decode()
 
     @staticmethod
     def send(port, request):
         """A raw request; returns the connection."""
-        connection = socket.create_connection(("127.0.0.1", port), timeout=5)
+        connection = socket.create_connection(("127.0.0.1", port), timeout=MAX_SECONDS)
         connection.sendall(request)
         return connection
 

@@ -20,8 +20,8 @@ boards:
   - {id: 0, kind: chessboard, columns: 14, rows: 10, square_m: 0.03}
 """
 
-# A program that takes longer hangs. No test depends on how busy the machine is: what is to
-# be quick is measured in seconds of a processor.
+# A program that takes longer hangs. No test depends on how busy the machine is: limits are in
+# CPU time.
 HANG_S = 600
 
 cache = tempfile.TemporaryDirectory()
@@ -46,13 +46,13 @@ def run(*arguments, program=None):
 
 
 def cpu_seconds(pid):
-    """What a running process has used of processors."""
+    """The CPU time of a running process."""
     fields = read(f"/proc/{pid}/stat").decode().rsplit(")", 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def cpu_seconds_of_children():
-    """What programs that have ended used of processors."""
+    """The CPU time of programs that have ended."""
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage.ru_utime + usage.ru_stime
 

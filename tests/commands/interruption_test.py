@@ -25,15 +25,22 @@ class Interruption(CommandTest):
                 "640x480", "--pattern", self.path("sim/pattern.yaml"), "--threads", 1, "-o",
                 self.path(output), *more]
 
+    def wait_for_cpu(self, process, seconds):
+        """Until a program has used so much CPU time."""
+        end = time.monotonic() + HANG_S
+        while cpu_seconds(process.pid) < seconds:
+            self.assertIsNone(process.poll(), "it ended too early")
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.01)
+
     def finished(self, arguments):
-        """Runs a calibration to its end; the seconds of a processor that it takes."""
+        """Runs a calibration to its end, and returns its CPU time."""
         before = cpu_seconds_of_children()
         self.assert_done(run(*arguments))
         return cpu_seconds_of_children() - before
 
     def interrupted(self, arguments, number, seconds, attempts=8):
-        """Sends a calibration a signal once it has used so many seconds of a processor, fewer or
-        more if that is too late or too early, and waits for its end."""
+        """Sends a calibration a signal once it has used so much CPU time, less or more if that is too late or too early, and waits for its end."""
         command = [programs.raygrid, *map(str, arguments)]
         for _ in range(attempts):
             with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
@@ -189,10 +196,9 @@ class Interruption(CommandTest):
 
         with subprocess.Popen(command, stdout=subprocess.DEVNULL,
                               stderr=subprocess.DEVNULL) as process:
-            while process.poll() is None and cpu_seconds(process.pid) < 0.3:
-                time.sleep(0.01)
+            self.wait_for_cpu(process, 0.3)
             before = cpu_seconds(process.pid)
-            process.send_signal(signal.SIGTERM)
+            os.kill(process.pid, signal.SIGTERM)
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
         self.assertIn(process.returncode, (5, -signal.SIGTERM))
@@ -200,14 +206,13 @@ class Interruption(CommandTest):
 
     def test_a_second_signal_ends_it_at_once(self):
         command = [programs.raygrid, *map(str, self.arguments("twice", "--cell-px", 12))]
-        with subprocess.Popen(command, stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE) as process:
-            while process.poll() is None and cpu_seconds(process.pid) < 0.8:
-                time.sleep(0.01)
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL,
+                              stderr=subprocess.DEVNULL) as process:
+            self.wait_for_cpu(process, 0.8)
             before = cpu_seconds(process.pid)
-            process.send_signal(signal.SIGINT)
+            os.kill(process.pid, signal.SIGINT)
             time.sleep(0.05)
-            process.send_signal(signal.SIGINT)
+            os.kill(process.pid, signal.SIGINT)  # it is not reaped yet
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
         self.assertIn(process.returncode, (-signal.SIGINT, 5))
@@ -216,13 +221,15 @@ class Interruption(CommandTest):
     def test_other_commands_end_at_once_and_leave_no_half_written_file(self):
         folder = self.path("rendered")
         command = [programs.raygrid, "simulate", "--render", "--images", "500", "-o", folder]
-        with subprocess.Popen(command, stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE) as process:
-            while process.poll() is None and cpu_seconds(process.pid) < 1:
-                time.sleep(0.01)
-            process.send_signal(signal.SIGINT)
-            process.communicate(timeout=HANG_S)
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL,
+                              stderr=subprocess.DEVNULL) as process:
+            self.wait_for_cpu(process, 1)
+            before = cpu_seconds(process.pid)
+            os.kill(process.pid, signal.SIGINT)
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
         self.assertEqual(process.returncode, -signal.SIGINT)
+        self.assertLess(usage.ru_utime + usage.ru_stime - before, 3)
         for place, _, names in os.walk(folder):
             for name in names:
                 if name.endswith(".png"):

@@ -191,7 +191,7 @@ class Report(Calibrated):
         self.assert_done(run("report", folder))
         seconds = cpu_seconds_of_children() - before
         size = os.path.getsize(os.path.join(folder, "report.html"))
-        print(f"\n{NUM_IMAGES} images: {size / 1e6:.1f} MB, made in {seconds:.1f} s of a processor", flush=True)
+        print(f"\n{NUM_IMAGES} images: {size / 1e6:.1f} MB, made in {seconds:.1f} CPU seconds", flush=True)
         self.assertLess(size, 15e6)
         self.assertLess(seconds, 20)
         if not BROWSER:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Random small inputs to all commands: each ends by itself within 60 s of a processor and 1 GB, with an exit code
+"""Random small inputs to all commands: each ends by itself within 60 CPU seconds and 1 GB, with an exit code
 of the README, says why where it fails, in words of its own, and leaves nothing half-written. By
 hand: --count 2000, --seed N, --only N for one."""
 import argparse
@@ -356,16 +356,19 @@ def what_is_wrong(raygrid, case):
                                    stderr=output, stdin=subprocess.DEVNULL, cwd=case.folder,
                                    preexec_fn=lambda: set_limits(case.limits))
         hangs = threading.Timer(HANG_S, process.kill)
+        hangs.daemon = True
         hangs.start()
-        _, status, usage = os.wait4(process.pid, 0)
-        hangs.cancel()
+        try:
+            _, status, usage = os.wait4(process.pid, 0)
+        finally:
+            hangs.cancel()
         process.returncode = code = os.waitstatus_to_exitcode(status)
         output.seek(0)
         text = output.read().decode("utf-8", "replace")
     seconds = usage.ru_utime + usage.ru_stime
     figures = (seconds, 1024 * usage.ru_maxrss)
     if seconds > MAX_SECONDS:
-        return f"takes {seconds:.0f} s of a processor", figures
+        return f"takes {seconds:.0f} CPU seconds", figures
     if figures[1] > MAX_BYTES:
         return f"takes {figures[1] / (1 << 20):.0f} MiB", figures
     if not 0 <= code <= 8:

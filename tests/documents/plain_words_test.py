@@ -43,7 +43,7 @@ LIMITS = {
     "runtime/libcamera/README.md": GOOD,
     "runtime/python/README.md": GOOD,
     "runtime/v4l2/README.md": GOOD,
-    "tests/MEASURED.md": GOOD,
+    "tests/DESIGN.md": GOOD,
 }
 SENTENCE_END = re.compile(r"(?<=[.?!])[)\"*]*\s+(?=[A-Z0-9`\"*(\[|−+]|$)|(?<=:)\s*$")
 ABBREVIATIONS = re.compile(r"\b(e\.g|i\.e|et al|cf)\.")

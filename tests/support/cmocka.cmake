@@ -24,14 +24,36 @@ else()
   target_link_libraries(raygrid_cmocka INTERFACE PkgConfig::CMOCKA)
 endif()
 
+# One board of each instruction set runs all tests. The others differ from it by options of
+# the compiler: they run what is compared with golden bits, arithmetic, and what is of their
+# own, and are measured (tests/board).
+option(RAYGRID_GOLDEN_TESTS "Of the runtime's tests, run those of golden blobs and arithmetic" OFF)
+set(golden_tests blob_read_test camera_test unprojection_test projection_test remap_test remap_format_test
+  assembler_test fixed_point_test multiply_test
+  stm32h7_dcmi_test rp2040_pio_test esp32s3_cam_test)
+# On the host these take more than two CPU seconds.
+set(long_c_tests remap_kernels_test remap_rings_test small_remap_rings_test small_remap_kernels_test)
+
 # A test program of one C file, run through the target's emulator by ctest.
 function(raygrid_c_test name)
   add_executable(${name} ${ARGN})
+  set(is_left_out OFF)
+  if(RAYGRID_GOLDEN_TESTS AND NOT RAYGRID_LONG_TESTS AND NOT name IN_LIST golden_tests)
+    set(is_left_out ON)
+  endif()
+  set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ${is_left_out})
   set_target_properties(${name} PROPERTIES C_EXTENSIONS ON)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/golden)
   target_link_libraries(${name} PRIVATE raygrid_runtime raygrid_cmocka raygrid_warnings)
+  if(is_left_out)
+    return()
+  endif()
   add_test(NAME ${name} COMMAND ${name})
-  set_tests_properties(${name} PROPERTIES TIMEOUT 120)
+  set_tests_properties(${name} PROPERTIES TIMEOUT 1800)
+  if(RAYGRID_HOST AND NOT name IN_LIST long_c_tests)
+    raygrid_quick_program(${name})
+    raygrid_quick_test(${name})
+  endif()
 endfunction()
 
 # The walk of small boards, in front of the library's in programs that link it.

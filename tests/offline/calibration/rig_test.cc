@@ -93,7 +93,7 @@ const Baseline& BaselineOf(const RigResult& result, size_t a, size_t b) {
       [&](const Baseline& x) { return x.first == a && x.second == b; });
 }
 
-TEST(SimulateRig, SharesInstantsAndMissesSome) {
+TEST(SimulatedRig, SharesInstantsAndMissesSome) {
   const SimulatedRigObservations seen =
       SimulateRig(Fan(), TestBoard(), Instants(30));
   EXPECT_GT(NumShared(seen.datasets[0], seen.datasets[1]), 5);

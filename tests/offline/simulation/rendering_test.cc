@@ -277,7 +277,7 @@ TEST(SimulatedLens, UnknownNamesAreRefused) {
               [] { SimulatedLens("example", kSize); });
 }
 
-TEST(SimulateObservations, OfANonCentralLensLieOnItsLines) {
+TEST(RenderObservations, OfANonCentralLensLieOnItsLines) {
   const auto lens = SimulatedLens("noncentral", kSize);
   SimulationOptions options;
   options.num_images = 3;
@@ -304,7 +304,7 @@ TEST(SimulateObservations, OfANonCentralLensLieOnItsLines) {
   EXPECT_GT(farthest_from_center_m, 1e-4);  // the lens is not central
 }
 
-TEST(SimulateObservations, ImagesThatHardlyOccurAreRefused) {
+TEST(RenderObservations, ImagesThatHardlyOccurAreRefused) {
   const Pattern pattern = ChessboardPattern(10, 8, 0.02);
   SimulationOptions options;
   options.features_per_image = 81;  // one more than there are

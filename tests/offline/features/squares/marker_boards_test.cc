@@ -145,7 +145,7 @@ TEST(AprilGrid, TagsOfAnotherBoardAreRemarkedUpon) {
   EXPECT_NE(detection.remarks[0].find("not on board 1"), std::string::npos);
 }
 
-TEST(MarkerBoards, MirroredOnesAreRemarkedUpon) {
+TEST(FindMarkerBoards, MirroredOnesAreRemarkedUpon) {
   for (const Pattern& pattern : {CharucoPattern(7, 5), AprilGridPattern()}) {
     const Photograph photograph(pattern.boards[0], kTilted);
     const ImageDetection detection = Detected(Mirrored(photograph), pattern);
