@@ -25,13 +25,23 @@ class Interruption(CommandTest):
                 "640x480", "--pattern", self.path("sim/pattern.yaml"), "--threads", 1, "-o",
                 self.path(output), *more]
 
-    def wait_for_cpu(self, process, seconds):
-        """Until a program has used so much CPU time."""
-        end = time.monotonic() + HANG_S
-        while cpu_seconds(process.pid) < seconds:
-            self.assertIsNone(process.poll(), "it ended too early")
-            self.assertLess(time.monotonic(), end)
-            time.sleep(0.01)
+    def signalled(self, command, seconds, *numbers):
+        """Sends a program signals once it has used so much CPU time. Returns its exit code, and
+        the CPU time from the first signal to its end."""
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL,
+                              stderr=subprocess.DEVNULL) as process:
+            end = time.monotonic() + HANG_S
+            while cpu_seconds(process.pid) < seconds:
+                self.assertIsNone(process.poll(), "it ended too early")
+                self.assertLess(time.monotonic(), end)
+                time.sleep(0.01)
+            before = cpu_seconds(process.pid)
+            for number in numbers:
+                os.kill(process.pid, number)  # not reaped before wait4()
+                time.sleep(0.05)
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        return process.returncode, usage.ru_utime + usage.ru_stime - before
 
     def finished(self, arguments):
         """Runs a calibration to its end, and returns its CPU time."""
@@ -193,43 +203,22 @@ class Interruption(CommandTest):
                    "--image-size", "4000x3000", "--pattern", self.path("large/pattern.yaml"),
                    "--cell-px", "500", "--skip-comparison", "--threads", "1", "-o",
                    self.path("large-out")]
-
-        with subprocess.Popen(command, stdout=subprocess.DEVNULL,
-                              stderr=subprocess.DEVNULL) as process:
-            self.wait_for_cpu(process, 0.3)
-            before = cpu_seconds(process.pid)
-            os.kill(process.pid, signal.SIGTERM)
-            _, status, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-        self.assertIn(process.returncode, (5, -signal.SIGTERM))
-        self.assertLess(usage.ru_utime + usage.ru_stime - before, 2.5)
+        code, seconds = self.signalled(command, 0.3, signal.SIGTERM)
+        self.assertIn(code, (5, -signal.SIGTERM))
+        self.assertLess(seconds, 2.5)
 
     def test_a_second_signal_ends_it_at_once(self):
         command = [programs.raygrid, *map(str, self.arguments("twice", "--cell-px", 12))]
-        with subprocess.Popen(command, stdout=subprocess.DEVNULL,
-                              stderr=subprocess.DEVNULL) as process:
-            self.wait_for_cpu(process, 0.8)
-            before = cpu_seconds(process.pid)
-            os.kill(process.pid, signal.SIGINT)
-            time.sleep(0.05)
-            os.kill(process.pid, signal.SIGINT)  # it is not reaped yet
-            _, status, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-        self.assertIn(process.returncode, (-signal.SIGINT, 5))
-        self.assertLess(usage.ru_utime + usage.ru_stime - before, 3)
+        code, seconds = self.signalled(command, 0.8, signal.SIGINT, signal.SIGINT)
+        self.assertIn(code, (-signal.SIGINT, 5))
+        self.assertLess(seconds, 3)
 
     def test_other_commands_end_at_once_and_leave_no_half_written_file(self):
         folder = self.path("rendered")
         command = [programs.raygrid, "simulate", "--render", "--images", "500", "-o", folder]
-        with subprocess.Popen(command, stdout=subprocess.DEVNULL,
-                              stderr=subprocess.DEVNULL) as process:
-            self.wait_for_cpu(process, 1)
-            before = cpu_seconds(process.pid)
-            os.kill(process.pid, signal.SIGINT)
-            _, status, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-        self.assertEqual(process.returncode, -signal.SIGINT)
-        self.assertLess(usage.ru_utime + usage.ru_stime - before, 3)
+        code, seconds = self.signalled(command, 1, signal.SIGINT)
+        self.assertEqual(code, -signal.SIGINT)
+        self.assertLess(seconds, 3)
         for place, _, names in os.walk(folder):
             for name in names:
                 if name.endswith(".png"):
