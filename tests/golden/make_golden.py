@@ -888,6 +888,8 @@ FORMATS: tuple[tuple[Placement, ...], ...] = (
     *(bayer(kind) for kind in ("u8", "u16", "10p", "12p")),
     tuple(Placement(LUMA, 0, "565", field, 4, 1, field) for field in (0, 1, 2)),
 )
+FORMAT_NAMES = ("GREY8", "GREY16", "GREY10P", "GREY12P", "RGB24", "RGB32", "YUYV", "UYVY", "NV12",
+                "YUV420", "BAYER8", "BAYER16", "BAYER10P", "BAYER12P", "RGB565")
 # Shift and mask of red, green and blue: four samples are a word, the fourth of them nothing.
 FIELDS_565 = ((11, 31), (5, 63), (0, 31))
 BYTES_PER_8_SAMPLES = {"u8": 8, "u16": 16, "10p": 10, "12p": 12, "565": 4}
@@ -959,9 +961,9 @@ def lattice_row(place: Placement, j: int) -> int:
 def format_crc(blob: reference.Blob, placements: tuple[Placement, ...],
                border: str | None, nearest: bool) -> int:
     """CRC of the planes of the test frame, undistorted."""
-    camera, remap = blob.camera, blob.remap
+    remap = blob.remap
     source = {plane: [bytearray(row) for row in reference.sample_rows(make_frame(*size), size[0])]
-              for plane, size in plane_sizes(placements, camera.width, camera.height).items()}
+              for plane, size in plane_sizes(placements, *source_size(blob)).items()}
     output = {plane: [bytearray([KEPT_BYTE]) * size[0] for _ in range(size[1])]
               for plane, size in plane_sizes(placements, remap.width, remap.height).items()}
     for place in placements:
@@ -977,9 +979,10 @@ def remap_channel(blob: reference.Blob, place: Placement, channel: int,
                   border: str | None, nearest: bool) -> None:
     """One channel of a lattice."""
     first = place.first + channel
+    width, height = source_size(blob)
     samples = [get_samples(place.kind, source[lattice_row(place, j)], first, place.step,
-                           blob.camera.width >> place.lattice.lx)
-               for j in range(blob.camera.height >> place.lattice.ly)]
+                           width >> place.lattice.lx)
+               for j in range(height >> place.lattice.ly)]
     value = BORDER_VALUES[place.border + channel] if border == "value" else border
     bits = 8 if place.kind == "u8" else 16
     for j, row in enumerate(reference.remap_lattice(blob, place.lattice, samples, bits, value,
@@ -1047,9 +1050,14 @@ def border_pixels(blob: reference.Blob) -> int:
 
 def remap_crc(blob: reference.Blob) -> int:
     """CRC of the test image, undistorted."""
-    size = blob.camera if blob.remap.view is None else blob.remap.view.source
-    frame = make_frame(size.width, size.height)
-    return zlib.crc32(reference.remap_grey(blob, frame, BORDER))
+    return zlib.crc32(reference.remap_grey(blob, make_frame(*source_size(blob)), BORDER))
+
+
+def source_size(blob: reference.Blob) -> reference.Size:
+    """Size of the frames that the blob's table takes."""
+    if blob.remap.view is None:
+        return reference.Size(blob.camera.width, blob.camera.height)
+    return blob.remap.view.source
 
 
 # Output
@@ -1227,12 +1235,28 @@ typedef struct golden_ray {
 """
 
 
-def spec_with_dump(spec: str, data: bytes) -> str:
-    """SPEC.md with the hex dump of its worked example."""
-    head, title, example = spec.partition("## Worked example")
-    before, _, after = example.split("```", 2)
-    dump = "\n".join(reference.hexdump_lines(data))
-    return f"{head}{title}{before}```\n{dump}\n```{after}"
+def spec_with_example(spec: str, example: reference.Blob) -> str:
+    """SPEC.md with the hex dump and the results of its worked example."""
+    head, title, rest = spec.partition("## Worked example")
+    before, _, between, _, after = rest.split("```", 4)
+    dump = "\n".join(reference.hexdump_lines(reference.serialize(example)))
+    results = "\n".join(example_results(example))
+    return f"{head}{title}{before}```\n{dump}\n```{between}```\n{results}\n```{after}"
+
+
+def example_results(example: reference.Blob) -> Iterator[str]:
+    """Directions of some pixels, and an undistorted frame."""
+    grid = example.grid
+    yield "x_q16,y_q16,dx_q30,dy_q30,dz_q30"
+    for pixel in ((grid.x0, grid.y0), (2064384, 1540096), (grid.x1, grid.y1), (grid.x1 + 1, 0)):
+        direction = reference.unproject_q16(example, *pixel)
+        yield ",".join(map(str, (*pixel, *(direction or ("", "", "")))))
+    size = source_size(example)
+    frame = bytes(x + y for y in range(size.height) for x in range(size.width))
+    yield ""
+    output = reference.remap_grey(example, frame, BORDER)
+    for start in range(0, len(output), example.remap.width):
+        yield " ".join(f"{value:3d}" for value in output[start:start + example.remap.width])
 
 
 def expected_files() -> dict[Path, str]:
@@ -1241,7 +1265,7 @@ def expected_files() -> dict[Path, str]:
     spec = SPEC_PATH.read_text(encoding="utf-8")
     return {
         HEADER_PATH: "\n".join(header_lines(example, lens, wide)) + "\n",
-        SPEC_PATH: spec_with_dump(spec, reference.serialize(example)),
+        SPEC_PATH: spec_with_example(spec, example),
     }
 
 

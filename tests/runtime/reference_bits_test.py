@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
 """Rays, lines and projections of the runtime, bit for bit those of the reference reader."""
-import ctypes
 import dataclasses
 import itertools
 import os
@@ -9,66 +8,20 @@ import unittest
 
 import blob_reference as reference
 import make_golden
+import runtime_camera
 
 COUNT = int(os.environ.get("RAYGRID_REFERENCE_COUNT", "10000"))  # or more: pixels, points
 NONE = -2**31
-EXTRAPOLATED = -64
 CONDITIONS = {}  # of the camera that a stack is at a condition, by its id: the stack, and that value
 LARGEST = 2**31 - 1
 
-library = ctypes.CDLL(os.environ["RAYGRID_LIBRARY"])
-Pixel, Vector = ctypes.c_int32 * 2, ctypes.c_int32 * 3
 
-
-class Line(ctypes.Structure):
-    _fields_ = [("point", Vector), ("direction", Vector)]
-
-
-class PixelValue(ctypes.Structure):
-    _fields_ = [("x", ctypes.c_int32), ("y", ctypes.c_int32)]
-
-
-class Camera:
-    """Opened by the runtime; of a stack at a condition."""
+class Camera(runtime_camera.Camera):
+    """Of the reference's blob; of a stack at a condition."""
 
     def __init__(self, blob):
         stack, condition = CONDITIONS.get(id(blob), (blob, None))
-        data = reference.serialize(stack)
-        self._memory = (ctypes.c_uint32 * (len(data) // 4)).from_buffer_copy(data)
-        self._camera = (ctypes.c_uint64 * 8)()
-        status = library.rg_camera_open(self._camera, self._memory, len(data))
-        assert status == 0, status
-        if condition is not None:
-            status = library.rg_set_condition(self._camera, ctypes.c_int32(condition))
-            assert status in (0, EXTRAPOLATED), status
-
-    def line(self, pixel):
-        line = Line()
-        status = library.rg_unproject_line(self._camera, PixelValue(*pixel), ctypes.byref(line))
-        return None if status else (tuple(line.point), tuple(line.direction))
-
-    def ray(self, pixel):
-        ray = Vector()
-        status = library.rg_unproject(self._camera, PixelValue(*pixel), ray)
-        return None if status else tuple(ray)
-
-    def pixel_of(self, direction):
-        pixel = Pixel()
-        return None if library.rg_project(self._camera, Vector(*direction), pixel) else tuple(pixel)
-
-    def pixel_of_point(self, point, fraction_bits):
-        pixel = Pixel()
-        status = library.rg_project_point(self._camera, Vector(*point),
-                                          ctypes.c_uint32(fraction_bits), pixel)
-        return None if status else tuple(pixel)
-
-    def is_valid(self, pixel):
-        return library.rg_is_valid(self._camera, PixelValue(*pixel)) != 0
-
-    def uncertainty(self, pixel):
-        value = ctypes.c_uint16()
-        status = library.rg_uncertainty(self._camera, PixelValue(*pixel), ctypes.byref(value))
-        return None if status else value.value
+        super().__init__(reference.serialize(stack), condition)
 
 
 def make_tele():
