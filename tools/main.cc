@@ -3,11 +3,15 @@
 #include <unistd.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <numeric>
+#include <string>
+#include <vector>
 
 #include "commands.h"
 #include "dataset/csv.h"
@@ -127,6 +131,45 @@ void OccupyStandardStreams() {
       open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
 }
 
+// Levenshtein's distance.
+size_t CountEdits(const std::string& from, const std::string& to) {
+  std::vector<size_t> row(to.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (size_t i = 0; i < from.size(); ++i) {
+    size_t diagonal = row[0]++;
+    for (size_t j = 0; j < to.size(); ++j) {
+      const size_t replaced = diagonal + (from[i] != to[j] ? 1 : 0);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
+    }
+  }
+  return row.back();
+}
+
+// Throws for a first word that is no command.
+void RequireCommand(const CLI::App& app, const std::string& word) {
+  std::string nearest;
+  size_t fewest = 3;  // edits of a misspelt word are fewer
+  for (const CLI::App* command : app.get_subcommands({})) {
+    const std::string& name = command->get_name();
+    if (name == word) return;
+    const size_t edits = CountEdits(word, name);
+    if (edits >= fewest || edits >= name.size()) continue;
+    fewest = edits;
+    nearest = name;
+  }
+  if (word == "capture")
+    throw Error(ExitCode::kUsage,
+                "capture: this build has no live capture; build it with "
+                "libmicrohttpd and libjpeg, or install Debian's package "
+                "raygrid-capture");
+  throw Error(
+      ExitCode::kUsage,
+      fmt::format("{}: there is no such command; {}", word,
+                  nearest.empty() ? "raygrid --help lists them"
+                                  : fmt::format("did you mean {}?", nearest)));
+}
+
 bool IsOutputLost() {
   return std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
 }
@@ -172,6 +215,7 @@ int Run(int argc, char** argv) {
   AddSimulate(&app, &common);
   AddExperiment(&app, &common);
   RefuseValuesThatAreNone(&app);
+  if (argc > 1 && argv[1][0] != '-') RequireCommand(app, argv[1]);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

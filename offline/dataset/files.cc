@@ -21,9 +21,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Throws if a folder that is to be created has a name as files have it: then
+// the user expects a file.
+void RequireFolderName(const fs::path& folder) {
+  const std::string extension = folder.extension().string();
+  for (const char* known :
+       {".csv", ".html", ".jpg", ".json", ".pdf", ".png", ".raygrid", ".toml",
+        ".txt", ".xml", ".yaml", ".yml"})
+    if (extension == known && !fs::exists(folder))
+      throw Error(ExitCode::kUsage,
+                  fmt::format("{}: the output is a folder, and this is the "
+                              "name of a {} file; name a folder, such as {}",
+                              folder.string(), extension.substr(1),
+                              folder.stem().string()));
+}
+
 // The folder of a path, created if need be.
 void MakeFolderOf(const std::string& path) {
   const fs::path folder = fs::path(path).parent_path();
+  RequireFolderName(folder);
   std::error_code error;
   if (!folder.empty()) fs::create_directories(folder, error);
   if (error) FailToWrite(folder.string(), error.value());

@@ -47,7 +47,8 @@ void RequireNoInputReplaced(const std::vector<std::string>& inputs,
                             const std::vector<std::string>& outputs);
 
 /// Throws Error(kOutput) early if files cannot be made in a folder, which is
-/// created if it does not exist.
+/// created if it does not exist; Error(kUsage) rather than create one with the
+/// name of a file, such as camera.yaml.
 void RequireWritableFolder(const std::string& folder);
 
 }  // namespace raygrid

@@ -31,6 +31,17 @@ class HelpAndReadme(CommandTest):
                              .replace("`", ""), command)
 
 
+class MisspeltCommands(CommandTest):
+    def test_the_nearest_command_is_named(self):
+        for word, meant in (("captur", "capture"), ("calibrat", "calibrate"), ("undistrot", "undistort"),
+                            ("inspec", "inspect"), ("udpate", "update")):
+            self.assert_refused(run(word), 1, f"did you mean {meant}?")
+
+    def test_words_like_no_command_get_the_help(self):
+        for word in ("xyz", "camera.yaml", "v", ""):
+            self.assert_refused(run(word, "--help"), 1, "raygrid --help")
+
+
 class Verdicts(CommandTest):
     """Held flat, a curved board explains nothing."""
     @classmethod

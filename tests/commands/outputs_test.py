@@ -71,6 +71,18 @@ class Outputs(CommandTest):
                 "--skip-comparison", "--flat-board", "--hold-out", "sim0001.png", "--quiet", "-o",
                 self.path(output))
 
+    def test_no_folder_gets_the_name_of_a_file(self):
+        board = "chessboard:9x6:25mm"
+        features = write(self.path("features.csv"), "image,board,column,row,x,y\na,0,0,0,1,1\n")
+        image = write(self.path("image.pgm"), b"P5 64 48 255\n" + bytes(64 * 48))
+        for name in ("camera.yaml", "out.png", "front.raygrid", "features.csv", "a.b/report.html"):
+            path = self.path("named/" + name)
+            for command in (("simulate", "--images", 2, "--pattern", board),
+                            ("calibrate", "--features", features, "--image-size", "64x48", "--pattern", board),
+                            ("undistort", self.path("c.raygrid"), image)):
+                self.assert_refused(run(*command, "-o", path), 1, path, "name a folder")
+                self.assertFalse(os.path.exists(path))
+
     def test_a_limit_on_the_size_of_files_is_a_failure_to_write(self):
         frame = write(self.path("small/in.raw"), FRAME)
         result = self.limited(resource.RLIMIT_FSIZE, 4096, self.path("c.raygrid"), frame,
