@@ -162,6 +162,13 @@ struct PngInput {
   size_t position;
 };
 
+// Without them, libpng prints lines of its own.
+[[noreturn]] void LeavePng(png_structp png, png_const_charp) {
+  png_longjmp(png, 1);
+}
+
+void IgnorePngWarning(png_structp, png_const_charp) {}
+
 void ReadPng(png_structp png, png_bytep data, size_t size) {
   auto* input = static_cast<PngInput*>(png_get_io_ptr(png));
   if (size > input->bytes->size() - input->position)
@@ -173,8 +180,8 @@ void ReadPng(png_structp png, png_bytep data, size_t size) {
 bool DecodePng(const std::string& bytes, int flags, cv::Mat* pixels,
                std::vector<png_bytep>* rows) {
   PngInput input = {&bytes, 0};
-  png_structp png =
-      png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr,
+                                           LeavePng, IgnorePngWarning);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
   if (!info || setjmp(png_jmpbuf(png))) {
     png_destroy_read_struct(&png, &info, nullptr);
@@ -230,8 +237,8 @@ void FlushPng(png_structp) {}
 bool EncodePngFile(const cv::Mat& pixels, std::string* bytes,
                    std::vector<png_bytep>* rows) {
   constexpr int kFastest = 1, kRunLengths = 3;  // of zlib
-  png_structp png =
-      png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr,
+                                            LeavePng, IgnorePngWarning);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
   if (!info || setjmp(png_jmpbuf(png))) {
     png_destroy_write_struct(&png, &info);

@@ -29,6 +29,11 @@ void WritePngBytes(png_structp png, png_bytep bytes, size_t size) {
 
 void FlushNothing(png_structp) {}
 
+// Without it, libpng prints lines of its own.
+[[noreturn]] void LeaveEncoder(png_structp png, png_const_charp) {
+  png_longjmp(png, 1);
+}
+
 void IgnoreWarning(png_structp, png_const_charp) {}
 
 class PngFiles : public FrameOutput {
@@ -61,7 +66,7 @@ class PngFiles : public FrameOutput {
  private:
   bool Encode(PngWriting* writing) {
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr,
-                                              nullptr, IgnoreWarning);
+                                              LeaveEncoder, IgnoreWarning);
     png_infop info = png ? png_create_info_struct(png) : nullptr;
     if (!info) {
       png_destroy_write_struct(&png, nullptr);
