@@ -177,9 +177,18 @@ static mp_obj_t select_remap(mp_obj_t self, mp_obj_t index) {
 }
 static MP_DEFINE_CONST_FUN_OBJ_2(select_remap_object, select_remap);
 
+/* In q16. Builds without floats take it as such. */
+static int32_t get_condition(mp_obj_t value) {
+#if MICROPY_PY_BUILTINS_FLOAT
+  return to_fixed(mp_obj_get_float_to_f(value), 16);
+#else
+  return (int32_t)mp_obj_get_int(value);
+#endif
+}
+
 /* False: outside the stack's range, whose nearest end is taken. */
 static mp_obj_t set_condition(mp_obj_t self, mp_obj_t value) {
-  const int32_t value_q16 = to_fixed(mp_obj_get_float_to_f(value), 16);
+  const int32_t value_q16 = get_condition(value);
   const rg_status status = rg_set_condition(camera_of(self), value_q16);
   if (status != RG_EXTRAPOLATED) check(status);
   return mp_obj_new_bool(status == RG_OK);
@@ -274,10 +283,7 @@ static uint8_t* get_frame(mp_obj_t object, mp_uint_t flags, rg_format format,
   return buffer.buf;
 }
 
-static mp_int_t get_below(const mp_obj_t* arguments, size_t num_arguments,
-                          size_t k, mp_int_t otherwise, mp_int_t limit) {
-  const mp_int_t value =
-      k < num_arguments ? mp_obj_get_int(arguments[k]) : otherwise;
+static mp_int_t get_below(mp_int_t value, mp_int_t limit) {
   if (value < 0 || value >= limit)
     mp_raise_msg_varg(&mp_type_ValueError,
                       MP_ERROR_TEXT("%d is not from 0 to %d"), (int)value,
@@ -285,9 +291,23 @@ static mp_int_t get_below(const mp_obj_t* arguments, size_t num_arguments,
   return value;
 }
 
-/* undistort(image, out, format=GREY8, border=0, first_row=0, num_rows=all) */
-static mp_obj_t undistort(size_t num_arguments, const mp_obj_t* arguments) {
-  const rg_camera* const camera = camera_of(arguments[0]);
+enum { IMAGE, OUT, FORMAT, BORDER, FIRST_ROW, NUM_ROWS, NUM_ARGUMENTS };
+
+/* num_rows: None is all that are left. */
+static const mp_arg_t kUndistortArguments[NUM_ARGUMENTS] = {
+    [IMAGE] = {MP_QSTR_image, MP_ARG_REQUIRED | MP_ARG_OBJ, {0}},
+    [OUT] = {MP_QSTR_out, MP_ARG_REQUIRED | MP_ARG_OBJ, {0}},
+    [FORMAT] = {MP_QSTR_format, MP_ARG_INT, {.u_int = RG_FORMAT_GREY8}},
+    [BORDER] = {MP_QSTR_border, MP_ARG_INT, {.u_int = 0}},
+    [FIRST_ROW] = {MP_QSTR_first_row, MP_ARG_INT, {.u_int = 0}},
+    [NUM_ROWS] = {MP_QSTR_num_rows, MP_ARG_OBJ, {.u_rom_obj = MP_ROM_NONE}}};
+
+static mp_obj_t undistort(size_t num_positional, const mp_obj_t* positional,
+                          mp_map_t* keywords) {
+  const rg_camera* const camera = camera_of(positional[0]);
+  mp_arg_val_t arguments[NUM_ARGUMENTS];
+  mp_arg_parse_all(num_positional - 1, positional + 1, keywords, NUM_ARGUMENTS,
+                   kUndistortArguments, arguments);
   rg_image image;
   rg_target target;
   uint16_t width = 0, height = 0;
@@ -295,19 +315,19 @@ static mp_obj_t undistort(size_t num_arguments, const mp_obj_t* arguments) {
   memset(&target, 0, sizeof(target));
   check(rg_remap_size(camera, &width, &height));
   rg_frame_size(camera, &image.width, &image.height);
-  image.format =
-      (rg_format)get_below(arguments, num_arguments, 3, 0, RG_NUM_FORMATS);
-  const mp_int_t border = get_below(arguments, num_arguments, 4, 0, 65536);
-  const mp_int_t first =
-      get_below(arguments, num_arguments, 5, 0, (mp_int_t)height + 1);
+  image.format = (rg_format)get_below(arguments[FORMAT].u_int, RG_NUM_FORMATS);
+  const mp_int_t border = get_below(arguments[BORDER].u_int, 65536);
+  const mp_int_t first = get_below(arguments[FIRST_ROW].u_int, height + 1);
+  const mp_obj_t rows = arguments[NUM_ROWS].u_obj;
   target.first_row = (uint16_t)first;
-  target.num_rows = (uint16_t)get_below(arguments, num_arguments, 6,
-                                        height - first, height - first + 1);
+  target.num_rows = (uint16_t)get_below(
+      rows == mp_const_none ? height - first : mp_obj_get_int(rows),
+      height - first + 1);
   for (int k = 0; k < 4; ++k) target.border_values[k] = (uint16_t)border;
-  const uint8_t* source = get_frame(arguments[1], MP_BUFFER_READ, image.format,
-                                    image.width, image.height);
-  uint8_t* out = get_frame(arguments[2], MP_BUFFER_WRITE, image.format, width,
-                           target.num_rows);
+  const uint8_t* source = get_frame(arguments[IMAGE].u_obj, MP_BUFFER_READ,
+                                    image.format, image.width, image.height);
+  uint8_t* out = get_frame(arguments[OUT].u_obj, MP_BUFFER_WRITE, image.format,
+                           width, target.num_rows);
   for (int k = 0; k < 3 && kPlanes[image.format][k].rows_per_row != 0; ++k) {
     image.planes[k].data = source;
     image.planes[k].stride = (uint32_t)stride_of(image.format, k, image.width);
@@ -319,7 +339,7 @@ static mp_obj_t undistort(size_t num_arguments, const mp_obj_t* arguments) {
   check(rg_remap(camera, &image, &target));
   return mp_const_none;
 }
-static MP_DEFINE_CONST_FUN_OBJ_VAR_BETWEEN(undistort_object, 3, 7, undistort);
+static MP_DEFINE_CONST_FUN_OBJ_KW(undistort_object, 1, undistort);
 
 /* ---- The module ---------------------------------------------------------- */
 
