@@ -1,9 +1,13 @@
 #!/usr/bin/env python3
-"""What debian/ says is what the project has: its version, the library's functions, and the packages
-that the build needs."""
+"""What debian/ says is what the project has: its version, the library's functions, the packages that
+the build needs, and links of packaged documents."""
+import glob
 import os
 import re
+import shutil
+import subprocess
 import sys
+import tempfile
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 HEADERS = ("runtime/raygrid.h", "formats/rg_projection.h", "formats/rg_status.h")
@@ -43,6 +47,27 @@ def needed_packages():
     return installed - UNNAMED, set(re.findall(r"^ ([\w.+-]+)", depends, re.MULTILINE))
 
 
+def dead_links_of_packaged_documents():
+    """Stages raygrid-doc's documents as the package has them."""
+    with tempfile.TemporaryDirectory() as staged:
+        for line in read("debian/raygrid-doc.install").splitlines():
+            source, folder = line.split()
+            if source.startswith("usr/"):
+                continue  # made by the build
+            source, target = os.path.join(ROOT, source), os.path.join(staged, folder)
+            os.makedirs(target, exist_ok=True)
+            if os.path.isdir(source):
+                shutil.copytree(source, os.path.join(target, os.path.basename(source)))
+            else:
+                shutil.copy(source, target)
+        subprocess.run([os.path.join(ROOT, "debian/unlink_missing"), staged], check=True)
+        return [f"{os.path.relpath(path, staged)}: {link}"
+                for path in glob.glob(staged + "/**/*.md", recursive=True)
+                for link in re.findall(r"\]\(([^)#]+)[^)]*\)", read(path))
+                if ":" not in link
+                and not os.path.exists(os.path.join(os.path.dirname(path), link))]
+
+
 def main():
     told = versions()
     if len(set(told.values())) != 1:
@@ -56,6 +81,9 @@ def main():
     if installed - named:
         sys.exit(f"Build-Depends of debian/control lacks {sorted(installed - named)}, which "
                  "tools/install_packages installs for the build")
+    dead = dead_links_of_packaged_documents()
+    if dead:
+        sys.exit(f"links of raygrid-doc lead nowhere: {', '.join(dead)}")
     print(f"version {told['CMakeLists.txt']}, {len(declared)} functions, {len(installed)} packages")
 
 
