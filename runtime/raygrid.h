@@ -445,19 +445,20 @@ rg_status rg_remap_source_rows(const rg_camera* camera, rg_format format,
 /* An 8-bit grey image (libcamera R8, V4L2 GREY). */
 typedef struct rg_frame {
   const uint8_t* data; /* first row */
-  uint32_t stride;     /* bytes from one row to the next, at least width */
+  uint32_t stride; /* bytes from one row to the next, at least width and less
+                      than 2^31 */
   uint16_t width, height;
 } rg_frame;
 
 /* Rows [first_row, first_row + num_rows) of the undistorted image. */
 typedef struct rg_band {
-  uint8_t* data; /* where first_row goes */
-  uint32_t stride;
+  uint8_t* data;   /* where first_row goes */
+  uint32_t stride; /* likewise, of the undistorted image */
   uint16_t first_row, num_rows;
   uint8_t border; /* value where the camera sees nothing, or is uncalibrated */
 } rg_band;
 
-/* rg_remap() of a grey frame, bilinear. */
+/* rg_remap() of a grey frame, bilinear; with the same statuses. */
 rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
                         const rg_band* band);
 

@@ -18,8 +18,7 @@ static rg_status find_plane(const rg_lattice* lattice, uint32_t width,
   plane->width = (uint16_t)row_bytes;
   plane->height =
       (uint16_t)((num_rows >> lattice->log2[1]) * lattice->row_step);
-  if (row_bytes == 0 || plane->stride < row_bytes ||
-      plane->stride > INT32_MAX) /* two rows are counted in 32 bits */
+  if (row_bytes == 0 || !rg_is_stride(plane->stride, row_bytes))
     return RG_ERR_FRAME_SIZE;
   return lattice->kind >= RG_SAMPLE_16 &&
                  (((uintptr_t)plane->data | plane->stride) & 1) != 0

@@ -10,8 +10,9 @@ static rg_status check_grey_frames(const rg_camera* camera,
   const uint8_t* const section = camera->remap;
   if (!section) return RG_ERR_NO_REMAP;
   if (frame->width != camera->frame_width ||
-      frame->height != camera->frame_height || frame->stride < frame->width ||
-      band->stride < rg_load_u16(section + RG_REMAP_WIDTH))
+      frame->height != camera->frame_height ||
+      !rg_is_stride(frame->stride, frame->width) ||
+      !rg_is_stride(band->stride, rg_load_u16(section + RG_REMAP_WIDTH)))
     return RG_ERR_FRAME_SIZE;
   const uint32_t end_row = (uint32_t)band->first_row + band->num_rows;
   if (end_row > rg_load_u16(section + RG_REMAP_HEIGHT)) return RG_ERR_ROWS;

@@ -162,12 +162,18 @@ static void wrong_frame_size_is_refused(void** state) {
   check_guards(output, output + sizeof(output));
 }
 
-static void stride_below_the_width_is_refused(void** state) {
+/* A bottom-up image has a stride of 2^32 less a row. */
+static void strides_that_no_row_fits_are_refused(void** state) {
   (void)state;
-  check_frame(SOURCE_WIDTH, SOURCE_HEIGHT, SOURCE_WIDTH - 1, RG_ERR_FRAME_SIZE);
+  const uint32_t strides[] = {WIDTH - 1, UINT32_C(1) << 31, UINT32_MAX - WIDTH,
+                              UINT32_MAX};
   const rg_frame frame = make_source(SOURCE_WIDTH);
-  const rg_band band = {output, WIDTH - 1, 0, HEIGHT, GOLDEN_BORDER};
-  assert_int_equal(rg_remap_grey(&lens, &frame, &band), RG_ERR_FRAME_SIZE);
+  for (uint32_t k = 0; k < sizeof(strides) / sizeof(strides[0]); ++k) {
+    check_frame(SOURCE_WIDTH, SOURCE_HEIGHT, strides[k], RG_ERR_FRAME_SIZE);
+    const rg_band band = {output, strides[k], 0, HEIGHT, GOLDEN_BORDER};
+    assert_int_equal(rg_remap_grey(&lens, &frame, &band), RG_ERR_FRAME_SIZE);
+  }
+  check_frame(SOURCE_WIDTH, SOURCE_HEIGHT, SOURCE_WIDTH - 1, RG_ERR_FRAME_SIZE);
   check_guards(output, output + sizeof(output));
 }
 
@@ -343,7 +349,7 @@ int main(void) {
       TEST(band_without_rows_writes_nothing),
       TEST(border_value_is_the_callers),
       TEST(wrong_frame_size_is_refused),
-      TEST(stride_below_the_width_is_refused),
+      TEST(strides_that_no_row_fits_are_refused),
       TEST(rows_below_the_output_are_refused),
       TEST(size_of_the_output_is_told),
       TEST(blob_without_remap_says_so),
