@@ -51,24 +51,24 @@ class Error(Exception):
         self.status = status
 
 
-class _Camera(ctypes.Structure):
-    _fields_ = [("blob", ctypes.c_void_p), ("grid", ctypes.c_void_p),
-                ("inverse", ctypes.c_void_p), ("line_points", ctypes.c_void_p),
-                ("remap", ctypes.c_void_p), ("stack", ctypes.c_void_p),
-                ("knot_size", ctypes.c_uint32), ("weight", ctypes.c_uint16),
-                ("knot", ctypes.c_uint16), ("frame_width", ctypes.c_uint16),
-                ("frame_height", ctypes.c_uint16), ("surface", ctypes.c_uint16)]
+# rg_camera: 64 bytes at most, whose fields are the library's alone.
+_Camera = ctypes.c_uint64 * 8
 
 
+# The structures of raygrid.h, by their names and those of their fields.
 class _Pixel(ctypes.Structure):
-    _fields_ = [("x", ctypes.c_int32), ("y", ctypes.c_int32)]
+    _fields_ = [("x_q16", ctypes.c_int32), ("y_q16", ctypes.c_int32)]
+
+
+class _Ray(ctypes.Structure):
+    _fields_ = [("x_q30", ctypes.c_int32), ("y_q30", ctypes.c_int32), ("z_q30", ctypes.c_int32)]
 
 
 class _Line(ctypes.Structure):
-    _fields_ = [("point", ctypes.c_int32 * 3), ("direction", ctypes.c_int32 * 3)]
+    _fields_ = [("point_q28", ctypes.c_int32 * 3), ("direction", _Ray)]
 
 
-class _Plane(ctypes.Structure):
+class _Plane(ctypes.Structure):  # of an image, or a target
     _fields_ = [("data", ctypes.c_void_p), ("stride", ctypes.c_uint32)]
 
 
@@ -88,15 +88,17 @@ class _Target(ctypes.Structure):
 
 class _View(ctypes.Structure):
     _fields_ = [("width", ctypes.c_uint16), ("height", ctypes.c_uint16),
-                ("projection", ctypes.c_int), ("fx", ctypes.c_uint32), ("fy", ctypes.c_uint32),
-                ("cx", ctypes.c_int32), ("cy", ctypes.c_int32),
-                ("rotation", ctypes.c_int32 * 9), ("distorts", ctypes.c_uint8)]
+                ("projection", ctypes.c_int), ("fx_q16", ctypes.c_uint32),
+                ("fy_q16", ctypes.c_uint32), ("cx_q16", ctypes.c_int32),
+                ("cy_q16", ctypes.c_int32), ("rotation_q30", ctypes.c_int32 * 9),
+                ("distorts", ctypes.c_uint8)]
 
 
 class _Mode(ctypes.Structure):
     _fields_ = [("width", ctypes.c_uint16), ("height", ctypes.c_uint16),
-                ("offset", ctypes.c_int32 * 2), ("scale", ctypes.c_uint32 * 2),
-                ("flips", ctypes.c_uint8 * 2)]
+                ("offset_x_q16", ctypes.c_int32), ("offset_y_q16", ctypes.c_int32),
+                ("scale_x_q16", ctypes.c_uint32), ("scale_y_q16", ctypes.c_uint32),
+                ("flip_x", ctypes.c_uint8), ("flip_y", ctypes.c_uint8)]
 
 
 class Mode(NamedTuple):
@@ -183,7 +185,7 @@ def _pixels(points):
     that are in no camera's area."""
     array = (_Pixel * len(points))()
     for pixel, (x, y) in zip(array, points):
-        pixel.x, pixel.y = _fixed(x), _fixed(y)
+        pixel.x_q16, pixel.y_q16 = _fixed(x), _fixed(y)
     return array
 
 
@@ -215,7 +217,11 @@ def _in_metres(point):
 
 
 def _positions(array):
-    return [None if p.x == NO_PIXEL else (p.x / Q16, p.y / Q16) for p in array]
+    return [None if p.x_q16 == NO_PIXEL else (p.x_q16 / Q16, p.y_q16 / Q16) for p in array]
+
+
+def _xyz(ray):
+    return ray.x_q30 / Q30, ray.y_q30 / Q30, ray.z_q30 / Q30
 
 
 class Camera:
@@ -228,14 +234,24 @@ class Camera:
         self._camera = _Camera()
         _check(_library.rg_camera_open(ctypes.byref(self._camera), self._blob,
                                        ctypes.c_uint32(len(data))))
-        width, height = ctypes.c_uint16(), ctypes.c_uint16()
-        _library.rg_calibrated_size(ctypes.byref(self._camera), ctypes.byref(width),
-                                    ctypes.byref(height))
-        self.width, self.height = width.value, height.value
-        self.is_central = self._camera.line_points is None
+        _, (self.width, self.height) = self._size(_library.rg_calibrated_size)
+        self.is_central = _library.rg_unproject(ctypes.byref(self._camera), _Pixel(0, 0),
+                                                ctypes.byref(_Ray())) != NONCENTRAL
+        self._has_inverse = self._project_ahead() != NO_INVERSE
         self.num_remaps = self._count_remaps()
         if self.num_remaps != 0:
             self.select_remap(0)
+
+    def _size(self, function):
+        """The status and the size that a function of the library gives."""
+        width, height = ctypes.c_uint16(), ctypes.c_uint16()
+        status = function(ctypes.byref(self._camera), ctypes.byref(width), ctypes.byref(height))
+        return status, (width.value, height.value)
+
+    def _project_ahead(self):
+        """The status of a point in front of the camera."""
+        return _library.rg_project_point(ctypes.byref(self._camera), (ctypes.c_int32 * 3)(0, 0, 1),
+                                         ctypes.c_uint32(0), ctypes.byref(_Pixel()))
 
     def _count_remaps(self):
         """Remap tables of the blob, faulty ones too."""
@@ -249,10 +265,10 @@ class Camera:
         """Directions (x, y, z) of pixels (x, y); None outside the calibrated area."""
         if not self.is_central:
             return [line and line[1] for line in self.unproject_lines(points)]
-        rays = (ctypes.c_int32 * 3 * len(points))()
+        rays = (_Ray * len(points))()
         _library.rg_unproject_batch(ctypes.byref(self._camera), _pixels(points), rays,
                                     ctypes.c_uint32(len(points)))
-        return [tuple(v / Q30 for v in ray) if any(ray) else None for ray in rays]
+        return [_xyz(ray) if any(_xyz(ray)) else None for ray in rays]
 
     def unproject_lines(self, points):
         """Lines of pixels: (point in metres, direction); None outside the calibrated area."""
@@ -263,20 +279,18 @@ class Camera:
                                                 ctypes.byref(line))
             if status not in (OK, OUTSIDE_AREA):
                 raise Error(status)
-            lines.append((tuple(v / Q28 for v in line.point),
-                          tuple(v / Q30 for v in line.direction)) if status == OK else None)
+            lines.append((tuple(v / Q28 for v in line.point_q28), _xyz(line.direction))
+                         if status == OK else None)
         return lines
 
     def project(self, points):
         """Pixels of points (x, y, z), for central cameras in any unit, so directions too, else in
         metres; None where nothing is seen."""
-        if self._camera.inverse is None:
+        if not self._has_inverse:
             raise Error(NO_INVERSE)
         if not self.is_central:
             return _positions(self._project_point(point) for point in points)
-        rays = (ctypes.c_int32 * 3 * len(points))()
-        for ray, point in zip(rays, points):
-            ray[:] = _direction(point)
+        rays = (_Ray * len(points))(*(_Ray(*_direction(point)) for point in points))
         pixels = (_Pixel * len(points))()
         _library.rg_project_batch(ctypes.byref(self._camera), rays, pixels,
                                   ctypes.c_uint32(len(points)))
@@ -340,29 +354,29 @@ class Camera:
 
     def frame_size(self):
         """Width and height of the frames that undistort() takes."""
-        return self._camera.frame_width, self._camera.frame_height
+        return self._size(_library.rg_frame_size)[1]
 
     def mode(self):
         """The Mode of the frames that undistort() takes."""
         mode = _Mode()
         _check(_library.rg_remap_mode(ctypes.byref(self._camera), ctypes.byref(mode)))
-        return Mode(mode.width, mode.height, tuple(value / Q16 for value in mode.offset),
-                    tuple(value / Q16 for value in mode.scale), tuple(map(bool, mode.flips)))
+        return Mode(mode.width, mode.height, (mode.offset_x_q16 / Q16, mode.offset_y_q16 / Q16),
+                    (mode.scale_x_q16 / Q16, mode.scale_y_q16 / Q16),
+                    (bool(mode.flip_x), bool(mode.flip_y)))
 
     def remap_size(self):
         """Width and height of the undistorted image."""
-        width, height = ctypes.c_uint16(), ctypes.c_uint16()
-        _check(_library.rg_remap_size(ctypes.byref(self._camera), ctypes.byref(width),
-                                      ctypes.byref(height)))
-        return width.value, height.value
+        status, size = self._size(_library.rg_remap_size)
+        _check(status)
+        return size
 
     def view(self):
         """The View of the undistorted image."""
         view = _View()
         _check(_library.rg_remap_view(ctypes.byref(self._camera), ctypes.byref(view)))
-        numbers = [value / Q30 for value in view.rotation]
-        return View(PROJECTIONS[view.projection], view.width, view.height, view.fx / Q16,
-                    view.fy / Q16, view.cx / Q16, view.cy / Q16,
+        numbers = [value / Q30 for value in view.rotation_q30]
+        return View(PROJECTIONS[view.projection], view.width, view.height, view.fx_q16 / Q16,
+                    view.fy_q16 / Q16, view.cx_q16 / Q16, view.cy_q16 / Q16,
                     tuple(tuple(numbers[k:k + 3]) for k in (0, 3, 6)), bool(view.distorts))
 
     def undistort_points(self, points):

@@ -1,6 +1,9 @@
 #!/usr/bin/env python3
 """The Python module against the reference reader; with numpy where that is there."""
+import ctypes
 import dataclasses
+import os
+import subprocess
 import unittest
 import zlib
 
@@ -20,6 +23,57 @@ PIXELS = [(20.5, 14.25), (80, 60), (131.125, 99.75)]
 
 def open_blob(blob):
     return raygrid.Camera(reference.serialize(blob))
+
+
+class LayoutTest(unittest.TestCase):
+    """What the module repeats of raygrid.h is as the compiler has it: RAYGRID_LAYOUTS names the
+    program that prints that."""
+
+    @classmethod
+    def setUpClass(cls):
+        lines = subprocess.run([os.environ["RAYGRID_LAYOUTS"]], capture_output=True, text=True,
+                               check=True).stdout.splitlines()
+        cls.sizes, cls.fields, cls.constants = {}, {}, {}
+        for kind, name, *values in map(str.split, lines):
+            if kind == "struct":
+                cls.sizes[name] = int(values[0])
+            elif kind == "field":
+                place = tuple(map(int, values[1:]))
+                fields = cls.fields.setdefault(name, {})
+                assert fields.setdefault(values[0], place) == place, (name, values)
+            else:
+                cls.constants[name] = int(values[0])
+
+    def test_structures(self):
+        mirrors = [kind for kind in vars(raygrid).values()
+                   if isinstance(kind, type) and issubclass(kind, ctypes.Structure)]
+        self.assertGreater(len(mirrors), 5)
+        for mirror in mirrors:
+            name = "rg" + mirror.__name__.lower()
+            with self.subTest(name):
+                places = {field: getattr(mirror, field) for field, *_ in mirror._fields_}
+                self.assertEqual({field: (place.offset, place.size)
+                                  for field, place in places.items()}, self.fields[name])
+                self.assertEqual(ctypes.sizeof(mirror), self.sizes[name])
+
+    def test_camera_has_room(self):
+        self.assertGreaterEqual(ctypes.sizeof(raygrid._Camera), self.sizes["rg_camera"])
+
+    def test_constants(self):
+        groups = {"FORMAT": {name: values[0] for name, values in raygrid.FORMATS.items()},
+                  "PROJECTION": {name: k for k, name in enumerate(raygrid.PROJECTIONS)},
+                  "BORDER": raygrid.BORDERS, "SAMPLING": raygrid.SAMPLINGS}
+        for group, values in groups.items():
+            prefix = f"RG_{group}_"
+            self.assertEqual({prefix + name.upper(): number for name, number in values.items()},
+                             {name: number for name, number in self.constants.items()
+                              if name.startswith(prefix)})
+        self.assertEqual(len(raygrid.FORMATS), self.constants["RG_NUM_FORMATS"])
+        for name in ("OK", "EXTRAPOLATED", "NO_PIXEL", "POINT_MAX_BITS", *(
+                "ERR_" + name for name in ("OUTSIDE_AREA", "NO_REMAP", "NOT_SEEN", "NONCENTRAL",
+                                           "UNKNOWN", "NO_INVERSE"))):
+            self.assertEqual(getattr(raygrid, name.removeprefix("ERR_")),
+                             self.constants["RG_" + name], name)
 
 
 class ModuleTest(unittest.TestCase):
@@ -74,7 +128,7 @@ class ModuleTest(unittest.TestCase):
 
     def test_lines_are_the_references(self):
         camera = open_blob(LINES)
-        self.assertFalse(camera.is_central)
+        self.assertEqual([camera.is_central, open_blob(LENS).is_central], [False, True])
         points = [(10, 10), (30.5, 20)]
         for line, pixel in zip(camera.unproject_lines(points), points):
             self.assert_close(line[0], reference.line_point(LINES, *pixel), 5e-8)
