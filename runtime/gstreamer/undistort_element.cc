@@ -283,7 +283,10 @@ gboolean TransformSize(GstBaseTransform* transform, GstPadDirection, GstCaps*,
 // ---- Memory ----------------------------------------------------------------
 
 // Frames come best in memory whose rows begin at multiples of 64 bytes, and
-// their own strides are fine.
+// their own strides are fine. Elements that know GstVideoMeta switch it on in
+// the pool, and get such rows by that; others get rows as their caps say. A
+// pool of Bayer frames would have buffers of no bytes, since GstVideoInfo does
+// not know their size: elements before make their own.
 gboolean ProposeAllocation(GstBaseTransform* transform, GstQuery* decide,
                            GstQuery* query) {
   if (!GST_BASE_TRANSFORM_CLASS(raygrid_undistort_parent_class)
@@ -293,7 +296,9 @@ gboolean ProposeAllocation(GstBaseTransform* transform, GstQuery* decide,
   GstCaps* caps = nullptr;
   GstVideoInfo info;
   gst_query_parse_allocation(query, &caps, nullptr);
-  if (!caps || !gst_video_info_from_caps(&info, caps)) return TRUE;
+  if (!caps || !gst_video_info_from_caps(&info, caps) ||
+      GST_VIDEO_INFO_SIZE(&info) == 0)
+    return TRUE;
   GstVideoAlignment alignment;
   gst_video_alignment_reset(&alignment);
   for (unsigned& mask : alignment.stride_align) mask = 63;
@@ -301,7 +306,6 @@ gboolean ProposeAllocation(GstBaseTransform* transform, GstQuery* decide,
   GstStructure* const config = gst_buffer_pool_get_config(pool);
   const guint size = static_cast<guint>(GST_VIDEO_INFO_SIZE(&info));
   gst_buffer_pool_config_set_params(config, caps, size, 0, 0);
-  gst_buffer_pool_config_add_option(config, GST_BUFFER_POOL_OPTION_VIDEO_META);
   gst_buffer_pool_config_add_option(config,
                                     GST_BUFFER_POOL_OPTION_VIDEO_ALIGNMENT);
   gst_buffer_pool_config_set_video_alignment(config, &alignment);

@@ -336,6 +336,109 @@ TEST(UndistortElement, TakesAnotherBlobWhileItPlays) {
   }
 }
 
+// ---- Memory that elements before are offered -------------------------------
+
+struct PoolUnref {
+  void operator()(GstBufferPool* pool) const {
+    gst_buffer_pool_set_active(pool, FALSE);
+    gst_object_unref(pool);
+  }
+};
+using Pool = std::unique_ptr<GstBufferPool, PoolUnref>;
+
+// The pool that the element offers, set up as an element before it does, which
+// keeps what is set up already, and knows GstVideoMeta or not; null for none.
+Pool OfferedPool(const Pipeline& pipeline, bool knows_meta) {
+  GstHarness* const harness = pipeline.get();
+  GstCaps* const caps = gst_pad_get_current_caps(harness->srcpad);
+  GstQuery* const query = gst_query_new_allocation(caps, TRUE);
+  EXPECT_TRUE(gst_pad_peer_query(harness->srcpad, query));
+  GstBufferPool* pool = nullptr;
+  guint size = 0, least = 0, most = 0;
+  if (gst_query_get_n_allocation_pools(query) > 0)
+    gst_query_parse_nth_allocation_pool(query, 0, &pool, &size, &least, &most);
+  if (pool) {
+    GstStructure* const config = gst_buffer_pool_get_config(pool);
+    gst_buffer_pool_config_set_params(config, caps, size, least, most);
+    if (knows_meta)
+      gst_buffer_pool_config_add_option(config,
+                                        GST_BUFFER_POOL_OPTION_VIDEO_META);
+    EXPECT_TRUE(gst_buffer_pool_set_config(pool, config));
+    EXPECT_TRUE(gst_buffer_pool_set_active(pool, TRUE));
+  }
+  gst_query_unref(query);
+  gst_caps_unref(caps);
+  return Pool(pool);
+}
+
+// Rows and planes as caps alone say.
+Memory LayOutAsCaps(const Pipeline& pipeline, const StreamFormat& format) {
+  GstCaps* const caps = gst_pad_get_current_caps(pipeline.get()->srcpad);
+  GstVideoInfo info;
+  EXPECT_TRUE(gst_video_info_from_caps(&info, caps));
+  gst_caps_unref(caps);
+  Memory memory;
+  for (int i = 0; i < format.num_planes; ++i) {
+    memory.offsets[i] = GST_VIDEO_INFO_PLANE_OFFSET(&info, i);
+    memory.strides[i] =
+        static_cast<uint32_t>(GST_VIDEO_INFO_PLANE_STRIDE(&info, i));
+  }
+  memory.size = GST_VIDEO_INFO_SIZE(&info);
+  return memory;
+}
+
+// Where a buffer of a pool says that its planes are.
+Memory LayOutAsMeta(const StreamFormat& format, GstBuffer* buffer) {
+  const GstVideoMeta* const meta = gst_buffer_get_video_meta(buffer);
+  Memory memory;
+  if (!meta) return memory;
+  for (int i = 0; i < format.num_planes; ++i) {
+    memory.offsets[i] = meta->offset[i];
+    memory.strides[i] = static_cast<uint32_t>(meta->stride[i]);
+    EXPECT_EQ(memory.strides[i] % 64, 0u);
+  }
+  memory.size = gst_buffer_get_size(buffer);
+  return memory;
+}
+
+// An element before fills a buffer of the pool that it is offered, or of its
+// own where there is none.
+void CheckOfferedPool(const NamedFormat& name, bool knows_meta) {
+  SCOPED_TRACE(std::string(name.gstreamer) + (knows_meta ? " with meta" : ""));
+  const bool is_bayer = std::strcmp(name.media, "video/x-bayer") == 0;
+  const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
+  const Pipeline pipeline(blob.path());
+  pipeline.SetCaps(name.media, name.gstreamer, kWidth, kHeight);
+  const PixelFormatInfo& pixel_format = *FindPixelFormat(name.libcamera);
+  const StreamFormat frames =
+      MakeStreamFormat(pixel_format, kWidth, kHeight, 0);
+  const StreamFormat views = FormatOfViews(pixel_format);
+  Memory memory =
+      is_bayer ? LayOutBayer(frames) : LayOutAsCaps(pipeline, frames);
+  const Pool pool = OfferedPool(pipeline, knows_meta);
+  GstBuffer* buffer = nullptr;
+  if (pool)
+    ASSERT_EQ(gst_buffer_pool_acquire_buffer(pool.get(), &buffer, nullptr),
+              GST_FLOW_OK);
+  else
+    buffer = gst_buffer_new_allocate(nullptr, memory.size, nullptr);
+  if (pool && knows_meta) memory = LayOutAsMeta(frames, buffer);
+  const std::vector<uint8_t> bytes = Noise(memory.size);
+  ASSERT_EQ(gst_buffer_fill(buffer, 0, bytes.data(), bytes.size()),
+            bytes.size());
+  GstBuffer* const view = gst_harness_push_and_pull(pipeline.get(), buffer);
+  ASSERT_TRUE(view);
+  EXPECT_EQ(RowsOfBuffer(pipeline, views, is_bayer, view),
+            Remapped(frames, views, memory, bytes.data()));
+  gst_buffer_unref(view);
+}
+
+TEST(UndistortElement, OffersBuffersThatHoldAFrame) {
+  for (const NamedFormat& name : kFormats)
+    for (const bool knows_meta : {false, true})
+      CheckOfferedPool(name, knows_meta);
+}
+
 // A frame of the golden stack's camera, as its first table makes of it.
 std::vector<uint8_t> RemappedAt(std::optional<int32_t> value_q16,
                                 const std::vector<uint8_t>& bytes) {
