@@ -46,6 +46,32 @@ std::string Text(unsigned width, unsigned height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
 
+// "640x480 of 1280x960 frames, 320x240 of 640x480 frames"
+std::string Text(const std::vector<TableSizes>& tables) {
+  std::string text;
+  for (const TableSizes& sizes : tables)
+    text += (text.empty() ? "" : ", ") +
+            Text(sizes.view_width, sizes.view_height) + " of " +
+            Text(sizes.frame_width, sizes.frame_height) + " frames";
+  return text;
+}
+
+// "table 1 makes" or "its tables make", and what they make.
+std::string WhatIsMade(int table, const std::vector<TableSizes>& tables) {
+  if (table >= 0)
+    return "table " + std::to_string(table) + " makes " + Text(tables);
+  return (tables.size() == 1 ? "its table makes " : "its tables make ") +
+         Text(tables);
+}
+
+// The remedy for frames, or views, of other sizes.
+std::string Remedy(int table) {
+  return table >= 0 ? "; leave table out to take the first that fits, or pack "
+                      "one with --remap"
+                    : "; pack one for them with --remap, and --mode for frames "
+                      "of another size";
+}
+
 }  // namespace
 
 BlobFile::BlobFile(const std::string& path) : path_(path) {
@@ -72,16 +98,25 @@ std::vector<TableSizes> BlobFile::Tables(int table) const {
   return tables;
 }
 
+void BlobFile::RequireTableFor(int table, int width, int height) const {
+  const std::vector<TableSizes> tables = Tables(table);
+  for (const TableSizes& sizes : tables)
+    if (sizes.frame_width == width && sizes.frame_height == height) return;
+  throw CameraError(
+      CameraExit::kBlob,
+      path_ + ": " + WhatIsMade(table, tables) + ", and frames are " +
+          Text(static_cast<unsigned>(width), static_cast<unsigned>(height)) +
+          Remedy(table));
+}
+
 void BlobFile::SelectTable(int table, const TableSizes& sizes) {
   for (uint32_t k = 0; rg_select_remap(&camera_, k) == RG_OK; ++k)
     if ((table < 0 || k == static_cast<uint32_t>(table)) &&
         SizesInUse(camera_) == sizes)
       return;
   throw CameraError(CameraExit::kBlob,
-                    path_ + ": has no remap table from " +
-                        Text(sizes.frame_width, sizes.frame_height) + " to " +
-                        Text(sizes.view_width, sizes.view_height) +
-                        " pixels; pack one with --remap");
+                    path_ + ": " + WhatIsMade(table, Tables(table)) + ", and " +
+                        Text({sizes}) + " are asked for" + Remedy(table));
 }
 
 void BlobFile::SetCondition(double value) {

@@ -23,6 +23,9 @@ class BlobFile {
   /// The sizes of all tables, or of the one of this index. Throws CameraError
   /// if there is none.
   std::vector<TableSizes> Tables(int table) const;
+  /// Throws CameraError if no table takes frames of that size, or not the one
+  /// of this index.
+  void RequireTableFor(int table, int width, int height) const;
   /// Makes a table of these sizes the one in use: the one of this index, or the
   /// first one if it is -1. Throws CameraError if there is none.
   void SelectTable(int table, const TableSizes& sizes);

@@ -73,8 +73,10 @@ bool HasSize(const GstStructure* structure, int width, int height) {
   bool has = true;
   for (const char* name : {"width", "height"}) {
     const GValue* const value = gst_structure_get_value(structure, name);
-    has = has && (!value || gst_value_can_intersect(
-                                value, gst_structure_get_value(size, name)));
+    // gst_value_can_intersect() compares types alone.
+    has = has &&
+          (!value || gst_value_intersect(nullptr, value,
+                                         gst_structure_get_value(size, name)));
   }
   gst_structure_free(size);
   return has;

@@ -131,6 +131,14 @@ FrameUndistorter::FrameUndistorter(const UndistortSettings& settings)
       tables_(blob_.Tables(settings.table)),
       bands_(settings.num_threads) {}
 
+void FrameUndistorter::RequireTableFor(const GstCaps* frames) const {
+  const GstStructure* const structure = gst_caps_get_structure(frames, 0);
+  int width = 0, height = 0;
+  if (gst_structure_get_int(structure, "width", &width) &&
+      gst_structure_get_int(structure, "height", &height))
+    blob_.RequireTableFor(settings_.table, width, height);
+}
+
 void FrameUndistorter::SetCaps(const GstCaps* frames, const GstCaps* views) {
   frames_ = LayoutOf(frames);
   views_ = LayoutOf(views);

@@ -36,6 +36,9 @@ class FrameUndistorter {
   /// Sizes of all tables that frames may have.
   const std::vector<TableSizes>& tables() const { return tables_; }
 
+  /// Throws CameraError if no table takes frames of their size.
+  void RequireTableFor(const GstCaps* frames) const;
+
   /// Throws CameraError if no table is for them.
   void SetCaps(const GstCaps* frames, const GstCaps* views);
 

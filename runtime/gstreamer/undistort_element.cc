@@ -89,23 +89,48 @@ UndistortState* StateOf(gpointer object) {
   return RAYGRID_UNDISTORT(object)->state;
 }
 
+struct CapsUnref {
+  void operator()(GstCaps* caps) const { gst_caps_unref(caps); }
+};
+using Caps = std::unique_ptr<GstCaps, CapsUnref>;
+
+Caps CapsOf(GstPad* pad) { return Caps(gst_pad_get_current_caps(pad)); }
+
 void PostError(gpointer element, const raygrid::CameraError& error) {
   GST_ELEMENT_ERROR(element, RESOURCE, SETTINGS, ("%s", error.what()),
                     (nullptr));
 }
 
-// The undistorter of the settings as they are; null without a blob, or while
-// it is disabled. Throws CameraError.
+// The undistorter of the settings as they are; null while it is disabled.
+// Throws CameraError.
 std::shared_ptr<raygrid::FrameUndistorter> CurrentUndistorter(
     UndistortState* state) {
   const std::lock_guard<std::mutex> lock(state->mutex);
   if (state->is_changed) state->next.reset();
   state->is_changed = false;
-  if (!state->settings.is_enabled || state->settings.blob.empty())
-    return nullptr;
+  if (!state->settings.is_enabled) return nullptr;
+  if (state->settings.blob.empty())
+    throw raygrid::CameraError(
+        raygrid::CameraExit::kUsage,
+        "no blob; set blob=camera.raygrid, which raygrid pack writes");
   if (!state->next)
     state->next = std::make_shared<raygrid::FrameUndistorter>(state->settings);
   return state->next;
+}
+
+// Makes an undistorter the one in use, or none, which passes frames through.
+// Throws CameraError.
+void Use(GstBaseTransform* transform,
+         const std::shared_ptr<raygrid::FrameUndistorter>& undistorter,
+         const GstCaps* frames, const GstCaps* views) {
+  UndistortState* const state = StateOf(transform);
+  if (undistorter) undistorter->SetCaps(frames, views);
+  {
+    const std::lock_guard<std::mutex> lock(state->mutex);
+    state->in_use = undistorter;
+    state->is_condition_new = true;
+  }
+  gst_base_transform_set_passthrough(transform, !undistorter);
 }
 
 // ---- GObject ---------------------------------------------------------------
@@ -149,10 +174,10 @@ void SetProperty(GObject* object, guint id, const GValue* value,
         return;
     }
     state->is_changed = true;
+    // With the lock, so that UseSettings() sees both or neither.
+    gst_base_transform_reconfigure_src(GST_BASE_TRANSFORM(object));
   }
-  GstBaseTransform* const transform = GST_BASE_TRANSFORM(object);
-  gst_base_transform_reconfigure_sink(transform);
-  gst_base_transform_reconfigure_src(transform);
+  gst_base_transform_reconfigure_sink(GST_BASE_TRANSFORM(object));
 }
 
 void GetProperty(GObject* object, guint id, GValue* value, GParamSpec* spec) {
@@ -198,14 +223,9 @@ void Finalize(GObject* object) {
 // ---- Negotiation -----------------------------------------------------------
 
 gboolean Start(GstBaseTransform* transform) {
-  UndistortState* const state = StateOf(transform);
   try {
-    const auto undistorter = CurrentUndistorter(state);
-    const std::lock_guard<std::mutex> lock(state->mutex);
-    if (undistorter || !state->settings.is_enabled) return TRUE;
-    throw raygrid::CameraError(
-        raygrid::CameraExit::kUsage,
-        "no blob; set blob=camera.raygrid, which raygrid pack writes");
+    CurrentUndistorter(StateOf(transform));
+    return TRUE;
   } catch (const raygrid::CameraError& error) {
     PostError(transform, error);
     return FALSE;
@@ -222,25 +242,18 @@ gboolean Stop(GstBaseTransform* transform) {
 
 GstCaps* TransformCaps(GstBaseTransform* transform, GstPadDirection direction,
                        GstCaps* caps, GstCaps* filter) {
-  UndistortState* const state = StateOf(transform);
-  GstCaps* others = nullptr;
+  GstCaps* others;
   try {
-    const auto undistorter = CurrentUndistorter(state);
-    bool is_enabled;
-    {
-      const std::lock_guard<std::mutex> lock(state->mutex);
-      is_enabled = state->settings.is_enabled;
-    }
-    if (!is_enabled)
-      others = gst_caps_ref(caps);
-    else if (undistorter)
-      others = raygrid::OtherSide(direction, caps, undistorter->tables());
+    const auto undistorter = CurrentUndistorter(StateOf(transform));
+    others = undistorter
+                 ? raygrid::OtherSide(direction, caps, undistorter->tables())
+                 : gst_caps_ref(caps);
   } catch (const raygrid::CameraError& error) {
+    // Pads can be linked all the same; starting, or the next frame, says what
+    // is wrong.
     GST_DEBUG_OBJECT(transform, "%s", error.what());
+    others = raygrid::OfAnySize(caps);
   }
-  // Without a blob pads can be linked all the same; starting says what is
-  // wrong with it.
-  if (!others) others = raygrid::OfAnySize(caps);
   if (!filter) return others;
   GstCaps* const filtered =
       gst_caps_intersect_full(filter, others, GST_CAPS_INTERSECT_FIRST);
@@ -249,21 +262,68 @@ GstCaps* TransformCaps(GstBaseTransform* transform, GstPadDirection direction,
 }
 
 gboolean SetCaps(GstBaseTransform* transform, GstCaps* frames, GstCaps* views) {
-  UndistortState* const state = StateOf(transform);
   try {
-    const auto undistorter = CurrentUndistorter(state);
-    if (undistorter) undistorter->SetCaps(frames, views);
-    {
-      const std::lock_guard<std::mutex> lock(state->mutex);
-      state->in_use = undistorter;
-      state->is_condition_new = true;
-    }
-    gst_base_transform_set_passthrough(transform, !undistorter);
+    Use(transform, CurrentUndistorter(StateOf(transform)), frames, views);
     return TRUE;
   } catch (const raygrid::CameraError& error) {
     PostError(transform, error);
     return FALSE;
   }
+}
+
+// The base class says nothing where no table takes frames of some caps.
+void PostWhyRefused(GstBaseTransform* transform, const GstCaps* frames) {
+  try {
+    const auto undistorter = CurrentUndistorter(StateOf(transform));
+    if (undistorter) undistorter->RequireTableFor(frames);
+  } catch (const raygrid::CameraError& error) {
+    PostError(transform, error);
+  }
+}
+
+// The pad refuses caps that have no table before the element sees the event.
+GstPadProbeReturn OnSinkEvent(GstPad*, GstPadProbeInfo* info,
+                              gpointer element) {
+  GstEvent* const event = gst_pad_probe_info_get_event(info);
+  if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS) {
+    GstCaps* frames = nullptr;
+    gst_event_parse_caps(event, &frames);
+    PostWhyRefused(GST_BASE_TRANSFORM(element), frames);
+  }
+  return GST_PAD_PROBE_OK;
+}
+
+// Caps are negotiated anew here where settings have changed.
+GstFlowReturn SubmitInput(GstBaseTransform* transform, gboolean is_discont,
+                          GstBuffer* frame) {
+  const GstFlowReturn flow =
+      GST_BASE_TRANSFORM_CLASS(raygrid_undistort_parent_class)
+          ->submit_input_buffer(transform, is_discont, frame);
+  const Caps frames = CapsOf(transform->sinkpad);
+  if (flow == GST_FLOW_NOT_NEGOTIATED && frames)
+    PostWhyRefused(transform, frames.get());
+  return flow;
+}
+
+// Makes the settings as they are those in use where they have left the caps as
+// they were: the base class sets caps only if these change. Throws CameraError.
+void UseSettings(GstBaseTransform* transform) {
+  UndistortState* const state = StateOf(transform);
+  {
+    // Settings that changed after this frame's caps were negotiated may ask for
+    // others: they are for the next frame.
+    const std::lock_guard<std::mutex> lock(state->mutex);
+    if (state->is_changed || gst_pad_needs_reconfigure(transform->srcpad))
+      return;
+  }
+  const auto undistorter = CurrentUndistorter(state);
+  {
+    const std::lock_guard<std::mutex> lock(state->mutex);
+    if (undistorter == state->in_use) return;
+  }
+  const Caps frames = CapsOf(transform->sinkpad);
+  const Caps views = CapsOf(transform->srcpad);
+  if (frames && views) Use(transform, undistorter, frames.get(), views.get());
 }
 
 gboolean GetUnitSize(GstBaseTransform*, GstCaps* caps, gsize* size) {
@@ -327,6 +387,18 @@ gboolean TransformMeta(GstBaseTransform* transform, GstBuffer* view,
       ->transform_meta(transform, view, meta, frame);
 }
 
+GstFlowReturn GenerateOutput(GstBaseTransform* transform, GstBuffer** view) {
+  try {
+    UseSettings(transform);
+  } catch (const raygrid::CameraError& error) {
+    PostError(transform, error);
+    gst_clear_buffer(&transform->queued_buf);
+    return GST_FLOW_ERROR;
+  }
+  return GST_BASE_TRANSFORM_CLASS(raygrid_undistort_parent_class)
+      ->generate_output(transform, view);
+}
+
 GstFlowReturn TransformFrame(GstBaseTransform* transform, GstBuffer* frame,
                              GstBuffer* view) {
   UndistortState* const state = StateOf(transform);
@@ -339,9 +411,6 @@ GstFlowReturn TransformFrame(GstBaseTransform* transform, GstBuffer* frame,
     state->is_condition_new = false;
   }
   try {
-    if (!undistorter)
-      throw raygrid::CameraError(raygrid::CameraExit::kBlob,
-                                 "its blob is gone; set blob again");
     if (!std::isnan(condition)) undistorter->SetCondition(condition);
     undistorter->Undistort(frame, view);
     undistorter->MoveRegions(frame, view);
@@ -356,7 +425,10 @@ GstFlowReturn TransformFrame(GstBaseTransform* transform, GstBuffer* frame,
 
 static void raygrid_undistort_init(RaygridUndistort* self) {
   self->state = new UndistortState;
-  gst_base_transform_set_qos_enabled(GST_BASE_TRANSFORM(self), TRUE);
+  GstBaseTransform* const transform = GST_BASE_TRANSFORM(self);
+  gst_base_transform_set_qos_enabled(transform, TRUE);
+  gst_pad_add_probe(transform->sinkpad, GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM,
+                    OnSinkEvent, self, nullptr);
 }
 
 static void raygrid_undistort_class_init(RaygridUndistortClass* type) {
@@ -432,6 +504,8 @@ static void raygrid_undistort_class_init(RaygridUndistortClass* type) {
   transform->stop = Stop;
   transform->transform_caps = TransformCaps;
   transform->set_caps = SetCaps;
+  transform->submit_input_buffer = SubmitInput;
+  transform->generate_output = GenerateOutput;
   transform->get_unit_size = GetUnitSize;
   transform->transform_size = TransformSize;
   transform->propose_allocation = ProposeAllocation;

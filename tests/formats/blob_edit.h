@@ -6,6 +6,10 @@
 
 #include "rg_blob.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct blob_section {
   uint16_t type, flags;
   const uint8_t* bytes;
@@ -25,5 +29,9 @@ void repair_crcs(uint8_t* blob, uint32_t size);
 /* Opens a copy of the bytes in a block of exactly that size, so that a
  * sanitizer sees what is read beyond. */
 rg_status open_copy(const uint8_t* bytes, uint32_t size);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif /* RAYGRID_BLOB_EDIT_H */

@@ -6,11 +6,15 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 
+#include "blob_edit.h"
 #include "golden_blobs.h"
 #include "raygrid.h"
 #include "stream_format.h"
@@ -56,24 +60,48 @@ constexpr NamedFormat kFormats[] = {
     {"video/x-raw", "BGRA", "ARGB8888"}, {"video/x-raw", "RGB16", "RGB565"},
     {"video/x-bayer", "rggb", "SRGGB8"}};
 
+// The first error on a bus; empty: none.
+std::string FirstError(GstBus* bus) {
+  GstMessage* const message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
+  if (!message) return "";
+  GError* error = nullptr;
+  gst_message_parse_error(message, &error, nullptr);
+  const std::string text = error->message;
+  g_error_free(error);
+  gst_message_unref(message);
+  return text;
+}
+
 // A harness around the element, playing with a blob.
 class Pipeline {
  public:
   explicit Pipeline(const char* blob, const char* properties = "")
-      : harness_(gst_harness_new_parse(
-            (std::string("raygridundistort name=it blob=") + blob + " " +
-             properties)
-                .c_str())) {}
-  ~Pipeline() { gst_harness_teardown(harness_); }
+      : element_(gst_parse_launch(
+            (std::string("raygridundistort blob=") + blob + " " + properties)
+                .c_str(),
+            nullptr)),
+        bus_(gst_bus_new()) {
+    gst_element_set_bus(element_, bus_);
+    harness_ = gst_harness_new_with_element(element_, "sink", "src");
+  }
+  ~Pipeline() {
+    gst_harness_teardown(harness_);
+    gst_element_set_bus(element_, nullptr);
+    gst_object_unref(element_);
+    gst_object_unref(bus_);
+  }
 
   GstHarness* get() const { return harness_; }
   template <typename Value>
   void Set(const char* property, Value value) const {
-    GstElement* const element =
-        gst_bin_get_by_name(GST_BIN(harness_->element), "it");
-    g_object_set(element, property, value, nullptr);
-    gst_object_unref(element);
+    g_object_set(element_, property, value, nullptr);
   }
+  // By the text of the value, as gst_parse_launch() takes it.
+  void SetText(const char* property, const char* value) const {
+    gst_util_set_object_arg(G_OBJECT(element_), property, value);
+  }
+  // The first error that was posted; empty: none.
+  std::string TakeError() const { return FirstError(bus_); }
   void SetCaps(const char* media, const char* format, int width,
                int height) const {
     gst_harness_set_src_caps(
@@ -84,7 +112,9 @@ class Pipeline {
   }
 
  private:
-  GstHarness* const harness_;
+  GstElement* const element_;
+  GstBus* const bus_;
+  GstHarness* harness_;
 };
 
 std::vector<uint8_t> Noise(size_t size) {
@@ -439,6 +469,166 @@ TEST(UndistortElement, OffersBuffersThatHoldAFrame) {
       CheckOfferedPool(name, knows_meta);
 }
 
+// ---- Settings while it plays -----------------------------------------------
+
+constexpr int kWideWidth = 320, kWideHeight = 240;
+
+// A frame of a wide lens as the pipeline makes it.
+std::vector<uint8_t> MadeOf(const Pipeline& pipeline,
+                            const std::vector<uint8_t>& bytes) {
+  if (gst_harness_push(pipeline.get(),
+                       gst_buffer_new_memdup(bytes.data(), bytes.size())) !=
+      GST_FLOW_OK) {
+    ADD_FAILURE() << pipeline.TakeError();
+    return {};
+  }
+  GstBuffer* const view = gst_harness_try_pull(pipeline.get());
+  if (!view) return {};
+  std::vector<uint8_t> made(gst_buffer_get_size(view));
+  gst_buffer_extract(view, 0, made.data(), made.size());
+  gst_buffer_unref(view);
+  return made;
+}
+
+// Blobs for the same frames, and one whose table 3 makes views of their size.
+class WideBlobs {
+ public:
+  std::vector<std::string> paths() const {
+    return {wide_.path(), bent_.path(), stack_.path(), views_.path()};
+  }
+  const char* same_size() const { return distorting_.path(); }
+
+ private:
+  static std::vector<uint8_t> WithSameSize() {
+    std::vector<uint8_t> bytes(
+        reinterpret_cast<const uint8_t*>(kModesBlob),
+        reinterpret_cast<const uint8_t*>(kModesBlob) + sizeof(kModesBlob));
+    const uint8_t* const section =
+        rg_find_section(bytes.data(), RG_SECTION_REMAP, 3);
+    uint8_t* const source =
+        bytes.data() + (section - bytes.data()) + RG_VIEW_SOURCE_WIDTH;
+    const uint16_t size[2] = {kWideWidth, kWideHeight};
+    for (int c = 0; c < 2; ++c) {
+      source[2 * c] = static_cast<uint8_t>(size[c]);
+      source[2 * c + 1] = static_cast<uint8_t>(size[c] >> 8);
+    }
+    repair_crcs(bytes.data(), static_cast<uint32_t>(bytes.size()));
+    return bytes;
+  }
+
+  std::vector<uint8_t> same_size_ = WithSameSize();
+  const TemporaryFile wide_{kWideBlob, sizeof(kWideBlob)},
+      bent_{kBentBlob, sizeof(kBentBlob)},
+      stack_{kStackBlob, sizeof(kStackBlob)},
+      views_{kViewsBlob, sizeof(kViewsBlob)},
+      distorting_{same_size_.data(), same_size_.size()};
+};
+
+// The properties and some of their values.
+using Choices = std::vector<std::pair<std::string, std::vector<std::string>>>;
+
+// Sets properties at random; each frame is that of an element that was started
+// with them. Returns how many different ones came.
+size_t CountFramesOfRandomSettings(const char* blob, const Choices& choices,
+                                   int num_frames) {
+  const std::vector<uint8_t> bytes = Noise(kWideWidth * kWideHeight);
+  const auto start = [](const Pipeline& pipeline) {
+    pipeline.SetCaps("video/x-raw", "GRAY8", kWideWidth, kWideHeight);
+  };
+  std::map<std::string, std::string> settings = {{"blob", blob}};
+  std::set<std::vector<uint8_t>> frames;
+  const Pipeline live(blob);
+  start(live);
+  uint32_t state = 1;
+  const auto below = [&state](size_t limit) {
+    state = state * 1664525u + 1013904223u;
+    return (state >> 8) % limit;
+  };
+  for (int k = 0; k < num_frames; ++k) {
+    const auto& [name, values] = choices[below(choices.size())];
+    settings[name] = values[below(values.size())];
+    live.SetText(name.c_str(), settings[name].c_str());
+    std::string properties;
+    for (const auto& [property, value] : settings)
+      if (property != "blob") properties += " " + property + "=" + value;
+    SCOPED_TRACE(name + " of" + properties);
+    const Pipeline fresh(settings["blob"].c_str(), properties.c_str());
+    start(fresh);
+    const std::vector<uint8_t> made = MadeOf(live, bytes);
+    EXPECT_FALSE(made.empty());
+    EXPECT_EQ(made, MadeOf(fresh, bytes));
+    frames.insert(made);
+  }
+  return frames.size();
+}
+
+TEST(UndistortElement, TakesEverySettingWithTheNextFrame) {
+  const WideBlobs blobs;
+  const Choices choices = {{"blob", blobs.paths()},
+                           {"table", {"-1", "0", "1"}},
+                           {"border", {"black", "clamp"}},
+                           {"sampling", {"bilinear", "nearest"}},
+                           {"outside", {"fill", "trusted"}},
+                           {"threads", {"1", "2"}},
+                           {"enabled", {"true", "true", "false"}}};
+  EXPECT_GT(CountFramesOfRandomSettings(blobs.paths()[0].c_str(), choices, 200),
+            20u);
+}
+
+// Caps are the same then, with all settings.
+TEST(UndistortElement, TakesSettingsWhereViewsAreAsLargeAsFrames) {
+  const WideBlobs blobs;
+  const Choices choices = {{"enabled", {"true", "false"}},
+                           {"border", {"black", "clamp"}},
+                           {"sampling", {"bilinear", "nearest"}}};
+  EXPECT_GT(CountFramesOfRandomSettings(blobs.same_size(), choices, 40), 3u);
+}
+
+TEST(UndistortElement, FailsAtASettingThatCannotBe) {
+  const WideBlobs blobs;
+  const std::vector<uint8_t> bytes = Noise(kWideWidth * kWideHeight);
+  for (const auto& [property, value, words] :
+       std::vector<std::array<const char*, 3>>{
+           {"table", "7", "has no remap table 7"},
+           {"blob", "/nowhere/lens.raygrid", "cannot be read"},
+           {"blob", "", "set blob="},
+           {"blob", blobs.same_size(), "its tables make"}}) {
+    SCOPED_TRACE(value);
+    const Pipeline pipeline(blobs.paths()[0].c_str());
+    pipeline.SetCaps("video/x-raw", "GRAY8", kWideWidth, kWideHeight);
+    EXPECT_FALSE(MadeOf(pipeline, bytes).empty());
+    pipeline.SetText(property, value);
+    if (std::strcmp(words, "its tables make") == 0)
+      pipeline.SetCaps("video/x-raw", "GRAY8", kWideWidth / 2, kWideHeight);
+    EXPECT_LT(gst_harness_push(pipeline.get(), gst_buffer_new_memdup(
+                                                   bytes.data(), bytes.size())),
+              GST_FLOW_OK);
+    const std::string error = pipeline.TakeError();
+    EXPECT_NE(error.find(words), std::string::npos) << error;
+    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+  }
+}
+
+TEST(UndistortElement, SaysWhatATableIsFor) {
+  const TemporaryFile blob(kModesBlob, sizeof(kModesBlob));
+  for (const auto& [properties, words] :
+       std::vector<std::array<const char*, 2>>{
+           {"table=1",
+            "table 1 makes 48x32 of 160x120 frames, and frames are "
+            "120x100; leave table out"},
+           {"",
+            "its tables make 40x30 of 120x100 frames, 48x32 of 160x120 "
+            "frames"}}) {
+    const Pipeline pipeline(blob.path(), properties);
+    const int width = std::strlen(properties) > 0 ? 120 : 640;
+    pipeline.SetCaps("video/x-raw", "GRAY8", width, 100);
+    EXPECT_EQ(gst_harness_push(pipeline.get(), GreyFrame()),
+              GST_FLOW_NOT_NEGOTIATED);
+    const std::string error = pipeline.TakeError();
+    EXPECT_NE(error.find(words), std::string::npos) << error;
+  }
+}
+
 // A frame of the golden stack's camera, as its first table makes of it.
 std::vector<uint8_t> RemappedAt(std::optional<int32_t> value_q16,
                                 const std::vector<uint8_t>& bytes) {
@@ -511,15 +701,7 @@ std::string ErrorOfStarting(const std::string& properties) {
   gst_element_set_bus(element, bus);
   EXPECT_EQ(gst_element_set_state(element, GST_STATE_PAUSED),
             GST_STATE_CHANGE_FAILURE);
-  std::string text;
-  if (GstMessage* const message =
-          gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR)) {
-    GError* error = nullptr;
-    gst_message_parse_error(message, &error, nullptr);
-    text = error->message;
-    g_error_free(error);
-    gst_message_unref(message);
-  }
+  const std::string text = FirstError(bus);
   gst_element_set_state(element, GST_STATE_NULL);
   gst_element_set_bus(element, nullptr);
   gst_object_unref(bus);
