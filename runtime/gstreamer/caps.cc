@@ -128,6 +128,8 @@ std::optional<FrameLayout> LayoutOf(const GstCaps* caps) {
   }
   if (!gst_video_info_from_caps(&layout.info, caps)) return std::nullopt;
   layout.num_bytes = layout.info.size;
+  layout.format.is_full_range =
+      layout.info.colorimetry.range == GST_VIDEO_COLOR_RANGE_0_255;
   return layout;
 }
 

@@ -71,7 +71,7 @@ rg_target BlankTarget(const FrameLayout& views,
   target.border = settings.border;
   target.sampling = settings.sampling;
   target.kernels = rg_find_kernels(nullptr);
-  SetBlackBorder(*views.format.pixel_format, &target);
+  SetBlackBorder(views.format, &target);
   return target;
 }
 

@@ -194,6 +194,9 @@ void LibcameraSource::Configure(const LibcameraOptions& options) {
                      " in that size; choose another --format of --list");
   format_ = MakeStreamFormat(*info, stream.size.width, stream.size.height,
                              stream.stride);
+  format_.is_full_range =
+      stream.colorSpace &&
+      stream.colorSpace->range == libcamera::ColorSpace::Range::Full;
 }
 
 void LibcameraSource::Allocate() {

@@ -139,7 +139,9 @@ rg_image MakeImage(const StreamFormat& format, const uint8_t* const planes[3]) {
   return image;
 }
 
-void SetBlackBorder(const PixelFormatInfo& pixel_format, rg_target* target) {
+void SetBlackBorder(const StreamFormat& format, rg_target* target) {
+  const PixelFormatInfo& pixel_format = *format.pixel_format;
+  const uint16_t black = format.is_full_range ? 0 : 16;
   std::fill_n(target->border_values, 4, uint16_t{0});
   if (pixel_format.format == RG_FORMAT_RGB32)
     std::fill_n(target->border_values, 4, uint16_t{255});
@@ -147,7 +149,7 @@ void SetBlackBorder(const PixelFormatInfo& pixel_format, rg_target* target) {
     if (pixel_format.model == ColourModel::kRgb)
       target->border_values[pixel_format.order[i]] = 0;
     if (pixel_format.model == ColourModel::kYuv)
-      target->border_values[i] = i == 0 ? 16 : 128;
+      target->border_values[i] = i == 0 ? black : 128;
   }
 }
 

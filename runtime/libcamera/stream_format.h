@@ -41,10 +41,14 @@ struct StreamFormat {
   uint16_t width, height;
   int num_planes;
   PlaneLayout planes[3];
+  /// Y of YUV is 0 in black and 255 in white; else 16 and 235.
+  bool is_full_range;
 
   uint32_t packed_size() const;  // bytes of a frame whose rows have no gaps
 };
 
+/// The range is that of cameras: not the full one.
+///
 /// stride   of the first plane; 0: rows without gaps. The other planes' strides
 ///          follow from it as in V4L2.
 /// Throws CameraError for a size that the format cannot have, or a stride that
@@ -56,7 +60,7 @@ StreamFormat MakeStreamFormat(const PixelFormatInfo& pixel_format,
 rg_image MakeImage(const StreamFormat& format, const uint8_t* const planes[3]);
 
 /// Values of black, or of full opacity, for rg_target.
-void SetBlackBorder(const PixelFormatInfo& pixel_format, rg_target* target);
+void SetBlackBorder(const StreamFormat& format, rg_target* target);
 
 }  // namespace raygrid
 

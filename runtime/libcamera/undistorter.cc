@@ -16,7 +16,9 @@ StreamFormat MakeOutputFormat(const rg_camera& camera,
   if (rg_remap_size(&camera, &width, &height) != RG_OK)
     throw CameraError(CameraExit::kBlob,
                       "blob: has no remap table; pack it with --remap");
-  return MakeStreamFormat(*input.pixel_format, width, height, 0);
+  StreamFormat output = MakeStreamFormat(*input.pixel_format, width, height, 0);
+  output.is_full_range = input.is_full_range;
+  return output;
 }
 
 void PrepareFrame(const StreamFormat& format, UndistortedFrame* frame) {
@@ -30,7 +32,7 @@ void PrepareFrame(const StreamFormat& format, UndistortedFrame* frame) {
   }
   frame->target.num_rows = format.height;
   frame->target.kernels = rg_find_kernels(nullptr);
-  SetBlackBorder(*format.pixel_format, &frame->target);
+  SetBlackBorder(format, &frame->target);
 }
 
 }  // namespace

@@ -14,7 +14,15 @@ namespace {
 // Fields that both kinds of buffers have, each at a place of its own.
 struct Picture {
   uint32_t code, width, height, field;
+  bool is_full_range;
 };
+
+// Black and white are 0 and 255 in YUV, not 16 and 235.
+bool IsFullRange(uint32_t colour_space, uint32_t quantization) {
+  if (quantization == V4L2_QUANTIZATION_DEFAULT)
+    return colour_space == V4L2_COLORSPACE_JPEG;
+  return quantization == V4L2_QUANTIZATION_FULL_RANGE;
+}
 
 v4l2_format MakeFormat(uint32_t buffer_type, uint32_t code, unsigned width,
                        unsigned height) {
@@ -37,10 +45,12 @@ v4l2_format MakeFormat(uint32_t buffer_type, uint32_t code, unsigned width,
 Picture PictureOf(const v4l2_format& format) {
   if (format.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
     const v4l2_pix_format_mplane& pix = format.fmt.pix_mp;
-    return {pix.pixelformat, pix.width, pix.height, pix.field};
+    return {pix.pixelformat, pix.width, pix.height, pix.field,
+            IsFullRange(pix.colorspace, pix.quantization)};
   }
   const v4l2_pix_format& pix = format.fmt.pix;
-  return {pix.pixelformat, pix.width, pix.height, pix.field};
+  return {pix.pixelformat, pix.width, pix.height, pix.field,
+          IsFullRange(pix.colorspace, pix.quantization)};
 }
 
 // All codes: the device's own one, then those that it lists.
@@ -148,6 +158,7 @@ void TakeLayout(const v4l2_format& format, V4l2Stream* stream) {
   }
   stream->format = MakeStreamFormat(*FindV4l2Format(picture.code),
                                     picture.width, picture.height, strides[0]);
+  stream->format.is_full_range = picture.is_full_range;
   for (uint32_t i = 1; i < stream->num_memories; ++i)
     if (strides[i] != 0) stream->format.planes[i].stride = strides[i];
 }

@@ -42,7 +42,7 @@ rg_target TargetIn(const StreamFormat& layout, Frame* frame) {
   rg_target target = {};
   target.num_rows = layout.height;
   target.kernels = rg_find_kernels(nullptr);
-  SetBlackBorder(*layout.pixel_format, &target);
+  SetBlackBorder(layout, &target);
   for (int i = 0; i < layout.num_planes; ++i) {
     target.planes[i].data = frame->planes[i];
     target.planes[i].stride = layout.planes[i].stride;

@@ -217,9 +217,9 @@ class CameraProgram(unittest.TestCase):
 
     # ---- Standard input ----
 
-    def run_with_input(self, data, *arguments):
+    def run_with_input(self, data, *arguments, blob="flat.raygrid"):
         return subprocess.run(
-            [programs.camera, "flat.raygrid", "--from", "-", *map(str, arguments)],
+            [programs.camera, blob, "--from", "-", *map(str, arguments)],
             cwd=self.folder, input=data, capture_output=True, timeout=MAX_SECONDS, check=False)
 
     def test_raw_frames_of_standard_input(self):
@@ -250,6 +250,11 @@ class CameraProgram(unittest.TestCase):
                                      "-")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(result.stdout, raw.stdout)
+        bright = b"\nFRAME\n" + bytes([200]) * len(frame)
+        for header, black in ((b"", 16), (b" XCOLORRANGE=FULL", 0)):
+            result = self.run_with_input(b"YUV4MPEG2 W160 H120" + header + bright, "-o", "-",
+                                         "--outside", "trusted", blob="modes.raygrid")
+            self.assertEqual(min(result.stdout[:WIDTH * HEIGHT]), black)
         result = self.run_with_input(b"YUV4MPEG2 W80 H60\nFRAME\n", "-o", "-")
         self.assertEqual(result.returncode, 8)
         self.assertIn(b"160x120", result.stderr)

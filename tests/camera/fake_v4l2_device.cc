@@ -92,6 +92,8 @@ int FakeV4l2Device::SetFormat(v4l2_format* format, bool is_kept) {
     pix.height = chosen.height;
     pix.field = V4L2_FIELD_NONE;
     pix.num_planes = static_cast<uint8_t>(chosen.sizes.size());
+    pix.colorspace = chosen.colour_space;
+    pix.quantization = static_cast<uint8_t>(chosen.quantization);
     for (size_t i = 0; i < chosen.sizes.size(); ++i) {
       pix.plane_fmt[i].bytesperline = chosen.strides[i];
       pix.plane_fmt[i].sizeimage = chosen.sizes[i];
@@ -105,6 +107,8 @@ int FakeV4l2Device::SetFormat(v4l2_format* format, bool is_kept) {
   pix.field = V4L2_FIELD_NONE;
   pix.bytesperline = chosen.strides[0];
   pix.sizeimage = chosen.sizes[0];
+  pix.colorspace = chosen.colour_space;
+  pix.quantization = chosen.quantization;
   return 0;
 }
 

@@ -21,6 +21,7 @@ struct FakeV4l2State {
   struct Format {
     uint32_t code, width, height;  // the only size
     std::vector<uint32_t> strides, sizes;
+    uint32_t colour_space = 0, quantization = 0;
   };
   // A frame that it fills a buffer with, or the errno of VIDIOC_DQBUF.
   struct Event {

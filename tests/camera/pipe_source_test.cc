@@ -157,6 +157,20 @@ TEST(PipeSource, SlowTakersGetTheNewestFrames) {
   EXPECT_EQ(source.counts().dropped, 18u);
 }
 
+TEST(PipeSource, Y4mSaysItsRange) {
+  for (const auto& [header, is_full] :
+       std::vector<std::pair<std::string, bool>>{
+           {"C420jpeg XYSCSS=420JPEG XCOLORRANGE=FULL", true},
+           {"XCOLORRANGE=FULL C420mpeg2", true},
+           {"C420jpeg XCOLORRANGE=LIMITED", false},
+           {"C420jpeg", false}}) {
+    Writer writer;
+    writer.Write("YUV4MPEG2 W16 H8 " + header + "\nFRAME\n", 65536);
+    const PipeSource source(writer.fd(), Options(""), [] { return false; });
+    EXPECT_EQ(source.format().is_full_range, is_full) << header;
+  }
+}
+
 TEST(PipeSource, Y4mSaysItsFormat) {
   const std::string frames = Recording("YUV420", 16, 8, 2);
   const std::string bytes =

@@ -58,12 +58,13 @@ TEST(StreamFormat, SizesAndStridesThatCannotBeAreRefused) {
 }
 
 // A picture of 2 x 2 pixels of one colour.
-std::vector<int> ColourOf(const char* name, std::vector<uint8_t> bytes) {
-  const StreamFormat format = Make(name, 2, 2);
+std::vector<int> ColourOf(const char* name, std::vector<uint8_t> bytes,
+                          bool is_full_range = false) {
+  StreamFormat format = Make(name, 2, 2);
+  format.is_full_range = is_full_range;
   EXPECT_EQ(format.packed_size(), bytes.size()) << name;
   uint8_t rgb[6];
-  ReadPictureRow(*format.pixel_format, MakePackedImage(format, bytes.data()), 1,
-                 rgb);
+  ReadPictureRow(format, MakePackedImage(format, bytes.data()), 1, rgb);
   return {rgb[3], rgb[4], rgb[5]};
 }
 
@@ -114,6 +115,42 @@ TEST(PictureRows, RedIsRedInEveryOrderOfYuv) {
     EXPECT_GE(rgb[0], 253);
     EXPECT_LE(rgb[1], 2);
     EXPECT_LE(rgb[2], 2);
+  }
+}
+
+TEST(PictureRows, BlackAndWhiteAreThoseOfTheRange) {
+  const std::vector<int> black = {0, 0, 0}, white = {255, 255, 255};
+  const auto grey = [](uint8_t y) {
+    return std::vector<uint8_t>{y, y, y, y, 128, 128};
+  };
+  EXPECT_EQ(ColourOf("NV12", grey(16)), black);
+  EXPECT_EQ(ColourOf("NV12", grey(235)), white);
+  EXPECT_EQ(ColourOf("NV12", grey(0), true), black);
+  EXPECT_EQ(ColourOf("NV12", grey(16), true), (std::vector<int>{16, 16, 16}));
+  EXPECT_EQ(ColourOf("NV12", grey(255), true), white);
+  // Red of BT.601, as JPEG has it.
+  const std::vector<int> red =
+      ColourOf("YUV420", {76, 76, 76, 76, 85, 255}, true);
+  EXPECT_GE(red[0], 253);
+  EXPECT_LE(red[1] + red[2], 4);
+}
+
+TEST(StreamFormat, OnlyTheBorderOfYuvHasARange) {
+  for (const std::string& name : PixelFormatNames()) {
+    StreamFormat format = Make(name.c_str(), 8, 8);
+    rg_target of_video = {}, full = {};
+    SetBlackBorder(format, &of_video);
+    format.is_full_range = true;
+    SetBlackBorder(format, &full);
+    const bool is_yuv = format.pixel_format->model == ColourModel::kYuv;
+    EXPECT_EQ(of_video.border_values[0] - full.border_values[0],
+              is_yuv ? 16 : 0)
+        << name;
+    for (int c = 1; c < 4; ++c)
+      EXPECT_EQ(of_video.border_values[c], full.border_values[c]) << name;
+    if (is_yuv) {
+      EXPECT_EQ(full.border_values[0], 0) << name;
+    }
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <tuple>
 
 #include "camera_error.h"
 #include "fake_v4l2_source.h"
@@ -57,6 +58,23 @@ TEST(V4l2Source, FramesComeInOrderWithTheirNumbers) {
   EXPECT_TRUE(source->is_finished());
   EXPECT_EQ(source->fault(), "");
   EXPECT_FALSE(state.is_streaming);
+}
+
+TEST(V4l2Source, ARangeIsTheDrivers) {
+  for (const bool are_apart : {false, true})
+    for (const auto& [colour_space, quantization, is_full] :
+         std::vector<std::tuple<uint32_t, uint32_t, bool>>{
+             {V4L2_COLORSPACE_SRGB, V4L2_QUANTIZATION_DEFAULT, false},
+             {V4L2_COLORSPACE_SRGB, V4L2_QUANTIZATION_FULL_RANGE, true},
+             {V4L2_COLORSPACE_JPEG, V4L2_QUANTIZATION_DEFAULT, true},
+             {V4L2_COLORSPACE_JPEG, V4L2_QUANTIZATION_LIM_RANGE, false}}) {
+      FakeV4l2State state;
+      MakeGrey(&state);
+      state.has_planes_apart = are_apart;
+      state.formats[0].colour_space = colour_space;
+      state.formats[0].quantization = quantization;
+      EXPECT_EQ(Open(&state)->format().is_full_range, is_full);
+    }
 }
 
 TEST(V4l2Source, DamagedFramesGoBackToTheDriverAndAreNeverSeen) {

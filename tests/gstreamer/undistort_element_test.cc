@@ -102,13 +102,16 @@ class Pipeline {
   }
   // The first error that was posted; empty: none.
   std::string TakeError() const { return FirstError(bus_); }
-  void SetCaps(const char* media, const char* format, int width,
-               int height) const {
-    gst_harness_set_src_caps(
-        harness_,
+  void SetCaps(const char* media, const char* format, int width, int height,
+               const char* colorimetry = nullptr) const {
+    GstCaps* const caps =
         gst_caps_new_simple(media, "format", G_TYPE_STRING, format, "width",
                             G_TYPE_INT, width, "height", G_TYPE_INT, height,
-                            "framerate", GST_TYPE_FRACTION, 30, 1, nullptr));
+                            "framerate", GST_TYPE_FRACTION, 30, 1, nullptr);
+    if (colorimetry)
+      gst_caps_set_simple(caps, "colorimetry", G_TYPE_STRING, colorimetry,
+                          nullptr);
+    gst_harness_set_src_caps(harness_, caps);
   }
 
  private:
@@ -177,7 +180,7 @@ std::vector<uint8_t> Remapped(const StreamFormat& frames,
   std::vector<uint8_t> made(views.packed_size());
   rg_target target = {};
   target.num_rows = views.height;
-  SetBlackBorder(*views.pixel_format, &target);
+  SetBlackBorder(views, &target);
   uint8_t* next = made.data();
   for (int i = 0; i < frames.num_planes; ++i) {
     image.planes[i].stride = memory.strides[i];
@@ -251,14 +254,15 @@ std::vector<uint8_t> RowsOfBuffer(const Pipeline& pipeline,
 }
 
 // The pipeline takes a frame of that format, and gives it as rg_remap() does.
-void CheckFrame(const Pipeline& pipeline, const NamedFormat& name,
-                uint32_t gap) {
+void CheckFrame(const Pipeline& pipeline, const NamedFormat& name, uint32_t gap,
+                const char* colorimetry = nullptr, bool is_full_range = false) {
   const bool is_bayer = std::strcmp(name.media, "video/x-bayer") == 0;
-  pipeline.SetCaps(name.media, name.gstreamer, kWidth, kHeight);
+  pipeline.SetCaps(name.media, name.gstreamer, kWidth, kHeight, colorimetry);
   const PixelFormatInfo& pixel_format = *FindPixelFormat(name.libcamera);
   const StreamFormat frames =
       MakeStreamFormat(pixel_format, kWidth, kHeight, 0);
-  const StreamFormat views = FormatOfViews(pixel_format);
+  StreamFormat views = FormatOfViews(pixel_format);
+  views.is_full_range = is_full_range;
   const Memory memory = is_bayer ? LayOutBayer(frames) : LayOut(frames, gap);
   const std::vector<uint8_t> bytes = Noise(memory.size);
   GstBuffer* const view = gst_harness_push_and_pull(
@@ -283,6 +287,21 @@ void CheckFormat(const NamedFormat& name, uint32_t gap,
 
 TEST(UndistortElement, GivesTheBytesOfRemapInEveryFormat) {
   for (const NamedFormat& name : kFormats) CheckFormat(name, 0, "");
+}
+
+// Black is Y = 0 in what jpegdec gives: 1:4:0:0.
+TEST(UndistortElement, HasABlackBorderInEveryRange) {
+  const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
+  for (const NamedFormat& name : kFormats)
+    for (const auto& [colorimetry, is_full] :
+         std::vector<std::pair<const char*, bool>>{{"1:4:0:0", true},
+                                                   {"1:3:5:1", true},
+                                                   {"2:4:0:0", false},
+                                                   {"bt709", false}}) {
+      if (std::strcmp(name.media, "video/x-bayer") == 0) continue;
+      SCOPED_TRACE(std::string(name.gstreamer) + " " + colorimetry);
+      CheckFrame(Pipeline(blob.path()), name, 0, colorimetry, is_full);
+    }
 }
 
 TEST(UndistortElement, TakesRowsAndPlanesWithGaps) {
@@ -417,7 +436,7 @@ Memory LayOutAsCaps(const Pipeline& pipeline, const StreamFormat& format) {
   return memory;
 }
 
-// Where a buffer of a pool says that its planes are.
+// A buffer of a pool says where its planes are.
 Memory LayOutAsMeta(const StreamFormat& format, GstBuffer* buffer) {
   const GstVideoMeta* const meta = gst_buffer_get_video_meta(buffer);
   Memory memory;

@@ -12,6 +12,7 @@ namespace raygrid {
 namespace {
 
 constexpr char kY4mMagic[] = "YUV4MPEG2 ", kY4mFrame[] = "FRAME";
+constexpr char kY4mFullRange[] = " XCOLORRANGE=FULL ";
 constexpr size_t kMaxLineBytes = 1024;
 
 CameraError InputError(const std::string& message) {
@@ -110,8 +111,12 @@ class Y4mReader : public FrameReader {
     std::string line;
     if (!TakeLine(stream, &line))
       throw InputError("its Y4M header does not end; write it again");
-    return MakeStreamFormat(*FindPixelFormat(FormatOfY4m(Parameter(line, 'C'))),
-                            ParseSide(line, 'W'), ParseSide(line, 'H'), 0);
+    StreamFormat format =
+        MakeStreamFormat(*FindPixelFormat(FormatOfY4m(Parameter(line, 'C'))),
+                         ParseSide(line, 'W'), ParseSide(line, 'H'), 0);
+    format.is_full_range =
+        (line + " ").find(kY4mFullRange) != std::string::npos;
+    return format;
   }
 
   InputStream* const stream_;

@@ -35,8 +35,8 @@ boolean LeaveOnFullBuffer(j_compress_ptr jpeg) {
 void EndBuffer(j_compress_ptr) {}
 
 // libjpeg leaves by longjmp: nothing here has a destructor.
-size_t Compress(const PixelFormatInfo& pixel_format, const rg_image& image,
-                uint8_t* row, uint8_t* bytes, size_t max_size) {
+size_t Compress(const StreamFormat& format, const rg_image& image, uint8_t* row,
+                uint8_t* bytes, size_t max_size) {
   jpeg_compress_struct jpeg;
   Errors errors;
   jpeg.err = jpeg_std_error(&errors.manager);
@@ -63,7 +63,7 @@ size_t Compress(const PixelFormatInfo& pixel_format, const rg_image& image,
   jpeg.dct_method = JDCT_IFAST;
   jpeg_start_compress(&jpeg, TRUE);
   for (uint32_t y = 0; y < image.height; ++y) {
-    ReadPictureRow(pixel_format, image, y, row);
+    ReadPictureRow(format, image, y, row);
     jpeg_write_scanlines(&jpeg, &row, 1);
   }
   jpeg_finish_compress(&jpeg);
@@ -81,8 +81,7 @@ JpegEncoder::JpegEncoder(const StreamFormat& format)
       bytes_(size_t{3} * format.width * format.height + 4096) {}
 
 size_t JpegEncoder::Encode(const rg_image& image) {
-  return Compress(*format_.pixel_format, image, row_.data(), bytes_.data(),
-                  bytes_.size());
+  return Compress(format_, image, row_.data(), bytes_.data(), bytes_.size());
 }
 
 }  // namespace raygrid

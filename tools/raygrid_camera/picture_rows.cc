@@ -12,14 +12,24 @@ uint8_t Clamp(int value) {
   return static_cast<uint8_t>(std::clamp(value, 0, 255));
 }
 
-void PutYuv(int y, int u, int v, uint8_t* rgb) {
-  // q8 of BT.601.
-  const int luma = 298 * (y - 16) + 128;
-  u -= 128;
-  v -= 128;
-  rgb[0] = Clamp((luma + 409 * v) >> 8);
-  rgb[1] = Clamp((luma - 100 * u - 208 * v) >> 8);
-  rgb[2] = Clamp((luma + 516 * u) >> 8);
+// YUV of BT.601 to RGB, in q8.
+struct YuvToRgb {
+  int black, luma, red_v, green_u, green_v, blue_u;
+
+  void Put(int y, int u, int v, uint8_t* rgb) const {
+    const int grey = luma * (y - black) + 128;
+    u -= 128;
+    v -= 128;
+    rgb[0] = Clamp((grey + red_v * v) >> 8);
+    rgb[1] = Clamp((grey - green_u * u - green_v * v) >> 8);
+    rgb[2] = Clamp((grey + blue_u * u) >> 8);
+  }
+};
+
+const YuvToRgb& ConversionOf(const StreamFormat& format) {
+  static constexpr YuvToRgb kVideo = {16, 298, 409, 100, 208, 516};
+  static constexpr YuvToRgb kFull = {0, 256, 359, 88, 183, 454};
+  return format.is_full_range ? kFull : kVideo;
 }
 
 // A sample's upper 8 bits.
@@ -61,33 +71,39 @@ void ReadFieldsRow(const uint8_t* words, uint32_t width, uint8_t* rgb) {
     }
 }
 
-void ReadInterleavedRow(const PixelFormatInfo& pixel_format,
-                        const rg_image& image, uint32_t row, uint8_t* rgb) {
+void ReadInterleavedRow(const StreamFormat& format, const rg_image& image,
+                        uint32_t row, uint8_t* rgb) {
+  const PixelFormatInfo& pixel_format = *format.pixel_format;
+  const YuvToRgb& yuv = ConversionOf(format);
   const int step = pixel_format.format == RG_FORMAT_RGB24 ? 3 : 4;
   const uint8_t* pixel = RowOf(image, 0, row);
   const uint8_t* const order = pixel_format.order;
   for (uint32_t x = 0; x < image.width; ++x, pixel += step, rgb += 3) {
     if (pixel_format.model == ColourModel::kYuv)
-      PutYuv(pixel[order[0]], pixel[order[1]], pixel[order[2]], rgb);
+      yuv.Put(pixel[order[0]], pixel[order[1]], pixel[order[2]], rgb);
     else
       for (int i = 0; i < 3; ++i) rgb[i] = pixel[order[i]];
   }
 }
 
 // YUYV and its like: pairs of pixels in 4 bytes.
-void ReadPairedRow(const PixelFormatInfo& pixel_format, const rg_image& image,
+void ReadPairedRow(const StreamFormat& format, const rg_image& image,
                    uint32_t row, uint8_t* rgb) {
+  const PixelFormatInfo& pixel_format = *format.pixel_format;
+  const YuvToRgb& yuv = ConversionOf(format);
   const uint8_t* pair = RowOf(image, 0, row);
   const uint8_t* const order = pixel_format.order;
   for (uint32_t x = 0; x < image.width; ++x, rgb += 3) {
     const uint8_t* const group = pair + size_t{4} * (x / 2);
-    PutYuv(group[order[0] + 2 * (x & 1)], group[order[1]], group[order[2]],
-           rgb);
+    yuv.Put(group[order[0] + 2 * (x & 1)], group[order[1]], group[order[2]],
+            rgb);
   }
 }
 
-void ReadPlanarRow(const PixelFormatInfo& pixel_format, const rg_image& image,
+void ReadPlanarRow(const StreamFormat& format, const rg_image& image,
                    uint32_t row, uint8_t* rgb) {
+  const PixelFormatInfo& pixel_format = *format.pixel_format;
+  const YuvToRgb& yuv = ConversionOf(format);
   const bool is_nv12 = pixel_format.format == RG_FORMAT_NV12;
   const uint8_t* const order = pixel_format.order;
   const uint8_t* const luma = RowOf(image, 0, row);
@@ -97,7 +113,7 @@ void ReadPlanarRow(const PixelFormatInfo& pixel_format, const rg_image& image,
                         : RowOf(image, order[i + 1], row / 2);
   const uint32_t step = is_nv12 ? 2 : 1;
   for (uint32_t x = 0; x < image.width; ++x, rgb += 3)
-    PutYuv(luma[x], chroma[0][x / 2 * step], chroma[1][x / 2 * step], rgb);
+    yuv.Put(luma[x], chroma[0][x / 2 * step], chroma[1][x / 2 * step], rgb);
 }
 
 void ReadBayerRow(const PixelFormatInfo& pixel_format, const rg_image& image,
@@ -114,20 +130,21 @@ void ReadBayerRow(const PixelFormatInfo& pixel_format, const rg_image& image,
 
 }  // namespace
 
-void ReadPictureRow(const PixelFormatInfo& pixel_format, const rg_image& image,
+void ReadPictureRow(const StreamFormat& format, const rg_image& image,
                     uint32_t row, uint8_t* rgb) {
+  const PixelFormatInfo& pixel_format = *format.pixel_format;
   switch (pixel_format.format) {
     case RG_FORMAT_RGB24:
     case RG_FORMAT_RGB32:
-      return ReadInterleavedRow(pixel_format, image, row, rgb);
+      return ReadInterleavedRow(format, image, row, rgb);
     case RG_FORMAT_RGB565:
       return ReadFieldsRow(RowOf(image, 0, row), image.width, rgb);
     case RG_FORMAT_YUYV:
     case RG_FORMAT_UYVY:
-      return ReadPairedRow(pixel_format, image, row, rgb);
+      return ReadPairedRow(format, image, row, rgb);
     case RG_FORMAT_NV12:
     case RG_FORMAT_YUV420:
-      return ReadPlanarRow(pixel_format, image, row, rgb);
+      return ReadPlanarRow(format, image, row, rgb);
     default:
       if (pixel_format.model == ColourModel::kBayer)
         return ReadBayerRow(pixel_format, image, row, rgb);

@@ -8,8 +8,8 @@
 namespace raygrid {
 
 /// Colours for people to look at: 8 bits of red, green, blue. Each 2 x 2 pixels
-/// of a Bayer frame become one colour; YUV is that of BT.601, 16 to 235.
-void ReadPictureRow(const PixelFormatInfo& pixel_format, const rg_image& image,
+/// of a Bayer frame become one colour; YUV is that of BT.601.
+void ReadPictureRow(const StreamFormat& format, const rg_image& image,
                     uint32_t row, uint8_t* rgb);
 
 /// The image of a frame without gaps.

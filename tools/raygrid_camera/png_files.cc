@@ -50,7 +50,7 @@ class PngFiles : public FrameOutput {
   void Write(const UndistortedFrame& frame, uint64_t index) override {
     const rg_image image = MakePackedImage(format_, frame.bytes.data());
     for (uint32_t i = 0; i < format_.height; ++i)
-      ReadPictureRow(*format_.pixel_format, image, i, rows_[i]);
+      ReadPictureRow(format_, image, i, rows_[i]);
     char path[PATH_MAX];
     std::snprintf(path, sizeof(path), "%s/frame-%06llu.png", folder_.c_str(),
                   static_cast<unsigned long long>(index));

@@ -73,7 +73,7 @@ Image GreyOf(const StreamFormat& format, const rg_image& frame) {
         frame.planes[0].data + size_t{y} * frame.planes[0].stride;
     uint8_t* const grey = &image.pixels[image.stride() * y];
     if (info.model == ColourModel::kRgb) {
-      ReadPictureRow(info, frame, y, rgb.data());
+      ReadPictureRow(format, frame, y, rgb.data());
       MixColours(rgb.data(), format.width, grey);
     } else if (info.bits > 8) {
       WidenRow(info, row, format.width, grey);

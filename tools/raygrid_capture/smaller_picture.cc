@@ -26,8 +26,8 @@ void SmallerPicture::Average(const StreamFormat& format, const rg_image& image,
   for (int y = 0; y < height_; ++y) {
     std::fill(sums_.begin(), sums_.end(), area / 2);
     for (int k = 0; k < side; ++k) {
-      ReadPictureRow(*format.pixel_format, image,
-                     static_cast<uint32_t>(y * side + k), row_.data());
+      ReadPictureRow(format, image, static_cast<uint32_t>(y * side + k),
+                     row_.data());
       const uint8_t* from = row_.data();
       for (size_t x = 0; x < sums_.size(); x += 3)
         for (int i = 0; i < side; ++i, from += 3)
