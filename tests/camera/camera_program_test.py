@@ -241,6 +241,53 @@ class CameraProgram(unittest.TestCase):
         self.assertIn(b"raygrid-camera: standard input: ended within a frame; check --size",
                       result.stderr)
 
+    def test_every_frame_of_a_pipe_or_file_is_written(self):
+        frames = self.read("frames.yuyv")
+        count = 40 * COUNT
+        result = self.run_with_input(40 * frames, "--format", "YUYV", "--png", "-o", "of_pipe")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(sorted(os.listdir(self.path("of_pipe"))),
+                         [f"frame-{k:06}.png" for k in range(count)])
+        self.assertIn(b"%d taken, 0 dropped" % count, result.stderr)
+        result = self.run_program("flat.raygrid", "--from", "frames.yuyv", "--format", "YUYV",
+                                  "--fps", 10000, "--frames", 50, "--png", "-o", "of_file")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(sorted(os.listdir(self.path("of_file"))),
+                         [f"frame-{k:06}.png" for k in range(50)])
+        # A reader that begins late, when all that can wait does.
+        with subprocess.Popen([programs.camera, "flat.raygrid", "--from", "-", "--format", "YUYV",
+                               "--quiet", "-o", "-"], cwd=self.folder, stdin=subprocess.PIPE,
+                              stdout=subprocess.PIPE) as process:
+            writer = threading.Thread(target=lambda: (process.stdin.write(5 * frames),
+                                                      process.stdin.close()))
+            writer.start()
+            time.sleep(0.5)
+            self.assertEqual(process.stdout.read(), 5 * b"".join(self.expected))
+            writer.join()
+
+    def test_numbers_of_files_show_what_is_missing(self):
+        _, port = self.serve()
+        good = self.pictures(port, "/before", 1)[0]
+        damaged = good[:len(good) // 2] + b"\xff\xd9"
+        for k, pictures in enumerate(((good, damaged, good), (good, damaged, damaged, good, good))):
+            result = self.run_with_input(b"".join(pictures), "-o", f"gaps{k}")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(sorted(os.listdir(self.path(f"gaps{k}"))),
+                             [f"frame-{number:06}.raw" for number, picture in enumerate(pictures)
+                              if picture is good])
+        # Frames that are given up, wherever that happens.
+        result = self.run_with_input(40 * self.read("frames.yuyv"), "--format", "YUYV", "--live",
+                                     "-o", "live")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        counts = re.search(rb"(\d+) arrived.* (\d+) taken, (\d+) dropped", result.stderr).groups()
+        arrived, taken, dropped = map(int, counts)
+        self.assertEqual((arrived, taken + dropped), (40 * COUNT, 40 * COUNT))
+        names = sorted(os.listdir(self.path("live")))
+        self.assertEqual(len(names), taken)
+        sequences = [int(re.search(rb"\nsequence: (\d+)\n", self.read(f"live/{name}")).group(1))
+                     for name in names]
+        self.assertEqual(names, [f"frame-{number - sequences[0]:06}.raw" for number in sequences])
+
     def test_y4m_of_standard_input(self):
         frame = bytes(k * 7 & 255 for k in range(WIDTH * HEIGHT * 3 // 2))
         self.write("frame.i420", frame)
@@ -375,6 +422,8 @@ class CameraProgram(unittest.TestCase):
                           ("flat.raygrid", "--from", "frames.yuyv"),
                           ("flat.raygrid", "--points", "-", "-o", "x"),
                           ("flat.raygrid", "--points", "-", "--from", "-"),
+                          ("flat.raygrid", "--live"),
+                          ("flat.raygrid", "--from", "-", "--live", "--every-frame"),
                           ("flat.raygrid", "--benchmark", "--frames", "100"),
                           ("flat.raygrid", "--benchmark", "--points", "-"),
                           ("flat.raygrid", "--points", "-", "--outside", "trusted"),

@@ -33,8 +33,8 @@ device() {  # NAME: the V4L2 device of a USB camera, or vivid's of that number
     esac
   done
 }
-wait_for() {
-  until [ -e $1 ]; do sleep 0.1; done
+wait_for() {  # FOLDER: until it has three frames
+  until [ $(ls $1 2>/dev/null | grep -c raw$) -ge 3 ]; do sleep 0.1; done
 }
 end() {  # SIGNAL NAME: of the program that runs, how long it takes
   kill -$1 $(pidof raygrid-camera)

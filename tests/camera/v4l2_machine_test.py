@@ -17,7 +17,7 @@ ENDS = """
 run several vga.raygrid --source v4l2 --frames 1
 run other_size vga.raygrid --source $(device -2:1.0) --frames 1 -o other_size
 run terminated vga.raygrid --source $(device -1:1.0) -o terminated &
-wait_for terminated/frame-000002.raw
+wait_for terminated
 run second vga.raygrid --source $(device -1:1.0) --frames 1
 end TERM terminated
 run unplugged vga.raygrid --source $(device -3:1.0) -o unplugged

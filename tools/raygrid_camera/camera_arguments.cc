@@ -51,9 +51,12 @@ const char kCameraHelp[] =
     "                     may be given again\n"
     "  --from FILE        raw frames of a file, again and again, instead of a\n"
     "                     camera; with --format, and --fps N (default: 30)\n"
-    "  --from -           live frames of standard input: raw ones with "
-    "--format\n"
-    "                     and --size, Y4M, or JPEGs one behind the other\n"
+    "  --from -           frames of standard input: raw ones with --format "
+    "and\n"
+    "                     --size, Y4M, or JPEGs one behind the other\n"
+    "  --live             frames of --from do not wait for a slow output, as "
+    "those\n"
+    "                     of a camera (default: every frame is written)\n"
     "  --timeout S        seconds without a frame that end it (default: 5)\n"
     "\n"
     "Output\n"
@@ -69,8 +72,11 @@ const char kCameraHelp[] =
     "nothing\n"
     "                     is trusted\n"
     "  --frames N         ends after N frames\n"
-    "  --every-frame      waits for a slow output; else the oldest frame is\n"
-    "                     given up for a newer one\n"
+    "  --every-frame      frames of a camera wait for a slow output; else the "
+    "oldest\n"
+    "                     is given up for a newer one, and numbers of files "
+    "have a\n"
+    "                     gap\n"
     "  --threads N        that undistort each frame (default: all processors "
     "but one)\n"
     "  --http PORT        a page with frames before and after, for this "
@@ -225,6 +231,7 @@ enum Option : int {
   kOutside,
   kFrames,
   kEveryFrame,
+  kLive,
   kThreads,
   kHttp,
   kHttpName,
@@ -256,6 +263,7 @@ const option kOptions[] = {
     {"outside", required_argument, nullptr, kOutside},
     {"frames", required_argument, nullptr, kFrames},
     {"every-frame", no_argument, nullptr, kEveryFrame},
+    {"live", no_argument, nullptr, kLive},
     {"threads", required_argument, nullptr, kThreads},
     {"http", required_argument, nullptr, kHttp},
     {"http-name", required_argument, nullptr, kHttpName},
@@ -316,6 +324,9 @@ void TakeOption(int which, CameraArguments* arguments) {
       break;
     case kEveryFrame:
       arguments->every_frame = true;
+      break;
+    case kLive:
+      arguments->is_live = true;
       break;
     case kThreads:
       arguments->num_threads =
@@ -387,6 +398,10 @@ void CheckTogether(const CameraArguments& arguments) {
     FailUsage("--from: instead of a camera; leave --source or --camera out");
   if (!arguments.recording.empty() && !arguments.controls.empty())
     FailUsage("--control: is for cameras; leave it out with --from");
+  if (arguments.is_live && arguments.recording.empty())
+    FailUsage("--live: is for --from; leave it out, as cameras are live");
+  if (arguments.is_live && arguments.every_frame)
+    FailUsage("--live: leave --every-frame out, which is the opposite");
   if (arguments.recording == "-" && arguments.points == "-")
     FailUsage("--points: of a file, where --from reads standard input");
   if (!arguments.recording.empty() && arguments.recording != "-" &&

@@ -21,7 +21,8 @@ struct CameraArguments {
   std::string serial;
   std::optional<SensorCrop> calibrated_crop;
   ControlValues controls;  // of the camera, in the order given
-  std::string recording;   // frames of a file instead of a camera; "-": live
+  std::string recording;   // frames of a file, not a camera; "-": of stdin
+  bool is_live = false;    // they do not wait for a slow output
   double frames_per_second = 30;  // of the recording
   std::string output;             // folder; "-": standard output
   bool as_png = false;

@@ -15,6 +15,7 @@
 #include "camera_error.h"
 #include "camera_statistics.h"
 #include "capture_guard.h"
+#include "frame_numbers.h"
 #include "frame_output.h"
 #include "points.h"
 #include "preview_server.h"
@@ -117,7 +118,7 @@ class FrameLoop {
     if (!frame) return Wait();
     statistics_.Count(*frame);
     const Clock::time_point start = Clock::now();
-    if (output_) output_->Write(*frame, written_);
+    if (output_) output_->Write(*frame, numbers_.Next(frame->info.sequence));
     if (benchmark_) benchmark_->Count(*frame, Clock::now() - start);
     if (!arguments_.is_check) notice_.OnFrame();
     ++written_;
@@ -142,6 +143,7 @@ class FrameLoop {
   CameraStatistics statistics_;
   Patience patience_;
   ServiceNotice notice_;
+  FrameNumbers numbers_;
   uint64_t written_ = 0, held_back_ = 0;
 };
 

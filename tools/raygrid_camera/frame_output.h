@@ -13,8 +13,10 @@ namespace raygrid {
 class FrameOutput {
  public:
   virtual ~FrameOutput() = default;
-  /// The index-th frame of all. Throws CameraError; nothing half-written stays.
-  virtual void Write(const UndistortedFrame& frame, uint64_t index) = 0;
+  /// Throws CameraError; nothing half-written stays.
+  ///
+  /// number  of the frame, as FrameNumbers has it
+  virtual void Write(const UndistortedFrame& frame, uint64_t number) = 0;
 };
 
 /// FOLDER/frame-000000.raw and so on: a text header that ends with a line

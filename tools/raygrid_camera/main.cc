@@ -92,8 +92,8 @@ void Run(CameraArguments arguments) {
     arguments.width = width;
     arguments.height = height;
   }
-  if (CanFramesWait(arguments) || arguments.is_benchmark)
-    arguments.every_frame = true;
+  const bool can_wait = !arguments.recording.empty() && !arguments.is_live;
+  if (can_wait || arguments.is_benchmark) arguments.every_frame = true;
   const auto source = OpenFrameSource(arguments);
   if (!source && arguments.is_check) FailCheck();
   if (source)

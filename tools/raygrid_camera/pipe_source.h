@@ -19,12 +19,12 @@ namespace raygrid {
 struct PipeOptions {
   std::string format;      // libcamera's name, or MJPEG; "": the stream says it
   unsigned width, height;  // where the stream does not say them
-  bool every_frame = false;  // the writer waits for who takes frames
+  bool every_frame = false;  // the writer waits
   double timeout_s = 5;      // for the first byte
 };
 
-/// Frames that another program writes, as a live camera: who is slow gets the
-/// newest ones.
+/// Frames that another program writes. Who is slow gets the newest ones, as of
+/// a camera, or the writer waits.
 class PipeSource : public FrameSource {
  public:
   /// Reads what says the format. Throws CameraError where none comes.

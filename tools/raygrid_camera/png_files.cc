@@ -47,13 +47,13 @@ class PngFiles : public FrameOutput {
       rows_.push_back(pixels_.data() + size_t{3} * format.width * i);
   }
 
-  void Write(const UndistortedFrame& frame, uint64_t index) override {
+  void Write(const UndistortedFrame& frame, uint64_t number) override {
     const rg_image image = MakePackedImage(format_, frame.bytes.data());
     for (uint32_t i = 0; i < format_.height; ++i)
       ReadPictureRow(format_, image, i, rows_[i]);
     char path[PATH_MAX];
     std::snprintf(path, sizeof(path), "%s/frame-%06llu.png", folder_.c_str(),
-                  static_cast<unsigned long long>(index));
+                  static_cast<unsigned long long>(number));
     WholeFile file(path);
     PngWriting writing = {&file, std::nullopt};
     if (!Encode(&writing))

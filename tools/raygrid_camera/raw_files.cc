@@ -55,10 +55,10 @@ class RawFiles : public FrameOutput {
     MakeFolder(folder);
   }
 
-  void Write(const UndistortedFrame& frame, uint64_t index) override {
+  void Write(const UndistortedFrame& frame, uint64_t number) override {
     char path[PATH_MAX];
     std::snprintf(path, sizeof(path), "%s/frame-%06llu.raw", folder_.c_str(),
-                  static_cast<unsigned long long>(index));
+                  static_cast<unsigned long long>(number));
     const Header header = MakeHeader(format_, frame.info);
     WholeFile file(path);
     file.Write(header.data(), header.size());
