@@ -72,9 +72,10 @@ PixelFormat ChooseFormat(const StreamConfiguration& stream,
     if (name.empty() ? FindPixelFormat(format.toString()) != nullptr
                      : format.toString() == name)
       return format;
+  const std::string other = DescribeOtherName(name);
   throw InputError("camera: has no format " +
-                   (name.empty() ? "that can be undistorted" : name) +
-                   "; --list shows what it has");
+                   (name.empty() ? "that can be undistorted" : name) + "; " +
+                   (other.empty() ? "--list shows what it has" : other));
 }
 
 bool IsRaw(const std::string& name) {

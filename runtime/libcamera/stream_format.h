@@ -22,10 +22,22 @@ struct PixelFormatInfo {
   /// second plane; of Bayer formats the pixel of the 2 x 2 that is red, the
   /// first green one, blue.
   uint8_t order[3];
+  /// Its name in V4L2, in ffmpeg and as GStreamer's rawvideoparse has it; NULL
+  /// where there is none.
+  const char* v4l2;
+  const char* ffmpeg = nullptr;
+  const char* gstreamer = nullptr;
 };
 
 /// NULL for a format that the runtime does not undistort.
 const PixelFormatInfo* FindPixelFormat(const std::string& name);
+
+/// FindPixelFormat() of an option --format. Throws CameraError (wrong usage),
+/// which says libcamera's name of a format that others name otherwise.
+const PixelFormatInfo& RequirePixelFormat(const std::string& name);
+
+/// "R8 is its name here" for a name of another program; else empty.
+std::string DescribeOtherName(const std::string& name);
 
 /// Names of all formats that the runtime undistorts.
 std::vector<std::string> PixelFormatNames();

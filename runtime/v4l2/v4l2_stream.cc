@@ -106,6 +106,12 @@ std::optional<Choice> FindFormat(V4l2Device* device, uint32_t buffer_type,
   return adjusted;
 }
 
+// The remedy for a name that no format of the device has.
+std::string RemedyOf(const std::string& name) {
+  const std::string other = DescribeOtherName(name);
+  return other.empty() ? "--list shows what it has" : other;
+}
+
 // The best format of pixels; that of JPEGs, only where it alone has the size.
 v4l2_format ChooseFormat(V4l2Device* device, uint32_t buffer_type,
                          const std::string& name, unsigned width,
@@ -115,10 +121,10 @@ v4l2_format ChooseFormat(V4l2Device* device, uint32_t buffer_type,
   std::vector<uint32_t> jpegs;
   if (takes_jpegs) jpegs = FindCandidates(codes, name, true);
   if (pixels.empty() && jpegs.empty())
-    throw V4l2Error(*device,
-                    "has no format " +
-                        (name.empty() ? "that can be undistorted" : name) +
-                        "; --list shows what it has");
+    throw V4l2Error(
+        *device, "has no format " +
+                     (name.empty() ? "that can be undistorted" : name) + "; " +
+                     RemedyOf(name));
   const auto choice = FindFormat(device, buffer_type, pixels, width, height);
   if (choice && choice->has_size) return choice->format;
   const auto other = FindFormat(device, buffer_type, jpegs, width, height);

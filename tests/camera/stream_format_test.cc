@@ -26,6 +26,37 @@ TEST(StreamFormat, EveryFormatOfTheRuntimeHasAName) {
   EXPECT_EQ(FindPixelFormat("MJPEG"), nullptr);
 }
 
+TEST(StreamFormat, NamesOfOtherProgramsAreTold) {
+  for (const auto& [other, name] :
+       std::vector<std::pair<const char*, const char*>>{
+           {"GREY", "R8"},
+           {"GRAY8", "R8"},
+           {"gray", "R8"},
+           {"Y10", "R10"},
+           {"GRAY16_LE", "R16"},
+           {"YUY2", "YUYV"},
+           {"I420", "YUV420"},
+           {"yuv420p", "YUV420"},
+           {"rgb24", "BGR888"},
+           {"pgAA", "SGRBG10_CSI2P"},
+           {"pGAA", "SGBRG10_CSI2P"}}) {
+    EXPECT_EQ(FindPixelFormat(other), nullptr);
+    EXPECT_EQ(DescribeOtherName(other),
+              std::string(name) + " is its name here");
+  }
+  for (const char* name : {"R8", "NV12", "MJPEG", "", "NV13"})
+    EXPECT_EQ(DescribeOtherName(name), "") << name;
+  try {
+    RequirePixelFormat("NV13");
+    FAIL();
+  } catch (const CameraError& error) {
+    const std::string what = error.what();
+    EXPECT_NE(what.find("NV13 is not undistorted; choose one of R8, R10"),
+              std::string::npos)
+        << what;
+  }
+}
+
 TEST(StreamFormat, PlanesFollowFromTheFirstStride) {
   const StreamFormat nv12 = Make("NV12", 64, 48, 80);
   EXPECT_EQ(nv12.num_planes, 2);

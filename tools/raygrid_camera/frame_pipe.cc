@@ -66,39 +66,6 @@ class FramePipe : public FrameOutput {
   const std::function<bool()> is_stopped_;
 };
 
-// ffmpeg's and GStreamer's names of formats, where they have the same.
-struct PlayerNames {
-  const char *name, *ffmpeg, *gstreamer;
-};
-
-constexpr PlayerNames kPlayerNames[] = {{"R8", "gray", "gray8"},
-                                        {"R16", "gray16le", "gray16-le"},
-                                        {"RGB888", "bgr24", "bgr"},
-                                        {"BGR888", "rgb24", "rgb"},
-                                        {"XRGB8888", "bgr0", "bgrx"},
-                                        {"ARGB8888", "bgra", "bgra"},
-                                        {"XBGR8888", "rgb0", "rgbx"},
-                                        {"ABGR8888", "rgba", "rgba"},
-                                        {"RGBX8888", "0bgr", "xbgr"},
-                                        {"RGBA8888", "abgr", "abgr"},
-                                        {"BGRX8888", "0rgb", "xrgb"},
-                                        {"BGRA8888", "argb", "argb"},
-                                        {"YUYV", "yuyv422", "yuy2"},
-                                        {"YVYU", "yvyu422", "yvyu"},
-                                        {"UYVY", "uyvy422", "uyvy"},
-                                        {"VYUY", nullptr, "vyuy"},
-                                        {"NV12", "nv12", "nv12"},
-                                        {"NV21", "nv21", "nv21"},
-                                        {"YUV420", "yuv420p", "i420"},
-                                        {"YVU420", nullptr, "yv12"},
-                                        {"R10", "gray10le", nullptr},
-                                        {"R12", "gray12le", nullptr},
-                                        {"R14", "gray14le", nullptr},
-                                        {"SRGGB8", "bayer_rggb8", nullptr},
-                                        {"SGRBG8", "bayer_grbg8", nullptr},
-                                        {"SGBRG8", "bayer_gbrg8", nullptr},
-                                        {"SBGGR8", "bayer_bggr8", nullptr}};
-
 }  // namespace
 
 std::unique_ptr<FrameOutput> MakePipe(int fd,
@@ -110,20 +77,17 @@ std::string DescribePipe(const StreamFormat& format, double frames_per_second) {
   const std::string width = std::to_string(format.width);
   const std::string height = std::to_string(format.height);
   const std::string rate = std::to_string(std::lround(frames_per_second));
-  for (const PlayerNames& names : kPlayerNames) {
-    if (std::strcmp(names.name, format.pixel_format->name) != 0) continue;
-    std::string text;
-    if (names.ffmpeg)
-      text += std::string("ffplay -f rawvideo -pixel_format ") + names.ffmpeg +
-              " -video_size " + width + "x" + height + " -framerate " + rate +
-              " -\n";
-    if (names.gstreamer)
-      text += std::string("gst-launch-1.0 fdsrc ! rawvideoparse format=") +
-              names.gstreamer + " width=" + width + " height=" + height +
-              " framerate=" + rate + "/1 ! videoconvert ! autovideosink\n";
-    return text;
-  }
-  return "";
+  const PixelFormatInfo& names = *format.pixel_format;
+  std::string text;
+  if (names.ffmpeg)
+    text += std::string("ffplay -f rawvideo -pixel_format ") + names.ffmpeg +
+            " -video_size " + width + "x" + height + " -framerate " + rate +
+            " -\n";
+  if (names.gstreamer)
+    text += std::string("gst-launch-1.0 fdsrc ! rawvideoparse format=") +
+            names.gstreamer + " width=" + width + " height=" + height +
+            " framerate=" + rate + "/1 ! videoconvert ! autovideosink\n";
+  return text;
 }
 
 }  // namespace raygrid

@@ -142,12 +142,8 @@ std::unique_ptr<FrameReader> MakeFrameReader(InputStream* stream,
     return MakeJpegReader(stream);
   if (format.empty())
     throw InputError("is neither Y4M nor JPEG; name its format with --format");
-  const PixelFormatInfo* const info = FindPixelFormat(format);
-  if (!info)
-    throw CameraError(CameraExit::kUsage,
-                      "--format: " + format + " is not undistorted");
-  return std::make_unique<RawReader>(stream,
-                                     MakeStreamFormat(*info, width, height, 0));
+  return std::make_unique<RawReader>(
+      stream, MakeStreamFormat(RequirePixelFormat(format), width, height, 0));
 }
 
 }  // namespace raygrid

@@ -24,15 +24,12 @@ namespace raygrid {
 namespace {
 
 std::unique_ptr<FrameSource> OpenRecording(const CameraArguments& arguments) {
-  const PixelFormatInfo* const info = FindPixelFormat(arguments.format);
-  if (!info)
-    throw CameraError(CameraExit::kUsage,
-                      "--format: " + arguments.format + " is not undistorted");
+  const PixelFormatInfo& info = RequirePixelFormat(arguments.format);
   MemorySourceOptions options;
   options.frames_per_second = arguments.frames_per_second;
   options.every_frame = arguments.every_frame;
   return std::make_unique<MemorySource>(
-      MakeStreamFormat(*info, arguments.width, arguments.height, 0),
+      MakeStreamFormat(info, arguments.width, arguments.height, 0),
       ReadWholeFile(arguments.recording), options);
 }
 
