@@ -24,6 +24,7 @@
  * | RG_CHOOSE_SURFACE       | a running program chooses AVX2 for  | the above |
  * |                         | rays                                |           |
  * | RG_HAS_TILES            | kernels/tiles.c                     | the above |
+ * | RG_BLENDS_WORDS         | the fields of RGB565 at once        | the above |
  *
  * "You" give a switch to the compiler of all files: -DRG_PORTABLE_KERNELS=1.
  * Only RG_HAVE_FRAME_POINTER is set by another name: -DRG_KEEP_FRAME_POINTER.
@@ -174,6 +175,13 @@
 #define RG_HAS_TILES 1
 #else
 #define RG_HAS_TILES 0
+#endif
+
+/* Other processors with registers of 64 bits could do so, too. */
+#if RG_IS_FAST && defined(__x86_64__)
+#define RG_BLENDS_WORDS 1
+#else
+#define RG_BLENDS_WORDS 0
 #endif
 
 #endif /* RAYGRID_CONFIG_H */

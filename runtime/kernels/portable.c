@@ -23,6 +23,47 @@ void rg_blend_1(const rg_run* run) {
   } while (--rows != 0);
 }
 
+/* ---- Words of RGB565 ----------------------------------------------------- */
+
+/* The fields of a word, apart, with room for 16 bits more: green from bit 0 on,
+ * blue from 22, red from 43. Each sum of 4 samples, with weights whose sum is
+ * 2^16, fits: 63 2^16 + 2^15 is below 2^22, 31 2^16 + 2^15 below 2^21. */
+static RG_INLINE uint64_t spread_fields(uint32_t word) {
+  return (word >> 5 & 63) | (uint64_t)(word & 31) << 22 |
+         (uint64_t)(word >> 11) << 43;
+}
+
+static RG_INLINE uint32_t join_fields(uint64_t sums_q16) {
+  return (uint32_t)(sums_q16 >> 59) << 11 |
+         ((uint32_t)(sums_q16 >> 16) & 63) << 5 |
+         ((uint32_t)(sums_q16 >> 38) & 31);
+}
+
+/* Two words beside each other, with 8-bit weights. */
+static RG_INLINE uint64_t blend_words_across(const uint8_t* words,
+                                             uint32_t wx_q8) {
+  return spread_fields(rg_load_u16(words)) * (256 - wx_q8) +
+         spread_fields(rg_load_u16(words + 2)) * wx_q8;
+}
+
+/* rg_blend_samples() of all fields of a pixel; or a copy of its word. */
+static RG_INLINE void do_word(const rg_neighbors* at, int is_copy,
+                              uint8_t* out) {
+  const uint64_t rounding =
+      0x8000u | UINT64_C(0x8000) << 22 | UINT64_C(0x8000) << 43;
+  const uint32_t first = 2 * (rg_q12_of(at, 0) >> 12);
+  if (is_copy) {
+    rg_store_u16(out, rg_load_u16(at->upper + first));
+    return;
+  }
+  const uint32_t wx_q8 = rg_q12_of(at, 0) >> 4 & 255;
+  const uint32_t wy_q8 = rg_q12_of(at, 1) >> 4 & 255;
+  const uint64_t sums_q16 =
+      blend_words_across(at->upper + first, wx_q8) * (256 - wy_q8) +
+      blend_words_across(at->lower + first, wx_q8) * wy_q8 + rounding;
+  rg_store_u16(out, (uint16_t)join_fields(sums_q16));
+}
+
 /* ---- Any lattice ----------------------------------------------------------
  */
 
@@ -31,6 +72,10 @@ void rg_blend_1(const rg_run* run) {
 static RG_INLINE void do_pixel(const rg_lattice* lattice, uint32_t kind,
                                uint32_t num_channels, const rg_neighbors* at,
                                int is_copy, uint8_t* row, uint32_t out_pixel) {
+  if (RG_BLENDS_WORDS && kind == RG_SAMPLE_565) {
+    do_word(at, is_copy, row + 2 * (size_t)out_pixel);
+    return;
+  }
   uint32_t index = rg_first_sample(lattice, rg_q12_of(at, 0) >> 12);
   uint32_t target = rg_first_sample(lattice, out_pixel);
   for (uint32_t c = 0; c < num_channels; ++c, ++index, ++target)
@@ -111,6 +156,14 @@ static void do_rows_shortly(const rg_run* run, const rg_lattice* lattice,
   } while (++r != run->num_rows);
 }
 
+/* Does a run of all fields of RGB565 with the first one. The fields have the
+ * same runs, so nothing is left to do with the others. */
+static RG_INLINE void do_first_field(const rg_run* run,
+                                     const rg_lattice* lattice, int is_copy) {
+  if (lattice->first_sample == 0)
+    do_rows(run, lattice, RG_SAMPLE_565, 1, is_copy);
+}
+
 /* Does a run with lattice and sampling known to the compiler, where speed
  * matters. */
 static RG_INLINE void do_lattice(const rg_run* run, const rg_lattice* lattice,
@@ -119,6 +172,8 @@ static RG_INLINE void do_lattice(const rg_run* run, const rg_lattice* lattice,
     do_rows_shortly(run, lattice, is_copy ? 0 : lattice->sample_step);
   else if (lattice->kind == RG_SAMPLE_8)
     do_rows(run, lattice, RG_SAMPLE_8, lattice->num_channels, is_copy);
+  else if (RG_BLENDS_WORDS && lattice->kind == RG_SAMPLE_565)
+    do_first_field(run, lattice, is_copy);
   else
     do_rows(run, lattice, lattice->kind, 1, is_copy);
 }

@@ -186,6 +186,103 @@ static void frames_of_yuyv_are_the_same_by_every_kernel(void** unused) {
   assert_true(num_checked > NUM_CASES / 2);
 }
 
+/* ---- Frames of RGB565 ---------------------------------------------------- */
+
+/* The fields of words, and what a target of them holds before. */
+static const uint32_t kFieldShifts[3] = {11, 5, 0};
+static const uint32_t kFieldMasks[3] = {31, 63, 31};
+#define HELD_WORD (GUARD << 8 | GUARD)
+
+static uint32_t field_of(uint32_t word, uint32_t k) {
+  return word >> kFieldShifts[k] & kFieldMasks[k];
+}
+
+/* Undistorts a field as a frame of 16 bits, without gaps, into expected[0]. */
+static void remap_field(const rg_image* words, const rg_target* like,
+                        uint32_t k) {
+  rg_image image = *words;
+  rg_target target = *like;
+  uint16_t width, height;
+  rg_remap_size(&camera, &width, &height);
+  const uint32_t num_samples = (uint32_t)image.width * image.height;
+  const exact_memory memory = new_memory(2 * num_samples);
+  for (uint32_t i = 0; i < num_samples; ++i)
+    rg_store_u16(
+        memory.bytes + 2 * i,
+        (uint16_t)field_of(rg_load_u16(words->planes[0].data + 2 * i), k));
+  image.format = RG_FORMAT_GREY16;
+  image.planes[0].data = memory.bytes;
+  target.planes[0].data = expected[0];
+  target.planes[0].stride = 2u * width;
+  target.border_values[0] = like->border_values[k];
+  for (uint32_t i = 0; i < (uint32_t)width * height; ++i)
+    rg_store_u16(expected[0] + 2 * i, (uint16_t)field_of(HELD_WORD, k));
+  assert_int_equal(rg_remap(&camera, &image, &target), RG_OK);
+  free_memory(&memory);
+}
+
+static void check_fields(const rg_image* image, const rg_target* target) {
+  uint16_t width, height;
+  rg_remap_size(&camera, &width, &height);
+  for (uint32_t k = 0; k < 3; ++k) {
+    remap_field(image, target, k);
+    for (uint32_t y = 0; y < height; ++y)
+      for (uint32_t x = 0; x < width; ++x) {
+        const uint8_t* const row =
+            target->planes[0].data + y * target->planes[0].stride;
+        if (field_of(rg_load_u16(row + 2 * x), k) !=
+            rg_load_u16(expected[0] + 2 * (y * width + x)))
+          fail_msg("field %u at %u, %u", (unsigned)k, (unsigned)x, (unsigned)y);
+      }
+  }
+}
+
+static void check_rgb565(void) {
+  rg_image image;
+  rg_target target;
+  uint16_t width, height;
+  rg_remap_size(&camera, &width, &height);
+  memset(&image, 0, sizeof(image));
+  memset(&target, 0, sizeof(target));
+  image.format = RG_FORMAT_RGB565;
+  image.width = camera.frame_width;
+  image.height = camera.frame_height;
+  image.planes[0].stride = 2u * image.width;
+  const uint32_t size = image.planes[0].stride * image.height;
+  const exact_memory memory = new_memory(size);
+  image.planes[0].data = memory.bytes;
+  for (uint32_t i = 0; i < size; ++i)
+    memory.bytes[i] = (uint8_t)(below(4) == 0 ? 255 : below(256));
+  target.num_rows = height;
+  target.border = (rg_border)below(3);
+  target.sampling = (rg_sampling)(below(4) == 0);
+  for (uint32_t k = 0; k < 3; ++k)
+    target.border_values[k] = (uint16_t)below(kFieldMasks[k] + 1);
+  target.planes[0].stride = 2u * width + 2 * below(5);
+  target.planes[0].data = output[0] + MARGIN;
+  for (uint32_t name = 0; name < NUM_NAMES; ++name) {
+    target.kernels = rg_find_kernels(kNames[name]);
+    if (kNames[name] && !target.kernels) continue;
+    memset(output[0], GUARD, sizeof(output[0]));
+    assert_int_equal(rg_remap(&camera, &image, &target), RG_OK);
+    check_fields(&image, &target);
+    for (uint32_t i = 0; i < MARGIN; ++i) assert_int_equal(output[0][i], GUARD);
+  }
+  free_memory(&memory);
+}
+
+static void fields_of_rgb565_are_frames_of_16_bits(void** unused) {
+  (void)unused;
+  uint32_t num_checked = 0;
+  for (uint32_t k = 0; k < NUM_CASES / 3; ++k) {
+    state = 987 + 7919 * k;
+    if (!make_table(k % NUM_STYLES, 1)) continue;
+    check_rgb565();
+    ++num_checked;
+  }
+  assert_true(num_checked > NUM_CASES / 6);
+}
+
 /* ---- Runs about at the limits of the kernels' windows -------------------- */
 
 #if defined(__unix__)
@@ -449,6 +546,7 @@ int main(void) {
       cmocka_unit_test(every_kernel_gives_the_specified_bits),
       cmocka_unit_test(runs_at_the_limits_are_as_the_portable_ones),
       cmocka_unit_test(frames_of_yuyv_are_the_same_by_every_kernel),
+      cmocka_unit_test(fields_of_rgb565_are_frames_of_16_bits),
       cmocka_unit_test(spread_runs_are_as_those_of_any_lattice),
       cmocka_unit_test(blocks_are_as_their_rows),
       cmocka_unit_test(kernels_are_found_by_name),
