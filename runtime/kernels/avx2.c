@@ -3,6 +3,7 @@
  * each of three rows, so that byte shuffles take the place of a gather.
  * Elsewhere each pixel's samples are loaded by themselves. */
 #include "kernels/kernel.h"
+#include "kernels/segments.h"
 
 #if RG_CHOOSE_KERNELS && defined(__x86_64__)
 
@@ -589,6 +590,109 @@ void rg_blend_1_avx2(const rg_run* run) { blend(run, 1, rg_blend_1); }
 void rg_blend_2_avx2(const rg_run* run) { blend(run, 2, rg_blend_2); }
 void rg_blend_3_avx2(const rg_run* run) { blend(run, 3, rg_blend_3); }
 void rg_blend_4_avx2(const rg_run* run) { blend(run, 4, rg_blend_4); }
+
+/* ---- Words of RGB565 ----------------------------------------------------- */
+
+/* A field of 8 pixels, 32 bits each. Samples are the left one in the low half,
+ * the right one in the high half, of the upper row and the lower row; so are
+ * weights: across, and down in both halves likewise. */
+INLINE __m256i blend_field(__m256i upper, __m256i lower, __m256i across,
+                           __m256i down) {
+  const __m256i upper_q8 = _mm256_madd_epi16(upper, across);
+  const __m256i lower_q8 = _mm256_madd_epi16(lower, across);
+  /* A row's blend is at most 63 * 256. */
+  const __m256i rows =
+      _mm256_or_si256(upper_q8, _mm256_slli_epi32(lower_q8, 16));
+  const __m256i sums_q16 = _mm256_add_epi32(_mm256_madd_epi16(rows, down),
+                                            _mm256_set1_epi32(0x8000));
+  return _mm256_srli_epi32(sums_q16, 16);
+}
+
+/* 256 - w in the low halves, w in the high ones: 8 bits of positions. */
+INLINE __m256i weights_of(__m256i q12) {
+  const __m256i w =
+      _mm256_and_si256(_mm256_srli_epi32(q12, 4), _mm256_set1_epi32(255));
+  return _mm256_add_epi32(_mm256_mullo_epi32(w, _mm256_set1_epi32(65535)),
+                          _mm256_set1_epi32(256));
+}
+
+/* The pair of words that begins at each offset. */
+INLINE __m256i gather_words(const uint8_t* row, __m256i offsets) {
+  return _mm256_i32gather_epi32((const int*)(const void*)row, offsets, 1);
+}
+
+/* 8 pixels, whose rows are counted from the uppermost one. */
+INLINE void blend_words(const uint8_t* top, uint32_t stride, __m256i x_q12,
+                        __m256i y_q12, uint8_t* out) {
+  const __m256i offsets =
+      _mm256_add_epi32(_mm256_mullo_epi32(_mm256_srli_epi32(y_q12, 12),
+                                          _mm256_set1_epi32((int32_t)stride)),
+                       _mm256_slli_epi32(_mm256_srli_epi32(x_q12, 12), 1));
+  const __m256i upper = gather_words(top, offsets);
+  const __m256i lower = gather_words(top + stride, offsets);
+  const __m256i across = weights_of(x_q12), down = weights_of(y_q12);
+  const __m256i green = _mm256_set1_epi16(63), blue = _mm256_set1_epi16(31);
+  const __m256i r = blend_field(_mm256_srli_epi16(upper, 11),
+                                _mm256_srli_epi16(lower, 11), across, down);
+  const __m256i g = blend_field(
+      _mm256_and_si256(_mm256_srli_epi16(upper, 5), green),
+      _mm256_and_si256(_mm256_srli_epi16(lower, 5), green), across, down);
+  const __m256i b = blend_field(_mm256_and_si256(upper, blue),
+                                _mm256_and_si256(lower, blue), across, down);
+  const __m256i words = _mm256_or_si256(
+      b, _mm256_or_si256(_mm256_slli_epi32(g, 5), _mm256_slli_epi32(r, 11)));
+  const __m256i halves =
+      _mm256_permute4x64_epi64(_mm256_packus_epi32(words, words), 8);
+  _mm_storeu_si128((__m128i*)(void*)out, _mm256_castsi256_si128(halves));
+}
+
+/* The rows of 8 pixels are at most 16 pixels a pixel apart, so that their
+ * offsets fit into 32 bits. */
+#define MAX_WORD_STEP_Q12 65536
+
+/* The positions of the row have their rounding. */
+INLINE void blend_row_of_words(const rg_run* run, const rg_block_row* row,
+                               uint8_t* out) {
+  const int32_t n = run->num_pixels;
+  const int32_t step_x = row->step.q12[0], step_y = row->step.q12[1];
+  const __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+  const __m256i lanes_x = _mm256_mullo_epi32(_mm256_set1_epi32(step_x), lanes);
+  const __m256i lanes_y = _mm256_mullo_epi32(_mm256_set1_epi32(step_y), lanes);
+  const int32_t up = step_y < 0 ? 7 * step_y : 0;
+  for (int32_t k = 0; k < n; k += 8) {
+    if (k + 8 > n) k = n - 8; /* the last segment begins earlier */
+    const int32_t x = row->start.q12[0] + k * step_x;
+    const int32_t y = row->start.q12[1] + k * step_y;
+    const int32_t top = (y + up) >> 12;
+    blend_words(run->data + (size_t)(uint32_t)top * run->stride, run->stride,
+                _mm256_add_epi32(_mm256_set1_epi32(x), lanes_x),
+                _mm256_add_epi32(_mm256_set1_epi32(y - top * 4096), lanes_y),
+                out + 2 * (size_t)(uint32_t)k);
+  }
+}
+
+static int may_gather_words(const rg_run* run) {
+  for (uint32_t k = 0; k < 2; ++k)
+    for (int c = 0; c < 2; ++c) {
+      const int32_t step = rg_edge_step(run, k, c);
+      if (step < 2 - MAX_WORD_STEP_Q12 || step > MAX_WORD_STEP_Q12 - 2)
+        return 0;
+    }
+  return run->num_pixels >= 8 && run->stride <= 1 << 18;
+}
+
+int rg_blend_words_avx2(const rg_run* run) {
+  if (!may_gather_words(run)) return 0;
+  uint8_t* out = run->out + 2 * (size_t)run->out_pixel;
+  for (uint32_t r = 0; r < run->num_rows; ++r, out += run->out_stride) {
+    rg_block_row row;
+    rg_find_run_row(run, r, &row);
+    row.start.q12[0] += 8;
+    row.start.q12[1] += 8;
+    blend_row_of_words(run, &row, out);
+  }
+  return 1;
+}
 
 RG_END_FEATURES
 

@@ -8,7 +8,7 @@ static const rg_kernels kPortable = {
     "portable",
     {rg_blend_1, rg_blend_2, rg_blend_3, rg_blend_4},
     {0, 0, 0, 0},
-    RG_HAS_TILES};
+    RG_HAS_TILES ? RG_HAS_VECTORS : 0};
 
 #if defined(__x86_64__)
 
@@ -18,13 +18,13 @@ static const rg_kernels kSse4 = {
     "sse4",
     {rg_blend_1_sse4, rg_blend_2_sse4, rg_blend_3_sse4, rg_blend_4_sse4},
     {0, 0, 0, 0},
-    1};
+    RG_HAS_VECTORS};
 
 static const rg_kernels kAvx2 = {
     "avx2",
     {rg_blend_1_avx2, rg_blend_2_avx2, rg_blend_3_avx2, rg_blend_4_avx2},
     {0, 0, 0, 0},
-    1};
+    RG_HAS_VECTORS | RG_HAS_WORDS};
 
 static const rg_kernels kAvx512 = {
     "avx512",
@@ -32,7 +32,7 @@ static const rg_kernels kAvx512 = {
      rg_blend_4_avx512},
     {rg_blend_parts_1_avx512, rg_blend_parts_2_avx512, rg_blend_parts_3_avx512,
      rg_blend_parts_4_avx512},
-    1};
+    RG_HAS_VECTORS | RG_HAS_WORDS};
 
 static int has_sse4(void) {
   uint32_t a, b, c, d;
@@ -58,7 +58,7 @@ static const rg_kernels kNeon = {
     "neon",
     {rg_blend_1_neon, rg_blend_2_neon, rg_blend_3_neon, rg_blend_4_neon},
     {0, 0, 0, 0},
-    1};
+    RG_HAS_VECTORS};
 #endif
 
 #if RG_HAVE_RVV
@@ -66,7 +66,7 @@ static const rg_kernels kRvv = {
     "rvv",
     {rg_blend_1_rvv, rg_blend_2_rvv, rg_blend_3_rvv, rg_blend_4_rvv},
     {0, 0, 0, 0},
-    1};
+    RG_HAS_VECTORS};
 #endif
 
 const rg_kernels* rg_find_kernels(const char* name) {

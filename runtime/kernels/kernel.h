@@ -48,12 +48,18 @@ struct rg_kernels {
   const char* name;
   rg_blend* blend[4];
   rg_blend_parts* blend_parts[4]; /* NULL: none */
-  int have_vectors; /* several channels take little longer than one */
+  uint32_t abilities;
 };
+
+#define RG_HAS_VECTORS 1u /* several channels take little longer than one */
+#define RG_HAS_WORDS 2u   /* rg_blend_words_avx2() runs */
 
 rg_blend rg_blend_1, rg_blend_2, rg_blend_3, rg_blend_4;
 rg_blend rg_blend_1_sse4, rg_blend_2_sse4, rg_blend_3_sse4, rg_blend_4_sse4;
 rg_blend rg_blend_1_avx2, rg_blend_2_avx2, rg_blend_3_avx2, rg_blend_4_avx2;
+/* All fields of a run of RGB565; 0, and nothing is done, where steps are too
+ * large for it. */
+int rg_blend_words_avx2(const rg_run* run);
 rg_blend rg_blend_1_avx512, rg_blend_2_avx512, rg_blend_3_avx512,
     rg_blend_4_avx512;
 rg_blend_parts rg_blend_parts_1_avx512, rg_blend_parts_2_avx512,
@@ -131,8 +137,13 @@ static inline void rg_dispatch(const rg_kernels* kernels, const rg_run* run,
     kernels->blend[channels - 1](run);
     return;
   }
-  if (RG_CHOOSE_KERNELS && kernels && kernels->have_vectors &&
-      RG_MAY_RUN(is_roomy) && rg_is_spread(lattice)) {
+  if (RG_BLENDS_WORDS && kernels && (kernels->abilities & RG_HAS_WORDS) != 0 &&
+      lattice->kind == RG_SAMPLE_565 &&
+      (lattice->first_sample != 0 || rg_blend_words_avx2(run)))
+    return; /* all fields are done with the first one, here or below */
+  if (RG_CHOOSE_KERNELS && kernels &&
+      (kernels->abilities & RG_HAS_VECTORS) != 0 && RG_MAY_RUN(is_roomy) &&
+      rg_is_spread(lattice)) {
     rg_blend_spread(kernels, run, lattice);
     return;
   }
