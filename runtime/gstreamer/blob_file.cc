@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "camera_error.h"
+#include "stream_guard.h"
 
 namespace raygrid {
 namespace {
@@ -89,12 +90,10 @@ std::vector<TableSizes> BlobFile::Tables(int table) const {
     if (table < 0 || k == static_cast<uint32_t>(table))
       tables.push_back(SizesInUse(camera));
   if (tables.empty())
-    throw CameraError(
-        CameraExit::kBlob,
-        path_ +
-            (table >= 0 ? ": has no remap table " + std::to_string(table)
-                        : std::string(": has no remap table")) +
-            "; pack it with --remap");
+    throw CameraError(CameraExit::kBlob,
+                      path_ + ": " +
+                          DescribeTableFault(camera_, static_cast<uint32_t>(
+                                                          std::max(table, 0))));
   return tables;
 }
 

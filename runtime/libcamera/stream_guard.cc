@@ -69,6 +69,20 @@ uint32_t FindTable(const rg_camera& camera, const StreamFormat& format,
   return table;
 }
 
+std::string DescribeTableFault(const rg_camera& camera, uint32_t table) {
+  rg_camera other = camera;
+  const std::string name = "remap table " + std::to_string(table);
+  const rg_status status = rg_select_remap(&other, table);
+  if (status != RG_ERR_NO_REMAP)
+    return name + ": " + rg_status_text(status) + "; pack or copy it again";
+  uint32_t number = 0;
+  while (rg_select_remap(&other, number) != RG_ERR_NO_REMAP) ++number;
+  if (number == 0) return "has no remap table; pack it with --remap";
+  return "has no " + name + ", only 0" +
+         (number > 1 ? " to " + std::to_string(number - 1) : "") +
+         "; choose one of these";
+}
+
 bool HasTablesOfModes(const rg_camera& camera) {
   rg_camera other = camera;
   rg_mode mode;

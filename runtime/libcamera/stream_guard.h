@@ -27,6 +27,10 @@ uint32_t FindTable(const rg_camera& camera, const StreamFormat& format,
                    const std::optional<SensorCrop>& shown,
                    const Flips& flips = {});
 
+/// Why rg_select_remap() refuses a table, and what to do: "has no remap table
+/// 7, only 0 to 2; choose one of these".
+std::string DescribeTableFault(const rg_camera& camera, uint32_t table);
+
 /// Whether a table of the blob is for another sensor mode.
 bool HasTablesOfModes(const rg_camera& camera);
 

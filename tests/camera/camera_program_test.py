@@ -174,6 +174,10 @@ class CameraProgram(unittest.TestCase):
         seen = [(a, b) for a, b in zip(whole, part) if b >= 40]  # else border
         self.assertGreater(len(seen), 2000)
         self.assertLess(max(abs(a - b) for a, b in seen), 3)
+        for table, blob, words in ((9, "modes.raygrid", "has no remap table 9, only 0 to 2; "),
+                                   (0, "rays.raygrid", "has no remap table; ")):
+            self.assert_fails(8, blob, "--table", table, "--from", "frames.yuyv", "--format",
+                              "YUYV", words=[words])
         self.assert_fails(8, "modes.raygrid", "--table", 1, "--from", "frames.yuyv", "--format",
                           "YUYV", "--size", "160x120", words=["80x60", "pack --mode"])
 

@@ -14,6 +14,7 @@
 #include "neighbour_program.h"
 #include "raygrid.h"
 #include "rg_blob.h"
+#include "stream_guard.h"
 #include "whole_file.h"
 
 namespace raygrid {
@@ -56,9 +57,9 @@ Blob OpenBlob(const CameraArguments& arguments) {
   const unsigned table = arguments.table.value_or(0);
   status = rg_select_remap(&blob.camera, table);
   if (status != RG_OK)
-    throw CameraError(CameraExit::kBlob,
-                      arguments.blob + ": has no remap table " +
-                          std::to_string(table) + "; pack it with --remap");
+    throw CameraError(
+        CameraExit::kBlob,
+        arguments.blob + ": " + DescribeTableFault(blob.camera, table));
   rg_view view;
   if (rg_remap_view(&blob.camera, &view) == RG_OK && view.distorts)
     throw CameraError(CameraExit::kBlob,
