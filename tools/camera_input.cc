@@ -82,7 +82,7 @@ CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
   if (!IsBlob(path, bytes)) {
     if (const TableFormat* table = RecognizeTable(bytes))
       throw InputError(fmt::format("{}: {}", path, table->WhyNoCamera()));
-    const Format* format = RecognizeFormat(bytes);
+    const Format* format = RecognizeCamera(path, bytes);
     input.file = format ? ParseForeignCamera(*format, path, bytes)
                         : ParseCameraFile(path, bytes);
     input.ranges = TakeAt(path, at, reading, &input.file);

@@ -175,19 +175,26 @@ ExchangeContents ReadForeign(const ImportArguments& arguments,
   ExchangeContents all;
   std::vector<std::string> stems;
   std::set<std::string> names;
+  std::string of_pose;
   for (size_t k = 0; k < arguments.files.size(); ++k) {
     const std::string& path = arguments.files[k];
     ExchangeContents contents = ReadForeignFile(arguments, path, texts[k]);
-    RequireUsed(arguments, contents);
-    if (contents.cameras.empty()) return contents;
     for (const std::string& remark : contents.remarks)
       all.remarks.push_back(path + ": " + remark);
+    if (contents.second_from_first) {
+      all.second_from_first = contents.second_from_first;
+      of_pose = path;
+      continue;
+    }
+    RequireUsed(arguments, contents);
+    if (contents.cameras.empty()) return contents;
     for (ReadLens& camera : contents.cameras) {
       stems.push_back(std::filesystem::path(path).stem().string());
       names.insert(camera.name);
       all.cameras.push_back(std::move(camera));
     }
   }
+  TakePoseOfPair(all.second_from_first, of_pose, &all.cameras);
   if (arguments.files.size() == 1) {
     const auto& rectified = all.cameras.front().rectified;
     if (all.cameras.size() == 1 && rectified && rectified->IsBeside())
@@ -415,8 +422,10 @@ void AddImport(CLI::App* app, CommonOptions* common) {
       app, "import",
       "Another program's camera or rig as a camera.yaml or rig.yaml, exactly."
       " Other commands take such files as they are, too, if they have one "
-      "camera. Files of a camera each are a rig if they tell the poses, or R "
-      "and P as those of a stereo pair do. Tables of rays become the grid "
+      "camera. Files of a camera each are a rig if they have the poses, or R "
+      "and P as those of a stereo pair do; so is a file of two cameras with "
+      "that of their R and T. Keys of a camera that are not known are named. "
+      "Tables of rays become the grid "
       "that leaves little of them, and so does an STMap with the words of the"
       " view that it was exported with. Corners of mrcal and OpenCV become "
       "features.csv for calibrate --features, a target of Kalibr or a "

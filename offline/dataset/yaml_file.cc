@@ -126,7 +126,8 @@ std::string InLine(const YAML::Node& node) {
 
 }  // namespace
 
-void RequireYamlFile(const std::string& path, const std::string& text) {
+void RequireYamlFile(const std::string& path, const std::string& text,
+                     LastLine last_line) {
   RequireTextFile(path, text);
   std::istringstream stream(text);
   DuplicateKeyFinder finder(path);
@@ -138,7 +139,8 @@ void RequireYamlFile(const std::string& path, const std::string& text) {
   }
   RequireNothingMore(path, &parser);
   RequireClosedQuote(path, text);
-  if (finder.is_map()) RequireWholeLastLine(path, text);
+  if (finder.is_map() && last_line == LastLine::kEnds)
+    RequireWholeLastLine(path, text);
 }
 
 void RequireKind(const YAML::Node& root, const std::string& kind) {

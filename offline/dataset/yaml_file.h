@@ -10,11 +10,16 @@
 
 namespace raygrid {
 
+/// Whether the last line of a file may lack its end, as programs of others
+/// write it. raygrid's own files end with one, so that a cut shows.
+enum class LastLine { kEnds, kMayLackEnd };
+
 /// Throws InputError if a YAML file is no text file, ends within a line, has
 /// more behind its end, or has a key twice in one mapping, of which parsers
 /// take the first or the last as they like. Says nothing of text that is no
 /// YAML: parsing it does.
-void RequireYamlFile(const std::string& path, const std::string& text);
+void RequireYamlFile(const std::string& path, const std::string& text,
+                     LastLine last_line = LastLine::kEnds);
 
 /// Throws InputError, without the file's name, if a file is not of a kind, such
 /// as "camera" or "rig"; it says which other kind of ours it is.

@@ -7,7 +7,7 @@
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
-#include "dataset/yaml_file.h"
+#include "exchange/camera_keys.h"
 #include "exchange/opencv_forms.h"
 #include "exchange/own_json.h"
 #include "exchange/yaml_numbers.h"
@@ -65,7 +65,8 @@ const LensForm& BasaltFormNamed(const std::string& type) {
                                kType, Printable(type), names));
 }
 
-LensInForm ReadBasaltLens(const YAML::Node& camera) {
+LensInForm ReadBasaltLens(const YAML::Node& camera,
+                          std::vector<std::string>* remarks) {
   if (!camera.IsMap() || !camera[kType] || !camera[kType].IsScalar())
     throw InputError(fmt::format("'{}' is missing", kType));
   LensInForm lens;
@@ -73,8 +74,11 @@ LensInForm ReadBasaltLens(const YAML::Node& camera) {
   const YAML::Node values = camera[kLenses];
   if (!values || !values.IsMap())
     throw InputError(fmt::format("'{}' is missing", kLenses));
+  const CameraKeys keys(values, kLenses);
   for (const std::string& parameter : lens.form->parameters)
-    lens.values.push_back(FiniteNumber(values[parameter], parameter));
+    lens.values.push_back(FiniteNumber(keys[parameter], parameter));
+  keys.Skip({kRadius});
+  keys.Finish(*lens.form, remarks);
   return lens;
 }
 
@@ -153,29 +157,22 @@ void AddRemarksOnOthers(const YAML::Node& root, ExchangeContents* contents) {
 }
 
 ExchangeContents ReadBasalt(const ReadRequest& request) {
-  RequireYamlFile(request.path, request.text);
-  const YAML::Node file = YAML::Load(request.text);
-  const YAML::Node root = file.IsMap() ? file[kRoot] : YAML::Node();
+  const YAML::Node file = LoadForeignMap(request.path, request.text);
+  const YAML::Node root = file[kRoot];
   if (!root || !root.IsMap() || !root[kLenses] || !root[kLenses].IsSequence())
     throw InputError(
         fmt::format("no calibration: {} has no list '{}'", kRoot, kLenses));
-  if (!request.form.empty())
-    throw InputError(
-        "a calibration of Basalt says its models itself; leave "
-        "--model out");
   const size_t count = root[kLenses].size();
   const auto sizes = ListOf(root, kSizes, count);
   const auto poses = ListOf(root, kPoses, count);
-  if (sizes.empty() && !request.size)
-    throw InputError(fmt::format("'{}' is missing; add --image-size", kSizes));
   ExchangeContents contents;
   Pose imu_from_first;
   for (size_t c = 0; c < count; ++c) {
     ReadLens camera;
-    camera.lens =
-        ReadEntry(kLenses, c, [&] { return ReadBasaltLens(root[kLenses][c]); });
-    camera.lens.size =
-        request.size ? *request.size : SizeOfList(sizes[c], kSizes);
+    camera.lens = ReadEntry(kLenses, c, [&] {
+      return ReadBasaltLens(root[kLenses][c], &contents.remarks);
+    });
+    if (!sizes.empty()) camera.lens.size = SizeOfList(sizes[c], kSizes);
     if (!poses.empty()) {
       const Pose imu_from_camera =
           ReadEntry(kPoses, c, [&] { return ReadBasaltPose(poses[c]); });

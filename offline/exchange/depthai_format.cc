@@ -10,7 +10,7 @@
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
-#include "dataset/yaml_file.h"
+#include "exchange/camera_keys.h"
 #include "exchange/opencv_forms.h"
 #include "exchange/own_json.h"
 #include "exchange/yaml_numbers.h"
@@ -80,26 +80,23 @@ int WholeNumber(const YAML::Node& node, const std::string& name) {
   return static_cast<int>(number);
 }
 
-LensInForm ReadDevLens(const YAML::Node& camera) {
-  const int type = camera["cameraType"]
+LensInForm ReadDevLens(const CameraKeys& camera) {
+  const int type = camera.Has("cameraType")
                        ? WholeNumber(camera["cameraType"], "cameraType")
                        : kDevPerspectiveType;
   if (type != kDevPerspectiveType && type != kDevFisheyeType)
     throw InputError(fmt::format(
         "cameraType {}: raygrid has 0, perspective, and 1, fisheye", type));
-  const std::vector<double> k = RowsOfMatrix(camera[kDevMatrix], kDevMatrix);
-  if (k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1)
-    throw InputError(fmt::format("{}: has numbers besides fx, fy, cx, cy and 1",
-                                 kDevMatrix));
+  LensInForm lens;
+  TakeCameraMatrix(RowsOfMatrix(camera[kDevMatrix], kDevMatrix), kDevMatrix,
+                   &lens);
   std::vector<double> coefficients =
       FiniteNumbers(camera[kDevCoefficients], kDevCoefficients);
   while (!coefficients.empty() && coefficients.back() == 0)
     coefficients.pop_back();
-  LensInForm lens;
   lens.form = &DepthAiForm(type == kDevFisheyeType, coefficients.size());
   lens.size = {SidePx(camera["width"], "width"),
                SidePx(camera["height"], "height")};
-  lens.values = {k[0], k[4], k[2], k[5]};
   lens.values.insert(lens.values.end(), coefficients.begin(),
                      coefficients.end());
   lens.values.resize(lens.form->parameters.size(), 0);
@@ -128,7 +125,8 @@ void ReadDevLink(const YAML::Node& node, DevCamera* camera) {
   camera->target_from_camera = PoseOfMatrix(rows, kDevExtrinsics);
 }
 
-DevCamera ReadDevCamera(const YAML::Node& entry) {
+DevCamera ReadDevCamera(const YAML::Node& entry,
+                        std::vector<std::string>* remarks) {
   if (!entry.IsSequence() || entry.size() != 2 || !entry[1].IsMap())
     throw InputError("expected a socket and a camera");
   DevCamera camera;
@@ -136,8 +134,11 @@ DevCamera ReadDevCamera(const YAML::Node& entry) {
   if (camera.socket < 0 || camera.socket >= kDevNumSockets)
     throw InputError(fmt::format("socket {}: those are 0 to {}", camera.socket,
                                  kDevNumSockets - 1));
-  camera.lens.lens = ReadDevLens(entry[1]);
-  ReadDevLink(entry[1][kDevExtrinsics], &camera);
+  const CameraKeys keys(entry[1], fmt::format("socket {}", camera.socket));
+  camera.lens.lens = ReadDevLens(keys);
+  ReadDevLink(keys[kDevExtrinsics], &camera);
+  keys.Skip({"lensPosition", "specHfovDeg"});
+  keys.Finish(*camera.lens.lens.form, remarks);
   return camera;
 }
 
@@ -191,20 +192,16 @@ void NameDevCameras(const YAML::Node& root,
 }
 
 ExchangeContents ReadDepthAi(const ReadRequest& request) {
-  RequireYamlFile(request.path, request.text);
-  const YAML::Node root = YAML::Load(request.text);
-  if (!root.IsMap() || !root[kDevCameras] || !root[kDevCameras].IsSequence() ||
+  const YAML::Node root = LoadForeignMap(request.path, request.text);
+  if (!root[kDevCameras] || !root[kDevCameras].IsSequence() ||
       root[kDevCameras].size() == 0)
     throw InputError(
         fmt::format("no calibration: '{}' has no camera", kDevCameras));
-  if (!request.form.empty())
-    throw InputError(
-        "a calibration of DepthAI says its models itself; leave --model out");
   ExchangeContents contents;
   std::vector<DevCamera> cameras;
   for (const YAML::Node& entry : root[kDevCameras]) {
     try {
-      cameras.push_back(ReadDevCamera(entry));
+      cameras.push_back(ReadDevCamera(entry, &contents.remarks));
     } catch (const InputError& error) {
       throw InputError(
           fmt::format("{}[{}]: {}", kDevCameras, cameras.size(), error.what()));
@@ -214,7 +211,6 @@ ExchangeContents ReadDepthAi(const ReadRequest& request) {
         throw InputError(fmt::format("{}: socket {} stands there twice",
                                      kDevCameras, cameras[c].socket));
     contents.cameras.push_back(cameras.back().lens);
-    if (request.size) contents.cameras.back().lens.size = *request.size;
   }
   TakeDevPoses(cameras, &contents);
   NameDevCameras(root, cameras, &contents);

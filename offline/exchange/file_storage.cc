@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cstring>
 #include <filesystem>
 
 #include "dataset/error.h"
@@ -73,11 +75,50 @@ YAML::Node NodeOf(const XmlElement& element) {
   return node;
 }
 
-// OpenCV's version line is no YAML; a comment takes its place.
-std::string WithoutVersion(std::string text) {
-  const size_t at = text.find("%YAML:");
-  if (at == 0) text[0] = '#';
-  return text;
+// Whether a line of YAML is a key of two letters or more and a value without
+// space between: "data:[ 1 ]", "PointSize:2".
+bool LacksSpace(const std::string& line, size_t* colon) {
+  const size_t first = line.find_first_not_of(" \t");
+  if (first == std::string::npos ||
+      !std::isalpha(static_cast<unsigned char>(line[first])))
+    return false;
+  *colon = first;
+  while (*colon < line.size() &&
+         (std::isalnum(static_cast<unsigned char>(line[*colon])) ||
+          std::strchr("_.-", line[*colon])))
+    ++*colon;
+  return *colon > first + 1 && *colon + 1 < line.size() &&
+         line[*colon] == ':' && !std::strchr(" \t\r/:", line[*colon + 1]);
+}
+
+// FileStorage's own YAML as YAML: the version line is none, and a comment takes
+// its place; a value may follow its key at once.
+std::string StorageAsYaml(std::string text) {
+  if (text.rfind("%YAML:", 0) != 0) return text;
+  text[0] = '#';
+  std::string yaml;
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
+    std::string line = text.substr(at, end - at);
+    size_t colon = 0;
+    if (LacksSpace(line, &colon)) line.insert(colon + 1, " ");
+    yaml += line;
+    at = end;
+  }
+  return yaml;
+}
+
+// A list of numbers, which is one row, or a list of rows.
+StoredMatrix MatrixOfLists(const YAML::Node& node, const std::string& name) {
+  StoredMatrix matrix;
+  matrix.data = AllNumbers(node, name);
+  const bool has_rows = node.size() > 0 && node[0].IsSequence();
+  matrix.rows = has_rows ? static_cast<int>(node.size()) : 1;
+  matrix.columns = static_cast<int>(has_rows ? node[0].size() : node.size());
+  if (matrix.data.size() !=
+      static_cast<size_t>(matrix.rows) * static_cast<size_t>(matrix.columns))
+    throw InputError(fmt::format("{}: rows of different lengths", name));
+  return matrix;
 }
 
 std::string Quoted(FileStorageText::Kind kind, const std::string& text) {
@@ -108,13 +149,15 @@ YAML::Node ParseFileStorage(const std::string& path, const std::string& text) {
                                    Printable(root.name), kXmlRoot));
     return NodeOf(root);
   }
-  const std::string yaml = WithoutVersion(text);
-  RequireYamlFile(path, yaml);
+  const std::string yaml = StorageAsYaml(text);
+  RequireYamlFile(path, yaml, LastLine::kMayLackEnd);
   return YAML::Load(yaml);
 }
 
 StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
                                int num_channels) {
+  if (node.IsDefined() && node.IsSequence() && num_channels == 1)
+    return MatrixOfLists(node, name);
   if (!node.IsMap() || !node["rows"] || !node["cols"] || !node["data"])
     throw InputError(fmt::format("{}: no matrix", name));
   // "d", or "2f" of two channels.

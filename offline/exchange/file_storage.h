@@ -22,7 +22,8 @@ struct StoredMatrix {
   std::vector<double> data;
 };
 
-/// Throws InputError, naming the matrix, also if it has not so many channels.
+/// A matrix of FileStorage, or the lists that Python has instead. Throws
+/// InputError, naming the matrix, also if it has not so many channels.
 StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
                                int num_channels = 1);
 

@@ -2,6 +2,7 @@
 #ifndef RAYGRID_EXCHANGE_FORMAT_H
 #define RAYGRID_EXCHANGE_FORMAT_H
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,7 +30,7 @@ struct RectifiedProjection {
 /// A camera that was read.
 struct ReadLens {
   std::string name, serial;  ///< "" where the file does not tell
-  LensInForm lens;
+  LensInForm lens;           ///< its size is 0 x 0 likewise
   std::optional<Pose> camera_from_rig;
   std::optional<RectifiedProjection> rectified;
   std::vector<ImageFeatures> features;  ///< that it was calibrated with
@@ -44,6 +45,8 @@ struct ExchangeContents {
   std::vector<ReadLens> cameras;
   /// Corners of a file that has no camera.
   std::vector<ImageFeatures> corners;
+  /// The pose of a pair whose cameras stand in another file.
+  std::optional<Pose> second_from_first;
   std::vector<Board> boards;         ///< of a file that has boards alone
   std::vector<std::string> remarks;  ///< what was not taken as it stands
 
@@ -54,8 +57,10 @@ struct ExchangeContents {
 /// The file, and what the user says of it.
 struct ReadRequest {
   std::string path, text;
-  std::string form;               ///< --model: the file does not tell; or ""
-  std::optional<ImageSize> size;  ///< --image-size, likewise
+  /// --model and --image-size, for files that do not say these; "" and nothing
+  /// if not given. ReadExchangeFile() compares them with what a file says.
+  std::string form;
+  std::optional<ImageSize> size;
   /// Texts of the files that Format::beside() names; "" of one that is not
   /// there.
   std::vector<std::string> beside = {};
@@ -102,14 +107,15 @@ struct Format {
   bool holds_pairs = false;      ///< files of two cameras have R and P
   bool holds_poses = false;      ///< of boards
   bool holds_region = false;     ///< one, around what can be trusted
+  bool takes_model = false;      ///< --model: files may not say it
   bool takes_board = false;      ///< corners alone, without a board's width
   bool may_take_board = false;   ///< corners that may lack a board's width
 
   /// Whether a text is of this format, by words that others have not. It need
   /// not be well-formed.
-  bool (*recognizes)(const std::string& text);
+  std::function<bool(const std::string& text)> recognizes;
   /// Throws InputError without the file's name, and what yaml-cpp throws.
-  ExchangeContents (*read)(const ReadRequest& request);
+  std::function<ExchangeContents(const ReadRequest& request)> read;
   /// The text of a file; null if the format is only read.
   std::string (*write)(const WriteRequest& request);
   /// Paths of files that may stand beside the first, and those that are written
@@ -145,6 +151,10 @@ const Format& FindFormat(const std::string& option, const std::string& name);
 /// raygrid's own.
 const Format* RecognizeFormat(const std::string& text);
 
+/// RecognizeFormat() of a file that is to be a camera. Throws InputError,
+/// naming the formats, if it is of none of them and not raygrid's own.
+const Format* RecognizeCamera(const std::string& path, const std::string& text);
+
 /// "opencv, ros and kalibr", for errors.
 std::string FormatNames();
 
@@ -179,6 +189,16 @@ std::vector<std::pair<std::string, std::string>> WriteFolder(
 /// The poses of cameras that have R and P, in the frame of the first one; none
 /// if a camera has not even these, or no view stands beside another one.
 void FindPosesOfPair(std::vector<ReadLens>* cameras);
+
+/// Throws InputError if --model is neither the name of the form that a file
+/// says, nor that of its model.
+void RequireModelOfFile(const ReadRequest& request, const LensForm& form);
+
+/// The pose of a pair whose cameras stand in another file, if there is one.
+/// Throws InputError, naming the files, if they are not two cameras without
+/// poses.
+void TakePoseOfPair(const std::optional<Pose>& second_from_first,
+                    const std::string& files, std::vector<ReadLens>* cameras);
 
 /// Throws InputError if poses are not all of one board, as programs ask that
 /// have one world.

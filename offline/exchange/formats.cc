@@ -2,10 +2,12 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/text_encoding.h"
 #include "dataset/yaml_file.h"
 #include "exchange/basalt_format.h"
 #include "exchange/colmap_format.h"
@@ -23,6 +25,7 @@
 #include "exchange/puzzlepaint_format.h"
 #include "exchange/puzzlepaint_pattern_format.h"
 #include "exchange/ros_format.h"
+#include "exchange/skewed_lens.h"
 
 namespace raygrid {
 namespace {
@@ -47,6 +50,46 @@ void AddRemarksOnLenses(ExchangeContents* contents) {
         "its cameras stand {:g} m apart, if lengths are metres, as they are "
         "taken here",
         farthest_m));
+}
+
+// Completes cameras by what the user says of the file. An option never replaces
+// what the file says.
+void TakeOptions(const Format& format, const ReadRequest& request,
+                 ExchangeContents* contents) {
+  for (ReadLens& camera : contents->cameras) {
+    ImageSize& size = camera.lens.size;
+    if (size == ImageSize{} && !request.size)
+      throw InputError(
+          "the size of the images is missing; import it with --image-size WxH");
+    if (size == ImageSize{}) size = *request.size;
+    if (request.size && *request.size != size)
+      throw InputError(fmt::format(
+          "--image-size {}x{}: the file says {}x{}; leave the option out, and "
+          "if images are scaled or cut, say so to 'raygrid pack --mode "
+          "NAME:scale={:g}'",
+          request.size->width, request.size->height, size.width, size.height,
+          static_cast<double>(request.size->width) / size.width));
+    if (!format.takes_model) RequireModelOfFile(request, *camera.lens.form);
+    if (camera.lens.skew_px != 0)
+      camera.lens = GridOfSkewedLens(camera.lens, &contents->remarks);
+  }
+}
+
+// A remark on each camera of a file is made once.
+void DropRepeated(std::vector<std::string>* remarks) {
+  std::vector<std::string> kept;
+  for (const std::string& remark : *remarks)
+    if (std::find(kept.begin(), kept.end(), remark) == kept.end())
+      kept.push_back(remark);
+  *remarks = std::move(kept);
+}
+
+// A number that a file without an end of its last line ends with may be cut.
+void AddRemarkOnEnd(const std::string& text, ExchangeContents* contents) {
+  if (!text.empty() && std::isdigit(static_cast<unsigned char>(text.back())) &&
+      FindNoUtf8(text) == std::string::npos)
+    contents->remarks.push_back(
+        "ends within a line: its last number may be cut");
 }
 
 // Throws for a file whose loss would be one: that of a reconstruction.
@@ -76,12 +119,17 @@ void AddFiles(const std::vector<BesideFile>& written,
 }  // namespace
 
 const std::vector<Format>& Formats() {
-  static const std::vector<Format> formats = {
-      OpenCvFormat(),       RosFormat(),          KalibrFormat(),
-      KalibrTargetFormat(), ColmapFormat(),       MrcalCornersFormat(),
-      MrcalFormat(),        BasaltFormat(),       NerfstudioFormat(),
-      MetashapeFormat(),    PuzzlepaintFormat(),  DepthAiFormat(),
-      LibcameraFormat(),    PhotonVisionFormat(), PuzzlepaintPatternFormat()};
+  static const std::vector<Format> formats = [] {
+    std::vector<Format> all;
+    for (const auto& row :
+         {OpenCvFormat, RosFormat, KalibrFormat, KalibrTargetFormat,
+          ColmapFormat, MrcalCornersFormat, MrcalFormat, BasaltFormat,
+          NerfstudioFormat, MetashapeFormat, PuzzlepaintFormat, DepthAiFormat,
+          LibcameraFormat, PhotonVisionFormat, PuzzlepaintPatternFormat,
+          PythonFormat})
+      all.push_back(row());
+    return all;
+  }();
   return formats;
 }
 
@@ -124,6 +172,17 @@ const Format* RecognizeFormat(const std::string& text) {
   return nullptr;
 }
 
+const Format* RecognizeCamera(const std::string& path,
+                              const std::string& text) {
+  const Format* const format = RecognizeFormat(text);
+  if (!format && text.find("raygrid_") == std::string::npos)
+    throw InputError(fmt::format(
+        "{}: not a camera (no 'raygrid_camera: 1'), and of no format that is "
+        "known: {}",
+        path, FormatNames()));
+  return format;
+}
+
 std::string FormatNames() {
   const std::vector<Format>& formats = Formats();
   std::string names = formats.front().name;
@@ -143,11 +202,14 @@ ExchangeContents ReadExchangeFile(const Format* format,
                                  request.path, found->name, format->name));
   return ReadNamingFile(request.path, [&] {
     ExchangeContents contents = (format ? format : found)->read(request);
+    const Format& own = *(format ? format : found);
     if (contents.cameras.empty() && contents.corners.empty() &&
-        contents.boards.empty())
-      throw InputError((format ? format : found)->takes_board ? "no corners"
-                                                              : "no camera");
+        contents.boards.empty() && !contents.second_from_first)
+      throw InputError(own.takes_board ? "no corners" : "no camera");
+    TakeOptions(own, request, &contents);
+    AddRemarkOnEnd(request.text, &contents);
     AddRemarksOnLenses(&contents);
+    DropRepeated(&contents.remarks);
     return contents;
   });
 }
@@ -162,6 +224,7 @@ void RequireCameraFormat(const Format& format, const std::string& path) {
 }
 
 void RequireCameras(const ExchangeContents& contents, const std::string& path) {
+  if (contents.second_from_first) TakePoseOfPair(Pose{}, path, nullptr);
   if (contents.cameras.empty()) ThrowOnCorners(path);
 }
 
@@ -228,6 +291,32 @@ void FindPosesOfPair(std::vector<ReadLens>* cameras) {
     camera.camera_from_rig = Pose{(back * first.rotation).normalized(),
                                   back * (own.translation - first.translation)};
   }
+}
+
+void RequireModelOfFile(const ReadRequest& request, const LensForm& form) {
+  if (request.form.empty() || request.form == form.name ||
+      request.form == form.model)
+    return;
+  throw InputError(fmt::format(
+      "--model {}: the file says its model itself, {}; leave the option out",
+      request.form, form.name));
+}
+
+void TakePoseOfPair(const std::optional<Pose>& second_from_first,
+                    const std::string& files, std::vector<ReadLens>* cameras) {
+  if (!second_from_first) return;
+  const bool is_pair = cameras && cameras->size() == 2 &&
+                       std::none_of(cameras->begin(), cameras->end(),
+                                    [](const ReadLens& camera) {
+                                      return camera.camera_from_rig.has_value();
+                                    });
+  if (!is_pair)
+    throw InputError(fmt::format(
+        "{}: R and T are the pose of a pair; 'raygrid import' takes this file "
+        "together with that of its two cameras, and makes the rig",
+        files));
+  cameras->front().camera_from_rig = Pose{};
+  cameras->back().camera_from_rig = *second_from_first;
 }
 
 void RequireOneBoard(const std::string& program,

@@ -9,7 +9,7 @@
 #include "dataset/error.h"
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
-#include "dataset/yaml_file.h"
+#include "exchange/camera_keys.h"
 #include "exchange/opencv_forms.h"
 #include "exchange/yaml_numbers.h"
 
@@ -102,22 +102,29 @@ void NameCameras(const YAML::Node& root, std::vector<ReadLens>* cameras) {
   }
 }
 
-LensInForm ReadKalibrLens(const YAML::Node& camera,
-                          const ReadRequest& request) {
+LensInForm ReadKalibrLens(const CameraKeys& camera) {
   const auto text_of = [&](const char* key) {
-    if (!camera[key]) throw InputError(fmt::format("'{}' is missing", key));
+    if (!camera.Has(key)) throw InputError(fmt::format("'{}' is missing", key));
     return camera[key].as<std::string>();
   };
   LensInForm lens;
   lens.form =
       &FindKalibrForm(text_of("camera_model"), text_of("distortion_model"));
-  lens.size = request.size ? *request.size
-                           : SizeOfList(camera["resolution"], "resolution");
+  if (camera.Has("resolution"))
+    lens.size = SizeOfList(camera["resolution"], "resolution");
   lens.values = FiniteNumbers(camera["intrinsics"], "intrinsics");
   std::vector<double> coefficients;
-  if (DistortionOfForm(*lens.form) != "none")
-    coefficients =
-        FiniteNumbers(camera["distortion_coeffs"], "distortion_coeffs", 4);
+  constexpr char kKey[] = "distortion_coeffs";
+  if (DistortionOfForm(*lens.form) != "none") {
+    coefficients = FiniteNumbers(camera[kKey], kKey, 4);
+  } else if (camera.Has(kKey) && !camera[kKey].IsNull()) {
+    coefficients = FiniteNumbers(camera[kKey], kKey);
+    TrimCoefficients(0, &coefficients);
+    if (!coefficients.empty())
+      throw InputError(fmt::format(
+          "{}: has numbers that are not 0, and distortion_model is none",
+          kKey));
+  }
   const size_t num_intrinsics =
       lens.form->parameters.size() - coefficients.size();
   if (lens.values.size() != num_intrinsics)
@@ -129,40 +136,59 @@ LensInForm ReadKalibrLens(const YAML::Node& camera,
   return lens;
 }
 
-Pose ReadKalibrPose(const YAML::Node& rows) {
-  const char* const name = "T_cn_cnm1";
-  if (!rows.IsSequence() || rows.size() != 4)
+Pose ReadKalibrPose(const CameraKeys& camera, const char* name) {
+  const std::vector<double> numbers = AllNumbers(camera[name], name);
+  if (numbers.size() != 16)
     throw InputError(fmt::format("{}: not 4 x 4", name));
-  std::vector<double> numbers;
-  for (const YAML::Node& row : rows)
-    for (const double number : FiniteNumbers(row, name, 4))
-      numbers.push_back(number);
   return PoseOfMatrix(numbers, name);
 }
 
+// The pose in the frame of the camera before; nothing if the file has none. The
+// older name is that of files of 2013.
+std::optional<Pose> PoseFromLast(const CameraKeys& camera) {
+  for (const char* key : {"T_cn_cnm1", "baseline_last_to_this_cam"})
+    if (camera.Has(key)) return ReadKalibrPose(camera, key);
+  return std::nullopt;
+}
+
+// The pose in the frame of the IMU, which OpenVINS has the other way around.
+std::optional<Pose> PoseFromImu(const CameraKeys& camera) {
+  if (camera.Has("T_cam_imu")) return ReadKalibrPose(camera, "T_cam_imu");
+  if (camera.Has("T_imu_cam"))
+    return ReadKalibrPose(camera, "T_imu_cam").Inverse();
+  return std::nullopt;
+}
+
 ExchangeContents ReadKalibr(const ReadRequest& request) {
-  RequireYamlFile(request.path, request.text);
-  const YAML::Node root = YAML::Load(request.text);
-  if (!root.IsMap() || !root["cam0"])
-    throw InputError("no camchain: 'cam0' is missing");
-  if (!request.form.empty())
-    throw InputError("a camchain says its models itself; leave --model out");
+  const YAML::Node root = LoadForeignMap(request.path, request.text);
+  if (!root["cam0"]) throw InputError("no camchain: 'cam0' is missing");
   ExchangeContents contents;
+  std::optional<Pose> first_from_imu;
   for (size_t c = 0; root[fmt::format("cam{}", c)]; ++c) {
     const std::string key = fmt::format("cam{}", c);
-    const YAML::Node node = root[key];
     try {
-      if (!node.IsMap()) throw InputError("no map of keys");
+      const CameraKeys keys(root[key], key);
       ReadLens camera;
-      camera.lens = ReadKalibrLens(node, request);
-      if (c == 0)
+      camera.lens = ReadKalibrLens(keys);
+      const std::optional<Pose> from_last = PoseFromLast(keys),
+                                from_imu = PoseFromImu(keys);
+      if (c == 0) {
+        first_from_imu = from_imu;
         camera.camera_from_rig = Pose{};
-      else if (node["T_cn_cnm1"] && contents.cameras.back().camera_from_rig)
-        camera.camera_from_rig = ReadKalibrPose(node["T_cn_cnm1"]) *
-                                 *contents.cameras.back().camera_from_rig;
+      } else if (from_last && contents.cameras.back().camera_from_rig) {
+        camera.camera_from_rig =
+            *from_last * *contents.cameras.back().camera_from_rig;
+      } else if (from_imu && first_from_imu) {
+        camera.camera_from_rig = *from_imu * first_from_imu->Inverse();
+      }
+      keys.Skip({"T_cam_imu", "T_imu_cam", "timeshift_cam_imu", "cam_overlaps",
+                 "rostopic"});
+      keys.Finish(*camera.lens.form, &contents.remarks);
       contents.cameras.push_back(std::move(camera));
     } catch (const InputError& error) {
-      throw InputError(fmt::format("{}: {}", key, error.what()));
+      const std::string message = error.what();
+      if (message.rfind(key + ": ", 0) == 0) throw;
+      throw InputError(fmt::format("{}: {}", key, message));
     }
   }
   if (contents.cameras.size() != root.size())
@@ -171,12 +197,12 @@ ExchangeContents ReadKalibr(const ReadRequest& request) {
         "alone, numbered without gaps",
         root.size(), root.size() - 1));
   NameCameras(root, &contents.cameras);
-  if (root["cam0"]["T_cam_imu"])
+  if (first_from_imu)
     contents.remarks.push_back(
-        "its IMU is not taken: T_cam_imu and timeshift_cam_imu");
+        "its IMU is not taken: the cameras' poses in it, and time shifts");
   if (contents.cameras.size() > 1 && !contents.IsRig())
     contents.remarks.push_back(
-        "T_cn_cnm1 is missing: the cameras are not a rig");
+        "neither T_cn_cnm1 nor poses in the IMU: the cameras are not a rig");
   return contents;
 }
 

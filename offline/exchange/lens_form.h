@@ -51,6 +51,10 @@ struct LensInForm {
   /// program's if it is to be written. Else null.
   std::shared_ptr<const CameraModel> grid = nullptr;
 
+  /// How far the camera matrix moves a pixel of y = 1 to the right. No model of
+  /// raygrid has one: such a lens is read as a grid (exchange/skewed_lens.h).
+  double skew_px = 0;
+
   /// Throws std::out_of_range if the form has no such parameter.
   double Value(const std::string& parameter) const;
   /// The values behind the first so many, which are the coefficients of forms

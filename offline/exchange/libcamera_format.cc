@@ -5,7 +5,7 @@
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
-#include "dataset/yaml_file.h"
+#include "exchange/camera_keys.h"
 #include "exchange/opencv_forms.h"
 #include "exchange/own_json.h"
 #include "exchange/yaml_numbers.h"
@@ -37,17 +37,13 @@ YAML::Node DewarpNode(const YAML::Node& root) {
                                kTuningDewarp));
 }
 
-LensInForm ReadDewarp(const YAML::Node& dewarp) {
-  if (!dewarp.IsMap())
-    throw InputError(fmt::format("{}: no map", kTuningDewarp));
-  const std::vector<double> k =
-      FiniteNumbers(dewarp[kTuningMatrix], kTuningMatrix, 9);
-  if (k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1)
-    throw InputError(fmt::format("{}: has numbers besides fx, fy, cx, cy and 1",
-                                 kTuningMatrix));
+LensInForm ReadDewarp(const CameraKeys& dewarp,
+                      std::vector<std::string>* remarks) {
+  LensInForm lens;
+  TakeCameraMatrix(FiniteNumbers(dewarp[kTuningMatrix], kTuningMatrix, 9),
+                   kTuningMatrix, &lens);
   const std::vector<double> coefficients =
       FiniteNumbers(dewarp[kTuningCoefficients], kTuningCoefficients);
-  LensInForm lens;
   for (const LensForm& form : LibcameraForms())
     if (form.parameters.size() == 4 + coefficients.size()) lens.form = &form;
   if (!lens.form)
@@ -55,30 +51,22 @@ LensInForm ReadDewarp(const YAML::Node& dewarp) {
         fmt::format("{}: {} numbers; libcamera takes 4, 5, 8 and "
                     "12",
                     kTuningCoefficients, coefficients.size()));
-  lens.values = {k[0], k[4], k[2], k[5]};
   lens.values.insert(lens.values.end(), coefficients.begin(),
                      coefficients.end());
+  dewarp.Finish(*lens.form, remarks);
   return lens;
 }
 
 ExchangeContents ReadLibcamera(const ReadRequest& request) {
-  RequireYamlFile(request.path, request.text);
-  const YAML::Node root = YAML::Load(request.text);
-  if (!request.form.empty())
-    throw InputError(
-        "the number of coefficients says the model; leave --model out");
+  const YAML::Node root = LoadForeignMap(request.path, request.text);
+  ExchangeContents contents;
   ReadLens camera;
-  camera.lens = ReadDewarp(DewarpNode(root));
+  camera.lens = ReadDewarp(CameraKeys(DewarpNode(root), kTuningDewarp),
+                           &contents.remarks);
   const YAML::Node own = root[kOwnKey];
   TakeOwnJson(own, &camera);
-  if (request.size)
-    camera.lens.size = *request.size;
-  else if (own && own.IsMap() && own[kTuningSize])
+  if (own && own.IsMap() && own[kTuningSize])
     camera.lens.size = SizeOfList(own[kTuningSize], kTuningSize);
-  else
-    throw InputError(
-        "a tuning file does not say how large images are; add --image-size");
-  ExchangeContents contents;
   contents.cameras.push_back(std::move(camera));
   return contents;
 }

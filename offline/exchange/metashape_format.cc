@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
-#include "dataset/yaml_file.h"
+#include "exchange/camera_keys.h"
 #include "exchange/opencv_forms.h"
 #include "exchange/xml.h"
 #include "exchange/yaml_numbers.h"
@@ -14,7 +12,7 @@
 namespace raygrid {
 namespace {
 
-constexpr char kRoot[] = "calibration";
+constexpr char kRoot[] = "calibration", kDocument[] = "document";
 
 // p1 and p2 have each other's name in OpenCV and raygrid. Metashape bends a
 // frame camera's x and y over z, and a fisheye's where these are as long as the
@@ -44,19 +42,18 @@ std::vector<std::string> KeysOf(const LensForm& form) {
 // ---- Reading ---------------------------------------------------------------
 
 // A number of the file; those of Metashape that are 0 may be missing.
-double NumberOf(const XmlElement& root, const std::string& name,
-                std::optional<double> missing = 0) {
-  const XmlElement* element = root.Child(name);
-  if (!element && missing) return *missing;
-  if (!element) throw InputError(fmt::format("'{}' is missing", name));
-  return FiniteNumber(YAML::Node(element->text), name);
+double NumberOf(const CameraKeys& keys, const std::string& name) {
+  return keys.Has(name) ? FiniteNumber(keys[name], name) : 0;
 }
 
-const LensForm& FormOfProjection(const XmlElement& root) {
-  const XmlElement* projection = root.Child("projection");
-  const std::string name = projection ? projection->text : "frame";
+double RequiredNumber(const CameraKeys& keys, const std::string& name) {
+  if (!keys.Has(name)) throw InputError(fmt::format("'{}' is missing", name));
+  return FiniteNumber(keys[name], name);
+}
+
+const LensForm& FormOfProjection(const std::string& name) {
   const std::vector<LensForm>& forms = MetashapeForms();
-  if (name == "frame") return forms[0];
+  if (name.empty() || name == "frame") return forms[0];
   if (name == "fisheye" || name == "equidistant_fisheye") return forms[1];
   throw InputError(
       fmt::format("projection '{}' is none that raygrid has; those are frame, "
@@ -65,66 +62,131 @@ const LensForm& FormOfProjection(const XmlElement& root) {
 }
 
 // A form has no place for some numbers that bend the lens.
-void RequireNothingElse(const XmlElement& root, const LensForm& form) {
-  std::vector<std::string> others = {"b2", "p3", "p4"};
+void RequireNothingElse(const CameraKeys& keys, const LensForm& form) {
+  std::vector<std::string> others = {"p3", "p4"};
   if (!form.Has("k4")) others.push_back("k4");
   for (const std::string& name : others)
-    if (NumberOf(root, name) != 0)
+    if (NumberOf(keys, name) != 0)
       throw InputError(fmt::format(
           "{} of a {} is not 0, and no lens of raygrid has it; optimize the "
           "cameras in Metashape without it",
           name, form.name));
   for (const char* name : {"fx", "fy", "skew"})
-    if (root.Child(name))
+    if (keys.Has(name))
       throw InputError(fmt::format(
           "'{}' is of PhotoScan before 1.2; export it from a newer one", name));
-  if (root.Child("corrections"))
+  if (keys.Has("corrections"))
     throw InputError(
         "'corrections' bend the lens, and no lens of raygrid has them; "
         "optimize the cameras in Metashape without them");
 }
 
-LensInForm ReadMetashapeLens(const XmlElement& root,
-                             const ReadRequest& request) {
+// The children of a calibration as a map. A size may stand in attributes.
+CameraKeys KeysOfCalibration(const XmlElement& calibration,
+                             const std::string& name) {
+  YAML::Node map(YAML::NodeType::Map);
+  for (const XmlElement& child : calibration.children) {
+    if (calibration.Child(child.name) != &child)
+      throw InputError(fmt::format("line {}: '{}' stands twice; keep one",
+                                   child.line, Printable(child.name)));
+    if (child.name == "resolution") {
+      for (const auto& [key, value] : child.attributes) map[key] = value;
+      continue;
+    }
+    map[child.name] = child.text;
+  }
+  return CameraKeys(map, name);
+}
+
+LensInForm ReadCalibration(const CameraKeys& keys,
+                           const std::string& projection,
+                           std::vector<std::string>* remarks) {
   LensInForm lens;
-  lens.form = &FormOfProjection(root);
-  RequireNothingElse(root, *lens.form);
-  const auto side_of = [&](const char* name) {
-    const double side = NumberOf(root, name, std::nullopt);
-    return SidePx(YAML::Node(side), name);
-  };
-  lens.size = request.size ? *request.size
-                           : ImageSize{side_of("width"), side_of("height")};
-  const double f = NumberOf(root, "f", std::nullopt);
-  lens.values = {f + NumberOf(root, "b1"), f, NumberOf(root, "cx"),
-                 NumberOf(root, "cy")};
+  lens.form = &FormOfProjection(projection);
+  RequireNothingElse(keys, *lens.form);
+  if (keys.Has("width") || keys.Has("height"))
+    lens.size = {SidePx(keys["width"], "width"),
+                 SidePx(keys["height"], "height")};
+  const double f = RequiredNumber(keys, "f");
+  lens.values = {f + NumberOf(keys, "b1"), f, NumberOf(keys, "cx"),
+                 NumberOf(keys, "cy")};
+  lens.skew_px = NumberOf(keys, "b2");
   for (const std::string& key : KeysOf(*lens.form))
-    lens.values.push_back(NumberOf(root, key));
+    lens.values.push_back(NumberOf(keys, key));
+  keys.Skip({"projection", "date"});
+  keys.Finish(*lens.form, remarks);
   return lens;
+}
+
+std::string AttributeOf(const XmlElement& element, const std::string& name) {
+  const auto found = element.attributes.find(name);
+  return found == element.attributes.end() ? "" : found->second;
+}
+
+// The calibration of a sensor that its images gave, or the one it began with.
+const XmlElement* CalibrationOf(const XmlElement& sensor) {
+  const XmlElement* first = nullptr;
+  for (const XmlElement& child : sensor.children) {
+    if (child.name != kRoot) continue;
+    if (AttributeOf(child, "class") == "adjusted") return &child;
+    if (!first) first = &child;
+  }
+  return first;
+}
+
+// The sensors of the document that "Export Cameras" writes.
+void ReadSensors(const XmlElement& root, ExchangeContents* contents) {
+  std::vector<const XmlElement*> sensors;
+  for (const XmlElement& chunk : root.children)
+    if (const XmlElement* list = chunk.Child("sensors"))
+      for (const XmlElement& sensor : list->children)
+        if (sensor.name == "sensor") sensors.push_back(&sensor);
+  for (const XmlElement* sensor : sensors) {
+    const std::string label = AttributeOf(*sensor, "label"),
+                      name = sensors.size() > 1
+                                 ? "sensor" + AttributeOf(*sensor, "id")
+                                 : "";
+    const XmlElement* const calibration = CalibrationOf(*sensor);
+    if (!calibration) {
+      contents->remarks.push_back(
+          fmt::format("sensor '{}' has no calibration", Printable(label)));
+      continue;
+    }
+    const std::string type = AttributeOf(*calibration, "type");
+    ReadLens camera;
+    camera.name = name;
+    camera.lens = ReadCalibration(
+        KeysOfCalibration(*calibration, name),
+        type.empty() ? AttributeOf(*sensor, "type") : type, &contents->remarks);
+    if (AttributeOf(*calibration, "class") == "initial")
+      contents->remarks.push_back(fmt::format(
+          "sensor '{}' has the calibration alone that Metashape began with",
+          Printable(label)));
+    contents->cameras.push_back(std::move(camera));
+  }
+  contents->remarks.push_back("the places of its cameras are not taken");
 }
 
 ExchangeContents ReadMetashape(const ReadRequest& request) {
   const XmlElement root = ParseXml(request.text);
-  if (root.name != kRoot)
-    throw InputError(fmt::format("the root element is '{}', not '{}'",
-                                 Printable(root.name), kRoot));
-  for (const XmlElement& child : root.children)
-    if (root.Child(child.name) != &child)
-      throw InputError(fmt::format("line {}: '{}' stands twice; keep one",
-                                   child.line, Printable(child.name)));
-  if (!request.form.empty())
-    throw InputError(
-        "a calibration of Metashape says its model itself; leave "
-        "--model out");
   ExchangeContents contents;
-  ReadLens camera;
-  camera.lens = ReadMetashapeLens(root, request);
-  contents.cameras.push_back(std::move(camera));
+  if (root.name == kDocument) {
+    ReadSensors(root, &contents);
+    return contents;
+  }
+  if (root.name != kRoot)
+    throw InputError(fmt::format("the root element is '{}', not '{}' or '{}'",
+                                 Printable(root.name), kRoot, kDocument));
+  const CameraKeys keys = KeysOfCalibration(root, "");
+  contents.cameras.emplace_back().lens =
+      ReadCalibration(keys, keys.Word("projection"), &contents.remarks);
   return contents;
 }
 
 bool IsMetashape(const std::string& text) {
-  return text.find("<calibration>") != std::string::npos;
+  return text.find("<calibration>") != std::string::npos ||
+         (text.find("<document ") != std::string::npos &&
+          text.find("<sensors") != std::string::npos);
 }
 
 // ---- Writing ---------------------------------------------------------------

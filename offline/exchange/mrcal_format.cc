@@ -9,7 +9,7 @@
 #include "camera/splined_stereographic.h"
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
-#include "dataset/yaml_file.h"
+#include "exchange/camera_keys.h"
 #include "exchange/opencv_forms.h"
 #include "exchange/photonvision_format.h"
 #include "exchange/valid_region.h"
@@ -121,15 +121,29 @@ std::shared_ptr<const SplinedStereographic> SplineOf(
                                                 parameters);
 }
 
-LensInForm LensOf(const YAML::Node& root) {
-  if (!root["lensmodel"] || !root["lensmodel"].IsScalar())
+// Versions before 1 call models DISTORTION_..., and a pinhole DISTORTION_NONE.
+std::string ModelNameOf(const CameraKeys& root) {
+  constexpr char kOldKey[] = "distortion_model", kOldPrefix[] = "DISTORTION_";
+  const bool is_old = !root.Has("lensmodel") && root.Has(kOldKey);
+  const char* const key = is_old ? kOldKey : "lensmodel";
+  const YAML::Node node = root[key];
+  if (!node.IsDefined() || !node.IsScalar())
     throw InputError("'lensmodel' is missing");
-  const std::string name = root["lensmodel"].as<std::string>();
+  const std::string name = node.as<std::string>();
+  if (name.rfind(kOldPrefix, 0) != 0) return name;
+  const std::string behind = name.substr(sizeof kOldPrefix - 1);
+  return kPrefix + (behind == "NONE" ? "PINHOLE" : behind);
+}
+
+LensInForm LensOf(const CameraKeys& root) {
+  const std::string name = ModelNameOf(root);
   const bool is_spline = name.rfind(kSplined, 0) == 0;
   LensInForm lens;
   lens.form = &MrcalFormNamed(is_spline ? kSplined : name);
-  if (!root["imagersize"]) throw InputError("'imagersize' is missing");
-  lens.size = SizeOfList(root["imagersize"], "imagersize");
+  const char* const size_key =
+      root.Has("imagersize") ? "imagersize" : "dimensions";
+  if (!root.Has(size_key)) throw InputError("'imagersize' is missing");
+  lens.size = SizeOfList(root[size_key], size_key);
   lens.values = FiniteNumbers(root["intrinsics"], "intrinsics");
   if (is_spline) {
     lens.spline = SplineOf(name, lens.size, lens.values);
@@ -139,19 +153,19 @@ LensInForm LensOf(const YAML::Node& root) {
 }
 
 // Versions from 2.5 on have the pose under a name that says it.
-std::optional<Pose> PoseOf(const YAML::Node& root) {
-  const char* const key = root["rt_cam_ref"] ? "rt_cam_ref" : "extrinsics";
-  if (!root[key]) return std::nullopt;
+std::optional<Pose> MrcalPoseOf(const CameraKeys& root) {
+  const char* const key = root.Has("rt_cam_ref") ? "rt_cam_ref" : "extrinsics";
+  if (!root.Has(key)) return std::nullopt;
   const std::vector<double> rt = FiniteNumbers(root[key], key, 6);
   return Pose{RotationFromVector({rt[0], rt[1], rt[2]}), {rt[3], rt[4], rt[5]}};
 }
 
 // None if the file has no region, which means that it does not tell.
-std::optional<TrustMask> TrustIn(const YAML::Node& root,
+std::optional<TrustMask> TrustIn(const CameraKeys& root,
                                  const ImageSize& size) {
   constexpr char kKey[] = "valid_intrinsics_region";
   const YAML::Node node = root[kKey];
-  if (!node || node.IsNull()) return std::nullopt;
+  if (!node.IsDefined() || node.IsNull()) return std::nullopt;
   if (!node.IsSequence())
     throw InputError(fmt::format("{}: not a list of points", kKey));
   ValidRegion region;
@@ -166,14 +180,17 @@ std::optional<TrustMask> TrustIn(const YAML::Node& root,
 
 ExchangeContents ReadMrcal(const ReadRequest& request) {
   const std::string yaml = AsYaml(request.text);
-  RequireYamlFile(request.path, yaml);
-  const YAML::Node root = YAML::Load(yaml);
-  if (!root.IsMap()) throw InputError("no camera: no dictionary");
+  const CameraKeys root(LoadForeignMap(request.path, yaml));
   ExchangeContents contents;
   ReadLens camera;
   camera.lens = LensOf(root);
-  camera.camera_from_rig = PoseOf(root);
+  camera.camera_from_rig = MrcalPoseOf(root);
   camera.trusted = TrustIn(root, camera.lens.size);
+  root.Skip({"rt_cam_ref", "extrinsics", "icam_intrinsics",
+             "icam_intrinsics_optimization_inputs", "optimization_inputs",
+             "observed_pixel_uncertainty", "invJtJ_intrinsics_full",
+             "invJtJ_intrinsics_observations_only", "covariance_intrinsics*"});
+  root.Finish(*camera.lens.form, &contents.remarks);
   contents.cameras.push_back(std::move(camera));
   return contents;
 }
@@ -230,8 +247,10 @@ bool IsMrcal(const std::string& text) {
   if (IsPhotonVision(text)) return false;
   for (const char* key : {"'lensmodel'", "\"lensmodel\""})
     if (text.find(key) != std::string::npos) return true;
-  return text.find(kPrefix) != std::string::npos &&
-         text.find("'intrinsics'") != std::string::npos;
+  return (text.find(kPrefix) != std::string::npos ||
+          text.find("DISTORTION_") != std::string::npos) &&
+         (text.find("'intrinsics'") != std::string::npos ||
+          text.find("\"intrinsics\"") != std::string::npos);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
-#include "dataset/yaml_file.h"
+#include "exchange/camera_keys.h"
 #include "exchange/own_json.h"
 #include "exchange/yaml_numbers.h"
 
@@ -19,6 +19,7 @@ constexpr char kNerfModel[] = "camera_model";
 constexpr char kFrames[] = "frames";
 constexpr char kFramePlace[] = "transform_matrix";
 constexpr char kNerfFisheye[] = "OPENCV_FISHEYE";
+constexpr char kNgpFisheye[] = "is_fisheye";
 
 constexpr std::array<std::pair<const char*, const char*>, 4> kIntrinsics = {
     {{"fx", "fl_x"}, {"fy", "fl_y"}, {"cx", "cx"}, {"cy", "cy"}}};
@@ -52,6 +53,37 @@ Pose Turned(const Pose& world_from_camera) {
 
 // ---- Reading ---------------------------------------------------------------
 
+// Keys of instant-ngp's and nerfstudio's scenes that say nothing of the lens.
+const std::vector<std::string> kSceneKeys = {kFrames,
+                                             "aabb_scale",
+                                             "camera_angle_x",
+                                             "camera_angle_y",
+                                             "scale",
+                                             "offset",
+                                             "up",
+                                             "applied_transform",
+                                             "applied_scale",
+                                             "ply_file_path",
+                                             "train_filenames",
+                                             "val_filenames",
+                                             "test_filenames",
+                                             "n_extra_learnable_dims",
+                                             "enable_depth_loading",
+                                             "integer_depth_scale",
+                                             "orientation_override",
+                                             "auto_scale_poses_override",
+                                             "from_na",
+                                             "render_aabb",
+                                             "file_path",
+                                             kFramePlace,
+                                             "sharpness",
+                                             "mask_path",
+                                             "depth_file_path",
+                                             "depth_path",
+                                             "colmap_im_id",
+                                             kOwnKey,
+                                             "fisheye_crop_radius"};
+
 // The map that has the camera: the file, or the first of its frames if all say
 // the same.
 YAML::Node CameraNode(const YAML::Node& root) {
@@ -60,8 +92,9 @@ YAML::Node CameraNode(const YAML::Node& root) {
   if (!frames || !frames.IsSequence() || frames.size() == 0 ||
       !frames[0].IsMap() || !frames[0]["fl_x"])
     throw InputError("no camera: 'fl_x' is missing");
-  for (const char* key : {"fl_x", "fl_y", "cx", "cy", "w", "h", "k1", "k2",
-                          "k3", "k4", "p1", "p2", "distortion_params"})
+  for (const char* key :
+       {"fl_x", "fl_y", "cx", "cy", "w", "h", "k1", "k2", "k3", "k4", "p1",
+        "p2", "distortion_params", kNerfModel, kNgpFisheye})
     for (size_t k = 1; k < frames.size(); ++k)
       if (YAML::Dump(frames[k][key]) != YAML::Dump(frames[0][key]))
         throw InputError(
@@ -72,14 +105,31 @@ YAML::Node CameraNode(const YAML::Node& root) {
 }
 
 // In the order of kCoefficients; those that are missing are 0.
-std::vector<double> CoefficientsOf(const YAML::Node& camera) {
+std::vector<double> CoefficientsOf(const CameraKeys& camera) {
   constexpr char kList[] = "distortion_params";
-  if (camera[kList])
+  if (camera.Has(kList))
     return FiniteNumbers(camera[kList], kList, kCoefficients.size());
   std::vector<double> numbers;
   for (const char* key : kCoefficients)
-    numbers.push_back(camera[key] ? FiniteNumber(camera[key], key) : 0);
+    numbers.push_back(camera.Has(key) ? FiniteNumber(camera[key], key) : 0);
   return numbers;
+}
+
+// instant-ngp's files have a flag instead of a model's name.
+std::string NerfModelOf(const CameraKeys& camera, const YAML::Node& root) {
+  const YAML::Node flag = camera[kNgpFisheye];
+  bool is_fisheye = false;
+  if (flag.IsDefined() && !YAML::convert<bool>::decode(flag, is_fisheye) &&
+      camera.Word(kNgpFisheye) != "0")
+    is_fisheye = true;
+  std::string model = camera[kNerfModel].IsDefined() ? camera.Word(kNerfModel)
+                      : root[kNerfModel] ? root[kNerfModel].as<std::string>()
+                                         : "";
+  if (is_fisheye && !model.empty() && model != kNerfFisheye)
+    throw InputError(fmt::format("'{}' says a fisheye, and '{}' {}",
+                                 kNgpFisheye, kNerfModel, Printable(model)));
+  if (is_fisheye) return kNerfFisheye;
+  return model.empty() ? "OPENCV" : model;
 }
 
 // nerfstudio's rays come from any coefficient. Its undistortion has no place
@@ -118,21 +168,20 @@ const LensForm& FormOfModel(const std::string& model,
 }
 
 LensInForm ReadNerfstudioLens(const YAML::Node& root,
-                              const ReadRequest& request) {
-  const YAML::Node camera = CameraNode(root);
+                              std::vector<std::string>* remarks) {
+  const CameraKeys camera(CameraNode(root));
   const std::vector<double> coefficients = CoefficientsOf(camera);
   LensInForm lens;
-  lens.form = &FormOfModel(
-      root[kNerfModel] ? root[kNerfModel].as<std::string>() : "OPENCV",
-      coefficients);
-  lens.size = request.size ? *request.size
-                           : ImageSize{SidePx(camera["w"], "w"),
-                                       SidePx(camera["h"], "h")};
+  lens.form = &FormOfModel(NerfModelOf(camera, root), coefficients);
+  if (camera.Has("w") || camera.Has("h"))
+    lens.size = {SidePx(camera["w"], "w"), SidePx(camera["h"], "h")};
   for (const auto& [parameter, key] : kIntrinsics)
     lens.values.push_back(FiniteNumber(camera[key], key));
   for (size_t k = 0; k < kCoefficients.size(); ++k)
     if (lens.form->Has(kCoefficients[k]))
       lens.values.push_back(coefficients[k]);
+  camera.Skip(kSceneKeys);
+  camera.Finish(*lens.form, remarks);
   return lens;
 }
 
@@ -168,16 +217,10 @@ void ReadFrames(const YAML::Node& frames, ExchangeContents* contents) {
 }
 
 ExchangeContents ReadNerfstudio(const ReadRequest& request) {
-  RequireYamlFile(request.path, request.text);
-  const YAML::Node root = YAML::Load(request.text);
-  if (!root.IsMap()) throw InputError("no camera: no map of keys");
-  if (!request.form.empty())
-    throw InputError(
-        "a file of nerfstudio says its model itself; leave "
-        "--model out");
+  const YAML::Node root = LoadForeignMap(request.path, request.text);
   ExchangeContents contents;
   ReadLens camera;
-  camera.lens = ReadNerfstudioLens(root, request);
+  camera.lens = ReadNerfstudioLens(root, &contents.remarks);
   TakeOwnJson(root[kOwnKey], &camera);
   contents.cameras.push_back(std::move(camera));
   if (root["fisheye_crop_radius"])

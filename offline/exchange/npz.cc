@@ -145,7 +145,8 @@ void RequireWhole(const NpyArray& array) {
                      "says");
 }
 
-NpyArray ParseNpy(const std::string& name, const std::string& file) {
+NpyArray ParseNpy(const std::string& name, const std::string& file,
+                  bool may_be_other) {
   // The magic word, the version, and the length of the dictionary, in two bytes
   // or from version 2 on in four.
   const size_t num_length_bytes = file.size() > 6 && file[6] == 1 ? 2 : 4;
@@ -162,6 +163,9 @@ NpyArray ParseNpy(const std::string& name, const std::string& file) {
   static const std::regex type("'descr': *'([^']*)'"),
       order("'fortran_order': *(True|False)"), shape("'shape': *\\(([^)]*)\\)");
   std::smatch found_type, found_order, found_shape;
+  if (may_be_other && (!std::regex_search(header, found_type, type) ||
+                       SizeOfType(found_type[1]) == 0))
+    return {name, found_type.empty() ? "" : found_type[1].str(), {}, ""};
   if (!std::regex_search(header, found_type, type) ||
       !std::regex_search(header, found_order, order) ||
       !std::regex_search(header, found_shape, shape))
@@ -214,7 +218,7 @@ bool IsNpz(const std::string& bytes) {
   return bytes.rfind("PK\x03\x04", 0) == 0;
 }
 
-std::vector<NpyArray> ReadNpz(const std::string& bytes) {
+std::vector<NpyArray> ReadNpz(const std::string& bytes, bool may_have_others) {
   zip_error_t error;
   zip_error_init(&error);
   zip_source_t* source =
@@ -236,7 +240,8 @@ std::vector<NpyArray> ReadNpz(const std::string& bytes) {
         name.compare(name.size() - ending.size(), ending.size(), ending) != 0)
       continue;
     name.resize(name.size() - ending.size());
-    arrays.push_back(ParseNpy(name, Unzipped(archive.get(), k, name)));
+    arrays.push_back(
+        ParseNpy(name, Unzipped(archive.get(), k, name), may_have_others));
   }
   return arrays;
 }

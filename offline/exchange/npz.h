@@ -44,8 +44,11 @@ std::string WriteNpz(const std::vector<NpyArray>& arrays);
 bool IsNpz(const std::string& bytes);
 
 /// The arrays of a file of numpy.savez() or numpy.savez_compressed(), in the
-/// order of C. Throws InputError without the file's name.
-std::vector<NpyArray> ReadNpz(const std::string& bytes);
+/// order of C. Throws InputError without the file's name; also for arrays of
+/// other types than TypeName() has, such as texts, or if they may be in it,
+/// returns these without their shape and bytes.
+std::vector<NpyArray> ReadNpz(const std::string& bytes,
+                              bool may_have_others = false);
 
 /// The numbers of an array of any type that TypeName() has. Throws InputError
 /// for other types.

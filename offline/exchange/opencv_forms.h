@@ -2,9 +2,13 @@
 #ifndef RAYGRID_EXCHANGE_OPENCV_FORMS_H
 #define RAYGRID_EXCHANGE_OPENCV_FORMS_H
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <string>
 #include <vector>
 
+#include "dataset/error.h"
 #include "exchange/lens_form.h"
 
 namespace raygrid {
@@ -27,6 +31,30 @@ inline LensForm OpenCvFisheyeForm(const std::string& name) {
   LensForm form = FormOf(name, "thin-prism-fisheye", {"k1", "k2", "k3", "k4"});
   form.reach_rad = M_PI / 2;
   return form;
+}
+
+/// Sets fx, fy, cx, cy and the skew of a lens by a camera matrix, row by row.
+/// Throws InputError, naming it, for a matrix that is not fx s cx, 0 fy cy,
+/// 0 0 1.
+inline void TakeCameraMatrix(const std::vector<double>& k,
+                             const std::string& name, LensInForm* lens) {
+  if (k.size() != 9) throw InputError(fmt::format("{}: not 3 x 3", name));
+  if (k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1)
+    throw InputError(fmt::format("{}: not fx s cx, 0 fy cy, 0 0 1", name));
+  lens->values = {k[0], k[4], k[2], k[5]};
+  lens->skew_px = k[1];
+}
+
+/// Takes zeros off the end of coefficients in OpenCV's order that do nothing
+/// there: those beyond so many, and the prism and tilt of 12 or 14.
+inline void TrimCoefficients(size_t count, std::vector<double>* coefficients) {
+  const auto is_zero_from = [&](size_t first) {
+    return std::all_of(
+        coefficients->begin() + static_cast<std::ptrdiff_t>(first),
+        coefficients->end(), [](double number) { return number == 0; });
+  };
+  if (coefficients->size() > count && is_zero_from(count))
+    coefficients->resize(count);
 }
 
 }  // namespace raygrid

@@ -9,6 +9,7 @@
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
+#include "exchange/camera_keys.h"
 #include "exchange/count_text.h"
 #include "exchange/opencv_forms.h"
 #include "exchange/own_json.h"
@@ -89,15 +90,6 @@ std::vector<double> PhotonNumbers(const Json& root, const std::string& key) {
   return numbers;
 }
 
-std::vector<double> PhotonIntrinsics(const Json& root) {
-  const std::vector<double> k = PhotonNumbers(root, kPhotonMatrix);
-  if (k.size() != 9 || k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 ||
-      k[8] != 1)
-    throw InputError(
-        fmt::format("{}: not fx 0 cx, 0 fy cy, 0 0 1", kPhotonMatrix));
-  return {k[0], k[4], k[2], k[5]};
-}
-
 std::vector<double> PhotonCoefficients(const Json& root) {
   for (const char* key : kPhotonDistortion)
     if (!ValueAt(root, key).is_null()) return PhotonNumbers(root, key);
@@ -117,7 +109,7 @@ LensInForm ReadPhotonLens(const Json& root) {
   RequireOpenCvLens(root);
   LensInForm lens;
   lens.size = {PhotonSidePx(root, "width"), PhotonSidePx(root, "height")};
-  lens.values = PhotonIntrinsics(root);
+  TakeCameraMatrix(PhotonNumbers(root, kPhotonMatrix), kPhotonMatrix, &lens);
   std::vector<double> coefficients = PhotonCoefficients(root);
   if (coefficients.size() == 4) coefficients.push_back(0);
   if (coefficients.size() != 5 && coefficients.size() != 8)
@@ -128,6 +120,18 @@ LensInForm ReadPhotonLens(const Json& root) {
   lens.values.insert(lens.values.end(), coefficients.begin(),
                      coefficients.end());
   return lens;
+}
+
+// All keys are known but those that newer programs may add.
+void FinishPhotonKeys(Json root, const LensForm& form,
+                      std::vector<std::string>* remarks) {
+  root.erase(kObservations);
+  const CameraKeys keys(YAML::Load(root.dump()));
+  keys.Skip({kPhotonSize, kPhotonMatrix, kPhotonDistortion[0],
+             kPhotonDistortion[1], kLensModel, kSpacing, kOwnKey,
+             "calobjectWarp", "calobjectSize", "perViewErrors",
+             "standardDeviation"});
+  keys.Finish(form, remarks);
 }
 
 // ---- Corners ---------------------------------------------------------------
@@ -321,12 +325,11 @@ void AddPhotonViews(const Json& root, ExchangeContents* contents) {
 }
 
 ExchangeContents ReadPhotonVision(const ReadRequest& request) {
-  if (!request.form.empty())
-    throw InputError(
-        "a file of PhotonVision says its model itself; leave --model out");
   const Json root = ParsePhotonJson(request.text);
   ExchangeContents contents;
   contents.cameras.emplace_back().lens = ReadPhotonLens(root);
+  FinishPhotonKeys(root, *contents.cameras.front().lens.form,
+                   &contents.remarks);
   TakeOwnJson(YAML::Load(ValueAt(root, kOwnKey).dump()),
               &contents.cameras.front());
   AddPhotonViews(root, &contents);

@@ -10,6 +10,7 @@
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "dataset/yaml_file.h"
+#include "exchange/camera_keys.h"
 #include "exchange/puzzlepaint_files.h"
 #include "exchange/puzzlepaint_state.h"
 #include "exchange/unit_grid.h"
@@ -124,6 +125,10 @@ LensInForm ReadPuzzlepaintLens(const YAML::Node& root,
   lens.form = &FormOfType(root);
   const UnitGrid grid = GridOf(root, *lens.form);
   lens.size = grid.image_size();
+  const CameraKeys keys(root);
+  keys.Skip({"type", "width", "height", "calibration_*", "grid_width",
+             "grid_height", "grid", "point_grid", "direction_grid"});
+  keys.Finish(*lens.form, remarks);
   lens.grid = NearestGrid(grid);
   const LensFit fit = MeasureLens(grid, nullptr, *lens.grid, *lens.form,
                                   Eigen::Quaterniond::Identity());
@@ -135,13 +140,7 @@ LensInForm ReadPuzzlepaintLens(const YAML::Node& root,
 }
 
 ExchangeContents ReadPuzzlepaint(const ReadRequest& request) {
-  RequireYamlFile(request.path, request.text);
-  const YAML::Node root = YAML::Load(request.text);
-  if (!root.IsMap()) throw InputError("no camera: no map of keys");
-  if (!request.form.empty())
-    throw InputError("the file says its model itself; leave --model out");
-  if (request.size)
-    throw InputError("the file says its size itself; leave --image-size out");
+  const YAML::Node root = LoadForeignMap(request.path, request.text);
   ExchangeContents contents;
   ReadLens& camera = contents.cameras.emplace_back();
   TakeState(request, &camera, &contents.remarks);

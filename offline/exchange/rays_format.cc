@@ -8,6 +8,7 @@
 #include "dataset/error.h"
 #include "dataset/image_header.h"
 #include "exchange/npz.h"
+#include "exchange/opencv_format.h"
 #include "exchange/pixel_origin.h"
 
 namespace raygrid {
@@ -169,7 +170,9 @@ TableFormat RaysFormat() {
   format.endings = {".npz"};
   format.options = {"every"};
   format.write_rays = WriteRays;
-  format.recognizes = IsNpz;
+  format.recognizes = [](const std::string& bytes) {
+    return IsNpz(bytes) && !IsNpzOfCamera(bytes);
+  };
   format.read_rays = ReadRays;
   return format;
 }

@@ -5,7 +5,7 @@
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
-#include "dataset/yaml_file.h"
+#include "exchange/camera_keys.h"
 #include "exchange/file_storage.h"
 #include "exchange/opencv_forms.h"
 #include "exchange/yaml_numbers.h"
@@ -24,45 +24,105 @@ const std::vector<LensForm>& RosForms() {
 }
 
 // OpenCV's models of more coefficients, which drivers call rational_polynomial,
-// and of fewer.
-const LensForm& FormOfDistortion(const std::string& model, size_t count) {
+// and of fewer. Zeros that the model has no place for are taken off.
+const LensForm& FormOfDistortion(const std::string& model,
+                                 std::vector<double>* d) {
   static const LensForm twelve = OpenCvForm(kRational, 12),
                         fourteen = OpenCvForm(kRational, 14),
                         four = OpenCvForm(kPlumbBob, 4),
                         none = OpenCvForm(kPlumbBob, 0);
   const std::vector<LensForm>& forms = RosForms();
-  if (model == kPlumbBob)
-    return count == 0 ? none : count == 4 ? four : forms[0];
-  if (model == kRational)
-    return count == 12 ? twelve : count == 14 ? fourteen : forms[1];
-  if (model == kEquidistant) return forms[2];
+  const std::string word = Lowercase(model);
+  if (word.empty() || word == "none" || word == "pinhole") {
+    TrimCoefficients(0, d);
+    if (!d->empty())
+      throw InputError(fmt::format(
+          "distortion model '{}', while there are coefficients that are not 0; "
+          "ROS has plumb_bob, rational_polynomial and equidistant",
+          Printable(model)));
+    return none;
+  }
+  if (word == kPlumbBob) {
+    TrimCoefficients(5, d);
+    return d->empty() ? none : d->size() == 4 ? four : forms[0];
+  }
+  if (word == kRational) {
+    TrimCoefficients(8, d);
+    return d->size() == 12 ? twelve : d->size() == 14 ? fourteen : forms[1];
+  }
+  if (word == kEquidistant || word == "fisheye") {
+    TrimCoefficients(4, d);
+    return forms[2];
+  }
   throw InputError(fmt::format(
       "unknown distortion model '{}'; ROS has plumb_bob, rational_polynomial "
       "and equidistant",
       Printable(model)));
 }
 
+// The distortion model, under the name that early files have for it, too.
+// Nothing if the file does not say it.
+std::optional<std::string> ModelInFile(const CameraKeys& keys) {
+  const bool has_model = keys.Has("distortion_model");
+  const std::string camera = keys.Word("camera_model");
+  if (has_model)
+    return keys["distortion_model"].IsScalar() ? keys.Word("distortion_model")
+                                               : "";
+  if (!FamilyOfWord(camera)) return std::nullopt;
+  keys.Skip({"camera_model"});
+  return *FamilyOfWord(camera) == LensFamily::kPinhole ? kPlumbBob : camera;
+}
+
 // Matrices of files have a list of data; those of messages are the list.
-std::vector<double> MatrixOf(const YAML::Node& root, const char* in_files,
-                             const char* in_messages, int count) {
-  if (const YAML::Node matrix = root[in_files])
-    return FiniteNumbers(matrix["data"], in_files, count);
+// Nothing if there is none.
+std::optional<std::vector<double>> MatrixIn(const CameraKeys& keys,
+                                            const std::string& in_files,
+                                            const std::string& in_messages,
+                                            int count) {
   for (const std::string& key :
-       {std::string(in_messages), Lowercase(in_messages)})
-    if (const YAML::Node list = root[key])
-      return FiniteNumbers(list, key, count);
+       {in_files, in_messages, Lowercase(in_messages)}) {
+    const YAML::Node matrix = keys[key];
+    if (!matrix.IsDefined()) continue;
+    const std::vector<double> numbers = AllNumbers(matrix, key);
+    if (count >= 0 && static_cast<int>(numbers.size()) != count)
+      throw InputError(fmt::format("{}: no list of {} numbers", key, count));
+    return numbers;
+  }
+  return std::nullopt;
+}
+
+std::vector<double> MatrixOf(const CameraKeys& keys, const char* in_files,
+                             const char* in_messages, int count) {
+  if (const auto matrix = MatrixIn(keys, in_files, in_messages, count))
+    return *matrix;
   throw InputError(fmt::format("'{}' is missing", in_files));
 }
 
-int SideOf(const YAML::Node& root, const char* in_files,
-           const char* in_messages) {
-  return root[in_files] ? SidePx(root[in_files], in_files)
-                        : SidePx(root[in_messages], in_messages);
+// 0 x 0 if the file does not say it.
+ImageSize SizeIn(const CameraKeys& keys) {
+  const char* const prefix =
+      keys.Has("image_width") || keys.Has("image_height") ? "image_" : "";
+  const auto side_of = [&](const std::string& side) {
+    return SidePx(keys[prefix + side], prefix + side);
+  };
+  if (!keys.Has(fmt::format("{}width", prefix)) &&
+      !keys.Has(fmt::format("{}height", prefix)))
+    return {};
+  return {side_of("width"), side_of("height")};
 }
 
-RectifiedProjection RectifiedOf(const YAML::Node& root) {
-  const std::vector<double> r = MatrixOf(root, "rectification_matrix", "R", 9),
-                            p = MatrixOf(root, "projection_matrix", "P", 12);
+// Single cameras may lack both; what is missing of one is that of a camera
+// alone.
+std::optional<RectifiedProjection> RectifiedIn(const CameraKeys& keys,
+                                               const LensInForm& lens) {
+  const auto in_r = MatrixIn(keys, "rectification_matrix", "R", 9),
+             in_p = MatrixIn(keys, "projection_matrix", "P", 12);
+  if (!in_r && !in_p) return std::nullopt;
+  const std::vector<double>& k = lens.values;
+  const std::vector<double> r =
+      in_r.value_or(std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1});
+  const std::vector<double> p = in_p.value_or(
+      std::vector<double>{k[0], 0, k[2], 0, 0, k[1], k[3], 0, 0, 0, 1, 0});
   RectifiedProjection rectified;
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column)
@@ -78,19 +138,20 @@ RectifiedProjection RectifiedOf(const YAML::Node& root) {
 }
 
 // Parts of frames that a driver had when the message was printed.
-void AddRemarks(const YAML::Node& root, ExchangeContents* contents) {
-  const YAML::Node roi = root["roi"];
-  const auto is_set = [](const YAML::Node& node) {
-    return node.IsDefined() && node.IsScalar() &&
-           node.as<std::string>() != "0" && node.as<std::string>() != "1";
+void AddRemarks(const CameraKeys& keys, ExchangeContents* contents) {
+  const auto is_set = [&](const char* key) {
+    const std::string word = keys[key].IsDefined() ? keys.Word(key) : "";
+    return !word.empty() && word != "0" && word != "1";
   };
-  if (is_set(root["binning_x"]) || is_set(root["binning_y"]) ||
-      (roi.IsDefined() && roi.IsMap() &&
-       (is_set(roi["x_offset"]) || is_set(roi["y_offset"]) ||
-        is_set(roi["width"]) || is_set(roi["height"]))))
+  bool is_part = false;
+  for (const char* key : {"binning_x", "binning_y", "roi/x_offset",
+                          "roi/y_offset", "roi/width", "roi/height"})
+    is_part = is_set(key) || is_part;
+  if (is_part)
     contents->remarks.push_back(
         "its binning and region of interest are not taken: the camera is that "
         "of the whole frame");
+  keys.Skip({"header", "roi", "camera_info_url"});
 }
 
 // The text without the line that ends a printed message.
@@ -102,36 +163,36 @@ std::string FirstDocument(const std::string& text) {
              : text;
 }
 
-ExchangeContents ReadRos(const ReadRequest& request) {
-  const std::string text = FirstDocument(request.text);
-  RequireYamlFile(request.path, text);
-  const YAML::Node root = YAML::Load(text);
-  if (!root.IsMap()) throw InputError("no camera_info: no map of keys");
+}  // namespace
+
+ExchangeContents ReadRosCamera(const YAML::Node& root,
+                               const ReadRequest& request) {
+  const CameraKeys keys(root);
   ExchangeContents contents;
   ReadLens camera;
-  if (root["camera_name"]) camera.name = root["camera_name"].as<std::string>();
-  camera.lens.size =
-      request.size.value_or(ImageSize{SideOf(root, "image_width", "width"),
-                                      SideOf(root, "image_height", "height")});
-  const std::vector<double> k = MatrixOf(root, "camera_matrix", "K", 9);
-  if (k[1] != 0)
-    throw InputError(fmt::format(
-        "camera_matrix: a skew of {:g}, which no model here has", k[1]));
-  if (k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1)
-    throw InputError("camera_matrix: not fx 0 cx, 0 fy cy, 0 0 1");
-  const std::vector<double> d =
-      MatrixOf(root, "distortion_coefficients", "D", -1);
-  const std::string model = !request.form.empty() ? request.form
-                            : root["distortion_model"]
-                                ? root["distortion_model"].as<std::string>()
-                                : kPlumbBob;
-  camera.lens.form = &FormOfDistortion(model, d.size());
-  camera.lens.values = {k[0], k[4], k[2], k[5]};
+  camera.name = keys["camera_name"].IsDefined() ? keys.Word("camera_name") : "";
+  camera.lens.size = SizeIn(keys);
+  TakeCameraMatrix(MatrixOf(keys, "camera_matrix", "K", 9), "camera_matrix",
+                   &camera.lens);
+  std::vector<double> d = MatrixOf(keys, "distortion_coefficients", "D", -1);
+  const auto in_file = ModelInFile(keys);
+  const std::string model =
+      in_file.value_or(request.form.empty() ? kPlumbBob : request.form);
+  camera.lens.form = &FormOfDistortion(model, &d);
+  if (in_file) RequireModelOfFile(request, *camera.lens.form);
+  camera.rectified = RectifiedIn(keys, camera.lens);
   camera.lens.values.insert(camera.lens.values.end(), d.begin(), d.end());
-  camera.rectified = RectifiedOf(root);
-  AddRemarks(root, &contents);
+  AddRemarks(keys, &contents);
+  keys.Finish(*camera.lens.form, &contents.remarks);
   contents.cameras.push_back(std::move(camera));
   return contents;
+}
+
+namespace {
+
+ExchangeContents ReadRos(const ReadRequest& request) {
+  const std::string text = FirstDocument(request.text);
+  return ReadRosCamera(LoadForeignMap(request.path, text), request);
 }
 
 bool IsRos(const std::string& text) {
@@ -139,7 +200,8 @@ bool IsRos(const std::string& text) {
     return text.find(word) != std::string::npos;
   };
   return !IsFileStorage(text) &&
-         ((has("camera_matrix:") && has("distortion_coefficients:")) ||
+         ((has("camera_matrix:") && has("distortion_coefficients:") &&
+           has("data:")) ||
           (has("distortion_model:") && (has("\nK:") || has("\nk:")) &&
            (has("\nP:") || has("\np:"))));
 }
@@ -189,6 +251,7 @@ Format RosFormat() {
       "rig a file for each camera, of a pair with R and P";
   format.forms = RosForms();
   format.holds_pairs = true;
+  format.takes_model = true;
   format.recognizes = IsRos;
   format.read = ReadRos;
   format.write = WriteRos;

@@ -1,6 +1,8 @@
 #ifndef RAYGRID_EXCHANGE_ROS_FORMAT_H
 #define RAYGRID_EXCHANGE_ROS_FORMAT_H
 
+#include <yaml-cpp/yaml.h>
+
 #include "exchange/format.h"
 
 namespace raygrid {
@@ -8,6 +10,10 @@ namespace raygrid {
 /// The camera_info of ROS, as camera_calibration_parsers has it in YAML; read,
 /// too, as 'rostopic echo' and 'ros2 topic echo' print it.
 Format RosFormat();
+
+/// The camera of the keys that such a file has.
+ExchangeContents ReadRosCamera(const YAML::Node& root,
+                               const ReadRequest& request);
 
 }  // namespace raygrid
 

@@ -8,8 +8,16 @@
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
+#include "dataset/yaml_file.h"
 
 namespace raygrid {
+
+YAML::Node LoadForeignMap(const std::string& path, const std::string& text) {
+  RequireYamlFile(path, text, LastLine::kMayLackEnd);
+  const YAML::Node root = YAML::Load(text);
+  if (!root.IsMap()) throw InputError("no camera: no map of keys");
+  return root;
+}
 
 double FiniteNumber(const YAML::Node& node, const std::string& name) {
   double number = NAN;
@@ -30,6 +38,20 @@ std::vector<double> FiniteNumbers(const YAML::Node& node,
   for (const YAML::Node& number : node)
     numbers.push_back(FiniteNumber(number, name));
   return numbers;
+}
+
+std::vector<double> AllNumbers(const YAML::Node& node,
+                               const std::string& name) {
+  if (!node.IsDefined()) throw InputError(fmt::format("'{}' is missing", name));
+  const YAML::Node data = node.IsMap() ? node["data"] : node;
+  if (data.IsDefined() && data.IsScalar()) return {FiniteNumber(data, name)};
+  if (!data.IsDefined() || !data.IsSequence() || data.size() == 0 ||
+      !data[0].IsSequence())
+    return FiniteNumbers(data, name);
+  std::vector<double> all;
+  for (const YAML::Node& row : data)
+    for (const double number : FiniteNumbers(row, name)) all.push_back(number);
+  return all;
 }
 
 int SidePx(const YAML::Node& node, const std::string& name) {

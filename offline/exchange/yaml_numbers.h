@@ -12,12 +12,21 @@
 
 namespace raygrid {
 
+/// The map that another program's YAML or JSON is. Throws InputError, and what
+/// yaml-cpp throws.
+YAML::Node LoadForeignMap(const std::string& path, const std::string& text);
+
 /// A finite number of a file. Throws InputError, naming it.
 double FiniteNumber(const YAML::Node& node, const std::string& name);
 
 /// A list of finite numbers; of so many, if a count is given.
 std::vector<double> FiniteNumbers(const YAML::Node& node,
                                   const std::string& name, int count = -1);
+
+/// The numbers of a value row by row: of a number, a list, a list of lists, or
+/// a map whose 'data' is one of these, as matrices of OpenCV are. Throws
+/// InputError, naming it.
+std::vector<double> AllNumbers(const YAML::Node& node, const std::string& name);
 
 /// An image's side in pixels.
 int SidePx(const YAML::Node& node, const std::string& name);

@@ -95,7 +95,7 @@ PyCamera Load(const py::object& file) {
                      "point; take raygrid.Blob");
   if (const TableFormat* table = RecognizeTable(bytes))
     throw InputError(fmt::format("{}: {}", path, table->WhyNoCamera()));
-  const Format* format = RecognizeFormat(bytes);
+  const Format* format = RecognizeCamera(path, bytes);
   return {format ? ParseForeign(path, bytes, *format)
                  : ParseCameraFile(path, bytes)};
 }

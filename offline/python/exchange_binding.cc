@@ -51,7 +51,7 @@ ExchangeContents ReadOne(const std::string& path, const Format* format,
   if (found) RequireCameraFormat(*found, path);
   if (found) request.beside = ReadBeside(*found, path);
   ExchangeContents contents = ReadExchangeFile(format, request);
-  RequireCameras(contents, path);
+  if (!contents.second_from_first) RequireCameras(contents, path);
   return contents;
 }
 
@@ -63,8 +63,13 @@ ExchangeContents ReadAll(const std::vector<std::string>& paths,
   ExchangeContents all;
   std::vector<std::string> stems;
   std::set<std::string> names;
+  std::string of_pose;
   for (const std::string& path : paths) {
     ExchangeContents contents = ReadOne(path, format, model, size);
+    if (contents.second_from_first) {
+      all.second_from_first = contents.second_from_first;
+      of_pose = path;
+    }
     for (const std::string& remark : contents.remarks)
       all.remarks.push_back(path + ": " + remark);
     for (ReadLens& camera : contents.cameras) {
@@ -73,6 +78,7 @@ ExchangeContents ReadAll(const std::vector<std::string>& paths,
       all.cameras.push_back(std::move(camera));
     }
   }
+  TakePoseOfPair(all.second_from_first, of_pose, &all.cameras);
   if (paths.size() == 1) return all;
   if (names.size() < all.cameras.size() || names.count("") > 0)
     for (size_t c = 0; c < stems.size(); ++c) all.cameras[c].name = stems[c];

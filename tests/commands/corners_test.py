@@ -187,7 +187,7 @@ print(json.dumps(cv2.projectPoints(points, np.zeros(3), np.zeros(3), matrix, len
         refused(lambda c: c.update(observations=5), "observations: no list")
         refused(lambda c: c.update(lensmodel="LENSMODEL_SPLINED_STERIOGRAPHIC"), "lensmodel")
         refused(lambda c: c["distCoeffs"].update(data=[0] * 6), "6 distortion coefficients")
-        refused(lambda c: c["cameraIntrinsics"]["data"].__setitem__(1, 2), "cameraIntrinsics")
+        refused(lambda c: c["cameraIntrinsics"]["data"].__setitem__(3, 2), "cameraIntrinsics")
         refused(lambda c: c["resolution"].pop("width"), "resolution.width")
         refused(lambda c: c.pop("distCoeffs"), "'distCoeffs' is missing")
         text = json.dumps(self.calibration())

@@ -120,7 +120,13 @@ TEST(BasaltFormat, ReadsUnifiedCamerasAndFisheyes) {
   const std::string fisheye =
       TextWith(TextWith(kBasalt, "\"ds\"", "\"kb4\""), "\"xi\": -0.25,",
                "\"k1\": 0.01, \"k2\": 0.02, \"k3\": 0.03, \"k4\": 0.04,");
-  EXPECT_EQ(ParseBasalt(fisheye).cameras[0].lens.Value("k4"), 0.04);
+  // alpha is a number of another model.
+  ExpectError(ExitCode::kInput, {"intrinsics[0]", "'alpha'", "kb4"},
+              [&] { ParseBasalt(fisheye); });
+  EXPECT_EQ(ParseBasalt(TextWith(fisheye, "\"alpha\": 0.5625", "\"alpha\": 0"))
+                .cameras[0]
+                .lens.Value("k4"),
+            0.04);
 }
 
 TEST(BasaltFormat, SaysWhatIsMissingOrWrong) {
@@ -135,7 +141,7 @@ TEST(BasaltFormat, SaysWhatIsMissingOrWrong) {
   expect("349.75", "-349.75", {"focal length"});
   expect("\"qw\": 0.8", "\"qw\": 8", {"T_imu_cam[0]", "no rotation"});
   expect("\"px\": 0.5", "\"p\": 0.5", {"T_imu_cam[0]: px"});
-  expect("\"resolution\"", "\"other\"", {"resolution", "--image-size"});
+  expect("\"resolution\"", "\"other\"", {"--image-size"});
   expect("            [640, 480]\n", "            640\n", {"resolution"});
   expect("{\n    \"value0\"", "{\n    \"value1\"", {"value0", "intrinsics"});
   const std::string apart = TextWith(kBasalt, "T_imu_cam", "other");

@@ -99,7 +99,7 @@ TEST(DepthAiFormat, SaysWhatItDoesNotTake) {
   };
   refused({"cameraData[0]", "cameraType 3"}, "\"cameraType\": 0",
           "\"cameraType\": 3");
-  refused({"intrinsicMatrix"}, "[[799.5, 0.0,", "[[799.5, 0.1,");
+  refused({"intrinsicMatrix"}, "[0.0, 0.0, 1.0]]", "[0.0, 0.1, 1.0]]");
   refused({"intrinsicMatrix", "3 rows"}, "[[1500, 0, 960], ", "[");
   refused({"lengthUnit 3"}, "\"lengthUnit\": 1", "\"lengthUnit\": 3");
   refused({"socket 2", "twice"}, "[1, {\"cameraType\"", "[2, {\"cameraType\"");

@@ -1,4 +1,6 @@
 /// Facts of every format: a new row of the table is tested by itself.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 
@@ -120,6 +122,79 @@ TEST(Formats, AreToldApart) {
   ExpectError(ExitCode::kInput, {"x.yaml", "of no format"}, [] {
     ReadExchangeFile(nullptr, {"x.yaml", "hello", "", {}});
   });
+}
+
+// A place in a format's file at which a key of the camera may stand, and how a
+// key and a number are written there.
+struct PlaceOfKey {
+  std::string before, key;
+};
+const std::map<std::string, PlaceOfKey> kPlaces = {
+    {"opencv", {"camera_matrix:", "{}: {}\n"}},
+    {"ros", {"camera_matrix:", "{}: {}\n"}},
+    {"kalibr", {"  camera_model:", "  {}: {}\n"}},
+    {"mrcal", {"    'imagersize'", "    '{}': {},\n"}},
+    {"basalt", {"\"fx\"", "\"{}\": {}, "}},
+    {"nerfstudio", {"\"fl_x\"", "\"{}\": {}, "}},
+    {"metashape", {"<width>", "<{0}>{1}</{0}>"}},
+    {"puzzlepaint", {"width :", "{} : {}\n"}},
+    {"depthai", {"\"cameraType\"", "\"{}\": {}, "}},
+    {"libcamera", {"coefficients:", "{}: {}\n      "}},
+    {"photonvision", {"\"resolution\"", "\"{}\": {}, "}}};
+
+// A key that is not known is named; one that elsewhere selects a model, or is a
+// number of one, is an error, unless it is the format's own for that.
+TEST(Formats, LeaveNoKeyOutWithoutAWord) {
+  for (const Format& format : Formats()) {
+    if (!format.read || !format.write || format.name == "colmap") continue;
+    ASSERT_EQ(kPlaces.count(format.name), 1u) << format.name;
+    const PlaceOfKey& place = kPlaces.at(format.name);
+    const auto [camera, text] = Examples(format).front();
+    const auto read_with = [&, &text = text](const char* key,
+                                             const char* value) {
+      const std::string changed = TextWith(
+          text, place.before,
+          fmt::format(fmt::runtime(place.key), key, value) + place.before);
+      return ReadExchangeFile(nullptr, {"front.yaml", changed, "", {}});
+    };
+    SCOPED_TRACE(format.name);
+    const ExchangeContents stranger = read_with("stranger", "5");
+    ASSERT_FALSE(stranger.remarks.empty());
+    EXPECT_NE(stranger.remarks[0].find("stranger"), std::string::npos);
+    for (const auto& [key, value] : {std::pair("mirror_parameters", "1.5"),
+                                     {"lens_type", "\"catadioptric\""},
+                                     {"projection_type", "\"double_sphere\""},
+                                     {"affine", "0.1"}})
+      ExpectError(ExitCode::kInput, {"front.yaml", key},
+                  [&, &k = key, &v = value] { read_with(k, v); });
+    const size_t usual =
+        ReadExchangeFile(nullptr, {"front.yaml", text, "", {}}).remarks.size();
+    for (const auto& [key, value] :
+         {std::pair("mirror_parameters", "0.0"), {"affine", "0"}})
+      EXPECT_EQ(read_with(key, value).remarks.size(), usual) << key;
+  }
+}
+
+// An option adds to a file, and replaces nothing that the file says.
+TEST(Formats, RefuseOptionsAgainstTheFile) {
+  for (const Format& format : Formats()) {
+    if (!format.read || !format.write) continue;
+    const auto [camera, text] = Examples(format).back();
+    SCOPED_TRACE(format.name);
+    const auto read_with = [&, &text = text](const std::string& form,
+                                             std::optional<ImageSize> size) {
+      return ReadExchangeFile(nullptr, {"front.yaml", text, form, size});
+    };
+    ExpectError(ExitCode::kInput,
+                {"front.yaml", "320x240", "640x480", "--mode"}, [&] {
+                  read_with("", ImageSize{320, 240});
+                });
+    EXPECT_EQ(read_with("", kExampleImage).cameras[0].lens.size, kExampleImage);
+    for (const LensForm& other : format.forms)
+      if (FindLensModel(other.model) && other.model != camera.lens.form->model)
+        ExpectError(ExitCode::kInput, {"front.yaml", "--model " + other.name},
+                    [&] { read_with(other.name, {}); });
+  }
 }
 
 // Grids are fitted, which takes longer: usually a quarter.

@@ -83,6 +83,43 @@ TEST(KalibrFormat, WritesWhatItReads) {
   }
 }
 
+// The chain, or poses in the IMU, whichever way around; all say one rig.
+TEST(KalibrFormat, FindsTheRigInPosesOfTheImu) {
+  const std::string chain = kCamchain;
+  const std::string pose = chain.substr(
+      chain.find("  T_cn_cnm1:"),
+      chain.find("  cam_overlaps: [0]") - chain.find("  T_cn_cnm1:"));
+  const std::string one =
+      "[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n";
+  // The inverse of the second camera's pose.
+  const std::string back =
+      "[[1, 0, 0, 0.11], [0, 0, 1, -0.03], [0, -1, 0, 0.02], [0, 0, 0, 1]]\n";
+  const Pose expected = *ParseKalibr(chain).cameras[1].camera_from_rig;
+  const auto check = [&](const std::string& text) {
+    const ExchangeContents contents = ParseKalibr(text);
+    ASSERT_TRUE(contents.IsRig());
+    const Pose& found = *contents.cameras[1].camera_from_rig;
+    EXPECT_LT((found.translation - expected.translation).norm(), 1e-12);
+    EXPECT_LT(found.rotation.angularDistance(expected.rotation), 1e-7);
+  };
+  check(TextWith(chain, "T_cn_cnm1", "baseline_last_to_this_cam"));
+  check("cam0:\n  T_cam_imu: " + one +
+        TextWith(TextWith(chain, "T_cn_cnm1", "T_cam_imu"), "cam0:\n", ""));
+  check("cam0:\n  T_imu_cam: " + one +
+        TextWith(TextWith(chain, pose, "  T_imu_cam: " + back), "cam0:\n", ""));
+}
+
+// Programs leave the end of the last line out. Only a number there may be cut.
+TEST(KalibrFormat, ReadsALastLineWithoutItsEnd) {
+  std::string text = kCamchain;
+  text.pop_back();
+  EXPECT_TRUE(ParseKalibr(text).IsRig());
+  EXPECT_TRUE(ParseKalibr(text).remarks.empty());
+  const auto cut = ParseKalibr(text + "\n  timeshift_cam_imu: 0.25");
+  ASSERT_EQ(cut.remarks.size(), 1u);
+  EXPECT_NE(cut.remarks[0].find("cut"), std::string::npos);
+}
+
 TEST(KalibrFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
@@ -102,7 +139,7 @@ TEST(KalibrFormat, SaysWhatIsMissingOrWrong) {
   const ExchangeContents apart =
       ParseKalibr(TextWith(kCamchain, "T_cn_cnm1", "other"));
   EXPECT_FALSE(apart.IsRig());
-  EXPECT_EQ(apart.remarks.size(), 1u);
+  EXPECT_EQ(apart.remarks.size(), 2u);
 }
 
 }  // namespace

@@ -68,6 +68,47 @@ TEST(MetashapeFormat, WritesWhatItReads) {
   }
 }
 
+// The document of "Export Cameras": sensors, with what Metashape began with.
+TEST(MetashapeFormat, ReadsTheSensorsOfADocument) {
+  const std::string begin =
+      "<calibration type=\"frame\" class=\"initial\"><resolution "
+      "width=\"4096\" height=\"3072\"/><f>3000</f></calibration>\n";
+  const std::string adjusted =
+      "<calibration type=\"frame\" class=\"adjusted\"><resolution "
+      "width=\"4096\" height=\"3072\"/><f>3219.5</f><cx>15.125</cx>"
+      "<cy>-18.5</cy><b1>2.5</b1><k1>0.02</k1><k2>-0.07</k2><k3>0.09</k3>"
+      "<p1>0.0015</p1><p2>0.0017</p2></calibration>\n";
+  const auto document = [](const std::string& calibrations) {
+    return "<?xml version=\"1.0\"?>\n<document version=\"1.5.0\"><chunk>"
+           "<sensors next_id=\"1\"><sensor id=\"0\" label=\"A (9 mm)\" "
+           "type=\"frame\"><resolution width=\"4096\" height=\"3072\"/>" +
+           calibrations + "</sensor></sensors></chunk></document>\n";
+  };
+  const auto read = ParseMetashape(document(begin + adjusted));
+  ASSERT_EQ(read.cameras.size(), 1u);
+  EXPECT_EQ(MakeLens(read.cameras[0].lens)->Parameters(),
+            MakeLens(ParseMetashape(kMetashape).cameras[0].lens)->Parameters());
+  const auto first = ParseMetashape(document(begin));
+  EXPECT_EQ(first.cameras.at(0).lens.Value("fy"), 3000);
+  EXPECT_EQ(first.remarks.size(), 2u);
+  ExpectError(ExitCode::kInput, {"f: no camera"},
+              [&] { ParseMetashape(document("")); });
+}
+
+// b2 is a skew: x + b2 y.
+TEST(MetashapeFormat, ReadsASkewAsAGrid) {
+  const auto read = ParseMetashape(TextWith(kMetashape, "<b2>0", "<b2>-4.25"));
+  const auto grid = MakeLens(read.cameras.at(0).lens);
+  const auto straight = MakeLens(ParseMetashape(kMetashape).cameras[0].lens);
+  const double cy = straight->Parameters()[3], fy = straight->Parameters()[1];
+  for (const double y : {-0.3, 0.0, 0.35}) {
+    const Eigen::Vector3d point(0.2, y, 1);
+    Eigen::Vector2d expected = straight->Project(point).value();
+    expected.x() += -4.25 * (expected.y() - cy) / fy;
+    EXPECT_LT((grid->Project(point).value() - expected).norm(), 0.01);
+  }
+}
+
 TEST(MetashapeFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
@@ -75,7 +116,6 @@ TEST(MetashapeFormat, SaysWhatIsMissingOrWrong) {
                 [&] { ParseMetashape(TextWith(kMetashape, old, by)); });
   };
   expect("frame", "equisolid_fisheye", {"f: projection", "fisheye"});
-  expect("<b2>0<", "<b2>0.5<", {"b2 of a frame is not 0", "Metashape"});
   expect("</k3>", "</k3><k4>0.1</k4>", {"k4 of a frame"});
   expect("</k3>", "</k3><p3>0.1</p3>", {"p3 of a frame"});
   expect("</k3>", "</k3><corrections/>", {"corrections"});

@@ -52,6 +52,20 @@ TEST(MrcalFormat, ReadsWhatMrcalWrites) {
   EXPECT_FALSE(file.uncertainty->TellsDeviations());
 }
 
+TEST(MrcalFormat, ReadsTheNamesOfOldVersions) {
+  const std::string old = MrcalWith("'lensmodel':  'LENSMODEL_",
+                                    "'distortion_model':  'DISTORTION_");
+  EXPECT_EQ(ParseMrcal(old).cameras.at(0).lens.values,
+            ParseMrcal(kMrcal).cameras[0].lens.values);
+  EXPECT_TRUE(ParseMrcal(old).remarks.empty());
+  const std::string none = TextWith(TextWith(old, "OPENCV5", "NONE"),
+                                    "0.1, 0.01, 0.001, 0.002, 0.003,", "");
+  EXPECT_EQ(ParseMrcal(none).cameras.at(0).lens.form->name,
+            "LENSMODEL_PINHOLE");
+  ExpectError(ExitCode::kInput, {"CAHVOR"},
+              [&] { ParseMrcal(TextWith(old, "OPENCV5", "CAHVOR")); });
+}
+
 TEST(MrcalFormat, TellsWhatCanBeTrusted) {
   const std::string key = "'valid_intrinsics_region'";
   EXPECT_FALSE(ParseMrcal(MrcalWith(key, "'other'")).cameras[0].trusted);

@@ -49,6 +49,28 @@ TEST(NerfstudioFormat, ReadsACameraWhosePixelsBeginAtTheCorner) {
   EXPECT_EQ(fisheye.Value("k4"), -0.002);
 }
 
+// instant-ngp says a fisheye by a flag.
+TEST(NerfstudioFormat, ReadsTheFlagOfFisheyes) {
+  const std::string fisheye = FisheyeTransforms();
+  const std::string without =
+      TextWith(fisheye, "    \"camera_model\": \"OPENCV_FISHEYE\",\n", "");
+  const auto with = [&](const std::string& flag) {
+    return TextWith(without, "\"frames\"", flag + ", \"frames\"");
+  };
+  const auto said = ParseNerfstudio(with("\"is_fisheye\": true"));
+  EXPECT_TRUE(said.remarks.empty());
+  EXPECT_EQ(MakeLens(said.cameras.at(0).lens)->Parameters(),
+            MakeLens(ParseNerfstudio(fisheye).cameras[0].lens)->Parameters());
+  EXPECT_EQ(ParseNerfstudio(TextWith(kTransforms, "\"frames\"",
+                                     "\"is_fisheye\": false, \"frames\""))
+                .cameras.at(0)
+                .lens.form->name,
+            "OPENCV");
+  ExpectError(ExitCode::kInput, {"f: ", "is_fisheye", "OPENCV"}, [&] {
+    ParseNerfstudio(with("\"is_fisheye\": true, \"camera_model\": \"OPENCV\""));
+  });
+}
+
 TEST(NerfstudioFormat, ReadsWhatFramesSayOfOneCamera) {
   const std::string frame =
       "{\"fl_x\": 50, \"fl_y\": 51, \"cx\": 32, \"cy\": "

@@ -1,0 +1,248 @@
+#include "exchange/camera_keys.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace {
+
+// Small letters and digits alone, since programs differ in the rest.
+std::string Plain(const std::string& text) {
+  std::string plain;
+  for (const char c : Lowercase(text))
+    if (std::isalnum(static_cast<unsigned char>(c))) plain += c;
+  return plain;
+}
+
+// Keys by which some format selects a camera model.
+bool IsSelector(const std::string& plain) {
+  static const std::set<std::string> selectors = {
+      "cameramodel",     "cameratype",
+      "lensmodel",       "lenstype",
+      "distortionmodel", "distortiontype",
+      "distmodel",       "modeltype",
+      "projection",      "projectiontype",
+      "projectionmodel", "isfisheye",
+      "fisheye",         "fisheyemodel",
+      "usefisheye",      "useopencvfisheye",
+      "omnidirectional", "isomnidirectional",
+      "model",           "cammodel"};
+  return selectors.count(plain) > 0;
+}
+
+// Keys that in some format are numbers of a camera model.
+bool IsParameter(const std::string& plain) {
+  static const std::set<std::string> parameters = {
+      "xi",          "alpha",      "beta",
+      "skew",        "omega",      "mirrorparameters",
+      "affine",      "poly",       "polynomial",
+      "invpoly",     "b1",         "b2",
+      "k1",          "k2",         "k3",
+      "k4",          "k5",         "k6",
+      "p1",          "p2",         "p3",
+      "p4",          "s1",         "s2",
+      "s3",          "s4",         "sx1",
+      "sy1",         "taux",       "tauy",
+      "corrections", "digitallens"};
+  return parameters.count(plain) > 0;
+}
+
+// Not a value, 0, or rows of 0.
+bool IsNothing(const YAML::Node& value, int depth = 0) {
+  constexpr int kDeepest = 2;
+  if (!value.IsDefined() || value.IsNull()) return true;
+  if (depth > kDeepest) return false;
+  if (value.IsScalar()) {
+    const std::string text = Lowercase(value.as<std::string>());
+    double number = 1;
+    return text.empty() || text == "false" || text == "none" ||
+           text == "null" || text == "no" ||
+           (YAML::convert<double>::decode(value, number) && number == 0);
+  }
+  return std::all_of(value.begin(), value.end(), [&](const auto& entry) {
+    return IsNothing(value.IsMap() ? entry.second : YAML::Node(entry),
+                     depth + 1);
+  });
+}
+
+// The key behind those of maps, or of OpenCV's parts: k1 of "Camera.k1".
+std::string LastOf(const std::string& path) {
+  return path.substr(path.find_last_of("/.") + 1);
+}
+
+LensFamily FamilyOf(const LensForm& form) {
+  if (form.model == "thin-prism-fisheye") return LensFamily::kFisheye;
+  if (form.model == "opencv" || form.model == "opencv-14")
+    return LensFamily::kPinhole;
+  return form.model == "omni-radtan" ? LensFamily::kOmni : LensFamily::kOther;
+}
+
+// Whether a selector says nothing against a form. "pinhole" is also said of
+// fisheyes whose distortion stands in another key, as Kalibr has them.
+bool Agrees(const std::string& key, const YAML::Node& value,
+            const LensForm& form) {
+  if (IsNothing(value) || !value.IsScalar()) return true;
+  const std::string text = Plain(value.as<std::string>());
+  const LensFamily own = FamilyOf(form);
+  if (text == "true" || text == "1" || text == "yes") {
+    const auto family = FamilyOfWord(key);
+    return !family || *family == own;
+  }
+  const auto family = FamilyOfWord(text);
+  // An unknown word at another key is a maker's name.
+  if (!family)
+    return key.find("distortion") == std::string::npos && key != "projection";
+  return (*family == own && own != LensFamily::kOther) || text == "pinhole";
+}
+
+}  // namespace
+
+std::optional<LensFamily> FamilyOfWord(const std::string& word) {
+  const std::string plain = Plain(word);
+  const auto has_any = [&](std::initializer_list<const char*> parts) {
+    return std::any_of(parts.begin(), parts.end(), [&](const char* part) {
+      return plain.find(part) != std::string::npos;
+    });
+  };
+  if (has_any({"inversebrown", "scaramuzza", "ocam", "eucm", "doublesphere",
+               "equirect", "spherical", "stereographic", "equisolid",
+               "orthographic", "ftheta", "division", "cahvor", "thinprism",
+               "cylindrical", "panoramic", "divisionmodel"}) ||
+      plain == "ds" || plain == "fov" || plain == "ucm" || plain == "atan")
+    return LensFamily::kOther;
+  if (has_any({"omni", "catadioptric"}) || plain == "mei")
+    return LensFamily::kOmni;
+  if (has_any({"fisheye", "equidist", "kannala"}) || plain == "kb4" ||
+      plain == "kb8" || plain == "equi")
+    return LensFamily::kFisheye;
+  if (has_any({"pinhole", "plumbbob", "rational", "perspective", "radtan",
+               "radialtangential", "brownconrady", "rectilinear", "opencv"}))
+    return LensFamily::kPinhole;
+  return std::nullopt;
+}
+
+const char* TextOf(LensFamily family) {
+  switch (family) {
+    case LensFamily::kPinhole:
+      return "a pinhole";
+    case LensFamily::kFisheye:
+      return "a fisheye";
+    case LensFamily::kOmni:
+      return "an omnidirectional camera";
+    default:
+      return "a camera of another model";
+  }
+}
+
+CameraKeys::CameraKeys(const YAML::Node& map, std::string name)
+    : map_(map), name_(std::move(name)) {
+  if (!map_.IsDefined() || !map_.IsMap())
+    throw InputError((name_.empty() ? "no camera" : name_) +
+                     ": no map of keys");
+}
+
+YAML::Node CameraKeys::operator[](const std::string& path) const {
+  read_.insert(path);
+  return Find(path);
+}
+
+bool CameraKeys::Has(const std::string& path) const {
+  return Find(path).IsDefined();
+}
+
+std::string CameraKeys::Word(const std::string& path) const {
+  const YAML::Node node = Find(path);
+  return node.IsDefined() && node.IsScalar() ? node.as<std::string>() : "";
+}
+
+YAML::Node CameraKeys::Find(const std::string& path) const {
+  YAML::Node node = map_;
+  for (size_t at = 0; at <= path.size();) {
+    const size_t end = std::min(path.find('/', at), path.size());
+    if (!node.IsMap()) return YAML::Node(YAML::NodeType::Undefined);
+    const YAML::Node map = node;
+    const YAML::Node value = map[path.substr(at, end - at)];
+    if (!value.IsDefined()) return YAML::Node(YAML::NodeType::Undefined);
+    node.reset(value);
+    at = end + 1;
+  }
+  return node;
+}
+
+void CameraKeys::Skip(const std::vector<std::string>& keys) const {
+  for (const std::string& key : keys) {
+    if (key.back() == '*')
+      skipped_prefixes_.push_back(key.substr(0, key.size() - 1));
+    else
+      read_.insert(key);
+  }
+}
+
+std::vector<std::string> CameraKeys::Names() const {
+  std::vector<std::string> names;
+  for (const auto& entry : map_)
+    if (entry.first.IsScalar()) names.push_back(entry.first.as<std::string>());
+  return names;
+}
+
+void CameraKeys::FindUnread(
+    const YAML::Node& map, const std::string& prefix,
+    std::vector<std::pair<std::string, YAML::Node>>* unread) const {
+  for (const auto& entry : map) {
+    if (!entry.first.IsScalar()) continue;
+    const std::string path = prefix + entry.first.as<std::string>();
+    if (read_.count(path) > 0) continue;
+    if (std::any_of(skipped_prefixes_.begin(), skipped_prefixes_.end(),
+                    [&](const std::string& begin) {
+                      return path.rfind(begin, 0) == 0;
+                    }))
+      continue;
+    const auto below = read_.lower_bound(path + "/");
+    if (entry.second.IsMap() && below != read_.end() &&
+        below->rfind(path + "/", 0) == 0)
+      FindUnread(entry.second, path + "/", unread);
+    else
+      unread->emplace_back(path, entry.second);
+  }
+}
+
+void CameraKeys::Finish(const LensForm& form,
+                        std::vector<std::string>* remarks) const {
+  std::vector<std::pair<std::string, YAML::Node>> unread;
+  FindUnread(map_, "", &unread);
+  const std::string of_camera = name_.empty() ? "" : name_ + ": ";
+  constexpr size_t kMostNames = 12;
+  std::string names;
+  size_t count = 0;
+  for (const auto& [path, value] : unread) {
+    const std::string plain = Plain(LastOf(path));
+    const bool is_selector = IsSelector(plain), is_nothing = IsNothing(value);
+    if (is_selector ? !Agrees(plain, value, form)
+                    : IsParameter(plain) && !is_nothing)
+      throw InputError(fmt::format(
+          "{}'{}'{} is of another camera model than {}, which the other keys "
+          "say; remove the key if it is none of the lens",
+          of_camera, Printable(path),
+          value.IsScalar()
+              ? fmt::format(", '{}',", Printable(value.as<std::string>()))
+              : "",
+          form.name));
+    if (is_nothing && (is_selector || IsParameter(plain) || value.IsNull()))
+      continue;
+    if (++count <= kMostNames)
+      names += (names.empty() ? "" : ", ") + Printable(path);
+  }
+  if (count > kMostNames)
+    names += fmt::format(" and {} more", count - kMostNames);
+  if (count > 0)
+    remarks->push_back(of_camera +
+                       "keys that are not known are not read: " + names);
+}
+
+}  // namespace raygrid
