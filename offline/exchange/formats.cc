@@ -15,6 +15,7 @@
 #include "exchange/format.h"
 #include "exchange/kalibr_format.h"
 #include "exchange/kalibr_target_format.h"
+#include "exchange/keyed_formats.h"
 #include "exchange/libcamera_format.h"
 #include "exchange/metashape_format.h"
 #include "exchange/mrcal_corners_format.h"
@@ -120,7 +121,8 @@ void AddFiles(const std::vector<BesideFile>& written,
 
 const std::vector<Format>& Formats() {
   static const std::vector<Format> formats = [] {
-    std::vector<Format> all;
+    // Settings of programs may have matrices of OpenCV, too.
+    std::vector<Format> all = KeyedFormats();
     for (const auto& row :
          {OpenCvFormat, RosFormat, KalibrFormat, KalibrTargetFormat,
           ColmapFormat, MrcalCornersFormat, MrcalFormat, BasaltFormat,

@@ -749,6 +749,63 @@ class Exports(ExchangeTest):
             self.assertEqual((fx, cx, cy), (fy, 99.5, 74.5))
             self.assertEqual(set(data[1].split(b", ")), {b"0.0"})
 
+    def test_files_that_python_writes_are_cameras(self):
+        """Archives of numpy, with what calibrateCamera returns beside the lens."""
+        code = ("import sys, numpy as np\n"
+                "np.savez(sys.argv[1], ret=0.5, mtx=np.array([[150, 0, 80.25], [0, 151, 59.5], "
+                "[0, 0, 1]]), dist=np.array([[-0.25, 0.08, 1e-3, -2e-3, -0.01]]), "
+                "rvecs=np.zeros((40, 3, 1)), tvecs=np.zeros((40, 3, 1)), names=['a', 'b'])")
+        python = next((python for python in PYTHONS if subprocess.run(
+            [python, "-c", code, self.path("camera.npz")], capture_output=True,
+            check=False).returncode == 0), None)
+        if not python:
+            self.skipTest("no Python has numpy")
+        size = ("--image-size", "160x120")
+        self.assert_done(run("import", self.path("camera.npz"), *size, "-o",
+                             self.path("numpy.yaml")))
+        self.assert_done(run("import", write(self.path("same.yml"), OPENCV_FILE), "-o",
+                             self.path("same.yaml")))
+        self.assertEqual(read(self.path("numpy.yaml")), read(self.path("same.yaml")))
+
+    def test_a_pair_is_a_rig_of_two_files(self):
+        matrix = lambda key, rows, data: (f"{key}: !!opencv-matrix\n   rows: {rows}\n   cols: "
+                                          f"{data.count(',') // rows + 1}\n   dt: d\n"
+                                          f"   data: [ {data} ]\n")
+        lens = "150., 0., 80.25, 0., 151., 59.5, 0., 0., 1."
+        cameras = write(self.path("intrinsics.yml"), "%YAML:1.0\n---\n" + "".join(
+            matrix(f"M{k}", 3, lens) + matrix(f"D{k}", 1, "-0.25, 0.08, 1e-3, -2e-3, -0.01")
+            for k in (1, 2)))
+        pose = write(self.path("extrinsics.yml"), "%YAML:1.0\n---\n" +
+                     matrix("R", 3, "1., 0., 0., 0., 1., 0., 0., 0., 1.") +
+                     matrix("T", 3, "-0.12, 0., 0."))
+        for files in ((cameras, pose), (pose, cameras)):
+            self.assert_done(run("import", *files, "--image-size", "160x120", "-o",
+                                 self.path("pair/rig.yaml")))
+            self.assertIn("x: -0.12", read(self.path("pair/rig.yaml")).decode())
+        self.assert_refused(run("import", pose, "-o", self.path("never/x.yaml")), 2,
+                            "extrinsics.yml", "R and T")
+        self.assert_refused(run("inspect", pose), 2, "extrinsics.yml", "R and T")
+
+    def test_options_do_not_replace_what_files_say(self):
+        file = write(self.path("said.yml"), OPENCV_FILE + "fisheye_model: 0\n")
+        for option, value, words in (("--image-size", "80x60", ("80x60", "160x120", "scale=0.5")),
+                                     ("--model", "fisheye", ("--model fisheye",
+                                                             "fisheye_model"))):
+            self.assert_refused(run("import", file, option, value, "-o", self.path("never/x.yaml")),
+                                2, "said.yml", *words)
+        self.assert_nothing_in(self.path("never"))
+
+    def test_commands_name_the_formats_that_they_tried(self):
+        text = write(self.path("no_camera.txt"), "hello: 1\n")
+        for arguments in (("pack", text, "-o", self.path("never/x.raygrid")),
+                          ("undistort", text, text, "-o", self.path("never")),
+                          ("export", text, "--to", "ros", "-o", self.path("never/x.yaml")),
+                          ("compare", text, self.camera),
+                          ("inspect", text)):
+            with self.subTest(arguments[0]):
+                self.assert_refused(run(*arguments), 2, "no_camera.txt", "opencv", "gyroflow",
+                                    "orbslam")
+
     def test_lists_what_there_is(self):
         result = run("export", "--list")
         self.assert_done(result)

@@ -1,0 +1,162 @@
+#include "exchange/plain_trees.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+#include <vector>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+
+namespace raygrid {
+namespace {
+
+std::string WithoutSpaces(const std::string& text) {
+  constexpr char kSpaces[] = " \t\r\n";
+  const size_t first = text.find_first_not_of(kSpaces);
+  if (first == std::string::npos) return "";
+  return text.substr(first, text.find_last_not_of(kSpaces) - first + 1);
+}
+
+[[noreturn]] void RefuseLine(int line, const std::string& fault) {
+  throw InputError(fmt::format("line {}: {}", line, fault));
+}
+
+void RequireText(const std::string& text) {
+  if (FindNoUtf8(text) != std::string::npos)
+    throw InputError("not a text file");
+}
+
+// A line without its comment, and how many brackets it leaves open.
+std::string WithoutComment(const std::string& line, int* depth) {
+  char quote = 0;
+  for (size_t k = 0; k < line.size(); ++k) {
+    const char c = line[k];
+    if (quote) {
+      quote = c == quote ? 0 : quote;
+      continue;
+    }
+    if (c == '"' || c == '\'') quote = c;
+    if (c == '[' || c == '{') ++*depth;
+    if (c == ']' || c == '}') --*depth;
+    if (c == '#') return line.substr(0, k);
+  }
+  return line;
+}
+
+std::string Unquoted(const std::string& key) {
+  const bool is_quoted = key.size() >= 2 && (key[0] == '"' || key[0] == '\'') &&
+                         key.back() == key[0];
+  return is_quoted ? key.substr(1, key.size() - 2) : key;
+}
+
+// Values of TOML are those of YAML's flow but for a comma at a list's end,
+// which YAML takes, too.
+YAML::Node TomlValue(const std::string& text, int line) {
+  try {
+    return YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    RefuseLine(line, error.msg);
+  }
+}
+
+void AddKey(YAML::Node table, const std::string& key, const YAML::Node& value,
+            int line) {
+  if (key.empty()) RefuseLine(line, "a key is missing");
+  if (table[key].IsDefined())
+    RefuseLine(line,
+               fmt::format("'{}' stands twice; keep one", Printable(key)));
+  table[key] = value;
+}
+
+}  // namespace
+
+YAML::Node ParseToml(const std::string& text) {
+  RequireText(text);
+  YAML::Node root(YAML::NodeType::Map), table = root;
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    const int first = number;
+    int depth = 0;
+    std::string statement = WithoutSpaces(WithoutComment(line, &depth));
+    if (statement.empty()) continue;
+    const size_t equals = statement.find('=');
+    if (statement[0] == '[') {
+      if (statement.back() != ']' || statement[1] == '[')
+        RefuseLine(number, "no table; arrays of tables are not taken");
+      YAML::Node added(YAML::NodeType::Map);
+      AddKey(root,
+             Unquoted(WithoutSpaces(statement.substr(1, statement.size() - 2))),
+             added, number);
+      table.reset(added);
+      continue;
+    }
+    if (equals == std::string::npos) RefuseLine(number, "no 'KEY = VALUE'");
+    while (depth > 0 && std::getline(lines, line)) {
+      statement += " " + WithoutSpaces(WithoutComment(line, &depth));
+      ++number;
+    }
+    if (depth != 0) RefuseLine(first, "a bracket is not closed");
+    AddKey(table, Unquoted(WithoutSpaces(statement.substr(0, equals))),
+           TomlValue(statement.substr(equals + 1), first), first);
+  }
+  return root;
+}
+
+YAML::Node ParseKeyLines(const std::string& text) {
+  RequireText(text);
+  YAML::Node root(YAML::NodeType::Map);
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    if (WithoutSpaces(line).empty()) continue;
+    const size_t colon = line.find(':');
+    if (colon == std::string::npos) RefuseLine(number, "no 'KEY: NUMBERS'");
+    YAML::Node list(YAML::NodeType::Sequence);
+    std::istringstream words(line.substr(colon + 1));
+    for (std::string word; words >> word;) list.push_back(word);
+    AddKey(root, WithoutSpaces(line.substr(0, colon)), list, number);
+  }
+  return root;
+}
+
+YAML::Node ParseRosIni(const std::string& text) {
+  RequireText(text);
+  YAML::Node root(YAML::NodeType::Map);
+  std::istringstream lines(text);
+  std::string line, section, key;
+  YAML::Node list(YAML::NodeType::Sequence);
+  const auto finish = [&](int number) {
+    if (key.empty()) return;
+    const bool is_side = section == "image" && list.size() == 1;
+    AddKey(root, key,
+           is_side ? YAML::Node(list[0].as<std::string>()) : YAML::Clone(list),
+           number);
+    key.clear();
+  };
+  int number = 1;
+  for (; std::getline(lines, line); ++number) {
+    const std::string words = WithoutSpaces(line);
+    if (words.empty() || words[0] == '#') continue;
+    if (words[0] == '[') {
+      finish(number);
+      section = WithoutSpaces(words.substr(1, words.find(']') - 1));
+      if (section != "image" && section != "externals" && !root["name"])
+        root["name"] = section;
+    } else if (words.find_first_not_of("0123456789.+-eE \t") ==
+               std::string::npos) {
+      std::istringstream numbers(words);
+      for (std::string word; numbers >> word;) list.push_back(word);
+    } else {
+      finish(number);
+      key = words;
+      list = YAML::Node(YAML::NodeType::Sequence);
+    }
+  }
+  finish(number);
+  return root;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,373 @@
+/// Files of keys and numbers that programs publish, against formulas written
+/// here.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "exchange/format.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+using Numbers = std::vector<double>;
+
+ExchangeContents Read(const std::string& text,
+                      std::optional<ImageSize> size = {},
+                      const std::string& form = "") {
+  return ReadExchangeFile(nullptr, {"f", text, form, size});
+}
+
+// k1, k2, p1, p2, k3 to k6 as OpenCV has them.
+Eigen::Vector2d Distorted(double x, double y, Numbers d) {
+  d.resize(8, 0);
+  const double r2 = x * x + y * y;
+  const double g = (1 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]))) /
+                   (1 + r2 * (d[5] + r2 * (d[6] + r2 * d[7])));
+  return {x * g + 2 * d[2] * x * y + d[3] * (r2 + 2 * x * x),
+          y * g + d[2] * (r2 + 2 * y * y) + 2 * d[3] * x * y};
+}
+
+// Pixels of a lens; k is fx, fy, cx, cy and perhaps a skew.
+Eigen::Vector2d AtPixel(const Eigen::Vector2d& xy, const Numbers& k) {
+  const double skew = k.size() > 4 ? k[4] : 0;
+  return {k[0] * xy.x() + skew * xy.y() + k[2], k[1] * xy.y() + k[3]};
+}
+
+struct Lens {
+  Numbers k, d;
+  double xi = 0;
+  Eigen::Vector2d Pinhole(const Eigen::Vector3d& p) const {
+    return AtPixel(Distorted(p.x() / p.z(), p.y() / p.z(), d), k);
+  }
+  Eigen::Vector2d Fisheye(const Eigen::Vector3d& p) const {
+    const double r = p.head<2>().norm(), theta = std::atan2(r, p.z()),
+                 t2 = theta * theta;
+    const double bent =
+        theta * (1 + t2 * (d[0] + t2 * (d[1] + t2 * (d[2] + t2 * d[3]))));
+    return AtPixel(p.head<2>() * (bent / r), k);
+  }
+  Eigen::Vector2d Omni(const Eigen::Vector3d& p) const {
+    const Eigen::Vector3d unit = p.normalized();
+    return AtPixel(
+        Distorted(unit.x() / (unit.z() + xi), unit.y() / (unit.z() + xi), d),
+        k);
+  }
+};
+
+using Formula = Eigen::Vector2d (Lens::*)(const Eigen::Vector3d&) const;
+
+void ExpectLens(const ReadLens& read, const Lens& lens, Formula formula,
+                double tolerance_px = 1e-9) {
+  const auto model = MakeLens(read.lens);
+  for (const double x : {-0.31, 0.02, 0.27})
+    for (const double y : {-0.22, 0.01, 0.18}) {
+      const Eigen::Vector3d point(x, y, 1.1);
+      const auto seen = model->Project(point);
+      ASSERT_TRUE(seen) << x << " " << y;
+      EXPECT_LT((*seen - (lens.*formula)(point)).norm(), tolerance_px)
+          << x << " " << y;
+    }
+}
+
+const Lens kPinholeLens = {{410, 411.5, 322.5, 238},
+                           {-0.21, 0.06, 1e-3, -2e-3}};
+const Lens kFisheyeLens = {{290, 291.5, 322.5, 238},
+                           {0.03, -0.01, 4e-3, -1e-3}};
+const Lens kOmniLens = {
+    {910, 911.5, 322.5, 238}, {-0.11, 0.05, 1e-3, -2e-3}, 1.25};
+constexpr ImageSize kImage = {640, 480};
+
+TEST(KeyedFormats, ReadCamodocal) {
+  const std::string head =
+      "%YAML:1.0\n---\nmodel_type: MODEL\ncamera_name: front\n"
+      "image_width: 640\nimage_height: 480\n";
+  const std::string distortion =
+      "distortion_parameters:\n   k1: K1\n   k2: K2\n   p1: 0.001\n   p2: "
+      "-0.002\n";
+  const auto with = [&](const char* model, const char* k1, const char* k2) {
+    return TextWith(head, "MODEL", model) +
+           TextWith(TextWith(distortion, "K1", k1), "K2", k2);
+  };
+  const auto pinhole = Read(with("PINHOLE", "-0.21", "0.06") +
+                            "projection_parameters:\n   fx: 410.\n   fy: "
+                            "411.5\n   cx: 322.5\n   cy: 238.\n");
+  EXPECT_EQ(pinhole.cameras.at(0).name, "front");
+  EXPECT_TRUE(pinhole.remarks.empty());
+  ExpectLens(pinhole.cameras[0], kPinholeLens, &Lens::Pinhole);
+  const std::string mei = with("MEI", "-0.11", "0.05") +
+                          "mirror_parameters:\n   xi: 1.25\n"
+                          "projection_parameters:\n   gamma1: 910.\n   gamma2: "
+                          "911.5\n   u0: 322.5\n   v0: 238.\n";
+  ExpectLens(Read(mei).cameras.at(0), kOmniLens, &Lens::Omni);
+  const std::string fisheye =
+      TextWith(head, "MODEL", "KANNALA_BRANDT") +
+      "projection_parameters:\n   k2: 0.03\n   k3: -0.01\n   k4: 0.004\n"
+      "   k5: -0.001\n   mu: 290.\n   mv: 291.5\n   u0: 322.5\n   v0: 238.\n";
+  ExpectLens(Read(fisheye).cameras.at(0), kFisheyeLens, &Lens::Fisheye);
+  ExpectError(ExitCode::kInput, {"f: ", "'SCARAMUZZA'", "MEI"},
+              [&] { Read(TextWith(fisheye, "KANNALA_BRANDT", "SCARAMUZZA")); });
+  ExpectError(ExitCode::kInput, {"f: ", "mirror_parameters/xi"},
+              [&] { Read(TextWith(mei, "xi:", "other:")); });
+}
+
+TEST(KeyedFormats, ReadOrbSlam) {
+  const std::string old =
+      "%YAML:1.0\n\nCamera.fx: 410.\nCamera.fy: 411.5\nCamera.cx: 322.5\n"
+      "Camera.cy: 238.\nCamera.k1: -0.21\nCamera.k2: 0.06\nCamera.p1: 0.001\n"
+      "Camera.p2: -0.002\nCamera.fps: 30.0\nORBextractor.nFeatures: 1000\n"
+      "Viewer.PointSize:2\n";
+  const auto one = Read(old, kImage);
+  ExpectLens(one.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  EXPECT_TRUE(one.remarks.empty());
+  ExpectError(ExitCode::kInput, {"f: ", "--image-size"}, [&] { Read(old); });
+  const auto camera = [](const std::string& word, const char* cx) {
+    return TextWith(
+        "@.fx: 290.\n@.fy: 291.5\n@.cx: " + std::string(cx) +
+            "\n@.cy: 238.\n@.k1: 0.03\n@.k2: -0.01\n@.k3: 0.004\n@.k4: "
+            "-0.001\n",
+        "@", word);
+  };
+  std::string first = camera("Camera1", "322.5"),
+              second = camera("Camera2", "300.0");
+  for (std::string* text : {&first, &second})
+    while (text->find('@') != std::string::npos)
+      *text = TextWith(*text, "@", text == &first ? "Camera1" : "Camera2");
+  const auto pair = Read(
+      "%YAML:1.0\nFile.version: \"1.0\"\nCamera.type: \"KannalaBrandt8\"\n" +
+      first + second +
+      "Camera.width: 640\nCamera.height: 480\nStereo.ThDepth: 40.0\n"
+      "Stereo.T_c1_c2: !!opencv-matrix\n  rows: 4\n  cols: 4\n  dt: f\n"
+      "  data: [1, 0, 0, 0.1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n");
+  ASSERT_EQ(pair.cameras.size(), 2u);
+  ASSERT_TRUE(pair.IsRig());
+  ExpectLens(pair.cameras[0], kFisheyeLens, &Lens::Fisheye);
+  EXPECT_EQ(pair.cameras[1].lens.Value("cx"), 300);
+  // A point of the second camera's origin lies at 0.1 m in the first one.
+  EXPECT_LT(
+      (*pair.cameras[1].camera_from_rig * Eigen::Vector3d(0.1, 0, 0)).norm(),
+      1e-12);
+}
+
+TEST(KeyedFormats, ReadEurocAndOkvis) {
+  const std::string pose =
+      "[0, -1, 0, 0.1, 1, 0, 0, 0.2, 0, 0, 1, 0.3, 0, 0, 0, 1]";
+  const std::string euroc =
+      "sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: " + pose +
+      "\nrate_hz: 20\nresolution: [640, 480]\ncamera_model: pinhole\n"
+      "intrinsics: [410, 411.5, 322.5, 238]\n"
+      "distortion_model: radial-tangential\n"
+      "distortion_coefficients: [-0.21, 0.06, 0.001, -0.002]\n";
+  const auto read = Read(euroc);
+  ExpectLens(read.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  const Eigen::Vector3d in_body(0.1, 0.2, 0.3);
+  EXPECT_LT((*read.cameras[0].camera_from_rig * in_body).norm(), 1e-12);
+  const std::string fisheye =
+      TextWith(TextWith(TextWith(euroc, "radial-tangential", "equidistant"),
+                        "410, 411", "290, 291"),
+               "-0.21, 0.06, 0.001, -0.002", "0.03, -0.01, 0.004, -0.001");
+  ExpectLens(Read(fisheye).cameras.at(0), kFisheyeLens, &Lens::Fisheye);
+  ExpectError(ExitCode::kInput, {"f: ", "'omni'"},
+              [&] { Read(TextWith(euroc, "pinhole", "omni")); });
+  const std::string okvis =
+      "%YAML:1.0\ncameras:\n     - {T_SC:\n        " + pose +
+      ",\n        image_dimension: [640, 480],\n"
+      "        distortion_coefficients: [-0.21, 0.06, 0.001, -0.002],\n"
+      "        distortion_type: radialtangential,\n"
+      "        focal_length: [410, 411.5],\n"
+      "        principal_point: [322.5, 238]}\n"
+      "     - {T_SC:\n        " +
+      pose +
+      ",\n        image_dimension: [640, 480],\n"
+      "        distortion_coefficients: [0.03, -0.01, 0.004, -0.001],\n"
+      "        distortion_type: equidistant,\n"
+      "        focal_length: [290, 291.5],\n"
+      "        principal_point: [322.5, 238]}\ncamera_params:\n  rate: 20\n";
+  const auto rig = Read(okvis);
+  ASSERT_EQ(rig.cameras.size(), 2u);
+  EXPECT_TRUE(rig.IsRig());
+  ExpectLens(rig.cameras[0], kPinholeLens, &Lens::Pinhole);
+  ExpectLens(rig.cameras[1], kFisheyeLens, &Lens::Fisheye);
+}
+
+TEST(KeyedFormats, ReadGyroflow) {
+  const std::string text =
+      "{\"name\": \"a\", \"camera_model\": \"HERO fisheye\", "
+      "\"calib_dimension\": {\"w\": 640, \"h\": 480}, "
+      "\"input_horizontal_stretch\": 1.0, \"fisheye_params\": {\"RMS_error\": "
+      "0.5, \"camera_matrix\": [[290, 0, 322.5], [0, 291.5, 238], [0, 0, 1]], "
+      "\"distortion_coeffs\": [0.03, -0.01, 0.004, -0.001]}, "
+      "\"distortion_model\": null, \"digital_lens\": null}\n";
+  const auto read = Read(text);
+  ExpectLens(read.cameras.at(0), kFisheyeLens, &Lens::Fisheye);
+  EXPECT_TRUE(read.remarks.empty());
+  for (const auto& [old, by, word] : std::vector<std::array<const char*, 3>>{
+           {"\"distortion_model\": null", "\"distortion_model\": \"poly5\"",
+            "'poly5'"},
+           {"\"digital_lens\": null", "\"digital_lens\": \"gopro_superview\"",
+            "digital_lens"},
+           {"_stretch\": 1.0", "_stretch\": 1.33", "1.33"}})
+    ExpectError(ExitCode::kInput, {"f: ", word},
+                [&, &o = old, &b = by] { Read(TextWith(text, o, b)); });
+}
+
+TEST(KeyedFormats, ReadAnipose) {
+  const std::string text =
+      "[cam_0] # left\nname = \"A\"\nsize = [ 640, 480,]\n"
+      "matrix = [ [ 410, 0.0, 322.5,],\n  [ 0.0, 411.5, 238.0,],\n"
+      "  [ 0.0, 0.0, 1.0,],]\n"
+      "distortions = [ -0.21, 0.06, 0.001, -0.002, 0.0,]\n"
+      "rotation = [ 0.0, 0.0, 1.5707963267948966,]\n"
+      "translation = [ 1.0, 2.0, 3.0,]\n\n[cam_1]\nname = \"B\"\n"
+      "size = [ 640, 480,]\nmatrix = [ [ 290, 0.0, 322.5,], [ 0.0, 291.5, "
+      "238.0,], [ 0.0, 0.0, 1.0,],]\n"
+      "distortions = [ 0.03, -0.01, 0.004, -0.001,]\nfisheye = true\n"
+      "rotation = [ 0.0, 0.0, 0.0,]\ntranslation = [ 0.0, 0.0, 0.0,]\n\n"
+      "[metadata]\nadjusted = false\n";
+  const auto rig = Read(text);
+  ASSERT_EQ(rig.cameras.size(), 2u);
+  EXPECT_TRUE(rig.IsRig());
+  EXPECT_EQ(rig.cameras[0].name, "A");
+  ExpectLens(rig.cameras[0], kPinholeLens, &Lens::Pinhole);
+  ExpectLens(rig.cameras[1], kFisheyeLens, &Lens::Fisheye);
+  EXPECT_LT((*rig.cameras[0].camera_from_rig * Eigen::Vector3d(1, 0, 0) -
+             Eigen::Vector3d(1, 3, 3))
+                .norm(),
+            1e-12);
+  ExpectError(ExitCode::kInput, {"f: ", "line"},
+              [&] { Read(TextWith(text, "[ 640, 480,]", "[ 640")); });
+}
+
+TEST(KeyedFormats, ReadOpenSfm) {
+  // Lengths are parts of the longer side, from the image's middle.
+  const auto part = [](double px) { return px / 640; };
+  const std::string text = fmt::format(
+      "{{\"v2 a b 640 480\": {{\"projection_type\": \"brown\", \"width\": 640, "
+      "\"height\": 480, \"focal_x\": {}, \"focal_y\": {}, \"c_x\": {}, "
+      "\"c_y\": {}, \"k1\": -0.21, \"k2\": 0.06, \"k3\": 0.0, \"p1\": 0.001, "
+      "\"p2\": -0.002}}}}\n",
+      part(410), part(411.5), part(322.5 - 319.5), part(238 - 239.5));
+  ExpectLens(Read(text).cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  ExpectError(ExitCode::kInput, {"f: ", "'spherical'"},
+              [&] { Read(TextWith(text, "brown", "spherical")); });
+  const auto simple = Read(
+      "{\"a\": {\"projection_type\": \"perspective\", \"width\": 640, "
+      "\"height\": 480, \"focal\": 0.75, \"k1\": -0.1, \"k2\": 0.02}}\n");
+  ExpectLens(simple.cameras.at(0), {{480, 480, 319.5, 239.5}, {-0.1, 0.02}},
+             &Lens::Pinhole);
+}
+
+TEST(KeyedFormats, ReadCalibTexts) {
+  const auto raw = Read(
+      "calib_time: 09-Jan-2012 13:57:47\nS_00: 6.4e+02 4.8e+02\n"
+      "K_00: 410 0 322.5 0 411.5 238 0 0 1\nD_00: -0.21 0.06 0.001 -0.002 0\n"
+      "R_00: 1 0 0 0 1 0 0 0 1\nT_00: 0 0 0\nS_rect_00: 600 400\n"
+      "S_01: 640 480\nK_01: 410 0 322.5 0 411.5 238 0 0 1\n"
+      "D_01: -0.21 0.06 0.001 -0.002 0\nR_01: 1 0 0 0 1 0 0 0 1\n"
+      "T_01: -0.5 0 0\n");
+  ASSERT_EQ(raw.cameras.size(), 2u);
+  EXPECT_TRUE(raw.IsRig());
+  EXPECT_TRUE(raw.remarks.empty());
+  ExpectLens(raw.cameras[0], kPinholeLens, &Lens::Pinhole);
+  EXPECT_EQ(raw.cameras[1].camera_from_rig->translation.x(), -0.5);
+  const auto rectified = Read(
+      "P0: 700 0 300 0 0 700 200 0 0 0 1 0\n"
+      "P1: 700 0 300 -350 0 700 200 0 0 0 1 0\nTr: 1 0 0 0 0 1 0 0 0 0 1 0\n",
+      kImage);
+  ASSERT_EQ(rectified.cameras.size(), 2u);
+  EXPECT_EQ(rectified.cameras[1].camera_from_rig->translation.x(), -0.5);
+  const auto line =
+      Read("410 411.5 322.5 238 -0.21 0.06 0.001 -0.002\n", kImage);
+  ExpectLens(line.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  const auto ini = Read(
+      "# intrinsics\n\n[image]\n\nwidth\n640\n\nheight\n480\n\n[front]\n\n"
+      "camera matrix\n410 0 322.5\n0 411.5 238\n0 0 1\n\ndistortion\n"
+      "-0.21 0.06 0.001 -0.002 0\n\nrectification\n1 0 0\n0 1 0\n0 0 1\n\n"
+      "projection\n410 0 322.5 0\n0 411.5 238 0\n0 0 1 0\n");
+  EXPECT_EQ(ini.cameras.at(0).name, "front");
+  ExpectLens(ini.cameras[0], kPinholeLens, &Lens::Pinhole);
+}
+
+TEST(PythonFormat, ReadsListsUnderTheNamesThatPeopleGive) {
+  const std::string k = "[[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]]";
+  const std::string d = "[[-0.21, 0.06, 0.001, -0.002, 0.0]]";
+  for (const auto& [matrix, distortion] :
+       std::vector<std::array<std::string, 2>>{
+           {"K", "D"},
+           {"mtx", "dist"},
+           {"camera_matrix", "dist_coeff"},
+           {"camera_matrix", "dist_coeffs"},
+           {"cameraMatrix", "distCoeffs"}}) {
+    const std::string json =
+        fmt::format("{{\"{}\": {}, \"{}\": {}, \"image_size\": [640, 480]}}\n",
+                    matrix, k, distortion, d);
+    SCOPED_TRACE(json);
+    ExpectLens(Read(json).cameras.at(0), kPinholeLens, &Lens::Pinhole);
+    const std::string yaml =
+        fmt::format("{}: {}\n{}: {}\n", matrix, k, distortion, d);
+    ExpectLens(Read(yaml, kImage).cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  }
+  const auto named = Read(
+      fmt::format("{{\"front\": {{\"K\": {0}, \"D\": {1}}}, \"back\": {{\"K\": "
+                  "{0}, \"D\": {1}}}}}",
+                  k, d),
+      kImage);
+  ASSERT_EQ(named.cameras.size(), 2u);
+  EXPECT_EQ(named.cameras[1].name, "back");
+  const auto scalars = Read(
+      "{\"fx\": 410, \"fy\": 411.5, \"cx\": 322.5, \"cy\": 238, \"k1\": -0.21, "
+      "\"k2\": 0.06, \"p1\": 0.001, \"p2\": -0.002, \"k3\": 0, \"width\": 640, "
+      "\"height\": 480}");
+  ExpectLens(scalars.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+}
+
+// A column of 4, as cv2.fisheye alone returns it.
+TEST(PythonFormat, TellsFisheyes) {
+  const std::string text =
+      "{\"K\": [[290, 0, 322.5], [0, 291.5, 238], [0, 0, 1]], \"D\": [[0.03], "
+      "[-0.01], [0.004], [-0.001]], \"dim\": [640, 480]}";
+  const auto read = Read(text, kImage);
+  ExpectLens(read.cameras.at(0), kFisheyeLens, &Lens::Fisheye);
+  EXPECT_EQ(read.remarks.size(), 2u);  // and "dim" is not known
+  const std::string row = TextWith(text, "[[0.03], [-0.01], [0.004], [-0.001]]",
+                                   "[0.03, -0.01, 0.004, -0.001]");
+  EXPECT_EQ(Read(row, kImage).cameras.at(0).lens.form->name, "opencv4");
+  EXPECT_EQ(Read(row, kImage, "fisheye").cameras.at(0).lens.form->name,
+            "fisheye");
+  const std::string said =
+      TextWith(row, "\"dim\"", "\"model\": \"fisheye\", \"d\"");
+  EXPECT_EQ(Read(said, kImage).cameras.at(0).lens.form->name, "fisheye");
+}
+
+// No lens of raygrid has a skew; the grid's error is told.
+TEST(SkewedLens, IsReadAsItsGrid) {
+  const auto check = [](const std::string& text, const Lens& lens,
+                        Formula formula) {
+    const auto read = Read(text, kImage);
+    EXPECT_EQ(read.cameras.at(0).lens.form->model, "central-generic");
+    ASSERT_FALSE(read.remarks.empty());
+    EXPECT_NE(read.remarks.back().find("leaves RMS 0.00"), std::string::npos)
+        << read.remarks.back();
+    ExpectLens(read.cameras[0], lens, formula, 0.01);
+  };
+  Lens pinhole = kPinholeLens, fisheye = kFisheyeLens;
+  pinhole.k.push_back(2.5);
+  fisheye.k.push_back(-1.5);
+  check(
+      "{\"K\": [[410, 2.5, 322.5], [0, 411.5, 238], [0, 0, 1]], \"dist\": "
+      "[-0.21, 0.06, 0.001, -0.002, 0]}",
+      pinhole, &Lens::Pinhole);
+  check(
+      "{\"K\": [[290, -1.5, 322.5], [0, 291.5, 238], [0, 0, 1]], \"D\": "
+      "[[0.03], [-0.01], [0.004], [-0.001]]}",
+      fisheye, &Lens::Fisheye);
+  check(
+      "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [410, 2.5, 322.5, 0, "
+      "411.5, 238, 0, 0, 1]\ndistortion_model: plumb_bob\n"
+      "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [-0.21, 0.06, "
+      "0.001, -0.002, 0]\n",
+      pinhole, &Lens::Pinhole);
+}
+
+}  // namespace
+}  // namespace raygrid
