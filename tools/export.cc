@@ -430,6 +430,16 @@ void TellRegions(const std::vector<WrittenLens>& lenses) {
   }
 }
 
+// Whether nothing of what is written says how the cameras of a rig stand. A
+// pair's views say it; of more cameras, or without common views, there are
+// none.
+bool DropsPoses(const Format& format, const std::vector<WrittenLens>& lenses) {
+  if (format.drops_rigs) return true;
+  return format.holds_pairs && !format.holds_rigs &&
+         std::any_of(lenses.begin(), lenses.end(),
+                     [](const WrittenLens& lens) { return !lens.rectified; });
+}
+
 void ExportLenses(const ExportArguments& arguments, const Format& format,
                   const CommonOptions& common) {
   const std::string word = FirstWord(arguments.view);
@@ -469,12 +479,12 @@ void ExportLenses(const ExportArguments& arguments, const Format& format,
                  lens.name.empty() ? "" : " of " + Printable(lens.name),
                  lens.fit->widest_rad * 180 / M_PI);
   if (format.holds_region) TellRegions(lenses);
-  if (is_rig && format.drops_rigs)
-    fmt::print(
-        stderr,
-        "raygrid: the files are cameras alone: {} has no place for their "
-        "poses in the rig\n",
-        format.name);
+  if (is_rig && DropsPoses(format, lenses))
+    fmt::print(stderr,
+               "raygrid: the files are cameras alone: {} has no place for {}"
+               "poses in the rig; --to opencv and --to kalibr write them\n",
+               format.name,
+               format.holds_pairs ? "more than a pair's " : "their ");
   PrintExport(format, lenses, files, common);
 }
 
