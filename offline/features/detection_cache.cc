@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // The version to raise when the same image shows something else than before.
-constexpr int kDetectorVersion = 10;
+constexpr int kDetectorVersion = 11;
 constexpr const char* kExtension = ".detection";
 
 // The checksum of an entry under its key, so that an entry under another's name

@@ -97,6 +97,83 @@ TEST(Chessboard, WhatCoversABoardIsNotItsEnd) {
   EXPECT_EQ(detection.remarks.size(), 1u);
 }
 
+// A board with a rim of paper a twelfth of a square wide, in a room of medium
+// brightness. Beyond one edge, to the left of or above the board, something
+// there goes on like squares, faintly.
+void SurroundByRoom(int edge, Photograph* photograph) {
+  constexpr double kRim = 0.08;
+  constexpr int kColumns = 9, kRows = 6;
+  const auto polygon = [&](double left, double top, double right,
+                           double bottom) {
+    std::vector<cv::Point> points;
+    for (const auto& [x, y] :
+         {std::pair{left, top}, {right, top}, {right, bottom}, {left, bottom}})
+      points.push_back(photograph->ToImage(x, y));
+    return points;
+  };
+  cv::Mat room(photograph->mat.size(), CV_8U, cv::Scalar(125));
+  for (int k = -1; k < (edge == 0 ? kRows : kColumns); ++k) {
+    const cv::Scalar level(k % 2 == 0 ? 100 : 150);
+    if (edge == 0)
+      cv::fillConvexPoly(room, polygon(-2, k, -1, k + 1), level);
+    else
+      cv::fillConvexPoly(room, polygon(k, -2, k + 1, -1), level);
+  }
+  cv::Mat is_board(photograph->mat.size(), CV_8U, cv::Scalar(0));
+  cv::fillConvexPoly(
+      is_board, polygon(-1 - kRim, -1 - kRim, kColumns + kRim, kRows + kRim),
+      cv::Scalar(255));
+  photograph->mat.copyTo(room, is_board);
+  cv::GaussianBlur(room, photograph->mat, cv::Size(), 0.7);
+}
+
+TEST(Chessboard, FalseCornersBeyondARimAreNoneOfIts) {
+  const Pattern pattern = ChessboardPattern(9, 6, 0.025);
+  for (const int edge : {0, 1}) {
+    for (const auto& quad : {kFrontal, kTilted, kUpsideDown, kOnItsSide}) {
+      Photograph photograph(pattern.boards[0], quad);
+      SurroundByRoom(edge, &photograph);
+      const auto features = Detected(photograph.image(), pattern).features;
+      EXPECT_EQ(features.size(), 54u);
+      EXPECT_LT(photograph.WorstErrorPx(features), 0.1);
+    }
+  }
+}
+
+TEST(Chessboard, FalseCornersDoNotStandForHiddenOnes) {
+  const Pattern pattern = ChessboardPattern(9, 6, 0.025);
+  for (const int edge : {0, 1}) {
+    for (const auto& quad : {kFrontal, kTilted, kUpsideDown, kOnItsSide}) {
+      Photograph photograph(pattern.boards[0], quad);
+      SurroundByRoom(edge, &photograph);
+      const bool is_left = edge == 0;
+      cv::fillConvexPoly(
+          photograph.mat,
+          std::vector<cv::Point>{
+              photograph.ToImage(is_left ? 7.5 : -1.2, is_left ? -1.2 : 4.5),
+              photograph.ToImage(9.2, is_left ? -1.2 : 4.5),
+              photograph.ToImage(9.2, 6.2),
+              photograph.ToImage(is_left ? 7.5 : -1.2, 6.2)},
+          cv::Scalar(125));
+      const ImageDetection detection = Detected(photograph.image(), pattern);
+      EXPECT_TRUE(detection.features.empty());
+      EXPECT_EQ(detection.remarks.size(), 1u);
+    }
+  }
+}
+
+// Whatever numbers a whole board seems to have.
+TEST(Chessboard, LatticeWiderThanTheBoardIsNamed) {
+  const Photograph photograph(ChessboardPattern(10, 6, 0.025).boards[0],
+                              kTilted);
+  const ImageDetection detection =
+      Detected(photograph.image(), ChessboardPattern(9, 6, 0.025));
+  EXPECT_TRUE(detection.features.empty());
+  ASSERT_EQ(detection.remarks.size(), 1u);
+  EXPECT_NE(detection.remarks[0].find("10 x 6 corners, unlike board"),
+            std::string::npos);
+}
+
 TEST(Chessboard, BlurredDarkAndSmallBoardsAreFound) {
   const Pattern pattern = ChessboardPattern(9, 6, 0.025);
   for (const auto& quad : {kTilted, kSmall}) {
