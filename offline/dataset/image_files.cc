@@ -65,13 +65,44 @@ class DecoderMessages {
   int saved_, file_;
 };
 
-// A JPEG file without an end-of-image mark was cut; the decoder would fill up
-// what is missing with grey and say nothing.
-bool IsCutJpeg(const std::string& bytes) {
-  constexpr size_t kMaxTrailingBytes = 4096;
-  if (bytes.compare(0, 2, "\xff\xd8") != 0) return false;
-  const size_t end = bytes.rfind("\xff\xd9");
-  return end == std::string::npos || end + kMaxTrailingBytes < bytes.size();
+// How a JPEG file ends. The decoder fills up what is missing with grey: it says
+// so only of a sequential scan that holds all components.
+enum class JpegEnd { kMarked, kAfterOnlyScan, kCut };
+
+// Bytes behind the end-of-image marker are not the image's: phones append
+// megabytes of notes and video there. Thumbnails, which have such markers of
+// their own, lie within segments.
+JpegEnd EndOfJpeg(const std::string& bytes) {
+  const auto byte = [&bytes](size_t at) {
+    return at < bytes.size() ? static_cast<uint8_t>(bytes[at]) : 0;
+  };
+  const auto is_frame = [](int marker) {
+    return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 &&
+           marker != 0xc8 && marker != 0xcc;
+  };
+  int num_components = 0;
+  bool is_any_scan = false, is_only_scan = false;
+  for (size_t at = 2; at + 1 < bytes.size();) {
+    const int marker = byte(at + 1);
+    const bool stands_alone =
+        marker == 0x01 || (marker >= 0xd0 && marker <= 0xd8);
+    if (byte(at) != 0xff || marker == 0 || marker == 0xff) {
+      ++at;  // of a scan, or padding
+    } else if (marker == 0xd9) {
+      return is_any_scan ? JpegEnd::kMarked : JpegEnd::kCut;
+    } else if (stands_alone) {
+      at += 2;
+    } else {
+      const bool is_sequential = marker == 0xc0 || marker == 0xc1;
+      if (is_frame(marker)) num_components = is_sequential ? byte(at + 9) : -1;
+      if (marker == 0xda) {
+        is_only_scan = byte(at + 4) == num_components;
+        is_any_scan = true;
+      }
+      at += 2 + (byte(at + 2) << 8 | byte(at + 3));
+    }
+  }
+  return is_only_scan ? JpegEnd::kAfterOnlyScan : JpegEnd::kCut;
 }
 
 std::string LowerExtension(const fs::path& path) {
@@ -132,12 +163,16 @@ std::string WithoutOrientation(std::string bytes, const ImageHeader& header) {
 // flags are DecodeImage()'s.
 cv::Mat Decode(const std::string& name, const std::string& file, int flags) {
   const ImageHeader header = ParseImageHeader(name, file);
-  std::string upright;
+  std::string changed;
   if (header.orientation > 1 && header.orientation_bytes > 0)
-    upright = WithoutOrientation(file, header);
-  const std::string& bytes = upright.empty() ? file : upright;
+    changed = WithoutOrientation(file, header);
+  const bool is_jpeg = file.compare(0, 2, "\xff\xd8") == 0;
+  const JpegEnd end = is_jpeg ? EndOfJpeg(file) : JpegEnd::kMarked;
+  // With a marker the decoder speaks of what the scan lacks, not of the marker.
+  if (end == JpegEnd::kAfterOnlyScan) changed = file + "\xff\xd9";
+  const std::string& bytes = changed.empty() ? file : changed;
   cv::Mat decoded;
-  bool is_damaged = IsCutJpeg(bytes);
+  bool is_damaged = end == JpegEnd::kCut;
   if (!bytes.empty() && !is_damaged) {
     DecoderMessages messages;
     try {
