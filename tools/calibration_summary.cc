@@ -1,9 +1,13 @@
 #include "calibration_summary.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "dataset/held_stack.h"
 #include "dataset/text_encoding.h"
@@ -29,6 +33,24 @@ void PrintSize(const CalibrationResult& result) {
              result.features.images.size());
   if (result.cell_px > 0) fmt::print(", cells of {:.0f} px", result.cell_px);
   fmt::print("\n");
+}
+
+// The images that are not used, by the reason.
+void PrintUnusedImages(const CalibrationResult& result) {
+  constexpr size_t kMostNames = 20;
+  std::map<std::string, std::vector<std::string>> names;
+  for (const RejectedImage& image : result.rejected_images)
+    names[image.reason].push_back(image.image);
+  for (auto& [reason, images] : names) {
+    const size_t count = images.size();
+    images.resize(std::min(count, kMostNames));
+    fmt::print("  not used: {}{} ({})\n",
+               Printable(fmt::format("{}", fmt::join(images, ", "))),
+               count > kMostNames
+                   ? fmt::format(" and {} others", count - kMostNames)
+                   : std::string(),
+               Printable(reason));
+  }
 }
 
 // The training errors, and how many features have none; the held-out errors.
@@ -138,6 +160,7 @@ void PrintSingleCamera(const CalibrationResult& result) {
         "  features measured again through a first camera: moved by "
         "{:.4f} px (RMS)\n",
         *result.measured_again_rms_px);
+  PrintUnusedImages(result);
   PrintErrors(result);
   if (result.camera.held_out && result.cross_validated)
     fmt::print("            by cross-validation\n");
@@ -173,6 +196,7 @@ void PrintRig(const RigResult& result) {
   for (const CalibrationResult& camera : result.cameras) {
     fmt::print("{}: {}, ", camera.camera.name, camera.camera.camera->Name());
     PrintSize(camera);
+    PrintUnusedImages(camera);
     PrintErrors(camera);
     PrintRowTime(camera);
     PrintLimit(camera);

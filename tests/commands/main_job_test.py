@@ -48,6 +48,16 @@ class MainJob(CommandTest):
         self.assertEqual(result["features"]["used"], 1440)
         self.assertLess(abs(result["training"]["rms_px"] - 0.05 * math.sqrt(2)), 0.02)
 
+    def test_images_that_are_not_used_are_named(self):
+        more = write(self.path("more.csv"), read(self.path("sim/features.csv")) +
+                     b"few.png,0,0,0,100,100\nfew.png,0,1,0,130,100\none.png,0,3,3,99,9\n")
+        result = run("calibrate", "--features", more, "--image-size", "640x480", "--pattern",
+                     self.path("sim/pattern.yaml"), "--model", "opencv", "--skip-comparison",
+                     "--hold-out", "sim0003.png", "-o", self.path("more"))
+        self.assert_done(result)
+        self.assertIn("not used: few.png (only 2 features)", result.stdout)
+        self.assertIn("not used: one.png (only 1 features)", result.stdout)
+
     def test_same_output_with_any_number_of_threads(self):
         # The others ran with as many as there are processors.
         threads = 1 if os.cpu_count() > 1 else 3
