@@ -257,7 +257,9 @@ GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes) {
   grey.size = {decoded.cols, decoded.rows};
   grey.levels.resize(decoded.total());
   cv::Mat levels(decoded.size(), CV_32F, grey.levels.data());
-  decoded.convertTo(levels, CV_32F, 255 / FullScale(decoded));
+  const double level_step = 255 / FullScale(decoded);
+  decoded.convertTo(levels, CV_32F, level_step);
+  grey.level_step = static_cast<float>(level_step);
   return grey;
 }
 

@@ -41,6 +41,7 @@ Image ReadGreyAsStored(const std::string& path);
 struct GreyLevels {
   ImageSize size;
   std::vector<float> levels;  ///< row by row; 0 to 255, whatever the file has
+  float level_step = 1;       ///< between the file's values
 };
 
 /// Reads files of 8 or 16 bits, grey or in colour. Cameras put values of 10, 12

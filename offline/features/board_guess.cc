@@ -9,6 +9,7 @@
 
 #include "dataset/image_room.h"
 #include "dataset/parallel_for.h"
+#include "features/board_view/low_contrast.h"
 #include "features/squares/aprilgrid.h"
 #include "features/squares/chessboard.h"
 #include "features/squares/seen_markers.h"
@@ -121,12 +122,11 @@ cv::Ptr<cv::aruco::Dictionary> Predefined(const Dictionary& dictionary) {
   return cv::aruco::getPredefinedDictionary(dictionary.number);
 }
 
-std::vector<SeenMarker> SeenOf(const GreyImage& image,
+std::vector<SeenMarker> SeenOf(const cv::Mat& readable,
                                const Dictionary& dictionary, int first_marker) {
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;
-  cv::aruco::detectMarkers(ReadableImage(image), Predefined(dictionary),
-                           corners, ids);
+  cv::aruco::detectMarkers(readable, Predefined(dictionary), corners, ids);
   std::vector<SeenMarker> seen;
   for (size_t i = 0; i < ids.size(); ++i) {
     SeenMarker marker;
@@ -176,9 +176,10 @@ std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
   Guess guess;
   for (const bool is_mirrored : {false, true}) {
     const GreyImage shown = is_mirrored ? Mirrored(image) : image;
+    const cv::Mat readable = ReadableImage(shown);
     for (const Dictionary& dictionary : DictionariesToTry(asked.dictionary)) {
       const std::vector<SeenMarker> seen =
-          SeenOf(shown, dictionary, asked.first_marker);
+          SeenOf(readable, dictionary, asked.first_marker);
       if (static_cast<int>(seen.size()) < kMinMarkers) continue;
       for (const MarkerLayout& layout : layouts) {
         const int before = best.agreement;
@@ -366,12 +367,14 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
     return std::nullopt;
   const std::vector<int> chosen = ImagesToLookAt(found, asked);
   std::vector<std::optional<Guess>> guesses(chosen.size());
-  ParallelFor(
-      static_cast<int>(chosen.size()), NumThreads(num_threads), [&](int i) {
-        const ImageRoom room(found.dataset.image_size);
-        guesses[i] = GuessFrom(
-            MakeGreyImage(ReadGreyLevels(found.paths[chosen[i]])), asked);
-      });
+  ParallelFor(static_cast<int>(chosen.size()), NumThreads(num_threads),
+              [&](int i) {
+                const ImageRoom room(found.dataset.image_size);
+                const GreyImage image =
+                    MakeGreyImage(ReadGreyLevels(found.paths[chosen[i]]));
+                if (!IsNoiseAlone(image))
+                  guesses[i] = GuessFrom(WithLittleNoise(image), asked);
+              });
   int num_votes = 0;
   auto guess = MostVoted(guesses, &num_votes);
   if (!guess) return std::nullopt;

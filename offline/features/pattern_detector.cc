@@ -17,6 +17,7 @@
 #include "dataset/image_room.h"
 #include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
+#include "features/board_view/low_contrast.h"
 #include "features/refinement/feature_refinement.h"
 #include "features/squares/aprilgrid.h"
 #include "features/squares/charuco.h"
@@ -77,6 +78,8 @@ struct PatternDetector::Data {
   };
   std::unique_ptr<StarDetector> stars;
   std::vector<SingleBoard> boards;
+
+  ImageDetection Detect(const GreyImage& image) const;
 };
 
 PatternDetector::PatternDetector(const Pattern& pattern,
@@ -98,11 +101,10 @@ PatternDetector::PatternDetector(const Pattern& pattern,
 
 PatternDetector::~PatternDetector() = default;
 
-ImageDetection PatternDetector::Detect(const GreyImage& image) const {
-  if (!CanShowBoard(image.size)) return {};
+ImageDetection PatternDetector::Data::Detect(const GreyImage& image) const {
   ImageDetection detection;
-  if (data_->stars) detection = data_->stars->Detect(image);
-  for (const Data::SingleBoard& board : data_->boards) {
+  if (stars) detection = stars->Detect(image);
+  for (const SingleBoard& board : boards) {
     ImageDetection located = board.locate(image);
     if (!located.features.empty())
       Append(board.refiner->Refine(image, located.features), &detection);
@@ -111,6 +113,22 @@ ImageDetection PatternDetector::Detect(const GreyImage& image) const {
   }
   std::stable_sort(detection.features.begin(), detection.features.end(),
                    IsBefore);
+  return detection;
+}
+
+ImageDetection PatternDetector::Detect(const GreyImage& image) const {
+  if (!CanShowBoard(image.size)) return {};
+  ImageDetection detection;
+  if (!IsNoiseAlone(image)) {
+    detection = data_->Detect(image);
+    if (detection.features.empty())
+      if (const auto amplified = WithNoiseOfOneLevel(image))
+        detection = data_->Detect(*amplified);
+  }
+  if (detection.features.empty() && HasHardlyAnyContrast(image))
+    detection.remarks.push_back(
+        "hardly any contrast: less than 8 grey levels, or lost in noise; check "
+        "light, exposure and the lens cap");
   return detection;
 }
 

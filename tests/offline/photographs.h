@@ -3,6 +3,7 @@
 #define RAYGRID_TESTS_OFFLINE_PHOTOGRAPHS_H
 
 #include <algorithm>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <tuple>
@@ -156,6 +157,16 @@ inline Pattern AprilGridPattern() {
 inline ImageDetection Detected(const Image& image, const Pattern& pattern,
                                const DetectionOptions& options = {}) {
   return PatternDetector(pattern, options).Detect(MakeGreyImage(image));
+}
+
+// Those of an image that went through a file.
+inline std::vector<Feature> FeaturesInFile(const cv::Mat& image,
+                                           const Pattern& pattern) {
+  const TemporaryFolder folder;
+  EXPECT_TRUE(cv::imwrite(folder / "a.png", image));
+  return DetectFeatures({folder / "a.png"}, pattern, 1, nullptr)
+      .images[0]
+      .features;
 }
 
 inline bool IsInBoardOrder(const std::vector<Feature>& features) {

@@ -9,6 +9,7 @@ namespace raygrid {
 GreyImage MakeGreyImage(GreyLevels grey) {
   GreyImage image;
   image.size = grey.size;
+  image.level_step = grey.level_step;
   image.bytes.reserve(grey.levels.size());
   for (const float level : grey.levels)
     image.bytes.push_back(static_cast<uint8_t>(std::lround(level)));

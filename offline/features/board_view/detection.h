@@ -31,6 +31,7 @@ struct GreyImage {
   ImageSize size;
   std::vector<float> levels;   ///< row by row; 0 to 255, whatever the file has
   std::vector<uint8_t> bytes;  ///< the same, rounded
+  float level_step = 1;        ///< between the values of its file
 
   float at(int x, int y) const { return levels[y * size.width + x]; }
 };
