@@ -19,6 +19,7 @@
 #include "dataset/files.h"
 #include "dataset/image_codecs.h"
 #include "dataset/image_header.h"
+#include "dataset/mosaic.h"
 
 namespace raygrid {
 namespace {
@@ -260,6 +261,7 @@ GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes) {
   const double level_step = 255 / FullScale(decoded);
   decoded.convertTo(levels, CV_32F, level_step);
   grey.level_step = static_cast<float>(level_step);
+  grey.was_mosaic = BalanceMosaic(&grey);
   return grey;
 }
 

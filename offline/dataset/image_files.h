@@ -42,11 +42,12 @@ struct GreyLevels {
   ImageSize size;
   std::vector<float> levels;  ///< row by row; 0 to 255, whatever the file has
   float level_step = 1;       ///< between the file's values
+  bool was_mosaic = false;    ///< see BalanceMosaic()
 };
 
 /// Reads files of 8 or 16 bits, grey or in colour. Cameras put values of 10, 12
-/// or 14 bits into 16: the brightest pixel tells which bits are in use. Throws
-/// InputError.
+/// or 14 bits into 16: the brightest pixel tells which bits are in use. Raw
+/// colour mosaics are balanced. Throws InputError.
 GreyLevels ReadGreyLevels(const std::string& path);
 /// Reads grey levels from a file's bytes; name is used in errors.
 GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes);

@@ -129,6 +129,9 @@ ImageDetection PatternDetector::Detect(const GreyImage& image) const {
     detection.remarks.push_back(
         "hardly any contrast: less than 8 grey levels, or lost in noise; check "
         "light, exposure and the lens cap");
+  if (image.was_mosaic)
+    detection.remarks.push_back(
+        "a raw colour mosaic (Bayer): used as grey, with its colours balanced");
   return detection;
 }
 

@@ -10,6 +10,7 @@ GreyImage MakeGreyImage(GreyLevels grey) {
   GreyImage image;
   image.size = grey.size;
   image.level_step = grey.level_step;
+  image.was_mosaic = grey.was_mosaic;
   image.bytes.reserve(grey.levels.size());
   for (const float level : grey.levels)
     image.bytes.push_back(static_cast<uint8_t>(std::lround(level)));

@@ -32,6 +32,7 @@ struct GreyImage {
   std::vector<float> levels;   ///< row by row; 0 to 255, whatever the file has
   std::vector<uint8_t> bytes;  ///< the same, rounded
   float level_step = 1;        ///< between the values of its file
+  bool was_mosaic = false;     ///< see BalanceMosaic()
 
   float at(int x, int y) const { return levels[y * size.width + x]; }
 };
