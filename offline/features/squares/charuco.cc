@@ -128,6 +128,7 @@ FeatureLattice CharucoLocator::Data::FindCorners(
   }
   for (const double min_correlation : kMarkerCorrelations)
     drawn.Grow(image, {min_correlation}, &lattice);
+  drawn.GrowByRatio(image, {0.7, 0.9}, &lattice);
   return lattice;
 }
 

@@ -185,6 +185,10 @@ void ChessLatticeFinder::Find(
       all.push_back({std::move(lattice), std::move(features)});
     }
   }
+  for (Grown& grown : all)
+    if (growth_.GrowByRatio(image, kCriterion, &grown.lattice) &&
+        is_wanted(grown.lattice))
+      return;
 }
 
 }  // namespace raygrid

@@ -404,11 +404,13 @@ ImageDetection ChessboardLocator::Locate(const GreyImage& image) const {
       const auto [column, row] = numbering->Of(board, f.column, f.row);
       if (lattice.IsOnBoard(column, row)) lattice.Set(column, row, f.pixel);
     }
-    if (remark.empty())  // else the drawing is not as seen
+    if (remark.empty()) {  // else the drawing is not as seen
       for (const double min_correlation : {0.7, 0.6})
         data_->growth.Grow(image, {min_correlation}, &lattice);
-    else
+      data_->growth.GrowByRatio(image, {0.7, 0.9}, &lattice);
+    } else {
       located.remarks.push_back(remark);
+    }
     located.features = lattice.Features();
     return true;
   };

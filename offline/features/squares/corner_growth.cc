@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <complex>
+#include <cstdlib>
+#include <optional>
+#include <utility>
 
 #include "appearance/board_appearance.h"
 
@@ -9,7 +13,7 @@ namespace raygrid {
 namespace {
 
 constexpr double kMinCornerSpacingPx = 5;
-constexpr double kNear = 0.4;          // of the patches' reach
+constexpr double kNearPart = 0.4;      // of the patches' reach
 constexpr double kMinNearReachPx = 5;  // more than blur
 
 // The reach of a patch: as far as corners of black squares can be told from
@@ -38,6 +42,48 @@ bool HasDirectNeighbour(const FeatureLattice& lattice, int column, int row) {
          lattice.Has(column, row - 1) || lattice.Has(column, row + 1);
 }
 
+using Step = std::complex<double>;  // between two features, pixels
+
+Step StepTo(const FeatureLattice& lattice, int column, int row, int x, int y) {
+  const Eigen::Vector2d step =
+      lattice.at(column, row) - lattice.at(column - x, row - y);
+  return {step.x(), step.y()};
+}
+
+// The step from a feature to the next one across a line, if there is any.
+std::optional<Step> StepAcross(const FeatureLattice& lattice, int column,
+                               int row, int x, int y) {
+  if (lattice.Has(column + x, row + y))
+    return StepTo(lattice, column + x, row + y, x, y);
+  if (lattice.Has(column - x, row - y))
+    return StepTo(lattice, column, row, x, y);
+  return std::nullopt;
+}
+
+// Predicts a feature from the three before it in a line, in the direction of
+// (x, y), as if the steps went on changing their length and direction at the
+// same rate.
+bool PredictByRatio(const FeatureLattice& lattice, int column, int row, int x,
+                    int y, LocalMapping* prediction) {
+  for (int k = 1; k <= 3; ++k)
+    if (!lattice.Has(column - k * x, row - k * y)) return false;
+  const auto across =
+      StepAcross(lattice, column - x, row - y, std::abs(y), std::abs(x));
+  if (!across) return false;
+  const Step last = StepTo(lattice, column - x, row - y, x, y);
+  const Step ratio = last / StepTo(lattice, column - 2 * x, row - 2 * y, x, y);
+  const Step next = last * ratio;
+  const Step here = next * (1.0 + ratio) / 2.0 * static_cast<double>(x + y);
+  const Eigen::Vector2d along(here.real(), here.imag());
+  const Eigen::Vector2d beside(across->real(), across->imag());
+  *prediction = LocalMapping();
+  prediction->center = lattice.at(column - x, row - y) +
+                       Eigen::Vector2d(next.real(), next.imag());
+  prediction->linear.col(0) = x != 0 ? along : beside;
+  prediction->linear.col(1) = x != 0 ? beside : along;
+  return true;
+}
+
 }  // namespace
 
 bool PredictFeature(const FeatureLattice& lattice, int column, int row,
@@ -62,7 +108,7 @@ CornerGrowth::CornerGrowth(const Board& board) : board_(board) {
       return appearance.IsBlack(point.head<2>() + board.square_m * offset);
     };
     patches_.emplace_back(PatchReach(board), is_black);
-    near_patches_.emplace_back(kNear * PatchReach(board), is_black);
+    near_patches_.emplace_back(kNearPart * PatchReach(board), is_black);
   }
 }
 
@@ -80,7 +126,7 @@ bool CornerGrowth::Find(const GreyImage& image, int column, int row,
       !WholeImage(image.size).Contains(match.pixel) ||
       IsTaken(*lattice, column, row, match.pixel, prediction))
     return false;
-  const double near_px = kNear * PatchReach(board_) * spacing_px;
+  const double near_px = kNearPart * PatchReach(board_) * spacing_px;
   if (near_px > kMinNearReachPx) {
     LocalMapping moved = prediction;
     moved.center = match.pixel;
@@ -125,6 +171,33 @@ bool CornerGrowth::Sweep(const GreyImage& image,
                            criterion, lattice);
   }
   return is_any_found;
+}
+
+bool CornerGrowth::GrowByRatio(const GreyImage& image,
+                               const PatchCriterion& criterion,
+                               FeatureLattice* lattice) const {
+  const int num_before = lattice->num_found();
+  int num_known;
+  do {
+    num_known = lattice->num_found();
+    for (int row = 0; row < board_.rows; ++row)
+      for (int column = 0; column < board_.columns; ++column)
+        FindByRatio(image, column, row, criterion, lattice);
+    if (lattice->num_found() > num_known) Grow(image, criterion, lattice);
+  } while (lattice->num_found() > num_known);
+  return lattice->num_found() > num_before;
+}
+
+void CornerGrowth::FindByRatio(const GreyImage& image, int column, int row,
+                               const PatchCriterion& criterion,
+                               FeatureLattice* lattice) const {
+  constexpr double kSearchSquares = 0.25;
+  for (const auto& [x, y] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+    LocalMapping prediction;
+    if (!lattice->Has(column, row) &&
+        PredictByRatio(*lattice, column, row, x, y, &prediction))
+      Find(image, column, row, prediction, kSearchSquares, criterion, lattice);
+  }
 }
 
 }  // namespace raygrid

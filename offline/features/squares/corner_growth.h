@@ -22,10 +22,18 @@ class CornerGrowth {
   /// Looks for all others, outwards from those that are found.
   void Grow(const GreyImage& image, const PatchCriterion& criterion,
             FeatureLattice* lattice) const;
+  /// Looks on, outwards from those that are found, where squares shrink faster
+  /// than polynomials predict, as at a fisheye's rim. For boards of evenly
+  /// spaced features. Whether it found any.
+  bool GrowByRatio(const GreyImage& image, const PatchCriterion& criterion,
+                   FeatureLattice* lattice) const;
 
  private:
   bool Sweep(const GreyImage& image, const PatchCriterion& criterion,
              std::vector<int>* tried_with, FeatureLattice* lattice) const;
+  void FindByRatio(const GreyImage& image, int column, int row,
+                   const PatchCriterion& criterion,
+                   FeatureLattice* lattice) const;
 
   Board board_;
   // The patches by place. The near ones tell more exactly where a corner is if

@@ -1,5 +1,7 @@
 #include "features/pattern_detector.h"
 #include "photographs.h"
+#include "simulation/image_rendering.h"
+#include "simulation/simulated_lenses.h"
 
 namespace raygrid {
 namespace {
@@ -172,6 +174,41 @@ TEST(Chessboard, LatticeWiderThanTheBoardIsNamed) {
   ASSERT_EQ(detection.remarks.size(), 1u);
   EXPECT_NE(detection.remarks[0].find("10 x 6 corners, unlike board"),
             std::string::npos);
+}
+
+// Squares shrink by 1.6 from one to the next.
+TEST(Chessboard, GrowsToTheRimOfAFisheye) {
+  const ImageSize size = {1280, 800};
+  const auto camera = SimulatedLens("fisheye190", size);
+  const PixelRays rays(*camera, 2);
+  constexpr double kSquareM = 0.03, kDistanceSquares = 2;
+  for (const auto& [columns, rows, left_squares] :
+       {std::tuple{8, 6, -0.5}, {9, 6, -6.5}, {6, 8, -0.5}}) {
+    const Pattern pattern = ChessboardPattern(columns, rows, kSquareM);
+    const Board& board = pattern.boards[0];
+    const BoardSurface surface(board);
+    Pose pose;
+    pose.translation =
+        kSquareM *
+        Eigen::Vector3d(left_squares, 0.5 - rows / 2.0, kDistanceSquares);
+    const auto features =
+        Detected(AddNoiseAndQuantize(
+                     RenderImage(rays, {{&surface, pose}}, {}, 2), {}),
+                 pattern)
+            .features;
+    int num_visible = 0;
+    for (const Eigen::Vector3d& point : board.points) {
+      const auto pixel = camera->Project(pose * point);
+      num_visible += pixel && WholeImage(size).Contains(*pixel, -12);
+    }
+    EXPECT_GT(features.size(), 0.95 * num_visible);
+    for (const Feature& f : features) {
+      const auto pixel = camera->Project(
+          pose * board.points[board.PointIndex(f.column, f.row)]);
+      ASSERT_TRUE(pixel);
+      EXPECT_LT((f.pixel - *pixel).norm(), 0.2);
+    }
+  }
 }
 
 TEST(Chessboard, BlurredDarkAndSmallBoardsAreFound) {
