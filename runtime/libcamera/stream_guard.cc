@@ -80,7 +80,7 @@ std::string DescribeTableFault(const rg_camera& camera, uint32_t table) {
   if (number == 0) return "has no remap table; pack it with --remap";
   return "has no " + name + ", only 0" +
          (number > 1 ? " to " + std::to_string(number - 1) : "") +
-         "; choose one of these";
+         "; choose one of these, or pack it with --remap";
 }
 
 bool HasTablesOfModes(const rg_camera& camera) {
