@@ -119,10 +119,10 @@ void RequireUsable(const std::string& source,
   RequireConsistent(source, dataset, pattern);
   if (dataset.num_features() == 0)
     throw Error(ExitCode::kTooFew,
-                fmt::format("{}no board found in any of {} images; check "
-                            "columns and rows (inner corners) in {}",
+                fmt::format("{}no board found in any of {} images; {}",
                             arguments.cameras.empty() ? "" : source + ": ",
-                            dataset.images.size(), arguments.pattern));
+                            dataset.images.size(),
+                            SoughtBoards(pattern, arguments.pattern)));
 }
 
 // ---- Image circle ----------------------------------------------------------

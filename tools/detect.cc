@@ -126,16 +126,16 @@ size_t NumRejected(const FolderDetection& found) {
   return count;
 }
 
-void RequireFeatures(const FolderDetection& found,
+void RequireFeatures(const FolderDetection& found, const Pattern& pattern,
                      const DetectArguments& arguments) {
   if (NumWithFeatures(found) > 0) return;
   std::string seen;
   for (const std::string& remark : SummarizeRemarks(found))
     seen += "; " + remark;
   throw Error(ExitCode::kTooFew,
-              fmt::format("no board found in any of {} images{}; check kind, "
-                          "columns and rows (feature points) in {}",
-                          found.images.size(), seen, arguments.pattern));
+              fmt::format("no board found in any of {} images{}; {}",
+                          found.images.size(), seen,
+                          SoughtBoards(pattern, arguments.pattern)));
 }
 
 void AddOverlays(const DetectArguments& arguments, const FolderDetection& found,
@@ -190,7 +190,7 @@ void Run(const DetectArguments& arguments, const CommonOptions& common) {
   if (const auto other =
           GuessOtherBoard(found, pattern, arguments.pattern, common.threads))
     throw Error(ExitCode::kTooFew, *other);
-  RequireFeatures(found, arguments);
+  RequireFeatures(found, pattern, arguments);
   if (!common.quiet) {
     NameThoseWithoutFeatures(found);
     WarnOfRemarks(found);

@@ -300,7 +300,7 @@ void AddCharuco(CLI::App* pattern, CommonOptions* common) {
 
 void AddAprilGrid(CLI::App* pattern, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      pattern, "aprilgrid", "An AprilGrid as Kalibr draws it (tag36h11).",
+      pattern, "aprilgrid", "An AprilGrid as Kalibr draws it.",
       "raygrid pattern aprilgrid --tag-columns 6 --tag-rows 6 --tag-mm 24 -o "
       "board/",
       common);
@@ -319,6 +319,10 @@ void AddAprilGrid(CLI::App* pattern, CommonOptions* common) {
   command
       ->add_option("--spacing-ratio", board->spacing_ratio,
                    "gap between tags / side of a tag")
+      ->capture_default_str();
+  command
+      ->add_option("--family", board->tag_family,
+                   "of the tags: tag36h11, tag25h9 or tag16h5")
       ->capture_default_str();
   command
       ->add_option("--first-marker", board->first_marker,
@@ -353,7 +357,7 @@ void AddPattern(CLI::App* app, CommonOptions* common) {
       "  aprilgrid:6x6:24mm            tags; side of a tag's black square;\n"
       "                                more: spacing-ratio=0.3, "
       "first-marker=0,\n"
-      "                                boards=1\n"
+      "                                family=tag36h11, boards=1\n"
       "  star:16x23:11mm               stars; distance between them; more:\n"
       "                                segments=16, tags=1, tag-id=0,\n"
       "                                tag-squares, boards=1\n"

@@ -59,7 +59,7 @@ std::vector<PlacedMarker> StarTags(const Board& board) {
   for (const BoardTag& tag : board.tags) {
     PlacedMarker marker;
     marker.id = tag.id;
-    marker.bits = AprilTagBits(tag.id);
+    marker.bits = AprilTagBits(tag.family, tag.id);
     marker.corner = Eigen::Vector2d(tag.column, tag.row) * board.square_m;
     marker.cell_m = tag.squares * board.square_m / marker.bits.size;
     markers.push_back(marker);
@@ -98,7 +98,7 @@ std::vector<PlacedMarker> AprilGridTags(const Board& board) {
     for (int column = 0; column < columns; ++column) {
       PlacedMarker marker;
       marker.id = board.first_marker + (rows - 1 - row) * columns + column;
-      marker.bits = AprilTagBits(marker.id);
+      marker.bits = AprilTagBits(board.tag_family, marker.id);
       const int last = marker.bits.size - 1;
       for (int k = 0; k <= last; ++k)
         for (const int cell :

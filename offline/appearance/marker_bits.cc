@@ -1,6 +1,8 @@
 #include "appearance/marker_bits.h"
 
 #include <apriltag/apriltag.h>
+#include <apriltag/tag16h5.h>
+#include <apriltag/tag25h9.h>
 #include <apriltag/tag36h11.h>
 #include <fmt/format.h>
 
@@ -11,12 +13,26 @@
 
 namespace raygrid {
 
-MarkerBits AprilTagBits(int id) {
-  const std::unique_ptr<apriltag_family_t, decltype(&tag36h11_destroy)> family(
-      tag36h11_create(), &tag36h11_destroy);
+namespace {
+
+using FamilyPointer =
+    std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)>;
+
+FamilyPointer MakeAprilTagFamily(const std::string& name) {
+  if (name == "tag36h11") return {tag36h11_create(), tag36h11_destroy};
+  if (name == "tag25h9") return {tag25h9_create(), tag25h9_destroy};
+  if (name == "tag16h5") return {tag16h5_create(), tag16h5_destroy};
+  throw InputError(fmt::format(
+      "tag family '{}' is not known; use tag36h11, tag25h9 or tag16h5", name));
+}
+
+}  // namespace
+
+MarkerBits AprilTagBits(const std::string& family_name, int id) {
+  const FamilyPointer family = MakeAprilTagFamily(family_name);
   if (id < 0 || id >= static_cast<int>(family->ncodes))
-    throw InputError(fmt::format("tag {}: family tag36h11 has 0 to {}", id,
-                                 family->ncodes - 1));
+    throw InputError(fmt::format("tag {}: family {} has 0 to {}", id,
+                                 family_name, family->ncodes - 1));
   const std::unique_ptr<image_u8_t, decltype(&image_u8_destroy)> image(
       apriltag_to_image(family.get(), id), &image_u8_destroy);
   MarkerBits bits;

@@ -14,9 +14,10 @@ struct MarkerBits {
   bool at(int column, int row) const { return is_black[row * size + column]; }
 };
 
-/// tag36h11, 10 x 10 cells with its white margin; throws InputError for numbers
-/// that the family does not have.
-MarkerBits AprilTagBits(int id);
+/// An AprilTag with its white margin of one cell: 10 x 10 cells of tag36h11.
+/// Families are tag36h11, tag25h9 and tag16h5. Throws InputError for others,
+/// and for numbers that the family does not have.
+MarkerBits AprilTagBits(const std::string& family, int id);
 
 /// An ArUco marker with its black border of one cell. The dictionary is named
 /// as in OpenCV, "DICT_4X4_50"; throws InputError.

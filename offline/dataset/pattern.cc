@@ -92,6 +92,11 @@ void ParseAprilGrid(const std::string& place, const YAML::Node& node,
       OptionalValue<std::string>(place, node, "tag_family", "tag36h11");
   board->spacing_ratio = Value<double>(place, node, "spacing_ratio");
   board->first_marker = OptionalValue<int>(place, node, "first_marker", 0);
+  const std::string& family = board->tag_family;
+  if (family != "tag36h11" && family != "tag25h9" && family != "tag16h5")
+    throw InputError(
+        fmt::format("{}: tag family '{}'; use tag36h11, tag25h9 or tag16h5",
+                    place, family));
   if (!(board->spacing_ratio > 0 && board->spacing_ratio < 10))
     throw InputError(
         fmt::format("{}: 'spacing_ratio' must be positive", place));

@@ -21,15 +21,17 @@ namespace {
 // that are seen.
 struct Guess {
   std::string kind;
-  std::string dictionary;  // of a ChArUco board, without its number of markers
+  // Of a ChArUco board, without its number of markers; an AprilGrid's family.
+  std::string dictionary;
   bool is_mirrored = false;
   int columns = 0, rows = 0;
   int max_marker = 0;
+  bool is_negative = false;  // white on black
 
   // The key that guesses from images of one board have in common: rows of
   // markers may be hidden.
   auto Key() const {
-    return std::make_tuple(kind, dictionary, is_mirrored, columns,
+    return std::make_tuple(kind, dictionary, is_mirrored, is_negative, columns,
                            kind == "chessboard" ? rows : 0);
   }
 };
@@ -139,13 +141,19 @@ std::vector<SeenMarker> SeenOf(const cv::Mat& readable,
   return seen;
 }
 
+bool HasMarkersAsAsked(const Guess& guess, const Board& asked) {
+  if (asked.kind == "aprilgrid") return guess.dictionary == asked.tag_family;
+  return asked.dictionary.compare(0, guess.dictionary.size(),
+                                  guess.dictionary) == 0;
+}
+
 bool IsAsAsked(const Guess& guess, const Board& asked) {
-  if (guess.kind != asked.kind || guess.is_mirrored) return false;
+  if (guess.kind != asked.kind || guess.is_mirrored || guess.is_negative)
+    return false;
   if (guess.kind == "chessboard")
     return guess.columns == asked.columns && guess.rows == asked.rows;
   return guess.columns == asked.columns && guess.rows <= asked.rows &&
-         asked.dictionary.compare(0, guess.dictionary.size(),
-                                  guess.dictionary) == 0;
+         HasMarkersAsAsked(guess, asked);
 }
 
 // The number asked for comes first: others must be better.
@@ -165,6 +173,12 @@ std::vector<Dictionary> DictionariesToTry(const std::string& asked) {
   return tries;
 }
 
+GreyImage Negative(GreyImage image) {
+  for (float& level : image.levels) level = 255 - level;
+  for (uint8_t& byte : image.bytes) byte = 255 - byte;
+  return image;
+}
+
 std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
   const bool is_asked = asked.kind == "charuco";
   const double marker_part = is_asked ? asked.marker_m / asked.square_m : 0.75;
@@ -174,9 +188,14 @@ std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
       layouts.push_back(CharucoLayout(across, parity, marker_part));
   BestLayout best;
   Guess guess;
-  for (const bool is_mirrored : {false, true}) {
-    const GreyImage shown = is_mirrored ? Mirrored(image) : image;
-    const cv::Mat readable = ReadableImage(shown);
+  enum class Shown { kAsSeen, kMirrored, kNegative };
+  for (const Shown shown :
+       {Shown::kAsSeen, Shown::kMirrored, Shown::kNegative}) {
+    if (shown == Shown::kNegative && best.agreement > 0) break;
+    const GreyImage changed = shown == Shown::kAsSeen     ? image
+                              : shown == Shown::kMirrored ? Mirrored(image)
+                                                          : Negative(image);
+    const cv::Mat readable = ReadableImage(changed);
     for (const Dictionary& dictionary : DictionariesToTry(asked.dictionary)) {
       const std::vector<SeenMarker> seen =
           SeenOf(readable, dictionary, asked.first_marker);
@@ -185,8 +204,13 @@ std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
         const int before = best.agreement;
         Compare(layout, seen, &best);
         if (best.agreement == before) continue;
-        guess = {"charuco",       dictionary.name,   is_mirrored,
-                 best.across - 1, best.num_rows - 1, best.max_marker};
+        guess = {"charuco",
+                 dictionary.name,
+                 shown == Shown::kMirrored,
+                 best.across - 1,
+                 best.num_rows - 1,
+                 best.max_marker,
+                 shown == Shown::kNegative};
         if (best.is_clear && IsAsAsked(guess, asked)) return guess;
       }
     }
@@ -196,37 +220,78 @@ std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
   return guess;
 }
 
-std::optional<Guess> GuessAprilGrid(const GreyImage& image,
-                                    const Board& asked) {
+struct GridTags {
+  TagFamily family;
+  const char* name;
+};
+constexpr GridTags kGridTags[] = {
+    {TagFamily::k36h11WideBorder, "tag36h11"},
+    {TagFamily::k25h9WideBorder, "tag25h9"},
+    {TagFamily::k16h5WideBorder, "tag16h5"},
+    {TagFamily::k36h11, "tag36h11 with a border of one cell"},
+    {TagFamily::k25h9, "tag25h9 with a border of one cell"},
+    {TagFamily::k16h5, "tag16h5 with a border of one cell"}};
+
+bool IsReadFamily(const std::string& name) {
+  return name.find(' ') == std::string::npos;
+}
+
+// The family asked for comes first; for other kinds of boards, the usual one.
+std::vector<GridTags> GridTagsToTry(const std::string& asked) {
+  std::vector<GridTags> tries(std::begin(kGridTags), std::end(kGridTags));
+  std::stable_partition(tries.begin(), tries.end(),
+                        [&](const GridTags& t) { return asked == t.name; });
+  return tries;
+}
+
+// Improves on the best layout by the tags of one family.
+void CompareTags(const std::vector<DetectedTag>& tags, const GridTags& kind,
+                 bool is_mirrored, const Board& asked, BestLayout* best,
+                 Guess* guess) {
   const bool is_asked = asked.kind == "aprilgrid";
   const double tag_part = 1 / (1 + (is_asked ? asked.spacing_ratio : 0.3));
+  for (int turns = 0; turns < 4; ++turns) {
+    std::vector<SeenMarker> seen;
+    for (const DetectedTag& tag : tags) {
+      SeenMarker marker;
+      marker.index = tag.id - asked.first_marker;
+      if (tag.family != kind.family || marker.index < 0 ||
+          marker.index >= kMaxMarkers)
+        continue;
+      for (int k = 0; k < 4; ++k)
+        marker.corners_px[k] = tag.corners[(k + turns) % 4];
+      seen.push_back(marker);
+    }
+    if (static_cast<int>(seen.size()) < kMinMarkers) return;
+    for (const int across : AcrossToTry(is_asked ? asked.columns / 2 : 2)) {
+      const int before = best->agreement;
+      Compare(TagLayout(across, tag_part), seen, best);
+      if (best->agreement == before) continue;
+      *guess = {"aprilgrid",      kind.name,          is_mirrored,
+                2 * best->across, 2 * best->num_rows, best->max_marker};
+      if (best->is_clear && IsAsAsked(*guess, asked)) return;
+    }
+  }
+}
+
+std::optional<Guess> GuessAprilGrid(const GreyImage& image,
+                                    const Board& asked) {
+  std::vector<GridTags> kinds = GridTagsToTry(asked.tag_family);
   BestLayout best;
   Guess guess;
   for (const bool is_mirrored : {false, true}) {
-    const std::vector<DetectedTag> tags =
-        FindGridTags(is_mirrored ? Mirrored(image) : image);
-    if (static_cast<int>(tags.size()) < kMinMarkers) continue;
-    for (int turns = 0; turns < 4; ++turns) {
-      std::vector<SeenMarker> seen;
-      for (const DetectedTag& tag : tags) {
-        SeenMarker marker;
-        marker.index = tag.id - asked.first_marker;
-        if (marker.index < 0 || marker.index >= kMaxMarkers) continue;
-        for (int k = 0; k < 4; ++k)
-          marker.corners_px[k] = tag.corners[(k + turns) % 4];
-        seen.push_back(marker);
-      }
-      for (const int across : AcrossToTry(is_asked ? asked.columns / 2 : 2)) {
-        const int before = best.agreement;
-        Compare(TagLayout(across, tag_part), seen, &best);
-        if (best.agreement == before) continue;
-        guess = {"aprilgrid",       "",
-                 is_mirrored,       2 * best.across,
-                 2 * best.num_rows, best.max_marker};
-        if (best.is_clear && IsAsAsked(guess, asked)) return guess;
-      }
-    }
+    const auto tags =
+        FindGridTags(is_mirrored ? Mirrored(image) : image, {kinds[0].family});
+    CompareTags(tags, kinds[0], is_mirrored, asked, &best, &guess);
+    if (best.is_clear && IsAsAsked(guess, asked)) return guess;
   }
+  if (best.agreement > 0) return guess;
+  kinds.erase(kinds.begin());
+  std::vector<TagFamily> families;
+  for (const GridTags& kind : kinds) families.push_back(kind.family);
+  const auto tags = FindGridTags(image, families, TagSearch::kQuick);
+  for (const GridTags& kind : kinds)
+    CompareTags(tags, kind, false, asked, &best, &guess);
   if (best.agreement == 0) return std::nullopt;
   return guess;
 }
@@ -269,8 +334,13 @@ std::string Describe(const std::string& kind, int columns, int rows,
     return fmt::format("{} x {} inner corners with markers of {}", columns,
                        rows, dictionary);
   if (kind == "aprilgrid")
-    return fmt::format("an AprilGrid of {} x {} tags", columns / 2, rows / 2);
+    return fmt::format("an AprilGrid of {} x {} tags of {}", columns / 2,
+                       rows / 2, dictionary);
   return fmt::format("{} x {} inner corners", columns, rows);
+}
+
+std::string MarkersOf(const Board& board) {
+  return board.kind == "aprilgrid" ? board.tag_family : board.dictionary;
 }
 
 // The other side of a chessboard may be the longer one.
@@ -345,16 +415,46 @@ std::string Remedy(const Guess& guess, const Board& asked,
                    const std::string& pattern_name) {
   if (guess.is_mirrored)
     return "mirror the images back, or print the board the right way round";
+  if (guess.is_negative) return "print the board dark on white";
+  if (guess.kind == "aprilgrid" && !IsReadFamily(guess.dictionary))
+    return "print a board of tags with a border of two cells, with black "
+           "squares at their corners (raygrid pattern aprilgrid)";
   std::string what = "columns and rows";
   if (guess.kind != asked.kind)
     what = "the kind of board";
-  else if (asked.dictionary.compare(0, guess.dictionary.size(),
-                                    guess.dictionary) != 0)
-    what = "the dictionary";
+  else if (!HasMarkersAsAsked(guess, asked))
+    what = guess.kind == "aprilgrid" ? "the tag family" : "the dictionary";
   return fmt::format("correct {} in {}", what, pattern_name);
 }
 
+// The board, and what of it is read.
+std::string DescribeSought(const Board& board) {
+  const std::string size =
+      Describe(board.kind, board.columns, board.rows, MarkersOf(board));
+  if (board.kind == "charuco")
+    return fmt::format("a ChArUco board of {}, dark on white", size);
+  if (board.kind == "aprilgrid")
+    return size +
+           ", with a border of two cells and black squares at their "
+           "corners";
+  if (board.kind == "star")
+    return fmt::format("a star board of {} x {} stars with tag {} of {}",
+                       board.columns, board.rows, board.tags.front().id,
+                       board.tags.front().family);
+  return "a chessboard of " + size;
+}
+
 }  // namespace
+
+std::string SoughtBoards(const Pattern& pattern,
+                         const std::string& pattern_name) {
+  const size_t num_others = pattern.boards.size() - 1;
+  return fmt::format(
+      "searched for {}{}; check that {} says what they show",
+      DescribeSought(pattern.boards.front()),
+      num_others > 0 ? fmt::format(" and {} more", num_others) : std::string(),
+      pattern_name);
+}
 
 std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
                                            const Pattern& pattern,
@@ -382,11 +482,13 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
   if (IsAsAsked(*guess, asked)) return std::nullopt;
   return fmt::format(
       "this looks like {}{} ({} of {} images looked at), not {}; {}",
-      guess->is_mirrored ? "a mirrored board of " : "",
+      guess->is_mirrored   ? "a mirrored board of "
+      : guess->is_negative ? "a board printed white on black of "
+                           : "",
       Describe(guess->kind, guess->columns, guess->rows,
                DictionaryName(guess->dictionary, guess->max_marker)),
       num_votes, chosen.size(),
-      Describe(asked.kind, asked.columns, asked.rows, asked.dictionary),
+      Describe(asked.kind, asked.columns, asked.rows, MarkersOf(asked)),
       Remedy(*guess, asked, pattern_name));
 }
 

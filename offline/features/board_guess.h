@@ -20,6 +20,11 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
                                            const std::string& pattern_name,
                                            int num_threads);
 
+/// What images without any board were searched for, and what to check: the end
+/// of an error's line.
+std::string SoughtBoards(const Pattern& pattern,
+                         const std::string& pattern_name);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_FEATURES_BOARD_GUESS_H

@@ -86,11 +86,10 @@ void RequireUsable(const GivenCamera& given, const MeasuredCamera& camera,
       given.name.empty() ? "features" : "camera " + given.name;
   RequireConsistent(source, camera.dataset, pattern);
   if (camera.dataset.num_features() == 0)
-    throw Error(
-        ExitCode::kTooFew,
-        fmt::format("{}: no board found in any of {} images; check "
-                    "columns and rows (inner corners) in {}",
-                    source, camera.dataset.images.size(), pattern_name));
+    throw Error(ExitCode::kTooFew,
+                fmt::format("{}: no board found in any of {} images; {}",
+                            source, camera.dataset.images.size(),
+                            SoughtBoards(pattern, pattern_name)));
 }
 
 MeasuredCamera Measure(const GivenCamera& given, const Pattern& pattern,

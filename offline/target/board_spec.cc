@@ -161,7 +161,7 @@ std::vector<Board> AprilGridOf(Board board, Spec* spec) {
     Refuse(fmt::format("at most {} tags along a side", kMaxTags));
   board.columns *= 2;  // features: two for each tag
   board.rows *= 2;
-  board.tag_family = "tag36h11";
+  board.tag_family = spec->Text("family", "tag36h11");
   board.spacing_ratio = spec->Number("spacing-ratio", 0.3);
   return MarkersOf(board, spec);
 }

@@ -1,6 +1,7 @@
 #include "features/board_view/tag_detection.h"
 
 #include <apriltag/apriltag.h>
+#include <apriltag/tag16h5.h>
 #include <apriltag/tag25h9.h>
 #include <apriltag/tag36h11.h>
 #include <apriltag/tagStandard41h12.h>
@@ -20,25 +21,32 @@ using DetectorPointer =
     std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)>;
 
 // The code's cells count from the corner of the black square.
-void WidenBorder(apriltag_family_t* family) {
+FamilyPointer WithWideBorder(FamilyPointer family) {
   for (uint32_t bit = 0; bit < family->nbits; ++bit) {
     ++family->bit_x[bit];
     ++family->bit_y[bit];
   }
   family->width_at_border += 2;
   family->total_width += 2;
+  return family;
 }
 
 FamilyPointer MakeFamily(TagFamily kind) {
   switch (kind) {
     case TagFamily::k25h9:
       return {tag25h9_create(), tag25h9_destroy};
+    case TagFamily::k16h5:
+      return {tag16h5_create(), tag16h5_destroy};
     case TagFamily::kStandard41h12:
       return {tagStandard41h12_create(), tagStandard41h12_destroy};
+    case TagFamily::k36h11WideBorder:
+      return WithWideBorder(MakeFamily(TagFamily::k36h11));
+    case TagFamily::k25h9WideBorder:
+      return WithWideBorder(MakeFamily(TagFamily::k25h9));
+    case TagFamily::k16h5WideBorder:
+      return WithWideBorder(MakeFamily(TagFamily::k16h5));
     default:
-      FamilyPointer family(tag36h11_create(), tag36h11_destroy);
-      if (kind == TagFamily::k36h11WideBorder) WidenBorder(family.get());
-      return family;
+      return {tag36h11_create(), tag36h11_destroy};
   }
 }
 
@@ -87,19 +95,27 @@ Eigen::Vector2d FromPixelCorner(const double position[2]) {
 }  // namespace
 
 struct TagDetector::Data {
-  FamilyPointer family;
+  std::vector<TagFamily> kinds;
+  std::vector<FamilyPointer> families;
   DetectorPointer detector;
   float decimate, min_margin;
 };
 
-TagDetector::TagDetector(TagFamily family, const TagOptions& options)
-    : data_(new Data{MakeFamily(family),
+TagDetector::TagDetector(const std::vector<TagFamily>& families,
+                         const TagOptions& options)
+    : data_(new Data{families,
+                     {},
                      {apriltag_detector_create(), apriltag_detector_destroy},
                      options.decimate,
                      options.min_margin}) {
   apriltag_detector_t* detector = data_->detector.get();
-  apriltag_detector_add_family_bits(detector, data_->family.get(),
-                                    options.max_wrong_bits);
+  for (const TagFamily kind : families) {
+    data_->families.push_back(MakeFamily(kind));
+    const bool is_small =
+        kind == TagFamily::k16h5 || kind == TagFamily::k16h5WideBorder;
+    apriltag_detector_add_family_bits(detector, data_->families.back().get(),
+                                      is_small ? 0 : options.max_wrong_bits);
+  }
   detector->nthreads = 1;
   detector->qtp.max_line_fit_mse = options.max_line_fit_mse;
 }
@@ -119,6 +135,9 @@ std::vector<DetectedTag> TagDetector::Detect(const cv::Mat& image) const {
     if (detection->decision_margin < data_->min_margin) continue;
     DetectedTag tag;
     tag.id = detection->id;
+    for (size_t k = 0; k < data_->families.size(); ++k)
+      if (detection->family == data_->families[k].get())
+        tag.family = data_->kinds[k];
     // The corners go from the bottom left, counter-clockwise.
     for (int k = 0; k < 4; ++k)
       tag.corners[k] = FromPixelCorner(detection->p[3 - k]);
@@ -147,7 +166,7 @@ TagOptions OfStarBoards(float decimate) {
 
 std::vector<DetectedTag> DetectIn(const cv::Mat& image, TagFamily family,
                                   float decimate) {
-  return TagDetector(family, OfStarBoards(decimate)).Detect(image);
+  return TagDetector({family}, OfStarBoards(decimate)).Detect(image);
 }
 
 float QuickDecimation(const ImageSize& size) {

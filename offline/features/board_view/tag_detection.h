@@ -15,18 +15,23 @@ class Mat;
 
 namespace raygrid {
 
+enum class TagFamily {
+  k36h11,
+  k25h9,
+  k16h5,
+  // With a black border of two cells, as in AprilGrids.
+  k36h11WideBorder,
+  k25h9WideBorder,
+  k16h5WideBorder,
+  kStandard41h12
+};
+
 /// An AprilTag in an image: the corners of its black square, clockwise from the
 /// top left as the tag stands.
 struct DetectedTag {
+  TagFamily family = TagFamily::k36h11;
   int id = 0;
   std::array<Eigen::Vector2d, 4> corners;
-};
-
-enum class TagFamily {
-  k36h11,
-  k36h11WideBorder,  ///< with a black border of two cells, as in AprilGrids
-  k25h9,
-  kStandard41h12
 };
 
 /// The defaults are libapriltag's.
@@ -34,7 +39,7 @@ struct TagOptions {
   /// Squares are sought in every decimate-th row and column; corners are found
   /// in all.
   float decimate = 1;
-  int max_wrong_bits = 2;
+  int max_wrong_bits = 2;  ///< none of tag16h5: any square would pass
   /// Squared pixels that the edges of squares may be off a straight line.
   float max_line_fit_mse = 10;
   /// Grey levels between the cells and their threshold, on average.
@@ -44,10 +49,11 @@ struct TagOptions {
 /// libapriltag's detector. Serves one thread at a time.
 class TagDetector {
  public:
-  TagDetector(TagFamily family, const TagOptions& options);
+  TagDetector(const std::vector<TagFamily>& families,
+              const TagOptions& options);
   ~TagDetector();
 
-  /// All tags of the family in a grey image, 8 bits; by id.
+  /// All tags of the families in a grey image, 8 bits; by id.
   std::vector<DetectedTag> Detect(const cv::Mat& image) const;
 
  private:

@@ -52,18 +52,30 @@ void Undo(const Preparation& preparation, DetectedTag* tag) {
 
 }  // namespace
 
-std::vector<DetectedTag> FindGridTags(const GreyImage& image) {
+TagFamily GridFamily(const std::string& tag_family) {
+  return tag_family == "tag25h9"   ? TagFamily::k25h9WideBorder
+         : tag_family == "tag16h5" ? TagFamily::k16h5WideBorder
+                                   : TagFamily::k36h11WideBorder;
+}
+
+std::vector<DetectedTag> FindGridTags(const GreyImage& image,
+                                      const std::vector<TagFamily>& families,
+                                      TagSearch search) {
   const cv::Mat grey = ReadableImage(image);
-  const TagDetector detector(TagFamily::k36h11WideBorder, {});
+  const TagDetector detector(families, {});
   std::vector<DetectedTag> found;
   for (const Preparation& preparation : kPreparations) {
     if (preparation.scale > 1 &&
         static_cast<double>(grey.total()) > kMaxPixelsToEnlarge)
       continue;
+    const bool is_quick = preparation.scale == 1 && preparation.growth_px < 2;
+    if (search == TagSearch::kQuick && !is_quick) continue;
     const size_t num_before = found.size();
     for (DetectedTag& tag : detector.Detect(Prepared(grey, preparation))) {
       if (std::any_of(found.begin(), found.begin() + num_before,
-                      [&](const DetectedTag& f) { return f.id == tag.id; }))
+                      [&](const DetectedTag& f) {
+                        return f.id == tag.id && f.family == tag.family;
+                      }))
         continue;
       Undo(preparation, &tag);
       found.push_back(tag);
@@ -80,6 +92,7 @@ struct AprilGridLocator::Data {
         growth(b) {}
 
   Board board;
+  TagFamily family = GridFamily(board.tag_family);
   std::vector<PlacedMarker> markers;
   std::vector<Eigen::Vector3d> points_m;
   CornerGrowth growth;
@@ -147,7 +160,7 @@ AprilGridLocator::AprilGridLocator(const Board& board)
 AprilGridLocator::~AprilGridLocator() = default;
 
 ImageDetection AprilGridLocator::Locate(const GreyImage& image) const {
-  const std::vector<DetectedTag> tags = FindGridTags(image);
+  const std::vector<DetectedTag> tags = FindGridTags(image, {data_->family});
   const MarkerConstellation seen = data_->Constellation(tags);
   const MarkerConstellation fitting = seen.Consistent();
   ImageDetection located;
@@ -164,9 +177,15 @@ ImageDetection AprilGridLocator::Locate(const GreyImage& image) const {
   if (seen.size() == 0 && !tags.empty())
     located.remarks.push_back(
         fmt::format("tag {} is not on board {}", tags[0].id, data_->board.id));
+  if (fitting.size() > 0 && lattice.num_found() == 0)
+    located.remarks.push_back(
+        fmt::format("board {}: {} tags are seen, but not the black squares at "
+                    "their corners, which features need",
+                    data_->board.id, fitting.size()));
   if (fitting.size() == 0 &&
-      data_->Constellation(FindGridTags(Mirrored(image))).Consistent().size() >
-          0)
+      data_->Constellation(FindGridTags(Mirrored(image), {data_->family}))
+              .Consistent()
+              .size() > 0)
     located.remarks.push_back(
         fmt::format("board {} is seen mirrored", data_->board.id));
   return located;

@@ -10,7 +10,8 @@
 namespace raygrid {
 
 /// Finds the corners of an AprilGrid's tags, approximately. Tags as Kalibr
-/// prints them: tag36h11 with a black border of two cells.
+/// prints them: with a black border of two cells, and black squares that touch
+/// their corners.
 class AprilGridLocator {
  public:
   explicit AprilGridLocator(const Board& board);
@@ -23,8 +24,15 @@ class AprilGridLocator {
   std::unique_ptr<Data> data_;
 };
 
-/// All tags with a border of two cells, whatever board they are on.
-std::vector<DetectedTag> FindGridTags(const GreyImage& image);
+/// All tags of some families, whatever board they are on; found also where
+/// black squares touch their corners. kQuick leaves out tags that are small or
+/// blurred.
+std::vector<DetectedTag> FindGridTags(const GreyImage& image,
+                                      const std::vector<TagFamily>& families,
+                                      TagSearch search = TagSearch::kThorough);
+
+/// The family of an AprilGrid's tags, which have a border of two cells.
+TagFamily GridFamily(const std::string& tag_family);
 
 }  // namespace raygrid
 

@@ -166,6 +166,15 @@ TEST(BoardAppearance, AprilGridHasKalibrsNumbersAndSquares) {
   EXPECT_TRUE(appearance.IsBlack({0.006, 0.025}));  // two cells of border
 }
 
+TEST(BoardAppearance, UnknownTagFamiliesAreRefused) {
+  ExpectError(ExitCode::kInput, {"tag36h9", "tag25h9"}, [&] {
+    ParsePattern("p",
+                 "raygrid_pattern: 1\nboards:\n  - {id: 1, kind: aprilgrid, "
+                 "columns: 10, rows: 8, square_m: 0.03, spacing_ratio: 0.3, "
+                 "tag_family: tag36h9}\n");
+  });
+}
+
 TEST(BoardAppearance, UnknownMarkersAreRefused) {
   Board star = StarBoard(16);
   star.tags[0].id = 587;

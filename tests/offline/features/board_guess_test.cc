@@ -98,5 +98,43 @@ TEST_F(BoardGuess, FindsOtherSizesOfAprilGrids) {
             std::string::npos);
 }
 
+TEST_F(BoardGuess, FindsOtherFamiliesOfTags) {
+  Board other = AprilGrid(5, 4, 24);
+  other.tag_family = "tag25h9";
+  Photograph(other);
+  EXPECT_EQ(GuessFor(AprilGrid(5, 4, 24)),
+            "this looks like an AprilGrid of 5 x 4 tags of tag25h9 (2 of 2 "
+            "images looked at), not an AprilGrid of 5 x 4 tags of tag36h11; "
+            "correct the tag family in p.yaml");
+  EXPECT_EQ(GuessFor(other), "");
+  EXPECT_EQ(num_features_, 160);
+}
+
+TEST_F(BoardGuess, FindsCharucoBoardsInWhiteOnBlack) {
+  Photograph(Charuco(8, 5, 28));
+  for (const std::string& path : paths_) {
+    cv::Mat image = cv::imread(path, cv::IMREAD_GRAYSCALE);
+    cv::imwrite(path, 255 - image);
+  }
+  EXPECT_NE(GuessFor(Charuco(8, 5, 28))
+                .find("a board printed white on black of 8 x 5 inner corners"),
+            std::string::npos);
+}
+
+TEST(SoughtBoards, SaysWhatIsReadOfEachKind) {
+  const auto sought = [](const Board& board) {
+    return SoughtBoards(PatternOf(board), "p.yaml");
+  };
+  EXPECT_EQ(sought(Chessboard(9, 6, 25)),
+            "searched for a chessboard of 9 x 6 inner corners; check that "
+            "p.yaml says what they show");
+  EXPECT_NE(sought(AprilGrid(6, 5, 24))
+                .find("6 x 5 tags of tag36h11, with a border of two cells and "
+                      "black squares at their corners"),
+            std::string::npos);
+  EXPECT_NE(sought(Charuco(8, 5, 28)).find("DICT_4X4_50, dark on white"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace raygrid

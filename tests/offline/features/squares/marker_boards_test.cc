@@ -116,6 +116,43 @@ TEST(AprilGrid, EveryCornerIsFoundToAFewHundredthsOfAPixel) {
   }
 }
 
+TEST(AprilGrid, TagsOfEachFamilyAreRead) {
+  for (const std::string family : {"tag36h11", "tag25h9", "tag16h5"}) {
+    Board board = AprilGridPattern().boards[0];
+    board.tag_family = family;
+    Pattern pattern;
+    pattern.boards = {board};
+    for (const auto& quad : {kFrontal, kTilted, kOnItsSide}) {
+      const Photograph photograph(board, quad);
+      const auto features = Detected(photograph.image(), pattern).features;
+      EXPECT_EQ(features.size(), 80u) << family;
+      EXPECT_LT(photograph.WorstErrorPx(features), 0.1) << family;
+    }
+  }
+}
+
+TEST(AprilGrid, TagsWithoutSquaresAtTheirCornersAreNamed) {
+  const Pattern pattern = AprilGridPattern();
+  Photograph photograph(pattern.boards[0], kFrontal);
+  const double gap = pattern.boards[0].spacing_ratio;
+  for (int row = 0; row <= 4; ++row) {
+    for (int column = 0; column <= 5; ++column) {
+      // The square's corners, in tags from the first feature.
+      const double x = column * (1 + gap) - gap, y = row * (1 + gap) - gap;
+      std::vector<cv::Point> square;
+      for (const auto& [dx, dy] :
+           {std::pair{0.0, 0.0}, {gap, 0.0}, {gap, gap}, {0.0, gap}})
+        square.push_back(photograph.ToImage(x + dx, y + dy));
+      cv::fillConvexPoly(photograph.mat, square, cv::Scalar(230));
+    }
+  }
+  const ImageDetection detection = Detected(photograph.image(), pattern);
+  EXPECT_TRUE(detection.features.empty());
+  ASSERT_EQ(detection.remarks.size(), 1u);
+  EXPECT_NE(detection.remarks[0].find("not the black squares"),
+            std::string::npos);
+}
+
 TEST(AprilGrid, PartOfABoardIsEnough) {
   const Pattern pattern = AprilGridPattern();
   const Photograph photograph(pattern.boards[0], kHalfOutside);
