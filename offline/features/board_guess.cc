@@ -21,7 +21,8 @@ namespace {
 // that are seen.
 struct Guess {
   std::string kind;
-  // Of a ChArUco board, without its number of markers; an AprilGrid's family.
+  // The dictionary of a ChArUco board, without its number of markers; an
+  // AprilGrid's family.
   std::string dictionary;
   bool is_mirrored = false;
   int columns = 0, rows = 0;

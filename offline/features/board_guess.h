@@ -20,8 +20,8 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
                                            const std::string& pattern_name,
                                            int num_threads);
 
-/// What images without any board were searched for, and what to check: the end
-/// of an error's line.
+/// The end of an error's line where images show no board: what was searched
+/// for, and what to check.
 std::string SoughtBoards(const Pattern& pattern,
                          const std::string& pattern_name);
 
