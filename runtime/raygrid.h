@@ -471,9 +471,11 @@ typedef struct rg_slot {
 } rg_slot;
 
 /* Finds the newest whole blob of two slots, of which one may be erased, damaged
- * or half written. Write the next blob to the other slot. Whether the bytes are
- * a blob of this camera, rg_camera_open() and rg_match() say. Who wrote them
- * nothing here says: signatures are for what boots the device.
+ * or half written. Whether the bytes are a blob of this camera,
+ * rg_camera_open() and rg_match() say; if they refuse it, look at the other
+ * slot alone. Write the next blob to the slot that is not in use, which may be
+ * the newest: else a cut of power leaves none. Who wrote the bytes nothing here
+ * says: signatures are for what boots the device.
  *
  * first, second  multiples of 4, slot_size bytes each. NULL: not looked at, as
  *                a slot whose blob rg_camera_open() refuses.
@@ -492,7 +494,7 @@ rg_status rg_choose_slot(const void* first, const void* second,
  * header last. Power may be cut at any moment of that.
  *
  * num_bytes  of the blob, at most the slot's size less 64
- * sequence   that of the newest slot plus 1, which may wrap around
+ * sequence   that of the slot that stays plus 1, which may wrap around
  * header     64 bytes; written only when RG_OK is returned
  *
  * RG_OK, or RG_ERR_ARGUMENT for null pointers or no bytes. */

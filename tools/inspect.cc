@@ -336,29 +336,35 @@ Json ForeignFacts(const Format& format, const std::string& path,
 // ---- Slots -----------------------------------------------------------------
 
 Json SlotFacts(const std::string& path, const BlobSlot& slot) {
-  if (!slot.is_valid)
+  if (!slot.is_whole)
     return {{"state", slot.is_erased ? "erased" : "not whole"}};
+  Json json = {{"state", slot.IsUsable() ? "whole" : "does not open"},
+               {"sequence", slot.sequence},
+               {"bytes", slot.blob.size()}};
+  if (!slot.IsUsable()) {
+    json["fault"] = slot.fault;
+    return json;
+  }
   const BlobCamera camera(path, slot.blob);
   rg_camera_section identity;
   rg_blob_camera(&camera.blob(), &identity);
-  return {{"state", "whole"},
-          {"sequence", slot.sequence},
-          {"bytes", slot.blob.size()},
-          {"name", Printable(identity.name)},
-          {"serial", Printable(identity.serial)},
-          {"image_size", {identity.width, identity.height}}};
+  json["name"] = Printable(identity.name);
+  json["serial"] = Printable(identity.serial);
+  json["image_size"] = {identity.width, identity.height};
+  return json;
 }
 
 Json SlotsFacts(const std::string& path, const std::string& bytes) {
+  const auto place = FindMisplacedSlot(bytes);
+  if (place || bytes.size() % 8 != 0)
+    throw InputError(fmt::format(
+        "{}: has {} bytes, of which half are no slot{}; name a copy of both "
+        "slots, whole and with nothing behind them",
+        path, bytes.size(),
+        place ? fmt::format(": one begins at byte {}", *place) : ""));
   const BlobSlots read = ReadSlots(bytes);
-  if (!read.newest)
-    throw Error(ExitCode::kBlob,
-                path +
-                    ": neither slot has a whole blob; write one with "
-                    "raygrid update");
-  Json json = {{"kind", "slots"},
-               {"slot_size", bytes.size() / 2},
-               {"newest", *read.newest}};
+  Json json = {{"kind", "slots"}, {"slot_size", bytes.size() / 2}};
+  if (read.newest) json["newest"] = *read.newest;
   for (size_t k = 0; k < read.slots.size(); ++k)
     json[fmt::format("slot {}", k)] = SlotFacts(path, read.slots[k]);
   return json;
@@ -369,8 +375,8 @@ Json SlotsFacts(const std::string& path, const std::string& bytes) {
 Json FactsOf(const std::string& path) {
   if (IsBoardSpec(path)) return PatternFacts(ParseBoardSpec(path));
   const std::string bytes = ReadFile(path);
-  if (IsBlob(path, bytes)) return BlobFacts(BlobCamera(path, bytes));
   if (IsSlotFile(bytes)) return SlotsFacts(path, bytes);
+  if (IsBlob(path, bytes)) return BlobFacts(BlobCamera(path, bytes));
   if (bytes.find("raygrid_camera:") != std::string::npos)
     return CameraFacts(ParseCameraFile(path, bytes));
   if (bytes.find("raygrid_rig:") != std::string::npos)
@@ -453,6 +459,11 @@ void Inspect(const std::string& path, const CommonOptions& common) {
     fmt::print("{}\n", facts.dump(2));
   else
     PrintText(facts);
+  if (facts["kind"] == "slots" && !facts.contains("newest"))
+    throw Error(ExitCode::kBlob,
+                path +
+                    ": neither slot has a blob that opens; write one with "
+                    "raygrid update");
 }
 
 }  // namespace

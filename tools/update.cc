@@ -134,8 +134,9 @@ uint64_t SizeOfSlots(const SlotStore& store, const UpdateArguments& arguments) {
 }
 
 void RequireSlots(const BlobSlots& read, const UpdateArguments& arguments) {
-  const bool is_erased = read.slots[0].is_erased && read.slots[1].is_erased;
-  if (!read.newest && !is_erased && !arguments.is_new)
+  const auto& [first, second] = read.slots;
+  const bool is_erased = first.is_erased && second.is_erased;
+  if (!first.is_whole && !second.is_whole && !is_erased && !arguments.is_new)
     throw InputError(arguments.slots +
                      ": has neither a whole blob in a slot nor erased slots; "
                      "if it may be overwritten, say --new");
@@ -212,7 +213,9 @@ void AddUpdate(CLI::App* app, CommonOptions* common) {
       app, "update",
       "Brings a blob into the older of two slots of a device's flash, or of a "
       "file that goes there. The other slot stays as it is, so one blob is "
-      "whole whenever power is cut. The blob is verified; who made it is for "
+      "whole whenever power is cut. A slot whose blob does not open is "
+      "overwritten before the other one, however new it is. The blob is "
+      "verified; who made it is for "
       "signatures of what boots the device.",
       "raygrid update front.raygrid --slots slots.bin --slot-size 64K", common);
   auto arguments = std::make_shared<UpdateArguments>();

@@ -4,7 +4,10 @@
 #include <cstring>
 
 #include "blob_layout.h"
+#include "bytes.h"
+#include "crc32.h"
 #include "raygrid.h"
+#include "rg_blob.h"
 
 namespace raygrid {
 namespace {
@@ -18,19 +21,62 @@ std::vector<uint32_t> AlignedWords(const std::string& bytes) {
   return words;
 }
 
+// Whether a slot's header, with a right CRC, is at a place.
+bool HasHeaderAt(const std::string& bytes, size_t at) {
+  if (bytes.compare(at, sizeof(kSlotMagic), kSlotMagic, sizeof(kSlotMagic)) !=
+          0 ||
+      bytes.size() - at < RG_SLOT_HEADER_SIZE)
+    return false;
+  const uint8_t* const header =
+      reinterpret_cast<const uint8_t*>(bytes.data()) + at;
+  return rg_load_u32(header + RG_SLOT_HEADER_CRC) ==
+         rg_crc32(0, header, RG_SLOT_HEADER_CRC);
+}
+
+// Whether a place may be the first of a slot that was damaged or half written.
+bool MayBeSlotAt(const std::string& bytes, size_t at) {
+  const std::string begin = bytes.substr(at, sizeof(kSlotMagic));
+  return begin == std::string(kSlotMagic, sizeof(kSlotMagic)) ||
+         begin == std::string(sizeof(kSlotMagic), kErased);
+}
+
+// Why neither all of a board's calls nor the host take a blob.
+std::string FaultOf(const std::string& blob) {
+  const std::vector<uint32_t> words = AlignedWords(blob);
+  const auto size = static_cast<uint32_t>(blob.size());
+  rg_camera camera;
+  rg_blob opened;
+  rg_status status = rg_camera_open(&camera, words.data(), size);
+  if (status == RG_OK) status = rg_blob_open(words.data(), size, &opened);
+  return status == RG_OK ? "" : rg_status_text(status);
+}
+
 BlobSlot ReadSlot(const std::string& bytes) {
   BlobSlot slot = {};
   slot.is_erased = bytes.find_first_not_of(kErased) == std::string::npos;
   const std::vector<uint32_t> words = AlignedWords(bytes);
   rg_slot found;
-  slot.is_valid =
+  slot.is_whole =
       rg_choose_slot(words.data(), nullptr, static_cast<uint32_t>(bytes.size()),
                      &found) == RG_OK;
-  if (slot.is_valid) {
+  if (slot.is_whole) {
     slot.sequence = found.sequence;
     slot.blob = bytes.substr(RG_SLOT_HEADER_SIZE, found.num_bytes);
+    slot.fault = FaultOf(slot.blob);
   }
   return slot;
+}
+
+// The one that a board would choose among those that a condition admits.
+template <typename Admits>
+std::optional<uint32_t> NewestOf(const std::array<BlobSlot, 2>& slots,
+                                 Admits admits) {
+  const bool first = admits(slots[0]), second = admits(slots[1]);
+  if (!first && !second) return std::nullopt;
+  if (!first || !second) return second ? 1 : 0;
+  constexpr uint32_t kHalfOfAll = 1u << 31;  // numbers wrap around
+  const uint32_t ahead = slots[1].sequence - slots[0].sequence;
+  return ahead != 0 && ahead < kHalfOfAll ? 1 : 0;
 }
 
 std::string HeaderOf(const std::string& blob, uint32_t sequence) {
@@ -47,16 +93,17 @@ uint64_t SlotSizeFor(const std::string& blob) {
 }
 
 bool IsSlotFile(const std::string& bytes) {
-  const size_t size = sizeof(kSlotMagic);
-  return bytes.compare(0, size, kSlotMagic, size) == 0 ||
-         bytes.compare(bytes.size() / 2, size, kSlotMagic, size) == 0;
+  const size_t middle = bytes.size() / 2;
+  if (HasHeaderAt(bytes, 0) || HasHeaderAt(bytes, middle)) return true;
+  return bytes.size() >= 2 * RG_SLOT_HEADER_SIZE && MayBeSlotAt(bytes, 0) &&
+         MayBeSlotAt(bytes, middle);
 }
 
 std::optional<uint64_t> FindMisplacedSlot(const std::string& bytes) {
   const std::string magic(kSlotMagic, sizeof(kSlotMagic));
   for (size_t at = bytes.find(magic, 1); at != std::string::npos;
        at = bytes.find(magic, at + 1))
-    if (at != bytes.size() / 2) return at;
+    if (at != bytes.size() / 2 && HasHeaderAt(bytes, at)) return at;
   return std::nullopt;
 }
 
@@ -65,20 +112,19 @@ BlobSlots ReadSlots(const std::string& bytes) {
   BlobSlots read = {
       {ReadSlot(bytes.substr(0, size)), ReadSlot(bytes.substr(size, size))},
       std::nullopt};
-  const std::vector<uint32_t> words = AlignedWords(bytes);
-  rg_slot newest;
-  if (rg_choose_slot(words.data(), words.data() + size / 4,
-                     static_cast<uint32_t>(size), &newest) == RG_OK)
-    read.newest = newest.index;
+  read.newest = NewestOf(read.slots,
+                         [](const BlobSlot& slot) { return slot.IsUsable(); });
   return read;
 }
 
 SlotUpdate PlanSlotUpdate(const BlobSlots& slots, uint64_t slot_size,
                           const std::string& blob) {
   SlotUpdate update = {0, 1, {}};
-  if (slots.newest) {
-    update.index = 1 - *slots.newest;
-    update.sequence = slots.slots[*slots.newest].sequence + 1;
+  const auto is_whole = [](const BlobSlot& slot) { return slot.is_whole; };
+  if (const auto kept =
+          slots.newest ? slots.newest : NewestOf(slots.slots, is_whole)) {
+    update.index = 1 - *kept;
+    update.sequence = slots.slots[*kept].sequence + 1;
   }
   const uint64_t begin = update.index * slot_size;
   std::string rest = blob;

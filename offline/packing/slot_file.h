@@ -12,21 +12,27 @@ namespace raygrid {
 /// One of the two slots of a device's flash (formats/SPEC.md, "Slots").
 struct BlobSlot {
   bool is_erased;         ///< all bytes are FFh
-  bool is_valid;          ///< it has a whole blob
-  uint32_t sequence = 0;  ///< of a valid one, and its blob
+  bool is_whole;          ///< its header and its CRCs are right
+  uint32_t sequence = 0;  ///< of a whole one, and its bytes
   std::string blob;
+  /// Why the runtime does not open these bytes; empty if it does.
+  std::string fault;
+
+  /// Whether it holds a blob that a board opens.
+  bool IsUsable() const { return is_whole && fault.empty(); }
 };
 
 /// Two slots, each half of the bytes, whose number is a multiple of 8.
 struct BlobSlots {
   std::array<BlobSlot, 2> slots;
-  std::optional<uint32_t> newest;  ///< 0 or 1; nothing if neither is valid
+  std::optional<uint32_t> newest;  ///< usable one; nothing if neither is
 };
 
 /// Bytes that a slot must have for a blob.
 uint64_t SlotSizeFor(const std::string& blob);
 
-/// Whether a file begins as one slot, or has the second one in its middle.
+/// Whether bytes are two slots: one has a slot's header, or both begin as a
+/// header or as erased flash does. A blob is none, whatever its name is.
 bool IsSlotFile(const std::string& bytes);
 
 BlobSlots ReadSlots(const std::string& bytes);
@@ -41,7 +47,8 @@ struct SlotWrite {
   std::string bytes;
 };
 
-/// The writes that bring a blob into the slot that is not the newest.
+/// The writes that bring a blob into the slot that is not the newest usable
+/// one, or, if none is usable, not the newest whole one.
 struct SlotUpdate {
   uint32_t index, sequence;
   /// In this order. Each one must be on disk before the next one begins: then

@@ -119,7 +119,51 @@ class Update(CommandTest):
         self.check_newest(1, 2, "c")
         slots[100] ^= 1
         write(self.slots, bytes(slots))
-        self.assert_refused(run("inspect", self.slots), 8, "neither slot")
+        refused = run("inspect", self.slots)
+        self.assert_refused(refused, 8, "neither slot")
+        self.assertIn("not whole", refused.stdout)
+
+    def put(self, index, sequence, blob):
+        """What a program writes that does not look at the blob: its CRCs are right."""
+        header = struct.pack("<8sHHIII36x", b"RGSLOTS\0", 1, 64, sequence, len(blob), zlib.crc32(blob))
+        slots = bytearray(read(self.slots))
+        begin = index * SLOT
+        slots[begin:begin + SLOT] = (header + struct.pack("<I", zlib.crc32(header)) + blob).ljust(SLOT, b"\xff")
+        write(self.slots, bytes(slots))
+
+    def test_a_blob_that_does_not_open_is_written_over_first(self):
+        later = bytearray(self.blobs["b"])
+        later[8] += 1  # the major version
+        for bad in (bytes(later), b"damaged", self.blobs["b"][:200], bytes(3000)):
+            for newest_slot in (0, 1):
+                write(self.slots, b"\xff" * 2 * SLOT)
+                self.put(1 - newest_slot, 4, self.blobs["a"])
+                self.put(newest_slot, 5, bad)
+                told = run("inspect", self.slots, "--json")
+                self.assert_done(told)
+                facts = json.loads(told.stdout)
+                self.assertEqual(facts["newest"], 1 - newest_slot)
+                self.assertEqual(facts[f"slot {newest_slot}"]["state"], "does not open")
+                self.assertEqual(facts[f"slot {newest_slot}"]["bytes"], len(bad))
+                self.assertEqual(facts[f"slot {1 - newest_slot}"]["state"], "whole")
+                self.assert_done(self.update("c"))
+                self.check_newest(newest_slot, 5, "c")
+        for index in (0, 1):
+            self.put(index, 4 + index, b"damaged")
+        refused = run("inspect", self.slots)
+        self.assert_refused(refused, 8, "neither slot")
+        self.assertEqual(refused.stdout.count("does not open"), 2)
+        self.assert_done(self.update("c"))
+        self.check_newest(0, 6, "c")
+
+    def test_a_camera_may_have_the_name_of_slots(self):
+        lines = read(self.path("sim_wide/true_camera.yaml")).splitlines()
+        lines = [line for line in lines if not line.startswith(b"name:")] + [b"name: RGSLOTS", b""]
+        camera = write(self.path("named.yaml"), b"\n".join(lines))
+        self.assert_done(run("pack", camera, "--serial", "RGSLOTS", "-o", self.path("named.raygrid")))
+        for name in ("named", "named", "a", "named"):
+            self.assert_done(self.update(name, "--slot-size", SLOT))
+        self.assertEqual(json.loads(run("inspect", self.slots, "--json").stdout)["newest"], 0)
 
     def test_what_cannot_be_is_refused_and_nothing_is_written(self):
         damaged = write(self.path("damaged.raygrid"), self.blobs["a"][:-4] + b"abcd")
