@@ -16,7 +16,6 @@
 #include "dataset/files.h"
 #include "dataset/image_files.h"
 #include "dataset/image_times.h"
-#include "dataset/repeated_images.h"
 #include "dataset/text_encoding.h"
 #include "features/board_guess.h"
 #include "features/image_circle_detection.h"
@@ -65,30 +64,6 @@ std::vector<RejectedImage> SayAndList(const std::vector<SkippedImage>& images) {
         {std::filesystem::path(image.path).filename().string(), image.reason});
   }
   return list;
-}
-
-// Images that show the same as others to 0.001 px leave, and are named: a copy
-// would be predicted by a camera that was calibrated with it.
-void LeaveOutCopies(Measurements* measurements) {
-  Dataset& dataset = measurements->dataset;
-  std::vector<std::string>& paths = measurements->paths;
-  const std::vector<std::optional<size_t>> repeated = RepeatedImages(dataset);
-  std::vector<SkippedImage> copies;
-  for (size_t i = 0; i < repeated.size(); ++i)
-    if (repeated[i])
-      copies.push_back(
-          {dataset.images[i].image, "shows the same as " +
-                                        dataset.images[*repeated[i]].image +
-                                        ", which is used once"});
-  for (size_t i = repeated.size(); i-- > 0;) {
-    if (!repeated[i]) continue;
-    const auto index = static_cast<std::ptrdiff_t>(i);
-    dataset.images.erase(dataset.images.begin() + index);
-    if (!paths.empty()) paths.erase(paths.begin() + index);
-  }
-  const std::vector<RejectedImage> named = SayAndList(copies);
-  measurements->left_out.insert(measurements->left_out.end(), named.begin(),
-                                named.end());
 }
 
 // The way to measure images again; empty for features alone, or if they are to
@@ -328,6 +303,30 @@ FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
   RequireTimes(arguments);
   return arguments.features.empty() ? FeaturesByCamera()
                                     : ReadFeatures(arguments.features);
+}
+
+void LeaveOutCopies(Measurements* measurements) {
+  Dataset& dataset = measurements->dataset;
+  std::vector<std::string>& paths = measurements->paths;
+  const std::vector<std::optional<size_t>> repeated = RepeatedImages(dataset);
+  std::vector<SkippedImage> copies;
+  for (size_t i = 0; i < repeated.size(); ++i)
+    if (repeated[i]) {
+      const std::string& original = dataset.images[*repeated[i]].image;
+      copies.push_back(
+          {dataset.images[i].image,
+           "shows the same as " + original + ", which is used once"});
+      measurements->copies.push_back({original, dataset.images[i].image});
+    }
+  for (size_t i = repeated.size(); i-- > 0;) {
+    if (!repeated[i]) continue;
+    const auto index = static_cast<std::ptrdiff_t>(i);
+    dataset.images.erase(dataset.images.begin() + index);
+    if (!paths.empty()) paths.erase(paths.begin() + index);
+  }
+  const std::vector<RejectedImage> named = SayAndList(copies);
+  measurements->left_out.insert(measurements->left_out.end(), named.begin(),
+                                named.end());
 }
 
 size_t NumCalibratedImages(const Measurements& measurements) {

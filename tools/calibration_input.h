@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "dataset/camera_file.h"
 #include "dataset/capture.h"
+#include "dataset/repeated_images.h"
 #include "progress_bar.h"
 
 namespace raygrid {
@@ -70,6 +71,7 @@ struct Measurements {
   std::optional<ImageCircle> image_circle;
   std::vector<RejectedImage> skipped;   ///< could not be measured
   std::vector<RejectedImage> left_out;  ///< no photographs, copies
+  std::vector<ImagePair> copies;        ///< of an image, and its copy
 };
 
 /// How many of the images, the first ones, are as calibrated.
@@ -77,6 +79,11 @@ size_t NumCalibratedImages(const Measurements& measurements);
 
 /// Adds more images of the same camera.
 void Append(Measurements more, Measurements* measurements);
+
+/// Images that show the same as others to 0.001 px leave, and are named: a copy
+/// would be predicted by a camera that was calibrated with it, and counted
+/// twice.
+void LeaveOutCopies(Measurements* measurements);
 
 /// Detects the pattern in images and folders; those that cannot be used are
 /// named on stderr, and the

@@ -283,6 +283,8 @@ std::optional<ImageConditions> ConditionsOf(const CalibrateArguments& arguments,
     ReadValues(arguments.conditions, conditions.conditions, &conditions.values);
   else if (conditions.values.empty())
     conditions.values = arguments.session_values;
+  for (const ImagePair& copy : measurements.copies)
+    RequireOneValue(conditions, copy.first, copy.second);
   return conditions;
 }
 

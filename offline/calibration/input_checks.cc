@@ -8,6 +8,7 @@
 #include "calibration/rig_start.h"
 #include "camera/model_fitting.h"
 #include "dataset/error.h"
+#include "dataset/repeated_images.h"
 #include "evaluation/residual_statistics.h"
 
 namespace raygrid {
@@ -65,6 +66,20 @@ void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
   RequireConnected(names, problem);
 }
 
+// One camera that is given as two would be a rig without a baseline.
+void RequireImagesOfTheirOwn(const std::vector<CalibrationInput>& cameras) {
+  for (size_t c = 1; c < cameras.size(); ++c)
+    for (size_t other = 0; other < c; ++other) {
+      const auto shared =
+          FindSharedImage(cameras[other].dataset, cameras[c].dataset);
+      if (!shared) continue;
+      throw InputError(fmt::format(
+          "cameras '{}' and '{}' have the same image: {} and {} show the same "
+          "features; give each camera its own images",
+          cameras[other].name, cameras[c].name, shared->first, shared->second));
+    }
+}
+
 void RequireLikeCameraFits(const std::vector<CalibrationInput>& cameras,
                            const CalibrationOptions& options) {
   if (!options.like) return;
@@ -91,6 +106,7 @@ void RequireSoundInput(const std::vector<CalibrationInput>& cameras,
   RequireKnownModel(options.model);
   RequireImagesExist(cameras, options.hold_out);
   RequireLikeCameraFits(cameras, options);
+  RequireImagesOfTheirOwn(cameras);
   if (cameras.size() > 1)
     RequireConnectedCameras(cameras, pattern, options.boards_move);
 }

@@ -1,10 +1,12 @@
 #include "calibration/stack_calibration.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <string>
 #include <tuple>
@@ -20,6 +22,7 @@
 #include "calibration/stopwatch.h"
 #include "camera/stacked_grid.h"
 #include "dataset/error.h"
+#include "dataset/repeated_images.h"
 
 namespace raygrid {
 namespace {
@@ -72,6 +75,16 @@ void RequireSpread(const ImageConditions& conditions,
 // The largest value that blobs can have: formats/SPEC.md, "Stack".
 constexpr double kMostValue = 1024;
 
+// An image has been taken at one value.
+void RequireOneValueOfCopies(const Dataset& dataset,
+                             const ImageConditions& conditions) {
+  const std::vector<std::optional<size_t>> repeated = RepeatedImages(dataset);
+  for (size_t i = 0; i < repeated.size(); ++i)
+    if (repeated[i])
+      RequireOneValue(conditions, dataset.images[*repeated[i]].image,
+                      dataset.images[i].image);
+}
+
 void RequireConditions(const Dataset& dataset,
                        const ImageConditions& conditions,
                        const CalibrationOptions& options) {
@@ -101,6 +114,7 @@ void RequireConditions(const Dataset& dataset,
     values.push_back(found->second);
   }
   RequireSpread(conditions, values);
+  RequireOneValueOfCopies(dataset, conditions);
 }
 
 using FeatureKey = std::tuple<std::string, int, int, int>;
@@ -309,6 +323,19 @@ void PutResult(const CalibrationInput& input, const Pattern& pattern,
 }
 
 }  // namespace
+
+void RequireOneValue(const ImageConditions& conditions,
+                     const std::string& image, const std::string& copy) {
+  const auto first = conditions.values.find(image),
+             second = conditions.values.find(copy);
+  const auto end = conditions.values.end();
+  if (first == end || second == end || first->second == second->second) return;
+  throw InputError(fmt::format(
+      "images {} and {} show the same features, and were taken at {:g} and "
+      "{:g}; give each value its own images",
+      image, copy, fmt::join(first->second, ","),
+      fmt::join(second->second, ",")));
+}
 
 int MaxStackOrder(int num_values) {
   return std::clamp((num_values + 1) / 2, 1, CameraStack::kMaxOrder);

@@ -21,6 +21,11 @@ struct ImageConditions {
 /// to say how well they fit.
 int MaxStackOrder(int num_values);
 
+/// Throws InputError if an image and a copy of it, by their names, have
+/// different values.
+void RequireOneValue(const ImageConditions& conditions,
+                     const std::string& image, const std::string& copy);
+
 /// Calibrates one camera over the ranges of conditions: all images in one
 /// adjustment, in which each control point is a sum of polynomials of the
 /// conditions (camera/camera_stack.h). The result's camera is that in the

@@ -2,23 +2,25 @@
 
 #include <map>
 #include <tuple>
+#include <utility>
 
 namespace raygrid {
 namespace {
 
-constexpr double kSamePx = 1e-3;
+constexpr double kSamePx = 1e-3, kSavedAgainPx = 0.05;
 
 using LatticePlace = std::tuple<int, int, int>;
+using PixelsByPlace = std::map<LatticePlace, Eigen::Vector2d>;
 
-std::map<LatticePlace, Eigen::Vector2d> ByPlace(const ImageFeatures& image) {
-  std::map<LatticePlace, Eigen::Vector2d> pixels;
+PixelsByPlace ByPlace(const ImageFeatures& image) {
+  PixelsByPlace pixels;
   for (const Feature& f : image.features)
     pixels[{f.board, f.row, f.column}] = f.pixel;
   return pixels;
 }
 
-bool AreSame(const std::map<LatticePlace, Eigen::Vector2d>& first,
-             const std::map<LatticePlace, Eigen::Vector2d>& second) {
+// Compares images of as many features.
+bool AreSame(const PixelsByPlace& first, const PixelsByPlace& second) {
   for (auto a = first.begin(), b = second.begin(); a != first.end(); ++a, ++b)
     if (a->first != b->first || (a->second - b->second).norm() > kSamePx)
       return false;
@@ -28,7 +30,7 @@ bool AreSame(const std::map<LatticePlace, Eigen::Vector2d>& first,
 }  // namespace
 
 std::vector<std::optional<size_t>> RepeatedImages(const Dataset& dataset) {
-  std::vector<std::map<LatticePlace, Eigen::Vector2d>> images;
+  std::vector<PixelsByPlace> images;
   std::map<size_t, std::vector<size_t>> by_count;  // those that are no copies
   std::vector<std::optional<size_t>> repeated(dataset.images.size());
   for (size_t i = 0; i < dataset.images.size(); ++i) {
@@ -43,6 +45,36 @@ std::vector<std::optional<size_t>> RepeatedImages(const Dataset& dataset) {
     if (!repeated[i]) originals.push_back(i);
   }
   return repeated;
+}
+
+std::optional<ImagePair> FindSharedImage(const Dataset& first,
+                                         const Dataset& second) {
+  std::map<size_t, std::vector<std::pair<std::string, PixelsByPlace>>> by_count;
+  std::map<std::string, PixelsByPlace> by_name;
+  for (const ImageFeatures& image : first.images) {
+    const PixelsByPlace pixels = ByPlace(image);
+    if (pixels.empty()) continue;
+    by_count[pixels.size()].emplace_back(image.image, pixels);
+    by_name.emplace(image.image, pixels);
+  }
+  std::optional<ImagePair> of_one_name;
+  size_t num_near = 0, num_common = 0;
+  for (const ImageFeatures& image : second.images) {
+    const PixelsByPlace pixels = ByPlace(image);
+    if (pixels.empty()) continue;
+    for (const auto& [name, others] : by_count[pixels.size()])
+      if (AreSame(others, pixels)) return ImagePair{name, image.image};
+    const auto other = by_name.find(image.image);
+    if (other == by_name.end()) continue;
+    if (!of_one_name) of_one_name = {image.image, image.image};
+    for (const auto& [place, pixel] : pixels) {
+      const auto found = other->second.find(place);
+      if (found == other->second.end()) continue;
+      ++num_common;
+      num_near += (found->second - pixel).norm() < kSavedAgainPx;
+    }
+  }
+  return 2 * num_near > num_common ? of_one_name : std::nullopt;
 }
 
 }  // namespace raygrid

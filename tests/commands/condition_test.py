@@ -2,6 +2,7 @@
 """calibrate --condition: a camera over a range of lens positions, and --at of the other commands."""
 import json
 import os
+import shutil
 import struct
 import threading
 
@@ -170,11 +171,31 @@ class Condition(CommandTest):
         # The report has an image before and after, at its own lens position.
         for name in ("example_before.png", "example_after.png"):
             self.assertTrue(read(self.path("folders/" + name)).startswith(b"\x89PNG"))
+        # The order of values changes nothing.
+        turned = (*options[:-1], self.path("turned"))
+        self.assertIn(run("calibrate", "--condition", "lens_position", *folders[2:], *folders[:2],
+                          *turned).returncode, (0, 5))
+        for name in ("camera.yaml", "camera.raygrid", "features.csv", "poses.csv"):
+            self.assertEqual(read(self.path("turned/" + name)), read(self.path("folders/" + name)), name)
+        result = run("calibrate", "--condition", "lens_position", *folders, "--camera-at", "10.0=x", *options)
+        self.assert_refused(result, 1, "the value is given twice")
         result = run("calibrate", "--condition", "lens_position", *folders, *folders, *options)
         self.assert_refused(result, 1, "the value is given twice")
         again = "5=" + os.path.join(self.path("photographs"), "0", "..", "0")
         result = run("calibrate", "--condition", "lens_position", *folders, "--camera-at", again, *options)
         self.assert_refused(result, 1, "the folder of 0 again")
+        copy = shutil.copytree(self.path("photographs/0"), self.path("copy"))
+        result = run("calibrate", "--condition", "lens_position", *folders, "--camera-at", f"5={copy}",
+                     "--quiet", *options)
+        self.assert_refused(result, 2, "0/sim0000.png", "5/sim0000.png", "0 and 5")
+        # In one folder, a copy with a value of its own.
+        shutil.copy(self.path("copy/sim0001.png"), self.path("copy/copied.png"))
+        values = write(self.path("copied.csv"), "image,value\n" + "".join(
+            f"{name},{k}\n" for k, name in enumerate(sorted(os.listdir(copy))) if name.endswith("png")))
+        result = run("calibrate", copy, "--condition", "lens_position", "--conditions", values, *options[:-4],
+                     "-o", self.path("folders"))
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn("copied.png and sim0001.png show the same features", result.stderr)
         result = run("calibrate", "--condition", "lens_position", "--camera-at", "near=x", *options)
         self.assert_refused(result, 1, "expected VALUE=FOLDER")
 

@@ -96,7 +96,10 @@ class RigSession(CommandTest):
         left, right = self.path("left"), self.path("right")
         for sources, words in (((left, right), "NAME=SOURCE"),
                                ((f"a={left}", f"a={right}"), "two cameras of one name"),
-                               ((f"a/b={left}", f"c={right}"), "letters, digits")):
+                               ((f"a/b={left}", f"c={right}"), "letters, digits"),
+                               ((f"a={left}", f"b={right}", f"c={right}"), "the source of b again"),
+                               ((f"a={left}", f"b={right}/../left"), "the source of a again"),
+                               (("a=v4l2:/dev/null", "b=v4l2:/dev/../dev/null"), "the source of a again")):
             self.assert_refused(self.capture(sources=sources), 1, words)
             self.assertFalse(os.path.exists(self.session))
 

@@ -118,6 +118,17 @@ class Rig(CommandTest):
         self.assert_refused(refused("--camera", f"a={self.path('nowhere')}", "--camera",
                                     f"b={self.path('nowhere')}"), 2, "nowhere")
 
+    def test_images_of_one_camera_as_two(self):
+        lines = read(self.path("sim/features.csv")).decode().splitlines()
+        first = [line for line in lines if line.startswith("cam0,")]
+        for twice in (first, [line for line in first if ",sim0003.png," in line.replace("cam0", "", 1)]):
+            own = [line for line in lines if line.startswith("cam1,") and len(twice) < len(first)]
+            copies = [line.replace("cam0,", "cam1,").replace("sim0003", "copied") for line in twice]
+            text = "\n".join(lines[:1] + first + own + copies) + "\n"
+            features = write(self.path(f"twice{len(twice)}.csv"), text.encode())
+            self.assert_refused(self.calibrate(features, "--image-size", "640x480"), 2, "'cam0'", "'cam1'",
+                                "same image")
+
     def test_features_of_a_camera_that_is_not_in_the_rig(self):
         features = self.edited(lambda line: line.replace("cam1,", "front,"))
         self.assert_refused(run("evaluate", self.path("out/rig.yaml"), "--features", features,

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <system_error>
 
 #include "camera_arguments.h"
 #include "camera_error.h"
@@ -44,6 +46,26 @@ bool ParseCamera(const std::string& source, CameraArguments* camera) {
     return true;
   }
   return false;
+}
+
+// Two sources that are one, by whatever path, would be a rig of one camera.
+void RequireDifferentSources(const std::vector<NamedValue>& sources) {
+  const auto path = [](const NamedValue& source) {
+    CameraArguments camera;
+    return ParseCamera(source.value, &camera) ? camera.camera : source.value;
+  };
+  for (size_t k = 1; k < sources.size(); ++k)
+    for (size_t before = 0; before < k; ++before) {
+      std::error_code ignored;
+      if (sources[before].value == sources[k].value ||
+          std::filesystem::equivalent(path(sources[before]), path(sources[k]),
+                                      ignored))
+        throw Error(ExitCode::kUsage,
+                    fmt::format("--source {}={}: the source of {} again; give "
+                                "each camera its own",
+                                sources[k].name, sources[k].value,
+                                sources[before].name));
+    }
 }
 
 // Opens a source; NULL if a signal came first.
@@ -176,6 +198,7 @@ std::unique_ptr<PairedFrames> OpenFrames(const CaptureArguments& arguments) {
   std::vector<NamedValue> sources = {{"", arguments.sources[0]}};
   if (arguments.sources.size() > 1)
     sources = ParseNamedCameras("--source", "SOURCE", arguments.sources);
+  RequireDifferentSources(sources);
   std::vector<NamedFrames> cameras;
   for (const auto& [name, source] : sources) {
     auto frames = OpenLiveFrames(arguments, source);

@@ -335,6 +335,22 @@ TEST(CalibrateRig, GivesTheSameBytesWithAnyNumberOfThreads) {
   EXPECT_EQ(text[0], text[1]);
 }
 
+// All images of a camera again, or one under another name, would make a rig
+// without a baseline.
+TEST(CalibrateRig, RefusesOneCameraAsTwo) {
+  const auto seen = SimulateRig(Stereo(), TestBoard(), Instants(8));
+  std::vector<CalibrationInput> inputs = Inputs(seen);
+  inputs[1].dataset = inputs[0].dataset;
+  ExpectError(ExitCode::kInput, {"'left'", "'right'", "same image"},
+              [&] { Calibrate(inputs, TestBoard(), {}); });
+  inputs = Inputs(seen);
+  const std::string copied = inputs[0].dataset.images[2].image;
+  inputs[1].dataset.images[5].features = inputs[0].dataset.images[2].features;
+  ExpectError(ExitCode::kInput,
+              {"'left'", "'right'", copied, inputs[1].dataset.images[5].image},
+              [&] { Calibrate(inputs, TestBoard(), {}); });
+}
+
 TEST(EvaluateRig, FindsTheNoiseOfATrueRigAndTheErrorOfAWrongOne) {
   const SimulatedRig truth = Stereo();
   const SimulatedRigObservations seen =

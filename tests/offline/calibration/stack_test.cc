@@ -244,6 +244,15 @@ TEST(CalibrateStack, RefusesImagesThatTellNoChange) {
   EXPECT_NE(message().find("has no lens_position"), std::string::npos);
 }
 
+TEST(CalibrateStack, RefusesAnImageAtTwoValues) {
+  Sweep sweep = TakeSweep(CameraCondition::kLensPosition, {0, 5, 10}, 3);
+  std::vector<ImageFeatures>& images = sweep.input.dataset.images;
+  images.back().features = images.front().features;
+  ExpectError(ExitCode::kInput,
+              {images.front().image, images.back().image, "0 and 10"},
+              [&] { CalibrateSweep(sweep); });
+}
+
 TEST(MaxStackOrder, LeavesValuesToTestWith) {
   EXPECT_EQ(MaxStackOrder(2), 1);
   EXPECT_EQ(MaxStackOrder(3), 2);

@@ -4,6 +4,7 @@
 
 #include "dataset/csv.h"
 #include "dataset/files.h"
+#include "dataset/repeated_images.h"
 #include "support.h"
 
 namespace raygrid {
@@ -269,6 +270,36 @@ TEST(FormatPoses, WritesUnitQuaternionsWithPositiveRealPart) {
   EXPECT_EQ(table.Number(0, "qw"), 0.5);
   EXPECT_EQ(table.Number(0, "qx"), -0.5);
   EXPECT_EQ(table.Number(0, "tz"), 3);
+}
+
+// Images of a lattice, each moved by another distance.
+Dataset LatticeImages(const std::string& name, double x_px, int num_images) {
+  Dataset dataset;
+  for (int i = 0; i < num_images; ++i) {
+    dataset.images.push_back({name + std::to_string(i), {}});
+    for (int k = 0; k < 12; ++k)
+      dataset.images.back().features.push_back(
+          {0, k % 4, k / 4, {x_px + 10 * i + 20 * (k % 4), 20.0 * (k / 4)}});
+  }
+  return dataset;
+}
+
+TEST(FindSharedImage, IsACopyOfAnyNameOrMostImagesSavedAgain) {
+  const Dataset images = LatticeImages("a", 0, 5);
+  // A copy of one image, under another name and in the midst of others.
+  Dataset others = LatticeImages("b", 3, 5);
+  EXPECT_FALSE(FindSharedImage(images, others));
+  others.images[3].features = images.images[1].features;
+  const auto pair = FindSharedImage(images, others);
+  ASSERT_TRUE(pair);
+  EXPECT_EQ(pair->first, "a1");
+  EXPECT_EQ(pair->second, "b3");
+  // Images of one name, which were compressed again or are seen from apart.
+  EXPECT_TRUE(FindSharedImage(images, LatticeImages("a", 0.02, 5)));
+  EXPECT_FALSE(FindSharedImage(images, LatticeImages("a", 0.2, 5)));
+  EXPECT_FALSE(FindSharedImage(images, LatticeImages("b", 0.02, 5)));
+  EXPECT_FALSE(FindSharedImage({}, {}));
+  EXPECT_FALSE(FindSharedImage({{}, {{"a", {}}}}, {{}, {{"a", {}}}}));
 }
 
 }  // namespace
