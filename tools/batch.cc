@@ -14,6 +14,7 @@
 #include "batch_slurm.h"
 #include "child_program.h"
 #include "commands.h"
+#include "crc32.h"
 #include "dataset/content_hash.h"
 #include "dataset/dataset.h"
 #include "dataset/error.h"
@@ -125,28 +126,63 @@ std::optional<BatchJson> ReadRecord(const std::string& path) {
   return record.is_object() ? std::optional(record) : std::nullopt;
 }
 
-// The names of the files of a result.
-std::vector<std::string> FilesOfResult(const std::string& folder) {
+uint32_t Crc32Of(const std::string& bytes) {
+  return rg_crc32(0, reinterpret_cast<const uint8_t*>(bytes.data()),
+                  static_cast<uint32_t>(bytes.size()));
+}
+
+// The files of a result, with those of a rig's cameras: their names, sizes and
+// CRCs.
+BatchJson FilesOfResult(const std::string& folder) {
   std::vector<std::string> names;
-  for (const auto& file : fs::directory_iterator(folder))
-    if (file.is_regular_file() && file.path().filename() != kUnitFile)
-      names.push_back(file.path().filename().string());
+  for (const auto& file : fs::recursive_directory_iterator(folder))
+    if (file.is_regular_file())
+      names.push_back(file.path().lexically_relative(folder).string());
   std::sort(names.begin(), names.end());
-  return names;
+  BatchJson files = BatchJson::array();
+  for (const std::string& name : names) {
+    if (name == kUnitFile) continue;
+    const std::string bytes = ReadFile((fs::path(folder) / name).string());
+    files.push_back(
+        {{"name", name}, {"bytes", bytes.size()}, {"crc32", Crc32Of(bytes)}});
+  }
+  return files;
+}
+
+// Throws InputError if a file of a result has gone, or holds something else
+// than was written, as after a power cut or on a full disk.
+void RequireWhole(const std::string& folder, const BatchJson& record) {
+  const BatchJson files = record.value("files", BatchJson());
+  if (!files.is_array() || files.empty())
+    throw InputError(folder + "/" + kUnitFile +
+                     ": says nothing of the result's files; run the batch "
+                     "again");
+  for (const BatchJson& file : files) {
+    const bool is_known = file.is_object() && file.contains("name") &&
+                          file["name"].is_string() && file.contains("bytes") &&
+                          file.contains("crc32");
+    const std::string path =
+        folder + "/" + (is_known ? file["name"].get<std::string>() : "");
+    std::error_code error;
+    if (!is_known || !fs::is_regular_file(path, error) || error)
+      throw InputError(path + ": is missing; run the batch again");
+    const auto size = fs::file_size(path, error);
+    if (error || file["bytes"] != size)
+      throw InputError(
+          fmt::format("{}: has {} bytes of {}; run the batch again", path,
+                      error ? 0 : size, file["bytes"].dump()));
+    if (file["crc32"] != Crc32Of(ReadFile(path)))
+      throw InputError(path +
+                       ": does not hold what was written to it (its CRC is "
+                       "another one); run the batch again");
+  }
 }
 
 // The row of a finished unit. Throws InputError if its result is not whole any
-// more: a file has gone, is empty, as after a power cut, or cannot be read.
+// more.
 UnitRow ReadResult(const UnitJob& job, const BatchJson& record,
                    const FigureLimits& limits) {
-  const BatchJson names = record.value("files", BatchJson::array());
-  for (const BatchJson& name : names) {
-    const std::string path =
-        job.folder + "/" + (name.is_string() ? name.get<std::string>() : "");
-    std::error_code error;
-    if (fs::file_size(path, error) == 0 || error)
-      throw InputError(path + ": is missing or empty; run the batch again");
-  }
+  RequireWhole(job.folder, record);
   UnitRow row = ReadUnitRow(job.unit.serial, job.folder, limits);
   row.seconds = record.value("seconds", 0.0);
   return row;
@@ -212,6 +248,19 @@ void RecordFailure(const UnitJob& job, int exit_code,
       BatchJson({{"exit_code", exit_code}, {"reason", reason}}).dump(2) + "\n");
 }
 
+// Whether a result could be written beside the unit's folder: then it is that
+// folder alone which cannot be written, as one that is a file or is not ours.
+bool HasRoom(const UnitJob& job) {
+  constexpr size_t kResultBytes = 4 << 20;
+  const std::string path = job.folder + ".room";
+  try {
+    WriteFile(path, std::string(kResultBytes, 'x'));
+  } catch (const Error&) {
+    return false;
+  }
+  return unlink(path.c_str()) == 0;
+}
+
 void CalibrateUnit(const UnitJob& job, const std::string& fingerprint,
                    const CommonOptions& common) {
   const std::string record = job.folder + "/" + kUnitFile;
@@ -223,7 +272,7 @@ void CalibrateUnit(const UnitJob& job, const std::string& fingerprint,
           .count();
   const int code =
       end.signal ? static_cast<int>(ExitCode::kInput) : end.exit_code;
-  if (code == static_cast<int>(ExitCode::kOutput))
+  if (code == static_cast<int>(ExitCode::kOutput) && !HasRoom(job))
     throw Error(ExitCode::kOutput, job.unit.serial + ": " + end.last_error);
   const bool is_done =
       code == 0 || code == static_cast<int>(ExitCode::kQuality);
@@ -290,6 +339,13 @@ UnitRow ReadRow(const UnitJob& job, const FigureLimits& limits) {
     row.status = "error";
     row.reason = failure->value("reason", "");
     row.exit_code = failure->value("exit_code", 2);
+    return row;
+  }
+  std::error_code ignored;
+  if (fs::exists(job.failure_file, ignored)) {
+    row.status = "error";
+    row.reason = job.failure_file + ": is damaged; run the batch again";
+    row.exit_code = static_cast<int>(ExitCode::kInput);
     return row;
   }
   const auto record = ReadRecord(job.folder + "/" + kUnitFile);

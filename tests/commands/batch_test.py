@@ -12,7 +12,7 @@ import signal
 import subprocess
 import xml.dom.minidom
 
-from batch_results import result_files, waits_for_a_lock
+from batch_results import record_files, result_files, waits_for_a_lock
 from command_test import HANG_S, CommandTest, SIMULATED_PATTERN, main, programs, read, run, wait_until, write
 
 PLAN = """raygrid_batch: 1
@@ -158,6 +158,7 @@ units:
                 text = re.sub(rf"\b{name}: (\S+)",
                               lambda found, f=change: f"{found[0].split()[0]} {f(float(found[1])):.9f}", text)
             write(f"{self.out}/{serial}/camera.yaml", text)
+            record_files(f"{self.out}/{serial}")
             units.append(f"  - {{serial: {serial}, features: A1/features.csv, {more}}}\n")
         for k in range(24):
             scale, (x, y) = 1 + 0.002 * random.gauss(0, 1) + (0.02 if k >= 14 else 0), random.choices(range(-9, 9), k=2)
@@ -417,21 +418,52 @@ units:
         plan = self.plan()
         self.assert_done(self.batch(plan))
         expected = self.files()
-        for damage in (lambda path: write(path, b""), os.remove):
-            for name in ("result.json", "camera.yaml", "camera.raygrid"):
-                damage(f"{self.out}/A2/{name}")
-                self.assert_refused(self.batch(plan, "--gather"), 2, "A2: error", name, "run the batch again")
-                self.assertEqual([row["status"] for row in self.table().values()], ["warn", "error", "warn"])
-                self.assert_done(self.batch(plan))
-                self.assert_same_files(self.files(), expected)
-        # Cut, or full of something else.
-        for name, told in (("result.json", "is no result"), ("camera.yaml", "camera.yaml")):
-            contents = read(f"{self.out}/A2/{name}")
-            for damaged in (contents[:len(contents) // 2], b"x" * len(contents)):
-                write(f"{self.out}/A2/{name}", damaged)
-                self.assert_refused(self.batch(plan, "--gather"), 2, "A2: error", told)
-                self.assert_done(self.batch(plan))
-                self.assert_same_files(self.files(), expected)
+        for name in ("result.json", "camera.yaml", "camera.raygrid"):
+            os.remove(f"{self.out}/A2/{name}")
+            self.assert_refused(self.batch(plan, "--gather"), 2, "A2: error", name, "run the batch again")
+            self.assertEqual([row["status"] for row in self.table().values()], ["warn", "error", "warn"])
+            self.assert_done(self.batch(plan))
+            self.assert_same_files(self.files(), expected)
+
+    def test_every_file_of_a_result_that_was_cut_is_made_again(self):
+        """Empty, halved, without its last byte, or full of zeros as after a power cut."""
+        self.assert_done(run("simulate", "--images", 8, "--features-per-image", 60, "--cameras", 2, "--lens", "wide",
+                             "--size", "160x120", "--pattern", self.path("board.yaml"), "-o", self.path("pair")))
+        plan = self.plan(("A1", "pair"))
+        self.assert_done(self.batch(plan))
+        names = [name for name in self.files() if name.startswith(("A1/", "pair/")) and "unit.json" not in name]
+        self.assertIn("pair/cam1/camera.raygrid", names)
+        damages = (lambda data: b"", lambda data: data[:len(data) // 2], lambda data: data[:-1],
+                   lambda data: bytes(len(data)))
+        for number, name in enumerate(sorted(names)):
+            path = f"{self.out}/{name}"
+            whole = read(path)
+            for damage in (damages if "camera.raygrid" in name else damages[number % 4:number % 4 + 1]):
+                write(path, damage(whole))
+                self.assert_refused(self.batch(plan, "--gather"), 2, name, "run the batch again")
+            write(path, whole)
+        self.assert_done(self.batch(plan, "--gather"))
+        expected = self.files()
+        for name in ("A1/poses.csv", "pair/cam0/camera.raygrid"):
+            write(f"{self.out}/{name}", read(f"{self.out}/{name}")[:-1])
+        self.assert_done(self.batch(plan))
+        self.assert_same_files(self.files(), expected)
+
+    def test_a_unit_whose_folder_cannot_be_written_stops_no_other(self):
+        plan = self.plan()
+        self.out = self.path("out-" + self.id().split(".")[-1])
+        in_the_way = write(self.out + "/A1", b"a file")
+        os.makedirs(self.out + "/A2/camera.yaml")
+        result = self.batch(plan)
+        self.assertEqual(result.returncode, 7, result.stderr)
+        self.assertIn("unit A1: error", result.stderr)
+        self.assertIn("unit A2: error", result.stderr)
+        self.assertEqual([row["status"] for row in self.table().values()], ["error", "error", "warn"])
+        self.assertEqual(read(in_the_way), b"a file")
+        os.remove(in_the_way)
+        os.rmdir(self.out + "/A2/camera.yaml")
+        self.assert_done(self.batch(plan))
+        self.assertEqual([row["status"] for row in self.table().values()], ["warn"] * 3)
 
     def test_a_plan_tells_the_seed(self):
         self.assert_done(self.batch(self.plan(GOOD[:1], more=["seed: 7\n"])))
