@@ -5,6 +5,7 @@
 
 #include "camera/thin_prism_fisheye.h"
 #include "capture/view_hint.h"
+#include "evaluation/enough_images.h"
 #include "initialization/localization.h"
 
 namespace raygrid {
@@ -146,9 +147,12 @@ void CaptureGuide::ChooseNext() {
         next_ = GuidedView{&board, view->camera_from_board, view->gain};
   const bool is_known = options_.target_px > 0 &&
                         knowledge_->Percentile95Px() <= options_.target_px;
-  is_done_ = is_known || !next_ || next_->gain < options_.least_gain;
+  is_done_ =
+      !is_floor() && (is_known || !next_ || next_->gain < options_.least_gain);
   if (is_done_) next_.reset();
 }
+
+bool CaptureGuide::is_floor() const { return num_images_ < kEnoughImages; }
 
 bool CaptureGuide::IsSameView(const ImageFeatures& image) const {
   constexpr double kMoved = 0.01;
@@ -190,7 +194,9 @@ bool CaptureGuide::IsWorthKeeping(double gain, bool is_next_view) const {
   if (!knowledge_) return gain > 0.5;
   const double wanted =
       next_ && !is_next_view ? options_.part_of_next * next_->gain : 0;
-  return gain >= std::max(options_.least_gain, wanted);
+  // While images are too few, each that adds anything is one more.
+  const double least = is_floor() ? 0 : options_.least_gain;
+  return gain > 0 && gain >= std::max(least, wanted);
 }
 
 bool CaptureGuide::IsNextView(const ImageFeatures& image) const {
@@ -207,6 +213,7 @@ std::optional<int> CaptureGuide::num_expected() const {
   if (is_done_) return 0;
   // Deviations fall faster at first than can be foretold.
   constexpr int kFewestImages = 6;
+  const int num_missing = std::max(1, kEnoughImages - num_images_);
   if (!knowledge_ || !next_ || num_images_ < kFewestImages) return std::nullopt;
   // The mean variance falls by the n-th image as n to the power of -n gain:
   // fast at first, and as 1 / n in the end.
@@ -219,7 +226,9 @@ std::optional<int> CaptureGuide::num_expected() const {
     most = std::min(most, n * std::pow(std::max(1.0, ratio), 2 / power));
   }
   constexpr double kMost = 999;
-  return static_cast<int>(std::ceil(std::clamp(most - n, 1.0, kMost)));
+  return std::max(
+      num_missing,
+      static_cast<int>(std::ceil(std::clamp(most - n, 1.0, kMost))));
 }
 
 }  // namespace raygrid

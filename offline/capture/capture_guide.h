@@ -87,7 +87,11 @@ class CaptureGuide {
 
   /// Nothing where no view adds enough.
   const std::optional<GuidedView>& next() const { return next_; }
+  /// Never before there are enough images for a calibration.
   bool is_done() const { return is_done_; }
+  /// Whether deviations are no more than the least that they may be: so few
+  /// images do not tell how stiff the camera's grid should be.
+  bool is_floor() const;
   /// How many images are still expected, if they add what the next one does, in
   /// proportion; nothing while that cannot be told.
   std::optional<int> num_expected() const;

@@ -7,9 +7,10 @@
 #include <string>
 
 namespace raygrid {
+#include "evaluation/enough_images.h"
+
 namespace {
 
-constexpr int kEnoughImages = 10;
 constexpr int kEnoughViews = 3;
 constexpr double kEnoughTiltRad = 5 * M_PI / 180;
 constexpr double kEnoughArea = 0.5;    // part of the image

@@ -209,6 +209,38 @@ class Session(CommandTest):
         self.assertEqual(both[:len(first)], first)
         self.assertGreater(len(both), len(first))
 
+    def test_a_pattern_that_lies_there_is_never_replaced(self):
+        board = self.path("star-board")
+        self.assert_done(run("pattern", "star", "--columns", 9, "--rows", 6, "--square-mm", 25, "-o", board))
+        os.makedirs(self.session)
+        path = os.path.join(self.session, "pattern.yaml")
+        shutil.copy(os.path.join(board, "pattern.yaml"), path)
+        before = read(path)
+        self.assert_refused(self.capture(), 7, "pattern.yaml: is of another target", "--pattern")
+        # As the pattern of a capture that keeps nothing it stays as it is, too.
+        result = run("capture", "--source", self.photographs, "--pattern", path, "-o", self.session,
+                     "--no-calibrate")
+        self.assertEqual(result.returncode, 3, result.stderr)
+        self.assertEqual(os.listdir(self.session), ["pattern.yaml"])
+        self.assertEqual(read(path), before)
+
+    def test_a_target_that_is_not_reached_is_told(self):
+        result = self.capture("--until", "0.0001px")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("--until 0.0001px was not reached: 95 % of the image are known to", result.stderr)
+
+    def test_a_few_frames_are_never_done(self):
+        few = self.path("few")
+        os.makedirs(few)
+        for name in self.names[:6]:
+            shutil.copy(os.path.join(self.photographs, name), few)
+        result = self.capture("--until", "100px", "--json", source=few)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        lines = [json.loads(line) for line in result.stdout.splitlines()]
+        self.assertFalse(any(line["is_done"] for line in lines))
+        self.assertTrue(all(line["deviation_is_floor"] for line in lines))
+        self.assertIn("was not reached", lines[-1]["remarks"][-1])
+
     def test_frames_of_another_size_are_refused(self):
         self.assert_done(self.capture())
         kept = self.assert_whole()

@@ -40,6 +40,7 @@ void DescribeKnown(const RigGuide& rig, size_t camera, CaptureState* state) {
   const CaptureGuide& guide = *rig.guide(camera);
   state->places.clear();
   state->deviation_px = 0;
+  state->deviation_is_floor = guide.is_floor();
   if (const CameraKnowledge* const knowledge = guide.knowledge()) {
     state->deviation_px = knowledge->Percentile95Px();
     for (const KnownPlace& place : knowledge->places())

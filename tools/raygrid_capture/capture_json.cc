@@ -61,6 +61,7 @@ std::string CaptureJson(const CaptureState& state) {
                      {"arrow", PixelsJson(state.arrow)},
                      {"places", places},
                      {"deviation_px", Rounded(state.deviation_px)},
+                     {"deviation_is_floor", state.deviation_is_floor},
                      {"target_px", Rounded(state.target_px)},
                      {"kept", state.kept},
                      {"num_expected", state.num_expected},

@@ -11,7 +11,7 @@ namespace raygrid {
 /// rounded to a tenth. Its keys:
 ///
 ///   width, height, camera, word, hint, is_done, is_paused, deviation_px,
-///   target_px, kept, num_expected, sharpness_px, brightness,
+///   deviation_is_floor, target_px, kept, num_expected, sharpness_px, brightness,
 ///   frames_per_second, remarks   the fields of the state
 ///   cameras    [{"name", "word", "deviation_px"}] of a rig; else []
 ///   links      [{"cameras": [FIRST, SECOND], "deviation_px"}]

@@ -28,6 +28,24 @@ void RequireSize(const Session& session, const ImageSize& size) {
                           size.width, size.height));
 }
 
+// The remark at the end on a target that was not reached.
+std::string TargetRemark(const CaptureState& state) {
+  if (!(state.target_px > 0) || state.kept.empty()) return "";
+  const bool is_known = state.deviation_px > 0;
+  if (is_known && !state.deviation_is_floor &&
+      state.deviation_px <= state.target_px)
+    return "";
+  return fmt::format(
+      "--until {:g}px was not reached: {} with {} kept; {}", state.target_px,
+      is_known ? fmt::format("95 % of the image are known to {:.3f} px{}",
+                             state.deviation_px,
+                             state.deviation_is_floor ? " at best" : "")
+               : "nothing is known of the camera",
+      state.kept.size(),
+      state.is_done ? "no view adds enough any more"
+                    : "go on with --resume, and show more views");
+}
+
 bool HasFrame(const Session& session, const std::string& name) {
   return std::any_of(
       session.frames.begin(), session.frames.end(),
@@ -101,6 +119,8 @@ void CaptureLoop::Run() {
   state_.is_done = guide_->is_done();
   if (!state_.kept.empty()) state_.hint = state_.is_done ? "done" : "finished";
   DescribeKnown(*guide_, shown_, &state_);
+  if (const std::string remark = TargetRemark(state_); !remark.empty())
+    state_.remarks.push_back(remark);
   if (viewers_.show) viewers_.show(state_);
 }
 

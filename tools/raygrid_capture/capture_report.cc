@@ -73,7 +73,8 @@ std::string Progress(const CaptureState& state) {
   if (state.num_expected > 0)
     text += fmt::format(", about {} more", state.num_expected);
   if (state.deviation_px > 0) {
-    text += fmt::format("   95 % known to {:.3f} px", state.deviation_px);
+    text += fmt::format("   95 % known to {:.3f} px{}", state.deviation_px,
+                        state.deviation_is_floor ? " at best" : "");
     if (state.target_px > 0) text += fmt::format(" of {:g}", state.target_px);
   }
   return text;

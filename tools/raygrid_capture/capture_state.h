@@ -57,6 +57,8 @@ struct CaptureState {
   std::vector<PlaceShown> places;  ///< empty while nothing is known
   /// 95 % of the places have less; 0 while nothing is known.
   double deviation_px = 0;
+  /// So few frames do not tell more than the least that it may be.
+  bool deviation_is_floor = false;
   double target_px = 0;  ///< 0: none is asked for
 
   std::vector<std::string> kept;  ///< names of the frames, oldest first

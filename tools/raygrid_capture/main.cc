@@ -54,8 +54,9 @@ class StandardOutput {
     } else if (!is_quiet_ && is_kept) {
       fmt::print(stderr, "{}: kept{}; next: {}\n", state.kept.back(),
                  state.deviation_px > 0
-                     ? fmt::format(", 95 % known to {:.3f} px before it",
-                                   state.deviation_px)
+                     ? fmt::format(", 95 % known to {:.3f} px{} before it",
+                                   state.deviation_px,
+                                   state.deviation_is_floor ? " at best" : "")
                      : "",
                  state.hint);
     }
@@ -137,8 +138,9 @@ void SayEnd(const CaptureArguments& arguments, const CaptureState& state) {
   fmt::print("{} {} kept in {}{}\n", state.kept.size(),
              state.cameras.empty() ? "frames" : "instants", arguments.output,
              state.deviation_px > 0
-                 ? fmt::format("; 95 % of the image known to {:.3f} px",
-                               state.deviation_px)
+                 ? fmt::format("; 95 % of the image known to {:.3f} px{}",
+                               state.deviation_px,
+                               state.deviation_is_floor ? " at best" : "")
                  : "");
 }
 

@@ -75,7 +75,7 @@ SessionFolder::SessionFolder(const std::string& folder, const Pattern& pattern,
                       path);
   } else {
     is_new_ = true;
-    WriteFile(path, text);
+    TakePattern(path, text);
     for (const std::string& camera : cameras) {
       cameras_.emplace_back();
       cameras_.back().camera = camera;
@@ -86,6 +86,21 @@ SessionFolder::SessionFolder(const std::string& folder, const Pattern& pattern,
     if (!camera.empty())
       RequireWritableFolder(
           (fs::path(folder) / kSessionFrames / camera).string());
+}
+
+// A pattern that lies there may be the one that was given, and is never
+// replaced.
+void SessionFolder::TakePattern(const std::string& path,
+                                const std::string& text) {
+  if (!fs::exists(path)) {
+    WriteFile(path, text);
+    has_made_pattern_ = true;
+  } else if (FormatPattern(ReadPattern(path)) != text) {
+    throw Error(ExitCode::kOutput,
+                path +
+                    ": is of another target; give it as --pattern, or choose "
+                    "another folder");
+  }
 }
 
 SessionFolder::~SessionFolder() {
@@ -105,7 +120,8 @@ void SessionFolder::RemoveAll() const {
   const fs::path frames = fs::path(folder_) / kSessionFrames;
   for (const Session& session : cameras_)
     if (!session.camera.empty()) fs::remove(frames / session.camera, error);
-  for (const char* name : {kSessionFile, kSessionPattern, kSessionFrames, ""})
+  if (has_made_pattern_) fs::remove(fs::path(folder_) / kSessionPattern, error);
+  for (const char* name : {kSessionFile, kSessionFrames, ""})
     fs::remove(fs::path(folder_) / name, error);
 }
 

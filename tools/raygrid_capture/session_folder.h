@@ -26,8 +26,8 @@ class SessionFolder {
   /// Makes a session, or goes on with the folder's own. cameras are the names
   /// of a rig's, or one that is empty. Throws Error: the folder has a session
   /// and none is to be resumed, or the other way round, or one of another
-  /// pattern or other cameras; another program writes to it; it cannot be
-  /// written.
+  /// pattern or other cameras, or a pattern.yaml of another target; another
+  /// program writes to it; it cannot be written.
   SessionFolder(const std::string& folder, const Pattern& pattern,
                 const std::vector<std::string>& cameras, bool resume);
   /// Removes a session that was made and kept no frame.
@@ -53,6 +53,7 @@ class SessionFolder {
 
  private:
   void Write();
+  void TakePattern(const std::string& path, const std::string& text);
   bool IsEmpty() const;
   void RemoveAll() const;
 
@@ -60,7 +61,7 @@ class SessionFolder {
   std::vector<Session> cameras_;
   int number_ = 0;  // of the last name
   int lock_ = -1;
-  bool is_new_ = false;
+  bool is_new_ = false, has_made_pattern_ = false;
 };
 
 }  // namespace raygrid

@@ -6,6 +6,7 @@
 #include "capture/board_view.h"
 #include "capture/frame_judge.h"
 #include "capture/view_hint.h"
+#include "evaluation/enough_images.h"
 #include "simulation/random.h"
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_observations.h"
@@ -68,6 +69,26 @@ TEST(CaptureGuide, LeadsToACameraThatIsKnown) {
   EXPECT_LE(guide.knowledge()->Percentile95Px(), 0.07);
   ASSERT_TRUE(expected);
   EXPECT_LT(std::abs(*expected - (num_images - 6)), 6);
+}
+
+// However little is asked for: few images do not tell what they leave open.
+TEST(CaptureGuide, IsNotDoneBeforeACalibrationHasEnoughImages) {
+  GuideOptions options;
+  options.target_px = 5;
+  GuidedCapture capture(options);
+  for (int num_images = 0; num_images < kEnoughImages; ++num_images) {
+    const CaptureGuide guide = capture.Guide();
+    EXPECT_TRUE(guide.is_floor());
+    ASSERT_FALSE(guide.is_done()) << num_images;
+    ASSERT_TRUE(guide.next());
+    const ImageFeatures image = capture.Follow(guide);
+    EXPECT_TRUE(guide.IsWorthKeeping(guide.GainOf(image), true)) << num_images;
+    if (const auto expected = guide.num_expected())
+      EXPECT_GE(*expected, kEnoughImages - num_images);
+    capture.Add(image);
+  }
+  EXPECT_FALSE(capture.Guide().is_floor());
+  EXPECT_TRUE(capture.Guide().is_done());
 }
 
 TEST(CaptureGuide, KeepsNoViewTwice) {

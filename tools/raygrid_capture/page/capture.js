@@ -375,15 +375,17 @@ function setBar(id, percent, value, text) {
 }
 
 function showProgress() {
-  const {kept, num_expected: expected, deviation_px: now, target_px: target, is_done: isDone} = state;
+  const {kept, num_expected: expected, deviation_px: now, target_px: target, is_done: isDone,
+    deviation_is_floor: isFloor} = state;
   setText(byId('num-kept'), String(kept.length));
   setText(byId('expected'), isDone || !(expected >= 0) ? '' : expected === 0 ? ', none more' : `, about ${expected} more`);
   byId('progress').hidden = !(target > 0);
   const part = now > 0 && target > 0 ? Math.min(1, target / now) : 0;
   const isNear = now > target && pixels(now) === pixels(target);
   const nowText = isNear ? String(Number(now.toPrecision(3))) : pixels(now);
-  const text = !(now > 0) ? 'Nothing is known yet.' : target > 0 ?
-    `Known to ${nowText} px, target ${pixels(target)} px` : `Known to ${nowText} px`;
+  const known = `Known to ${nowText} px${isFloor ? ' at best' : ''}`;
+  const text = !(now > 0) ? 'Nothing is known yet.' :
+    target > 0 ? `${known}, target ${pixels(target)} px` : known;
   setBar('progress', 100 * part, Math.round(100 * part), text);
   byId('progress').classList.toggle('full', part === 1);
   setText(byId('known'), text);
