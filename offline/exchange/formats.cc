@@ -12,6 +12,7 @@
 #include "exchange/basalt_format.h"
 #include "exchange/colmap_format.h"
 #include "exchange/depthai_format.h"
+#include "exchange/dso_format.h"
 #include "exchange/format.h"
 #include "exchange/kalibr_format.h"
 #include "exchange/kalibr_target_format.h"
@@ -20,13 +21,14 @@
 #include "exchange/metashape_format.h"
 #include "exchange/mrcal_corners_format.h"
 #include "exchange/mrcal_format.h"
+#include "exchange/nearest_grid.h"
 #include "exchange/nerfstudio_format.h"
+#include "exchange/ocamcalib_format.h"
 #include "exchange/opencv_format.h"
 #include "exchange/photonvision_format.h"
 #include "exchange/puzzlepaint_format.h"
 #include "exchange/puzzlepaint_pattern_format.h"
 #include "exchange/ros_format.h"
-#include "exchange/skewed_lens.h"
 
 namespace raygrid {
 namespace {
@@ -128,7 +130,7 @@ const std::vector<Format>& Formats() {
           ColmapFormat, MrcalCornersFormat, MrcalFormat, BasaltFormat,
           NerfstudioFormat, MetashapeFormat, PuzzlepaintFormat, DepthAiFormat,
           LibcameraFormat, PhotonVisionFormat, PuzzlepaintPatternFormat,
-          PythonFormat})
+          OcamCalibFormat, DsoFormat, PythonFormat})
       all.push_back(row());
     return all;
   }();

@@ -28,9 +28,10 @@ struct KeyedModel {
   LensForm form;
   // "KEY=WORD|WORD": what the file says of this model.
   const char* says;
-  // "KEY=PARAMETER,PARAMETER": a number or a list. "KEY=K" is the camera
-  // matrix, "KEY=P" a projection matrix of 3 x 4 with the pose of a rectified
-  // camera, "KEY~=" a list that may be shorter. Longer ones end with 0.
+  // "KEY=PARAMETER,PARAMETER": a number or a list, at "KEY|KEY" the first
+  // that is there. "KEY=K" is the camera matrix, "KEY=P" a projection matrix of
+  // 3 x 4 with the pose of a rectified camera, "KEY~=" a list that may be
+  // shorter. Longer ones end with 0.
   const char* values;
 };
 
@@ -182,7 +183,7 @@ const std::vector<KeyedFormat>& KeyedTable() {
         "file",
         "lens_profile*"}},
       {"orbslam",
-       "ORB-SLAM2's and ORB-SLAM3's settings .yaml",
+       "settings .yaml of ORB-SLAM2 and 3, and of OpenVSLAM",
        ParseKeyedYaml,
        [](const std::string& text) {
          return HasAllWords(text, {"Camera.fx"}) ||
@@ -190,14 +191,17 @@ const std::vector<KeyedFormat>& KeyedTable() {
        },
        "",
        {"Camera", "Camera1", "Camera2"},
-       {{KeyedPinhole("PinHole", 5), "Camera.type?=PinHole",
+       {{KeyedPinhole("PinHole", 5),
+         "Camera.type?=PinHole Camera.model?=perspective",
          "@.fx=fx @.fy=fy @.cx=cx @.cy=cy @.k1?=k1 @.k2?=k2 @.p1?=p1 @.p2?=p2 "
          "@.k3?=k3"},
         {KeyedPinhole("Rectified", 0), "Camera.type=Rectified",
          "@.fx=fx @.fy=fy @.cx=cx @.cy=cy"},
         {KeyedFisheye("KannalaBrandt8"), "Camera.type=KannalaBrandt8",
+         "@.fx=fx @.fy=fy @.cx=cx @.cy=cy @.k1=k1 @.k2=k2 @.k3=k3 @.k4=k4"},
+        {OpenCvFisheyeForm("fisheye"), "Camera.model=fisheye",
          "@.fx=fx @.fy=fy @.cx=cx @.cy=cy @.k1=k1 @.k2=k2 @.k3=k3 @.k4=k4"}},
-       "Camera.width Camera.height",
+       "Camera.width|Camera.cols Camera.height|Camera.rows",
        {{"Stereo.T_c1_c2", PoseKind::kRigFromCamera, "Camera2"},
         {"Tlr", PoseKind::kRigFromCamera, "Camera2"}},
        "",
@@ -207,6 +211,9 @@ const std::vector<KeyedFormat>& KeyedTable() {
         "Camera.RGB",
         "Camera.bf",
         "Camera.bFishEye",
+        "Camera.name",
+        "Camera.setup",
+        "Camera.color_order",
         "Camera.newWidth",
         "Camera.newHeight",
         "Camera.imageScale",
@@ -256,8 +263,10 @@ const std::vector<KeyedFormat>& KeyedTable() {
         {KeyedFisheye("KANNALA_BRANDT"), "model_type=KANNALA_BRANDT",
          "projection_parameters/mu=fx projection_parameters/mv=fy "
          "projection_parameters/u0=cx projection_parameters/v0=cy "
-         "projection_parameters/k2=k1 projection_parameters/k3=k2 "
-         "projection_parameters/k4=k3 projection_parameters/k5=k4"}},
+         "projection_parameters/k2|distortion_parameters/k2=k1 "
+         "projection_parameters/k3|distortion_parameters/k3=k2 "
+         "projection_parameters/k4|distortion_parameters/k4=k3 "
+         "projection_parameters/k5|distortion_parameters/k5=k4"}},
        "image_width image_height",
        {},
        "camera_name",
@@ -337,7 +346,7 @@ const std::vector<KeyedFormat>& KeyedTable() {
        false,
        {"camera_type", "slam_use", "mapping", "mapping_rectification"}},
       {"opensfm",
-       "OpenSfM's camera_models.json",
+       "OpenSfM's camera_models.json and reconstruction.json",
        ParseKeyedYaml,
        [](const std::string& text) {
          return HasAllWords(text,
@@ -348,7 +357,8 @@ const std::vector<KeyedFormat>& KeyedTable() {
        {{FromMiddle({"perspective", "opencv", {"f", "k1", "k2"}}),
          "projection_type=perspective", "focal=f k1?=k1 k2?=k2"},
         {FromMiddle(KeyedPinhole("brown", 5)), "projection_type=brown",
-         "focal_x=fx focal_y=fy c_x=cx c_y=cy k1=k1 k2=k2 p1=p1 p2=p2 k3=k3"},
+         "focal_x=fx focal_y=fy c_x=cx c_y=cy k1?=k1 k2?=k2 p1?=p1 p2?=p2 "
+         "k3?=k3"},
         {FromMiddle(FormOf("simple_radial", "opencv", {"k1"})),
          "projection_type=simple_radial",
          "focal_x=fx focal_y=fy c_x=cx c_y=cy k1=k1"},
@@ -484,12 +494,21 @@ const KeyedModel& FindKeyedModel(const KeyedFormat& format,
       "{}: of no model that raygrid reads there; those are {}", said, names));
 }
 
+// The first key of "KEY|KEY" that is there, or the first one.
+std::string FirstThatIsThere(const CameraKeys& keys, const std::string& names) {
+  const std::vector<std::string> all = PartsOf(names, '|');
+  for (const std::string& name : all)
+    if (keys.Has(name)) return name;
+  return all.empty() ? "" : all[0];
+}
+
 // The numbers of one entry of KeyedModel::values, by parameter.
 void TakeKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
                     const std::string& entry, const std::string& word,
                     std::map<std::string, double>* values, ReadLens* camera) {
   const bool may_be_missing = entry.find("?=") != std::string::npos;
-  const KeyedWord part = Parted(entry, may_be_missing ? '?' : '~', word);
+  KeyedWord part = Parted(entry, may_be_missing ? '?' : '~', word);
+  part.key = FirstThatIsThere(keys, part.key);
   if (!keys.Has(part.key)) {
     if (may_be_missing) return;
     throw InputError(fmt::format("'{}' is missing", part.key));
@@ -530,7 +549,8 @@ void TakeKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
 
 ImageSize KeyedSizeOf(const KeyedFormat& format, const CameraKeys& keys,
                       const std::string& word) {
-  const std::vector<std::string> names = PartsOf(WithWord(format.size, word));
+  std::vector<std::string> names = PartsOf(WithWord(format.size, word));
+  for (std::string& name : names) name = FirstThatIsThere(keys, name);
   if (names.empty() || !keys.Has(names[0])) return {};
   if (names.size() == 1) return SizeOfList(keys[names[0]], names[0]);
   return {SidePx(keys[names[0]], names[0]), SidePx(keys[names[1]], names[1])};
@@ -668,7 +688,12 @@ void ReadKeyedMaps(const KeyedFormat& format, const YAML::Node& maps,
 
 ExchangeContents ReadKeyed(const KeyedFormat& format,
                            const ReadRequest& request) {
-  const YAML::Node root = format.parse(request);
+  YAML::Node root = format.parse(request);
+  // OpenSfM's reconstruction.json is a list of scenes, which have cameras.
+  if (format.is_normalized && root.IsSequence() && root.size() > 0)
+    root.reset(root[0]);
+  if (format.is_normalized && root.IsMap() && root["cameras"].IsDefined())
+    root.reset(root["cameras"]);
   if (!root.IsMap()) throw InputError("no camera: no map of keys");
   const std::string place = format.place;
   ExchangeContents contents;

@@ -52,7 +52,7 @@ struct LensInForm {
   std::shared_ptr<const CameraModel> grid = nullptr;
 
   /// How far the camera matrix moves a pixel of y = 1 to the right. No model of
-  /// raygrid has one: such a lens is read as a grid (exchange/skewed_lens.h).
+  /// raygrid has one: such a lens is read as a grid (exchange/nearest_grid.h).
   double skew_px = 0;
 
   /// Throws std::out_of_range if the form has no such parameter.

@@ -110,7 +110,7 @@ UnitGrid GridOf(const YAML::Node& root, const LensForm& form) {
                      : std::vector<Eigen::Vector3d>{}};
 }
 
-std::shared_ptr<const CameraModel> NearestGrid(const UnitGrid& grid) {
+std::shared_ptr<const CameraModel> NearestToUnitGrid(const UnitGrid& grid) {
   const int columns = grid.columns(), rows = grid.rows();
   if (grid.IsCentral())
     return std::make_shared<CentralGeneric>(
@@ -129,7 +129,7 @@ LensInForm ReadPuzzlepaintLens(const YAML::Node& root,
   keys.Skip({"type", "width", "height", "calibration_*", "grid_width",
              "grid_height", "grid", "point_grid", "direction_grid"});
   keys.Finish(*lens.form, remarks);
-  lens.grid = NearestGrid(grid);
+  lens.grid = NearestToUnitGrid(grid);
   const LensFit fit = MeasureLens(grid, nullptr, *lens.grid, *lens.form,
                                   Eigen::Quaterniond::Identity());
   remarks->push_back(

@@ -1,0 +1,148 @@
+#include "exchange/dso_format.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <sstream>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "exchange/nearest_grid.h"
+#include "exchange/opencv_forms.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kDsoFov[] = "FOV";
+
+const std::vector<LensForm>& DsoForms() {
+  static const std::vector<LensForm> forms = {
+      OpenCvForm("Pinhole", 0), OpenCvForm("RadTan", 4),
+      OpenCvFisheyeForm("EquiDistant"), OpenCvFisheyeForm("KannalaBrandt")};
+  return forms;
+}
+
+// The words of the first two lines that have any.
+std::array<std::vector<std::string>, 2> FirstLines(const std::string& text) {
+  std::array<std::vector<std::string>, 2> found;
+  std::istringstream lines(text);
+  size_t next = 0;
+  for (std::string line; next < 2 && std::getline(lines, line);) {
+    std::istringstream words(line);
+    for (std::string word; words >> word;) found[next].push_back(word);
+    if (!found[next].empty()) ++next;
+  }
+  return found;
+}
+
+bool IsDso(const std::string& text) {
+  constexpr size_t kLongest = 1000;
+  if (text.size() > kLongest) return false;
+  const auto lines = FirstLines(text);
+  const std::vector<std::string>&lens = lines[0], &size = lines[1];
+  const auto is_number = [](const std::string& word) {
+    return word.find_first_not_of("0123456789.+-eE") == std::string::npos;
+  };
+  if (lens.empty() || size.size() != 2 ||
+      !std::all_of(lens.begin() + 1, lens.end(), is_number) ||
+      !std::all_of(size.begin(), size.end(), [](const std::string& word) {
+        return word.find_first_not_of("0123456789") == std::string::npos;
+      }))
+    return false;
+  if (is_number(lens[0])) return lens.size() == 5;
+  return lens[0] == kDsoFov || std::any_of(DsoForms().begin(), DsoForms().end(),
+                                           [&](const LensForm& form) {
+                                             return form.name == lens[0];
+                                           });
+}
+
+// The model of R. Devernay and O. Faugeras, whose radius is an angle.
+LensInForm ReadFov(const ImageSize& size, const std::vector<double>& values,
+                   std::vector<std::string>* remarks) {
+  const double omega = values[4];
+  if (!(omega > 0 && omega < M_PI))
+    throw InputError(
+        fmt::format("{}: {:g} is no field of view", kDsoFov, omega));
+  return NearestGrid(
+      size,
+      [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
+        const Eigen::Vector2d xy((pixel.x() - values[2]) / values[0],
+                                 (pixel.y() - values[3]) / values[1]);
+        const double bent = xy.norm();
+        if (bent * omega >= M_PI / 2) return std::nullopt;
+        const double straight =
+            bent > 0 ? std::tan(bent * omega) / (2 * std::tan(omega / 2)) / bent
+                     : 1;
+        return Eigen::Vector3d(xy.x() * straight, xy.y() * straight, 1);
+      },
+      "its lens is of the FOV model, which no lens of raygrid is", remarks);
+}
+
+ExchangeContents ReadDso(const ReadRequest& request) {
+  if (FindNoUtf8(request.text) != std::string::npos)
+    throw InputError("not a text file");
+  auto [lens, sides] = FirstLines(request.text);
+  if (lens.empty() || sides.size() != 2)
+    throw InputError(
+        "the first two lines are not a lens, and width and height");
+  std::string model = lens.size() == 5 ? kDsoFov : "";
+  if (std::isalpha(static_cast<unsigned char>(lens[0][0]))) {
+    model = lens[0];
+    lens.erase(lens.begin());
+  }
+  std::vector<double> values;
+  for (const std::string& word : lens)
+    values.push_back(FiniteNumber(YAML::Node(word), Printable(word)));
+  const ImageSize size = {SidePx(YAML::Node(sides[0]), "width"),
+                          SidePx(YAML::Node(sides[1]), "height")};
+  if (values.size() < 4)
+    throw InputError(fmt::format("{} numbers of a lens", values.size()));
+  // Parts of the image, whose first pixel begins at 0.
+  if (values[2] < 1 && values[3] < 1)
+    values = [&, parts = values]() mutable {
+      parts[0] *= size.width;
+      parts[1] *= size.height;
+      parts[2] = parts[2] * size.width - 0.5;
+      parts[3] = parts[3] * size.height - 0.5;
+      return parts;
+    }();
+  if (!(values[0] > 0 && values[1] > 0))
+    throw InputError("a focal length is not above 0");
+  ExchangeContents contents;
+  LensInForm& read = contents.cameras.emplace_back().lens;
+  if (model == kDsoFov && values.size() == 5 && values[4] != 0) {
+    read = ReadFov(size, values, &contents.remarks);
+    return contents;
+  }
+  const std::string name = model == kDsoFov ? "Pinhole" : model;
+  for (const LensForm& form : DsoForms())
+    if (form.name == name) read.form = &form;
+  if (!read.form)
+    throw InputError(fmt::format("'{}' is none of DSO's models", model));
+  if (name == "Pinhole") TrimCoefficients(4, &values);
+  read.size = size;
+  read.values = values;
+  return contents;
+}
+
+}  // namespace
+
+Format DsoFormat() {
+  Format format;
+  format.name = "dso";
+  format.holds =
+      "camera.txt of DSO, LSD-SLAM and TUM's monocular data set; FOV as the "
+      "nearest grid";
+  format.forms = DsoForms();
+  format.forms.push_back(NearestGridForm());
+  format.recognizes = IsDso;
+  format.read = ReadDso;
+  format.write = nullptr;
+  return format;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,14 @@
+#ifndef RAYGRID_EXCHANGE_DSO_FORMAT_H
+#define RAYGRID_EXCHANGE_DSO_FORMAT_H
+
+#include "exchange/format.h"
+
+namespace raygrid {
+
+/// camera.txt of DSO and LSD-SLAM, as in TUM's monocular data set: a lens, the
+/// size of its images, and what the program makes of them.
+Format DsoFormat();
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_DSO_FORMAT_H

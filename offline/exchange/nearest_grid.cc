@@ -1,0 +1,119 @@
+#include "exchange/nearest_grid.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "camera/central_generic.h"
+#include "dataset/error.h"
+#include "exchange/lens_choice.h"
+
+namespace raygrid {
+namespace {
+
+// A camera that is known by its directions alone, to be fitted and measured.
+class DirectionCamera : public CameraModel {
+ public:
+  DirectionCamera(const ImageSize& size, DirectionAtPixel direction)
+      : CameraModel(size, WholeImage(size)), direction_(std::move(direction)) {}
+
+  std::string Name() const override { return "directions"; }
+  std::unique_ptr<CameraModel> Clone() const override {
+    return std::make_unique<DirectionCamera>(image_size(), direction_);
+  }
+  std::optional<Eigen::Vector3d> Unproject(
+      const Eigen::Vector2d& pixel) const override {
+    if (!area().Contains(pixel)) return std::nullopt;
+    const auto direction = direction_(pixel);
+    if (!direction || !direction->allFinite() || !(direction->norm() > 0))
+      return std::nullopt;
+    return direction->normalized();
+  }
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d&,
+                                         const Eigen::Vector2d*,
+                                         double) const override {
+    return std::nullopt;
+  }
+  using CameraModel::Project;
+  bool Linearize(const Eigen::Vector3d&, const Eigen::Vector2d*, double,
+                 LinearizedProjection*) const override {
+    return false;
+  }
+  Eigen::VectorXd Parameters() const override { return {}; }
+  void SetParameters(const Eigen::VectorXd&) override {}
+
+ private:
+  DirectionAtPixel direction_;
+};
+
+}  // namespace
+
+const LensForm& NearestGridForm() {
+  static const LensForm form = {"central-generic", "central-generic", {}};
+  return form;
+}
+
+LensInForm NearestGrid(const ImageSize& size, const DirectionAtPixel& direction,
+                       const std::string& why,
+                       std::vector<std::string>* remarks) {
+  constexpr double kNearEnoughPx = 0.002, kMostWithout = 0.9;
+  constexpr int kFewest = 12, kMost = 96;
+  const DirectionCamera camera(size, direction);
+  if (PartWithoutRays(camera) > kMostWithout)
+    throw InputError(fmt::format(
+        "hardly a pixel of {} x {} looks anywhere with these numbers; are they "
+        "of this size?",
+        size.width, size.height));
+  LensInForm lens = {&NearestGridForm(), size, {}};
+  LensFit fit;
+  const Area image = WholeImage(size);
+  const double longest = std::max(image.width(), image.height());
+  for (int along = kFewest;; along += along / 2) {
+    const auto points = [&](double extent) {
+      return 3 + std::max(1, static_cast<int>(
+                                 std::lround((along - 3) * extent / longest)));
+    };
+    lens.grid = std::make_shared<CentralGeneric>(FitCentralGeneric(
+        camera, image, points(image.width()), points(image.height())));
+    fit = MeasureLens(camera, nullptr, *lens.grid, *lens.form,
+                      Eigen::Quaterniond::Identity());
+    if (fit.rms_px < kNearEnoughPx || along + along / 2 > kMost) break;
+  }
+  remarks->push_back(
+      fmt::format("{}: it is read as the nearest grid, which leaves {}", why,
+                  LensFitText(fit)));
+  return lens;
+}
+
+LensInForm GridOfSkewedLens(const LensInForm& lens,
+                            std::vector<std::string>* remarks) {
+  const Area image = WholeImage(lens.size);
+  const double shear = lens.skew_px / lens.Value("fy");
+  const double cy =
+      FromProgram(lens.form->origin, lens.size, {0, lens.Value("cy")}).y();
+  const double widest = std::abs(shear) * (lens.size.height + std::abs(cy)) + 1;
+  if (!(widest < lens.size.width))
+    throw InputError(fmt::format(
+        "camera matrix: a skew of {:g} px leaves nothing of the image",
+        lens.skew_px));
+  LensInForm straight = lens;
+  straight.skew_px = 0;
+  const auto made = MakeLens(straight);
+  // Pixels beside the image come into it.
+  const auto wide = dynamic_cast<const ParametricModel&>(*made).OverArea(
+      {image.x0 - widest, image.y0, image.x1 + widest, image.y1});
+  return NearestGrid(
+      lens.size,
+      [&](const Eigen::Vector2d& pixel) {
+        return wide->Unproject(
+            {pixel.x() - shear * (pixel.y() - cy), pixel.y()});
+      },
+      fmt::format("its camera matrix has a skew of {:g} px, which no lens of "
+                  "raygrid has",
+                  lens.skew_px),
+      remarks);
+}
+
+}  // namespace raygrid

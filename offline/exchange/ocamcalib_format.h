@@ -1,0 +1,14 @@
+#ifndef RAYGRID_EXCHANGE_OCAMCALIB_FORMAT_H
+#define RAYGRID_EXCHANGE_OCAMCALIB_FORMAT_H
+
+#include "exchange/format.h"
+
+namespace raygrid {
+
+/// calib_results.txt of OCamCalib (D. Scaramuzza's toolbox for omnidirectional
+/// cameras), read as the nearest grid.
+Format OcamCalibFormat();
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_OCAMCALIB_FORMAT_H
