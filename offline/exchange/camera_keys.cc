@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <cstring>
+#include <map>
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
@@ -91,8 +94,11 @@ bool Agrees(const std::string& key, const YAML::Node& value,
   const std::string text = Plain(value.as<std::string>());
   const LensFamily own = FamilyOf(form);
   if (text == "true" || text == "1" || text == "yes") {
-    const auto family = FamilyOfWord(key);
-    return !family || *family == own;
+    const auto names = [&](const char* word) {
+      return key.find(word) != std::string::npos;
+    };
+    return !(names("fisheye") && own != LensFamily::kFisheye) &&
+           !(names("omni") && own != LensFamily::kOmni);
   }
   const auto family = FamilyOfWord(text);
   // An unknown word at another key is a maker's name.
@@ -101,29 +107,73 @@ bool Agrees(const std::string& key, const YAML::Node& value,
   return (*family == own && own != LensFamily::kOther) || text == "pinhole";
 }
 
+// Whether a value repeats that of a parameter.
+bool IsValueOf(const LensForm& form, const std::vector<double>& values,
+               const std::string& parameter, const YAML::Node& value) {
+  double number = NAN;
+  if (!value.IsScalar() || !YAML::convert<double>::decode(value, number))
+    return false;
+  for (size_t k = 0; k < std::min(values.size(), form.parameters.size()); ++k)
+    if (form.parameters[k] == parameter)
+      return std::abs(values[k] - number) <= 1e-6 * std::abs(values[k]);
+  return false;
+}
+
 }  // namespace
 
+// Whole words, since makers have names such as OmniVision and oCam.
 std::optional<LensFamily> FamilyOfWord(const std::string& word) {
-  const std::string plain = Plain(word);
-  const auto has_any = [&](std::initializer_list<const char*> parts) {
-    return std::any_of(parts.begin(), parts.end(), [&](const char* part) {
-      return plain.find(part) != std::string::npos;
-    });
-  };
-  if (has_any({"inversebrown", "scaramuzza", "ocam", "eucm", "doublesphere",
-               "equirect", "spherical", "stereographic", "equisolid",
-               "orthographic", "ftheta", "division", "cahvor", "thinprism",
-               "cylindrical", "panoramic", "divisionmodel"}) ||
-      plain == "ds" || plain == "fov" || plain == "ucm" || plain == "atan")
-    return LensFamily::kOther;
-  if (has_any({"omni", "catadioptric"}) || plain == "mei")
-    return LensFamily::kOmni;
-  if (has_any({"fisheye", "equidist", "kannala"}) || plain == "kb4" ||
-      plain == "kb8" || plain == "equi")
-    return LensFamily::kFisheye;
-  if (has_any({"pinhole", "plumbbob", "rational", "perspective", "radtan",
-               "radialtangential", "brownconrady", "rectilinear", "opencv"}))
-    return LensFamily::kPinhole;
+  static const std::map<LensFamily, std::set<std::string>> families = {
+      {LensFamily::kPinhole,
+       {"pinhole", "plumbbob", "rational", "rationalpolynomial", "perspective",
+        "radtan", "radialtangential", "brownconrady", "rectilinear", "opencv",
+        "opencvstandard", "standard", "radial", "simpleradial", "simplepinhole",
+        "fullopencv", "pinholeradtan"}},
+      {LensFamily::kFisheye,
+       {"fisheye", "opencvfisheye", "fisheyeopencv", "equidistant", "equi",
+        "equidistantfisheye", "kannalabrandt", "kannalabrandt4",
+        "kannalabrandt8", "kb", "kb4", "kb8", "pinholeequi",
+        "pinholeequidistant"}},
+      {LensFamily::kOmni,
+       {"omni", "omnidir", "omnidirectional", "omniradtan", "mei",
+        "catadioptric"}},
+      {LensFamily::kOther,
+       {"inversebrownconrady",
+        "scaramuzza",
+        "ocam",
+        "ocamcalib",
+        "eucm",
+        "doublesphere",
+        "ds",
+        "ucm",
+        "fov",
+        "atan",
+        "equirectangular",
+        "spherical",
+        "stereographic",
+        "equisolid",
+        "equisolidangle",
+        "orthographic",
+        "ftheta",
+        "division",
+        "radialdivision",
+        "cahvor",
+        "cahvore",
+        "thinprismfisheye",
+        "fisheye62",
+        "fisheye624",
+        "radtanthinprismfisheye",
+        "cylindrical"}}};
+  std::string plain = Plain(word);
+  for (const char* before : {"distortion", "cv"})
+    if (plain.rfind(before, 0) == 0) plain.erase(0, std::strlen(before));
+  for (const char* behind : {"model", "camera", "lens"})
+    if (const size_t at = plain.rfind(behind);
+        at != std::string::npos && at > 0 &&
+        at + std::strlen(behind) == plain.size())
+      plain.resize(at);
+  for (const auto& [family, words] : families)
+    if (words.count(plain) > 0) return family;
   return std::nullopt;
 }
 
@@ -156,6 +206,12 @@ bool CameraKeys::Has(const std::string& path) const {
   return Find(path).IsDefined();
 }
 
+bool CameraKeys::IsMatrix(const std::string& path) const {
+  const YAML::Node node = Find(path);
+  return node.IsDefined() &&
+         (!node.IsMap() || YAML::Node(node)["data"].IsDefined());
+}
+
 std::string CameraKeys::Word(const std::string& path) const {
   const YAML::Node node = Find(path);
   return node.IsDefined() && node.IsScalar() ? node.as<std::string>() : "";
@@ -175,6 +231,10 @@ YAML::Node CameraKeys::Find(const std::string& path) const {
   return node;
 }
 
+void CameraKeys::NameOnly(const std::vector<std::string>& keys) const {
+  named_only_.insert(keys.begin(), keys.end());
+}
+
 void CameraKeys::Skip(const std::vector<std::string>& keys) const {
   for (const std::string& key : keys) {
     if (key.back() == '*')
@@ -182,13 +242,6 @@ void CameraKeys::Skip(const std::vector<std::string>& keys) const {
     else
       read_.insert(key);
   }
-}
-
-std::vector<std::string> CameraKeys::Names() const {
-  std::vector<std::string> names;
-  for (const auto& entry : map_)
-    if (entry.first.IsScalar()) names.push_back(entry.first.as<std::string>());
-  return names;
 }
 
 void CameraKeys::FindUnread(
@@ -212,8 +265,8 @@ void CameraKeys::FindUnread(
   }
 }
 
-void CameraKeys::Finish(const LensForm& form,
-                        std::vector<std::string>* remarks) const {
+void CameraKeys::Finish(const LensForm& form, std::vector<std::string>* remarks,
+                        const std::vector<double>& values) const {
   std::vector<std::pair<std::string, YAML::Node>> unread;
   FindUnread(map_, "", &unread);
   const std::string of_camera = name_.empty() ? "" : name_ + ": ";
@@ -222,9 +275,12 @@ void CameraKeys::Finish(const LensForm& form,
   size_t count = 0;
   for (const auto& [path, value] : unread) {
     const std::string plain = Plain(LastOf(path));
-    const bool is_selector = IsSelector(plain), is_nothing = IsNothing(value);
-    if (is_selector ? !Agrees(plain, value, form)
-                    : IsParameter(plain) && !is_nothing)
+    if (IsValueOf(form, values, plain, value)) continue;
+    const bool is_named_only = named_only_.count(path) > 0;
+    const bool is_selector = IsSelector(plain) && !is_named_only,
+               is_parameter = IsParameter(plain) && !is_named_only,
+               is_nothing = IsNothing(value);
+    if (is_selector ? !Agrees(plain, value, form) : is_parameter && !is_nothing)
       throw InputError(fmt::format(
           "{}'{}'{} is of another camera model than {}, which the other keys "
           "say; remove the key if it is none of the lens",
@@ -233,8 +289,7 @@ void CameraKeys::Finish(const LensForm& form,
               ? fmt::format(", '{}',", Printable(value.as<std::string>()))
               : "",
           form.name));
-    if (is_nothing && (is_selector || IsParameter(plain) || value.IsNull()))
-      continue;
+    if (is_nothing && (is_selector || is_parameter || value.IsNull())) continue;
     if (++count <= kMostNames)
       names += (names.empty() ? "" : ", ") + Printable(path);
   }

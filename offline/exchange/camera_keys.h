@@ -38,6 +38,10 @@ class CameraKeys {
   /// Whether there is such a value. It does not count as read.
   bool Has(const std::string& path) const;
 
+  /// Whether the value is a list, or a map with the key 'data', as matrices
+  /// are.
+  bool IsMatrix(const std::string& path) const;
+
   /// The word at a key, without counting it as read; "" if there is none.
   std::string Word(const std::string& path) const;
 
@@ -45,14 +49,16 @@ class CameraKeys {
   /// begin so.
   void Skip(const std::vector<std::string>& keys) const;
 
-  /// The keys of the map, in the file's order.
-  std::vector<std::string> Names() const;
+  /// Keys that Finish() names and does not judge: they mean something else
+  /// here than in formats where they are numbers of a lens.
+  void NameOnly(const std::vector<std::string>& keys) const;
 
   /// Ends the reading of a lens of this form. Of the keys that were not read,
   /// throws InputError for one that in some format selects another model, or is
-  /// a parameter of one, unless its value says the same or nothing. The others
-  /// become one remark that names them.
-  void Finish(const LensForm& form, std::vector<std::string>* remarks) const;
+  /// a parameter of one, unless its value says the same or nothing; the lens's
+  /// own values may be repeated. The others become one remark that names them.
+  void Finish(const LensForm& form, std::vector<std::string>* remarks,
+              const std::vector<double>& values = {}) const;
 
  private:
   YAML::Node Find(const std::string& path) const;
@@ -62,7 +68,7 @@ class CameraKeys {
 
   YAML::Node map_;
   std::string name_;
-  mutable std::set<std::string> read_;
+  mutable std::set<std::string> read_, named_only_;
   mutable std::vector<std::string> skipped_prefixes_;
 };
 

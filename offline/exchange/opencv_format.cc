@@ -84,15 +84,20 @@ const KeyList kSizeKeys = {
     "img_size",         "resolution", "size",      "image_shape"};
 // Rows come first there, as in the shape of numpy's images.
 const KeyList kShapeKeys = {"shape"};
-const KeyList kWidthKeys = {"image_width",      "image_Width",     "imageWidth",
-                            "img_width",        "width",           "w",
-                            "resolution/width", "image_size/width"};
-const KeyList kHeightKeys = {
-    "image_height",      "image_Height",     "imageHeight",
-    "img_height",        "height",           "h",
-    "resolution/height", "image_size/height"};
+const KeyList kWidthKeys = {
+    "image_width", "image_Width",      "imageWidth",       "img_width", "width",
+    "w",           "resolution/width", "image_size/width", "cols"};
+const KeyList kHeightKeys = {"image_height",
+                             "image_Height",
+                             "imageHeight",
+                             "img_height",
+                             "height",
+                             "h",
+                             "resolution/height",
+                             "image_size/height",
+                             "rows"};
 constexpr char kPointsKey[] = "image_points";
-const KeyList kNameKeys = {"camera_name", "cameraName"};
+const KeyList kNameKeys = {"camera_name", "cameraName", "name"};
 const KeyList kModelKeys = {"distortion_model", "distortionModel", "dist_model",
                             "camera_model",     "cameraModel",     "lens_model",
                             "model_type",       "camera_type",     "model",
@@ -167,6 +172,9 @@ const KeyList kOtherKeys = {"nr_of_frames",
                             "rotation_vector*",
                             "translation_vector*"};
 
+// getOptimalNewCameraMatrix() has an alpha.
+const KeyList kVagueKeys = {"alpha"};
+
 // Texts before and behind the names of keys of one camera of a pair.
 struct Affixes {
   std::string before, behind, camera;
@@ -217,8 +225,14 @@ std::string TextOf(const CameraKeys& keys, const KeyList& names) {
 const std::array<KeyList, 4> kScalarKeys = {
     {{"fx"}, {"fy"}, {"cx", "ppx"}, {"cy", "ppy"}}};
 
+// A map without data is no matrix: that of a camera in it.
+std::string FindMatrix(const CameraKeys& keys, const Affixes& affixes = {}) {
+  const std::string key = FindKey(keys, kMatrixKeys, affixes);
+  return key.empty() || keys.IsMatrix(key) ? key : "";
+}
+
 bool HasMatrix(const CameraKeys& keys, const Affixes& affixes = {}) {
-  if (!FindKey(keys, kMatrixKeys, affixes).empty()) return true;
+  if (!FindMatrix(keys, affixes).empty()) return true;
   return std::all_of(kScalarKeys.begin(), kScalarKeys.end(),
                      [&](const KeyList& names) {
                        return !FindKey(keys, names, affixes).empty();
@@ -246,7 +260,7 @@ ImageSize SizeInFile(const CameraKeys& keys, const Affixes& affixes) {
 
 void TakeIntrinsics(const CameraKeys& keys, const Affixes& affixes,
                     LensInForm* lens) {
-  const std::string key = FindKey(keys, kMatrixKeys, affixes);
+  const std::string key = FindMatrix(keys, affixes);
   if (!key.empty()) {
     TakeCameraMatrix(ParseStoredMatrix(keys[key], key).data, key, lens);
     return;
@@ -371,7 +385,10 @@ const LensForm& FormSaid(const CameraKeys& keys, const Affixes& affixes,
   std::vector<double>& d = coefficients->numbers;
   const auto said = ModelInFile(keys, affixes);
   bool is_fisheye = said && said->family == LensFamily::kFisheye;
-  if (said && said->family == LensFamily::kOther)
+  // RealSense says an inverse of distortion that it does not have.
+  const bool is_nothing = std::all_of(
+      d.begin(), d.end(), [](double number) { return number == 0; });
+  if (said && said->family == LensFamily::kOther && !is_nothing)
     throw InputError(fmt::format(
         "'{}' is {}, which is none of OpenCV's: a pinhole, fisheye and omnidir",
         said->key, Printable(said->word)));
@@ -595,7 +612,8 @@ ReadLens ReadSingle(const CameraKeys& keys, const YAML::Node& root,
   TakeFeatures(root, request, &camera);
   camera.poses = PosesOf(root);
   keys.Skip(kOtherKeys);
-  keys.Finish(*camera.lens.form, remarks);
+  keys.NameOnly(kVagueKeys);
+  keys.Finish(*camera.lens.form, remarks, camera.lens.values);
   return camera;
 }
 
@@ -727,7 +745,9 @@ bool HasKeyInText(const std::string& text, const KeyList& names) {
   for (const std::string& name : names)
     for (size_t at = text.find(name); at != std::string::npos;
          at = text.find(name, at + 1)) {
-      if (at > 0 && is_word(text[at - 1])) continue;
+      if (at > 0 && is_word(text[at - 1]) && text[at - 1] != '_' &&
+          text[at - 1] != '.')
+        continue;
       size_t end = at + name.size();
       // A pair has _left or 1 behind it.
       const size_t most = std::min(text.size(), end + 6);

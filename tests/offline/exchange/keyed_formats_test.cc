@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "exchange/damaged_files.h"
 #include "exchange/format.h"
 #include "support.h"
 
@@ -105,6 +106,11 @@ TEST(KeyedFormats, ReadCamodocal) {
       "projection_parameters:\n   k2: 0.03\n   k3: -0.01\n   k4: 0.004\n"
       "   k5: -0.001\n   mu: 290.\n   mv: 291.5\n   u0: 322.5\n   v0: 238.\n";
   ExpectLens(Read(fisheye).cameras.at(0), kFisheyeLens, &Lens::Fisheye);
+  // Converters from Kalibr write its coefficients elsewhere.
+  const std::string converted = TextWith(
+      TextWith(fisheye, "projection_parameters:", "distortion_parameters:"),
+      "   mu:", "projection_parameters:\n   mu:");
+  ExpectLens(Read(converted).cameras.at(0), kFisheyeLens, &Lens::Fisheye);
   ExpectError(ExitCode::kInput, {"f: ", "'SCARAMUZZA'", "MEI"},
               [&] { Read(TextWith(fisheye, "KANNALA_BRANDT", "SCARAMUZZA")); });
   ExpectError(ExitCode::kInput, {"f: ", "mirror_parameters/xi"},
@@ -121,6 +127,16 @@ TEST(KeyedFormats, ReadOrbSlam) {
   ExpectLens(one.cameras.at(0), kPinholeLens, &Lens::Pinhole);
   EXPECT_TRUE(one.remarks.empty());
   ExpectError(ExitCode::kInput, {"f: ", "--image-size"}, [&] { Read(old); });
+  // OpenVSLAM's name of the model; another value is another lens.
+  const std::string fisheye =
+      TextWith(TextWith(old, "Camera.p1: 0.001", "Camera.k3: 0.004"),
+               "Camera.p2: -0.002",
+               "Camera.k4: -0.001\nCamera.model: \"fisheye\"\n"
+               "Camera.cols: 640\nCamera.rows: 480");
+  EXPECT_EQ(Read(fisheye).cameras.at(0).lens.form->model, "thin-prism-fisheye");
+  ExpectError(ExitCode::kInput, {"f: ", "equirectangular"}, [&] {
+    Read(TextWith(fisheye, "\"fisheye\"", "equirectangular"));
+  });
   const auto camera = [](const std::string& word, const char* cx) {
     return TextWith(
         "@.fx: 290.\n@.fy: 291.5\n@.cx: " + std::string(cx) +
@@ -248,6 +264,9 @@ TEST(KeyedFormats, ReadOpenSfm) {
       "\"p2\": -0.002}}}}\n",
       part(410), part(411.5), part(322.5 - 319.5), part(238 - 239.5));
   ExpectLens(Read(text).cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  const std::string scene =
+      "[{\"cameras\": " + text + ", \"shots\": {\"a\": {\"rotation\": []}}}]";
+  ExpectLens(Read(scene).cameras.at(0), kPinholeLens, &Lens::Pinhole);
   ExpectError(ExitCode::kInput, {"f: ", "'spherical'"},
               [&] { Read(TextWith(text, "brown", "spherical")); });
   const auto simple = Read(
@@ -321,6 +340,58 @@ TEST(PythonFormat, ReadsListsUnderTheNamesThatPeopleGive) {
   ExpectLens(scalars.cameras.at(0), kPinholeLens, &Lens::Pinhole);
 }
 
+// Cameras stand in maps of maps, in lists with names, and in pairs.
+TEST(PythonFormat, FindsCameras) {
+  const std::string lens =
+      "\"K\": [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]], \"dist\": "
+      "[-0.21, 0.06, 0.001, -0.002, 0]";
+  const auto listed = Read("{\"cameras\": [{\"name\": \"left\", " + lens +
+                               "}, {\"name\": \"right\", " + lens + "}]}",
+                           kImage);
+  ASSERT_EQ(listed.cameras.size(), 2u);
+  EXPECT_EQ(listed.cameras[1].name, "right");
+  ExpectLens(listed.cameras[1], kPinholeLens, &Lens::Pinhole);
+  const std::string matrix = "[[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]]";
+  const auto pair = Read(
+      "{\"left_camera_matrix\": " + matrix +
+          ", \"right_camera_matrix\": " + matrix +
+          ", \"left_dist_coeffs\": [[0, 0, 0, 0, 0.1]], "
+          "\"right_dist_coeffs\": [[0, 0, 0, 0, 0.1]], \"R\": [[1, 0, 0], [0, "
+          "1, 0], [0, 0, 1]], \"T\": [[-0.1], [0], [0]]}",
+      kImage);
+  ASSERT_EQ(pair.cameras.size(), 2u);
+  ASSERT_TRUE(pair.IsRig());
+  EXPECT_EQ(pair.cameras[1].camera_from_rig->translation.x(), -0.1);
+  // RealSense: a model that its zeros do not need.
+  const std::string real =
+      "{\"intrinsics\": {\"fx\": 410, \"fy\": 411.5, \"ppx\": 322.5, "
+      "\"ppy\": 238, \"width\": 640, \"height\": 480, \"model\": "
+      "\"distortion.inverse_brown_conrady\", \"coeffs\": [0, 0, 0, 0, 0]}}";
+  ExpectLens(Read(real).cameras.at(0), {{410, 411.5, 322.5, 238}, {}},
+             &Lens::Pinhole);
+  ExpectError(ExitCode::kInput, {"f: ", "inverse_brown_conrady"},
+              [&] { Read(TextWith(real, "[0, 0,", "[0.1, 0,")); });
+}
+
+// Names of makers are no models, and numbers may be repeated.
+TEST(PythonFormat, KnowsWhatSaysNothingOfTheLens) {
+  const std::string text =
+      "{\"K\": [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]], \"dist\": "
+      "[-0.21, 0.06, 0.001, -0.002, 0], \"width\": 640, \"height\": 480, "
+      "\"camera_model\": \"OmniVision OV5640\", \"model\": \"oCam-1CGN\", "
+      "\"k1\": -0.21, \"alpha\": 1.0}";
+  const auto read = Read(text);
+  ExpectLens(read.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  ASSERT_EQ(read.remarks.size(), 1u);
+  for (const char* word : {"camera_model", "alpha"})
+    EXPECT_NE(read.remarks[0].find(word), std::string::npos);
+  ExpectError(ExitCode::kInput, {"f: ", "'k1'"},
+              [&] { Read(TextWith(text, "\"k1\": -0.21", "\"k1\": -0.3")); });
+  for (const char* other : {"inverse_brown_conrady", "Scaramuzza", "division"})
+    ExpectError(ExitCode::kInput, {"f: ", other},
+                [&] { Read(TextWith(text, "OmniVision OV5640", other)); });
+}
+
 // A column of 4, as cv2.fisheye alone returns it.
 TEST(PythonFormat, TellsFisheyes) {
   const std::string text =
@@ -339,8 +410,105 @@ TEST(PythonFormat, TellsFisheyes) {
   EXPECT_EQ(Read(said, kImage).cameras.at(0).lens.form->name, "fisheye");
 }
 
+// Each is refused with one line, or is a camera of numbers.
+TEST(KeyedFormats, TakeDamagedFilesForNothingElse) {
+  const std::vector<std::string> texts = {
+      "%YAML:1.0\n---\nmodel_type: MEI\nimage_width: 640\nimage_height: 480\n"
+      "mirror_parameters:\n   xi: 1.25\ndistortion_parameters:\n   k1: -0.1\n"
+      "   k2: 0.05\n   p1: 0.001\n   p2: -0.002\nprojection_parameters:\n"
+      "   gamma1: 910.\n   gamma2: 911.5\n   u0: 322.5\n   v0: 238.\n",
+      "%YAML:1.0\nCamera.type: \"PinHole\"\nCamera1.fx: 410.\n"
+      "Camera1.fy: 411.5\nCamera1.cx: 322.5\nCamera1.cy: 238.\n"
+      "Camera2.fx: 410.\nCamera2.fy: 411.5\nCamera2.cx: 322.5\n"
+      "Camera2.cy: 238.\nCamera.width: 640\nCamera.height:480\nTlr: "
+      "!!opencv-matrix\n  rows: 3\n  cols: 4\n  dt: f\n  data:[1, 0, 0, 0.1, "
+      "0, 1, 0, 0, 0, 0, 1, 0]\n",
+      "T_BS:\n  data: [1, 0, 0, 0.1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n"
+      "resolution: [640, 480]\ncamera_model: pinhole\nintrinsics: [410, 411, "
+      "322, 238]\ndistortion_model: radtan\ndistortion_coefficients: [-0.2, "
+      "0.06, 0.001, -0.002]\n",
+      "{\"calib_dimension\": {\"w\": 640, \"h\": 480}, \"fisheye_params\": "
+      "{\"camera_matrix\": [[290, 0, 322], [0, 291, 238], [0, 0, 1]], "
+      "\"distortion_coeffs\": [0.03, -0.01, 0.004, -0.001]}}\n",
+      "[cam_0]\nname = \"A\"\nsize = [ 640, 480,]\nmatrix = [ [ 410, 0.0, "
+      "322,],\n  [ 0.0, 411, 238,],\n [ 0.0, 0.0, 1.0,],]\ndistortions = [ "
+      "-0.2, 0.06,]\nrotation = [ 0.0, 0.0, 1.57,]\ntranslation = [ 1.0, 2.0, "
+      "3.0,]\n",
+      "S_00: 640 480\nK_00: 410 0 322 0 411 238 0 0 1\nD_00: -0.2 0.06 0 0 0\n"
+      "R_00: 1 0 0 0 1 0 0 0 1\nT_00: 0 0 0\n",
+      "410 411.5 322.5 238 -0.21 0.06 0.001 -0.002\n",
+      "RadTan 410 411.5 322.5 238 -0.21 0.06 0.001 -0.002\n640 480\nnone\n",
+      "[image]\n\nwidth\n640\n\nheight\n480\n\n[front]\n\ncamera matrix\n"
+      "410 0 322\n0 411 238\n0 0 1\n\ndistortion\n-0.2 0.06 0 0 0\n",
+      "{\"front\": {\"mtx\": [[410, 0, 322], [0, 411, 238], [0, 0, 1]], "
+      "\"dist\": [[-0.2, 0.06, 0, 0, 0]], \"image_size\": [640, 480]}}\n"};
+  TestRandom random(7);
+  int num_refused = 0, num_read = 0;
+  for (const std::string& text : texts) {
+    const Format* format = RecognizeFormat(text);
+    ASSERT_NE(format, nullptr) << text;
+    for (int k = NumMutants(150); k-- > 0; ++num_read) {
+      const std::string mutant = Mutated(text, &random);
+      num_refused += IsRefused([&] {
+        ExpectFinite(ReadExchangeFile(format, {"f", mutant, "", kImage}));
+      });
+    }
+  }
+  EXPECT_GT(num_refused, num_read / 4);
+  EXPECT_LT(num_refused, num_read);
+}
+
+// OCamCalib: rows are x, columns y, and the polynomial of the radius is z.
+TEST(OcamCalibFormat, IsReadAsItsGrid) {
+  const std::string text =
+      "#polynomial coefficients for the DIRECT mapping function (ocam_model.ss "
+      "in MATLAB). These are used by cam2world\n\n4 -180.0 0.0 0.0016 1e-06 "
+      "\n\n#polynomial coefficients for the inverse mapping function\n\n3 250 "
+      "140 10 \n\n#center: \"row\" and \"column\", starting from 0 (C "
+      "convention)\n\n238.5 322.25\n\n#affine parameters \"c\", \"d\", \"e\""
+      "\n\n0.9998 0.0004 -0.0003\n\n#image size: \"height\" and \"width\"\n\n"
+      "480 640\n\n";
+  const auto read = Read(text);
+  EXPECT_EQ(read.cameras.at(0).lens.size, kImage);
+  EXPECT_NE(read.remarks.at(0).find("RMS 0.00"), std::string::npos);
+  const auto grid = MakeLens(read.cameras[0].lens);
+  for (const double x : {-150.0, 30.0, 140.0})
+    for (const double y : {-120.0, 20.0, 190.0}) {
+      const double r2 = x * x + y * y, r = std::sqrt(r2);
+      const Eigen::Vector3d ray(y, x, 180 - 0.0016 * r2 - 1e-6 * r2 * r);
+      const Eigen::Vector2d pixel(-0.0003 * x + y + 322.25,
+                                  0.9998 * x + 0.0004 * y + 238.5);
+      EXPECT_LT((grid->Project(ray).value() - pixel).norm(), 0.01);
+    }
+  ExpectError(ExitCode::kInput, {"f: ", "affine"},
+              [&] { Read(text.substr(0, text.find("0.9998"))); });
+}
+
+TEST(DsoFormat, ReadsItsModels) {
+  const auto lens = [](const std::string& line) {
+    return Read(line + "\n640 480\ncrop\n640 480\n").cameras.at(0);
+  };
+  ExpectLens(lens("RadTan 410 411.5 322.5 238 -0.21 0.06 0.001 -0.002"),
+             kPinholeLens, &Lens::Pinhole);
+  ExpectLens(lens("EquiDistant 290 291.5 322.5 238 0.03 -0.01 0.004 -0.001"),
+             kFisheyeLens, &Lens::Fisheye);
+  // Parts of the image, whose first pixel begins at 0.
+  ExpectLens(lens("Pinhole 0.625 0.75 0.5 0.5 0"),
+             {{400, 360, 319.5, 239.5}, {}}, &Lens::Pinhole);
+  const double omega = 0.92;
+  const auto fov = MakeLens(lens("0.625 0.75 0.5 0.5 0.92").lens);
+  for (const double x : {-0.6, 0.1, 0.7}) {
+    const Eigen::Vector2d xy(x, 0.3);
+    const double bent =
+        std::atan(2 * xy.norm() * std::tan(omega / 2)) / omega / xy.norm();
+    const Eigen::Vector2d pixel(400 * x * bent + 319.5,
+                                360 * 0.3 * bent + 239.5);
+    EXPECT_LT((fov->Project({x, 0.3, 1}).value() - pixel).norm(), 0.01);
+  }
+}
+
 // No lens of raygrid has a skew; the grid's error is told.
-TEST(SkewedLens, IsReadAsItsGrid) {
+TEST(NearestGrid, StandsForALensWithASkew) {
   const auto check = [](const std::string& text, const Lens& lens,
                         Formula formula) {
     const auto read = Read(text, kImage);
