@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -11,6 +13,7 @@
 #include "dataset/text_encoding.h"
 #include "dataset/yaml_file.h"
 #include "exchange/colmap_files.h"
+#include "exchange/nearest_grid.h"
 #include "exchange/opencv_forms.h"
 
 namespace raygrid {
@@ -67,6 +70,71 @@ const LensForm& ColmapFormNamed(const ColmapCamera& camera) {
       Printable(camera.model),
       is_known ? "is a model that raygrid has not" : "is no model of COLMAP",
       names));
+}
+
+// The fisheye of Project Aria: k0 to k5 bend the angle off the axis, p0 and p1
+// are tangential, and s0 to s3 those of prisms. No model of raygrid has it.
+constexpr char kAriaFisheye[] = "RAD_TAN_THIN_PRISM_FISHEYE";
+
+// The place, in focal lengths, of what lies at an angle in a direction.
+Eigen::Vector2d AriaPlace(const Eigen::Vector2d& angle, const double* d) {
+  const double t2 = angle.squaredNorm();
+  double factor = 0;
+  for (int k = 5; k >= 0; --k) factor = (factor + d[k]) * t2;
+  const Eigen::Vector2d xy = angle * (1 + factor), p(d[6], d[7]);
+  const double r2 = xy.squaredNorm(), r4 = r2 * r2;
+  return xy + 2 * xy.dot(p) * xy + r2 * p +
+         Eigen::Vector2d(d[8] * r2 + d[9] * r4, d[10] * r2 + d[11] * r4);
+}
+
+// Newton's method from the place itself; nothing if it ends beyond the half
+// space before the camera, or where the lens folds.
+std::optional<Eigen::Vector3d> AriaDirection(const Eigen::Vector2d& place,
+                                             const double* d) {
+  constexpr double kStep = 1e-6, kNear = 1e-12;
+  Eigen::Vector2d angle = place;
+  for (int round = 0; round < 50; ++round) {
+    const Eigen::Vector2d off = AriaPlace(angle, d) - place;
+    Eigen::Matrix2d jacobian;
+    for (int k = 0; k < 2; ++k) {
+      const Eigen::Vector2d step = kStep * Eigen::Vector2d::Unit(k);
+      jacobian.col(k) =
+          (AriaPlace(angle + step, d) - AriaPlace(angle - step, d)) /
+          (2 * kStep);
+    }
+    if (!(jacobian.determinant() > 0)) return std::nullopt;
+    angle -= jacobian.inverse() * off;
+    const double theta = angle.norm();
+    if (!(theta < M_PI)) return std::nullopt;
+    if (off.norm() > kNear) continue;
+    if (theta >= M_PI / 2) return std::nullopt;
+    const double sine = theta > 0 ? std::sin(theta) / theta : 1;
+    return Eigen::Vector3d(angle.x() * sine, angle.y() * sine, std::cos(theta));
+  }
+  return std::nullopt;
+}
+
+LensInForm ReadAriaFisheye(const ColmapCamera& camera,
+                           std::vector<std::string>* remarks) {
+  const std::vector<double>& values = camera.parameters;
+  if (values.size() != 16)
+    throw InputError(
+        fmt::format("camera {}: {}: {} numbers where 16 are needed", camera.id,
+                    kAriaFisheye, values.size()));
+  if (!(values[0] > 0 && values[1] > 0))
+    throw InputError("a focal length is not above 0");
+  return NearestGrid(
+      camera.size,
+      [&](const Eigen::Vector2d& pixel) {
+        const Eigen::Vector2d at =
+            ToProgram(PixelOrigin::kImageCorner, camera.size, pixel);
+        return AriaDirection({(at.x() - values[2]) / values[0],
+                              (at.y() - values[3]) / values[1]},
+                             values.data() + 4);
+      },
+      fmt::format("camera {} is a {}, which no lens of raygrid is", camera.id,
+                  kAriaFisheye),
+      remarks);
 }
 
 bool IsBinaryPath(const std::string& path) {
@@ -187,7 +255,10 @@ ExchangeContents ReadColmap(const ReadRequest& request) {
                     ? fmt::format("camera{}", camera.id)
                     : camera.name;
     read.serial = camera.serial;
-    read.lens = {&ColmapFormNamed(camera), camera.size, camera.parameters};
+    read.lens = camera.model == kAriaFisheye
+                    ? ReadAriaFisheye(camera, &contents.remarks)
+                    : LensInForm{&ColmapFormNamed(camera), camera.size,
+                                 camera.parameters};
     contents.cameras.push_back(std::move(read));
   }
   ReadBeside(request, is_text, cameras, &contents);

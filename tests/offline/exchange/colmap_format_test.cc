@@ -66,6 +66,32 @@ TEST(ColmapFormat, ReadsWhatColmapWrites) {
   }
 }
 
+// A model that no lens of raygrid has is read as the nearest grid.
+TEST(ColmapFormat, ReadsThePrismFisheyeOfAria) {
+  const auto contents = ParseColmap(
+      "1 RAD_TAN_THIN_PRISM_FISHEYE 640 480 300 301 322 241 0.05 -0.02 0.005 "
+      "-0.003 0.001 -0.0005 0.001 -0.002 0.0005 -0.0004 0.0002 -0.0003\n");
+  ASSERT_EQ(contents.cameras.size(), 1u);
+  EXPECT_NE(contents.remarks.at(0).find("RMS 0.00"), std::string::npos);
+  const auto grid = MakeLens(contents.cameras[0].lens);
+  const double k[] = {0.05, -0.02, 0.005, -0.003, 0.001, -0.0005};
+  for (const double x : {-0.9, 0.1, 0.8})
+    for (const double y : {-0.6, 0.05, 0.7}) {
+      const double r = std::hypot(x, y), theta = std::atan(r);
+      double bent = theta;
+      for (int i = 0; i < 6; ++i) bent += k[i] * std::pow(theta, 2 * i + 3);
+      const double u = x / r * bent, v = y / r * bent, r2 = bent * bent;
+      const Eigen::Vector2d pixel(
+          300 * (u + 0.001 * (2 * u * u + r2) - 0.002 * 2 * u * v +
+                 0.0005 * r2 - 0.0004 * r2 * r2) +
+              322 - 0.5,
+          301 * (v - 0.002 * (2 * v * v + r2) + 0.001 * 2 * u * v +
+                 0.0002 * r2 - 0.0003 * r2 * r2) +
+              241 - 0.5);
+      EXPECT_LT((grid->Project({x, y, 1}).value() - pixel).norm(), 0.01);
+    }
+}
+
 TEST(ColmapFormat, TakesLinesThatEndAsOnWindows) {
   const std::string text =
       "\r\n# Name of camera 3: front\r\n3 PINHOLE 640 480 500 500 320 240\r\n";
