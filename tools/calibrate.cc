@@ -122,7 +122,7 @@ int64_t PeakMemoryBytes() {
 }
 
 // The blobs of the cameras and the pictures of their images. An interrupted
-// calibration is not packed.
+// calibration is not packed, nor one that is bent by the motion of rows.
 ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
                         const RigResult& result,
                         const CalibrateArguments& arguments,
@@ -137,7 +137,9 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
     if (result.IsRig() || !camera.checkpoint)
       own.thumbnails =
           MakeThumbnails(calibrated.dataset, calibrated.paths, common.threads);
-    if (camera.checkpoint) continue;
+    const bool has_wrong_times =
+        camera.row_time && !camera.row_time->do_times_fit;
+    if (camera.checkpoint || has_wrong_times) continue;
     const PackedCamera packed =
         PackWhatCanBe(camera.camera, common.threads, IsInterrupted);
     own.packing = FiguresOf(packed);

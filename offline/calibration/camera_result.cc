@@ -296,6 +296,8 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
   figures.fold_over = result.fold_over;
   figures.flat_board_height_m = result.flat_board_height_m;
   figures.fleet_distance = result.fleet_distance;
+  if (result.row_time && !result.row_time->do_times_fit)
+    figures.wrong_times = result.row_time->untold;
   figures.pixel_aspect = PixelAspect(*result.camera.camera);
   if (const auto& uncertainty = result.camera.uncertainty) {
     const Area& area = result.camera.camera->area();

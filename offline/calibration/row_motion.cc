@@ -27,9 +27,10 @@ Dataset AllFeatures(const CameraInProgress& camera) {
 
 MovingViews ViewsBy(const CameraModel& camera, const Pattern& found,
                     const Dataset& features, const ImageTimes& times,
-                    int num_threads) {
-  return {&camera, &found, &features,
-          LocalizedBoards(camera, features, found, num_threads), &times};
+                    bool is_final, int num_threads) {
+  return {&camera,   &found,
+          &features, LocalizedBoards(camera, features, found, num_threads),
+          &times,    is_final};
 }
 
 // The images that lost all of their features with the motion.
@@ -53,7 +54,7 @@ std::optional<StillFeatures> FeaturesWithoutRowMotion(
   const Dataset features = AllFeatures(camera);
   const MovingViews views =
       ViewsBy(first.adjusted.state.camera(), first.pattern, features,
-              *camera.input->times, options.num_threads);
+              *camera.input->times, false, options.num_threads);
   const RowTimeEstimate row_time = EstimateRowTime(views);
   if (!row_time.IsTold() || row_time.value.MayBeGlobal()) return std::nullopt;
   return StillFeatures{row_time.value,
@@ -64,8 +65,8 @@ RowTimeEstimate RowTimeOf(const CameraInProgress& camera,
                           const CameraModel& calibrated, const Pattern& found,
                           int num_threads) {
   const Dataset features = AllFeatures(camera);
-  RowTimeEstimate row_time = EstimateRowTime(
-      ViewsBy(calibrated, found, features, *camera.input->times, num_threads));
+  RowTimeEstimate row_time = EstimateRowTime(ViewsBy(
+      calibrated, found, features, *camera.input->times, true, num_threads));
   row_time.is_taken_out = camera.still.has_value();
   if (camera.still)
     row_time.num_left_out =

@@ -23,6 +23,8 @@ constexpr double kLongestRowTimeS = 1e-3;
 struct RowTimeEstimate {
   RowTime value;
   std::string untold;  ///< and what to do; empty: it is told
+  /// False: times are none of these images', which says why it is not told.
+  bool do_times_fit = true;
   int num_images = 0;  ///< that told it, those with neighbours in time
   /// Whether features were moved to where they would have been seen at once.
   bool is_taken_out = false;

@@ -7,7 +7,7 @@
 namespace raygrid {
 
 std::string RowTimeText(const RowTimeEstimate& row_time, int num_rows) {
-  if (!row_time.IsTold()) return "cannot be told: " + row_time.untold;
+  if (!row_time.IsTold()) return "not observable: " + row_time.untold;
   const RowTime& value = row_time.value;
   std::string text = fmt::format("{:.4f} +- {:.4f} us", value.seconds * 1e6,
                                  value.deviation_s * 1e6);

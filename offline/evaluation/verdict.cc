@@ -60,6 +60,13 @@ void JudgeConvergence(const CalibrationFigures& figures, Verdict* verdict) {
          verdict);
 }
 
+// Rows that moved bend the camera, and nothing could be done about it.
+void JudgeTimes(const CalibrationFigures& figures, Verdict* verdict) {
+  if (!figures.wrong_times.empty())
+    Fail("the time of a row is not observable: " + figures.wrong_times,
+         verdict);
+}
+
 void JudgeNumberOfImages(const CalibrationFigures& figures, Verdict* verdict) {
   if (figures.images_used < kEnoughImages)
     Warn(fmt::format("only {} {}; take {} or more", figures.images_used,
@@ -311,9 +318,10 @@ Verdict JudgeCalibration(const CalibrationFigures& figures) {
     judge(figures, &verdict);
   // Errors of a state on its way say nothing.
   if (figures.interrupted) return verdict;
-  for (const auto judge : {JudgeImagesApart, JudgeFlatBoard, JudgeFleetDistance,
-                           JudgeUncertainty, JudgeFoldOver, JudgePixels,
-                           JudgeNeighbors, JudgeHeldOutError, JudgeOverfit})
+  for (const auto judge :
+       {JudgeTimes, JudgeImagesApart, JudgeFlatBoard, JudgeFleetDistance,
+        JudgeUncertainty, JudgeFoldOver, JudgePixels, JudgeNeighbors,
+        JudgeHeldOutError, JudgeOverfit})
     judge(figures, &verdict);
   return verdict;
 }

@@ -57,6 +57,8 @@ struct CalibrationFigures {
   std::optional<BetterModel> better_model;
   BudgetFacts tried;    ///< what needs no advice any more
   BudgetVerdict limit;  ///< by the residuals' causes; may be untold
+  /// Why the times of images are none of their motion's; empty if they may be.
+  std::string wrong_times;
   std::optional<double> pixel_aspect;  ///< width by height, in the middle
 };
 

@@ -83,6 +83,7 @@ Json RowTimeJson(const RowTimeEstimate& row_time) {
     json["deviation_us"] = row_time.value.deviation_s * 1e6;
   } else {
     json["untold"] = row_time.untold;
+    if (!row_time.do_times_fit) json["times_fit"] = false;
   }
   json["images"] = row_time.num_images;
   json["taken_out"] = row_time.is_taken_out;
@@ -405,6 +406,7 @@ RowTimeEstimate ParseRowTime(const Json& json) {
                     NumberIfAny(json, "deviation_us").value_or(0) * 1e-6};
   if (json.contains("untold"))
     row_time.untold = json.at("untold").get<std::string>();
+  row_time.do_times_fit = json.value("times_fit", true);
   return row_time;
 }
 

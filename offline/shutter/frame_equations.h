@@ -10,8 +10,6 @@
 
 namespace raygrid {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
 /// Frames share the row time; what the camera may yet be bent by, two
 /// polynomials of the fourth degree in the image; and what the board may be
 /// bent by, three of the third degree on it. A motion that all frames have

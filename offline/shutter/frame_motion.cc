@@ -8,14 +8,6 @@ namespace {
 
 constexpr int kFrames = 5;
 
-// The update that leads from one pose to another.
-Vector6d UpdateBetween(const Pose& from, const Pose& to) {
-  const Eigen::AngleAxisd turn(to.rotation * from.rotation.conjugate());
-  Vector6d update;
-  update << turn.angle() * turn.axis(), to.translation - from.translation;
-  return update;
-}
-
 MotionStencil MakeStencil(const std::vector<double>& times_s, int first,
                           int frame) {
   MotionStencil stencil;
@@ -42,6 +34,13 @@ MotionStencil MakeStencil(const std::vector<double>& times_s, int first,
 }
 
 }  // namespace
+
+Vector6d UpdateBetween(const Pose& from, const Pose& to) {
+  const Eigen::AngleAxisd turn(to.rotation * from.rotation.conjugate());
+  Vector6d update;
+  update << turn.angle() * turn.axis(), to.translation - from.translation;
+  return update;
+}
 
 std::vector<MotionStencil> MakeStencils(const std::vector<double>& times_s) {
   std::vector<MotionStencil> stencils;

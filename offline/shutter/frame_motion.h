@@ -11,6 +11,7 @@
 namespace raygrid {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// A motion as UpdatedPose() takes it: rotation vector, then translation, in
 /// the camera's axes.
@@ -34,6 +35,9 @@ struct FrameMotion {
     return velocity + seconds * acceleration;
   }
 };
+
+/// The update, as UpdatedPose() takes it, that leads from one pose to another.
+Vector6d UpdateBetween(const Pose& from, const Pose& to);
 
 /// Five frames in time, and one of them whose motion they tell.
 struct MotionStencil {

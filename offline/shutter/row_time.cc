@@ -5,11 +5,13 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "shutter/frame_equations.h"
+#include "shutter/time_check.h"
 
 namespace raygrid {
 namespace {
@@ -23,6 +25,7 @@ struct MovingFrame {
   const MotionStencil* stencil = nullptr;
   FrameMotion motion;
   FrameEquations equations;
+  double information = 0;  // on the row time, once bends have followed
 
   // Frames at the ends of rows have motions that are good enough to correct
   // their poses by, but tell nothing.
@@ -33,6 +36,46 @@ struct MovingBoard {
   BoardTrack track;
   std::vector<MovingFrame> frames;
 };
+
+// The row time by a part of the frames, one after the other.
+struct PartEstimate {
+  double seconds = 0, deviation_s = 0;
+};
+
+// A frame's information on the row time, and its gradient.
+struct FramePull {
+  double information = 0, gradient = 0;
+};
+
+// The row time of some frames alone, from that of all.
+PartEstimate EstimateOf(const std::vector<FramePull>& frames,
+                        double noise_variance) {
+  double information = 0, gradient = 0, squares = 0;
+  for (const FramePull& frame : frames) {
+    information += frame.information;
+    gradient += frame.gradient;
+  }
+  const double change_s = -gradient / information;
+  for (const FramePull& frame : frames)
+    squares += std::pow(frame.gradient + change_s * frame.information, 2);
+  return {change_s, std::sqrt(std::max(squares, noise_variance * information)) /
+                        information};
+}
+
+// By their information; infinitely uncertain for none.
+PartEstimate MeanOf(const std::vector<PartEstimate>& parts) {
+  double information = 0, sum = 0;
+  for (const PartEstimate& part : parts) {
+    const double own = 1 / (part.deviation_s * part.deviation_s);
+    information += own;
+    sum += own * part.seconds;
+  }
+  return {sum / information, 1 / std::sqrt(information)};
+}
+
+std::string MicrosecondsText(double seconds) {
+  return fmt::format("{:.3g} us", seconds * 1e6);
+}
 
 class RowTimeAdjustment {
  public:
@@ -77,6 +120,9 @@ class RowTimeAdjustment {
                    Eigen::MatrixXd* all) const;
   double NoisePart(const MovingBoard& board, const MovingFrame& frame,
                    const Eigen::Matrix<double, 5, 1>& weights) const;
+  std::vector<TimedTrack> TimedTracks() const;
+  std::vector<PartEstimate> EstimateByParts() const;
+  std::string FindUnlikeParts() const;
   void FollowPoses();
   Sums Linearize(const Eigen::VectorXd& shared);
   void TakeNoiseOut(Sums* sums);
@@ -88,6 +134,8 @@ class RowTimeAdjustment {
   double BiasByTimes() const;
 
   const CameraModel& camera_;
+  const Dataset& dataset_;
+  const bool is_camera_final_;
   ImageSize size_;
   std::vector<MovingBoard> boards_;
   Eigen::Index count_ = 0;  // of what is shared: by all frames, by each board's
@@ -100,7 +148,10 @@ class RowTimeAdjustment {
 };
 
 RowTimeAdjustment::RowTimeAdjustment(const MovingViews& views)
-    : camera_(*views.camera), size_(views.camera->image_size()) {
+    : camera_(*views.camera),
+      dataset_(*views.dataset),
+      is_camera_final_(views.is_camera_final),
+      size_(views.camera->image_size()) {
   for (BoardTrack& track : MakeTracks(views)) {
     MovingBoard& board = boards_.emplace_back();
     board.track = std::move(track);
@@ -182,13 +233,17 @@ RowTimeAdjustment::Sums RowTimeAdjustment::Linearize(
   for (size_t b = 0; b < boards_.size(); ++b) {
     const BoardTrack& track = boards_[b].track;
     SharedMatrix own = SharedMatrix::Zero(), unused = own;
+    const SharedVector along = SharedOf(b, covariance_.row(0));
     for (MovingFrame& frame : boards_[b].frames) {
       const int index = frame.stencil->frame;
+      const double before = along.dot(own * along);
       frame.equations = MakeFrameEquations(
           {&camera_, &track.points[index], track.poses[index], frame.motion,
            track.half_m, SharedOf(b, shared)},
           frame.Tells() ? &own : &unused);
       if (!frame.Tells()) continue;
+      frame.information = (along.dot(own * along) - before) /
+                          (covariance_(0, 0) * covariance_(0, 0));
       AddSharedOf(b, frame.equations.gradient, &sums.gradient);
       sums.squares += frame.equations.squares;
       sums.degrees += 2 * frame.equations.num_points - 6;
@@ -318,7 +373,8 @@ double RowTimeAdjustment::TimeVariance() const {
 }
 
 // How much too small the row time may be, as a part of it: velocities by times
-// that scatter have noise, which pretends motion as that of poses does.
+// that scatter have noise, which pretends motion as that of poses does. They
+// are too large by as much besides, being quotients of what scatters.
 double RowTimeAdjustment::BiasByTimes() const {
   double pretended = 0;
   for (const MovingBoard& board : boards_)
@@ -327,7 +383,7 @@ double RowTimeAdjustment::BiasByTimes() const {
         pretended += frame.stencil->by_velocity.squaredNorm() *
                      frame.motion.velocity.dot(frame.equations.OnVelocity() *
                                                frame.motion.velocity);
-  return TimeVariance() * pretended * covariance_(0, 0);
+  return 2 * TimeVariance() * pretended * covariance_(0, 0);
 }
 
 // The time in which a frame is read at most, for the shortest time between two.
@@ -343,8 +399,78 @@ double LongestRowTime(const std::vector<MovingBoard>& boards, int height) {
   return shortest_s / height;
 }
 
-std::string MicrosecondsText(double seconds) {
-  return fmt::format("{:.3g} us", seconds * 1e6);
+std::vector<TimedTrack> RowTimeAdjustment::TimedTracks() const {
+  std::vector<TimedTrack> tracks;
+  for (const MovingBoard& board : boards_) {
+    TimedTrack& track = tracks.emplace_back();
+    for (const MovingFrame& frame : board.frames) {
+      const int index = frame.stencil->frame;
+      const auto& points = board.track.points[index];
+      track.push_back(
+          {points.empty() ? "" : dataset_.images[points[0].image].image,
+           board.track.times_s[index], board.track.poses[index],
+           frame.equations.pose});
+    }
+  }
+  return tracks;
+}
+
+// Frames in the order of time, in parts of like information. Each tells the row
+// time by its pull, bends being those of all.
+std::vector<PartEstimate> RowTimeAdjustment::EstimateByParts() const {
+  constexpr int kParts = 6;
+  std::multimap<double, FramePull> by_time;
+  double all = 0;
+  for (size_t b = 0; b < boards_.size(); ++b) {
+    const SharedVector along =
+        SharedOf(b, covariance_.row(0)) / covariance_(0, 0);
+    for (const MovingFrame& frame : boards_[b].frames) {
+      if (!frame.Tells()) continue;
+      by_time.insert(
+          {boards_[b].track.times_s[frame.stencil->frame],
+           {frame.information, along.dot(frame.equations.gradient)}});
+      all += frame.information;
+    }
+  }
+  std::vector<PartEstimate> parts;
+  std::vector<FramePull> part;
+  double before = 0;
+  for (const auto& [time_s, frame] : by_time) {
+    part.push_back(frame);
+    before += frame.information;
+    const auto num_parts = static_cast<double>(parts.size() + 1);
+    if (before < all * num_parts / kParts * (1 - 1e-9)) continue;
+    parts.push_back(EstimateOf(part, noise_variance_));
+    parts.back().seconds += row_time_s_;
+    part.clear();
+  }
+  return parts;
+}
+
+// The recording before and after some moment, if they tell row times that
+// differ surely, as by times whose rate changes; empty if none do.
+std::string RowTimeAdjustment::FindUnlikeParts() const {
+  constexpr double kSurely = 5, kMatters = 0.1;
+  std::string found;
+  double largest = kSurely;
+  const std::vector<PartEstimate> parts = EstimateByParts();
+  for (auto middle = parts.begin(); middle != parts.end(); ++middle) {
+    const PartEstimate before = MeanOf({parts.begin(), middle}),
+                       after = MeanOf({middle, parts.end()});
+    const double difference_s = std::abs(after.seconds - before.seconds);
+    const double sigmas =
+        difference_s / std::hypot(before.deviation_s, after.deviation_s);
+    if (!(sigmas > largest) || difference_s <= kMatters * std::abs(row_time_s_))
+      continue;
+    largest = sigmas;
+    found = fmt::format(
+        "a row takes {} +- {} by the recording's beginning, and {} +- {} by "
+        "its "
+        "end",
+        MicrosecondsText(before.seconds), MicrosecondsText(before.deviation_s),
+        MicrosecondsText(after.seconds), MicrosecondsText(after.deviation_s));
+  }
+  return found;
 }
 
 RowTimeEstimate RowTimeAdjustment::Result(int num_images) const {
@@ -360,8 +486,20 @@ RowTimeEstimate RowTimeAdjustment::Result(int num_images) const {
   result.value.deviation_s = std::sqrt(variance + bias_s * bias_s);
   const double longest_s = LongestRowTime(boards_, size_.height);
   const double limit_s = kTold * longest_s;
-  if (!std::isfinite(result.value.seconds) ||
-      !std::isfinite(result.value.deviation_s) || noise_part_ > 0.5)
+  const bool moves = std::isfinite(result.value.seconds) &&
+                     std::isfinite(result.value.deviation_s) &&
+                     noise_part_ <= 0.5;
+  std::string wrong = FindWrongTimes(TimedTracks(), noise_variance_);
+  if (wrong.empty() && moves && is_camera_final_) wrong = FindUnlikeParts();
+  result.do_times_fit = wrong.empty();
+  if (!wrong.empty())
+    result.untold = fmt::format(
+        "the time stamps do not fit the motion ({}): frames came in bursts, "
+        "are "
+        "missing or in another order, or the rate changed; take the sensor's "
+        "own time of each frame",
+        wrong);
+  else if (!moves)
     result.untold =
         "the camera hardly moves from frame to frame; move and turn it, or the "
         "board, while it records";

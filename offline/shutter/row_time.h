@@ -18,6 +18,9 @@ struct MovingViews {
   const Dataset* dataset = nullptr;
   std::vector<BoardPose> poses;  ///< of the frame as a whole; a start
   const ImageTimes* times = nullptr;
+  /// Whether the camera was calibrated without the motion of rows. One that is
+  /// bent by it tells different row times by parts of a recording.
+  bool is_camera_final = false;
 };
 
 /// Estimates the time of a row. Images without a time, and those whose

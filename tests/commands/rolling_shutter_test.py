@@ -83,6 +83,26 @@ class RollingShutterTest(CommandTest):
         facts = json.loads(run("inspect", result / "camera.raygrid", "--json").stdout)
         self.assertNotIn("row_time_us", facts)
 
+    def test_times_that_do_not_fit_the_motion_end_without_a_blob(self):
+        """Frames that arrive three at a time, 2 ms apart."""
+        rows = read(self.moving / "times.csv").decode().splitlines()
+        names, times = zip(*(row.split(",") for row in rows[1:]))
+        bursts = [float(times[min(k // 3 * 3 + 2, len(times) - 1)]) + 0.002 * (k % 3) for k in range(len(times))]
+        wrong = write(self.path("bursts.csv"), "image,time_s\n" + "".join(
+            f"{name},{time}\n" for name, time in zip(names, bursts)))
+        result = Path(self.path("bursts"))
+        done = self.calibrate(self.moving, "--rolling-shutter", "--times", wrong, "-o", result)
+        self.assertEqual(done.returncode, 6, done.stderr)
+        self.assertIn("the time stamps do not fit the motion", done.stderr)
+        self.assertIn("not observable", done.stdout)
+        facts = json.loads(read(result / "result.json"))
+        self.assertEqual(facts["verdict"], "fail")
+        self.assertFalse(facts["row_time"]["times_fit"])
+        self.assertNotIn("row_time_us", facts["row_time"])
+        self.assertFalse((result / "camera.raygrid").exists())
+        self.assertNotIn(b"row_time", read(result / "camera.yaml"))
+        self.assertEqual(run("report", result).returncode, 0)
+
     def test_images_of_unknown_motion_are_left_out_and_named(self):
         rows = read(self.moving / "times.csv").decode().splitlines(keepends=True)
         gone = ("sim0060.png", "sim0061.png")

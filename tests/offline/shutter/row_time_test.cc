@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <random>
 
 #include "camera/area.h"
@@ -28,8 +29,8 @@ struct Recording {
   ImageTimes times;
 
   MovingViews Views() const {
-    return {camera.get(), &seen.true_pattern, &seen.dataset, seen.poses,
-            &times};
+    return {camera.get(), &seen.true_pattern, &seen.dataset, seen.poses, &times,
+            true};
   }
 };
 
@@ -167,6 +168,124 @@ TEST(RowTime, DeviationCountsTimesThatScatter) {
               3 * found.value.deviation_s)
         << found.value.seconds << " s, " << found.value.deviation_s;
   }
+}
+
+// The times of a recording, in the order of its frames, made wrong.
+using MakeWrong = std::function<void(std::mt19937_64*, std::vector<double>*)>;
+
+// How many recordings tell a row time with times that are made wrong. Those
+// that do are right within five deviations: some of them are too slow to
+// suffer.
+int CountTold(const Clip& clip, int num_seeds, double dropped_part,
+              const MakeWrong& make_wrong) {
+  int num_told = 0;
+  for (int seed = 1; seed <= num_seeds; ++seed) {
+    Recording recording = Record(clip, 100 + seed);
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    std::vector<std::string> images;
+    std::vector<double> times_s;
+    for (const ImageFeatures& image : recording.seen.dataset.images)
+      if (uniform(random) >= dropped_part) {
+        images.push_back(image.image);
+        times_s.push_back(recording.times.at(image.image));
+      }
+    make_wrong(&random, &times_s);
+    recording.times.clear();
+    for (size_t i = 0; i < images.size(); ++i)
+      recording.times[images[i]] = times_s[i];
+    const RowTimeEstimate found = EstimateRowTime(recording.Views());
+    if (!found.IsTold()) continue;
+    ++num_told;
+    EXPECT_LT(std::abs(found.value.seconds - clip.row_time_us * 1e-6),
+              5 * found.value.deviation_s)
+        << "seed " << seed << ": " << found.value.seconds << " +- "
+        << found.value.deviation_s;
+  }
+  return num_told;
+}
+
+void CountFrames(std::mt19937_64* /*random*/, std::vector<double>* times_s) {
+  for (size_t i = 0; i < times_s->size(); ++i)
+    (*times_s)[i] = static_cast<double>(i) / 30;
+}
+
+// Bursts of five and more lie too far apart to be neighbours.
+TEST(RowTime, IsNotToldByTimesOfFramesThatArriveInBursts) {
+  for (const size_t burst : {2u, 3u, 5u, 9u})
+    EXPECT_EQ(CountTold(Clip{burst % 2 == 1 ? -25.0 : 12.0}, 2, 0,
+                        [&](std::mt19937_64*, std::vector<double>* times_s) {
+                          std::vector<double>& t = *times_s;
+                          const std::vector<double> taken = t;
+                          for (size_t i = 0; i < t.size(); ++i) {
+                            const size_t last = i / burst * burst + burst - 1;
+                            t[i] = taken[std::min(last, t.size() - 1)] +
+                                   0.002 * static_cast<double>(i % burst);
+                          }
+                        }),
+              0)
+        << burst << " frames together";
+}
+
+TEST(RowTime, IsNotToldByCountingFramesOfWhichSomeAreMissing) {
+  for (const double part : {0.03, 0.2})
+    EXPECT_EQ(CountTold(Clip{20, 0.1, 1, 160}, 2, part, CountFrames), 0)
+        << part;
+  // Where one in a hundred is missing, a recording may miss none.
+  CountTold(Clip{20, 0.1, 1, 160}, 3, 0.01, CountFrames);
+}
+
+TEST(RowTime, IsNotToldByTimesInAnotherOrder) {
+  EXPECT_EQ(CountTold(Clip{20}, 2, 0,
+                      [](std::mt19937_64* random, std::vector<double>* t) {
+                        std::shuffle(t->begin(), t->end(), *random);
+                      }),
+            0);
+  EXPECT_EQ(CountTold(Clip{20}, 2, 0,
+                      [](std::mt19937_64*, std::vector<double>* t) {
+                        for (size_t i = 10; i + 1 < t->size(); i += 20)
+                          std::swap((*t)[i], (*t)[i + 1]);
+                      }),
+            0);
+}
+
+TEST(RowTime, TellsWhichTimesDoNotFitTheMotion) {
+  Recording recording = Record(Clip{20, 0.05}, 3);
+  for (auto& [image, time_s] : recording.times)
+    if (image >= "sim0060.png") time_s += 0.05;
+  const RowTimeEstimate found = EstimateRowTime(recording.Views());
+  EXPECT_FALSE(found.do_times_fit);
+  for (const char* words : {"sim0059.png to sim0060.png", "83.3 ms", "33."})
+    EXPECT_NE(found.untold.find(words), std::string::npos) << found.untold;
+}
+
+// One part of a clip is a fifth quicker than its times tell.
+TEST(RowTime, IsNotToldByTimesWhoseRateChanges) {
+  Recording recording = Record(Clip{20, 0.05, 1, 300}, 3);
+  for (auto& [image, time_s] : recording.times)
+    if (image >= "sim0150.png") time_s = 5 + 1.2 * (time_s - 5);
+  const RowTimeEstimate found = EstimateRowTime(recording.Views());
+  EXPECT_FALSE(found.do_times_fit);
+  EXPECT_NE(found.untold.find("its end"), std::string::npos) << found.untold;
+}
+
+TEST(RowTime, IsToldByGoodTimes) {
+  const auto scatter = [](std::mt19937_64* random, std::vector<double>* t) {
+    std::normal_distribution<double> scatter_s(0, 3e-4);
+    for (double& time_s : *t) time_s += scatter_s(*random);
+  };
+  for (const Clip& clip : {Clip{30, 0.05, 1, 200}, Clip{20, 0.3},
+                           Clip{-20, 0.1, 2}, Clip{20, 0.1, 0.5, 150}})
+    EXPECT_EQ(CountTold(clip, 2, 0, scatter), 2)
+        << clip.row_time_us << " us, speed " << clip.speed;
+  // Frames that are missing leave the times of the others right.
+  EXPECT_EQ(CountTold(Clip{20, 0.1, 1, 160}, 2, 0.1, scatter), 2);
+  Recording recording = Record(Clip{20, 0.1, 1, 240}, 4);
+  size_t count = 0;
+  for (const BoardPose& pose : recording.seen.poses)
+    if (count++ % 25 < 9) recording.times.erase(pose.image);
+  const RowTimeEstimate found = EstimateRowTime(recording.Views());
+  EXPECT_TRUE(found.IsTold()) << found.untold;
 }
 
 // A camera that is bent as a common motion would bend it tells no other time.
