@@ -442,7 +442,8 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                     "measured again through a first camera");
   command->add_flag("--resume", arguments->resume,
                     "go on from where a calibration with the same features, "
-                    "options and output folder was interrupted or killed; the "
+                    "options and output folder was interrupted or killed, or "
+                    "begin anew if nothing was kept of it; the "
                     "result is that of one that was not. An interrupted "
                     "calibration writes the best state so far, but not over a "
                     "finished result");

@@ -25,6 +25,8 @@ CheckpointFile::CheckpointFile(const std::string& folder,
       checkpoints_(num_cameras) {}
 
 void CheckpointFile::Read() {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path_, ignored)) return;
   std::vector<Checkpoint> read = ReadCheckpoints(path_, inputs_);
   if (read.size() != checkpoints_.size())
     throw InputError(path_ +

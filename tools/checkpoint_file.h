@@ -21,7 +21,8 @@ class CheckpointFile {
   CheckpointFile(const CheckpointFile&) = delete;
   CheckpointFile& operator=(const CheckpointFile&) = delete;
 
-  /// Takes up what was written before; throws as ReadCheckpoints().
+  /// Takes up what was written before, if anything was: a calibration that was
+  /// killed soon has written nothing. Throws as ReadCheckpoints().
   void Read();
   const Checkpoint& Of(size_t camera) const { return checkpoints_[camera]; }
 

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "dataset/csv.h"
@@ -45,6 +47,11 @@ std::vector<FolderAt> ParseFolders(const std::vector<std::string>& texts) {
     if (IsSession(given.value))
       folders.back().folder += std::string("/") + kSessionFrames;
   }
+  // The result is that of the values, in whatever order they are given.
+  std::stable_sort(
+      folders.begin(), folders.end(), [](const FolderAt& a, const FolderAt& b) {
+        return std::tie(a.value, a.text) < std::tie(b.value, b.text);
+      });
   return folders;
 }
 
@@ -222,9 +229,9 @@ Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
                               const Pattern& pattern,
                               const std::function<void(double)>& progress) {
   const std::vector<FolderAt> folders = ParseFolders(arguments.cameras_at);
-  std::set<std::string> values;
+  std::set<double> values;
   for (const FolderAt& folder : folders)
-    if (!values.insert(folder.text).second)
+    if (!values.insert(folder.value).second)
       throw Error(
           ExitCode::kUsage,
           fmt::format("--camera-at {}={}: the value is given twice; put "

@@ -267,6 +267,13 @@ void RequireRepeatsFit(const std::vector<BatchUnit>& units) {
       goldens.insert(unit.repeats);
       repeats.insert(unit.serial);
     }
+  std::set<std::string> serials;
+  for (const BatchUnit& unit : units) serials.insert(unit.serial);
+  for (const BatchUnit& unit : units)
+    if (!unit.repeats.empty() && serials.count(unit.repeats) == 0)
+      throw InputError(fmt::format(
+          "unit {}: repeats {}, and the plan has no unit of that serial",
+          unit.serial, unit.repeats));
   const BatchUnit* first = nullptr;
   for (const BatchUnit& unit : units) {
     const bool is_golden = goldens.count(unit.serial) > 0;

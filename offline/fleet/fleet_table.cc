@@ -102,6 +102,16 @@ std::string WhyBeyond(const UnitRow& row, const FigureLimits& limits) {
   return "";
 }
 
+// A field of words. Spreadsheets run what begins as a formula does; behind an
+// apostrophe it is text.
+std::string TextField(const std::string& text) {
+  const size_t first = text.find_first_not_of(" \t\r\n");
+  const bool is_formula =
+      first != std::string::npos &&
+      std::string("=+-@").find(text[first]) != std::string::npos;
+  return CsvField(is_formula ? "'" + text : text);
+}
+
 }  // namespace
 
 UnitRow ReadUnitRow(const std::string& serial, const std::string& folder,
@@ -132,15 +142,15 @@ std::string FormatFleetTable(const std::vector<UnitRow>& rows) {
                   fmt::join(kColumns, ","));
   for (const UnitRow& row : rows) {
     text +=
-        fmt::format("{},{},{}", row.serial, row.status, CsvField(row.reason));
+        fmt::format("{},{},{}", row.serial, row.status, TextField(row.reason));
     for (const std::string& column : kColumns) {
       const auto figure = row.figures.find(column);
       text += figure == row.figures.end()
                   ? ","
                   : fmt::format(",{:.9g}", figure->second);
     }
-    text += "," + CsvField(row.lens_batch) + "," +
-            CsvField(fmt::format("{}", fmt::join(row.unusual, " ")));
+    text += "," + TextField(row.lens_batch) + "," +
+            TextField(fmt::format("{}", fmt::join(row.unusual, " ")));
     text += row.seconds > 0 ? fmt::format(",{:.2f}\n", row.seconds) : ",\n";
   }
   return text;

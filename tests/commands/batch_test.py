@@ -165,10 +165,12 @@ units:
             add(f"U{k:02d}", {"fx": lambda fx, by=scale: fx * by, "fy": lambda fy, by=scale: fy * by,
                               "cx": lambda cx, by=x: cx + by / 15, "cy": lambda cy, by=y: cy + by / 15,
                               "p1": lambda p1, by=0.01 if k == 8 else 0: p1 + by},
-                "lens_batch: " + ("<old>" if k < 14 else "new"))
-        for k in range(8):
-            add(f"Z{k}", {"cx": lambda cx, by=k % 2 + k // 4: cx + 0.1 * by},
-                f"repeats: G, operator: {'ann' if k % 2 else 'bob'}, station: s{k // 4}")
+                "lens_batch: " + ("<old>" if k < 14 else "new") + (", operator: bob, station: s0" if k == 23 else ""))
+        # The last one again.
+        for k in range(1, 8):
+            add(f"Z{k}", {"fx": lambda fx: fx * scale, "fy": lambda fy: fy * scale, "cy": lambda cy: cy + y / 15,
+                          "cx": lambda cx, by=k % 2 + k // 4: cx + x / 15 + 0.1 * by},
+                f"repeats: U23, operator: {'ann' if k % 2 else 'bob'}, station: s{k // 4}")
         return write(self.path("fleet.yaml"), PLAN % "focal_px: [80, 90]" + "".join(units))
 
     def test_unusual_units_jumps_batches_and_the_gauge_are_told(self):
@@ -198,11 +200,24 @@ units:
             self.assertAlmostEqual(center[factor]["deviation"], 0.1 / 2 ** 0.5, delta=1e-4)
         self.assertGreater(center["part_of_fleet"], 0.05)
 
+    def test_words_that_a_spreadsheet_would_run_are_text(self):
+        more = ["  - {serial: B1, features: few/features.csv, lens_batch: '=cmd|x!A1'}\n",
+                "  - {serial: B2, features: '-gone.csv', lens_batch: '+1'}\n",
+                "  - {serial: B3, features: few/features.csv, lens_batch: '@A1, \"2\"'}\n",
+                "  - {serial: B4, features: few/features.csv, lens_batch: ' =A1'}\n"]
+        self.assertEqual(self.batch(self.plan(("A1",), more=more)).returncode, 3)
+        table = self.table()
+        self.assertEqual([table[f"B{k}"]["lens_batch"] for k in (1, 2, 3, 4)],
+                         ["'=cmd|x!A1", "'+1", "'@A1, \"2\"", "' =A1"])
+        for row in table.values():
+            for text in (row["reason"], row["lens_batch"], row["unusual"]):
+                self.assertNotIn(text[:1], tuple("=+-@"))
+
     def test_the_page_shows_the_fleet(self):
         plan = self.make_fleet()
         self.assert_done(run("batch", plan, "-o", self.out, "--gather"))
         page = read(self.out + "/fleet.html").decode()
-        for heading in ("32 units", "Unusual units", "Changes over time", "Control charts", "Batches of lenses",
+        for heading in ("31 units", "Unusual units", "Changes over time", "Control charts", "Batches of lenses",
                         "Gauge repeatability", "All units"):
             self.assertIn(heading, page)
         self.assertNotIn("<old>", page)  # names are text, not tags
@@ -479,6 +494,8 @@ units:
                 (("not one of images",), lambda text: text.replace("features: A2/features.csv", "model: opencv")),
                 (("A2: repeats A1", "repeated itself"), lambda text: text.replace(
                     "serial: A2,", "serial: A2, repeats: A1,").replace("serial: A3,", "serial: A3, repeats: A2,")),
+                (("A2: repeats B7", "no unit of that serial"), lambda text: text.replace(
+                    "serial: A2,", "serial: A2, repeats: B7,")),
                 (("A2", "no operator"), lambda text: text.replace(
                     "serial: A2,", "serial: A2, repeats: A1, operator: ann,")),
                 (("names a folder",), lambda text: text.replace("serial: A2,", "serial: A2, repeats: ../A1,")),

@@ -224,11 +224,13 @@ class Interruption(CommandTest):
                 if name.endswith(".png"):
                     self.assertEqual(read(os.path.join(place, name))[-8:-4], b"IEND", name)
 
-    def test_nothing_to_go_on_from(self):
-        result = run(*self.arguments("empty", "--resume"))
-        self.assertEqual(result.returncode, 2)
-        self.assertIn("resume.json", result.stderr)
-        self.assertIn("run without --resume", result.stderr)
+    def test_a_script_that_tries_again_may_always_say_resume(self):
+        """Where there is nothing yet, and where all is done."""
+        coarse = ("--resume", "--cell-px", 160)
+        self.assert_done(run(*self.arguments("empty", *coarse)))
+        camera = read(self.path("empty/camera.yaml"))
+        self.assert_done(run(*self.arguments("empty", *coarse)))
+        self.assertEqual(read(self.path("empty/camera.yaml")), camera)
 
 
 if __name__ == "__main__":
