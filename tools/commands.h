@@ -29,6 +29,9 @@ CLI::App* AddCommand(CLI::App* app, const std::string& name,
                      const std::string& description, const std::string& example,
                      CommonOptions* common);
 
+/// A check of a number: that it is finite and above 0.
+CLI::Validator AboveZero();
+
 /// The meaning of each exit code, for a help's end.
 std::string ExitCodesHelp();
 

@@ -299,7 +299,7 @@ void AddCompare(CLI::App* app, CommonOptions* common) {
   command
       ->add_option("--distance", arguments->distance_m,
                    "of what cameras that are not central see, metres")
-      ->check(CLI::PositiveNumber)
+      ->check(AboveZero())
       ->capture_default_str();
   command->add_option("--features", arguments->features,
                       "features.csv that both cameras predict");

@@ -294,7 +294,7 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
       ->add_option("--nearest-m", arguments->nearest_m,
                    "distance of the nearest thing that --image shows "
                    "(default: ten times what is between the cameras)")
-      ->check(CLI::PositiveNumber);
+      ->check(AboveZero());
   command->add_option("--walk", arguments->walk,
                       "folder of the user's own structure from motion: "
                       "cameras.txt, images.txt and points3D.txt of COLMAP");

@@ -21,6 +21,18 @@
 #include "dataset/text_encoding.h"
 
 namespace raygrid {
+// Replaces CLI::PositiveNumber, whose message has the largest number in digits.
+CLI::Validator AboveZero() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        double value = 0;
+        const bool is_above = CLI::detail::lexical_cast(text, value) &&
+                              value > 0 && std::isfinite(value);
+        return is_above ? std::string() : text + " is not a number above 0";
+      },
+      "POSITIVE");
+}
+
 CLI::App* AddCommand(CLI::App* app, const std::string& name,
                      const std::string& description, const std::string& example,
                      CommonOptions* common) {

@@ -247,7 +247,7 @@ void AddPack(CLI::App* app, CommonOptions* common) {
       ->add_option(
           "--max-error-px", arguments->max_error_px,
           "geometric error that the tables may have; chroma's own is printed")
-      ->check(CLI::PositiveNumber)
+      ->check(AboveZero())
       ->capture_default_str();
   AddOutsideOption(command, &arguments->outside);
   command->add_flag(

@@ -172,8 +172,8 @@ void AddOutputOptions(CLI::App* command, OutputOptions* options) {
   CLI::Option* const y =
       command->add_option("--measured-y-mm", options->measured_y_mm,
                           "likewise the ruler beside the board");
-  x->needs(y)->excludes(screen)->check(CLI::PositiveNumber);
-  y->needs(x)->check(CLI::PositiveNumber);
+  x->needs(y)->excludes(screen)->check(AboveZero());
+  y->needs(x)->check(AboveZero());
   command->add_option("-o,--output", options->output, "folder to write to")
       ->required();
 }
@@ -238,7 +238,7 @@ void AddStar(CLI::App* pattern, CommonOptions* common) {
   command
       ->add_option("--tag-squares", options->tag_squares,
                    "side of a tag in squares; default: about 40 mm")
-      ->check(CLI::PositiveNumber);
+      ->check(AboveZero());
   AddNumBoards(command, &options->num_boards);
   Finish(
       command, [options] { return StarBoards(*options); }, common);

@@ -316,12 +316,12 @@ void AddRectify(CLI::App* app, CommonOptions* common) {
       ->add_option("--distance", arguments->distance_m,
                    "of the scene in metres, for cameras whose lines do not "
                    "meet in a point")
-      ->check(CLI::PositiveNumber)
+      ->check(AboveZero())
       ->option_text("METRES");
   command
       ->add_option("--max-error-px", arguments->max_error_px,
                    "geometric error that the tables may have")
-      ->check(CLI::PositiveNumber)
+      ->check(AboveZero())
       ->capture_default_str();
   command->add_option("-o,--output", arguments->output, "folder to write to")
       ->required();

@@ -410,7 +410,7 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
   command
       ->add_option("--max-error-px", arguments->max_error_px,
                    "geometric error that the table may have")
-      ->check(CLI::PositiveNumber)
+      ->check(AboveZero())
       ->capture_default_str();
   AddHugeOption(command);
   command->callback([arguments, common] { Run(*arguments, *common); });

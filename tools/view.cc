@@ -385,7 +385,7 @@ void AddView(CLI::App* app, CommonOptions* common) {
   command
       ->add_option("--max-error-px", arguments->max_error_px,
                    "geometric error that tables of --remap may have")
-      ->check(CLI::PositiveNumber)
+      ->check(AboveZero())
       ->capture_default_str();
   command->add_option("-o,--output", arguments->output, "PNG file to write")
       ->capture_default_str();

@@ -194,6 +194,8 @@ class RectifyLines(CommandTest):
                    self.path("out"))
         self.assert_refused(run(*rectify), 1, "--distance METRES", "camera.yaml")
         self.assert_nothing_in(self.path("out"))
+        for distance in (0, -1, "inf", "nan", "1e999", "far"):
+            self.assert_refused(run(*rectify, "--distance", distance), 1, f"--distance: {distance} is not a")
         self.assert_done(run(*rectify, "--distance", 0.6))
         self.assertIn("distance: 0.6", read(self.path("out/rectified.yaml")).decode())
 
