@@ -48,24 +48,26 @@ bool ParseCamera(const std::string& source, CameraArguments* camera) {
   return false;
 }
 
+// A camera's or a file's path without links; what is none stays as it is.
+std::string PlaceOf(const std::string& source) {
+  CameraArguments camera;
+  const std::string name =
+      ParseCamera(source, &camera) ? camera.camera : source;
+  std::error_code error;
+  const auto place = std::filesystem::canonical(name, error);
+  return error ? source : place.string();
+}
+
 // Two sources that are one, by whatever path, would be a rig of one camera.
 void RequireDifferentSources(const std::vector<NamedValue>& sources) {
-  const auto path = [](const NamedValue& source) {
-    CameraArguments camera;
-    return ParseCamera(source.value, &camera) ? camera.camera : source.value;
-  };
   for (size_t k = 1; k < sources.size(); ++k)
-    for (size_t before = 0; before < k; ++before) {
-      std::error_code ignored;
-      if (sources[before].value == sources[k].value ||
-          std::filesystem::equivalent(path(sources[before]), path(sources[k]),
-                                      ignored))
+    for (size_t before = 0; before < k; ++before)
+      if (PlaceOf(sources[before].value) == PlaceOf(sources[k].value))
         throw Error(ExitCode::kUsage,
                     fmt::format("--source {}={}: the source of {} again; give "
                                 "each camera its own",
                                 sources[k].name, sources[k].value,
                                 sources[before].name));
-    }
 }
 
 // Opens a source; NULL if a signal came first.
