@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -31,8 +32,14 @@ using Json = nlohmann::ordered_json;
 // ---- Blobs -----------------------------------------------------------------
 
 // Figures that are not known are left out.
+void AddFigure(const char* key, uint32_t figure, double unit, Json* json) {
+  if (figure != RG_UNKNOWN_FIGURE) (*json)[key] = figure * unit;
+}
+void AddFinite(const char* key, double value, Json* json) {
+  if (std::isfinite(value)) (*json)[key] = value;
+}
 void AddPixels(const char* key, uint32_t upx, Json* json) {
-  if (upx != RG_UNKNOWN_FIGURE) (*json)[key] = upx * 1e-6;
+  AddFigure(key, upx, 1e-6, json);
 }
 
 Json Figures(uint32_t median_upx, uint32_t rms_upx, uint32_t max_upx,
@@ -41,7 +48,7 @@ Json Figures(uint32_t median_upx, uint32_t rms_upx, uint32_t max_upx,
   AddPixels("median_px", median_upx, &json);
   AddPixels("rms_px", rms_upx, &json);
   AddPixels("max_px", max_upx, &json);
-  json["features"] = count;
+  if (count != RG_UNKNOWN_FIGURE) json["features"] = count;
   return json;
 }
 
@@ -74,26 +81,34 @@ Json ModeFacts(const SensorMode& mode) {
 void AddQuality(const rg_blob& blob, Json* json) {
   rg_quality_section quality;
   rg_blob_quality(&blob, &quality);
-  (*json)["training_error"] =
+  const auto add = [&](const char* key, const Json& known) {
+    if (!known.empty()) (*json)[key] = known;
+  };
+  add("training_error",
       Figures(quality.training_median_upx, quality.training_rms_upx,
-              quality.training_max_upx, quality.training_count);
-  (*json)["held-out_error"] =
+              quality.training_max_upx, quality.training_count));
+  add("held-out_error",
       Figures(quality.held_out_median_upx, quality.held_out_rms_upx,
-              quality.held_out_max_upx, quality.held_out_count);
-  (*json)["packing_error"] = {{"max_px", quality.packing_error_npx * 1e-9},
-                              {"max_rad", quality.packing_error_prad * 1e-12}};
+              quality.held_out_max_upx, quality.held_out_count));
+  Json packing = Json::object();
+  AddFigure("max_px", quality.packing_error_npx, 1e-9, &packing);
+  AddFigure("max_rad", quality.packing_error_prad, 1e-12, &packing);
+  add("packing_error", packing);
 }
 
 Json UncertaintyFacts(const rg_blob& blob) {
   rg_uncertainty_section uncertainty;
   rg_blob_uncertainty(&blob, &uncertainty);
-  std::vector<int> values_q12;
-  for (int i = 0; i < uncertainty.columns * uncertainty.rows; ++i)
-    values_q12.push_back(uncertainty.values[2 * i] +
-                         256 * uncertainty.values[2 * i + 1]);
+  std::vector<uint32_t> values_q12;  // that are known
+  for (int i = 0; i < uncertainty.columns * uncertainty.rows; ++i) {
+    const uint32_t value = rg_load_u16(uncertainty.values + 2 * i);
+    if (value != RG_UNKNOWN_UNCERTAINTY) values_q12.push_back(value);
+  }
   std::sort(values_q12.begin(), values_q12.end());
-  return {{"values", {uncertainty.columns, uncertainty.rows}},
-          {"median_px", values_q12[values_q12.size() / 2] / 4096.0}};
+  Json json = {{"values", {uncertainty.columns, uncertainty.rows}}};
+  if (!values_q12.empty())
+    json["median_px"] = values_q12[values_q12.size() / 2] / 4096.0;
+  return json;
 }
 
 Json MaskFacts(const rg_blob& blob) {
@@ -223,7 +238,8 @@ void AddRanges(const CameraFile& file, Json* json) {
   (*json)["parameters"] = num_terms * file.camera->NumParameters();
   const auto known = UncertaintyOverRanges(file);
   if (!known || !known->TellsDeviations()) return;
-  (*json)["uncertainty"]["median_over_range_px"] = known->lattice.MedianPx();
+  AddFinite("median_over_range_px", known->lattice.MedianPx(),
+            &(*json)["uncertainty"]);
   (*json)["uncertainty"]["trusted_part_over_range"] =
       known->TrustedPart(file.camera->image_size(), file.camera->area());
 }
@@ -248,10 +264,11 @@ Json CameraFacts(const CameraFile& file) {
     json["lens"] = LensFacts(*lens);
   if (file.training) json["training_error"] = Figures(*file.training);
   if (file.held_out) json["held-out_error"] = Figures(*file.held_out);
-  if (file.uncertainty && file.uncertainty->TellsDeviations())
-    json["uncertainty"] = {
-        {"median_px", file.uncertainty->lattice.MedianPx()},
-        {"trusted_to_px", file.uncertainty->max_deviation_px}};
+  if (file.uncertainty && file.uncertainty->TellsDeviations()) {
+    AddFinite("median_px", file.uncertainty->lattice.MedianPx(),
+              &json["uncertainty"]);
+    json["uncertainty"]["trusted_to_px"] = file.uncertainty->max_deviation_px;
+  }
   if (file.uncertainty)
     json["uncertainty"]["trusted_part_of_image"] =
         file.uncertainty->TrustedPart(size, area);

@@ -116,15 +116,19 @@ rg_quality_section QualityOf(const CameraFile& file,
     return Figure(figures ? std::optional((*figures).*member) : std::nullopt,
                   1e-6);
   };
+  const auto count = [](const std::optional<ErrorFigures>& figures) {
+    return Figure(
+        figures ? std::optional<double>(figures->count) : std::nullopt, 1);
+  };
   rg_quality_section quality = {};
   quality.training_median_upx = figure(file.training, &ErrorFigures::median_px);
   quality.training_rms_upx = figure(file.training, &ErrorFigures::rms_px);
   quality.training_max_upx = figure(file.training, &ErrorFigures::max_px);
-  quality.training_count = file.training ? file.training->count : 0;
+  quality.training_count = count(file.training);
   quality.held_out_median_upx = figure(file.held_out, &ErrorFigures::median_px);
   quality.held_out_rms_upx = figure(file.held_out, &ErrorFigures::rms_px);
   quality.held_out_max_upx = figure(file.held_out, &ErrorFigures::max_px);
-  quality.held_out_count = file.held_out ? file.held_out->count : 0;
+  quality.held_out_count = count(file.held_out);
   quality.packing_error_npx = Figure(packing.px, 1e-9);
   quality.packing_error_prad = Figure(packing.rad, 1e-12);
   return quality;

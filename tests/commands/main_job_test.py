@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The commands together, on simulated truth and on real photographs."""
 import csv
+import dataclasses
 import io
 import json
 import math
@@ -8,10 +9,15 @@ import os
 import re
 import stat
 import subprocess
+import sys
 
 from command_test import (CommandTest, PATTERN, SIMULATED_PATTERN, main, programs, read, run,
                           write)
 from images_test import png, read_png
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.insert(0, os.path.join(ROOT, "formats"))
+import blob_reference as reference  # noqa: E402
 
 
 def rows(text):
@@ -306,6 +312,26 @@ class MainJob(CommandTest):
         self.assertEqual(facts["remap_tables"][0]["size"], [640, 480])
         result = run("inspect", self.path("out/camera.yaml"), "--json")
         self.assertEqual(json.loads(result.stdout)["model"], "central-generic")
+
+    def test_inspect_leaves_out_what_a_blob_does_not_know(self):
+        header = read(os.path.join(ROOT, "tests/golden/golden_blobs.h")).decode()
+        numbers = re.search(r"kExampleBlob\[\d+\][^{]*\{([^}]*)\}", header)[1]
+        example = bytes(int(number, 16) for number in re.findall(r"0x[0-9a-f]{2}", numbers))
+        unknown = 0xFFFFFFFF
+        blob = dataclasses.replace(
+            reference.parse(example), quality=reference.Quality(*[unknown] * 10),
+            uncertainty=reference.Uncertainty(2, 3, (0xFFFF, 0xFFFF, 4096, 0xFFFF, 0xFFFF, 0xFFFF)))
+        nothing_known = reference.serialize(blob)
+        for name, data in (("example", example), ("unknown", nothing_known)):
+            path = write(self.path(name + ".raygrid"), data)
+            for options in ((), ("--json",)):
+                result = run("inspect", path, *options)
+                self.assert_done(result)
+                for sentinel in ("4294967295", "4294.96", "4.29", "65535", "15.9998", "nan", "null"):
+                    self.assertNotIn(sentinel, result.stdout, name)
+        facts = json.loads(run("inspect", self.path("unknown.raygrid"), "--json").stdout)
+        self.assertEqual(facts["uncertainty"]["median_px"], 1)
+        self.assertFalse({"training_error", "held-out_error", "packing_error"} & set(facts))
 
     def test_opencv_model_goes_the_same_way(self):
         result = run("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
