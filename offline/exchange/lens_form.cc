@@ -131,14 +131,16 @@ std::vector<double> LensInForm::ValuesFrom(size_t first) const {
   return {values.begin() + static_cast<std::ptrdiff_t>(first), values.end()};
 }
 
+// Each sample stands in the middle of the same part of the area: samples on its
+// edges would count too much of what lies there, as folds do.
 double PartWithoutRays(const CameraModel& lens) {
-  constexpr int kAcross = 17;
+  constexpr int kAcross = 64;
   const Area area = lens.area();
   int num_without = 0;
   for (int j = 0; j < kAcross; ++j)
     for (int i = 0; i < kAcross; ++i)
-      if (!lens.Unproject({area.x0 + area.width() * i / (kAcross - 1),
-                           area.y0 + area.height() * j / (kAcross - 1)}))
+      if (!lens.Unproject({area.x0 + area.width() * (i + 0.5) / kAcross,
+                           area.y0 + area.height() * (j + 0.5) / kAcross}))
         ++num_without;
   return static_cast<double>(num_without) / (kAcross * kAcross);
 }

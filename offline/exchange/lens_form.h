@@ -66,7 +66,7 @@ struct LensInForm {
 /// numbers that no lens has: such as not finite ones, and focal lengths of 0.
 std::unique_ptr<CameraModel> MakeLens(const LensInForm& lens);
 
-/// The part of the image's pixels, on a lattice, that look nowhere.
+/// The part of the area that looks nowhere, by 64 x 64 samples.
 double PartWithoutRays(const CameraModel& lens);
 
 /// A lens in a form; nothing if the form cannot hold it exactly, as grids hold

@@ -74,6 +74,24 @@ TEST(LensForm, HoldsAnEquidistantViewAsAFisheye) {
   EXPECT_FALSE(InForm(OpenCvFisheyeForm("fisheye"), cylinder));
 }
 
+// This distortion folds at a radius of r (1 - r^2 / 2), with r^2 = 2/3: outside
+// of a circle.
+TEST(LensForm, CountsPixelsThatLookNowhereByArea) {
+  const double radius_px = 400 * std::sqrt(2 / 3.0) * (2 / 3.0);
+  for (const Eigen::Vector2d& center :
+       {Eigen::Vector2d(319.5, 239.5), Eigen::Vector2d(250, 180),
+        Eigen::Vector2d(100, 300)}) {
+    const OpenCvModel lens(
+        kFormImage, WholeImage(kFormImage),
+        {400, 400, center.x(), center.y(), -0.5, 0, 0, 0, 0, 0, 0, 0});
+    int num_outside = 0;
+    for (int y = 0; y < 480; ++y)
+      for (int x = 0; x < 640; ++x)
+        num_outside += (Eigen::Vector2d(x, y) - center).norm() > radius_px;
+    EXPECT_NEAR(PartWithoutRays(lens), num_outside / (640.0 * 480), 0.004);
+  }
+}
+
 TEST(LensForm, RefusesNumbersThatNoLensHas) {
   const LensForm form = OpenCvForm("four", 4);
   const auto expect = [&](std::vector<double> values, ImageSize size,
