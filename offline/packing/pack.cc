@@ -204,6 +204,7 @@ class RemapSections {
           FitTables(pointers, request, options, trusted, num_threads, go_on),
           request.mode));
       packed->remaps.back().distorts = request.distorts;
+      RemarkOnReach(packed);
       if (lines && request.scene)
         packed->remaps.back().far_error_px = FarError(
             *sources[0], *CameraOfRequest(*cameras[0], nullptr, request),
@@ -212,7 +213,9 @@ class RemapSections {
     if (!options.has_default_remap) return;
     std::vector<RemapTable> tables = FitDefaultTables(
         cameras, options.max_error_px, num_threads, go_on, &packed->remarks);
-    if (!tables.empty()) packed->remaps.push_back(Add(std::move(tables)));
+    if (tables.empty()) return;
+    packed->remaps.push_back(Add(std::move(tables)));
+    RemarkOnReach(packed);
   }
 
   // Adds the first camera's tables to contents, which point to memory that
@@ -245,6 +248,18 @@ class RemapSections {
   }
 
  private:
+  // Says what the last table cannot reach.
+  void RemarkOnReach(PackedCamera* packed) const {
+    const RemapTable& table = tables_.back().front();
+    if (table.num_out_of_reach > 0)
+      packed->remarks.push_back(fmt::format(
+          "table {} has border in {} blocks of {} px at the far edge of the "
+          "image: corners of theirs lie beyond 8192 px, which no table holds; "
+          "a table for smaller frames (--mode) shows all",
+          tables_.size() - 1, table.num_out_of_reach,
+          1 << table.section.block_log2));
+  }
+
   // An error says which of several tables it is of.
   static std::vector<RemapTable> FitTables(
       const std::vector<const CameraModel*>& sources,

@@ -171,19 +171,50 @@ Blocks UnionOf(const std::vector<Blocks>& own) {
   return all;
 }
 
+// Leaves out the blocks with a vertex so far beyond what the format holds that
+// an error is added. Returns their number.
+int LeaveOutOfReach(const NodePositions& nodes, double max_error_px,
+                    Blocks* blocks) {
+  const double reach_px = RG_VERTEX_LIMIT_Q12 / kQ12 + max_error_px / 2;
+  int num_left_out = 0;
+  for (int j = 0; j < blocks->rows; ++j)
+    for (int i = 0; i < blocks->columns; ++i) {
+      bool is_in_reach = true;
+      for (int corner = 0; corner < 4; ++corner)
+        is_in_reach &=
+            nodes.row(blocks->VertexIndex(i + corner % 2, j + corner / 2))
+                .cwiseAbs()
+                .maxCoeff() <= reach_px;
+      if (is_in_reach || !blocks->IsUsed(i, j)) continue;
+      blocks->used[j * blocks->columns + i] = false;
+      ++num_left_out;
+    }
+  return num_left_out;
+}
+
 // Tables with blocks of a layout, as far as the format holds them; nothing if
-// it does not.
+// it does not. Small blocks that it does not hold are left out of own and all.
 std::optional<std::vector<RemapTable>> FitWithLayout(
     const std::vector<std::unique_ptr<MappedInput>>& inputs,
-    const std::vector<Blocks>& own, const Blocks& all,
-    const VirtualView& view) {
+    double max_error_px, const VirtualView& view,
+    std::vector<Blocks>* own_blocks, Blocks* all_blocks) {
+  std::vector<Blocks>& own = *own_blocks;
   std::vector<RemapTable> tables(inputs.size());
   std::vector<NodePositions> nodes;
+  for (size_t t = 0; t < inputs.size(); ++t) {
+    nodes.push_back(FitNodes(inputs[t]->map, inputs[t]->sums, own[t]));
+    tables[t].num_out_of_reach =
+        LeaveOutOfReach(nodes[t], max_error_px, &own[t]);
+    if (tables[t].num_out_of_reach == 0) continue;
+    if (own[t].layout.block_log2 > kMaxHidingLog2) return std::nullopt;
+    nodes[t] = FitNodes(inputs[t]->map, inputs[t]->sums, own[t]);
+  }
+  *all_blocks = UnionOf(own);
+  const Blocks& all = *all_blocks;
   for (size_t t = 0; t < inputs.size(); ++t) {
     const MappedInput& input = *inputs[t];
     FillFields(input.input.camera->image_size(), input.map, view, all,
                &tables[t]);
-    nodes.push_back(FitNodes(input.map, input.sums, own[t]));
   }
   for (size_t t = 0; t < inputs.size(); ++t) ContinueNodes(all, own, t, &nodes);
   if (!QuantizeVertices(all, nodes, &tables) ||
@@ -244,14 +275,14 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
     std::vector<Blocks> own;
     for (const auto& input : inputs)
       own.push_back(CutBlocks(input->map, layout));
-    const Blocks all = UnionOf(own);
+    Blocks all = UnionOf(own);
     if (std::count(all.used.begin(), all.used.end(), true) == 0)
       throw Error(
           ExitCode::kUsage,
           "the view sees nothing of the calibrated area; turn it there, or "
           "ask for a larger field of view");
     std::optional<std::vector<RemapTable>> tables =
-        FitWithLayout(inputs, own, all, view);
+        FitWithLayout(inputs, max_error_px, view, &own, &all);
     go_on();
     if (!tables) continue;
     bool are_good = true;

@@ -22,6 +22,8 @@ struct RemapTable {
   /// The largest error of U and V in NV12 and YUYV, in their own pixels; not
   /// where their sources end.
   double max_chroma_error_px = 0;
+  /// Blocks that are border since a corner lies beyond 8192 px.
+  int num_out_of_reach = 0;
 };
 
 /// Tells which pixels of a camera's image are shown; all, if it is empty.

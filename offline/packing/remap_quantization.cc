@@ -36,6 +36,25 @@ int FittingShift(double largest, double limit) {
   return shift;
 }
 
+// A residual in units of 2^shift, by which the vertex stays within the limit.
+int16_t RoundedResidual(double residual_q12, int64_t base_q12, int shift) {
+  constexpr int64_t kLimit = RG_VERTEX_LIMIT_Q12;
+  int64_t rounded = std::clamp<int64_t>(
+      std::llround(residual_q12 / (1 << shift)), -32768, 32767);
+  const int64_t position = base_q12 + rounded * (int64_t{1} << shift);
+  if (position >= kLimit) --rounded;
+  if (position <= -kLimit) ++rounded;
+  return static_cast<int16_t>(rounded);
+}
+
+// Where the section's affine map puts a vertex.
+int64_t BaseQ12(const rg_remap_section& s, int column, int row, int axis) {
+  return axis == 0 ? s.origin_x_q12 + int64_t{column} * s.column_step_x_q12 +
+                         int64_t{row} * s.row_step_x_q12
+                   : s.origin_y_q12 + int64_t{column} * s.column_step_y_q12 +
+                         int64_t{row} * s.row_step_y_q12;
+}
+
 // The affine map of the first table's vertices, for all tables.
 void QuantizePlane(const Blocks& blocks,
                    const std::vector<NodePositions>& vertices,
@@ -65,19 +84,17 @@ std::vector<double> ResidualsQ12(const Blocks& blocks,
   for (int j = 0; j <= blocks.rows; ++j) {
     for (int i = 0; i <= blocks.columns; ++i) {
       const int k = blocks.VertexIndex(i, j);
-      const double base[2] = {static_cast<double>(s.origin_x_q12) +
-                                  static_cast<double>(i) * s.column_step_x_q12 +
-                                  static_cast<double>(j) * s.row_step_x_q12,
-                              static_cast<double>(s.origin_y_q12) +
-                                  static_cast<double>(i) * s.column_step_y_q12 +
-                                  static_cast<double>(j) * s.row_step_y_q12};
+      const double base[2] = {static_cast<double>(BaseQ12(s, i, j, 0)),
+                              static_cast<double>(BaseQ12(s, i, j, 1))};
       for (int c = 0; c < 2; ++c) {
-        constexpr double kLimit = RG_VERTEX_LIMIT_Q12 - 4096;
+        constexpr double kLimit = RG_VERTEX_LIMIT_Q12 - 1.0;
         const double target = needed[k] ? vertices(k, c) * kVertexUnits
                                         : std::clamp(base[c], 0.0, 1.0);
         residuals_q12.push_back(std::clamp(target, -kLimit, kLimit) - base[c]);
-        if (needed[k])
-          *largest = std::max(*largest, std::abs(residuals_q12.back()));
+        // Those that are not needed may lie anywhere within the limit.
+        *largest =
+            std::max(*largest, needed[k] ? std::abs(residuals_q12.back())
+                                         : std::abs(base[c]) - kLimit + 1);
       }
     }
   }
@@ -135,9 +152,14 @@ bool QuantizeVertices(const Blocks& blocks,
     RemapTable& table = (*tables)[t];
     table.section.residual_shift = static_cast<uint8_t>(shift);
     table.residuals.clear();
-    for (const double residual : residuals_q12[t])
-      table.residuals.push_back(static_cast<int16_t>(std::clamp<long>(
-          std::lround(residual / (1 << shift)), -32768, 32767)));
+    for (size_t k = 0; k < residuals_q12[t].size(); ++k) {
+      const int vertex = static_cast<int>(k / 2);
+      table.residuals.push_back(
+          RoundedResidual(residuals_q12[t][k],
+                          BaseQ12(table.section, vertex % (blocks.columns + 1),
+                                  vertex / (blocks.columns + 1), k % 2),
+                          shift));
+    }
   }
   return true;
 }

@@ -344,5 +344,42 @@ TEST(FitDistortionTable, KeepsTheBoundForEveryProjection) {
   }
 }
 
+int NumEmptyBlocks(const RemapTable& table) {
+  int count = 0;
+  for (const uint8_t bits : table.empty_blocks)
+    for (int k = 0; k < 8; ++k) count += bits >> k & 1;
+  return count;
+}
+
+// A corner of the last block lies at the limit of what a table can hold, or
+// beyond it.
+TEST(FitRemapTable, ReachesTheEdgeOfTheWidestImages) {
+  for (const double k1 : {0.0, -0.02, 0.02}) {
+    for (const ImageSize& size :
+         {ImageSize{8192, 40}, ImageSize{8188, 40}, ImageSize{40, 8192}}) {
+      SCOPED_TRACE(testing::Message() << k1 << " " << size.width);
+      const OpenCvModel lens(
+          size, WholeImage(size),
+          {8216, 8216, (size.width - 1) / 2.0, (size.height - 1) / 2.0, k1, 0,
+           0, 0, 0, 0, 0, 0});
+      ViewRequest request;
+      request.alpha = 0;
+      const RemapTable table =
+          FitRemapTable(lens, MakeView(lens, request), 0.05, 2);
+      EXPECT_LE(table.max_error_px, 0.05);
+      EXPECT_EQ(NumEmptyBlocks(table), 0);
+      // A picture of a sixteenth of the size shows the edges within a block.
+      request.size = {std::max(size.width / 16, 8),
+                      std::max(size.height / 16, 8)};
+      request.alpha = 1;
+      const RemapTable small =
+          FitRemapTable(lens, MakeView(lens, request), 0.05, 2);
+      EXPECT_LE(small.max_error_px, 0.05);
+      EXPECT_EQ(small.num_out_of_reach > 0, NumEmptyBlocks(small) > 0);
+      EXPECT_LE(NumEmptyBlocks(small), 2);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace raygrid
