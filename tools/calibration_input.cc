@@ -199,7 +199,7 @@ std::vector<Measurements> GivenCameras(const CalibrateArguments& arguments,
     camera.dataset = dataset;
     camera.dataset.image_size =
         is_rig ? SizeOfCamera(name, arguments) : SizeOfSingleCamera(arguments);
-    LeaveOutCopies(&camera);
+    LeaveOutCopies(&camera, arguments.hold_out);
     camera.image_circle = ImageCircleOf(camera, arguments.image_circle, 1);
     RequireUsable(arguments.features + (is_rig ? ", camera " + name : ""),
                   arguments, camera, pattern);
@@ -216,7 +216,8 @@ Measurements MeasureModes(const std::vector<std::string>& images,
   const auto measure = [&](const std::vector<std::string>& given) {
     return AreOfExif(arguments)
                ? MeasureWithExif(given, arguments, common, pattern, progress)
-               : Measure(given, pattern, arguments.pattern, common, progress);
+               : Measure(given, pattern, arguments.pattern, common, progress,
+                         arguments.hold_out);
   };
   Measurements measurements =
       arguments.cameras_at.empty()
@@ -305,10 +306,18 @@ FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
                                     : ReadFeatures(arguments.features);
 }
 
-void LeaveOutCopies(Measurements* measurements) {
+void LeaveOutCopies(Measurements* measurements,
+                    const std::vector<std::string>& hold_out) {
   Dataset& dataset = measurements->dataset;
   std::vector<std::string>& paths = measurements->paths;
-  const std::vector<std::optional<size_t>> repeated = RepeatedImages(dataset);
+  std::vector<std::optional<size_t>> repeated = RepeatedImages(dataset);
+  const auto is_held_out = [&](size_t image) {
+    return std::count(hold_out.begin(), hold_out.end(),
+                      dataset.images[image].image) > 0;
+  };
+  for (size_t i = 0; i < repeated.size(); ++i)
+    if (repeated[i] && is_held_out(i) != is_held_out(*repeated[i]))
+      repeated[i].reset();
   std::vector<SkippedImage> copies;
   for (size_t i = 0; i < repeated.size(); ++i)
     if (repeated[i]) {
@@ -351,7 +360,8 @@ void Append(Measurements more, Measurements* measurements) {
 Measurements Measure(const std::vector<std::string>& images,
                      const Pattern& pattern, const std::string& pattern_name,
                      const CommonOptions& common,
-                     const std::function<void(double)>& progress) {
+                     const std::function<void(double)>& progress,
+                     const std::vector<std::string>& hold_out) {
   const FoundImages found = FindImages(images);
   const DetectionCache cache(DetectionCache::DefaultFolder());
   FolderDetection detection = DetectFeatures(found.paths, pattern, {}, &cache,
@@ -371,7 +381,7 @@ Measurements Measure(const std::vector<std::string>& images,
   }
   measurements.dataset = std::move(detection.dataset);
   measurements.paths = std::move(detection.paths);
-  LeaveOutCopies(&measurements);
+  LeaveOutCopies(&measurements, hold_out);
   return measurements;
 }
 

@@ -82,8 +82,10 @@ void Append(Measurements more, Measurements* measurements);
 
 /// Images that show the same as others to 0.001 px leave, and are named: a copy
 /// would be predicted by a camera that was calibrated with it, and counted
-/// twice.
-void LeaveOutCopies(Measurements* measurements);
+/// twice. Images held out stay beside those that are not, of which the verdict
+/// warns.
+void LeaveOutCopies(Measurements* measurements,
+                    const std::vector<std::string>& hold_out = {});
 
 /// Detects the pattern in images and folders; those that cannot be used are
 /// named on stderr, and the
@@ -92,7 +94,8 @@ void LeaveOutCopies(Measurements* measurements);
 Measurements Measure(const std::vector<std::string>& images,
                      const Pattern& pattern, const std::string& pattern_name,
                      const CommonOptions& common,
-                     const std::function<void(double)>& progress);
+                     const std::function<void(double)>& progress,
+                     const std::vector<std::string>& hold_out = {});
 
 /// Reads --features; nothing if there are images instead. Throws Error(kUsage)
 /// if there are both or none.

@@ -34,13 +34,15 @@ struct Stage {
   double begin, end;
 };
 
-// Whether the images that stand for others are enough to calibrate each camera
-// with.
-bool AreEnough(const std::vector<Dataset>& cameras,
-               const std::vector<SameViews>& groups) {
+// Whether the images that stand for others, without those held out, are enough
+// to calibrate each camera with.
+bool HasEnoughViews(const std::vector<Dataset>& cameras,
+                    const std::vector<SameViews>& groups,
+                    const std::vector<std::string>& held_out) {
   return std::all_of(
       cameras.begin(), cameras.end(), [&](const Dataset& dataset) {
-        const Dataset views = WithoutOthers(dataset, groups);
+        const Dataset views =
+            SplitImages("", WithoutOthers(dataset, groups), held_out).training;
         return std::count_if(views.images.begin(), views.images.end(),
                              [](const ImageFeatures& image) {
                                return image.features.size() >= kMinViewFeatures;
@@ -155,13 +157,25 @@ void Calibration::LookForSameViews() {
     datasets.push_back(camera.input->dataset);
   std::vector<SameViews> groups =
       FindSameViews(datasets, options_.hold_out, options_.same_view_px);
-  if (!AreEnough(datasets, groups)) groups.clear();
+  std::vector<std::string> copies =
+      HeldOutCopies(datasets, options_.hold_out, options_.same_view_px);
+  if (!HasEnoughViews(datasets, groups, options_.hold_out)) {
+    groups.clear();
+    copies.clear();
+  }
+  const auto has_image = [](const Dataset& dataset, const std::string& name) {
+    return std::any_of(
+        dataset.images.begin(), dataset.images.end(),
+        [&name](const ImageFeatures& image) { return image.image == name; });
+  };
   for (CameraInProgress& camera : cameras_) {
     const Dataset& given = camera.input->dataset;
     camera.dataset = WithoutOthers(given, groups);
     camera.split =
         SplitImages(camera.input->name, camera.dataset, options_.hold_out);
     camera.result.same_views = GroupsIn(given, groups);
+    for (const std::string& copy : copies)
+      if (has_image(given, copy)) camera.result.held_out_copies.push_back(copy);
   }
 }
 

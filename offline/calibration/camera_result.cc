@@ -265,8 +265,11 @@ void AddSameViews(const CalibrationResult& result,
     views.insert(image.image);
   for (const FeatureResidual& residual : result.held_out)
     views.insert(residual.image);
-  figures->images_kept = static_cast<int>(views.size());
-  figures->images_alike = static_cast<int>(NumOthers(result.same_views));
+  figures->held_out_copies = result.held_out_copies;
+  const size_t num_copies = result.held_out_copies.size();
+  figures->images_kept = static_cast<int>(views.size() - num_copies);
+  figures->images_alike =
+      static_cast<int>(NumOthers(result.same_views) + num_copies);
 }
 
 CalibrationFigures FiguresOf(const CalibrationResult& result,

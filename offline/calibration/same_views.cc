@@ -64,8 +64,7 @@ std::vector<Instant> SortedInstants(const std::vector<Dataset>& cameras,
       instants.end());
   std::stable_sort(instants.begin(), instants.end(),
                    [](const Instant& a, const Instant& b) {
-                     return std::pair(a.is_held_out, a.num_features) >
-                            std::pair(b.is_held_out, b.num_features);
+                     return a.num_features > b.num_features;
                    });
   return instants;
 }
@@ -100,6 +99,19 @@ bool IsTold(const Instant& instant, const Instant& other,
       });
 }
 
+std::vector<double> DistancesPx(const std::vector<Dataset>& cameras,
+                                std::optional<double> same_view_px) {
+  std::vector<double> distances_px;
+  for (const Dataset& dataset : cameras)
+    distances_px.push_back(
+        same_view_px.value_or(UsualSameViewPx(dataset.image_size)));
+  return distances_px;
+}
+
+bool IsEachImageAView(std::optional<double> same_view_px) {
+  return same_view_px && !(*same_view_px > 0);
+}
+
 std::set<std::string> NamesOfOthers(const std::vector<SameViews>& groups) {
   std::set<std::string> names;
   for (const SameViews& group : groups)
@@ -132,16 +144,15 @@ double NearViewPx(const ImageSize& size) {
 std::vector<SameViews> FindSameViews(const std::vector<Dataset>& cameras,
                                      const std::vector<std::string>& held_out,
                                      std::optional<double> same_view_px) {
-  if (same_view_px && !(*same_view_px > 0)) return {};
-  std::vector<double> distances_px;
-  for (const Dataset& dataset : cameras)
-    distances_px.push_back(
-        same_view_px.value_or(UsualSameViewPx(dataset.image_size)));
+  if (IsEachImageAView(same_view_px)) return {};
+  const std::vector<double> distances_px = DistancesPx(cameras, same_view_px);
   std::vector<Instant> different;
   std::vector<SameViews> groups;
   for (Instant& instant : SortedInstants(cameras, held_out)) {
     size_t k = 0;
-    while (k < different.size() && !IsTold(instant, different[k], distances_px))
+    while (k < different.size() &&
+           (instant.is_held_out != different[k].is_held_out ||
+            !IsTold(instant, different[k], distances_px)))
       ++k;
     if (k < different.size()) {
       groups[k].others.push_back(std::move(instant.name));
@@ -159,6 +170,24 @@ std::vector<SameViews> FindSameViews(const std::vector<Dataset>& cameras,
   std::sort(groups.begin(), groups.end(),
             [](const auto& a, const auto& b) { return a.image < b.image; });
   return groups;
+}
+
+std::vector<std::string> HeldOutCopies(const std::vector<Dataset>& cameras,
+                                       const std::vector<std::string>& held_out,
+                                       std::optional<double> same_view_px) {
+  if (IsEachImageAView(same_view_px)) return {};
+  const std::vector<double> distances_px = DistancesPx(cameras, same_view_px);
+  const std::vector<Instant> instants = SortedInstants(cameras, held_out);
+  std::vector<std::string> copies;
+  for (const Instant& instant : instants)
+    if (instant.is_held_out &&
+        std::any_of(
+            instants.begin(), instants.end(), [&](const Instant& other) {
+              return !other.is_held_out && IsTold(instant, other, distances_px);
+            }))
+      copies.push_back(instant.name);
+  std::sort(copies.begin(), copies.end());
+  return copies;
 }
 
 std::vector<SameViews> GroupsIn(const Dataset& dataset,

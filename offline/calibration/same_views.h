@@ -22,12 +22,18 @@ double NearViewPx(const ImageSize& size);
 /// image tells nothing new beside another one that shows half of its features
 /// of each board or more, nine in ten of them less than same_view_px away. Of a
 /// rig this holds in all its cameras. Groups do not chain: all images of one
-/// are like the one that stands for it. That is one of those held out, or else
-/// the one with most features, or the first of these. Groups of one image are
-/// left out; none is the same where same_view_px is 0.
+/// are like the one that stands for it, which is the one with most features, or
+/// the first of these. Images held out have groups of their own. Groups of one
+/// image are left out; none is the same where same_view_px is 0.
 std::vector<SameViews> FindSameViews(const std::vector<Dataset>& cameras,
                                      const std::vector<std::string>& held_out,
                                      std::optional<double> same_view_px);
+
+/// The images held out that show a view of one that is not, in the order of
+/// their names: what a camera predicts of them tells little.
+std::vector<std::string> HeldOutCopies(const std::vector<Dataset>& cameras,
+                                       const std::vector<std::string>& held_out,
+                                       std::optional<double> same_view_px);
 
 /// The groups that several of a dataset's images are in, with these alone.
 std::vector<SameViews> GroupsIn(const Dataset& dataset,

@@ -70,6 +70,8 @@ struct CalibrationResult {
   /// Groups of images that count as one: those that stand for the others are
   /// used, or held out.
   std::vector<SameViews> same_views;
+  /// Images held out that show views which the camera was calibrated with.
+  std::vector<std::string> held_out_copies;
   /// How far features moved when measured again through a first camera.
   std::optional<double> measured_again_rms_px;
   std::vector<FeatureResidual> training;

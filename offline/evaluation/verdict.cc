@@ -6,9 +6,9 @@
 #include <cmath>
 #include <string>
 
-namespace raygrid {
 #include "evaluation/enough_images.h"
 
+namespace raygrid {
 namespace {
 
 constexpr int kEnoughViews = 3;
@@ -285,6 +285,16 @@ void JudgeHeldOutError(const CalibrationFigures& figures, Verdict* verdict) {
          verdict);
 }
 
+void JudgeHeldOutCopies(const CalibrationFigures& figures, Verdict* verdict) {
+  const auto& copies = figures.held_out_copies;
+  if (copies.empty()) return;
+  Warn(fmt::format("images held out show views that the camera was calibrated "
+                   "with ({}: {}), so the held-out error is too small; hold "
+                   "out all images of a view",
+                   copies.size(), Named(copies)),
+       verdict);
+}
+
 void JudgeOverfit(const CalibrationFigures& figures, Verdict* verdict) {
   if (!figures.held_out) return;
   const double held_out = figures.held_out->median_px;
@@ -321,7 +331,7 @@ Verdict JudgeCalibration(const CalibrationFigures& figures) {
   for (const auto judge :
        {JudgeTimes, JudgeImagesApart, JudgeFlatBoard, JudgeFleetDistance,
         JudgeUncertainty, JudgeFoldOver, JudgePixels, JudgeNeighbors,
-        JudgeHeldOutError, JudgeOverfit})
+        JudgeHeldOutError, JudgeHeldOutCopies, JudgeOverfit})
     judge(figures, &verdict);
   return verdict;
 }

@@ -32,6 +32,8 @@ struct CalibrationFigures {
   int images_used = 0, images_rejected = 0;
   /// Images that are used or held out, and those that show the same views.
   int images_kept = 0, images_alike = 0;
+  /// Images held out that show views which the camera was calibrated with.
+  std::vector<std::string> held_out_copies;
   int images_with_too_few_features = 0;  ///< of those rejected
   ErrorFigures training;
   std::optional<ErrorFigures> held_out;

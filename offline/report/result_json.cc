@@ -57,6 +57,8 @@ Json ImagesJson(const CalibrationResult& result) {
   for (const SameViews& group : result.same_views)
     images["same_views"].push_back(
         {{"image", group.image}, {"others", group.others}});
+  if (!result.held_out_copies.empty())
+    images["held_out_copies"] = result.held_out_copies;
   images["rejected"] = RejectedJson(result.rejected_images);
   return images;
 }
@@ -489,6 +491,10 @@ CalibrationResult ParseCamera(const Json& json) {
       result.same_views.push_back(
           {group.at("image").get<std::string>(),
            group.at("others").get<std::vector<std::string>>()});
+  if (json.at("images").contains("held_out_copies"))
+    result.held_out_copies = json.at("images")
+                                 .at("held_out_copies")
+                                 .get<std::vector<std::string>>();
   result.measured_again_rms_px =
       NumberIfAny(json.at("features"), "measured_again_rms_px");
   result.camera.training = ParseFigures(json.at("training"));
