@@ -87,6 +87,10 @@ int NumValid(const std::vector<Residual>& residuals) {
 // may take turns for ever.
 enum class Losses { kAllowed, kRefused };
 
+// A step that takes more than this part of the observations out of the area is
+// none: the cost of the others alone says nothing.
+constexpr double kMaxLostPart = 0.25;
+
 // Tries damped steps until one lowers the cost; nothing is done if none does.
 StepEffect TakeStep(const NormalEquations& equations,
                     const std::vector<View>& views, const GaussianPrior& prior,
@@ -105,8 +109,9 @@ StepEffect TakeStep(const NormalEquations& equations,
     const double before = costs.first + prior_cost;
     const double after = costs.second + PriorCost(prior, next, options);
     if (!(after < before) || costs.num_common == 0) continue;
-    if (losses == Losses::kRefused && costs.num_common < NumValid(*residuals))
-      continue;
+    const int num_before = NumValid(*residuals);
+    if (costs.num_common < (1 - kMaxLostPart) * num_before) continue;
+    if (losses == Losses::kRefused && costs.num_common < num_before) continue;
     const ParameterLayout layout(*state,
                                  {options.fix_cameras, options.fix_points});
     const double moved = MovedDeviations(*residuals, next_residuals,

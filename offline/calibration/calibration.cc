@@ -23,6 +23,7 @@
 #include "calibration/starting_lens.h"
 #include "calibration/stopwatch.h"
 #include "calibration/two_cameras.h"
+#include "camera/model_fitting.h"
 #include "dataset/error.h"
 
 namespace raygrid {
@@ -69,10 +70,16 @@ class Calibration {
 
   // All cameras together, their poses and the boards.
   void Adjust();
+
+  // Held-out errors. A camera that is worse than those of the folds is adjusted
+  // again, from theirs.
+  void EvaluateHeldOutImages();
+  void AdjustFromFolds();
+
   void TellRowTimes();
 
-  // Held-out errors; whether another camera explains the images better.
-  void Evaluate();
+  // Whether another camera explains the images better.
+  void CompareWithOthers();
 
   // Verdicts; the result is handed over.
   RigResult Judge();
@@ -84,7 +91,10 @@ class Calibration {
   }
   void LookForSameViews();
   void StartFromImages(CameraInProgress* camera) const;
-  void EvaluateHeldOutImages();
+  void FillResults();
+  bool IsWorseThanFolds() const;
+  void AdjustFromComparison();
+  Adjusted AdjustAround(const std::string& other) const;
   void LookForTwoCameras();
   void CompareModels();
   void TellUncertainty(CameraInProgress* camera, int num_threads) const;
@@ -131,7 +141,8 @@ class Calibration {
   const CalibrationOptions& options_;
   std::vector<CameraInProgress> cameras_;
   Bodies bodies_;
-  Adjusted adjusted_;  // all cameras together
+  Adjusted adjusted_;                                 // all cameras together
+  std::vector<std::vector<RejectedImage>> rejected_;  // by the rig's start
   RigResult result_;
 };
 
@@ -382,10 +393,12 @@ void Calibration::AdjustWithBodies(
 
 void Calibration::Adjust() {
   const Stopwatch stopwatch(&result_.seconds["adjustment"]);
-  std::vector<Adjusted> lenses;
-  for (const CameraInProgress& camera : cameras_) lenses.push_back(camera.lens);
-  std::vector<std::vector<RejectedImage>> rejected;
-  AdjustWithBodies(&rejected);
+  AdjustWithBodies(&rejected_);
+  FillResults();
+}
+
+void Calibration::FillResults() {
+  result_.bodies.clear();
   for (const std::vector<int>& group : bodies_.Groups()) {
     const Bodies found = AdjustedBodies(bodies_, adjusted_.problem,
                                         adjusted_.state.body_from_board);
@@ -402,9 +415,10 @@ void Calibration::Adjust() {
 
   for (size_t c = 0; c < cameras_.size(); ++c) {
     CalibrationResult& result = cameras_[c].result;
-    result.rejected_images = lenses[c].rejected_images;
+    result.rejected_images = cameras_[c].lens.rejected_images;
     result.rejected_images.insert(result.rejected_images.end(),
-                                  rejected[c].begin(), rejected[c].end());
+                                  rejected_[c].begin(), rejected_[c].end());
+    result.poses.clear();
     FillResult(pattern_, adjusted_, static_cast<int>(c),
                cameras_[c].input->image_circle, options_.num_threads, &result);
   }
@@ -452,6 +466,106 @@ void Calibration::EvaluateHeldOutImages() {
         Summarize(first.result.cell_px, first.result.held_out)};
 }
 
+// Errors are compared as MeanErrorPx() counts them. Held-out features of folds
+// have no worse errors than training ones but by divergence.
+bool Calibration::IsWorseThanFolds() const {
+  constexpr double kMuchWorse = 1.2, kNegligiblePx = 0.01;
+  const CameraInProgress& camera = cameras_.front();
+  HeldOut held_out;
+  for (const bool rigid : {AreBoardsRigid(), true})
+    if (held_out.alone.empty())
+      held_out = JoinFolds(camera.checkpoint.trials, camera.folds.count(),
+                           CellsPx(), rigid);
+  if (held_out.alone.empty() || held_out.alone.front().empty()) return false;
+  const double cap_px = ErrorCapPx(camera.dataset.image_size);
+  double sum = 0;
+  for (const FeatureResidual& residual : held_out.alone.front())
+    sum += std::min(residual.error_px.norm(), cap_px);
+  const double mean_px =
+      sum / static_cast<double>(held_out.alone.front().size());
+  return MeanErrorPx(adjusted_, camera.lens) >
+         kMuchWorse * mean_px + kNegligiblePx;
+}
+
+void Calibration::AdjustFromFolds() {
+  if (IsRig() || !bodies_.empty() || options_.ShouldStop() ||
+      !IsWorseThanFolds())
+    return;
+  const Stopwatch stopwatch(&result_.seconds["adjustment"]);
+  CameraInProgress& camera = cameras_.front();
+  const Adjusted given = camera.lens;
+  Adjusted best_lens = given, best = adjusted_;
+  double least_px = MeanErrorPx(best, given);
+  for (const Folds::Fold& fold : camera.folds.folds) {
+    const auto& start = fold.lenses ? fold.lenses : fold.start;
+    if (!start || options_.ShouldStop()) continue;
+    try {
+      camera.lens = AdjustStartingLens(camera.split.training, pattern_,
+                                       AdjustmentOptionsOf(options_),
+                                       options_.area, &start->state.camera());
+      camera.lens.problem.like = options_.like;
+      camera.lens.problem.like_spread = options_.like_spread;
+      Adjusted adjusted = AdjustTogether({0}, &rejected_);
+      const double error_px = MeanErrorPx(adjusted, given);
+      if (error_px >= least_px) continue;
+      least_px = error_px;
+      best = std::move(adjusted);
+      best_lens = camera.lens;
+    } catch (const Error&) {  // this fold's lens is no start
+    }
+  }
+  camera.lens = std::move(best_lens);
+  adjusted_ = std::move(best);
+  FillResults();
+  if (!options_.hold_out.empty()) EvaluateHeldOutImages();
+}
+
+// The model that was asked for, around a lens of another model.
+Adjusted Calibration::AdjustAround(const std::string& other) const {
+  const CameraInProgress& camera = cameras_.front();
+  Adjusted adjusted = camera.lens;
+  AdjustmentOptions options = StoppableAdjustment(options_);
+  options.fix_points = true;
+  AdjustModel(pattern_, other, {0}, options, &adjusted);
+  adjusted.tilt_firmness.clear();
+  options.fix_points = options_.flat_board;
+  options.rigid_boards = AreBoardsRigid();
+  AdjustRigidly(pattern_, options_.model, CellsPx(), options, &adjusted);
+  if (!options.rigid_boards) LetBoardsBend(pattern_, options, &adjusted);
+  FinishCameras(&adjusted);
+  AdjustInCameraFrames(options, &adjusted);
+  AlignBoards(pattern_, &adjusted);
+  return adjusted;
+}
+
+// A grid has no larger errors than a lens of few parameters, but where it was
+// led astray.
+void Calibration::AdjustFromComparison() {
+  constexpr double kMuchWorse = 1.2, kNegligiblePx = 0.01;
+  CameraInProgress& camera = cameras_.front();
+  if (IsRig() || !bodies_.empty() || options_.ShouldStop() ||
+      IsParametricModel(options_.model))
+    return;
+  const double own_px = camera.result.camera.training->median_px;
+  Adjusted best;
+  double least_px = MeanErrorPx(adjusted_, camera.lens);
+  for (const ModelFigures& other : camera.result.parametric_models) {
+    if (!IsParametricModel(other.model) ||
+        own_px <= kMuchWorse * other.training.median_px + kNegligiblePx)
+      continue;
+    Adjusted adjusted = AdjustAround(other.model);
+    const double error_px = MeanErrorPx(adjusted, camera.lens);
+    if (kMuchWorse * error_px >= least_px) continue;
+    least_px = error_px;
+    best = std::move(adjusted);
+  }
+  if (best.state.cameras.empty()) return;
+  adjusted_ = std::move(best);
+  FillResults();
+  if (!options_.hold_out.empty()) EvaluateHeldOutImages();
+  TellUncertainty(&camera, options_.num_threads);
+}
+
 // The cameras of a rig are told apart by those who give them.
 void Calibration::LookForTwoCameras() {
   if (IsRig() || options_.ShouldStop()) return;
@@ -492,10 +606,10 @@ void Calibration::CompareModels() {
     if (auto figures = TryAnotherGrid(*camera, pattern_, options))
       result.parametric_models.push_back(std::move(*figures));
   });
+  AdjustFromComparison();
 }
 
-void Calibration::Evaluate() {
-  EvaluateHeldOutImages();
+void Calibration::CompareWithOthers() {
   LookForTwoCameras();
   CompareModels();
 }
@@ -569,8 +683,10 @@ RigResult Calibrate(const std::vector<CalibrationInput>& cameras,
   calibration.TakeRowMotionOut();
   calibration.ChooseGrids();
   calibration.Adjust();
+  calibration.EvaluateHeldOutImages();
+  calibration.AdjustFromFolds();
   calibration.TellRowTimes();
-  calibration.Evaluate();
+  calibration.CompareWithOthers();
   return calibration.Judge();
 }
 

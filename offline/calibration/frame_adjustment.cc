@@ -74,6 +74,7 @@ void AdjustInCameraFrames(const AdjustmentOptions& options,
   AdjustmentOptions as_before = options;
   as_before.fix_points = options.fix_points || !HavePointsMoved(*adjusted);
   for (int round = 1; round <= kRounds; ++round) {
+    const Adjusted before = *adjusted;
     if (!TurnCameras(adjusted)) return;
     as_before.fix_cameras = options.fix_cameras || round == kRounds;
     const double noise_px = adjusted->summary.noise_px;
@@ -81,6 +82,9 @@ void AdjustInCameraFrames(const AdjustmentOptions& options,
                                      as_before, &adjusted->state);
     adjusted->summary.noise_px = noise_px;
     FinishCameras(adjusted);
+    if (!HasDiverged(*adjusted, before)) continue;
+    *adjusted = before;
+    return;
   }
 }
 

@@ -355,37 +355,39 @@ Removed RemoveOutliers(const Pattern& pattern, Adjusted* adjusted) {
                                                      : Removed::kPartOfArea;
 }
 
-}  // namespace
-
-AdjustmentSummary AdjustCameras(const CalibrationProblem& problem,
-                                const AdjustmentOptions& options,
-                                AdjustmentState* state) {
-  GaussianPrior prior;
-  return AdjustLenses(problem, options, &prior, state);
-}
-
-void PutLensesAroundGrids(const AdjustmentOptions& options,
+// Grids around the lenses that they start from, before anything is adjusted,
+// with a prior that is as strong as the residuals are large.
+void PutGridsAroundLenses(const std::string& model, const Starts& starts,
+                          const AdjustmentOptions& options,
                           Adjusted* adjusted) {
-  constexpr double kFarMore = 2;
   const CalibrationProblem& problem = adjusted->problem;
-  const AdjustmentState before = adjusted->state;
-  const double before_px = MedianErrorPx(
-      ComputeResiduals(before, problem.views, options.num_threads));
-  const AdjustmentSummary summary =
-      AdjustLenses("thin-prism-fisheye", problem, CopyCameras(before),
-                   AsStart(options), &adjusted->prior, &adjusted->state);
-  const bool is_near = MedianErrorPx(summary.residuals) <= kFarMore * before_px;
-  if (!is_near) adjusted->state = before;
-  adjusted->tilt_firmness.clear();
-  if (!is_near || !(summary.noise_px > 0)) return;
-  for (const CameraPrior& prior : adjusted->prior.cameras)
-    adjusted->tilt_firmness.push_back(prior.groups.back().weight /
-                                      std::pow(summary.noise_px, 2));
+  adjusted->prior = {};
+  adjusted->prior.points_mean = problem.nominal;
+  for (size_t c = 0; c < starts.lenses.size(); ++c) {
+    const CentralGeneric grid = AsGrid(problem, c, starts);
+    if (model == "noncentral-generic") {
+      adjusted->state.cameras[c] = NonCentralGeneric(grid).Clone();
+      adjusted->prior.cameras.push_back(
+          NonCentralPrior(grid, MeanDistance(problem, c, adjusted->state), 0));
+    } else {
+      adjusted->state.cameras[c] = grid.Clone();
+      adjusted->prior.cameras.push_back(SmoothnessPrior(grid));
+    }
+  }
+  adjusted->summary = {};
+  adjusted->summary.residuals =
+      ComputeResiduals(adjusted->state, problem.views, options.num_threads);
+  const double variance =
+      ResidualVariance(adjusted->summary.residuals, options.huber_px, 0);
+  adjusted->summary.noise_px = std::sqrt(variance);
+  for (CameraPrior& prior : adjusted->prior.cameras)
+    for (PriorGroup& group : prior.groups) group.SetWeight(1, variance);
 }
 
-void AdjustRigidly(const Pattern& pattern, const std::string& model,
-                   const std::vector<double>& cells_px,
-                   const AdjustmentOptions& options, Adjusted* adjusted) {
+// The steps of AdjustRigidly() from where the state is.
+void AdjustFromLenses(const Pattern& pattern, const std::string& model,
+                      const std::vector<double>& cells_px,
+                      const AdjustmentOptions& options, Adjusted* adjusted) {
   Lenses lenses = CopyCameras(adjusted->state);
   const AdjustmentState start = adjusted->state;
   const auto adjust = [&](const AdjustmentOptions& with) {
@@ -419,6 +421,114 @@ void AdjustRigidly(const Pattern& pattern, const std::string& model,
       adjust(options);
       break;
   }
+}
+
+// Adjusts from lenses of other models, where the lens at hand leads nowhere. If
+// all do, a grid stays around the lens at hand, and has not converged.
+void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
+                           const std::vector<double>& cells_px,
+                           const AdjustmentOptions& options,
+                           const Adjusted& start, Adjusted* adjusted) {
+  double least_px = MeanErrorPx(*adjusted, start);
+  for (const char* other : {"central-radial", "opencv", "thin-prism-fisheye"}) {
+    if (options.should_stop && options.should_stop()) break;
+    Adjusted from = start;
+    from.tilt_firmness.clear();
+    AdjustLenses(other, from.problem, CopyCameras(start.state),
+                 AsStart(options), &from.prior, &from.state);
+    if (HasDiverged(from, start)) continue;
+    AdjustFromLenses(pattern, model, cells_px, options, &from);
+    const double error_px = MeanErrorPx(from, start);
+    if (error_px >= least_px) continue;
+    least_px = error_px;
+    *adjusted = std::move(from);
+  }
+  if (IsParametricModel(model) || !HasDiverged(*adjusted, start)) return;
+  *adjusted = start;
+  PutGridsAroundLenses(model, {CopyCameras(start.state), cells_px, {}}, options,
+                       adjusted);
+}
+
+// Whether cameras were of the model before they were adjusted: others may
+// follow the lens better than the model can.
+bool CanJudge(const AdjustmentState& start, const std::string& model) {
+  return !IsParametricModel(model) ||
+         std::all_of(
+             start.cameras.begin(), start.cameras.end(),
+             [&](const auto& camera) { return camera->Name() == model; });
+}
+
+size_t NumFeatures(const Adjusted& adjusted) {
+  size_t count = 0;
+  for (const View& view : adjusted.problem.views)
+    count += view.observations.size();
+  for (const auto& rejected : adjusted.rejected_features)
+    count += rejected.size();
+  return count;
+}
+
+}  // namespace
+
+double ErrorCapPx(const ImageSize& size) {
+  constexpr double kCapPart = 1.0 / 128;
+  return kCapPart * std::max(size.width, size.height);
+}
+
+double MeanErrorPx(const Adjusted& adjusted, const Adjusted& start) {
+  const double cap_px = ErrorCapPx(start.problem.image_sizes.front());
+  double less = 0;  // than all features at the cap
+  for (const Residual& residual :
+       ComputeResiduals(adjusted.state, adjusted.problem.views, 1))
+    if (residual.valid)
+      less += cap_px - std::min(residual.error_px.norm(), cap_px);
+  // Features that were not projected have no error.
+  for (const auto& rejected : adjusted.rejected_features)
+    for (const FeatureResidual& residual : rejected)
+      if (!residual.error_px.isZero(0))
+        less += cap_px - std::min(residual.error_px.norm(), cap_px);
+  const auto count = static_cast<double>(NumFeatures(start));
+  return cap_px - less / std::max(1.0, count);
+}
+
+bool HasDiverged(const Adjusted& adjusted, const Adjusted& start) {
+  constexpr double kMuchWorse = 1.2, kNegligiblePx = 0.01;
+  return MeanErrorPx(adjusted, start) >
+         kMuchWorse * MeanErrorPx(start, start) + kNegligiblePx;
+}
+
+AdjustmentSummary AdjustCameras(const CalibrationProblem& problem,
+                                const AdjustmentOptions& options,
+                                AdjustmentState* state) {
+  GaussianPrior prior;
+  return AdjustLenses(problem, options, &prior, state);
+}
+
+void PutLensesAroundGrids(const AdjustmentOptions& options,
+                          Adjusted* adjusted) {
+  constexpr double kFarMore = 2;
+  const CalibrationProblem& problem = adjusted->problem;
+  const AdjustmentState before = adjusted->state;
+  const double before_px = MedianErrorPx(
+      ComputeResiduals(before, problem.views, options.num_threads));
+  const AdjustmentSummary summary =
+      AdjustLenses("thin-prism-fisheye", problem, CopyCameras(before),
+                   AsStart(options), &adjusted->prior, &adjusted->state);
+  const bool is_near = MedianErrorPx(summary.residuals) <= kFarMore * before_px;
+  if (!is_near) adjusted->state = before;
+  adjusted->tilt_firmness.clear();
+  if (!is_near || !(summary.noise_px > 0)) return;
+  for (const CameraPrior& prior : adjusted->prior.cameras)
+    adjusted->tilt_firmness.push_back(prior.groups.back().weight /
+                                      std::pow(summary.noise_px, 2));
+}
+
+void AdjustRigidly(const Pattern& pattern, const std::string& model,
+                   const std::vector<double>& cells_px,
+                   const AdjustmentOptions& options, Adjusted* adjusted) {
+  const Adjusted start = *adjusted;
+  AdjustFromLenses(pattern, model, cells_px, options, adjusted);
+  if (CanJudge(start.state, model) && HasDiverged(*adjusted, start))
+    AdjustFromOtherLenses(pattern, model, cells_px, options, start, adjusted);
 }
 
 void LetBoardsBend(const Pattern& pattern, const AdjustmentOptions& options,
@@ -457,8 +567,11 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
   const bool is_grid = !IsParametricModel(model);
   if (is_grid) PutLensesAroundGrids(options, adjusted);
   AdjustRigidly(pattern, model, cells_px, options, adjusted);
-  if (is_grid && !options.rigid_boards)
+  if (is_grid && !options.rigid_boards) {
+    Adjusted rigid = *adjusted;
     LetBoardsBend(pattern, options, adjusted);
+    if (HasDiverged(*adjusted, rigid)) *adjusted = std::move(rigid);
+  }
   FinishCameras(adjusted);
 }
 

@@ -35,9 +35,22 @@ AdjustmentSummary AdjustCameras(const CalibrationProblem& problem,
 /// more than the starting lenses do: then these.
 void PutLensesAroundGrids(const AdjustmentOptions& options, Adjusted* adjusted);
 
+/// The largest error that counts where adjustments are compared: 1/128 of the
+/// image's longer side.
+double ErrorCapPx(const ImageSize& size);
+
+/// The mean reprojection error over all features of a start, each no more than
+/// ErrorCapPx(), which those have that an adjustment lost.
+double MeanErrorPx(const Adjusted& adjusted, const Adjusted& start);
+
+/// Whether an adjustment went from a start to something that is much worse.
+bool HasDiverged(const Adjusted& adjusted, const Adjusted& start);
+
 /// Goes on to the model asked for, with boards that are rigid: adjusted,
 /// outliers removed, once more. Grids start from the lenses that they lie
-/// around. Cells for each camera.
+/// around. Where that diverges, other lenses are tried; if all fail, the camera
+/// is as good as the lens that it started from, and has not converged. Cells
+/// for each camera.
 void AdjustRigidly(const Pattern& pattern, const std::string& model,
                    const std::vector<double>& cells_px,
                    const AdjustmentOptions& options, Adjusted* adjusted);

@@ -3,6 +3,8 @@
 #include "calibration/model_adjustment.h"
 
 #include <cmath>
+#include <filesystem>
+#include <string>
 
 #include "calibration/starting_lens.h"
 #include "gtest/gtest.h"
@@ -26,6 +28,49 @@ TEST(AdjustModel, ParametricModelsConverge) {
     AdjustModel(c.pattern, c.model, {0}, options, &adjusted);
     EXPECT_TRUE(adjusted.summary.converged) << seed << ": " << c.model;
   }
+}
+
+TEST(AdjustModel, CountsLostFeaturesAsErrors) {
+  SimulationOptions simulation;
+  simulation.num_images = 8;
+  simulation.features_per_image = 80;
+  const Pattern pattern = TestBoard();
+  const Adjusted start = AdjustStartingLens(
+      SimulateObservations(ExampleSimulatedCamera(), pattern, simulation)
+          .dataset,
+      pattern, {});
+  EXPECT_LT(MeanErrorPx(start, start), 0.5);
+  EXPECT_FALSE(HasDiverged(start, start));
+  // Those that are still seen would be as near as ever.
+  Adjusted lost = start;
+  for (size_t i = 1; i < lost.state.rig_from_pattern.size(); ++i)
+    lost.state.rig_from_pattern[i].translation.x() += 100;
+  EXPECT_GT(MeanErrorPx(lost, start), 0.8 * ErrorCapPx({640, 480}));
+  EXPECT_TRUE(HasDiverged(lost, start));
+  // Features that were removed have the errors that they had.
+  Adjusted removed = start;
+  for (Observation& observation : removed.problem.views[0].observations)
+    removed.rejected_features[0].push_back(
+        {"", 0, 0, 0, observation.pixel, {0.5, 0}});
+  removed.problem.views[0].observations.clear();
+  EXPECT_NEAR(MeanErrorPx(removed, start), MeanErrorPx(start, start), 0.06);
+}
+
+// Strong fisheyes whose adjustments lost nearly all features.
+TEST(AdjustModel, DoesNotDivergeOnPhotographs) {
+  const std::string path = std::string(RAYGRID_REAL_DATA) +
+                           "/../cases/boards/fisheye_diverges_features.csv";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << ": missing";
+  Dataset dataset = ReadFeatures(path).at("");
+  dataset.image_size = {1032, 778};
+  const Pattern pattern = ChessboardPattern(8, 6, 0.0325);
+  AdjustmentOptions options;
+  options.num_threads = 2;
+  Adjusted adjusted = AdjustStartingLens(dataset, pattern, options);
+  const Adjusted start = adjusted;
+  AdjustModel(pattern, "central-generic", {64.5}, options, &adjusted);
+  EXPECT_FALSE(HasDiverged(adjusted, start));
+  EXPECT_LT(MeanErrorPx(adjusted, start), 0.3);
 }
 
 // A feature behind a wide lens that steps lose and find again: after 50 steps
