@@ -244,6 +244,18 @@ void AddStar(CLI::App* pattern, CommonOptions* common) {
       command, [options] { return StarBoards(*options); }, common);
 }
 
+// Two cameras, or two images, do not tell by such a board alone which of its
+// corners is the first.
+void SayIfSymmetric(const Board& board) {
+  if (board.NumTurns() < 2) return;
+  fmt::print(stderr,
+             "raygrid: a chessboard of {} x {} corners looks alike after {} "
+             "turn, so that a single view does not tell which way it is held; "
+             "--rows {} would\n",
+             board.columns, board.rows,
+             board.NumTurns() == 2 ? "half a" : "a quarter", board.rows + 1);
+}
+
 void AddChessboard(CLI::App* pattern, CommonOptions* common) {
   CLI::App* command = AddCommand(
       pattern, "chessboard", "A chessboard, with rulers to check the print.",
@@ -254,9 +266,10 @@ void AddChessboard(CLI::App* pattern, CommonOptions* common) {
   const auto square_mm = std::make_shared<double>();
   AddSize(command, "inner corners", &board->columns, &board->rows,
           square_mm.get());
-  const auto make_boards = [board, square_mm] {
+  const auto make_boards = [board, square_mm, common] {
     board->kind = "chessboard";
     board->square_m = *square_mm / 1000;
+    if (!common->quiet) SayIfSymmetric(*board);
     return std::vector<Board>{*board};
   };
   Finish(command, make_boards, common);

@@ -62,6 +62,10 @@ class Calibration {
 
   // Features measured through that lens, and a start from them.
   void MeasureAgain();
+
+  // Boards that look alike after a turn, all the same way round.
+  void TurnBoards();
+
   void TakeRowMotionOut();
   void TakeRowMotionOut(CameraInProgress* camera) const;
 
@@ -91,6 +95,9 @@ class Calibration {
   }
   void LookForSameViews();
   void StartFromImages(CameraInProgress* camera) const;
+  void TurnBoards(const BoardTurns& turns, CameraInProgress* camera) const;
+  void TurnBoardsAcrossCameras();
+  void TurnBoardsByGeometry();
   void FillResults();
   bool IsWorseThanFolds() const;
   void AdjustFromComparison();
@@ -266,6 +273,61 @@ void Calibration::MeasureAgain() {
     camera->split = SplitImages(camera->input->name, *again, options_.hold_out);
     StartFromImages(camera);
   });
+}
+
+// ---- Turn boards -----------------------------------------------------------
+
+// Adds turns to those of a camera, and starts it anew.
+void Calibration::TurnBoards(const BoardTurns& turns,
+                             CameraInProgress* camera) const {
+  BoardTurns own;  // of images that this camera has
+  for (const ImageFeatures& image : camera->input->dataset.images)
+    for (const Board& board : pattern_.boards)
+      if (const auto found = turns.find({image.image, board.id});
+          found != turns.end())
+        own.insert(*found);
+  if (own.empty()) return;
+  camera->turns = AddTurns(camera->turns, own, pattern_);
+  camera->dataset = Turned(camera->dataset, pattern_, own);
+  camera->split.training = Turned(camera->split.training, pattern_, own);
+  camera->split.test = Turned(camera->split.test, pattern_, own);
+  StartFromImages(camera);
+}
+
+void Calibration::TurnBoardsAcrossCameras() {
+  std::vector<Adjusted> cameras;
+  for (const CameraInProgress& camera : cameras_)
+    cameras.push_back(LocalizedViews(camera.lens.state.camera(),
+                                     AllFeatures(camera, pattern_), pattern_,
+                                     options_.num_threads));
+  RigTurns found = TurnAcrossCameras(cameras, pattern_, options_.num_threads);
+  for (size_t c = 0; c < cameras_.size(); ++c)
+    TurnBoards(found.by_camera[c], &cameras_[c]);
+  result_.ambiguous_pairs = std::move(found.ambiguous);
+}
+
+// Nominal points are the same after a turn, so only others tell of one.
+void Calibration::TurnBoardsByGeometry() {
+  CalibrationOptions nominal = options_;
+  nominal.flat_board = true;
+  std::vector<Adjusted> cameras;
+  for (const CameraInProgress& camera : cameras_) {
+    const FirstCamera first = AdjustFirstCamera(pattern_, nominal, camera);
+    if (options_.ShouldStop()) return;
+    cameras.push_back(first.adjusted);
+    AddViews(LocalizedViews(first.adjusted.state.camera(), camera.split.test,
+                            pattern_, options_.num_threads),
+             &cameras.back());
+  }
+  const BoardTurns turns = TurnByGeometry(cameras, pattern_).turns;
+  for (CameraInProgress& camera : cameras_) TurnBoards(turns, &camera);
+}
+
+void Calibration::TurnBoards() {
+  if (!HasSymmetricBoards(pattern_) || options_.ShouldStop()) return;
+  const Stopwatch stopwatch(&result_.seconds["start"]);
+  if (IsRig()) TurnBoardsAcrossCameras();
+  if (!options_.flat_board) TurnBoardsByGeometry();
 }
 
 // ---- Rolling shutter -------------------------------------------------------
@@ -632,9 +694,10 @@ void Calibration::PlaceOtherImages() {
   for (size_t c = 0; c < cameras_.size(); ++c) {
     rig.cameras.push_back(result_.cameras[c].camera.camera.get());
     const CameraInProgress& camera = cameras_[c];
-    others.push_back(
-        OthersOnly(camera.still ? *camera.still : camera.input->dataset,
-                   result_.cameras[c].same_views));
+    others.push_back(OthersOnly(
+        camera.still ? *camera.still
+                     : Turned(camera.input->dataset, pattern_, camera.turns),
+        result_.cameras[c].same_views));
     are_any |= !others.back().images.empty();
   }
   if (!are_any || options_.ShouldStop()) return;
@@ -662,7 +725,7 @@ RigResult Calibration::Judge() {
     if (!is_interrupted && options_.like && options_.like_spread)
       FillFleetDistance(*options_.like, *options_.like_spread, &camera.result);
     NameUnusedImages(camera.dataset, camera.input->skipped, &camera.result);
-    NameImagesLeftOut(camera, &camera.result.rejected_images);
+    NameImagesLeftOut(camera, pattern_, &camera.result.rejected_images);
     JudgeResult(options_.num_threads, &camera.result);
     result_.cameras.push_back(std::move(camera.result));
   }
@@ -680,6 +743,7 @@ RigResult Calibrate(const std::vector<CalibrationInput>& cameras,
   Calibration calibration(cameras, pattern, options);
   calibration.Start();
   calibration.MeasureAgain();
+  calibration.TurnBoards();
   calibration.TakeRowMotionOut();
   calibration.ChooseGrids();
   calibration.Adjust();

@@ -1,8 +1,23 @@
 #include "calibration/camera_in_progress.h"
 
+#include <map>
+
 #include "dataset/parallel_for.h"
 
 namespace raygrid {
+
+Dataset AllFeatures(const CameraInProgress& camera, const Pattern& pattern) {
+  Dataset all = camera.input->dataset;
+  if (camera.checkpoint.measured_again) {
+    std::map<std::string, const ImageFeatures*> again;
+    for (const ImageFeatures& image : camera.checkpoint.measured_again->images)
+      again[image.image] = &image;
+    for (ImageFeatures& image : all.images)
+      if (const auto found = again.find(image.image); found != again.end())
+        image = *found->second;
+  }
+  return Turned(all, pattern, camera.turns);
+}
 
 AdjustmentOptions AdjustmentOptionsOf(const CalibrationOptions& options) {
   AdjustmentOptions adjustment;

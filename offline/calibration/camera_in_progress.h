@@ -1,6 +1,7 @@
 #ifndef RAYGRID_CALIBRATION_CAMERA_IN_PROGRESS_H
 #define RAYGRID_CALIBRATION_CAMERA_IN_PROGRESS_H
 
+#include "calibration/board_turns.h"
 #include "calibration/calibration.h"
 #include "calibration/cross_validation.h"
 #include "calibration/model_adjustment.h"
@@ -14,6 +15,7 @@ struct CameraInProgress {
   /// The features of all images as if frames were read at once, if motion was
   /// taken out.
   std::optional<Dataset> still;
+  BoardTurns turns;          ///< of boards, against the features as given
   Split split;               ///< features as measured last
   Adjusted lens;             ///< parametric, by its own training images
   Folds folds;               ///< of its training images
@@ -25,6 +27,10 @@ struct CameraInProgress {
     if (input->keep) input->keep(checkpoint);
   }
 };
+
+/// The features of all images, those among them that others stand for, as they
+/// were measured last, with boards turned.
+Dataset AllFeatures(const CameraInProgress& camera, const Pattern& pattern);
 
 /// The options of adjustments that run to their end.
 AdjustmentOptions AdjustmentOptionsOf(const CalibrationOptions& options);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -112,31 +113,95 @@ struct RelativePose {
   double error_px = INFINITY;  // in half of the shared views at most
 };
 
-// The best of the relative poses that the shared views give one by one.
-RelativePose BestRelativePose(const Joined& joined, const CameraModel& second,
-                              const std::vector<std::pair<int, int>>& shared,
-                              int num_threads) {
+// The error of a view by a pose of its body, and the turn of the board that
+// makes it least; boards are turned only if that is asked for.
+struct TurnedView {
+  double error_px = INFINITY;
+  int turn = 0;
+};
+
+TurnedView BestTurn(const Joined& joined, const CameraModel& camera, int view,
+                    const Pose& camera_from_body, const Pattern* turned) {
+  const CalibrationProblem& problem = joined.problem;
+  const Pose camera_from_board = OnBody(joined, view, camera_from_body);
+  TurnedView best;
+  best.error_px = ViewErrorPx(camera, camera_from_board, problem.views[view],
+                              problem.nominal);
+  if (!turned) return best;
+  const Board& board = turned->boards[problem.boards[view]];
+  for (int turn = 1; turn < board.NumTurns(); ++turn) {
+    const double error_px =
+        ViewErrorPx(camera, camera_from_board * TurnOf(board, turn),
+                    problem.views[view], problem.nominal);
+    if (error_px < best.error_px) best = {error_px, turn};
+  }
+  return best;
+}
+
+// The relative poses that the shared views give one by one, with each turn of
+// their boards that is asked for.
+std::vector<RelativePose> RelativePoses(
+    const Joined& joined, const CameraModel& second,
+    const std::vector<std::pair<int, int>>& shared, int num_threads,
+    const Pattern* turned) {
   const int num_shared = static_cast<int>(shared.size());
-  const int num_candidates = std::min(num_shared, kMaxCandidates);
-  std::vector<RelativePose> candidates(num_candidates);
-  ParallelFor(num_candidates, num_threads, [&](int i) {
-    const auto [a, b] = shared[i * num_shared / num_candidates];
+  const int num_views = std::min(num_shared, kMaxCandidates);
+  std::vector<RelativePose> candidates;
+  for (int i = 0; i < num_views; ++i) {
+    const auto [a, b] = shared[i * num_shared / num_views];
+    const Board* const board =
+        turned ? &turned->boards[joined.problem.boards[b]] : nullptr;
+    for (int turn = 0; turn < (board ? board->NumTurns() : 1); ++turn) {
+      Pose second_from_body = joined.camera_from_pattern[b];
+      if (turn > 0) second_from_body = second_from_body * TurnOf(*board, turn);
+      candidates.push_back(
+          {second_from_body * joined.camera_from_pattern[a].Inverse(), {}});
+    }
+  }
+  ParallelFor(static_cast<int>(candidates.size()), num_threads, [&](int i) {
     RelativePose& candidate = candidates[i];
-    candidate.second_from_first =
-        joined.camera_from_pattern[b] * joined.camera_from_pattern[a].Inverse();
     std::vector<double> errors;
     for (const auto& [v, w] : shared)
-      errors.push_back(ViewErrorPx(
-          second,
-          OnBody(joined, w,
-                 candidate.second_from_first * joined.camera_from_pattern[v]),
-          joined.problem.views[w], joined.problem.nominal));
+      errors.push_back(
+          BestTurn(joined, second, w,
+                   candidate.second_from_first * joined.camera_from_pattern[v],
+                   turned)
+              .error_px);
     candidate.error_px = Quantile(errors, 0.5);
   });
+  return candidates;
+}
+
+const RelativePose& BestOf(const std::vector<RelativePose>& candidates) {
   return *std::min_element(candidates.begin(), candidates.end(),
                            [](const RelativePose& a, const RelativePose& b) {
                              return a.error_px < b.error_px;
                            });
+}
+
+// The best of the relative poses that the shared views give one by one.
+RelativePose BestRelativePose(const Joined& joined, const CameraModel& second,
+                              const std::vector<std::pair<int, int>>& shared,
+                              int num_threads) {
+  return BestOf(RelativePoses(joined, second, shared, num_threads, nullptr));
+}
+
+// Whether a relative pose that is turned far from the best one is about as
+// good.
+bool IsAsGood(const RelativePose& other, const RelativePose& best) {
+  constexpr double kMuchWorse = 3;
+  return other.error_px < kMuchWorse * best.error_px + kMinViewErrorPx;
+}
+
+bool IsAmbiguous(const std::vector<RelativePose>& candidates,
+                 const RelativePose& best) {
+  constexpr double kFarRad = 0.5;
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [&](const RelativePose& other) {
+                       return other.second_from_first.rotation.angularDistance(
+                                  best.second_from_first.rotation) > kFarRad &&
+                              IsAsGood(other, best);
+                     });
 }
 
 // The pair of a camera that is reached and one that is not that shares most.
@@ -162,6 +227,40 @@ std::vector<bool> Reached(const std::vector<std::vector<int>>& num_shared,
     reached[next] = true;
   return reached;
 }
+
+// Cameras whose poses against each other are known, tree by tree.
+class PlacedCameras {
+ public:
+  explicit PlacedCameras(size_t count) : tree_(count, -1), from_first_(count) {}
+
+  void AddFirst(size_t camera) {
+    tree_[camera] = static_cast<int>(camera);
+    order_.push_back(camera);
+  }
+  // second stays alone where first is.
+  void Add(size_t first, size_t second, const Pose& second_from_first) {
+    if (tree_[first] < 0) return;
+    tree_[second] = tree_[first];
+    from_first_[second] = second_from_first * from_first_[first];
+    order_.push_back(second);
+  }
+  std::optional<Pose> Between(int from, int to) const {
+    if (tree_[from] < 0 || tree_[from] != tree_[to]) return std::nullopt;
+    return from_first_[to] * from_first_[from].Inverse();
+  }
+  // The view of the camera that was added first.
+  int EarliestOf(const CalibrationProblem& problem, const Views& views) const {
+    for (const size_t camera : order_)
+      for (const int v : views)
+        if (problem.views[v].camera == static_cast<int>(camera)) return v;
+    return views.front();
+  }
+
+ private:
+  std::vector<int> tree_;  // its first camera
+  std::vector<Pose> from_first_;
+  std::vector<size_t> order_;
+};
 
 void RequireAgreement(const std::vector<std::string>& names, int first,
                       int second, const RelativePose& best, size_t num_shared,
@@ -299,6 +398,64 @@ std::vector<std::vector<int>> ConnectedGroups(
 std::vector<std::vector<int>> ConnectedGroups(
     const std::vector<Adjusted>& cameras) {
   return ConnectedGroups(Join(cameras, {}).problem);
+}
+
+RigTurns TurnAcrossCameras(const std::vector<Adjusted>& cameras,
+                           const Pattern& pattern, int num_threads) {
+  RigTurns result;
+  result.by_camera.resize(cameras.size());
+  const Joined joined = Join(cameras, {});
+  const CalibrationProblem& problem = joined.problem;
+  const auto num_shared = CountSharedViews(problem);
+  PlacedCameras placed(cameras.size());
+  std::vector<bool> reached(cameras.size());
+  for (size_t root = 0; root < cameras.size(); ++root) {
+    if (reached[root]) continue;
+    reached[root] = true;
+    placed.AddFirst(root);
+    for (;;) {
+      const auto [first, second] = NextPair(num_shared, reached);
+      if (second < 0) break;
+      reached[second] = true;
+      const CameraModel& camera = cameras[second].state.camera();
+      const auto shared = SharedViews(problem, first, second);
+      const auto candidates =
+          RelativePoses(joined, camera, shared, num_threads, &pattern);
+      RelativePose best = BestOf(candidates);
+      // Without agreement PutTogether() says so.
+      if (best.error_px >
+          kMaxDisagreementPart * problem.image_sizes[second].width)
+        continue;
+      if (IsAmbiguous(candidates, best)) {
+        result.ambiguous.push_back({static_cast<size_t>(first),
+                                    static_cast<size_t>(second),
+                                    static_cast<int>(shared.size())});
+        // Boards are upright in the images, then, as detection has them.
+        const RelativePose upright =
+            BestRelativePose(joined, camera, shared, num_threads);
+        if (IsAsGood(upright, best)) best = upright;
+      }
+      placed.Add(first, second, best.second_from_first);
+    }
+  }
+  for (const Views& views : ViewsOfPoses(problem)) {
+    const int reference = placed.EarliestOf(problem, views);
+    for (const int v : views) {
+      const View& view = problem.views[v];
+      const auto from_reference =
+          placed.Between(problem.views[reference].camera, view.camera);
+      if (v == reference || !from_reference) continue;
+      const int turn =
+          BestTurn(joined, cameras[view.camera].state.camera(), v,
+                   *from_reference * joined.camera_from_pattern[reference],
+                   &pattern)
+              .turn;
+      if (turn != 0)
+        result.by_camera[view.camera][{
+            problem.images[v], pattern.boards[problem.boards[v]].id}] = turn;
+    }
+  }
+  return result;
 }
 
 void RequireConnected(const std::vector<std::string>& names,

@@ -4,8 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "calibration/board_turns.h"
 #include "calibration/bodies.h"
 #include "calibration/model_adjustment.h"
+#include "evaluation/rig_result.h"
 
 namespace raygrid {
 
@@ -26,6 +28,17 @@ std::vector<std::vector<int>> ConnectedGroups(
 /// there is no shared view, not even through other cameras.
 void RequireConnected(const std::vector<std::string>& names,
                       const CalibrationProblem& problem);
+
+/// How boards that look alike after a turn are turned in the images of some
+/// cameras, so that the cameras agree, and where two turns agree as well.
+struct RigTurns {
+  std::vector<BoardTurns> by_camera;
+  std::vector<AmbiguousPair> ambiguous;
+};
+/// Cameras, adjusted alone, whose views' boards may each be turned. Of each
+/// instant, the camera that is connected first says how a board stands.
+RigTurns TurnAcrossCameras(const std::vector<Adjusted>& cameras,
+                           const Pattern& pattern, int num_threads);
 
 /// Puts together cameras that were adjusted alone, each on its own images of
 /// the same pattern, and boards into the bodies that they belong to. The first

@@ -1,6 +1,5 @@
 #include "calibration/row_motion.h"
 
-#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -10,20 +9,6 @@
 
 namespace raygrid {
 namespace {
-
-// The features of all images, those among them that others stand for, as they
-// were measured last.
-Dataset AllFeatures(const CameraInProgress& camera) {
-  Dataset all = camera.input->dataset;
-  if (!camera.checkpoint.measured_again) return all;
-  std::map<std::string, const ImageFeatures*> again;
-  for (const ImageFeatures& image : camera.checkpoint.measured_again->images)
-    again[image.image] = &image;
-  for (ImageFeatures& image : all.images)
-    if (const auto found = again.find(image.image); found != again.end())
-      image = *found->second;
-  return all;
-}
 
 MovingViews ViewsBy(const CameraModel& camera, const Pattern& found,
                     const Dataset& features, const ImageTimes& times,
@@ -51,7 +36,7 @@ std::optional<StillFeatures> FeaturesWithoutRowMotion(
     const CameraInProgress& camera) {
   const FirstCamera first = AdjustFirstCamera(pattern, options, camera);
   if (options.ShouldStop()) return std::nullopt;
-  const Dataset features = AllFeatures(camera);
+  const Dataset features = AllFeatures(camera, pattern);
   const MovingViews views =
       ViewsBy(first.adjusted.state.camera(), first.pattern, features,
               *camera.input->times, false, options.num_threads);
@@ -64,7 +49,7 @@ std::optional<StillFeatures> FeaturesWithoutRowMotion(
 RowTimeEstimate RowTimeOf(const CameraInProgress& camera,
                           const CameraModel& calibrated, const Pattern& found,
                           int num_threads) {
-  const Dataset features = AllFeatures(camera);
+  const Dataset features = AllFeatures(camera, found);
   RowTimeEstimate row_time = EstimateRowTime(ViewsBy(
       calibrated, found, features, *camera.input->times, true, num_threads));
   row_time.is_taken_out = camera.still.has_value();
@@ -74,11 +59,11 @@ RowTimeEstimate RowTimeOf(const CameraInProgress& camera,
   return row_time;
 }
 
-void NameImagesLeftOut(const CameraInProgress& camera,
+void NameImagesLeftOut(const CameraInProgress& camera, const Pattern& pattern,
                        std::vector<RejectedImage>* rejected) {
   if (!camera.still) return;
   const std::set<std::string> left_out =
-      ImagesLeftOut(AllFeatures(camera), *camera.still);
+      ImagesLeftOut(AllFeatures(camera, pattern), *camera.still);
   for (RejectedImage& image : *rejected)
     if (left_out.count(image.image) > 0)
       image = {

@@ -29,7 +29,7 @@ RowTimeEstimate RowTimeOf(const CameraInProgress& camera,
 
 /// Tells of rejected images that they were left out since their motion is not
 /// known, where it is so.
-void NameImagesLeftOut(const CameraInProgress& camera,
+void NameImagesLeftOut(const CameraInProgress& camera, const Pattern& pattern,
                        std::vector<RejectedImage>* rejected);
 
 }  // namespace raygrid

@@ -248,6 +248,19 @@ std::vector<Eigen::Vector3d> Board::NominalPoints() const {
   return nominal;
 }
 
+int Board::NumTurns() const {
+  if (kind != "chessboard" || columns % 2 != rows % 2) return 1;
+  return columns == rows && columns % 2 == 0 ? 4 : 2;
+}
+
+std::pair<int, int> Board::Turned(int column, int row, int turn) const {
+  const int quarters = 4 / NumTurns() * turn % 4;
+  if (quarters == 0) return {column, row};
+  if (quarters == 2) return {columns - 1 - column, rows - 1 - row};
+  return quarters == 1 ? std::pair(rows - 1 - row, column)
+                       : std::pair(row, columns - 1 - column);
+}
+
 bool Board::HasFeature(int column, int row) const {
   return std::none_of(tags.begin(), tags.end(), [&](const BoardTag& tag) {
     return column >= tag.column && column <= tag.column + tag.squares &&

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "camera/pose.h"
@@ -41,6 +42,13 @@ struct Board {
   int num_points() const { return columns * rows; }
   /// The index of the point at a column and row within the board.
   int PointIndex(int column, int row) const { return row * columns + column; }
+  /// In how many ways the board can be turned in its plane so that it looks as
+  /// before: 2 for chessboards whose counts of corners are both even or both
+  /// odd, 4 if these are equal and even, else 1.
+  int NumTurns() const;
+  /// The column and row of the feature that one becomes by a turn, from 0 to
+  /// NumTurns() - 1 steps from the x axis towards the y axis.
+  std::pair<int, int> Turned(int column, int row, int turn) const;
   /// False for positions on or inside a tag of a star board.
   bool HasFeature(int column, int row) const;
   /// The nominal points, in the plane z = 0: (column, row) square_m, but for

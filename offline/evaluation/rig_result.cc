@@ -85,6 +85,14 @@ Verdict JudgeRig(const RigResult& result) {
                       camera.camera.name, num_shared, kEnoughSharedViews));
     alone.push_back(camera.held_out);
   }
+  for (const AmbiguousPair& pair : result.ambiguous_pairs)
+    warn(fmt::format(
+        "{} and {}: the board looks alike after a turn, and the views that "
+        "both see ({}) do not tell which way it was held, so their relative "
+        "pose may be a turn of the board off; tilt it in other ways, or print "
+        "one row of squares more",
+        result.cameras[pair.first].camera.name,
+        result.cameras[pair.second].camera.name, pair.num_shared_views));
   const auto together = HeldOutFigures(result);
   const ErrorFigures apart = FiguresOfAll(alone);
   if (together && apart.count > 0 &&

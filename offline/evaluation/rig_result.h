@@ -23,6 +23,13 @@ struct Baseline {
   std::optional<double> distance_sd_m, rotation_sd_rad;
 };
 
+/// Two cameras whose relative pose may be a turn of a board off, since all
+/// views that they share agree with both.
+struct AmbiguousPair {
+  size_t first = 0, second = 0;
+  int num_shared_views = 0;
+};
+
 /// The result of calibrating the cameras of a rig, or a single one. Each
 /// camera's held-out residuals are those of images localised alone.
 struct RigResult {
@@ -32,6 +39,7 @@ struct RigResult {
   std::vector<Baseline> baselines;    ///< of every two cameras
   std::vector<BoardPair> board_pairs;  ///< that were seen together often enough
   std::vector<BoardBody> bodies;
+  std::vector<AmbiguousPair> ambiguous_pairs;
   /// The held-out residuals by camera, with each board localised once for an
   /// instant by all cameras that see it: what the cameras' poses are worth.
   std::vector<std::vector<FeatureResidual>> held_out;

@@ -1,7 +1,7 @@
 # Suites that take more than a CPU second.
 set(NOT_QUICK
   AdjustBundle AdjustModel AdjustWithLearnedPrior BlobCamera BoardGuess Calibrate
-  CalibrateBodies CalibrateRig CalibrateSameViews CameraFrame CameraFrames CameraKnowledge
+  CalibrateBodies CalibrateRig CalibrateSameViews CalibrateTurnedBoards CameraFrame CameraFrames CameraKnowledge
   CaptureGuide Charuco ChooseKnots FeatureRefiner FitParametricModel FitRemapTable
   FrameQuality GuidedRig IdentifyBoard ImageCircle InterruptionsDeathTest JudgeBudget
   LargeEquations Lenses/StartFromThreeViewsOf Lenses/UnevenLensOf MarkerBoards

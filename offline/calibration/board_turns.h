@@ -1,0 +1,57 @@
+#ifndef RAYGRID_CALIBRATION_BOARD_TURNS_H
+#define RAYGRID_CALIBRATION_BOARD_TURNS_H
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "calibration/calibration_problem.h"
+#include "calibration/model_adjustment.h"
+
+namespace raygrid {
+
+/// How boards are turned against how detection numbered their features, by
+/// image and board id: steps of Board::Turned(). Those that are not turned are
+/// left out.
+using BoardTurns = std::map<std::pair<std::string, int>, int>;
+
+/// Whether a board of the pattern looks alike after a turn.
+bool HasSymmetricBoards(const Pattern& pattern);
+
+/// A dataset with the features of turned boards renumbered.
+Dataset Turned(const Dataset& dataset, const Pattern& pattern,
+               const BoardTurns& turns);
+
+/// A turn by first, then by second, in each image.
+BoardTurns AddTurns(const BoardTurns& first, const BoardTurns& second,
+                    const Pattern& pattern);
+
+/// The views of a dataset that a camera localises, with their poses.
+Adjusted LocalizedViews(const CameraModel& camera, const Dataset& dataset,
+                        const Pattern& pattern, int num_threads);
+
+/// Adds views with their poses to a camera's own, each with a pose of its own.
+void AddViews(const Adjusted& views, Adjusted* camera);
+
+/// The rotation about a board's middle, board_from_board, that brings the
+/// points of features to where those are that they become by a turn.
+Pose TurnOf(const Board& board, int turn);
+
+/// The turns of a board's views that its geometry tells, by printing errors and
+/// bends that all views share, and how many views it leaves ambiguous.
+struct GeometryTurns {
+  BoardTurns turns;
+  int num_views = 0, num_ambiguous = 0;  ///< of symmetric boards
+};
+
+/// The turns by which the displacements of a board's points agree best over all
+/// its views. Cameras that were adjusted with nominal points, each on its own
+/// images; views in images of one name share their turn. Only views that are
+/// surely otherwise than most are turned.
+GeometryTurns TurnByGeometry(const std::vector<Adjusted>& cameras,
+                             const Pattern& pattern);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_BOARD_TURNS_H
