@@ -726,6 +726,9 @@ RigResult Calibration::Judge() {
       FillFleetDistance(*options_.like, *options_.like_spread, &camera.result);
     NameUnusedImages(camera.dataset, camera.input->skipped, &camera.result);
     NameImagesLeftOut(camera, pattern_, &camera.result.rejected_images);
+    if (!is_interrupted)
+      NameImagesAlone(adjusted_, static_cast<int>(&camera - cameras_.data()),
+                      options_.num_threads, &camera.result);
     JudgeResult(options_.num_threads, &camera.result);
     result_.cameras.push_back(std::move(camera.result));
   }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -218,6 +219,49 @@ bool PredictsBetter(const ModelFigures& other,
              .Better() == std::string("second");
 }
 
+// A ninth of the image, in words.
+std::string PlaceInImage(const Eigen::Vector2d& pixel, const ImageSize& size) {
+  const auto third = [](double at, int extent) {
+    return std::clamp(static_cast<int>(3 * at / extent), 0, 2);
+  };
+  const int column = third(pixel.x(), size.width);
+  const int row = third(pixel.y(), size.height);
+  const std::array<std::string, 3> rows = {"top", "middle", "bottom"};
+  if (column == 1) return rows[row];
+  const std::string side = column == 0 ? "left" : "right";
+  return row == 1 ? side : rows[row] + " " + side;
+}
+
+// Images apart that are alone do not count as such; where most of their worst
+// features are.
+void TellAloneFromApart(const CalibrationResult& result,
+                        const std::set<std::string>& apart,
+                        CalibrationFigures* figures) {
+  constexpr double kWorst = 0.75;
+  figures->images_alone = result.images_alone;
+  std::set<std::string> alone(result.images_alone.begin(),
+                              result.images_alone.end());
+  for (const std::string& image : apart)
+    if (alone.count(image) == 0) figures->images_apart.push_back(image);
+  std::set<std::string> places;
+  for (const std::string& image : alone) {
+    std::vector<double> norms;
+    for (const FeatureResidual& r : result.held_out)
+      if (r.image == image) norms.push_back(r.error_px.norm());
+    const double worst_px = Quantile(norms, kWorst);
+    std::map<std::string, int> counts;
+    for (const FeatureResidual& r : result.held_out)
+      if (r.image == image && r.error_px.norm() >= worst_px)
+        ++counts[PlaceInImage(r.pixel, result.features.image_size)];
+    places.insert(std::max_element(counts.begin(), counts.end(),
+                                   [](const auto& a, const auto& b) {
+                                     return a.second < b.second;
+                                   })
+                      ->first);
+  }
+  figures->places_alone.assign(places.begin(), places.end());
+}
+
 void AddWhatWasTried(const CalibrationResult& result,
                      CalibrationFigures* figures) {
   BudgetFacts& tried = figures->tried;
@@ -290,7 +334,7 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
   figures.held_out =
       result.bends ? result.held_out_flexed : result.camera.held_out;
   figures.neighbor_correlation = SharedCorrelation(result, images_apart);
-  figures.images_apart.assign(images_apart.begin(), images_apart.end());
+  TellAloneFromApart(result, images_apart, &figures);
   figures.two_cameras = result.two_cameras;
   figures.different_views = CountDifferent(result);
   const std::vector<Eigen::Vector3d> normals = SeenNormals(result);
@@ -389,6 +433,26 @@ void FillFleetDistance(const CameraModel& middle, const LensSpread& spread,
       middle, spread, *camera.camera,
       camera.uncertainty ? &camera.uncertainty->lattice : nullptr,
       EvenlyChosen(pixels, kEnough));
+}
+
+void NameImagesAlone(const Adjusted& adjusted, int camera, int num_threads,
+                     CalibrationResult* result) {
+  // Three, and twice that since lenses are less smooth beyond the features than
+  // the prior has it.
+  constexpr double kMuchMore = 6;
+  std::set<std::string> apart = ImagesApart(result->held_out);
+  for (const std::string& image : ImagesApart(result->training))
+    apart.erase(image);
+  if (apart.empty() || !result->cross_validated) return;
+  const auto deviations =
+      DeviationsWithout(adjusted, camera, apart, num_threads);
+  for (const auto& [image, deviation_px] : deviations) {
+    std::vector<double> norms;
+    for (const FeatureResidual& r : result->held_out)
+      if (r.image == image) norms.push_back(r.error_px.norm());
+    if (Quantile(norms, 0.5) <= kMuchMore * deviation_px)
+      result->images_alone.push_back(image);
+  }
 }
 
 void NameUnusedImages(const Dataset& measured,

@@ -24,6 +24,12 @@ void FillUncertainty(const Adjusted& adjusted, int camera,
                      const std::optional<ImageCircle>& image_circle,
                      int num_threads, CalibrationResult* result);
 
+/// Names the images whose held-out errors are large because they alone show
+/// some places: their own training errors are no larger than those of others,
+/// and their held-out errors no larger than the equations say.
+void NameImagesAlone(const Adjusted& adjusted, int camera, int num_threads,
+                     CalibrationResult* result);
+
 /// Adds to the rejected images those measured that are neither used nor held
 /// out nor rejected already, and those skipped: each that was given is in one
 /// of the lists.

@@ -1,10 +1,10 @@
 #include "calibration/camera_trust.h"
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <cmath>
 
 #include "adjustment/covariance.h"
+#include "evaluation/residual_statistics.h"
 
 namespace raygrid {
 namespace {
@@ -209,6 +209,62 @@ void DistrustBeyond(const ImageCircle& circle, TrustMask* mask) {
         if (!circle.Contains(center + Eigen::Vector2d(dx, dy)))
           mask->is_trusted[cell] = false;
   }
+}
+
+std::map<std::string, double> DeviationsWithout(
+    const Adjusted& adjusted, int camera, const std::set<std::string>& images,
+    int num_threads) {
+  constexpr Eigen::Index kMaxRows = 2000;
+  // Beside the ones of what other images tell, too.
+  constexpr double kUndetermined = 1e-8;
+  const CalibrationProblem& problem = adjusted.problem;
+  const LinearResponse response = ResponseOf(adjusted, num_threads);
+  std::vector<size_t> left_out;  // views
+  Eigen::Index num_rows = 0;
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    if (problem.views[v].camera != camera ||
+        images.count(problem.images[v]) == 0)
+      continue;
+    left_out.push_back(v);
+    num_rows += 2 * response.jacobians()[v].count();
+  }
+  if (num_rows == 0 || num_rows > kMaxRows || !response.IsExact()) return {};
+  // The moves of the residuals with errors of the same observations: A = J H^-1
+  // J^T. Without these observations, residuals have the covariance s^2 (1 -
+  // A)^-1, but for what poses of their own take up.
+  ViewErrors none;
+  for (const ViewJacobian& jacobian : response.jacobians())
+    none.push_back(Eigen::Matrix2Xd::Zero(2, jacobian.count()));
+  Eigen::MatrixXd right(response.layout().num_all(), num_rows);
+  Eigen::Index row = 0;
+  for (const size_t v : left_out)
+    for (Eigen::Index i = 0; i < none[v].size(); ++i, ++row) {
+      none[v](i) = 1;
+      right.col(row) = response.Gradient(none);
+      none[v](i) = 0;
+    }
+  Eigen::MatrixXd moves;
+  if (!response.Solve(right, &moves)) return {};
+  const Eigen::MatrixXd left =
+      Eigen::MatrixXd::Identity(num_rows, num_rows) - right.transpose() * moves;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      (left + left.transpose()) / 2);
+  const Eigen::ArrayXd values = solver.eigenvalues().array();
+  const Eigen::VectorXd inverse = (values > kUndetermined)
+                                      .select(1 / values.max(kUndetermined), 0)
+                                      .matrix();
+  const Eigen::VectorXd variances = solver.eigenvectors().cwiseAbs2() * inverse;
+  std::map<std::string, std::vector<double>> deviations;
+  row = 0;
+  for (const size_t v : left_out)
+    for (int i = 0; i < response.jacobians()[v].count(); ++i, row += 2)
+      deviations[problem.images[v]].push_back(
+          adjusted.summary.noise_px *
+          std::sqrt(variances.segment<2>(row).sum()));
+  std::map<std::string, double> medians;
+  for (const auto& [image, values_px] : deviations)
+    medians[image] = Quantile(values_px, 0.5);
+  return medians;
 }
 
 }  // namespace raygrid

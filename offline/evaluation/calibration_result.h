@@ -83,6 +83,9 @@ struct CalibrationResult {
   /// are those of the other half.
   std::optional<ErrorFigures> held_out_flexed;
   bool cross_validated = false;
+  /// Images with large held-out errors because no other image shows what they
+  /// do: their own features fit, and without them the camera is unknown there.
+  std::vector<std::string> images_alone;
   std::optional<BoardBends> bends;  ///< none of rigid boards
   std::vector<RejectedImage> rejected_images;
   std::vector<FeatureResidual> rejected_features;

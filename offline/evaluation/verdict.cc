@@ -1,6 +1,7 @@
 #include "evaluation/verdict.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -135,6 +136,18 @@ void JudgeImagesApart(const CalibrationFigures& figures, Verdict* verdict) {
                    "focus or board, or misread features; calibrate without "
                    "them",
                    figures.images_apart.size(), Named(figures.images_apart)),
+       verdict);
+}
+
+// Large errors of images held out, with errors as all others have in training,
+// are those of a camera that extrapolates.
+void JudgeImagesAlone(const CalibrationFigures& figures, Verdict* verdict) {
+  if (figures.images_alone.empty()) return;
+  Warn(fmt::format("only {} show the {} of the image, where the camera is "
+                   "extrapolated without them; keep them, and take more views "
+                   "there",
+                   Counted(figures.images_alone),
+                   fmt::join(figures.places_alone, ", ")),
        verdict);
 }
 
@@ -329,9 +342,9 @@ Verdict JudgeCalibration(const CalibrationFigures& figures) {
   // Errors of a state on its way say nothing.
   if (figures.interrupted) return verdict;
   for (const auto judge :
-       {JudgeTimes, JudgeImagesApart, JudgeFlatBoard, JudgeFleetDistance,
-        JudgeUncertainty, JudgeFoldOver, JudgePixels, JudgeNeighbors,
-        JudgeHeldOutError, JudgeHeldOutCopies, JudgeOverfit})
+       {JudgeTimes, JudgeImagesApart, JudgeImagesAlone, JudgeFlatBoard,
+        JudgeFleetDistance, JudgeUncertainty, JudgeFoldOver, JudgePixels,
+        JudgeNeighbors, JudgeHeldOutError, JudgeHeldOutCopies, JudgeOverfit})
     judge(figures, &verdict);
   return verdict;
 }

@@ -41,6 +41,9 @@ struct CalibrationFigures {
   /// is less; what a camera of few images errs by, only the former share.
   std::optional<double> neighbor_correlation;
   std::vector<std::string> images_apart;  ///< that err far more than others
+  /// Images that err far more than others only where they are held out, since
+  /// they alone show some places of the image, and these places.
+  std::vector<std::string> images_alone, places_alone;
   std::optional<TwoCameras> two_cameras;
   int boards_seen = 0, different_views = 0;
   /// The image of each time that a board is seen from behind.

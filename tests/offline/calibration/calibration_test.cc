@@ -453,6 +453,39 @@ TEST(Calibrate, NamesImagesOfAnotherCamera) {
       result, "2 images do not fit the others (" + dataset.images[4].image));
 }
 
+// Two images show a side that the others cannot predict.
+TEST(Calibrate, KeepsImagesThatAloneShowASide) {
+  SimulationOptions simulation;
+  simulation.num_images = 18;
+  simulation.features_per_image = 100;
+  simulation.noise_px = 0.01;
+  Dataset dataset =
+      SimulateObservations(ExampleSimulatedCamera(), TestBoard(), simulation)
+          .dataset;
+  const auto is_right = [](const Feature& feature) {
+    return feature.pixel.x() > 420;
+  };
+  const auto num_right = [&](const ImageFeatures& image) {
+    return std::count_if(image.features.begin(), image.features.end(),
+                         is_right);
+  };
+  std::stable_sort(dataset.images.begin(), dataset.images.end(),
+                   [&](const ImageFeatures& a, const ImageFeatures& b) {
+                     return num_right(a) < num_right(b);
+                   });
+  for (size_t i = 0; i + 2 < dataset.images.size(); ++i) {
+    auto& features = dataset.images[i].features;
+    features.erase(std::remove_if(features.begin(), features.end(), is_right),
+                   features.end());
+  }
+  const CalibrationResult result = Calibrate(dataset, TestBoard(), Coarse());
+  EXPECT_FALSE(result.images_alone.empty());
+  EXPECT_TRUE(HasReason(result,
+                        "of the image, where the camera is "
+                        "extrapolated without them"));
+  EXPECT_FALSE(HasReason(result, "do not fit the others"));
+}
+
 TEST(Calibrate, NamesAMirroredPattern) {
   Dataset dataset = Simulate(12);
   for (ImageFeatures& image : dataset.images)
