@@ -269,9 +269,10 @@ void AddWhatWasTried(const CalibrationResult& result,
   tried.model = result.camera.camera->Name();
   tried.two_cameras = result.two_cameras.has_value();
   constexpr double kBetterPart = 0.99;
-  double best_px = result.camera.held_out
-                       ? kBetterPart * result.camera.held_out->median_px
-                       : 0;
+  // Boards are rigid in these residuals, of each model.
+  const double own_px =
+      result.camera.held_out ? result.camera.held_out->median_px : 0;
+  double best_px = kBetterPart * own_px;
   for (const ModelFigures& other : result.parametric_models) {
     tried.noncentral_tried |= other.model == "noncentral-generic";
     tried.generic_tried |= other.model == "central-generic";
@@ -279,7 +280,7 @@ void AddWhatWasTried(const CalibrationResult& result,
         !PredictsBetter(other, result))
       continue;
     best_px = other.held_out->median_px;
-    figures->better_model = {other.model, best_px};
+    figures->better_model = {other.model, best_px, own_px};
     tried.better_model = other.model;
   }
 }
@@ -330,9 +331,9 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
       result.rejected_images.begin(), result.rejected_images.end(),
       [](const auto& image) { return image.has_too_few_features; }));
   figures.training = *result.camera.training;
-  // Boards bend in these if they do in the training errors.
+  figures.boards_bend = result.bends.has_value();
   figures.held_out =
-      result.bends ? result.held_out_flexed : result.camera.held_out;
+      figures.boards_bend ? result.held_out_flexed : result.camera.held_out;
   figures.neighbor_correlation = SharedCorrelation(result, images_apart);
   TellAloneFromApart(result, images_apart, &figures);
   figures.two_cameras = result.two_cameras;

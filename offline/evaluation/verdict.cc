@@ -237,14 +237,15 @@ void JudgeRejectedImages(const CalibrationFigures& figures, Verdict* verdict) {
 }
 
 void JudgeOtherModels(const CalibrationFigures& figures, Verdict* verdict) {
-  if (!figures.better_model || !figures.held_out) return;
-  Remark(
-      fmt::format("{} predicts held-out images better, with {:.4f} px "
-                  "(median) against {:.4f} px: raygrid calibrate ... "
-                  "--model {}",
-                  figures.better_model->model, figures.better_model->median_px,
-                  figures.held_out->median_px, figures.better_model->model),
-      verdict);
+  if (!figures.better_model) return;
+  const BetterModel& better = *figures.better_model;
+  Remark(fmt::format("{} predicts held-out images better, with {:.4f} px "
+                     "(median{}) against {:.4f} px: raygrid calibrate ... "
+                     "--model {}",
+                     better.model, better.median_px,
+                     figures.boards_bend ? ", rigid boards" : "",
+                     better.own_median_px, better.model),
+         verdict);
 }
 
 bool WarnsOfNeighbors(const CalibrationFigures& figures) {

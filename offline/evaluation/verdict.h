@@ -13,10 +13,12 @@
 
 namespace raygrid {
 
-/// Another model, and its held-out error.
+/// Another model, and the held-out errors of both, with rigid boards: other
+/// figures of a model whose boards bend do not compare with these.
 struct BetterModel {
   std::string model;
   double median_px = 0;
+  double own_median_px = 0;  ///< of the model that was asked for
 };
 
 /// The images of two cameras that were taken for one's.
@@ -36,7 +38,9 @@ struct CalibrationFigures {
   std::vector<std::string> held_out_copies;
   int images_with_too_few_features = 0;  ///< of those rejected
   ErrorFigures training;
+  /// The held-out errors; their boards bend where those of training do.
   std::optional<ErrorFigures> held_out;
+  bool boards_bend = false;
   /// Without images apart: of held-out errors, or of training errors if that
   /// is less; what a camera of few images errs by, only the former share.
   std::optional<double> neighbor_correlation;

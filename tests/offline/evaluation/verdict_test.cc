@@ -186,7 +186,7 @@ TEST(Verdict, SendsNobodyFromModelToModelAndBack) {
   figures.neighbor_correlation = 0.6;
   figures.tried.generic_tried = true;
   EXPECT_FALSE(HasReason(JudgeCalibration(figures), "--model central-generic"));
-  figures.better_model = {"central-generic", 0.1};
+  figures.better_model = {"central-generic", 0.1, 0.11};
   figures.tried.better_model = "central-generic";
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "--model central-generic"));
 }
@@ -230,15 +230,49 @@ TEST(Verdict, SaysFirstWhichModelPredictsBetter) {
   CalibrationFigures figures = GoodFigures();
   figures.images_used = 5;
   figures.held_out->median_px = 0.413;
-  figures.better_model = {"opencv", 0.407};
+  figures.better_model = {"opencv", 0.407, 0.413};
   const Verdict verdict = JudgeCalibration(figures);
   ASSERT_FALSE(verdict.reasons.empty());
   EXPECT_EQ(verdict.reasons[0],
             "opencv predicts held-out images better, with 0.4070 px (median) "
             "against 0.4130 px: raygrid calibrate ... --model opencv");
   CalibrationFigures good = GoodFigures();
-  good.better_model = {"opencv", 0.1};
+  good.better_model = {"opencv", 0.1, 0.11};
   EXPECT_EQ(JudgeCalibration(good).word, "pass");
+}
+
+TEST(Verdict, AsksForMoreViewsWhereFewShowAPlace) {
+  CalibrationFigures figures = GoodFigures();
+  figures.images_alone = {"a.png", "b.png"};
+  figures.places_alone = {"left", "top right"};
+  const Verdict verdict = JudgeCalibration(figures);
+  EXPECT_EQ(verdict.word, "warn");
+  EXPECT_TRUE(HasReason(verdict,
+                        "only 2 images (a.png, ...) show the left, top right "
+                        "of the image"));
+  EXPECT_FALSE(HasReason(verdict, "do not fit"));
+}
+
+// The error of a model whose boards bend is another figure than that of
+// another model whose boards are rigid.
+TEST(Verdict, ComparesModelsByFiguresOfOneKind) {
+  CalibrationFigures figures = GoodFigures();
+  figures.boards_bend = true;
+  figures.held_out->median_px = 0.0332;
+  figures.better_model = {"opencv", 0.0383, 0.0412};
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures),
+                        "with 0.0383 px (median, rigid boards) against "
+                        "0.0412 px"));
+}
+
+TEST(Verdict, WarnsOfImagesHeldOutWhoseViewsWereCalibratedWith) {
+  CalibrationFigures figures = GoodFigures();
+  figures.held_out_copies = {"a.png", "b.png"};
+  const Verdict verdict = JudgeCalibration(figures);
+  EXPECT_EQ(verdict.word, "warn");
+  EXPECT_TRUE(HasReason(verdict,
+                        "(2: a.png, ...), so the held-out error is "
+                        "too small"));
 }
 
 TEST(Verdict, SaysNothingOfHundredthsOfAPixel) {
