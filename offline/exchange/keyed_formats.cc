@@ -272,7 +272,7 @@ const std::vector<KeyedFormat>& KeyedTable() {
        "camera_name",
        "",
        false,
-       {}},
+       {"fisheye", "fisheye_mask"}},
       {"euroc",
        "sensor.yaml of EuRoC, ASL and Kimera",
        ParseKeyedYaml,

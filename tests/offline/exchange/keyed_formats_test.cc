@@ -101,6 +101,9 @@ TEST(KeyedFormats, ReadCamodocal) {
                           "projection_parameters:\n   gamma1: 910.\n   gamma2: "
                           "911.5\n   u0: 322.5\n   v0: 238.\n";
   ExpectLens(Read(mei).cameras.at(0), kOmniLens, &Lens::Omni);
+  // VINS has the camera in its settings, where "fisheye" asks for a mask.
+  ExpectLens(Read(mei + "fisheye: 1\nmax_cnt: 150\n").cameras.at(0), kOmniLens,
+             &Lens::Omni);
   const std::string fisheye =
       TextWith(head, "MODEL", "KANNALA_BRANDT") +
       "projection_parameters:\n   k2: 0.03\n   k3: -0.01\n   k4: 0.004\n"
