@@ -281,10 +281,10 @@ void rg_calibrated_size(const rg_camera* camera, uint16_t* width,
                         uint16_t* height);
 
 /* How the camera's frames of the table in use lie in those that were
- * calibrated: the frames that rg_remap() takes or, of a table that distorts, the
- * ones that it makes. width and height are theirs in both cases, and not those
- * of rg_frame_size() if the table distorts: it takes pictures of the view.
- * RG_ERR_NO_REMAP if no table is in use. */
+ * calibrated: the frames that rg_remap() takes or, of a table that distorts,
+ * the ones that it makes. width and height are theirs in both cases, and not
+ * those of rg_frame_size() if the table distorts: it takes pictures of the
+ * view. RG_ERR_NO_REMAP if no table is in use. */
 rg_status rg_remap_mode(const rg_camera* camera, rg_mode* mode);
 
 /* The virtual camera that the undistorted image seems to come from: it stands

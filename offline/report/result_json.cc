@@ -492,9 +492,8 @@ CalibrationResult ParseCamera(const Json& json) {
           {group.at("image").get<std::string>(),
            group.at("others").get<std::vector<std::string>>()});
   if (json.at("images").contains("held_out_copies"))
-    result.held_out_copies = json.at("images")
-                                 .at("held_out_copies")
-                                 .get<std::vector<std::string>>();
+    result.held_out_copies =
+        json.at("images").at("held_out_copies").get<std::vector<std::string>>();
   result.measured_again_rms_px =
       NumberIfAny(json.at("features"), "measured_again_rms_px");
   result.camera.training = ParseFigures(json.at("training"));
