@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -387,10 +390,39 @@ Json SlotsFacts(const std::string& path, const std::string& bytes) {
   return json;
 }
 
+// Reads the two slots at the beginning of a block device.
+std::string ReadSlotsOfDevice(const std::string& path,
+                              const std::optional<uint64_t>& slot_size) {
+  if (!slot_size)
+    throw Error(ExitCode::kUsage, path +
+                                      ": is a device; say with --slot-size how "
+                                      "large its two slots are");
+  std::string bytes(2 * *slot_size, '\0');
+  std::ifstream device(path, std::ios::binary);
+  if (!device.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
+    throw InputError(
+        fmt::format("{}: has no {} bytes that can be read; name "
+                    "a smaller --slot-size, or see its rights",
+                    path, bytes.size()));
+  return bytes;
+}
+
+bool IsBlockDevice(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::is_block_file(path, error);
+}
+
 // ---- Kinds of files --------------------------------------------------------
 
-Json FactsOf(const std::string& path) {
+Json FactsOf(const std::string& path,
+             const std::optional<uint64_t>& slot_size) {
   if (IsBoardSpec(path)) return PatternFacts(ParseBoardSpec(path));
+  if (IsBlockDevice(path))
+    return SlotsFacts(path, ReadSlotsOfDevice(path, slot_size));
+  if (slot_size)
+    throw Error(ExitCode::kUsage,
+                "--slot-size is for block devices; the slots of a file are "
+                "its halves");
   const std::string bytes = ReadFile(path);
   if (IsSlotFile(bytes)) return SlotsFacts(path, bytes);
   if (IsBlob(path, bytes)) return BlobFacts(BlobCamera(path, bytes));
@@ -470,8 +502,9 @@ void PrintText(const Json& facts) {
   }
 }
 
-void Inspect(const std::string& path, const CommonOptions& common) {
-  const Json facts = FactsOf(path);
+void Inspect(const std::string& path, const std::optional<uint64_t>& slot_size,
+             const CommonOptions& common) {
+  const Json facts = FactsOf(path, slot_size);
   if (common.json)
     fmt::print("{}\n", facts.dump(2));
   else
@@ -494,9 +527,17 @@ void AddInspect(CLI::App* app, CommonOptions* common) {
   auto path = std::make_shared<std::string>();
   command
       ->add_option("file", *path,
-                   "file, or a board in a word, as chessboard:9x6:25mm")
+                   "file, block device with the slots of raygrid update, or a "
+                   "board in a word, as chessboard:9x6:25mm")
       ->required();
-  command->callback([path, common] { Inspect(*path, *common); });
+  auto slot_size = std::make_shared<std::optional<uint64_t>>();
+  command
+      ->add_option("--slot-size", *slot_size,
+                   "bytes of one slot of a block device, such as 64K or 1M")
+      ->transform(CLI::AsSizeValue(false))
+      ->check(CLI::Range(uint64_t{8}, uint64_t{1} << 30));
+  command->callback(
+      [path, slot_size, common] { Inspect(*path, *slot_size, *common); });
 }
 
 }  // namespace raygrid

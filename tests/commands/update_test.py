@@ -52,6 +52,26 @@ class Update(CommandTest):
     def check_newest(self, index, sequence, name):
         self.assertEqual(newest(read(self.slots)), (index, sequence, self.blobs[name]))
 
+    def test_a_block_device_is_inspected_by_the_size_of_its_slots(self):
+        self.assert_done(self.update("a", "--slot-size", "32K"))
+        with open(self.slots, "ab") as file:
+            file.write(bytes(3 * SLOT))  # a device is larger than its slots
+        attached = subprocess.run(["losetup", "--find", "--show", self.slots], check=False,
+                                  capture_output=True, text=True)
+        if attached.returncode != 0:
+            self.skipTest("without loop devices")
+        device = attached.stdout.strip()
+        try:
+            self.assert_done(run("update", self.path("b.raygrid"), "--slots", device,
+                                 "--slot-size", "32K"))
+            result = run("inspect", device, "--slot-size", "32K", "--json")
+            self.assert_done(result)
+            self.assertEqual(json.loads(result.stdout)["newest"], 1)
+            self.assert_refused(run("inspect", device), 1, "--slot-size")
+            self.assert_refused(run("inspect", device, "--slot-size", "1M"), 2, "smaller --slot-size")
+        finally:
+            subprocess.run(["losetup", "--detach", device], check=True)
+
     def test_slots_take_turns_and_the_other_one_stays(self):
         self.assert_done(self.update("a", "--slot-size", "32K"))
         self.assertEqual(os.path.getsize(self.slots), 2 * SLOT)
