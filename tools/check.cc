@@ -89,7 +89,9 @@ Dataset Gather(const CheckArguments& arguments, const CommonOptions& common,
 }
 
 const char* Word(const CameraChange& change) {
-  return change.is_degraded ? "DEGRADED" : "OK";
+  return change.is_degraded ? "DEGRADED"
+         : change.can_tell  ? "OK"
+                            : "CANNOT TELL";
 }
 
 nlohmann::ordered_json ToJson(const CameraCheck& check,
@@ -189,6 +191,12 @@ void Run(CheckArguments arguments, const CommonOptions& common) {
     throw Error(ExitCode::kQuality,
                 fmt::format("the camera has changed ({}); calibrate it again",
                             fmt::join(check.change.moved, ", ")));
+  if (!check.change.can_tell)
+    throw Error(ExitCode::kTooFew,
+                "nothing is found, but the images could not show a shift or a "
+                "change of scale by 1 % of the image; take more of them, or "
+                "sharper ones, in which the board fills the image and is "
+                "tilted");
 }
 
 }  // namespace
@@ -198,7 +206,9 @@ void AddCheck(CLI::App* app, CommonOptions* common) {
       app, "check",
       "Tells from a few images of the board whether a camera is still as it "
       "was calibrated: OK, or DEGRADED (exit code 6) and what moved, with its "
-      "significance. An unchanged camera is called degraded less than once in "
+      "significance, or CANNOT TELL (3) where a change by 1 % of the image "
+      "would not be found. An unchanged camera is called degraded less than "
+      "once in "
       "100 times where 60 images or so have calibrated a model that follows "
       "its lens: 6 to 9 of 1,000 were in simulations. Where 14 images have, it "
       "is up to once in 50 times, and once in 14 where a parametric model does "

@@ -7,6 +7,7 @@
 
 #include "adjustment/reprojection_error.h"
 #include "calibration/calibration_problem.h"
+#include "calibration/same_views.h"
 #include "dataset/error.h"
 
 namespace raygrid {
@@ -89,10 +90,17 @@ Dataset FeaturesOf(const std::vector<FeatureResidual>& residuals,
 
 CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
                         const Pattern& pattern, int num_threads) {
+  // Photographs of one view differ by their noise, and by more than this.
+  constexpr double kCopyPx = 0.01;
   const KnownCamera known = Known(file);
   CameraCheck check;
-  const CalibrationProblem problem =
-      BuildProblem({dataset}, pattern, &check.rejected_images);
+  const std::vector<SameViews> copies = FindSameViews({dataset}, {}, kCopyPx);
+  for (const SameViews& group : copies)
+    for (const std::string& copy : group.others)
+      check.rejected_images.push_back(
+          {copy, "shows the same as " + group.image + ", which is used once"});
+  const CalibrationProblem problem = BuildProblem(
+      {WithoutOthers(dataset, copies)}, pattern, &check.rejected_images);
   const std::vector<std::optional<Pose>> poses =
       LocalizeViews(*file.camera, 0, problem, num_threads);
   std::vector<PlacedView> views;

@@ -17,7 +17,8 @@ struct CameraCheck {
 };
 
 /// Whether the camera still sees a board as when it was calibrated: its images
-/// are localised, then tested (evaluation/camera_change.h). Throws InputError
+/// are localised, then tested (evaluation/camera_change.h). Copies of an image
+/// tell nothing more than it does, and are rejected. Throws InputError
 /// if the file says nothing of the camera's errors, Error(kTooFew).
 CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
                         const Pattern& pattern, int num_threads);

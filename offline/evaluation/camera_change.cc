@@ -441,6 +441,19 @@ std::vector<std::string> SignificantOf(const std::vector<Movement>& movements) {
   return names;
 }
 
+bool WouldFindAHundredth(const KnownCamera& camera,
+                         const std::vector<Movement>& movements) {
+  constexpr double kPart = 0.01;
+  for (const Movement& movement : movements) {
+    const double unit = movement.name == "scale" ? 1
+                        : movement.name == "shift"
+                            ? std::max(camera.size.width, camera.size.height)
+                            : 0;
+    if (unit > 0 && !(movement.found_from <= kPart * unit)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 double ChiSquaredSigmas(double chi_squared, int freedoms) {
@@ -481,6 +494,7 @@ CameraChange TestForChange(const KnownCamera& camera,
   }
   change.movements.push_back(local);
   change.is_degraded = !change.moved.empty();
+  change.can_tell = WouldFindAHundredth(camera, change.movements);
 
   const Eigen::VectorXd fitted =
       is_local ? EstimateOf(information, Range(0, kNumMovements)).values

@@ -51,6 +51,9 @@ struct CameraChange {
   Eigen::Vector2d largest_local_pixel = Eigen::Vector2d::Zero();
   std::vector<Movement> movements;  ///< scale, shift, tilt, local
   bool is_degraded = false;
+  /// Whether a change of scale, or a shift, by a hundredth of the image would
+  /// be found 99 times in a hundred; else nothing found means nothing.
+  bool can_tell = false;
   std::vector<std::string> moved;  ///< names of what explains it
 };
 

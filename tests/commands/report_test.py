@@ -244,6 +244,26 @@ class Check(Calibrated):
         self.assert_done(result)
         self.assertTrue(result.stdout.startswith("OK"), result.stdout)
 
+    def test_copies_of_views_count_once(self):
+        once = json.loads(self.check("once.csv", lambda x, y: (x, y), "--json").stdout)
+        header, *lines = read(self.path("once.csv")).decode().splitlines()
+        for copies in (2, 3):
+            text = [header] + [f"copy{k}_{line}" for k in range(copies) for line in lines]
+            result = run("check", self.path("out/camera.yaml"), "--features",
+                         write(self.path(f"copies{copies}.csv"), "\n".join(text) + "\n"), "--json")
+            self.assert_done(result)
+            found = json.loads(result.stdout)
+            self.assertEqual(found["images"], once["images"])
+            self.assertEqual(found["movements"], once["movements"])
+            self.assertEqual(len(found["rejected"]), (copies - 1) * once["images"])
+            self.assertIn("shows the same as copy0_sim0000.png", found["rejected"][0]["reason"])
+
+    def test_noise_that_hides_everything_is_no_ok(self):
+        randomly = random.Random(1)
+        result = self.check("noisy.csv", lambda x, y: (x + randomly.gauss(0, 3), y + randomly.gauss(0, 3)))
+        self.assert_refused(result, 3, "nothing is found", "take more of them")
+        self.assertTrue(result.stdout.startswith("CANNOT TELL"), result.stdout)
+
     def test_scaled(self):
         result = self.check("scaled.csv",
                             lambda x, y: (319.5 + 1.003 * (x - 319.5), 239.5 + 1.003 * (y - 239.5)),
