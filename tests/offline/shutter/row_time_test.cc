@@ -231,7 +231,7 @@ TEST(RowTime, IsNotToldByCountingFramesOfWhichSomeAreMissing) {
   for (const double part : {0.03, 0.2})
     EXPECT_EQ(CountTold(Clip{20, 0.1, 1, 160}, 2, part, CountFrames), 0)
         << part;
-  // Where one in a hundred is missing, a recording may miss none.
+  // A recording may miss none where one in a hundred is missing.
   CountTold(Clip{20, 0.1, 1, 160}, 3, 0.01, CountFrames);
 }
 
