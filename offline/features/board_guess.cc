@@ -473,7 +473,7 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
                 const ImageRoom room(found.dataset.image_size);
                 const GreyImage image =
                     MakeGreyImage(ReadGreyLevels(found.paths[chosen[i]]));
-                if (!IsNoiseAlone(image))
+                if (!IsNoiseAlone(image) && !HasHardlyAnyContrast(image))
                   guesses[i] = GuessFrom(WithLittleNoise(image), asked);
               });
   int num_votes = 0;
