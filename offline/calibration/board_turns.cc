@@ -131,18 +131,11 @@ class TurnSearch {
 
   const std::vector<int>& turns() const { return turns_; }
 
-  // How surely an image is turned so rather than otherwise, in standard
-  // deviations; against no turn, if it is turned.
+  // How surely an image is turned so rather than not at all, in standard
+  // deviations.
   double Sureness(size_t image) const {
-    const Displacements mean =
-        MeanOfOthers(SumOf(turns_), turned_[image][turns_[image]]);
-    double least = INFINITY;
-    for (int other = 0; other < num_turns_; ++other) {
-      if (other == turns_[image]) continue;
-      if (turns_[image] != 0 && other != 0) continue;
-      least = std::min(least, Advantage(image, other, mean));
-    }
-    return least;
+    return Advantage(
+        image, 0, MeanOfOthers(SumOf(turns_), turned_[image][turns_[image]]));
   }
 
  private:
@@ -342,32 +335,25 @@ Pose TurnOf(const Board& board, int turn) {
   return {rotation, middle - rotation * middle};
 }
 
-GeometryTurns TurnByGeometry(const std::vector<Adjusted>& cameras,
-                             const Pattern& pattern) {
+BoardTurns TurnByGeometry(const std::vector<Adjusted>& cameras,
+                          const Pattern& pattern) {
   // Errors of neighbours are alike, so that chance goes further than the
   // deviations say.
-  constexpr double kSurely = 5, kHardly = 3;
-  GeometryTurns result;
+  constexpr double kSurely = 5;
+  BoardTurns turns;
   for (size_t b = 0; b < pattern.boards.size(); ++b) {
     const Board& board = pattern.boards[b];
     if (board.NumTurns() < 2) continue;
     const std::vector<Displacements> images =
         DisplacementsOf(cameras, static_cast<int>(b), board);
-    result.num_views += static_cast<int>(images.size());
-    if (images.size() < 2) {
-      result.num_ambiguous += static_cast<int>(images.size());
-      continue;
-    }
+    if (images.size() < 2) continue;
     TurnSearch search(images, board);
     search.Run();
-    for (size_t i = 0; i < images.size(); ++i) {
-      const double sureness = search.Sureness(i);
-      if (sureness < kHardly) ++result.num_ambiguous;
-      if (search.turns()[i] != 0 && sureness > kSurely)
-        result.turns[{images[i].image, board.id}] = search.turns()[i];
-    }
+    for (size_t i = 0; i < images.size(); ++i)
+      if (search.turns()[i] != 0 && search.Sureness(i) > kSurely)
+        turns[{images[i].image, board.id}] = search.turns()[i];
   }
-  return result;
+  return turns;
 }
 
 }  // namespace raygrid

@@ -38,19 +38,12 @@ void AddViews(const Adjusted& views, Adjusted* camera);
 /// points of features to where those are that they become by a turn.
 Pose TurnOf(const Board& board, int turn);
 
-/// The turns of a board's views that its geometry tells, by printing errors and
-/// bends that all views share, and how many views it leaves ambiguous.
-struct GeometryTurns {
-  BoardTurns turns;
-  int num_views = 0, num_ambiguous = 0;  ///< of symmetric boards
-};
-
 /// The turns by which the displacements of a board's points agree best over all
 /// its views. Cameras that were adjusted with nominal points, each on its own
 /// images; views in images of one name share their turn. Only views that are
 /// surely otherwise than most are turned.
-GeometryTurns TurnByGeometry(const std::vector<Adjusted>& cameras,
-                             const Pattern& pattern);
+BoardTurns TurnByGeometry(const std::vector<Adjusted>& cameras,
+                          const Pattern& pattern);
 
 }  // namespace raygrid
 

@@ -319,8 +319,37 @@ void Calibration::TurnBoardsByGeometry() {
                             pattern_, options_.num_threads),
              &cameras.back());
   }
-  const BoardTurns turns = TurnByGeometry(cameras, pattern_).turns;
-  for (CameraInProgress& camera : cameras_) TurnBoards(turns, &camera);
+  const BoardTurns turns = TurnByGeometry(cameras, pattern_);
+  if (turns.empty()) return;
+  // What bends a lens may look like what bends a board: free points decide.
+  struct AsBefore {
+    BoardTurns turns;
+    Dataset dataset;
+    Split split;
+    Adjusted lens;
+  };
+  constexpr double kBetter = 0.98;
+  std::vector<AsBefore> as_before;
+  double before_px = 0, after_px = 0;
+  const auto error_px = [this](const CameraInProgress& camera,
+                               const Adjusted& start) {
+    return MeanErrorPx(AdjustFirstCamera(pattern_, options_, camera).adjusted,
+                       start);
+  };
+  for (CameraInProgress& camera : cameras_) {
+    before_px += error_px(camera, camera.lens);
+    as_before.push_back(
+        {camera.turns, camera.dataset, camera.split, camera.lens});
+    TurnBoards(turns, &camera);
+    after_px += error_px(camera, as_before.back().lens);
+  }
+  if (after_px < kBetter * before_px && !options_.ShouldStop()) return;
+  for (size_t c = 0; c < cameras_.size(); ++c) {
+    cameras_[c].turns = std::move(as_before[c].turns);
+    cameras_[c].dataset = std::move(as_before[c].dataset);
+    cameras_[c].split = std::move(as_before[c].split);
+    cameras_[c].lens = std::move(as_before[c].lens);
+  }
 }
 
 void Calibration::TurnBoards() {
