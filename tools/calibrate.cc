@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -282,6 +283,18 @@ void RequireSuccess(const Verdict& verdict, bool is_interrupted,
                             verdict.failure, folder));
 }
 
+// A calibration whose blob could not be made at all is no success.
+void RequireBlobs(const RigResult& result, const ResultExtras& extras,
+                  const std::string& folder) {
+  for (size_t c = 0; c < extras.cameras.size(); ++c)
+    if (extras.cameras[c].packing && extras.cameras[c].blob.empty())
+      throw Error(
+          ExitCode::kQuality,
+          fmt::format("{}/{}camera.raygrid {}; the other files are written",
+                      folder, CameraFolder(result, c),
+                      fmt::join(extras.cameras[c].packing->remarks, "; ")));
+}
+
 void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
   const FeaturesByCamera given = ReadGivenFeatures(arguments);
   const bool is_rig = given.size() > 1 || arguments.HasCameraImages();
@@ -336,6 +349,7 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
     if (!common.quiet && !remark.empty())
       fmt::print(stderr, "raygrid: {}\n", remark);
   RequireSuccess(result.verdict, !checkpoints.empty(), arguments.output);
+  RequireBlobs(result, extras, arguments.output);
 }
 
 }  // namespace

@@ -19,6 +19,7 @@
 #include "mode_options.h"
 #include "packing/distorted_image.h"
 #include "packing/pack.h"
+#include "packing/regular_region.h"
 #include "progress_bar.h"
 #include "view_options.h"
 
@@ -34,6 +35,7 @@ struct UndistortArguments {
   ViewWords view;
   std::string mode;
   double max_error_px = 0.05;
+  bool is_bound_given = false;
   uint32_t remap_index = 0;
   bool is_reverse = false;
 };
@@ -220,6 +222,7 @@ ImageMapper PrepareDistortion(const UndistortArguments& arguments,
   }
   RequireCentral(arguments, *input.file.camera);
   if (!input.blob) TurnIntoCameraFrame(&input.file.camera);
+  input.file.camera = RegularPartOf(*input.file.camera, num_threads);
   const CameraModel& camera = *input.file.camera;
   const VirtualView view = FindView(input, request);
   return request.mode
@@ -241,11 +244,16 @@ ImageMapper PrepareUndistortion(const UndistortArguments& arguments,
   PackOptions options;
   options.remaps.emplace_back(view, request.mode);
   options.max_error_px = arguments.max_error_px;
+  options.is_table_bound_soft = !arguments.is_bound_given;
   options.shown = request.trusted;
   options.num_threads = num_threads;
-  return ByTable(
-      BlobCamera("packed camera", PackCamera(input.file, options).blob), view,
-      0);
+  const PackedCamera packed = PackCamera(input.file, options);
+  if (packed.remaps[0].error_px > arguments.max_error_px)
+    fmt::print(stderr,
+               "raygrid: {}: positions are off by up to {:.2g} px; a smaller "
+               "field of view is more exact\n",
+               arguments.camera, packed.remaps[0].error_px);
+  return ByTable(BlobCamera("packed camera", packed.blob), view, 0);
 }
 
 ImageMapper Prepare(const UndistortArguments& arguments,
@@ -409,11 +417,15 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
       ->capture_default_str();
   command
       ->add_option("--max-error-px", arguments->max_error_px,
-                   "geometric error that the table may have")
+                   "geometric error that the table may have; if it is given, "
+                   "a view that has more is refused")
       ->check(AboveZero())
       ->capture_default_str();
   AddHugeOption(command);
-  command->callback([arguments, common] { Run(*arguments, *common); });
+  command->callback([arguments, command, common] {
+    arguments->is_bound_given = command->count("--max-error-px") > 0;
+    Run(*arguments, *common);
+  });
 }
 
 }  // namespace raygrid

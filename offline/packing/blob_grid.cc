@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera/stereographic.h"
 #include "dataset/error.h"
 #include "packing/blob_limits.h"
 
@@ -23,94 +24,252 @@ Area RepresentableArea(const Area& area) {
       std::floor(area.x1 * kUnit) / kUnit, std::floor(area.y1 * kUnit) / kUnit};
 }
 
-// The worst angle-times-focal-length between a model and its grid, where it is
-// trusted, if it is anywhere.
-double FitError(const CameraModel& model, const TrustMask* trusted,
-                const CentralGeneric& grid) {
-  double worst = 0;
-  const Area& area = grid.area();
-  for (int j = 0; j <= 60; ++j) {
-    for (int i = 0; i <= 80; ++i) {
-      const Eigen::Vector2d pixel(area.x0 + area.width() * i / 80,
-                                  area.y0 + area.height() * j / 60);
-      if (trusted && !trusted->Trusts(pixel)) continue;
-      const auto ray = model.Unproject(pixel);
-      if (!ray) continue;
-      const auto image = grid.Project(*ray, &pixel, 5);
-      worst = std::max(worst, image ? (*image - pixel).norm() : INFINITY);
+// The largest coordinate of a control point.
+double MaxControlPoint() {
+  return std::ldexp(RG_CONTROL_POINT_LIMIT - 1.0, -RG_CONTROL_POINT_BITS);
+}
+
+// The control points that a regular pixel's ray depends on.
+std::vector<bool> UsedControlPoints(const BSplineSurface& surface,
+                                    const RegularRegion& region) {
+  std::vector<bool> is_used(surface.num_points(), false);
+  for (size_t k = 0; k < region.nodes().size(); ++k) {
+    if (!region.nodes()[k].is_regular) continue;
+    const SplineSupport support =
+        surface.Support(region.PixelOf(static_cast<int>(k)));
+    for (int m = 0; m < 16; ++m)
+      is_used[(support.row + m / 4) * surface.columns() + support.column +
+              m % 4] = true;
+  }
+  return is_used;
+}
+
+// Draws control points beyond what the format holds back to it, and those that
+// no regular pixel depends on near to the others: 16 bits then hold them more
+// finely. As in the corners around a fisheye's image circle.
+void DrawIntoChart(const RegularRegion& region, bool is_fitted,
+                   BSplineSurface* surface) {
+  constexpr double kNear = 1.25;
+  double reach = 0;
+  for (const RegularRegion::Node& node : region.nodes())
+    if (node.is_regular) reach = std::max(reach, ToChart(node.ray).norm());
+  const double limit = MaxControlPoint();
+  const double others_limit =
+      is_fitted ? std::min(limit, kNear * reach) : limit;
+  const std::vector<bool> is_used = UsedControlPoints(*surface, region);
+  for (int k = 0; k < surface->num_points(); ++k) {
+    Eigen::Vector2d& point = surface->points()[k];
+    const double largest = point.cwiseAbs().maxCoeff();
+    const double allowed = is_used[k] ? limit : others_limit;
+    if (!std::isfinite(largest))
+      point.setZero();
+    else if (largest > allowed)
+      point *= allowed / largest;
+  }
+}
+
+// The search for a grid that follows a camera in its regular region.
+class GridSearch {
+ public:
+  GridSearch(const CameraModel& camera, const RegularRegion& region,
+             const TrustMask* trusted, double max_error_px)
+      : camera_(camera), region_(region), max_error_px_(max_error_px) {
+    double most_per_radian = INFINITY;
+    for (const RegularRegion::Node& node : region.nodes())
+      if (node.is_regular && !node.by_ray.isZero(0))
+        most_per_radian = std::min(most_per_radian, node.by_ray.norm());
+    most_per_radian *= kHardlyTurn;
+    for (size_t k = 0; k < region.nodes().size(); ++k) {
+      const RegularRegion::Node& node = region.nodes()[k];
+      const bool counts =
+          node.is_regular && node.by_ray.norm() < most_per_radian &&
+          (!trusted || trusted->Trusts(region.PixelOf(static_cast<int>(k))));
+      counts_.push_back(counts);
+      num_counting_ += counts;
     }
   }
-  return worst;
+
+  // Whether the grid follows the camera at each node, as far as that counts.
+  std::vector<bool> FollowedBy(const BSplineSurface& surface) const {
+    std::vector<bool> is_followed(counts_.size(), true);
+    for (size_t k = 0; k < counts_.size(); ++k) {
+      if (!counts_[k]) continue;
+      const RegularRegion::Node& node = region_.nodes()[k];
+      const Eigen::Vector3d ray =
+          FromChart(surface.Evaluate(region_.PixelOf(static_cast<int>(k))));
+      is_followed[k] = (node.by_ray * (ray - node.ray)).norm() <= max_error_px_;
+    }
+    return is_followed;
+  }
+
+  // The part of the nodes that count at which it does not follow.
+  double LostPart(const std::vector<bool>& is_followed) const {
+    const auto num_lost =
+        std::count(is_followed.begin(), is_followed.end(), false);
+    return num_counting_ == 0 ? 1
+                              : static_cast<double>(num_lost) /
+                                    static_cast<double>(num_counting_);
+  }
+
+  bool LosesMuch(const BSplineSurface& surface) const {
+    return LostPart(FollowedBy(surface)) > kNegligiblePart;
+  }
+
+  // The coarsest grid that follows all, or else one that loses about the least.
+  BSplineSurface Find() const {
+    std::vector<Candidate> candidates;
+    double least = INFINITY;
+    const Area area = RepresentableArea(region_.area());
+    const double longer = std::max(area.width(), area.height());
+    for (int half_log2 = 2; half_log2 <= kFinestHalfLog2; ++half_log2) {
+      const double cell_px = longer / std::exp2(half_log2 / 2.0);
+      if (half_log2 > kUsualHalfLog2 &&
+          (cell_px < kLeastCellPx || least <= kRoughPart || !region_.IsWhole()))
+        break;
+      candidates.push_back(FitTrimmed(area, cell_px));
+      least = std::min(least, candidates.back().lost);
+      if (least <= (region_.IsWhole() ? 0 : kNegligiblePart))
+        return candidates.back().surface;
+    }
+    const double enough = std::max(kNegligiblePart, kAlmostLeast * least);
+    return std::find_if(
+               candidates.begin(), candidates.end(),
+               [&](const Candidate& each) { return each.lost <= enough; })
+        ->surface;
+  }
+
+ private:
+  // 2 to 128 cells; for rough cameras more, of 4 px or more. Near a fold that
+  // would gain a few pixels for four times the bytes.
+  static constexpr int kUsualHalfLog2 = 14, kFinestHalfLog2 = 16;
+  static constexpr double kLeastCellPx = 4, kRoughPart = 0.01;
+  static constexpr double kNegligiblePart = 0.002, kAlmostLeast = 1.25;
+  // Rays that hardly turn from pixel to pixel are not measured in pixels.
+  static constexpr double kHardlyTurn = 20;
+  static constexpr int kSamplesPerCell = 4;
+  // Beyond the region a grid goes on smoothly.
+  static constexpr double kSmoothnessBeyond = 1e-7;
+
+  struct Candidate {
+    BSplineSurface surface;
+    double lost = 1;
+  };
+
+  // The grid through the rays of the regular pixels that an earlier one could
+  // follow.
+  BSplineSurface Fit(const Area& area, double cell_px,
+                     const std::vector<bool>& is_good) const {
+    const int columns = NumControlPoints(area.width(), cell_px),
+              rows = NumControlPoints(area.height(), cell_px);
+    const BSplineSurface grid(area, columns, rows);
+    std::vector<SurfaceSample> samples;
+    bool is_whole = true;
+    for (const Eigen::Vector2d& pixel : grid.SamplePixels(kSamplesPerCell)) {
+      const auto ray = region_.ContainsAmong(is_good, pixel)
+                           ? camera_.Unproject(pixel)
+                           : std::nullopt;
+      if (ray)
+        samples.push_back({pixel, ToChart(*ray)});
+      else
+        is_whole = false;
+    }
+    BSplineSurface surface =
+        is_whole ? FitSurface(area, columns, rows, samples)
+                 : FitSurface(area, columns, rows, samples, kSmoothnessBeyond);
+    DrawIntoChart(region_, true, &surface);
+    return surface;
+  }
+
+  // Rays that cannot be followed, as those of pixels near a fold, bend the grid
+  // beside them: it is fitted once more without.
+  Candidate FitTrimmed(const Area& area, double cell_px) const {
+    Candidate best;
+    std::vector<bool> is_good(counts_.size(), true);
+    for (int round = 0; round < 2 && best.lost > kNegligiblePart; ++round) {
+      Candidate made = {Fit(area, cell_px, is_good)};
+      const std::vector<bool> is_followed = FollowedBy(made.surface);
+      made.lost = LostPart(is_followed);
+      if (round == 0 || made.lost < best.lost) best = std::move(made);
+      is_good = is_followed;
+    }
+    return best;
+  }
+
+  const CameraModel& camera_;
+  const RegularRegion& region_;
+  const double max_error_px_;
+  std::vector<bool> counts_;
+  int64_t num_counting_ = 0;
+};
+
+// A mask of cells half as large as usual, all of which are trusted: the edge of
+// what is regular is where the camera's model says.
+TrustMask FineMask(const ImageSize& size) {
+  constexpr int kLeastCellPx = 4;
+  TrustMask mask = TrustMask::Over(size);
+  mask.cell_px = std::max(kLeastCellPx, mask.cell_px / 2);
+  mask.columns = TrustMask::NumCells(size.width, mask.cell_px);
+  mask.rows = TrustMask::NumCells(size.height, mask.cell_px);
+  mask.is_trusted.assign(mask.columns * mask.rows, true);
+  return mask;
 }
 
-// The camera as a grid over a representable area.
-CentralGeneric AsGrid(const CameraModel& camera, const TrustMask* trusted) {
-  const Area area = RepresentableArea(camera.area());
-  const auto* grid = dynamic_cast<const CentralGeneric*>(&camera);
-  if (grid && area.x0 == camera.area().x0 && area.y0 == camera.area().y0 &&
-      area.x1 == camera.area().x1 && area.y1 == camera.area().y1)
-    return *grid;
-  double error = INFINITY;
-  for (int half_log2 = 2; half_log2 <= 14; ++half_log2) {
-    const double cell_px = std::max(area.width(), area.height()) /
-                           std::exp2(half_log2 / 2.0);  // 2 to 128 cells
-    CentralGeneric fit =
-        FitCentralGeneric(camera, area, NumControlPoints(area.width(), cell_px),
-                          NumControlPoints(area.height(), cell_px));
-    error = FitError(camera, trusted, fit);
-    if (error <= kMaxPackingErrorPx / 2) return fit;
-  }
-  throw Error(ExitCode::kQuality,
-              fmt::format("no grid follows this {} camera {}; is it valid over "
-                          "its whole area?",
-                          camera.Name(),
-                          std::isfinite(error)
-                              ? fmt::format("closer than {:.4f} px", error)
-                              : "and leads back to its pixels"));
-}
-
-// Whether a trusted cell's rays depend on a control point of the grid: within
-// two of its cells.
-bool IsTrustedNear(const TrustMask& mask, const BSplineSurface& surface,
-                   int index) {
-  const Eigen::Array2d reach =
-      2 * Eigen::Array2d(surface.cell_width(), surface.cell_height()) +
-      mask.cell_px / 2.0;
-  for (size_t k = 0; k < mask.is_trusted.size(); ++k) {
-    const Eigen::Array2d distance =
-        mask.CellCenter(static_cast<int>(k)) - surface.PixelOf(index);
-    if (mask.is_trusted[k] && (distance.abs() < reach).all()) return true;
-  }
-  return false;
-}
-
-// Draws control points beyond what the format holds back to it, where no
-// trusted pixel sees by them: as in the corners around a fisheye's image
-// circle.
-void DrawIntoChart(const TrustMask* trusted, CentralGeneric* grid) {
-  const double limit =
-      std::ldexp(RG_CONTROL_POINT_LIMIT - 1.0, -RG_CONTROL_POINT_BITS);
-  BSplineSurface surface = grid->surface();
-  for (int index = 0; index < surface.num_points(); ++index) {
-    Eigen::Vector2d& point = surface.points()[index];
-    const double largest = point.cwiseAbs().maxCoeff();
-    if (largest <= limit) continue;
-    if (!std::isfinite(largest) || !trusted ||
-        IsTrustedNear(*trusted, surface, index))
-      ThrowDoesNotFitBlob(
-          "it looks farther back than 151 degrees from its axis");
-    point *= limit / largest;
-  }
-  *grid = CentralGeneric(grid->image_size(), surface);
+// Leaves the cells out that touch an area.
+void DistrustCells(const Area& area, TrustMask* mask) {
+  const int first = mask->CellOf({area.x0, area.y0}),
+            last = mask->CellOf({area.x1, area.y1});
+  for (int j = first / mask->columns; j <= last / mask->columns; ++j)
+    for (int i = first % mask->columns; i <= last % mask->columns; ++i)
+      mask->is_trusted[j * mask->columns + i] = false;
 }
 
 }  // namespace
 
-CentralGeneric MakeBlobGrid(const CameraModel& camera,
-                            const TrustMask* trusted) {
-  CentralGeneric grid = AsGrid(camera, trusted);
-  DrawIntoChart(trusted, &grid);
-  return grid;
+bool IsBlobGrid(const CameraModel& camera) {
+  const auto* grid = dynamic_cast<const CentralGeneric*>(&camera);
+  if (!grid || !(RepresentableArea(camera.area()) == camera.area()))
+    return false;
+  const std::vector<Eigen::Vector2d>& points = grid->surface().points();
+  return std::all_of(points.begin(), points.end(),
+                     [](const Eigen::Vector2d& point) {
+                       return point.cwiseAbs().maxCoeff() <= MaxControlPoint();
+                     });
+}
+
+BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
+                      const TrustMask* trusted, double max_error_px) {
+  const auto* own = dynamic_cast<const CentralGeneric*>(&camera);
+  if (!region) return {*own, std::nullopt, true};
+  const GridSearch search(camera, *region, trusted, max_error_px / 2);
+  BSplineSurface surface;
+  if (own && RepresentableArea(camera.area()) == camera.area()) {
+    surface = own->surface();
+    DrawIntoChart(*region, false, &surface);
+  }
+  // Wide cells bend in most of the image where control points are drawn back.
+  if (surface.num_points() == 0 || search.LosesMuch(surface)) {
+    BSplineSurface fitted = search.Find();
+    if (surface.num_points() == 0 ||
+        search.LostPart(search.FollowedBy(fitted)) <
+            search.LostPart(search.FollowedBy(surface)))
+      surface = std::move(fitted);
+  }
+  const std::vector<bool> is_followed = search.FollowedBy(surface);
+  BlobGrid made = {CentralGeneric(camera.image_size(), surface), std::nullopt,
+                   true};
+  made.follows_all = search.LostPart(is_followed) == 0;
+  TrustMask valid = trusted ? *trusted : FineMask(camera.image_size());
+  const std::vector<bool> before = valid.is_trusted;
+  region->ForOtherCells(is_followed,
+                        [&](const Area& cell) { DistrustCells(cell, &valid); });
+  if (valid.is_trusted != before) made.valid = valid;
+  if (!valid.TrustsAny())
+    throw Error(ExitCode::kQuality,
+                fmt::format("no grid follows this {} camera anywhere to {} px; "
+                            "are its numbers those of this model and image "
+                            "size?",
+                            camera.Name(), max_error_px));
+  return made;
 }
 
 GridSection QuantizeGrid(const CentralGeneric& camera) {

@@ -2,24 +2,41 @@
 #define RAYGRID_PACKING_BLOB_GRID_H
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "camera/camera_uncertainty.h"
 #include "camera/central_generic.h"
 #include "camera/noncentral_generic.h"
 #include "packing/narrow_grid.h"
+#include "packing/regular_region.h"
 #include "rg_blob.h"
 
 namespace raygrid {
 
+/// The grid that stands for a central camera in a blob, and where it does.
+struct BlobGrid {
+  CentralGeneric grid;
+  /// The trusted cells but those that are not regular all over, and those in
+  /// which the grid does not follow the camera; nothing if that is all of them.
+  std::optional<TrustMask> valid;
+  /// Whether the grid follows the camera in all of its regular region.
+  bool follows_all = true;
+};
+
 /// The grid that stands for a central camera in a blob: its own, or the
-/// coarsest that follows it to half of kMaxPackingErrorPx where it is trusted,
-/// or everywhere without a mask. Control points that the format cannot hold are
-/// drawn back to it where no trusted pixel sees by them, as in the corners
-/// around a fisheye's image circle. Throws Error(kQuality) if no grid follows
-/// the camera, or the format cannot hold it.
-CentralGeneric MakeBlobGrid(const CameraModel& camera,
-                            const TrustMask* trusted);
+/// coarsest of up to 128 cells that follows it to half of a bound in its
+/// regular region, of the cells that are trusted if there is a mask; or else,
+/// of up to 256 cells, one that leaves out about the least of it. Control
+/// points that the format cannot hold are drawn back to it. The region is that
+/// of the camera, or NULL for a grid that the format holds as it is. Throws
+/// Error(kQuality) if no grid follows the camera anywhere.
+BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
+                      const TrustMask* trusted, double max_error_px);
+
+/// Whether the format holds a camera as it is: a grid over an area of whole
+/// 1/65536 px, all of whose control points are within the chart's reach.
+bool IsBlobGrid(const CameraModel& camera);
 
 /// A grid in the format's integers: area and scale, control points in q29.
 struct GridSection {

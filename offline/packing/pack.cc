@@ -17,6 +17,7 @@
 #include "packing/blob_limits.h"
 #include "packing/inverse_grid.h"
 #include "packing/packed_grids.h"
+#include "packing/regular_region.h"
 #include "packing/remap_fitting.h"
 #include "packing/unprojection_error.h"
 #include "packing/view_request.h"
@@ -75,15 +76,17 @@ void RequirePackable(const CameraModel& camera) {
 }
 
 // Before tables are fitted, which takes time. A blob's other sections are
-// camera, grid, inverse grid and quality, and those that not every camera has.
+// camera, grid, inverse grid and quality, and those that not every camera has:
+// a mask if the camera may not be regular everywhere.
 void RequireFewTables(const CameraFile& file, const PackOptions& options) {
   const bool has_modes =
       std::any_of(options.remaps.begin(), options.remaps.end(),
                   [](const RemapRequest& remap) { return remap.mode; });
-  const size_t num_others =
-      size_t{4} + !file.camera->IsCentral() + (file.uncertainty ? 2 : 0) +
-      has_modes + file.capture.has_value() + options.stack.has_value() +
-      file.row_time.has_value();
+  const size_t num_others = size_t{4} + !file.camera->IsCentral() +
+                            (file.uncertainty ? 2 : !IsBlobGrid(*file.camera)) +
+                            has_modes + file.capture.has_value() +
+                            options.stack.has_value() +
+                            file.row_time.has_value();
   const size_t max_tables = RG_MAX_SECTIONS - num_others;
   if (options.remaps.size() > max_tables)
     throw Error(ExitCode::kUsage,
@@ -205,6 +208,12 @@ class RemapSections {
           request.mode));
       packed->remaps.back().distorts = request.distorts;
       RemarkOnReach(packed);
+      if (packed->remaps.back().error_px > options.max_error_px)
+        packed->remarks.push_back(fmt::format(
+            "table {} is off by up to {:.2g} px, more than {} px, which blocks "
+            "of 8 px do not keep; a smaller field of view is more exact",
+            tables_.size() - 1, packed->remaps.back().error_px,
+            options.max_error_px));
       if (lines && request.scene)
         packed->remaps.back().far_error_px = FarError(
             *sources[0], *CameraOfRequest(*cameras[0], nullptr, request),
@@ -267,15 +276,22 @@ class RemapSections {
       const TrustMask* trusted, int num_threads,
       const std::function<void()>& go_on) {
     const auto fit = request.distorts ? FitDistortionTables : FitRemapTables;
-    try {
-      return fit(
-          sources, request.view, options.max_error_px, num_threads, go_on,
-          trusted ? TrustedPixels(*trusted, request.mode) : ShownPixels());
-    } catch (const Error& error) {
-      if (options.remaps.size() == 1) throw;
-      throw Error(error.code(),
-                  fmt::format("table {}: {}", &request - options.remaps.data(),
-                              error.what()));
+    constexpr double kMostPx = 1;
+    for (double bound_px = options.max_error_px;;
+         bound_px = std::min(2 * bound_px, kMostPx)) {
+      try {
+        return fit(
+            sources, request.view, bound_px, num_threads, go_on,
+            trusted ? TrustedPixels(*trusted, request.mode) : ShownPixels());
+      } catch (const Error& error) {
+        if (error.code() == ExitCode::kQuality && options.is_table_bound_soft &&
+            bound_px < kMostPx)
+          continue;
+        if (options.remaps.size() == 1) throw;
+        throw Error(error.code(), fmt::format("table {}: {}",
+                                              &request - options.remaps.data(),
+                                              error.what()));
+      }
     }
   }
 
@@ -350,24 +366,160 @@ void RequireAlikeKnots(const StackKnots& stack, const CameraModel& camera) {
   }
 }
 
+// A camera and what its grids are fitted to.
+struct GridTask {
+  const CameraModel& camera;
+  const RegularRegion* region;  // NULL: the format holds the camera as it is
+  const TrustMask* trusted;     // NULL: all
+  const StackKnots* stack;      // NULL: none
+  bool is_narrow_allowed = true;
+  int num_threads = 0;
+};
+
 // The camera's own grid, and of a stack those of its knots, with which it then
 // has area and size in common.
-std::vector<CentralGeneric> MakeBlobGrids(const CameraModel& camera,
-                                          const TrustMask* trusted,
-                                          const StackKnots* stack) {
-  if (!stack) return {MakeBlobGrid(camera, trusted)};
-  const BSplineSurface& like = stack->cameras[0].surface();
-  std::vector<CentralGeneric> grids = {MakeBlobGrid(
-      FitCentralGeneric(camera, like.area(), like.columns(), like.rows()),
-      trusted)};
-  for (const CentralGeneric& knot : stack->cameras)
-    grids.push_back(MakeBlobGrid(knot, trusted));
-  for (const CentralGeneric& grid : grids)
-    if (grid.surface().columns() != like.columns() ||
-        grid.surface().rows() != like.rows())
+struct MadeGrids {
+  std::vector<CentralGeneric> models;
+  std::optional<TrustMask> valid;  // as BlobGrid's, of all of them
+  bool follows_all = true;
+
+  const TrustMask* ValidOr(const TrustMask* trusted) const {
+    return valid ? &*valid : trusted;
+  }
+  void Add(const BlobGrid& grid) {
+    models.push_back(grid.grid);
+    if (grid.valid) valid = grid.valid;
+    follows_all &= grid.follows_all;
+  }
+};
+
+MadeGrids MakeGrids(const GridTask& task, double max_error_px) {
+  MadeGrids made;
+  if (!task.stack) {
+    made.Add(
+        MakeBlobGrid(task.camera, task.region, task.trusted, max_error_px));
+    return made;
+  }
+  const BSplineSurface& like = task.stack->cameras[0].surface();
+  std::vector<CentralGeneric> cameras = {
+      FitCentralGeneric(task.camera, like.area(), like.columns(), like.rows())};
+  cameras.insert(cameras.end(), task.stack->cameras.begin(),
+                 task.stack->cameras.end());
+  for (const CentralGeneric& camera : cameras) {
+    std::optional<RegularRegion> region;
+    if (!IsBlobGrid(camera)) region.emplace(camera, task.num_threads);
+    made.Add(MakeBlobGrid(camera, region ? &*region : nullptr,
+                          made.ValidOr(task.trusted), max_error_px));
+    const BSplineSurface& surface = made.models.back().surface();
+    if (surface.columns() != like.columns() || surface.rows() != like.rows())
       ThrowDoesNotFitBlob(
           "the area of a stack's knots is finer than 1/65536 px");
+  }
+  return made;
+}
+
+// Grids in the format's integers, which keep a bound in the runtime's
+// arithmetic.
+class BlobGrids {
+ public:
+  // Makes contents those of the first grid. Throws Error(kQuality).
+  BlobGrids(const GridTask& task, double max_error_px,
+            rg_blob_contents* contents) {
+    constexpr int kTries = 3;
+    double aimed_px = max_error_px;
+    for (int k = 0; k < kTries; ++k, aimed_px /= 2) {
+      made = MakeGrids(task, aimed_px);
+      sections_.clear();
+      for (const CentralGeneric& model : made.models)
+        sections_.push_back(QuantizeGrid(model));
+      contents->grid = &sections_[0].section;
+      points.emplace(sections_, task.is_narrow_allowed, Truths(task),
+                     max_error_px, task.num_threads, contents);
+      if (points->error().px <= max_error_px) return;
+    }
+    throw Error(
+        ExitCode::kQuality,
+        fmt::format("packing would add {:.4f} px to un-projection, more "
+                    "than {}",
+                    points->error().px, max_error_px));
+  }
+  BlobGrids(const BlobGrids&) = delete;
+  BlobGrids& operator=(const BlobGrids&) = delete;
+
+  const rg_grid_section& section() const { return sections_[0].section; }
+  std::vector<const BSplineSurface*> Surfaces() const {
+    std::vector<const BSplineSurface*> surfaces;
+    for (const CentralGeneric& model : made.models)
+      surfaces.push_back(&model.surface());
+    return surfaces;
+  }
+
+  MadeGrids made;
+  std::optional<GridPoints> points;
+
+ private:
+  std::vector<PackingTruth> Truths(const GridTask& task) const {
+    const TrustMask* valid = made.ValidOr(task.trusted);
+    std::vector<PackingTruth> truths = {{task.camera, made.models[0], valid}};
+    for (size_t k = 1; k < made.models.size(); ++k)
+      truths.push_back({task.stack->cameras[k - 1], made.models[k], valid});
+    return truths;
+  }
+
+  std::vector<GridSection> sections_;
+};
+
+// Grids that follow the camera everywhere to what packing may add, or else as
+// far as is allowed.
+std::unique_ptr<BlobGrids> FitBlobGrids(const GridTask& task,
+                                        double max_error_px,
+                                        rg_blob_contents* contents) {
+  auto grids = std::make_unique<BlobGrids>(
+      task, std::min(kMaxPackingErrorPx, max_error_px), contents);
+  if (!grids->made.follows_all && max_error_px > kMaxPackingErrorPx)
+    grids = std::make_unique<BlobGrids>(task, max_error_px, contents);
   return grids;
+}
+
+// The part of the image that is calibrated, and trusted if there is a mask.
+double PartOf(const CameraModel& camera, const TrustMask* trusted) {
+  TrustMask mask = trusted ? *trusted : TrustMask::Over(camera.image_size());
+  if (!trusted) mask.is_trusted.assign(mask.is_trusted.size(), true);
+  return CameraUncertainty::OfMask(mask).TrustedPart(camera.image_size(),
+                                                     camera.area());
+}
+
+// How well a camera is known, as far as it is valid. A camera that is trusted
+// nowhere stays so.
+std::optional<CameraUncertainty> UncertaintyWithin(
+    const std::optional<CameraUncertainty>& known, const TrustMask* valid) {
+  if (!valid || (known && !known->mask.TrustsAny())) return known;
+  CameraUncertainty within = known ? *known : CameraUncertainty::OfMask(*valid);
+  within.mask = *valid;
+  return within;
+}
+
+// A remark on what a blob leaves out of the image, and why; nothing if it is
+// nothing.
+std::optional<std::string> RemarkOnLeftOut(const GridTask& task,
+                                           const MadeGrids& made,
+                                           double left_out_part,
+                                           double max_error_px) {
+  if (left_out_part <= 0) return std::nullopt;
+  std::string why;
+  if (task.region && !task.region->IsWhole())
+    why = fmt::format(
+        "its distortion folds or ends there, or it looks back by more than 151 "
+        "degrees ({:.2g} % of the calibrated area)",
+        100 * (1 - task.region->Part()));
+  if (!made.follows_all)
+    why += fmt::format(
+        "{}no grid follows it within {} px there (--max-error-px allows more)",
+        why.empty() ? "" : ", or ", max_error_px);
+  return fmt::format(
+      "{:.2g} % of the image is left out, in whole cells of the blob's mask: "
+      "{}; tables show border where the distortion is not regular",
+      100 * left_out_part, why);
 }
 
 }  // namespace
@@ -419,7 +571,7 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   const std::optional<CentralGeneric> far =
       lines ? std::optional(lines->CentralPart()) : std::nullopt;
   const CameraModel& central = far ? *far : camera;
-  const TrustMask* trusted =
+  const TrustMask* own_trusted =
       file.uncertainty && file.uncertainty->mask.TrustsAny()
           ? &file.uncertainty->mask
           : nullptr;
@@ -428,19 +580,18 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
 
   const StackKnots* stack = options.stack ? &*options.stack : nullptr;
   if (stack) RequireAlikeKnots(*stack, camera);
-  const std::vector<CentralGeneric> models =
-      MakeBlobGrids(central, trusted, stack);
-  std::vector<const CameraModel*> cameras = {&central};
-  std::vector<const BSplineSurface*> surfaces = {&models[0].surface()};
-  std::vector<PackingTruth> truths = {{central, models[0], trusted}};
-  for (size_t k = 1; k < models.size(); ++k) {
-    cameras.push_back(&stack->cameras[k - 1]);
-    surfaces.push_back(&models[k].surface());
-    truths.push_back({stack->cameras[k - 1], models[k], trusted});
-  }
-  std::vector<GridSection> grids;
-  for (const CentralGeneric& model : models)
-    grids.push_back(QuantizeGrid(model));
+  const std::shared_ptr<const RegularRegion> region =
+      IsBlobGrid(central)
+          ? nullptr
+          : std::make_shared<RegularRegion>(central, num_threads);
+  // The part of the camera that tables show.
+  const std::unique_ptr<CameraModel> shown =
+      region && !region->IsWhole() && !region->IsEmpty()
+          ? std::make_unique<RegularCamera>(central, region)
+          : central.Clone();
+  std::vector<const CameraModel*> cameras = {shown.get()};
+  for (size_t k = 0; stack && k < stack->cameras.size(); ++k)
+    cameras.push_back(&stack->cameras[k]);
   const std::string name = PaddedText("name", file.name);
   const std::string serial = PaddedText("serial", file.serial);
   const rg_camera_section identity = {
@@ -449,16 +600,26 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
       serial.data()};
   rg_blob_contents contents = {};
   contents.camera = &identity;
-  contents.grid = &grids[0].section;
-  const GridPoints points(grids, options.is_narrow_allowed, truths, num_threads,
-                          &contents);
+  const GridTask task = {
+      central,    region.get(), own_trusted, stack, options.is_narrow_allowed,
+      num_threads};
+  const std::unique_ptr<BlobGrids> grids =
+      FitBlobGrids(task, options.max_ray_error_px, &contents);
+  const GridPoints& points = *grids->points;
+  const TrustMask* trusted = grids->made.ValidOr(own_trusted);
 
   PackedCamera packed;
   packed.unproject_error_px = points.error().px;
   packed.unproject_error_rad = points.error().rad;
+  packed.left_out_part =
+      PartOf(central, own_trusted) - PartOf(central, trusted);
+  if (const auto remark = RemarkOnLeftOut(
+          task, grids->made, packed.left_out_part,
+          std::max(kMaxPackingErrorPx, options.max_ray_error_px)))
+    packed.remarks.push_back(*remark);
   // To the pixels that look into a direction, also where those are of lines.
-  const InverseSections inverse(surfaces, points, trusted, num_threads, go_on,
-                                &contents);
+  const InverseSections inverse(grids->Surfaces(), points, trusted, num_threads,
+                                go_on, &contents);
   packed.projection = inverse.error();
   if (const auto remark =
           RemarkOnProjection(packed.projection, trusted != nullptr))
@@ -472,12 +633,12 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   contents.quality = &quality;
   std::vector<int32_t> line_points;
   if (lines) {
-    line_points = QuantizeLinePoints(*lines, models[0].surface());
+    line_points = QuantizeLinePoints(*lines, grids->made.models[0].surface());
     contents.line_points_q28 = line_points.data();
   }
   UncertaintySections sections;
-  if (file.uncertainty) {
-    sections = QuantizeUncertainty(*file.uncertainty, grids[0].section);
+  if (const auto known = UncertaintyWithin(file.uncertainty, trusted)) {
+    sections = QuantizeUncertainty(*known, grids->section());
     sections.AddTo(&contents);
   }
   rg_capture_section capture;
@@ -488,7 +649,7 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   std::vector<rg_knot_contents> knots;
   rg_stack_contents stack_contents = {};
   if (stack) {
-    for (size_t k = 1; k < models.size(); ++k) {
+    for (size_t k = 1; k <= stack->cameras.size(); ++k) {
       rg_knot_contents knot = {};
       knot.value_q16 =
           static_cast<int32_t>(std::lround(stack->values[k - 1] * 65536));

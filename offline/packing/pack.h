@@ -59,6 +59,12 @@ struct PackOptions {
   /// One more of the view that the camera can give; a remark if it has none.
   bool has_default_remap = false;
   double max_error_px = 0.05;  ///< their geometric error
+  /// Where small blocks do not keep that, tables may be off by as much as a
+  /// pixel; a remark then says by how much.
+  bool is_table_bound_soft = false;
+  /// The error of un-projection that a fitted grid may have: at most
+  /// kMaxPackingErrorPx where that can be had everywhere, and this elsewhere.
+  double max_ray_error_px = kMaxPackingErrorPx;
   /// The pixels that tables show: blocks in which none is are border. Without,
   /// all are shown.
   std::optional<TrustMask> shown;
@@ -94,18 +100,23 @@ struct PackedCamera {
   double unproject_error_rad = 0;
   std::optional<ProjectionError> projection;  ///< none: cannot project
   std::vector<PackedRemap> remaps;
+  /// The part of the image, of what is calibrated and trusted, that the blob
+  /// calls invalid: there the camera is not regular, or no grid follows it.
+  double left_out_part = 0;
   std::vector<std::string> remarks;  ///< on what it lacks
 };
 
 /// Packs a camera of any model; a central one that is not central-generic is
-/// fitted with the coarsest grid that follows it to kMaxPackingErrorPx. The
-/// errors are measured with the runtime's own arithmetic on the finished blob,
-/// and stored in it. A central camera gets an inverse grid if one can be had;
-/// remarks say where it does not lead back to trusted pixels. The remap of a
-/// noncentral-generic camera is that of its directions, right for far scenes,
+/// fitted with the coarsest grid that follows it in its regular region
+/// (packing/regular_region.h). What is left out is invalid in the blob's mask,
+/// the region's outside is border in its tables, and a remark says how much.
+/// The errors are measured with the runtime's own arithmetic on the finished
+/// blob, and stored in it. A central camera gets an inverse grid if one can be
+/// had; remarks say where it does not lead back to trusted pixels. The remap of
+/// a noncentral-generic camera is that of its directions, right for far scenes,
 /// or that for the distance.
-/// Throws Error(kQuality) if the bounds cannot be kept or the format cannot
-/// hold the camera.
+/// Throws Error(kQuality) if the bounds cannot be kept anywhere or the format
+/// cannot hold the camera.
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options);
 
 /// Throws Error(kUsage) for a name or a serial number that no blob can hold;

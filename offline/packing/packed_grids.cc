@@ -37,7 +37,8 @@ std::string WriteBlob(const rg_blob_contents& contents) {
 }
 
 GridPoints::GridPoints(const std::vector<GridSection>& grids, bool is_allowed,
-                       const std::vector<PackingTruth>& truths, int num_threads,
+                       const std::vector<PackingTruth>& truths,
+                       double max_error_px, int num_threads,
                        rg_blob_contents* contents)
     : grids_(grids) {
   std::vector<ControlPoints> points;
@@ -47,18 +48,13 @@ GridPoints::GridPoints(const std::vector<GridSection>& grids, bool is_allowed,
     for (NarrowGrid& narrow : *narrow_)
       narrow.section.residuals = narrow.residuals.data();
   if (!narrow_ || !Measure(truths, num_threads, contents) ||
-      error_.px > kMaxPackingErrorPx || error_.rad > kMaxNarrowErrorRad) {
+      error_.px > max_error_px || error_.rad > kMaxNarrowErrorRad) {
     narrow_.reset();
     Measure(truths, num_threads, contents);
   }
-  if (error_.px > kMaxPackingErrorPx)
-    throw Error(
-        ExitCode::kQuality,
-        fmt::format("packing would add {:.4f} px to un-projection, more "
-                    "than {}",
-                    error_.px, kMaxPackingErrorPx));
   Point(0, contents);
 }
+
 bool GridPoints::Measure(const std::vector<PackingTruth>& truths,
                          int num_threads, rg_blob_contents* contents) {
   error_ = {};

@@ -26,11 +26,11 @@ std::string WriteBlob(const rg_blob_contents& contents);
 class GridPoints {
  public:
   /// Makes contents those of the first grid. truths: of each grid; the grids
-  /// are referred to. Throws Error(kQuality) where control points of 32 bits do
-  /// not keep the bound, either.
+  /// are referred to. Control points are of 32 bits where those of 16 are not
+  /// allowed, or do not keep the bound.
   GridPoints(const std::vector<GridSection>& grids, bool is_allowed,
-             const std::vector<PackingTruth>& truths, int num_threads,
-             rg_blob_contents* contents);
+             const std::vector<PackingTruth>& truths, double max_error_px,
+             int num_threads, rg_blob_contents* contents);
   GridPoints(const GridPoints&) = delete;
   GridPoints& operator=(const GridPoints&) = delete;
 

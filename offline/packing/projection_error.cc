@@ -11,9 +11,6 @@
 namespace raygrid {
 namespace {
 
-// tan(151 / 2 degrees), less a little: the runtime's own limit.
-constexpr double kMaxChartRadius = 3.85;
-
 // The two ends of a side of the area, and the pixels between them at this step.
 std::vector<double> Positions(double from, double to, int step) {
   std::vector<double> positions = {from};

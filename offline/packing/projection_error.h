@@ -31,6 +31,10 @@ struct ProjectionError {
   FoundPixels others;
 };
 
+/// How far from the z axis the runtime looks, in the chart: tan(151 / 2
+/// degrees), less a little.
+constexpr double kMaxChartRadius = 3.85;
+
 /// The largest error that the runtime's projection may have.
 constexpr double kMaxProjectionErrorPx = 0.002;
 

@@ -9,12 +9,18 @@ Blocks CutBlocks(const SourceMap& map, const BlockLayout& layout) {
   blocks.rows = ((map.height - 1) >> layout.block_log2) + 1;
   blocks.used.assign(blocks.columns * blocks.rows, false);
   const int cells_log2 = layout.block_log2 - SourceMap::kCellLog2;
+  const auto block_of = [&](int column, int row) {
+    return (row >> cells_log2) * blocks.columns + (column >> cells_log2);
+  };
   for (int row = 0; row < map.rows; ++row)
     for (int column = 0; column < map.columns; ++column)
       if (map.cell(column, row) >= SourceMap::Cell::kPartial &&
           !map.is_hidden[row * map.columns + column])
-        blocks.used[(row >> cells_log2) * blocks.columns +
-                    (column >> cells_log2)] = true;
+        blocks.used[block_of(column, row)] = true;
+  for (int row = 0; row < map.rows; ++row)
+    for (int column = 0; column < map.columns; ++column)
+      if (map.is_cut_off[row * map.columns + column])
+        blocks.used[block_of(column, row)] = false;
   return blocks;
 }
 

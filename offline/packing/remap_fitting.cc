@@ -111,8 +111,7 @@ struct MappedInput {
       : input(table),
         map(MakeMap(table, num_threads)),
         sums(map, num_threads),
-        has_hidden(std::find(map.is_hidden.begin(), map.is_hidden.end(),
-                             true) != map.is_hidden.end()) {}
+        has_hidden(HasTrue(map.is_hidden) || HasTrue(map.is_cut_off)) {}
 
   const TableInput& input;
   const SourceMap map;
@@ -120,6 +119,9 @@ struct MappedInput {
   const bool has_hidden;
 
  private:
+  static bool HasTrue(const std::vector<bool>& cells) {
+    return std::find(cells.begin(), cells.end(), true) != cells.end();
+  }
   static SourceMap MakeMap(const TableInput& table, int num_threads) {
     SourceMap map = MakeSourceMap(*table.camera, table.output, num_threads);
     table.hide(&map);

@@ -47,7 +47,7 @@ int16_t RoundedResidual(double residual_q12, int64_t base_q12, int shift) {
   return static_cast<int16_t>(rounded);
 }
 
-// Where the section's affine map puts a vertex.
+// The place of a vertex by the section's affine map.
 int64_t BaseQ12(const rg_remap_section& s, int column, int row, int axis) {
   return axis == 0 ? s.origin_x_q12 + int64_t{column} * s.column_step_x_q12 +
                          int64_t{row} * s.row_step_x_q12

@@ -338,6 +338,56 @@ void StoreCell(int column, int row, const CellSources& sources,
   }
 }
 
+// Finds the cells that are cut off.
+class CutOffSearch {
+ public:
+  CutOffSearch(const CameraModel& camera, const OutputImage& output,
+               SourceMap* map)
+      : camera_(camera), output_(output), map_(*map) {}
+
+  // Marks those of a row of pixels.
+  void MarkRow(int y) const {
+    for (int x = 0; x < map_.width; ++x) {
+      if (map_.IsKnown(x, y) || !IsCutOff(x, y)) continue;
+      map_.is_cut_off[(y / kCell) * map_.columns + x / kCell] = true;
+    }
+  }
+
+ private:
+  bool Contains(int x, int y) const {
+    return x >= 0 && x < map_.width && y >= 0 && y < map_.height;
+  }
+
+  bool IsCutOff(int x, int y) const {
+    constexpr int kSteps[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+    for (const auto& step : kSteps)
+      if (Contains(x + step[0], y + step[1]) &&
+          map_.IsKnown(x + step[0], y + step[1]) &&
+          IsCutOffFrom(x, y, step[0], step[1]))
+        return true;
+    return false;
+  }
+
+  // Whether a pixel would be seen in the rectangle, as its neighbour is, if the
+  // camera showed it at all.
+  bool IsCutOffFrom(int x, int y, int dx, int dy) const {
+    const Eigen::Vector2d beside = map_.At(x + dx, y + dy);
+    const int far_x = x + 2 * dx, far_y = y + 2 * dy;
+    const Eigen::Vector2d step =
+        Contains(far_x, far_y) && map_.IsKnown(far_x, far_y)
+            ? Eigen::Vector2d(beside - map_.At(far_x, far_y))
+            : Eigen::Vector2d::Zero();
+    if (!map_.rectangle.Contains(beside + step, kMarginPx)) return false;
+    const Area& area = map_.rectangle;
+    const double far_px = std::max(area.width(), area.height()) / 8;
+    return !SourceOf(camera_, output_, Eigen::Vector2d(x, y), &beside, far_px);
+  }
+
+  const CameraModel& camera_;
+  const OutputImage& output_;
+  SourceMap& map_;
+};
+
 }  // namespace
 
 OutputImage OutputOfView(const VirtualView& view) {
@@ -398,6 +448,11 @@ SourceMap MakeSourceMap(const CameraModel& camera, const OutputImage& output,
         StoreCell(column, row, InterpolateCell(lattice, column, row), &map);
     }
   });
+  map.is_cut_off.assign(map.cells.size(), false);
+  if (!output.is_free_where_unseen) {
+    const CutOffSearch search(camera, output, &map);
+    for (int y = 0; y < map.height; ++y) search.MarkRow(y);
+  }
   return map;
 }
 

@@ -57,6 +57,10 @@ struct SourceMap {
   std::vector<Cell> cells;
   /// Cells that are to be border although their sources are known.
   std::vector<bool> is_hidden;
+  /// Cells at the edge of what the camera shows within the rectangle: they have
+  /// a pixel without a source beside one whose source is not at the rectangle's
+  /// edge. A table is border there, and may not interpolate across.
+  std::vector<bool> is_cut_off;
 
   Cell& cell(int column, int row) { return cells[row * columns + column]; }
   Cell cell(int column, int row) const { return cells[row * columns + column]; }

@@ -133,13 +133,23 @@ TEST(BlobCamera, ProjectsWhereAFisheyeIsTrustedThoughItsCornerFolds) {
   ExpectTrustedRoundTrips(FisheyeWithCorner(-1));
 }
 
-TEST(BlobCamera, HoldsAFisheyeWhoseCornerLooksTooFarBackIfItIsNotTrusted) {
+TEST(BlobCamera, LeavesOutTheCornerOfAFisheyeThatLooksTooFarBack) {
   CameraFile file = FisheyeWithCorner(10);
   ExpectTrustedRoundTrips(file);
+  EXPECT_EQ(PackCamera(file, PackOptions()).left_out_part, 0);
   file.uncertainty->mask.is_trusted[0] = true;
-  EXPECT_THROW(PackCamera(file, PackOptions()), Error);
+  const PackedCamera trusted = PackCamera(file, PackOptions());
+  EXPECT_GT(trusted.left_out_part, 0);
+  EXPECT_LT(trusted.left_out_part, 0.002);
+  EXPECT_FALSE(BlobCamera("corner", trusted.blob).Trusted()->is_trusted[0]);
   file.uncertainty.reset();
-  EXPECT_THROW(PackCamera(file, PackOptions()), Error);
+  const PackedCamera whole = PackCamera(file, PackOptions());
+  EXPECT_GT(whole.left_out_part, 0);
+  EXPECT_LT(whole.left_out_part, 0.5);
+  const TrustMask valid = BlobCamera("corner", whole.blob).Trusted().value();
+  EXPECT_FALSE(valid.Trusts({0, 0}));
+  EXPECT_TRUE(valid.Trusts({320, 240}));
+  EXPECT_TRUE(valid.Trusts({639, 479}));
 }
 
 // Every pixel of the area, there and back, of those that count.

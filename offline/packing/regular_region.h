@@ -1,0 +1,141 @@
+#ifndef RAYGRID_PACKING_REGULAR_REGION_H
+#define RAYGRID_PACKING_REGULAR_REGION_H
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "camera/camera_wrapper.h"
+
+namespace raygrid {
+
+/// The part of a central camera's area in which its model is regular. A pixel
+/// is regular if
+///   - it looks along a ray, whose projection is the pixel again,
+///   - the Jacobian of the projection has a positive determinant there, and no
+///     direction in which it nearly vanishes: the distortion does not fold,
+///   - the ray is within 151 degrees of the z axis, as far as the chart of
+///   blobs
+///     reaches,
+///   - regular pixels join it to the one that looks along the z axis, or else
+///     to the middle of the area, without a jump of the rays.
+/// Of a grid only the last two are asked for: where it folds, it projects
+/// nothing. The region is found on a lattice of pixels, up to 400 across; in
+/// cells of it that are regular in some corners, each pixel is asked. The same
+/// with any number of threads.
+class RegularRegion {
+ public:
+  /// A regular pixel's ray, and the Jacobian of its projection.
+  struct Node {
+    Eigen::Vector3d ray = Eigen::Vector3d::Zero();
+    Eigen::Matrix<double, 2, 3> by_ray = Eigen::Matrix<double, 2, 3>::Zero();
+    bool is_regular = false;
+  };
+
+  RegularRegion(const CameraModel& camera, int num_threads);
+
+  /// The lattice, row by row, from corner to corner of the camera's area.
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  const std::vector<Node>& nodes() const { return nodes_; }
+  Eigen::Vector2d PixelOf(int node) const;
+
+  /// Whether all of the camera's area is regular; and how large a part is.
+  bool IsWhole() const { return part_ == 1; }
+  double Part() const { return part_; }
+  /// A rectangle around it, no larger than the lattice makes it.
+  const Area& area() const { return area_; }
+  bool IsEmpty() const { return part_ == 0; }
+  /// Whether a pixel is in a cell that is regular in all corners; or in one.
+  bool Contains(const Eigen::Vector2d& pixel) const;
+  bool Touches(const Eigen::Vector2d& pixel) const;
+  /// Whether a ray of a pixel in a touched cell is regular; camera: the one
+  /// that the region is of.
+  bool IsRegularRay(const CameraModel& camera, const Eigen::Vector2d& pixel,
+                    const Eigen::Vector3d& ray) const;
+  /// Contains(), but of cells all of whose corners are good.
+  bool ContainsAmong(const std::vector<bool>& is_good,
+                     const Eigen::Vector2d& pixel) const;
+
+  /// Calls visit(area) for each cell of the lattice one of whose corners is not
+  /// regular, or not good.
+  template <typename Visit>
+  void ForOtherCells(const std::vector<bool>& is_good,
+                     const Visit& visit) const {
+    for (int j = 0; j + 1 < rows_; ++j)
+      for (int i = 0; i + 1 < columns_; ++i)
+        if (!IsRegularCell(i, j) || !HoldsAt(is_good, i, j))
+          visit(CellArea(i, j));
+  }
+
+ private:
+  bool HoldsAt(const std::vector<bool>& is_good, int i, int j) const {
+    const int k = j * columns_ + i;
+    return is_good[k] && is_good[k + 1] && is_good[k + columns_] &&
+           is_good[k + columns_ + 1];
+  }
+  // The cell of a pixel of the area: of its upper left node.
+  int CellOf(const Eigen::Vector2d& pixel) const;
+  bool IsRegularCell(int i, int j) const {
+    const int k = j * columns_ + i;
+    return nodes_[k].is_regular && nodes_[k + 1].is_regular &&
+           nodes_[k + columns_].is_regular &&
+           nodes_[k + columns_ + 1].is_regular;
+  }
+  bool IsTouchedCell(int i, int j) const {
+    const int k = j * columns_ + i;
+    return nodes_[k].is_regular || nodes_[k + 1].is_regular ||
+           nodes_[k + columns_].is_regular ||
+           nodes_[k + columns_ + 1].is_regular;
+  }
+  Area CellArea(int i, int j) const;
+  void FindNodes(const CameraModel& camera, int num_threads);
+  void LeaveOutSingular();
+  int FirstNode(const CameraModel& camera) const;
+  bool IsJump(int from, int to) const;
+  void KeepJoined(int first);
+  void Measure();
+
+  Area camera_area_, area_;
+  int columns_ = 0, rows_ = 0;
+  double part_ = 0;
+  double least_scale_ = 0;  // of a Jacobian, in pixels per radian
+  std::vector<Node> nodes_;
+};
+
+/// A camera in its regular region alone: it answers nothing elsewhere.
+class RegularCamera : public CameraWrapper {
+ public:
+  RegularCamera(const CameraModel& camera,
+                std::shared_ptr<const RegularRegion> region)
+      : CameraWrapper(camera, camera.image_size(), region->area()),
+        region_(std::move(region)) {}
+
+  std::unique_ptr<CameraModel> Clone() const override {
+    return std::make_unique<RegularCamera>(camera(), region_);
+  }
+  std::optional<Eigen::Vector3d> Unproject(
+      const Eigen::Vector2d& pixel) const override;
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
+                                         const Eigen::Vector2d* start,
+                                         double margin_px) const override;
+  using CameraModel::Project;
+  bool Linearize(const Eigen::Vector3d& point, const Eigen::Vector2d* start,
+                 double margin_px,
+                 LinearizedProjection* projection) const override;
+
+ private:
+  // Whether a pixel, or the area's nearest one, is regular and shows the point.
+  bool Shows(const Eigen::Vector2d& pixel, const Eigen::Vector3d& point) const;
+
+  std::shared_ptr<const RegularRegion> region_;
+};
+
+/// The camera in its regular region; a copy of one that is regular everywhere,
+/// is a grid within the chart's reach, or is not central.
+std::unique_ptr<CameraModel> RegularPartOf(const CameraModel& camera,
+                                           int num_threads);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_PACKING_REGULAR_REGION_H
