@@ -101,7 +101,7 @@ class Calibration {
   void FillResults();
   bool IsWorseThanFolds() const;
   void AdjustFromComparison();
-  Adjusted AdjustAround(const std::string& other) const;
+  Adjusted AdjustAround(const std::string& other, double cell_px) const;
   void LookForTwoCameras();
   void CompareModels();
   void TellUncertainty(CameraInProgress* camera, int num_threads) const;
@@ -612,7 +612,8 @@ void Calibration::AdjustFromFolds() {
 }
 
 // The model that was asked for, around a lens of another model.
-Adjusted Calibration::AdjustAround(const std::string& other) const {
+Adjusted Calibration::AdjustAround(const std::string& other,
+                                   double cell_px) const {
   const CameraInProgress& camera = cameras_.front();
   Adjusted adjusted = camera.lens;
   AdjustmentOptions options = StoppableAdjustment(options_);
@@ -621,7 +622,7 @@ Adjusted Calibration::AdjustAround(const std::string& other) const {
   adjusted.tilt_firmness.clear();
   options.fix_points = options_.flat_board;
   options.rigid_boards = AreBoardsRigid();
-  AdjustRigidly(pattern_, options_.model, CellsPx(), options, &adjusted);
+  AdjustRigidly(pattern_, options_.model, {cell_px}, options, &adjusted);
   if (!options.rigid_boards) LetBoardsBend(pattern_, options, &adjusted);
   FinishCameras(&adjusted);
   AdjustInCameraFrames(options, &adjusted);
@@ -638,20 +639,29 @@ void Calibration::AdjustFromComparison() {
       IsParametricModel(options_.model))
     return;
   const double own_px = camera.result.camera.training->median_px;
+  // Nothing told the cells of so few images that there are no folds.
+  std::vector<double> cells_px = CellsPx();
+  if (camera.folds.count() == 0 && options_.cell_px == 0)
+    cells_px.push_back(MediumCellPx(camera.split.training, options_.model));
   Adjusted best;
+  double best_cell_px = 0;
   double least_px = MeanErrorPx(adjusted_, camera.lens);
   for (const ModelFigures& other : camera.result.parametric_models) {
     if (!IsParametricModel(other.model) ||
         own_px <= kMuchWorse * other.training.median_px + kNegligiblePx)
       continue;
-    Adjusted adjusted = AdjustAround(other.model);
-    const double error_px = MeanErrorPx(adjusted, camera.lens);
-    if (kMuchWorse * error_px >= least_px) continue;
-    least_px = error_px;
-    best = std::move(adjusted);
+    for (const double cell_px : cells_px) {
+      Adjusted adjusted = AdjustAround(other.model, cell_px);
+      const double error_px = MeanErrorPx(adjusted, camera.lens);
+      if (kMuchWorse * error_px >= least_px) continue;
+      least_px = error_px;
+      best = std::move(adjusted);
+      best_cell_px = cell_px;
+    }
   }
   if (best.state.cameras.empty()) return;
   adjusted_ = std::move(best);
+  camera.result.cell_px = best_cell_px;
   FillResults();
   if (!options_.hold_out.empty()) EvaluateHeldOutImages();
   TellUncertainty(&camera, options_.num_threads);
