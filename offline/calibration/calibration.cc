@@ -321,7 +321,7 @@ void Calibration::TurnBoardsByGeometry() {
   }
   const BoardTurns turns = TurnByGeometry(cameras, pattern_);
   if (turns.empty()) return;
-  // What bends a lens may look like what bends a board: free points decide.
+  // Errors of a lens may look like those of a board: free points decide.
   struct AsBefore {
     BoardTurns turns;
     Dataset dataset;

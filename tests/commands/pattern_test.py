@@ -70,6 +70,14 @@ class PatternCommand(CommandTest):
         self.assertIn("kind: aprilgrid, columns: 12, rows: 10, square_m: 0.024, "
                       "tag_family: tag36h11, spacing_ratio: 0.3}", self.yaml(folder))
 
+    def test_a_chessboard_that_looks_alike_after_a_turn_is_named(self):
+        for columns, rows, words in ((7, 5, "after half a turn"), (6, 6, "after a quarter turn"), (9, 6, "")):
+            result = run("pattern", "chessboard", "--columns", columns, "--rows", rows, "--square-mm", 20,
+                         "--dpi", 50, "-o", self.path(f"turned-{columns}x{rows}"))
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertIn(words, result.stderr)
+            self.assertEqual(f"--rows {rows + 1} would" in result.stderr, words != "")
+
     def test_measured_print(self):
         size = ("chessboard", "--columns", 9, "--rows", 6, "--square-mm", 25, "--dpi", 50)
         nominal = self.pattern(*size)
