@@ -134,7 +134,7 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
   app->add_option("--until", arguments->until,
                   "done once 95 % of the image's places are known to so many "
                   "pixels, such as 0.02px; otherwise once no view would take "
-                  "away 2 % of the variance");
+                  "away 2 % of the variance; never before ten frames");
   app->add_flag("--resume", arguments->resume,
                 "go on with the folder's session");
   app->add_flag("--no-calibrate", arguments->no_calibrate,
