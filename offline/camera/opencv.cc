@@ -46,16 +46,15 @@ double FindMaxRadius(const OpenCv::ParameterArray& p) {
   return kLargest;
 }
 
-// Newton's method on the distortion, from the undistorted position.
-std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& pixel,
-                                         const OpenCv::ParameterArray& p,
-                                         double max_radius) {
+// Newton's method on the distortion. If it is damped, no step enlarges the
+// error.
+std::optional<Eigen::Vector2d> UndistortFrom(Eigen::Vector2d at, bool is_damped,
+                                             const Eigen::Vector2d& pixel,
+                                             const OpenCv::ParameterArray& p,
+                                             double max_radius) {
   using Jet = ceres::Jet<double, 2>;
   std::array<Jet, OpenCv::kCount> constants;
   for (int k = 0; k < OpenCv::kCount; ++k) constants[k] = Jet(p[k]);
-  Eigen::Vector2d at((pixel.x() - p[OpenCv::kCx]) / p[OpenCv::kFx],
-                     (pixel.y() - p[OpenCv::kCy]) / p[OpenCv::kFy]);
-  if (at.norm() > 0.9 * max_radius) at *= 0.9 * max_radius / at.norm();
   for (int iteration = 0; iteration < 50; ++iteration) {
     const auto value =
         DistortOpenCv(Jet(at.x(), 0), Jet(at.y(), 1), constants.data());
@@ -68,11 +67,51 @@ std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& pixel,
     if (!step.allFinite()) return std::nullopt;
     // Stay where the model is invertible.
     while ((at + step).norm() > max_radius && step.norm() > 1e-12) step /= 2;
+    const auto is_worse = [&] {
+      const Eigen::Vector2d next = at + step;
+      return (pixel - DistortOpenCv(next.x(), next.y(), p.data())).norm() >
+             error.norm();
+    };
+    while (is_damped && step.norm() > 1e-12 && is_worse()) step /= 2;
     at += step;
     if (step.norm() < 1e-15)
       return error.norm() < 1e-7 ? std::optional(at) : std::nullopt;
   }
   return std::nullopt;
+}
+
+// The position at which a pixel would be without what tilts the lens.
+Eigen::Vector2d UndistortRadially(const Eigen::Vector2d& distorted,
+                                  const OpenCv::ParameterArray& p,
+                                  double max_radius) {
+  OpenCv::ParameterArray radial = p;
+  radial[OpenCv::kFx] = radial[OpenCv::kFy] = 1;
+  for (const int k : {OpenCv::kCx, OpenCv::kCy, OpenCv::kP1, OpenCv::kP2})
+    radial[k] = 0;
+  const double radius = distorted.norm();
+  double low = 0, high = max_radius;
+  for (int k = 0; k < 50; ++k) {
+    const double middle = (low + high) / 2;
+    (DistortOpenCv(middle, 0.0, radial.data()).x() < radius ? low : high) =
+        middle;
+  }
+  return radius > 0 ? Eigen::Vector2d(distorted * (low / radius)) : distorted;
+}
+
+// From the distorted position; where that goes astray, as at a narrow bump of
+// the distortion, from the undistorted one of a lens that is not tilted.
+std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& pixel,
+                                         const OpenCv::ParameterArray& p,
+                                         double max_radius) {
+  const Eigen::Vector2d distorted(
+      (pixel.x() - p[OpenCv::kCx]) / p[OpenCv::kFx],
+      (pixel.y() - p[OpenCv::kCy]) / p[OpenCv::kFy]);
+  Eigen::Vector2d start = distorted;
+  if (start.norm() > 0.9 * max_radius) start *= 0.9 * max_radius / start.norm();
+  if (const auto found = UndistortFrom(start, false, pixel, p, max_radius))
+    return found;
+  return UndistortFrom(UndistortRadially(distorted, p, max_radius), true, pixel,
+                       p, max_radius);
 }
 
 }  // namespace

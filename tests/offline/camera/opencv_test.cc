@@ -87,6 +87,27 @@ TEST(OpenCvModel, UnprojectsNothingThatNoDirectionReaches) {
   EXPECT_FALSE(lens.Unproject({0, 0}));
 }
 
+// Numerator and denominator nearly cancel, but for a bump of the distortion
+// that is a few pixels wide. Newton's method went astray at 263 of these
+// pixels.
+TEST(OpenCvModel, UnprojectsBesideANarrowBump) {
+  const ImageSize size = {1280, 960};
+  const OpenCvModel lens(size, WholeImage(size),
+                         {1800, 1800, 639.5, 479.5, -33.203632, 276.496937, 0,
+                          -33.233632, 276.946937, 0, 0.002, -0.001});
+  int num_without = 0;
+  for (int y = 0; y < 960; y += 8)
+    for (int x = 0; x < 1280; x += 8) {
+      const Eigen::Vector2d pixel(x, y);
+      const auto ray = lens.Unproject(pixel);
+      num_without += !ray;
+      if (ray)
+        EXPECT_LT((lens.Project(*ray, nullptr, 1).value() - pixel).norm(),
+                  1e-6);
+    }
+  EXPECT_LE(num_without, 2);
+}
+
 TEST(OpenCvModel, FoldMovesWithTheParameters) {
   OpenCvModel lens = FoldingLens(-0.5);
   lens.SetParameters(FoldingLens(0).Parameters());
