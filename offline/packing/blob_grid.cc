@@ -124,7 +124,8 @@ class GridSearch {
     for (int half_log2 = 2; half_log2 <= kFinestHalfLog2; ++half_log2) {
       const double cell_px = longer / std::exp2(half_log2 / 2.0);
       if (half_log2 > kUsualHalfLog2 &&
-          (cell_px < kLeastCellPx || least <= kRoughPart || !region_.IsWhole()))
+          (cell_px < kLeastCellPx || least <= kRoughPart ||
+           region_.Part() < kHardlyCut))
         break;
       candidates.push_back(FitTrimmed(area, cell_px));
       least = std::min(least, candidates.back().lost);
@@ -143,6 +144,7 @@ class GridSearch {
   // would gain a few pixels for four times the bytes.
   static constexpr int kUsualHalfLog2 = 14, kFinestHalfLog2 = 16;
   static constexpr double kLeastCellPx = 4, kRoughPart = 0.01;
+  static constexpr double kHardlyCut = 0.999;
   static constexpr double kNegligiblePart = 0.002, kAlmostLeast = 1.25;
   // Rays that hardly turn from pixel to pixel are not measured in pixels.
   static constexpr double kHardlyTurn = 20;
