@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 
+#include "calibration/calibration.h"
 #include "calibration/starting_lens.h"
 #include "gtest/gtest.h"
 #include "random_calibration.h"
@@ -64,13 +65,13 @@ TEST(AdjustModel, DoesNotDivergeOnPhotographs) {
   Dataset dataset = ReadFeatures(path).at("");
   dataset.image_size = {1032, 778};
   const Pattern pattern = ChessboardPattern(8, 6, 0.0325);
-  AdjustmentOptions options;
+  CalibrationOptions options;
   options.num_threads = 2;
-  Adjusted adjusted = AdjustStartingLens(dataset, pattern, options);
-  const Adjusted start = adjusted;
-  AdjustModel(pattern, "central-generic", {64.5}, options, &adjusted);
-  EXPECT_FALSE(HasDiverged(adjusted, start));
-  EXPECT_LT(MeanErrorPx(adjusted, start), 0.3);
+  options.cell_px = 64.5;
+  const CalibrationResult result = Calibrate(dataset, pattern, options);
+  EXPECT_LT(result.camera.training->median_px, 0.2);
+  EXPECT_GT(result.camera.training->count, 500);
+  EXPECT_NE(result.verdict.word, "fail");
 }
 
 // A feature behind a wide lens that steps lose and find again: after 50 steps
