@@ -31,7 +31,10 @@ class LayoutTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        lines = subprocess.run([os.environ["RAYGRID_LAYOUTS"]], capture_output=True, text=True,
+        # A program with sanitizers has their runtime in itself.
+        environment = {key: value for key, value in os.environ.items() if key != "LD_PRELOAD"}
+        lines = subprocess.run([os.environ["RAYGRID_LAYOUTS"]], env=environment,
+                               capture_output=True, text=True,
                                check=True).stdout.splitlines()
         cls.sizes, cls.fields, cls.constants = {}, {}, {}
         for kind, name, *values in map(str.split, lines):
