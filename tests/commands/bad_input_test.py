@@ -108,7 +108,7 @@ class BadInput(CommandTest):
 
     def test_no_board_in_the_images(self):
         write(self.path("blank/a.pgm"), pgm(64, 48))
-        self.assert_refused(self.calibrate(self.path("blank")), 3, "columns")
+        self.assert_refused(self.calibrate(self.path("blank")), 3, "inner corners")
 
     def test_board_size_that_does_not_match(self):
         small = write(self.path("small.yaml"), PATTERN.replace("columns: 9", "columns: 5"))

@@ -176,9 +176,11 @@ class Images(CommandTest):
         for name, contents in whole.items():
             image = write(self.path("turned/" + name), contents)
             with self.subTest(name):
-                result = self.undistort(image, to="untwisted/" + name)
+                stem = name.split(".")[0]
+                folder = "untwisted/" + name.replace(".", "-")
+                result = self.undistort(image, to=folder)
                 self.assert_done(result)
-                flat = self.path(f"untwisted/{name}/{name.split('.')[0]}.png")
+                flat = self.path(f"{folder}/{stem}.png")
                 self.assertTrue(read_png(flat) == expected)  # no diff of 19200 numbers
                 is_turned = name not in ("plain.png", "upright.png", "upright.tif")
                 self.assertEqual(name in result.stderr and "as stored" in result.stderr, is_turned)
