@@ -54,12 +54,11 @@ rg_status rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
     sections->of[type].bytes = 0;
     sections->of[type].size = 0;
   }
-  if (num_bytes < RG_HEADER_MAJOR) return RG_ERR_TRUNCATED;
+  if (num_bytes < RG_HEADER_SIZE) return RG_ERR_TRUNCATED;
   /* "RAYG", "RID\0" */
   if (rg_load_u32(bytes + RG_HEADER_MAGIC) != 0x47594152u ||
       rg_load_u32(bytes + RG_HEADER_MAGIC + 4) != 0x444952u)
     return RG_ERR_MAGIC;
-  if (num_bytes < RG_HEADER_SIZE) return RG_ERR_TRUNCATED;
   if (rg_load_u16(bytes + RG_HEADER_MAJOR) != RG_FORMAT_MAJOR)
     return RG_ERR_VERSION;
 

@@ -425,11 +425,9 @@ def block_count(remap: Remap) -> int:
 
 def read_header(data: bytes) -> Header:
     """Duties, "A reader": from the magic to the section count."""
-    magic = data[:len(MAGIC)]
-    require(len(magic) < len(MAGIC) or magic == MAGIC, "RG_ERR_MAGIC",
-            f"magic is {magic.hex(' ')}")
     require(len(data) >= HEADER.size, "RG_ERR_TRUNCATED", f"{len(data)} bytes hold no header")
     header = Header(*HEADER.unpack_from(data))
+    require(header.magic == MAGIC, "RG_ERR_MAGIC", f"magic is {header.magic.hex(' ')}")
     require(header.major == MAJOR, "RG_ERR_VERSION", f"major version is {header.major}")
     check_total_size(header.total_size, len(data))
     require(header.header_size == HEADER.size, "RG_ERR_HEADER",

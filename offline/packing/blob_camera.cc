@@ -14,6 +14,12 @@
 namespace raygrid {
 namespace {
 
+// Whether bytes are those that all blobs begin with, as far as there are any.
+bool BeginsAsBlob(const std::string& bytes) {
+  const std::string magic = "RAYGRID";
+  return bytes.compare(0, magic.size(), magic, 0, bytes.size()) == 0;
+}
+
 [[noreturn]] void Refuse(const std::string& name, rg_status status) {
   throw Error(ExitCode::kBlob,
               fmt::format("{}: {}; pack it again from camera.yaml", name,
@@ -72,6 +78,8 @@ BlobCamera::BlobCamera(const std::string& name, const std::string& bytes)
   const uint32_t size = static_cast<uint32_t>(bytes.size());
   rg_status status = rg_blob_open(words_.data(), size, &blob_);
   if (status == RG_OK) status = rg_camera_open(&camera_, words_.data(), size);
+  // A text is no blob, however short it is.
+  if (status == RG_ERR_TRUNCATED && !BeginsAsBlob(bytes)) status = RG_ERR_MAGIC;
   if (status != RG_OK) Refuse(name, status);
 }
 
