@@ -424,7 +424,8 @@ void AdjustFromLenses(const Pattern& pattern, const std::string& model,
 }
 
 // Adjusts from lenses of other models, where the lens at hand leads nowhere. If
-// all do, a grid stays around the lens at hand, and has not converged.
+// all do, a grid stays around the lens at hand, and has not converged, if that
+// has less error.
 void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
                            const std::vector<double>& cells_px,
                            const AdjustmentOptions& options,
@@ -444,9 +445,11 @@ void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
     *adjusted = std::move(from);
   }
   if (IsParametricModel(model) || !HasDiverged(*adjusted, start)) return;
-  *adjusted = start;
+  // Cells may also be too coarse for the lens: then this is no better.
+  Adjusted around = start;
   PutGridsAroundLenses(model, {CopyCameras(start.state), cells_px, {}}, options,
-                       adjusted);
+                       &around);
+  if (MeanErrorPx(around, start) < least_px) *adjusted = std::move(around);
 }
 
 // Whether cameras were of the model before they were adjusted: others may
