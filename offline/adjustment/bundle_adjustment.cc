@@ -89,7 +89,7 @@ enum class Losses { kAllowed, kRefused };
 
 // A step that takes more than this part of the observations out of the area is
 // none: the cost of the others alone says nothing.
-constexpr double kMaxLostPart = 0.25;
+constexpr double kMaxLostPart = 0.5;
 
 // Tries damped steps until one lowers the cost; nothing is done if none does.
 StepEffect TakeStep(const NormalEquations& equations,
