@@ -240,7 +240,8 @@ void AddPack(CLI::App* app, CommonOptions* common) {
           std::string("add an undistortion table of a view: WxH, and after "
                       "commas ") +
               kViewWordsHelp + ", " + kTableWordsHelp +
-              "; several make several, which programs choose by their number. "
+              ". Give the option once for each table; programs choose one by "
+              "its number. "
               "Beside the blob, NAME.camera.yaml is the view as a camera")
       ->allow_extra_args(false);
   command
