@@ -94,7 +94,7 @@ def test_frames():
     width, height = camera.remap_size()
     assert [width, height] == EXPECTED["size"] and camera.frame_size() == (160, 120)
     frame, out = read("frame"), bytearray(width * height)
-    camera.undistort(frame, out, raygrid.GREY8, EXPECTED["border"])
+    camera.undistort(image=frame, out=out, format=raygrid.GREY8, border=EXPECTED["border"])
     crc = binascii.crc32(out)
     print("remap CRC %08x" % crc)
     assert crc == EXPECTED["crc"]
@@ -102,7 +102,7 @@ def test_frames():
     for first in range(0, height, 7):
         rows = min(7, height - first)
         band = bytearray(width * rows)
-        camera.undistort(frame, band, raygrid.GREY8, EXPECTED["border"], first, rows)
+        camera.undistort(frame, band, border=EXPECTED["border"], first_row=first, num_rows=rows)
         bands += band
     assert bands == out
     assert camera.view()[0] == 0
