@@ -1259,39 +1259,40 @@ def example_results(example: reference.Blob) -> Iterator[str]:
         yield " ".join(f"{value:3d}" for value in output[start:start + example.remap.width])
 
 
-def expected_files() -> dict[Path, str]:
-    """The texts that the two files should hold."""
+def expected_files() -> dict[Path, bytes]:
+    """The contents of the two files."""
     example, lens, wide = make_example(), make_lens(), make_wide()
     spec = SPEC_PATH.read_text(encoding="utf-8")
     return {
-        HEADER_PATH: "\n".join(header_lines(example, lens, wide)) + "\n",
-        SPEC_PATH: spec_with_example(spec, example),
+        HEADER_PATH: ("\n".join(header_lines(example, lens, wide)) + "\n").encode(),
+        SPEC_PATH: spec_with_example(spec, example).encode(),
     }
 
 
-def check(path: Path, text: str) -> bool:
-    """Whether the file holds the text."""
-    same = path.exists() and path.read_text(encoding="utf-8") == text
+def check(path: Path, contents: bytes) -> bool:
+    """Whether the file holds the contents."""
+    same = path.exists() and path.read_bytes() == contents
     if not same:
-        print(f"{path} is not what make_golden.py would write")
+        print(f"{path} is not what {Path(sys.argv[0]).name} would write")
     return same
 
 
-def write(path: Path, text: str) -> bool:
-    """Make the file hold the text."""
-    path.write_text(text, encoding="utf-8")
+def write(path: Path, contents: bytes) -> bool:
+    """Make the file hold the contents."""
+    path.parent.mkdir(exist_ok=True)
+    path.write_bytes(contents)
     return True
 
 
-def main() -> int:
+def main(description: str, make_files: Callable[[], dict[Path, bytes]]) -> int:
     """Write or compare."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--check", action="store_true",
                         help="compare only; exit 1 where a file differs")
-    handle: Callable = check if parser.parse_args().check else write
-    results = [handle(path, text) for path, text in expected_files().items()]
+    handle = check if parser.parse_args().check else write
+    results = [handle(path, contents) for path, contents in make_files().items()]
     return 0 if all(results) else 1
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(__doc__, expected_files))

@@ -4,11 +4,11 @@
 With --check, compare what would be written with what is there instead.
 """
 
-import argparse
 import dataclasses
 import sys
 import zlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import NamedTuple
 
 import make_golden as golden
@@ -271,41 +271,15 @@ def mutant_lines(blobs: dict[str, reference.Blob]) -> Iterator[str]:
                         mutant.whole_reader, mutant.board, mutant.fault))
 
 
-def expected_files() -> dict[str, bytes]:
+def expected_files() -> dict[Path, bytes]:
     """The contents of the files of the folder."""
     blobs = make_blobs()
-    files = {f"{name}.raygrid": reference.serialize(blob) for name, blob in blobs.items()}
+    files = {FOLDER / f"{name}.raygrid": reference.serialize(blob) for name, blob in blobs.items()}
     for name, lines in (("rays", ray_lines), ("projections", projection_lines),
                         ("frames", frame_lines), ("mutants", mutant_lines)):
-        files[f"{name}.csv"] = ("\n".join(lines(blobs)) + "\n").encode()
+        files[FOLDER / f"{name}.csv"] = ("\n".join(lines(blobs)) + "\n").encode()
     return files
 
 
-def check(name: str, contents: bytes) -> bool:
-    """Whether the file holds the contents."""
-    path = FOLDER / name
-    same = path.exists() and path.read_bytes() == contents
-    if not same:
-        print(f"{path} is not what make_vectors.py would write")
-    return same
-
-
-def write(name: str, contents: bytes) -> bool:
-    """Make the file hold the contents."""
-    FOLDER.mkdir(exist_ok=True)
-    (FOLDER / name).write_bytes(contents)
-    return True
-
-
-def main() -> int:
-    """Write or compare."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--check", action="store_true",
-                        help="compare only; exit 1 where a file differs")
-    handle: Callable = check if parser.parse_args().check else write
-    results = [handle(name, contents) for name, contents in expected_files().items()]
-    return 0 if all(results) else 1
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(golden.main(__doc__, expected_files))
