@@ -244,7 +244,7 @@ void AddStar(CLI::App* pattern, CommonOptions* common) {
       command, [options] { return StarBoards(*options); }, common);
 }
 
-// Two cameras, or two images, do not tell by such a board alone which of its
+// Two cameras, or two images, do not show by such a board alone which of its
 // corners is the first.
 void SayIfSymmetric(const Board& board) {
   if (board.NumTurns() < 2) return;

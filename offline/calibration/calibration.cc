@@ -306,7 +306,7 @@ void Calibration::TurnBoardsAcrossCameras() {
   result_.ambiguous_pairs = std::move(found.ambiguous);
 }
 
-// Nominal points are the same after a turn, so only others tell of one.
+// Nominal points are the same after a turn, so only others reveal one.
 void Calibration::TurnBoardsByGeometry() {
   CalibrationOptions nominal = options_;
   nominal.flat_board = true;
@@ -639,7 +639,7 @@ void Calibration::AdjustFromComparison() {
       IsParametricModel(options_.model))
     return;
   const double own_px = camera.result.camera.training->median_px;
-  // Nothing told the cells of so few images that there are no folds.
+  // With few images there are no folds to choose the cells by.
   std::vector<double> cells_px = CellsPx();
   if (camera.folds.count() == 0 && options_.cell_px == 0)
     cells_px.push_back(MediumCellPx(camera.split.training, options_.model));

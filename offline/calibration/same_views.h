@@ -30,7 +30,7 @@ std::vector<SameViews> FindSameViews(const std::vector<Dataset>& cameras,
                                      std::optional<double> same_view_px);
 
 /// The images held out that show a view of one that is not, in the order of
-/// their names: what a camera predicts of them tells little.
+/// their names: what a camera predicts of them means little.
 std::vector<std::string> HeldOutCopies(const std::vector<Dataset>& cameras,
                                        const std::vector<std::string>& held_out,
                                        std::optional<double> same_view_px);

@@ -90,7 +90,7 @@ class CaptureGuide {
   /// Never before there are enough images for a calibration.
   bool is_done() const { return is_done_; }
   /// Whether deviations are no more than the least that they may be: so few
-  /// images do not tell how stiff the camera's grid should be.
+  /// images do not determine how stiff the camera's grid should be.
   bool is_floor() const;
   /// How many images are still expected, if they add what the next one does, in
   /// proportion; nothing while that cannot be told.

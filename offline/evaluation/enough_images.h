@@ -3,7 +3,7 @@
 
 namespace raygrid {
 
-/// The fewest images that tell how much a camera may differ from a lens of few
+/// The fewest images that show how much a camera may differ from a lens of few
 /// parameters, and so how well it is known.
 constexpr int kEnoughImages = 10;
 

@@ -23,7 +23,7 @@ struct StoredMatrix {
 };
 
 /// A matrix of FileStorage, or the lists that Python has instead. Throws
-/// InputError, naming the matrix, also if it has not so many channels.
+/// InputError, naming the matrix, also if its number of channels differs.
 StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
                                int num_channels = 1);
 

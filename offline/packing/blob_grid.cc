@@ -149,7 +149,7 @@ class GridSearch {
   // Rays that hardly turn from pixel to pixel are not measured in pixels.
   static constexpr double kHardlyTurn = 20;
   static constexpr int kSamplesPerCell = 4;
-  // Beyond the region a grid goes on smoothly.
+  // Beyond the region a grid continues smoothly.
   static constexpr double kSmoothnessBeyond = 1e-7;
 
   struct Candidate {

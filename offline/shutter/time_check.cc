@@ -129,7 +129,7 @@ double MedianOf(std::vector<double> values) {
   return *middle;
 }
 
-// Looks at all intervals of which the motion tells something.
+// Looks at all intervals that the motion determines.
 std::vector<IntervalError> IntervalErrors(const std::vector<TimedTrack>& tracks,
                                           double noise_variance_px2) {
   // One interval may by chance show little across its motion.

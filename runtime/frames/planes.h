@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-/* Whether rows of so many bytes may lie a stride apart: the bytes of two rows
+/* Whether rows of row_bytes may lie a stride apart: the bytes of two rows
  * are counted in 32 bits. A stride of 2^31 or more is negative here. */
 static inline int rg_is_stride(uint32_t stride, uint32_t row_bytes) {
   return (int32_t)stride >= (int32_t)row_bytes;

@@ -23,7 +23,7 @@ bool IsNoiseAlone(const GreyImage& image);
 /// it is not: libraries that read markers take long for noise.
 GreyImage WithLittleNoise(const GreyImage& image);
 
-/// Whether hardly anything can be told from the noise, or from the steps of the
+/// Whether hardly anything stands out from the noise, or from the steps of the
 /// file's levels.
 bool HasHardlyAnyContrast(const GreyImage& image);
 

@@ -90,7 +90,7 @@ std::optional<SideContrast> SideContrastAt(const GreyImage& image,
   return contrast;
 }
 
-// Whether the squares go on beyond a row or column of corners, the outermost
+// Whether the squares continue beyond a row or column of corners, the outermost
 // one in the direction of (to_column, to_row). Where a board's last squares
 // meet a background of medium brightness, the image correlates with a corner by
 // 0.71, hardly less than what is asked of one.

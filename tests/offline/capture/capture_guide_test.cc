@@ -71,7 +71,7 @@ TEST(CaptureGuide, LeadsToACameraThatIsKnown) {
   EXPECT_LT(std::abs(*expected - (num_images - 6)), 6);
 }
 
-// However little is asked for: few images do not tell what they leave open.
+// However little is asked for: few images leave too much open.
 TEST(CaptureGuide, IsNotDoneBeforeACalibrationHasEnoughImages) {
   GuideOptions options;
   options.target_px = 5;

@@ -510,7 +510,7 @@ TEST(DsoFormat, ReadsItsModels) {
   }
 }
 
-// No lens of raygrid has a skew; the grid's error is told.
+// No lens of raygrid has a skew; the grid's error is stated.
 TEST(NearestGrid, StandsForALensWithASkew) {
   const auto check = [](const std::string& text, const Lens& lens,
                         Formula formula) {

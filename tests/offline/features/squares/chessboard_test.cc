@@ -101,7 +101,7 @@ TEST(Chessboard, WhatCoversABoardIsNotItsEnd) {
 
 // A board with a rim of paper a twelfth of a square wide, in a room of medium
 // brightness. Beyond one edge, to the left of or above the board, something
-// there goes on like squares, faintly.
+// there continues like squares, faintly.
 void SurroundByRoom(int edge, Photograph* photograph) {
   constexpr double kRim = 0.08;
   constexpr int kColumns = 9, kRows = 6;
