@@ -175,6 +175,11 @@ void RequireCommand(const CLI::App& app, const std::string& word) {
                 "capture: this build has no live capture; build it with "
                 "libmicrohttpd and libjpeg, or install Debian's package "
                 "raygrid-capture");
+  if (word == "simulate" || word == "experiment")
+    throw Error(ExitCode::kUsage,
+                word +
+                    ": this build does not have this command; configure it "
+                    "with -DRAYGRID_EXPERIMENTS=ON");
   throw Error(
       ExitCode::kUsage,
       fmt::format("{}: there is no such command; {}", word,
@@ -224,8 +229,10 @@ int Run(int argc, char** argv) {
   AddUndistort(&app, &common);
   AddUnproject(&app, &common);
   AddProject(&app, &common);
+#if RAYGRID_HAS_EXPERIMENTS
   AddSimulate(&app, &common);
   AddExperiment(&app, &common);
+#endif
   RefuseValuesThatAreNone(&app);
   if (argc > 1 && argv[1][0] != '-') RequireCommand(app, argv[1]);
   try {
