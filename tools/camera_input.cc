@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "dataset/csv.h"
 #include "dataset/error.h"
@@ -207,21 +208,25 @@ void PrintOrWrite(const std::string& path, const std::string& text) {
 
 std::string CsvAsJson(const std::string& csv,
                       const std::vector<std::string>& columns) {
-  const CsvTable table("result", csv, columns);
-  auto rows = nlohmann::ordered_json::array();
-  for (size_t i = 0; i < table.num_rows(); ++i) {
+  const std::string name = "result";
+  CsvReader table(name, csv, columns);
+  std::string text = "[";
+  while (table.Next()) {
     nlohmann::ordered_json row;
     for (const std::string& column : columns) {
-      if (table.Text(i, column).empty())
+      if (table.Text(column).empty())
         row[column] = nullptr;
       else if (column == "valid")
-        row[column] = table.Number(i, column) != 0;
+        row[column] = table.Number(column) != 0;
       else
-        row[column] = table.Number(i, column);
+        row[column] = table.Number(column);
     }
-    rows.push_back(std::move(row));
+    text += text.size() > 1 ? ",\n" : "\n";
+    std::istringstream lines(row.dump(2));
+    for (std::string line; std::getline(lines, line);)
+      text += (line[0] == '{' ? "  " : "\n  ") + line;
   }
-  return rows.dump(2) + "\n";
+  return text + (text.size() > 1 ? "\n]\n" : "]\n");
 }
 
 }  // namespace raygrid

@@ -63,6 +63,11 @@ void RequireApart(const std::vector<std::string>& images,
 /// Prints text, or writes it to a file if one is named.
 void PrintOrWrite(const std::string& path, const std::string& text);
 
+/// Rows of points or pixels that a command takes at once: those of an image of
+/// full HD, or fewer if the answer is JSON. Its text is kept in memory, since
+/// outputs appear whole or not at all.
+inline size_t MaxRows(bool is_json) { return is_json ? 500000 : 2100000; }
+
 /// A CSV of numbers as an array of objects, empty fields as null, a column
 /// "valid" as true and false.
 std::string CsvAsJson(const std::string& csv,

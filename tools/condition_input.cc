@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "dataset/csv.h"
+#include "dataset/dataset.h"
 #include "dataset/error.h"
 #include "dataset/exif_condition.h"
 #include "dataset/files.h"
@@ -80,7 +81,7 @@ std::vector<std::string> ColumnsOf(
   for (const CameraCondition condition : conditions)
     columns.push_back(ConditionName(condition));
   if (columns.size() == 1 &&
-      !CsvTable(path, text, {"image"}).HasColumn(columns[0]))
+      !CsvReader(path, text, {"image"}).HasColumn(columns[0]))
     columns[0] = "value";
   return columns;
 }
@@ -92,14 +93,15 @@ void ReadValues(const std::string& path,
   const std::vector<std::string> columns = ColumnsOf(path, text, conditions);
   std::vector<std::string> required = {"image"};
   required.insert(required.end(), columns.begin(), columns.end());
-  const CsvTable table(path, text, required);
-  for (size_t i = 0; i < table.num_rows(); ++i) {
+  CsvReader table(path, text, required);
+  table.LimitRows(kMaxTableImages);
+  while (table.Next()) {
     ConditionValues of_image;
     for (const std::string& column : columns)
-      of_image.push_back(table.Number(i, column));
-    if (!values->emplace(table.Text(i, "image"), of_image).second)
-      throw InputError(fmt::format("{}: {} has a value already", table.Place(i),
-                                   table.Text(i, "image")));
+      of_image.push_back(table.Number(column));
+    if (!values->emplace(table.Text("image"), of_image).second)
+      throw InputError(fmt::format("{}: {} has a value already", table.Place(),
+                                   table.Text("image")));
   }
 }
 

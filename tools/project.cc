@@ -50,15 +50,16 @@ void Run(const ProjectArguments& arguments, const CommonOptions& common) {
                          {arguments.output});
   const CameraInput input = ReadCamera(arguments.camera, common.at);
   RequireProjection(arguments.camera, input);
-  const CsvTable table(arguments.points, ReadFile(arguments.points),
-                       {"x", "y", "z"});
+  const std::string csv = ReadFile(arguments.points);
+  CsvReader table(arguments.points, csv, {"x", "y", "z"});
+  table.LimitRows(MaxRows(common.json));
   std::string text = "x,y,z,u,v,valid\n";
-  for (size_t i = 0; i < table.num_rows(); ++i) {
-    const Eigen::Vector3d point(table.Number(i, "x"), table.Number(i, "y"),
-                                table.Number(i, "z"));
+  while (table.Next()) {
+    const Eigen::Vector3d point(table.Number("x"), table.Number("y"),
+                                table.Number("z"));
     const auto pixel = Project(input, point);
-    text += fmt::format("{},{},{},", table.Text(i, "x"), table.Text(i, "y"),
-                        table.Text(i, "z"));
+    text += fmt::format("{},{},{},", table.Text("x"), table.Text("y"),
+                        table.Text("z"));
     text += pixel ? fmt::format("{:.8f},{:.8f},1\n", pixel->x(), pixel->y())
                   : std::string(",,0\n");
   }

@@ -24,16 +24,17 @@ void Run(const UnprojectArguments& arguments, const CommonOptions& common) {
   RequireNoInputReplaced({arguments.camera, arguments.pixels},
                          {arguments.output});
   const CameraInput input = ReadCamera(arguments.camera, common.at);
-  const CsvTable table(arguments.pixels, ReadFile(arguments.pixels),
-                       {"x", "y"});
+  const std::string csv = ReadFile(arguments.pixels);
+  CsvReader table(arguments.pixels, csv, {"x", "y"});
+  table.LimitRows(MaxRows(common.json));
   const CameraModel& camera = *input.file.camera;
   const bool has_origins = !camera.IsCentral();
   std::vector<std::string> columns = {"x", "y", "dx", "dy", "dz"};
   if (has_origins) columns.insert(columns.end(), {"ox", "oy", "oz"});
   std::string text = fmt::format("{}\n", fmt::join(columns, ","));
-  for (size_t i = 0; i < table.num_rows(); ++i) {
-    const Eigen::Vector2d pixel(table.Number(i, "x"), table.Number(i, "y"));
-    text += fmt::format("{},{},", table.Text(i, "x"), table.Text(i, "y"));
+  while (table.Next()) {
+    const Eigen::Vector2d pixel(table.Number("x"), table.Number("y"));
+    text += fmt::format("{},{},", table.Text("x"), table.Text("y"));
     const bool is_lit = camera.IsLit(pixel);
     const auto ray = !is_lit      ? std::nullopt
                      : input.blob ? input.blob->Unproject(pixel)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <string_view>
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
@@ -12,10 +13,10 @@
 namespace raygrid {
 namespace {
 
-std::string Trim(const std::string& text) {
+std::string_view Trim(std::string_view text) {
   const char* spaces = " \t\r";
   const size_t first = text.find_first_not_of(spaces);
-  if (first == std::string::npos) return "";
+  if (first == std::string_view::npos) return "";
   return text.substr(first, text.find_last_not_of(spaces) - first + 1);
 }
 
@@ -31,7 +32,7 @@ class RecordReader {
       const size_t end = std::min(text_.find('\n', place_), text_.size());
       record_line_ = line_;
       if (text_[place_] != '#' &&
-          !Trim(text_.substr(place_, end - place_)).empty()) {
+          !Trim(std::string_view(text_).substr(place_, end - place_)).empty()) {
         ReadFields(fields);
         return true;
       }
@@ -68,7 +69,8 @@ class RecordReader {
   std::string PlainField() {
     const size_t end =
         std::min(text_.find_first_of(",\n\"", place_), text_.size());
-    const std::string field = Trim(text_.substr(place_, end - place_));
+    const std::string field(
+        Trim(std::string_view(text_).substr(place_, end - place_)));
     place_ = end;
     if (Now() == '"')
       Fail(
@@ -127,24 +129,16 @@ bool ParseNumber(const std::string& text, T* value) {
 
 }  // namespace
 
-CsvTable::CsvTable(const std::string& name, const std::string& text,
-                   const std::vector<std::string>& required_columns)
-    : name_(name) {
+class CsvReader::Records : public RecordReader {
+ public:
+  using RecordReader::RecordReader;
+};
+
+CsvReader::CsvReader(const std::string& name, const std::string& text,
+                     const std::vector<std::string>& required_columns)
+    : name_(name), records_(std::make_unique<Records>(name, text)) {
   RequireTextFile(name, text);
-  RecordReader reader(name, text);
-  std::vector<std::string> fields;
-  while (reader.Read(&fields)) {
-    if (header_.empty()) {
-      header_ = fields;
-      continue;
-    }
-    if (fields.size() != header_.size())
-      throw InputError(fmt::format(
-          "{}, line {}: {} fields where the header has {}; mend the line, or "
-          "put names with commas in quotes",
-          name_, reader.record_line(), fields.size(), header_.size()));
-    rows_.push_back({reader.record_line(), fields});
-  }
+  records_->Read(&header_);
   for (const std::string& column : required_columns)
     if (!HasColumn(column))
       throw InputError(
@@ -157,41 +151,57 @@ CsvTable::CsvTable(const std::string& name, const std::string& text,
                                    name_, column));
 }
 
-int CsvTable::ColumnIndex(const std::string& column) const {
+CsvReader::CsvReader(CsvReader&&) noexcept = default;
+CsvReader::~CsvReader() = default;
+
+bool CsvReader::Next() {
+  if (!records_->Read(&fields_)) return false;
+  if (fields_.size() != header_.size())
+    throw InputError(fmt::format(
+        "{}: {} fields where the header has {}; mend the line, or put names "
+        "with commas in quotes",
+        Place(), fields_.size(), header_.size()));
+  if (++num_rows_ > max_rows_)
+    throw InputError(fmt::format("{}: more than {} rows; split the file",
+                                 Place(), max_rows_));
+  return true;
+}
+
+int CsvReader::ColumnIndex(const std::string& column) const {
   const auto found = std::find(header_.begin(), header_.end(), column);
   return found == header_.end() ? -1
                                 : static_cast<int>(found - header_.begin());
 }
 
-bool CsvTable::HasColumn(const std::string& column) const {
+bool CsvReader::HasColumn(const std::string& column) const {
   return ColumnIndex(column) >= 0;
 }
 
-const std::string& CsvTable::Text(size_t row, const std::string& column) const {
-  return rows_[row].fields[ColumnIndex(column)];
+const std::string& CsvReader::Text(const std::string& column) const {
+  return fields_[ColumnIndex(column)];
 }
 
-double CsvTable::Number(size_t row, const std::string& column) const {
+double CsvReader::Number(const std::string& column) const {
   double value;
-  if (!ParseNumber(Text(row, column), &value) || !std::isfinite(value))
+  if (!ParseNumber(Text(column), &value) || !std::isfinite(value))
     throw InputError(
         fmt::format("{}, column {}: '{}' is not a finite number; mend or "
                     "remove the line",
-                    Place(row), column, Text(row, column)));
+                    Place(), column, Text(column)));
   return value;
 }
 
-int CsvTable::Integer(size_t row, const std::string& column) const {
+int CsvReader::Integer(const std::string& column) const {
   int value;
-  if (!ParseNumber(Text(row, column), &value))
+  if (!ParseNumber(Text(column), &value))
     throw InputError(fmt::format(
         "{}, column {}: '{}' is not an integer; mend or remove the line",
-        Place(row), column, Text(row, column)));
+        Place(), column, Text(column)));
   return value;
 }
 
-std::string CsvTable::Place(size_t row) const {
-  return fmt::format("{}, line {}", name_, rows_[row].line);
+std::string CsvReader::Place() const {
+  return fmt::format("{}, line {}", name_, records_->record_line());
 }
 
 std::vector<std::string> ParseCsvRecord(const std::string& name,

@@ -3,32 +3,112 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
+#include <optional>
 #include <tuple>
+#include <unordered_map>
 
 #include "dataset/csv.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/text_encoding.h"
 
 namespace raygrid {
 namespace {
 
-using FeatureKey = std::tuple<std::string, std::string, int, int, int>;
+using FeatureKey = std::tuple<int, int, int>;
 
-// The dataset's images by name, in the order in which they first appear.
-class ImageIndex {
+FeatureKey KeyOf(const Feature& feature) {
+  return {feature.board, feature.column, feature.row};
+}
+
+// Collects the features of datasets by the names of their images, in the order
+// in which these first appear. Rows of one image mostly follow each other.
+class FeatureCollector {
  public:
-  ImageFeatures& Get(Dataset* dataset, const std::string& camera,
-                     const std::string& image) {
-    const auto [entry, is_new] =
-        index_.try_emplace({camera, image}, dataset->images.size());
-    if (is_new) dataset->images.push_back({image, {}});
-    return dataset->images[entry->second];
+  explicit FeatureCollector(std::map<std::string, Dataset>* datasets)
+      : datasets_(datasets) {}
+
+  void Add(const CsvReader& table, const std::string& camera,
+           const std::string& image, const Feature& feature) {
+    if (!image_ || camera != camera_ || image != image_->image)
+      GoTo(table, camera, image);
+    std::vector<Feature>& features = image_->features;
+    if (features.size() == kMaxPatternPoints)
+      throw InputError(fmt::format(
+          "{}: image {} has more than {} features, and no pattern has as many",
+          table.Place(), Printable(image), kMaxPatternPoints));
+    if (!features.empty() && KeyOf(features.back()) == KeyOf(feature))
+      ThrowOnSecond(table);
+    features.push_back(feature);
+  }
+
+  [[noreturn]] static void ThrowOnSecond(const CsvReader& table) {
+    throw InputError(table.Place() +
+                     ": this feature was given before for the same image; "
+                     "remove one of the lines");
   }
 
  private:
-  std::map<std::pair<std::string, std::string>, size_t> index_;
+  void GoTo(const CsvReader& table, const std::string& camera,
+            const std::string& image) {
+    Dataset& dataset = (*datasets_)[camera];
+    const auto [entry, is_new] =
+        index_[camera].try_emplace(image, dataset.images.size());
+    if (is_new) dataset.images.push_back({image, {}});
+    if (is_new && ++num_images_ > kMaxTableImages)
+      throw InputError(
+          fmt::format("{}: more than {} images; calibrations need hundreds, so "
+                      "leave most of them out",
+                      table.Place(), kMaxTableImages));
+    camera_ = camera;
+    image_ = &dataset.images[entry->second];
+  }
+
+  std::map<std::string, Dataset>* datasets_;
+  std::map<std::string, std::unordered_map<std::string, size_t>> index_;
+  size_t num_images_ = 0;
+  std::string camera_;
+  ImageFeatures* image_ = nullptr;
 };
+
+// A feature that an image has twice.
+std::optional<FeatureKey> FindRepeated(const ImageFeatures& image) {
+  std::vector<FeatureKey> keys;
+  keys.reserve(image.features.size());
+  for (const Feature& feature : image.features) keys.push_back(KeyOf(feature));
+  std::sort(keys.begin(), keys.end());
+  const auto repeated = std::adjacent_find(keys.begin(), keys.end());
+  if (repeated == keys.end()) return std::nullopt;
+  return *repeated;
+}
+
+CsvReader FeatureTable(const std::string& path, const std::string& text) {
+  return CsvReader(path, text, {"image", "board", "column", "row", "x", "y"});
+}
+
+Feature FeatureIn(const CsvReader& table) {
+  return {table.Integer("board"),
+          table.Integer("column"),
+          table.Integer("row"),
+          {table.Number("x"), table.Number("y")}};
+}
+
+std::string CameraIn(const CsvReader& table, bool has_camera) {
+  return has_camera ? table.Text("camera") : "";
+}
+
+// Throws at the line that states a feature the second time.
+void RefuseSecond(const std::string& path, const std::string& text,
+                  const std::string& camera, const std::string& image,
+                  const FeatureKey& key) {
+  CsvReader table = FeatureTable(path, text);
+  const bool has_camera = table.HasColumn("camera");
+  int count = 0;
+  while (table.Next())
+    if (table.Text("image") == image && CameraIn(table, has_camera) == camera &&
+        KeyOf(FeatureIn(table)) == key && ++count == 2)
+      FeatureCollector::ThrowOnSecond(table);
+}
 
 // The lines of features, each led by prefix.
 std::string FeatureLines(const std::string& prefix, const Dataset& dataset) {
@@ -85,26 +165,19 @@ std::map<std::string, Dataset> ReadFeatures(const std::string& path) {
 
 std::map<std::string, Dataset> ParseFeatures(const std::string& path,
                                              const std::string& text) {
-  const CsvTable table(path, text,
-                       {"image", "board", "column", "row", "x", "y"});
+  CsvReader table = FeatureTable(path, text);
   const bool has_camera = table.HasColumn("camera");
   std::map<std::string, Dataset> datasets;
-  ImageIndex index;
-  std::set<FeatureKey> seen;
-  for (size_t i = 0; i < table.num_rows(); ++i) {
-    const std::string camera = has_camera ? table.Text(i, "camera") : "";
-    const std::string image = table.Text(i, "image");
-    const Feature feature = {table.Integer(i, "board"),
-                             table.Integer(i, "column"),
-                             table.Integer(i, "row"),
-                             {table.Number(i, "x"), table.Number(i, "y")}};
-    if (!seen.emplace(camera, image, feature.board, feature.column, feature.row)
-             .second)
-      throw InputError(table.Place(i) +
-                       ": this feature was given before for the same image; "
-                       "remove one of the lines");
-    index.Get(&datasets[camera], camera, image).features.push_back(feature);
+  {
+    FeatureCollector collector(&datasets);
+    while (table.Next())
+      collector.Add(table, CameraIn(table, has_camera), table.Text("image"),
+                    FeatureIn(table));
   }
+  for (const auto& [camera, dataset] : datasets)
+    for (const ImageFeatures& image : dataset.images)
+      if (const auto repeated = FindRepeated(image))
+        RefuseSecond(path, text, camera, image.image, *repeated);
   if (datasets.empty())
     throw InputError(path + ": holds no features; detect some first");
   return datasets;
@@ -181,22 +254,23 @@ std::string FormatPoses(const std::vector<NamedPoses>& cameras) {
 
 std::map<std::string, std::vector<BoardPose>> ReadPoses(
     const std::string& path) {
-  const CsvTable table(
-      path, ReadFile(path),
-      {"image", "board", "qw", "qx", "qy", "qz", "tx", "ty", "tz"});
+  const std::string text = ReadFile(path);
+  CsvReader table(path, text,
+                  {"image", "board", "qw", "qx", "qy", "qz", "tx", "ty", "tz"});
+  table.LimitRows(kMaxPoses);
   const bool has_camera = table.HasColumn("camera");
   std::map<std::string, std::vector<BoardPose>> poses;
-  for (size_t i = 0; i < table.num_rows(); ++i) {
+  while (table.Next()) {
     const auto number = [&](const char* column) {
-      return table.Number(i, column);
+      return table.Number(column);
     };
     const Eigen::Quaterniond rotation(number("qw"), number("qx"), number("qy"),
                                       number("qz"));
     if (!(rotation.norm() > 0.5))
-      throw InputError(table.Place(i) + ": qw, qx, qy, qz are no rotation");
-    poses[has_camera ? table.Text(i, "camera") : ""].push_back(
-        {table.Text(i, "image"),
-         table.Integer(i, "board"),
+      throw InputError(table.Place() + ": qw, qx, qy, qz are no rotation");
+    poses[CameraIn(table, has_camera)].push_back(
+        {table.Text("image"),
+         table.Integer("board"),
          {rotation.normalized(), {number("tx"), number("ty"), number("tz")}}});
   }
   return poses;

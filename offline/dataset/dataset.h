@@ -32,9 +32,14 @@ struct Dataset {
   size_t num_features() const;
 };
 
+/// Images that tables of features, poses, times and values may name. Hours of
+/// video have fewer; a file of more is refused before it fills the memory.
+constexpr size_t kMaxTableImages = 500000;
+
 /// features.csv by camera name ("" where the file has no such column). Images
 /// keep the file's order. Throws InputError for malformed files, non-finite
-/// positions, and features stated twice.
+/// positions, features stated twice, more than kMaxTableImages images, and
+/// images of more features than a pattern has.
 std::map<std::string, Dataset> ReadFeatures(const std::string& path);
 /// The features in a file's text; path is used in errors.
 std::map<std::string, Dataset> ParseFeatures(const std::string& path,
@@ -78,7 +83,8 @@ struct NamedPoses {
 std::string FormatPoses(const std::vector<NamedPoses>& cameras);
 
 /// poses.csv by camera name ("" where the file has no such column). Throws
-/// InputError.
+/// InputError, also for more than kMaxPoses.
+constexpr size_t kMaxPoses = 2 * kMaxTableImages;
 std::map<std::string, std::vector<BoardPose>> ReadPoses(
     const std::string& path);
 

@@ -135,6 +135,9 @@ bool HasWriter(int pipe, std::string* contents) {
 
 // The rest of a file; returns 0 or an errno.
 int ReadRest(int file, std::string* contents) {
+  struct stat status = {};
+  if (fstat(file, &status) == 0 && S_ISREG(status.st_mode))
+    contents->reserve(static_cast<size_t>(status.st_size));
   std::vector<char> buffer(1 << 16);
   for (;;) {
     const ssize_t size = read(file, buffer.data(), buffer.size());

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "dataset/csv.h"
+#include "dataset/dataset.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/text_encoding.h"
@@ -14,21 +15,22 @@ namespace raygrid {
 ImageTimes ParseImageTimes(const std::string& path, const std::string& text) {
   // Frames of the quickest cameras are further apart.
   constexpr double kLeastApartS = 1e-6;
-  const CsvTable table(path, text, {"image", "time_s"});
+  CsvReader table(path, text, {"image", "time_s"});
+  table.LimitRows(kMaxTableImages);
   ImageTimes times;
   std::map<double, std::string> images;
-  for (size_t row = 0; row < table.num_rows(); ++row) {
-    const std::string& image = table.Text(row, "image");
-    const double time_s = table.Number(row, "time_s");
+  while (table.Next()) {
+    const std::string& image = table.Text("image");
+    const double time_s = table.Number("time_s");
     if (!times.insert({image, time_s}).second)
       throw InputError(fmt::format("{}: image {} stands there twice",
-                                   table.Place(row), Printable(image)));
+                                   table.Place(), Printable(image)));
     const auto next = images.lower_bound(time_s - kLeastApartS);
     if (next != images.end() && next->first <= time_s + kLeastApartS)
       throw InputError(fmt::format(
           "{}: {} was taken when {} was; give each image the time of its own "
           "frame, to 0.1 ms or better",
-          table.Place(row), Printable(image), Printable(next->second)));
+          table.Place(), Printable(image), Printable(next->second)));
     images[time_s] = image;
   }
   if (times.empty()) throw InputError(path + ": has no image");

@@ -19,7 +19,6 @@ namespace {
 constexpr int kMaxFeaturesAlongSide = 1000;
 // Points of all boards together. Every point is adjusted and written, seen or
 // not.
-constexpr size_t kMaxPoints = 100000;
 // No board is beyond these; arithmetic far beyond ends in nonsense.
 constexpr double kMinSquareM = 1e-6, kMaxSquareM = 100;
 constexpr double kMaxCoordinateM = kMaxFeaturesAlongSide * kMaxSquareM;
@@ -140,11 +139,11 @@ std::vector<Eigen::Vector3d> ParsePoints(const std::string& place,
 }
 
 void RequireFewPoints(const std::string& place, size_t count) {
-  if (count > kMaxPoints)
+  if (count > kMaxPatternPoints)
     throw InputError(
         fmt::format("{}: {} feature points, and a pattern may have {} in all; "
                     "give columns and rows as they are",
-                    place, count, kMaxPoints));
+                    place, count, kMaxPatternPoints));
 }
 
 Board ParseBoard(const std::string& place, const YAML::Node& node) {

@@ -10,6 +10,9 @@
 
 namespace raygrid {
 
+/// Feature points of all boards of a pattern.
+constexpr size_t kMaxPatternPoints = 100000;
+
 /// An AprilTag on a star board. Its area, white margin included, is squares
 /// wide; its top-left corner lies at feature position (column, row).
 struct BoardTag {

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "dataset/error.h"
@@ -85,6 +87,33 @@ void RequireTextFile(const std::string& path, std::string_view contents) {
                      '\n');
   throw InputError(fmt::format(
       "{}, line {}: not UTF-8 text; save it in this encoding", path, line));
+}
+
+void RequireSmallTree(const std::string& path, std::string_view text,
+                      const char* marks, size_t max_bytes) {
+  const std::string prefix = path.empty() ? "" : path + ": ";
+  if (text.size() > max_bytes)
+    throw InputError(fmt::format(
+        "{}{:.0f} MB, and cameras, patterns and lists of keys have up to {}; "
+        "is it another file?",
+        prefix, std::ceil(static_cast<double>(text.size()) / (1 << 20)),
+        max_bytes >> 20));
+  std::array<bool, 256> is_mark = {};
+  for (; *marks; ++marks) is_mark[static_cast<uint8_t>(*marks)] = true;
+  const std::string_view spaces = " \t\r\n";
+  size_t count = 0;
+  for (size_t k = 0; k < text.size(); ++k) {
+    if (is_mark[static_cast<uint8_t>(text[k])])
+      ++count;
+    else if (text[k] == '-' && k + 1 < text.size() &&
+             spaces.find(text[k + 1]) != std::string_view::npos)
+      ++count;
+  }
+  if (count > kMaxTreeMarks)
+    throw InputError(fmt::format(
+        "{}about {} values, and cameras, patterns and lists of keys have up to "
+        "{}; is it another file?",
+        prefix, count, kMaxTreeMarks));
 }
 
 void RequireStorableName(const std::string& what, const std::string& name) {

@@ -18,6 +18,21 @@ std::string Printable(std::string_view text);
 /// mark.
 void RequireTextFile(const std::string& path, std::string_view contents);
 
+/// Bounds of a file of keys and values, such as a camera or a pattern: parsers
+/// take about 500 bytes for each of its values. A grid of 100,000 control
+/// points and a pattern of as many points keep them.
+constexpr size_t kMaxTreeBytes = 64 << 20, kMaxTreeMarks = 1000000;
+/// Characters before and behind values of YAML, JSON or TOML, and of XML.
+constexpr char kTreeMarks[] = "\n,:[{?", kXmlMarks[] = "<=";
+
+/// Throws InputError, naming the limit, if a text of keys and values has more
+/// bytes, or more marks before and behind values, than these. A '-' before
+/// white space is a mark, too. An empty
+/// path is none, for readers whose errors get it later.
+void RequireSmallTree(const std::string& path, std::string_view text,
+                      const char* marks = kTreeMarks,
+                      size_t max_bytes = kMaxTreeBytes);
+
 /// Throws InputError if a name is not UTF-8, and so fits in no output; what is
 /// used in the error, as in "image".
 void RequireStorableName(const std::string& what, const std::string& name);

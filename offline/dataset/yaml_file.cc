@@ -128,6 +128,7 @@ std::string InLine(const YAML::Node& node) {
 
 void RequireYamlFile(const std::string& path, const std::string& text,
                      LastLine last_line) {
+  RequireSmallTree(path, text);
   RequireTextFile(path, text);
   std::istringstream stream(text);
   DuplicateKeyFinder finder(path);

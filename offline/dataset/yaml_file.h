@@ -14,7 +14,8 @@ namespace raygrid {
 /// write it. raygrid's own files end with one, so that a cut shows.
 enum class LastLine { kEnds, kMayLackEnd };
 
-/// Throws InputError if a YAML file is no text file, ends within a line, has
+/// Throws InputError if a YAML file is no text file, is too large for what
+/// raygrid keeps in such files (RequireSmallTree()), ends within a line, has
 /// more behind its end, or has a key twice in one mapping, of which parsers
 /// take the first or the last as they like. Says nothing of text that is no
 /// YAML: parsing it does.

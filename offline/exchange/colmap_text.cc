@@ -120,7 +120,8 @@ ColmapRig RigOfWords(const WordLines& lines) {
 
 bool IsColmapText(const std::string& text) {
   if (text.rfind(kCamerasHeader, 0) == 0) return true;
-  std::istringstream lines(text);
+  constexpr size_t kHeadBytes = 1 << 16;
+  std::istringstream lines(text.substr(0, kHeadBytes));
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
     std::string id, model, width, height, more;

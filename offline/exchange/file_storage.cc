@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cstring>
 #include <filesystem>
+#include <set>
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
@@ -62,15 +63,16 @@ YAML::Node NodeOf(const XmlElement& element) {
     return list;
   }
   YAML::Node node;
+  std::set<std::string> names;
   for (const XmlElement& child : element.children) {
     if (child.name == "_") {
       node.push_back(NodeOf(child));
       continue;
     }
-    if (element.Child(child.name) != &child)
+    if (!names.insert(child.name).second)
       throw InputError(fmt::format("line {}: '{}' stands twice; keep one",
                                    child.line, Printable(child.name)));
-    node[child.name] = NodeOf(child);
+    node.force_insert(child.name, NodeOf(child));
   }
   return node;
 }
@@ -143,6 +145,7 @@ bool IsFileStorage(const std::string& text) {
 
 YAML::Node ParseFileStorage(const std::string& path, const std::string& text) {
   if (IsXml(text)) {
+    RequireSmallTree("", text, " \t\n");  // numbers have no other marks
     const XmlElement root = ParseXml(text);
     if (root.name != kXmlRoot)
       throw InputError(fmt::format("the root element is '{}', not '{}'",

@@ -21,7 +21,8 @@ constexpr char kNoValue[] = "-";
 // The names of a vnlog's columns: words of the first line that begins with one
 // '#'. Empty if other lines come before it.
 std::vector<std::string> LegendOf(const std::string& text) {
-  std::istringstream lines(text);
+  constexpr size_t kHeadBytes = 1 << 16;
+  std::istringstream lines(text.substr(0, kHeadBytes));
   for (std::string line; std::getline(lines, line) && line[0] == '#';) {
     if (line.compare(0, 2, "##") == 0 || line.compare(0, 2, "#!") == 0)
       continue;

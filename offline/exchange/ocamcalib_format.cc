@@ -22,6 +22,7 @@ class OcamNumbers {
   explicit OcamNumbers(const std::string& text) {
     if (FindNoUtf8(text) != std::string::npos)
       throw InputError("not a text file");
+    RequireSmallTree("", text, " \t\n");
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);) {
       std::istringstream words(line.substr(0, line.find('#')));

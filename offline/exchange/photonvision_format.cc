@@ -44,6 +44,8 @@ Json ParsePhotonJson(const std::string& text) {
   const auto keeps = [](int, Json::parse_event_t event, Json& parsed) {
     return event != Json::parse_event_t::key || parsed != "snapshotData";
   };
+  constexpr size_t kMaxBytesWithPictures = 1 << 30;
+  RequireSmallTree("", text, kTreeMarks, kMaxBytesWithPictures);
   try {
     return Json::parse(text, keeps);
   } catch (const Json::parse_error& error) {

@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <optional>
+#include <set>
 #include <sstream>
 #include <vector>
 
@@ -24,6 +25,7 @@ std::string WithoutSpaces(const std::string& text) {
 }
 
 void RequireText(const std::string& text) {
+  RequireSmallTree("", text, "\n,:[{? \t");
   if (FindNoUtf8(text) != std::string::npos)
     throw InputError("not a text file");
 }
@@ -61,20 +63,36 @@ YAML::Node TomlValue(const std::string& text, int line) {
   }
 }
 
-void AddKey(YAML::Node table, const std::string& key, const YAML::Node& value,
-            int line) {
-  if (key.empty()) RefuseLine(line, "a key is missing");
-  if (table[key].IsDefined())
-    RefuseLine(line,
-               fmt::format("'{}' stands twice; keep one", Printable(key)));
-  table[key] = value;
-}
+// A map that is filled key by key. yaml-cpp looks keys up one after the other,
+// which takes long in a map of many.
+class TreeMap {
+ public:
+  TreeMap() = default;
+  // Nodes of yaml-cpp that are assigned stay the same node.
+  TreeMap(const TreeMap&) = delete;
+  TreeMap& operator=(const TreeMap&) = delete;
+
+  void Add(const std::string& key, const YAML::Node& value, int line) {
+    if (key.empty()) RefuseLine(line, "a key is missing");
+    if (!keys_.insert(key).second)
+      RefuseLine(line,
+                 fmt::format("'{}' stands twice; keep one", Printable(key)));
+    node_.force_insert(key, value);
+  }
+  bool Has(const std::string& key) const { return keys_.count(key) > 0; }
+  const YAML::Node& node() const { return node_; }
+
+ private:
+  YAML::Node node_ = YAML::Node(YAML::NodeType::Map);
+  std::set<std::string> keys_;
+};
 
 }  // namespace
 
 YAML::Node ParseToml(const std::string& text) {
   RequireText(text);
-  YAML::Node root(YAML::NodeType::Map), table = root;
+  TreeMap root;
+  std::optional<TreeMap> table;
   std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
@@ -86,11 +104,10 @@ YAML::Node ParseToml(const std::string& text) {
     if (statement[0] == '[') {
       if (statement.back() != ']' || statement[1] == '[')
         RefuseLine(number, "no table; arrays of tables are not taken");
-      YAML::Node added(YAML::NodeType::Map);
-      AddKey(root,
-             Unquoted(WithoutSpaces(statement.substr(1, statement.size() - 2))),
-             added, number);
-      table.reset(added);
+      table.emplace();
+      root.Add(
+          Unquoted(WithoutSpaces(statement.substr(1, statement.size() - 2))),
+          table->node(), number);
       continue;
     }
     if (equals == std::string::npos) RefuseLine(number, "no 'KEY = VALUE'");
@@ -99,15 +116,16 @@ YAML::Node ParseToml(const std::string& text) {
       ++number;
     }
     if (depth != 0) RefuseLine(first, "a bracket is not closed");
-    AddKey(table, Unquoted(WithoutSpaces(statement.substr(0, equals))),
-           TomlValue(statement.substr(equals + 1), first), first);
+    (table ? *table : root)
+        .Add(Unquoted(WithoutSpaces(statement.substr(0, equals))),
+             TomlValue(statement.substr(equals + 1), first), first);
   }
-  return root;
+  return root.node();
 }
 
 YAML::Node ParseKeyLines(const std::string& text) {
   RequireText(text);
-  YAML::Node root(YAML::NodeType::Map);
+  TreeMap root;
   std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
@@ -117,23 +135,24 @@ YAML::Node ParseKeyLines(const std::string& text) {
     YAML::Node list(YAML::NodeType::Sequence);
     std::istringstream words(line.substr(colon + 1));
     for (std::string word; words >> word;) list.push_back(word);
-    AddKey(root, WithoutSpaces(line.substr(0, colon)), list, number);
+    root.Add(WithoutSpaces(line.substr(0, colon)), list, number);
   }
-  return root;
+  return root.node();
 }
 
 YAML::Node ParseRosIni(const std::string& text) {
   RequireText(text);
-  YAML::Node root(YAML::NodeType::Map);
+  TreeMap root;
   std::istringstream lines(text);
   std::string line, section, key;
   YAML::Node list(YAML::NodeType::Sequence);
   const auto finish = [&](int number) {
     if (key.empty()) return;
     const bool is_side = section == "image" && list.size() == 1;
-    AddKey(root, key,
-           is_side ? YAML::Node(list[0].as<std::string>()) : YAML::Clone(list),
-           number);
+    root.Add(
+        key,
+        is_side ? YAML::Node(list[0].as<std::string>()) : YAML::Clone(list),
+        number);
     key.clear();
   };
   int number = 1;
@@ -143,8 +162,8 @@ YAML::Node ParseRosIni(const std::string& text) {
     if (words[0] == '[') {
       finish(number);
       section = WithoutSpaces(words.substr(1, words.find(']') - 1));
-      if (section != "image" && section != "externals" && !root["name"])
-        root["name"] = section;
+      if (section != "image" && section != "externals" && !root.Has("name"))
+        root.Add("name", YAML::Node(section), number);
     } else if (words.find_first_not_of("0123456789.+-eE \t") ==
                std::string::npos) {
       std::istringstream numbers(words);
@@ -156,7 +175,7 @@ YAML::Node ParseRosIni(const std::string& text) {
     }
   }
   finish(number);
-  return root;
+  return root.node();
 }
 
 }  // namespace raygrid

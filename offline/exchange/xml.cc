@@ -109,6 +109,7 @@ const XmlElement* XmlElement::Child(const std::string& child) const {
 }
 
 XmlElement ParseXml(const std::string& text) {
+  RequireSmallTree("", text, kXmlMarks);
   if (FindNoUtf8(text) != std::string::npos)
     throw InputError("not a text file");
   return XmlTree().Parse(text);

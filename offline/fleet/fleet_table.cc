@@ -12,6 +12,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/held_stack.h"
+#include "dataset/text_encoding.h"
 
 namespace raygrid {
 namespace {
@@ -120,7 +121,9 @@ UnitRow ReadUnitRow(const std::string& serial, const std::string& folder,
   row.serial = serial;
   const std::string path = folder + "/result.json";
   try {
-    AddResult(Json::parse(ReadFile(path)), &row);
+    const std::string text = ReadFile(path);
+    RequireSmallTree(path, text);
+    AddResult(Json::parse(text), &row);
   } catch (const Json::exception&) {
     throw InputError(path +
                      ": is no result of raygrid calibrate; run the batch "

@@ -55,23 +55,24 @@ std::string FormatResiduals(const RigResult& result) {
 }
 
 std::map<std::string, ResidualSets> ReadResiduals(const std::string& path) {
-  const CsvTable table(
-      path, ReadFile(path),
+  const std::string text = ReadFile(path);
+  CsvReader table(
+      path, text,
       {"set", "image", "board", "column", "row", "x", "y", "dx", "dy"});
   const bool has_camera = table.HasColumn("camera");
   std::map<std::string, ResidualSets> cameras;
-  for (size_t i = 0; i < table.num_rows(); ++i) {
-    ResidualSets& sets = cameras[has_camera ? table.Text(i, "camera") : ""];
-    std::vector<FeatureResidual>* set = FindSet(table.Text(i, "set"), &sets);
+  while (table.Next()) {
+    ResidualSets& sets = cameras[has_camera ? table.Text("camera") : ""];
+    std::vector<FeatureResidual>* set = FindSet(table.Text("set"), &sets);
     if (!set)
       throw InputError(fmt::format("{}: unknown set '{}'; calibrate again",
-                                   table.Place(i), table.Text(i, "set")));
-    set->push_back({table.Text(i, "image"),
-                    table.Integer(i, "board"),
-                    table.Integer(i, "column"),
-                    table.Integer(i, "row"),
-                    {table.Number(i, "x"), table.Number(i, "y")},
-                    {table.Number(i, "dx"), table.Number(i, "dy")}});
+                                   table.Place(), table.Text("set")));
+    set->push_back({table.Text("image"),
+                    table.Integer("board"),
+                    table.Integer("column"),
+                    table.Integer("row"),
+                    {table.Number("x"), table.Number("y")},
+                    {table.Number("dx"), table.Number("dy")}});
   }
   return cameras;
 }

@@ -8,6 +8,7 @@
 #include "dataset/error.h"
 #include "dataset/held_stack.h"
 #include "dataset/json_error.h"
+#include "dataset/text_encoding.h"
 #include "evaluation/stack_change.h"
 #include "report/budget_json.h"
 
@@ -549,6 +550,7 @@ StereoFigures ParseStereo(const Json& json) {
 }
 
 Json ParseVersioned(const std::string& path, const std::string& text) {
+  RequireSmallTree(path, text);
   const Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded() || !json.is_object())
     throw InputError(path + ": not JSON; calibrate again");

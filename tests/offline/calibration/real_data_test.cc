@@ -32,10 +32,10 @@ RealData ReadRealData() {
   RealData data;
   data.pattern = ReadPattern(Folder() + "pattern.yaml");
   const std::string split_path = Folder() + "split.csv";
-  const CsvTable split(split_path, ReadFile(split_path), {"image", "part"});
+  const std::string split_text = ReadFile(split_path);
+  CsvReader split(split_path, split_text, {"image", "part"});
   std::map<std::string, std::string> part;
-  for (size_t i = 0; i < split.num_rows(); ++i)
-    part[split.Text(i, "image")] = split.Text(i, "part");
+  while (split.Next()) part[split.Text("image")] = split.Text("part");
   data.training.image_size = data.test.image_size = {640, 480};
   const auto datasets = ReadFeatures(Folder() + "features.csv");
   for (const ImageFeatures& image : datasets.at("").images)

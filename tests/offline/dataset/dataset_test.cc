@@ -262,14 +262,15 @@ TEST(FormatPoses, KeepsNames) {
 
 TEST(FormatPoses, WritesUnitQuaternionsWithPositiveRealPart) {
   const Pose pose = {Eigen::Quaterniond(-0.5, 0.5, -0.5, 0.5), {1, 2, 3}};
-  const CsvTable table(
-      "poses", FormatPoses({{"a.png", 4, pose}}),
-      {"image", "board", "qw", "qx", "qy", "qz", "tx", "ty", "tz"});
-  ASSERT_EQ(table.num_rows(), 1u);
-  EXPECT_EQ(table.Integer(0, "board"), 4);
-  EXPECT_EQ(table.Number(0, "qw"), 0.5);
-  EXPECT_EQ(table.Number(0, "qx"), -0.5);
-  EXPECT_EQ(table.Number(0, "tz"), 3);
+  const std::string name = "poses", text = FormatPoses({{"a.png", 4, pose}});
+  CsvReader table(name, text,
+                  {"image", "board", "qw", "qx", "qy", "qz", "tx", "ty", "tz"});
+  ASSERT_TRUE(table.Next());
+  EXPECT_EQ(table.Integer("board"), 4);
+  EXPECT_EQ(table.Number("qw"), 0.5);
+  EXPECT_EQ(table.Number("qx"), -0.5);
+  EXPECT_EQ(table.Number("tz"), 3);
+  EXPECT_FALSE(table.Next());
 }
 
 // Images of a lattice, each moved by another distance.

@@ -240,11 +240,11 @@ RealData ReadRealData(const std::string& folder, const ImageSize& size) {
   RealData data;
   data.pattern = ReadPattern(folder + "pattern.yaml");
   data.training.image_size = data.test.image_size = size;
-  const CsvTable split(folder + "split.csv", ReadFile(folder + "split.csv"),
-                       {"image", "part"});
+  const std::string split_path = folder + "split.csv";
+  const std::string split_text = ReadFile(split_path);
+  CsvReader split(split_path, split_text, {"image", "part"});
   std::map<std::string, std::string> part;
-  for (size_t i = 0; i < split.num_rows(); ++i)
-    part[split.Text(i, "image")] = split.Text(i, "part");
+  while (split.Next()) part[split.Text("image")] = split.Text("part");
   const auto datasets = ReadFeatures(folder + "features.csv");
   for (const ImageFeatures& image : datasets.at("").images)
     (part.at(image.image) == "test" ? data.test : data.training)

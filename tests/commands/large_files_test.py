@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""Large text files take little more memory than their size, or are refused by a limit."""
+import os
+import subprocess
+
+from command_test import CommandTest, PATTERN, main, programs, run, write
+
+HEADER = "image,board,column,row,x,y\n"
+MEGABYTE = 1 << 20
+
+# What the program takes with a small file or a file at one of its limits, and what it may take
+# beyond that per byte of a file: 100 MB fit in 500 MB. Sanitizers take about three times as much.
+BASE_MB = 100
+MB_PER_MB = 4
+SECONDS_PER_MB = 0.2
+
+
+class LargeFiles(CommandTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.pattern = write(cls.path("pattern.yaml"), PATTERN)
+        result = run("simulate", "--images", 2, "-o", cls.path("sim"))
+        assert result.returncode == 0, result.stderr
+        cls.camera = cls.path("sim/true_camera.yaml")
+
+    def run_bounded(self, size_mb, *arguments):
+        """Exit code and standard error of a command, after checks of its memory and CPU time."""
+        options = os.environ.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=1"
+        with subprocess.Popen([programs.raygrid, *arguments], stdout=subprocess.DEVNULL,
+                              stderr=subprocess.PIPE,
+                              env={**os.environ, "ASAN_OPTIONS": options}) as process:
+            error = process.stderr.read().decode()
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        factor = 3 if "sanitized" in programs.raygrid.lower() or "asan" in programs.raygrid else 1
+        self.assertLess(usage.ru_maxrss / 1024, factor * (BASE_MB + MB_PER_MB * size_mb), error)
+        self.assertLess(usage.ru_utime + usage.ru_stime, factor * (1 + SECONDS_PER_MB * size_mb))
+        return process.returncode, error
+
+    def refuse(self, path, words, *arguments):
+        code, error = self.run_bounded(os.path.getsize(path) / MEGABYTE, *arguments)
+        self.assertEqual(code, 2, error)
+        self.assertEqual(error.count("\n"), 1, error)
+        for word in (os.path.basename(path), *words):
+            self.assertIn(word, error)
+
+    def test_features_are_read_whatever_their_number(self):
+        lines = [f"image_{image:05}.png,0,{column},{row},{10 + 60 * column:.5f},"
+                 f"{12 + 70 * row:.5f}\n"
+                 for image in range(4000) for row in range(6) for column in range(9)]
+        path = write(self.path("features.csv"), HEADER + "".join(lines))
+        code, error = self.run_bounded(os.path.getsize(path) / MEGABYTE, "inspect", path)
+        self.assertEqual(code, 0, error)
+        # A feature that its image has twice is found at the second of its lines.
+        twice = write(self.path("twice.csv"), HEADER + "".join(lines[:3000] + [lines[7]]))
+        self.refuse(twice, ("line 3002", "given before"), "inspect", twice)
+
+    def test_tables_with_more_rows_than_any_calibration_has(self):
+        images = write(self.path("images.csv"),
+                       HEADER + "".join(f"{k},0,0,0,1,1\n" for k in range(500001)))
+        self.refuse(images, ("line 500002", "500000 images"), "inspect", images)
+        image = write(self.path("image.csv"), HEADER + "".join(
+            f"a,0,{k},0,1,1\n" for k in range(100001)))
+        self.refuse(image, ("line 100002", "100000 features"), "inspect", image)
+        pixels = write(self.path("pixels.csv"), "x,y\n" + "0,0\n" * 500001)
+        self.refuse(pixels, ("line 500002", "500000 rows"), "unproject", self.camera,
+                    "--pixels", pixels, "--json")
+
+    def test_trees_with_more_values_than_any_camera_has(self):
+        values = "- 1\n" * (2 * MEGABYTE)
+        for name, text in (("camera.yaml", "raygrid_camera: 1\nx:\n" + values),
+                           ("pattern.yaml", "raygrid_pattern: 1\nboards:\n" + values),
+                           ("rig.yaml", "raygrid_rig: 1\ncameras:\n" + values),
+                           ("mtx.json", '{"mtx": [' + "1," * (4 * MEGABYTE) + '1], "dist": []}\n'),
+                           ("mtx.xml", '<?xml version="1.0"?>\n<opencv_storage>'
+                            + "<a/>" * (2 * MEGABYTE) + "</opencv_storage>\n")):
+            path = write(self.path("many_" + name), text)
+            with self.subTest(name):
+                self.refuse(path, ("1000000", "values"), "inspect", path)
+        path = write(self.path("long.yaml"), "raygrid_camera: 1\nx: " + "a b " * (17 * MEGABYTE))
+        self.refuse(path, ("69 MB", "64"), "inspect", path)
+
+    def test_keys_of_a_table_are_found_quickly(self):
+        for name, text in (
+                ("many.toml", "[a]\nmatrix = 1\ndistortions = 1\nrotation = 1\n" + "".join(
+                    f"k{k} = 1\n" for k in range(60000))),
+                ("many.xml", '<?xml version="1.0"?>\n<opencv_storage>' + "".join(
+                    f"<k{k}>1</k{k}>" for k in range(60000)) + "</opencv_storage>\n")):
+            path = write(self.path(name), text)
+            with self.subTest(name):
+                code, error = self.run_bounded(30, "inspect", path)
+                self.assertEqual(code, 2, error)
+
+
+if __name__ == "__main__":
+    main(__name__)
