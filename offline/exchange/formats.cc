@@ -28,6 +28,7 @@
 #include "exchange/photonvision_format.h"
 #include "exchange/puzzlepaint_format.h"
 #include "exchange/puzzlepaint_pattern_format.h"
+#include "exchange/python_format.h"
 #include "exchange/ros_format.h"
 
 namespace raygrid {

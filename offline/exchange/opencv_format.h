@@ -9,13 +9,6 @@ namespace raygrid {
 /// OpenCV's own calibration samples write them.
 Format OpenCvFormat();
 
-/// Cameras of the same keys and models as Python writes them without
-/// FileStorage: lists of JSON and YAML, and arrays of numpy.savez().
-Format PythonFormat();
-
-/// Whether an archive of numpy has a camera matrix and coefficients.
-bool IsNpzOfCamera(const std::string& bytes);
-
 }  // namespace raygrid
 
 #endif  // RAYGRID_EXCHANGE_OPENCV_FORMAT_H

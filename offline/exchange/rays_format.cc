@@ -8,8 +8,8 @@
 #include "dataset/error.h"
 #include "dataset/image_header.h"
 #include "exchange/npz.h"
-#include "exchange/opencv_format.h"
 #include "exchange/pixel_origin.h"
+#include "exchange/python_format.h"
 
 namespace raygrid {
 namespace {

@@ -1,83 +1,15 @@
-/// Files of keys and numbers that programs publish, against formulas written
-/// here.
+/// Files of keys and numbers that programs publish, against formulas.
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "exchange/damaged_files.h"
 #include "exchange/format.h"
+#include "exchange/lenses_by_formula.h"
 #include "support.h"
 
 namespace raygrid {
 namespace {
-
-using Numbers = std::vector<double>;
-
-ExchangeContents Read(const std::string& text,
-                      std::optional<ImageSize> size = {},
-                      const std::string& form = "") {
-  return ReadExchangeFile(nullptr, {"f", text, form, size});
-}
-
-// k1, k2, p1, p2, k3 to k6 as OpenCV has them.
-Eigen::Vector2d Distorted(double x, double y, Numbers d) {
-  d.resize(8, 0);
-  const double r2 = x * x + y * y;
-  const double g = (1 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]))) /
-                   (1 + r2 * (d[5] + r2 * (d[6] + r2 * d[7])));
-  return {x * g + 2 * d[2] * x * y + d[3] * (r2 + 2 * x * x),
-          y * g + d[2] * (r2 + 2 * y * y) + 2 * d[3] * x * y};
-}
-
-// Pixels of a lens; k is fx, fy, cx, cy and perhaps a skew.
-Eigen::Vector2d AtPixel(const Eigen::Vector2d& xy, const Numbers& k) {
-  const double skew = k.size() > 4 ? k[4] : 0;
-  return {k[0] * xy.x() + skew * xy.y() + k[2], k[1] * xy.y() + k[3]};
-}
-
-struct Lens {
-  Numbers k, d;
-  double xi = 0;
-  Eigen::Vector2d Pinhole(const Eigen::Vector3d& p) const {
-    return AtPixel(Distorted(p.x() / p.z(), p.y() / p.z(), d), k);
-  }
-  Eigen::Vector2d Fisheye(const Eigen::Vector3d& p) const {
-    const double r = p.head<2>().norm(), theta = std::atan2(r, p.z()),
-                 t2 = theta * theta;
-    const double bent =
-        theta * (1 + t2 * (d[0] + t2 * (d[1] + t2 * (d[2] + t2 * d[3]))));
-    return AtPixel(p.head<2>() * (bent / r), k);
-  }
-  Eigen::Vector2d Omni(const Eigen::Vector3d& p) const {
-    const Eigen::Vector3d unit = p.normalized();
-    return AtPixel(
-        Distorted(unit.x() / (unit.z() + xi), unit.y() / (unit.z() + xi), d),
-        k);
-  }
-};
-
-using Formula = Eigen::Vector2d (Lens::*)(const Eigen::Vector3d&) const;
-
-void ExpectLens(const ReadLens& read, const Lens& lens, Formula formula,
-                double tolerance_px = 1e-9) {
-  const auto model = MakeLens(read.lens);
-  for (const double x : {-0.31, 0.02, 0.27})
-    for (const double y : {-0.22, 0.01, 0.18}) {
-      const Eigen::Vector3d point(x, y, 1.1);
-      const auto seen = model->Project(point);
-      ASSERT_TRUE(seen) << x << " " << y;
-      EXPECT_LT((*seen - (lens.*formula)(point)).norm(), tolerance_px)
-          << x << " " << y;
-    }
-}
-
-const Lens kPinholeLens = {{410, 411.5, 322.5, 238},
-                           {-0.21, 0.06, 1e-3, -2e-3}};
-const Lens kFisheyeLens = {{290, 291.5, 322.5, 238},
-                           {0.03, -0.01, 4e-3, -1e-3}};
-const Lens kOmniLens = {
-    {910, 911.5, 322.5, 238}, {-0.11, 0.05, 1e-3, -2e-3}, 1.25};
-constexpr ImageSize kImage = {640, 480};
 
 TEST(KeyedFormats, ReadCamodocal) {
   const std::string head =
@@ -310,109 +242,6 @@ TEST(KeyedFormats, ReadCalibTexts) {
   ExpectLens(ini.cameras[0], kPinholeLens, &Lens::Pinhole);
 }
 
-TEST(PythonFormat, ReadsListsUnderTheNamesThatPeopleGive) {
-  const std::string k = "[[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]]";
-  const std::string d = "[[-0.21, 0.06, 0.001, -0.002, 0.0]]";
-  for (const auto& [matrix, distortion] :
-       std::vector<std::array<std::string, 2>>{
-           {"K", "D"},
-           {"mtx", "dist"},
-           {"camera_matrix", "dist_coeff"},
-           {"camera_matrix", "dist_coeffs"},
-           {"cameraMatrix", "distCoeffs"}}) {
-    const std::string json =
-        fmt::format("{{\"{}\": {}, \"{}\": {}, \"image_size\": [640, 480]}}\n",
-                    matrix, k, distortion, d);
-    SCOPED_TRACE(json);
-    ExpectLens(Read(json).cameras.at(0), kPinholeLens, &Lens::Pinhole);
-    const std::string yaml =
-        fmt::format("{}: {}\n{}: {}\n", matrix, k, distortion, d);
-    ExpectLens(Read(yaml, kImage).cameras.at(0), kPinholeLens, &Lens::Pinhole);
-  }
-  const auto named = Read(
-      fmt::format("{{\"front\": {{\"K\": {0}, \"D\": {1}}}, \"back\": {{\"K\": "
-                  "{0}, \"D\": {1}}}}}",
-                  k, d),
-      kImage);
-  ASSERT_EQ(named.cameras.size(), 2u);
-  EXPECT_EQ(named.cameras[1].name, "back");
-  const auto scalars = Read(
-      "{\"fx\": 410, \"fy\": 411.5, \"cx\": 322.5, \"cy\": 238, \"k1\": -0.21, "
-      "\"k2\": 0.06, \"p1\": 0.001, \"p2\": -0.002, \"k3\": 0, \"width\": 640, "
-      "\"height\": 480}");
-  ExpectLens(scalars.cameras.at(0), kPinholeLens, &Lens::Pinhole);
-}
-
-// Cameras stand in maps of maps, in lists with names, and in pairs.
-TEST(PythonFormat, FindsCameras) {
-  const std::string lens =
-      "\"K\": [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]], \"dist\": "
-      "[-0.21, 0.06, 0.001, -0.002, 0]";
-  const auto listed = Read("{\"cameras\": [{\"name\": \"left\", " + lens +
-                               "}, {\"name\": \"right\", " + lens + "}]}",
-                           kImage);
-  ASSERT_EQ(listed.cameras.size(), 2u);
-  EXPECT_EQ(listed.cameras[1].name, "right");
-  ExpectLens(listed.cameras[1], kPinholeLens, &Lens::Pinhole);
-  const std::string matrix = "[[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]]";
-  const auto pair = Read(
-      "{\"left_camera_matrix\": " + matrix +
-          ", \"right_camera_matrix\": " + matrix +
-          ", \"left_dist_coeffs\": [[0, 0, 0, 0, 0.1]], "
-          "\"right_dist_coeffs\": [[0, 0, 0, 0, 0.1]], \"R\": [[1, 0, 0], [0, "
-          "1, 0], [0, 0, 1]], \"T\": [[-0.1], [0], [0]]}",
-      kImage);
-  ASSERT_EQ(pair.cameras.size(), 2u);
-  ASSERT_TRUE(pair.IsRig());
-  EXPECT_EQ(pair.cameras[1].camera_from_rig->translation.x(), -0.1);
-  // RealSense: a model that its zeros do not need.
-  const std::string real =
-      "{\"intrinsics\": {\"fx\": 410, \"fy\": 411.5, \"ppx\": 322.5, "
-      "\"ppy\": 238, \"width\": 640, \"height\": 480, \"model\": "
-      "\"distortion.inverse_brown_conrady\", \"coeffs\": [0, 0, 0, 0, 0]}}";
-  ExpectLens(Read(real).cameras.at(0), {{410, 411.5, 322.5, 238}, {}},
-             &Lens::Pinhole);
-  ExpectError(ExitCode::kInput, {"f: ", "inverse_brown_conrady"},
-              [&] { Read(TextWith(real, "[0, 0,", "[0.1, 0,")); });
-}
-
-// Names of makers are no models, and numbers may be repeated.
-TEST(PythonFormat, KnowsWhatSaysNothingOfTheLens) {
-  const std::string text =
-      "{\"K\": [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]], \"dist\": "
-      "[-0.21, 0.06, 0.001, -0.002, 0], \"width\": 640, \"height\": 480, "
-      "\"camera_model\": \"OmniVision OV5640\", \"model\": \"oCam-1CGN\", "
-      "\"k1\": -0.21, \"alpha\": 1.0}";
-  const auto read = Read(text);
-  ExpectLens(read.cameras.at(0), kPinholeLens, &Lens::Pinhole);
-  ASSERT_EQ(read.remarks.size(), 1u);
-  for (const char* word : {"camera_model", "alpha"})
-    EXPECT_NE(read.remarks[0].find(word), std::string::npos);
-  ExpectError(ExitCode::kInput, {"f: ", "'k1'"},
-              [&] { Read(TextWith(text, "\"k1\": -0.21", "\"k1\": -0.3")); });
-  for (const char* other : {"inverse_brown_conrady", "Scaramuzza", "division"})
-    ExpectError(ExitCode::kInput, {"f: ", other},
-                [&] { Read(TextWith(text, "OmniVision OV5640", other)); });
-}
-
-// A column of 4, as cv2.fisheye alone returns it.
-TEST(PythonFormat, TellsFisheyes) {
-  const std::string text =
-      "{\"K\": [[290, 0, 322.5], [0, 291.5, 238], [0, 0, 1]], \"D\": [[0.03], "
-      "[-0.01], [0.004], [-0.001]], \"dim\": [640, 480]}";
-  const auto read = Read(text, kImage);
-  ExpectLens(read.cameras.at(0), kFisheyeLens, &Lens::Fisheye);
-  EXPECT_EQ(read.remarks.size(), 2u);  // and "dim" is not known
-  const std::string row = TextWith(text, "[[0.03], [-0.01], [0.004], [-0.001]]",
-                                   "[0.03, -0.01, 0.004, -0.001]");
-  EXPECT_EQ(Read(row, kImage).cameras.at(0).lens.form->name, "opencv4");
-  EXPECT_EQ(Read(row, kImage, "fisheye").cameras.at(0).lens.form->name,
-            "fisheye");
-  const std::string said =
-      TextWith(row, "\"dim\"", "\"model\": \"fisheye\", \"d\"");
-  EXPECT_EQ(Read(said, kImage).cameras.at(0).lens.form->name, "fisheye");
-}
-
 // Each is refused with one line, or is a camera of numbers.
 TEST(KeyedFormats, TakeDamagedFilesForNothingElse) {
   const std::vector<std::string> texts = {
@@ -459,85 +288,6 @@ TEST(KeyedFormats, TakeDamagedFilesForNothingElse) {
   }
   EXPECT_GT(num_refused, num_read / 4);
   EXPECT_LT(num_refused, num_read);
-}
-
-// OCamCalib: rows are x, columns y, and the polynomial of the radius is z.
-TEST(OcamCalibFormat, IsReadAsItsGrid) {
-  const std::string text =
-      "#polynomial coefficients for the DIRECT mapping function (ocam_model.ss "
-      "in MATLAB). These are used by cam2world\n\n4 -180.0 0.0 0.0016 1e-06 "
-      "\n\n#polynomial coefficients for the inverse mapping function\n\n3 250 "
-      "140 10 \n\n#center: \"row\" and \"column\", starting from 0 (C "
-      "convention)\n\n238.5 322.25\n\n#affine parameters \"c\", \"d\", \"e\""
-      "\n\n0.9998 0.0004 -0.0003\n\n#image size: \"height\" and \"width\"\n\n"
-      "480 640\n\n";
-  const auto read = Read(text);
-  EXPECT_EQ(read.cameras.at(0).lens.size, kImage);
-  EXPECT_NE(read.remarks.at(0).find("RMS 0.00"), std::string::npos);
-  const auto grid = MakeLens(read.cameras[0].lens);
-  for (const double x : {-150.0, 30.0, 140.0})
-    for (const double y : {-120.0, 20.0, 190.0}) {
-      const double r2 = x * x + y * y, r = std::sqrt(r2);
-      const Eigen::Vector3d ray(y, x, 180 - 0.0016 * r2 - 1e-6 * r2 * r);
-      const Eigen::Vector2d pixel(-0.0003 * x + y + 322.25,
-                                  0.9998 * x + 0.0004 * y + 238.5);
-      EXPECT_LT((grid->Project(ray).value() - pixel).norm(), 0.01);
-    }
-  ExpectError(ExitCode::kInput, {"f: ", "affine"},
-              [&] { Read(text.substr(0, text.find("0.9998"))); });
-}
-
-TEST(DsoFormat, ReadsItsModels) {
-  const auto lens = [](const std::string& line) {
-    return Read(line + "\n640 480\ncrop\n640 480\n").cameras.at(0);
-  };
-  ExpectLens(lens("RadTan 410 411.5 322.5 238 -0.21 0.06 0.001 -0.002"),
-             kPinholeLens, &Lens::Pinhole);
-  ExpectLens(lens("EquiDistant 290 291.5 322.5 238 0.03 -0.01 0.004 -0.001"),
-             kFisheyeLens, &Lens::Fisheye);
-  // Parts of the image, whose first pixel begins at 0.
-  ExpectLens(lens("Pinhole 0.625 0.75 0.5 0.5 0"),
-             {{400, 360, 319.5, 239.5}, {}}, &Lens::Pinhole);
-  const double omega = 0.92;
-  const auto fov = MakeLens(lens("0.625 0.75 0.5 0.5 0.92").lens);
-  for (const double x : {-0.6, 0.1, 0.7}) {
-    const Eigen::Vector2d xy(x, 0.3);
-    const double bent =
-        std::atan(2 * xy.norm() * std::tan(omega / 2)) / omega / xy.norm();
-    const Eigen::Vector2d pixel(400 * x * bent + 319.5,
-                                360 * 0.3 * bent + 239.5);
-    EXPECT_LT((fov->Project({x, 0.3, 1}).value() - pixel).norm(), 0.01);
-  }
-}
-
-// No lens of raygrid has a skew; the grid's error is stated.
-TEST(NearestGrid, StandsForALensWithASkew) {
-  const auto check = [](const std::string& text, const Lens& lens,
-                        Formula formula) {
-    const auto read = Read(text, kImage);
-    EXPECT_EQ(read.cameras.at(0).lens.form->model, "central-generic");
-    ASSERT_FALSE(read.remarks.empty());
-    EXPECT_NE(read.remarks.back().find("leaves RMS 0.00"), std::string::npos)
-        << read.remarks.back();
-    ExpectLens(read.cameras[0], lens, formula, 0.01);
-  };
-  Lens pinhole = kPinholeLens, fisheye = kFisheyeLens;
-  pinhole.k.push_back(2.5);
-  fisheye.k.push_back(-1.5);
-  check(
-      "{\"K\": [[410, 2.5, 322.5], [0, 411.5, 238], [0, 0, 1]], \"dist\": "
-      "[-0.21, 0.06, 0.001, -0.002, 0]}",
-      pinhole, &Lens::Pinhole);
-  check(
-      "{\"K\": [[290, -1.5, 322.5], [0, 291.5, 238], [0, 0, 1]], \"D\": "
-      "[[0.03], [-0.01], [0.004], [-0.001]]}",
-      fisheye, &Lens::Fisheye);
-  check(
-      "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [410, 2.5, 322.5, 0, "
-      "411.5, 238, 0, 0, 1]\ndistortion_model: plumb_bob\n"
-      "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [-0.21, 0.06, "
-      "0.001, -0.002, 0]\n",
-      pinhole, &Lens::Pinhole);
 }
 
 }  // namespace

@@ -1,0 +1,137 @@
+#include "exchange/opencv_cameras.h"
+
+#include <fmt/format.h>
+
+#include "dataset/error.h"
+#include "exchange/camera_keys.h"
+#include "exchange/file_storage.h"
+#include "exchange/opencv_boards.h"
+#include "exchange/opencv_keys.h"
+#include "exchange/opencv_models.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace opencv_file {
+namespace {
+
+// R and T of stereoCalibrate: the pose of the first camera's frame, or a rig's.
+std::optional<Pose> PoseInFile(const CameraKeys& keys) {
+  const std::string r_key = FindKey(keys, {"R", "Rot", "rotation_matrix"}),
+                    t_key = FindKey(keys, {"T", "Trns", "translation_vector"});
+  if (r_key.empty() || t_key.empty()) return std::nullopt;
+  const StoredMatrix r = ParseStoredMatrix(keys[r_key], r_key),
+                     t = ParseStoredMatrix(keys[t_key], t_key);
+  if (r.rows != 3 || r.columns != 3 || t.data.size() != 3)
+    throw InputError("R, T: not 3 x 3 and 3 x 1");
+  std::vector<double> rows;
+  for (int row = 0; row < 3; ++row) {
+    rows.insert(rows.end(), r.data.begin() + 3 * row,
+                r.data.begin() + 3 * row + 3);
+    rows.push_back(t.data[row]);
+  }
+  return PoseOfMatrix(rows, "R");
+}
+
+ReadLens ReadCamera(const CameraKeys& keys, const Affixes& affixes,
+                    const ReadRequest& request,
+                    std::vector<std::string>* remarks) {
+  ReadLens camera;
+  LensInForm& lens = camera.lens;
+  lens.size = SizeInFile(keys, affixes);
+  TakeIntrinsics(keys, affixes, &lens);
+  CoefficientsInFile coefficients = Coefficients(keys, affixes);
+  lens.form =
+      &FormSaid(keys, affixes, request, lens.skew_px, &coefficients, remarks);
+  lens.values.insert(lens.values.end(), coefficients.numbers.begin(),
+                     coefficients.numbers.end());
+  if (lens.form->name == kOmnidir) {
+    const std::string xi = affixes.before + "xi" + affixes.behind;
+    const std::vector<double> numbers = AllNumbers(keys[xi], xi);
+    if (numbers.size() != 1)
+      throw InputError(fmt::format("{}: not one number", xi));
+    lens.values.push_back(numbers[0]);
+    RequireModelOfFile(request, *lens.form);
+  }
+  return camera;
+}
+
+// A camera, and what else a file of one has.
+ReadLens ReadSingle(const CameraKeys& keys, const YAML::Node& root,
+                    const ReadRequest& request,
+                    std::vector<std::string>* remarks) {
+  ReadLens camera = ReadCamera(keys, {}, request, remarks);
+  camera.name = TextAt(keys, kNameKeys);
+  camera.serial = keys.Word("serial");
+  camera.camera_from_rig = PoseInFile(keys);
+  TakeFeatures(root, request, &camera);
+  camera.poses = PosesInFile(root);
+  keys.Skip(kOtherKeys);
+  keys.NameOnly(kVagueKeys);
+  keys.Finish(*camera.lens.form, remarks, camera.lens.values);
+  return camera;
+}
+
+// A file of two cameras as stereo_calib writes it, and the pose if it is
+// there.
+void ReadPair(const CameraKeys& keys, const std::array<Affixes, 2>& pair,
+              const ReadRequest& request, ExchangeContents* contents) {
+  for (const Affixes& affixes : pair) {
+    contents->cameras.push_back(
+        ReadCamera(keys, affixes, request, &contents->remarks));
+    contents->cameras.back().name = affixes.camera;
+  }
+  TakePoseOfPair(PoseInFile(keys), request.path, &contents->cameras);
+  keys.Skip(kOtherKeys);
+  keys.Finish(*contents->cameras.front().lens.form, &contents->remarks);
+}
+
+}  // namespace
+
+void ReadNamed(const YAML::Node& root, const ReadRequest& request, int depth,
+               ExchangeContents* contents) {
+  constexpr int kDeepest = 2;
+  for (const auto& entry : root) {
+    const YAML::Node node = root.IsMap() ? entry.second : YAML::Node(entry);
+    if (!node.IsMap() && !node.IsSequence()) continue;
+    if (node.IsMap()) {
+      const CameraKeys keys(node);
+      if (HasMatrix(keys) &&
+          (!FindKey(keys, kDistortionKeys).empty() || keys.Has("k1"))) {
+        ReadLens camera = ReadSingle(keys, node, request, &contents->remarks);
+        if (root.IsMap() && entry.first.IsScalar())
+          camera.name = entry.first.as<std::string>();
+        contents->cameras.push_back(std::move(camera));
+        continue;
+      }
+    }
+    if (depth < kDeepest) ReadNamed(node, request, depth + 1, contents);
+  }
+}
+
+ExchangeContents ReadTree(const YAML::Node& root, const ReadRequest& request) {
+  const CameraKeys keys(root);
+  const bool has_matrix = HasMatrix(keys);
+  if (!has_matrix && keys.Has(kPointsKey))
+    return ReadCornersAlone(root, request);
+  ExchangeContents contents;
+  if (has_matrix) {
+    contents.cameras.push_back(
+        ReadSingle(keys, root, request, &contents.remarks));
+    return contents;
+  }
+  if (const auto* pair = FindPair(keys)) {
+    ReadPair(keys, *pair, request, &contents);
+    return contents;
+  }
+  if (const auto pose = PoseInFile(keys)) {
+    contents.second_from_first = pose;
+    return contents;
+  }
+  ReadNamed(root, request, 0, &contents);
+  if (contents.cameras.empty())
+    throw InputError("no camera: 'camera_matrix' is missing");
+  return contents;
+}
+
+}  // namespace opencv_file
+}  // namespace raygrid

@@ -1,0 +1,296 @@
+#include "exchange/opencv_keys.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "dataset/error.h"
+#include "exchange/file_storage.h"
+#include "exchange/opencv_forms.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace opencv_file {
+
+const KeyList kMatrixKeys = {"camera_matrix",
+                             "cameraMatrix",
+                             "Camera_Matrix",
+                             "CameraMatrix",
+                             "camera matrix",
+                             "cam_matrix",
+                             "camMatrix",
+                             "intrinsic_matrix",
+                             "intrinsicMatrix",
+                             "IntrinsicMatrix",
+                             "intrinsics_matrix",
+                             "intrinsic",
+                             "intrinsics",
+                             "K",
+                             "mtx",
+                             "matrix",
+                             "M"};
+const KeyList kDistortionKeys = {"distortion_coefficients",
+                                 "Distortion_Coefficients",
+                                 "distortion_coefficient",
+                                 "distortionCoefficients",
+                                 "distortion coefficients",
+                                 "distortion_coeffs",
+                                 "distortion_coeff",
+                                 "distCoeffs",
+                                 "DistCoeffs",
+                                 "distCoeff",
+                                 "dist_coeffs",
+                                 "dist_coeff",
+                                 "dist_coefs",
+                                 "distortions",
+                                 "distortion",
+                                 "distortion_vector",
+                                 "coeffs",
+                                 "dist",
+                                 "D"};
+static const KeyList kSizeKeys = {
+    "cameraResolution", "image_size", "imageSize", "img_shape",
+    "img_size",         "resolution", "size",      "image_shape"};
+// Rows come first there, as in the shape of numpy's images.
+static const KeyList kShapeKeys = {"shape"};
+static const KeyList kWidthKeys = {
+    "image_width", "image_Width",      "imageWidth",       "img_width", "width",
+    "w",           "resolution/width", "image_size/width", "cols"};
+static const KeyList kHeightKeys = {"image_height",
+                                    "image_Height",
+                                    "imageHeight",
+                                    "img_height",
+                                    "height",
+                                    "h",
+                                    "resolution/height",
+                                    "image_size/height",
+                                    "rows"};
+const KeyList kNameKeys = {"camera_name", "cameraName", "name"};
+const KeyList kModelKeys = {"distortion_model", "distortionModel", "dist_model",
+                            "camera_model",     "cameraModel",     "lens_model",
+                            "model_type",       "camera_type",     "model",
+                            "projection"};
+const KeyList kFisheyeKeys = {"fisheye_model", "is_fisheye", "isFisheye",
+                              "use_fisheye", "fisheye"};
+// Keys of OpenCV's and its users' calibrations that say nothing of the lens.
+const KeyList kOtherKeys = {"nr_of_frames",
+                            "nframes",
+                            "nFrames",
+                            "n_frames",
+                            "num_images",
+                            "framesCount",
+                            "calibration*",
+                            "board*",
+                            "square*",
+                            "flag*",
+                            "fix_aspect_ratio",
+                            "FixAspectRatio",
+                            "nrOfFrames",
+                            "aspectRatio",
+                            "avg_reprojection_error",
+                            "Avg_*",
+                            "avg_*",
+                            "per_view*",
+                            "Per_View*",
+                            "perView*",
+                            "std*",
+                            "Std*",
+                            "ret",
+                            "rms*",
+                            "RMS*",
+                            "error*",
+                            "reproj*",
+                            "mean_*",
+                            "rvec*",
+                            "tvec*",
+                            "extrinsic_parameters",
+                            "Extrinsic_Parameters",
+                            "grid_points",
+                            "image_points",
+                            "Image_points",
+                            "image_names",
+                            "Image_names",
+                            "board_ids",
+                            "raygrid_fit",
+                            "cameraMatrix_std*",
+                            "dist_coeffs_std*",
+                            "distCoeffs_std*",
+                            "dispCoeffs_std*",
+                            "new_camera_matrix",
+                            "newcameramtx",
+                            "optimal*",
+                            "roi*",
+                            "date",
+                            "time*",
+                            "serial",
+                            "pattern*",
+                            "fps",
+                            "R1",
+                            "R2",
+                            "P1",
+                            "P2",
+                            "Q",
+                            "E",
+                            "F",
+                            "valid*",
+                            "version",
+                            "Version",
+                            "R",
+                            "T",
+                            "Rot",
+                            "Trns",
+                            "rotation_vector*",
+                            "translation_vector*"};
+
+// getOptimalNewCameraMatrix() has an alpha.
+const KeyList kVagueKeys = {"alpha"};
+
+namespace {
+
+const std::vector<std::array<Affixes, 2>> kPairs = [] {
+  std::vector<std::array<Affixes, 2>> pairs;
+  for (const auto& [first, second, names] :
+       {std::tuple("1", "2", "camera1 camera2"),
+        {"_1", "_2", "camera1 camera2"},
+        {"0", "1", "camera0 camera1"},
+        {"_0", "_1", "camera0 camera1"},
+        {"_left", "_right", "left right"},
+        {"Left", "Right", "left right"},
+        {"L", "R", "left right"},
+        {"_l", "_r", "left right"},
+        {"_L", "_R", "left right"}}) {
+    const std::string both = names;
+    const size_t space = both.find(' ');
+    pairs.push_back({{{"", first, both.substr(0, space)},
+                      {"", second, both.substr(space + 1)}}});
+  }
+  for (const auto& [first, second] : {std::pair("left_", "right_"),
+                                      {"left", "right"},
+                                      {"Left", "Right"},
+                                      {"LEFT.", "RIGHT."},
+                                      {"L_", "R_"},
+                                      {"l_", "r_"}})
+    pairs.push_back({{{first, "", "left"}, {second, "", "right"}}});
+  return pairs;
+}();
+
+}  // namespace
+
+std::string FindKey(const CameraKeys& keys, const KeyList& names,
+                    const Affixes& affixes) {
+  for (const std::string& name : names)
+    if (const std::string key = affixes.before + name + affixes.behind;
+        keys.Has(key))
+      return key;
+  return "";
+}
+
+std::string TextAt(const CameraKeys& keys, const KeyList& names) {
+  const std::string key = FindKey(keys, names);
+  return key.empty() ? "" : keys[key].IsScalar() ? keys.Word(key) : "";
+}
+
+namespace {
+
+// fx, fy, cx and cy as numbers of their own, as RealSense has them, too.
+const std::array<KeyList, 4> kScalarKeys = {
+    {{"fx"}, {"fy"}, {"cx", "ppx"}, {"cy", "ppy"}}};
+
+// A map without data is no matrix: that of a camera in it.
+std::string FindMatrix(const CameraKeys& keys, const Affixes& affixes) {
+  const std::string key = FindKey(keys, kMatrixKeys, affixes);
+  return key.empty() || keys.IsMatrix(key) ? key : "";
+}
+
+}  // namespace
+
+bool HasMatrix(const CameraKeys& keys, const Affixes& affixes) {
+  if (!FindMatrix(keys, affixes).empty()) return true;
+  return std::all_of(kScalarKeys.begin(), kScalarKeys.end(),
+                     [&](const KeyList& names) {
+                       return !FindKey(keys, names, affixes).empty();
+                     });
+}
+
+ImageSize SizeInFile(const CameraKeys& keys, const Affixes& affixes) {
+  for (const Affixes& own : {affixes, Affixes{}}) {
+    const std::string width = FindKey(keys, kWidthKeys, own),
+                      height = FindKey(keys, kHeightKeys, own),
+                      size = FindKey(keys, kSizeKeys, own),
+                      shape = FindKey(keys, kShapeKeys, own);
+    if (!width.empty() && !height.empty())
+      return {SidePx(keys[width], width), SidePx(keys[height], height)};
+    if (!size.empty()) return SizeOfList(keys[size], size);
+    if (!shape.empty()) {
+      const YAML::Node sides = keys[shape];
+      if (!sides.IsSequence() || sides.size() < 2)
+        throw InputError(fmt::format("{}: not height and width", shape));
+      return {SidePx(sides[1], shape), SidePx(sides[0], shape)};
+    }
+  }
+  return {};
+}
+
+void TakeIntrinsics(const CameraKeys& keys, const Affixes& affixes,
+                    LensInForm* lens) {
+  const std::string key = FindMatrix(keys, affixes);
+  if (!key.empty()) {
+    TakeCameraMatrix(ParseStoredMatrix(keys[key], key).data, key, lens);
+    return;
+  }
+  for (const KeyList& names : kScalarKeys) {
+    const std::string scalar = FindKey(keys, names, affixes);
+    if (scalar.empty())
+      throw InputError("no camera: 'camera_matrix' is missing");
+    lens->values.push_back(FiniteNumber(keys[scalar], scalar));
+  }
+}
+
+namespace {
+
+// k1, k2, p1, p2, k3 and so on as numbers of their own; without p1 and p2 the
+// next is k3, as of a fisheye.
+std::vector<double> ScalarCoefficients(const CameraKeys& keys,
+                                       const Affixes& affixes) {
+  const bool is_tangential = keys.Has(affixes.before + "p1" + affixes.behind);
+  std::vector<double> numbers;
+  for (const char* name :
+       is_tangential ? std::vector<const char*>{"k1", "k2", "p1", "p2", "k3",
+                                                "k4", "k5", "k6"}
+                     : std::vector<const char*>{"k1", "k2", "k3", "k4"}) {
+    const std::string key = affixes.before + name + affixes.behind;
+    if (!keys.Has(key)) break;
+    numbers.push_back(FiniteNumber(keys[key], key));
+  }
+  return numbers;
+}
+
+}  // namespace
+
+CoefficientsInFile Coefficients(const CameraKeys& keys,
+                                const Affixes& affixes) {
+  const std::string key = FindKey(keys, kDistortionKeys, affixes);
+  if (key.empty() && keys.Has(affixes.before + "k1" + affixes.behind))
+    return {ScalarCoefficients(keys, affixes), false};
+  if (key.empty())
+    throw InputError(
+        "'distortion_coefficients' is missing; write 5 zeros if "
+        "there is no distortion");
+  const YAML::Node node = keys[key];
+  if (node.IsNull()) return {};
+  const StoredMatrix matrix = ParseStoredMatrix(node, key);
+  if (std::min(matrix.rows, matrix.columns) > 1)
+    throw InputError(fmt::format("{}: neither a row nor a column", key));
+  return {matrix.data,
+          node.IsSequence() && matrix.rows == 4 && matrix.columns == 1};
+}
+
+const std::array<Affixes, 2>* FindPair(const CameraKeys& keys) {
+  for (const auto& pair : kPairs)
+    if (HasMatrix(keys, pair[0]) && HasMatrix(keys, pair[1])) return &pair;
+  return nullptr;
+}
+
+}  // namespace opencv_file
+}  // namespace raygrid

@@ -1,0 +1,164 @@
+#include "exchange/opencv_models.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "exchange/opencv_forms.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace opencv_file {
+
+namespace {
+
+// OpenCV's omnidir: k1, k2, p1, p2, and xi, which stands in a key of its own.
+LensForm OmnidirForm() {
+  LensForm form =
+      FormOf(kOmnidir, "omni-radtan", {"k1", "k2", "p1", "p2", "xi"});
+  form.is_only_asked = true;
+  return form;
+}
+
+}  // namespace
+
+const std::vector<LensForm>& OpenCvForms() {
+  static const std::vector<LensForm> forms = {OpenCvForm("opencv4", 4),
+                                              OpenCvForm("opencv5", 5),
+                                              OpenCvForm("opencv8", 8),
+                                              OpenCvForm("opencv12", 12),
+                                              OpenCvForm("opencv14", 14),
+                                              OpenCvFisheyeForm(kFisheye),
+                                              OmnidirForm()};
+  return forms;
+}
+
+namespace {
+
+const LensForm& FormNamed(const std::string& name) {
+  for (const LensForm& form : OpenCvForms())
+    if (form.name == name) return form;
+  throw InputError(
+      fmt::format("unknown distortion model '{}'; OpenCV's are "
+                  "opencv4, opencv5, opencv8, opencv12, opencv14, "
+                  "fisheye and omnidir",
+                  Printable(name)));
+}
+
+// The form of so many coefficients.
+const LensForm& FormOfCount(size_t count) {
+  const std::map<size_t, const char*> names = {
+      {0, "opencv4"}, {4, "opencv4"},   {5, "opencv5"},
+      {8, "opencv8"}, {12, "opencv12"}, {14, "opencv14"}};
+  const auto name = names.find(count);
+  if (name == names.end())
+    throw InputError(fmt::format(
+        "{} distortion coefficients; OpenCV has 4, 5, 8, 12 or 14", count));
+  return FormNamed(name->second);
+}
+
+// The model that a file says, and the key that says it.
+struct SaidModel {
+  LensFamily family = LensFamily::kPinhole;
+  std::string key, word;
+};
+
+std::optional<SaidModel> ModelInFile(const CameraKeys& keys,
+                                     const Affixes& affixes) {
+  std::optional<SaidModel> said;
+  const auto say = [&](LensFamily family, const std::string& key) {
+    // A pinhole with a fisheye's distortion is a fisheye.
+    const bool is_vague = said && said->word == "pinhole";
+    if (said && !is_vague && said->family != family &&
+        keys.Word(key) != "pinhole")
+      throw InputError(fmt::format("'{}' says {}, and '{}' {}", said->key,
+                                   TextOf(said->family), key, TextOf(family)));
+    if (!said || is_vague) said = SaidModel{family, key, keys.Word(key)};
+  };
+  const std::string xi = affixes.before + "xi" + affixes.behind;
+  if (keys.Has(xi)) say(LensFamily::kOmni, xi);
+  for (const std::string& key : kFisheyeKeys) {
+    const std::string word = Lowercase(keys.Word(key));
+    if (word == "1" || word == "true" || word == "yes")
+      say(LensFamily::kFisheye, key);
+    else if (word == "0" || word == "false" || word == "no")
+      say(LensFamily::kPinhole, key);
+    else
+      continue;
+    keys.Skip({key});
+  }
+  for (const std::string& key : kModelKeys) {
+    const auto family = FamilyOfWord(keys.Word(key));
+    if (!family) continue;
+    say(*family, key);
+    keys.Skip({key});
+  }
+  return said;
+}
+
+}  // namespace
+
+const LensForm& FormSaid(const CameraKeys& keys, const Affixes& affixes,
+                         const ReadRequest& request, double skew_px,
+                         CoefficientsInFile* coefficients,
+                         std::vector<std::string>* remarks) {
+  std::vector<double>& d = coefficients->numbers;
+  const auto said = ModelInFile(keys, affixes);
+  bool is_fisheye = said && said->family == LensFamily::kFisheye;
+  // RealSense says an inverse of distortion that it does not have.
+  const bool is_nothing = std::all_of(
+      d.begin(), d.end(), [](double number) { return number == 0; });
+  if (said && said->family == LensFamily::kOther && !is_nothing)
+    throw InputError(fmt::format(
+        "'{}' is {}, which is none of OpenCV's: a pinhole, fisheye and omnidir",
+        said->key, Printable(said->word)));
+  if (said && said->family == LensFamily::kOmni) {
+    if (!keys.Has(affixes.before + "xi" + affixes.behind))
+      throw InputError("'xi' of the omnidirectional camera is missing");
+    return FormNamed(kOmnidir);
+  }
+  const LensForm* const wanted =
+      request.form.empty() ? nullptr : &FormNamed(request.form);
+  if (said && wanted && (wanted->name == kFisheye) != is_fisheye)
+    throw InputError(fmt::format(
+        "--model {}: the file says its model itself, '{}' {}; leave the option "
+        "out",
+        request.form, said->key, Printable(said->word)));
+  if (wanted && wanted->name != kFisheye) {
+    TrimCoefficients(wanted->parameters.size() - 4, &d);
+    if (d.size() + 4 != wanted->parameters.size())
+      throw InputError(fmt::format(
+          "--model {}: the file has {} distortion coefficients; leave the "
+          "option out",
+          request.form, d.size()));
+  }
+  is_fisheye = is_fisheye || (wanted && wanted->name == kFisheye);
+  if (!said && !wanted && d.size() == 4) {
+    is_fisheye = coefficients->is_fisheye_column || skew_px != 0;
+    remarks->push_back(
+        is_fisheye
+            ? "its 4 coefficients are taken for k1, k2, k3, k4 of cv::fisheye, "
+              "which writes such a column, or a skew; those of a pinhole are "
+              "imported with --model opencv4"
+            : "its 4 coefficients are taken for k1, k2, p1, p2 of a pinhole; "
+              "those of cv::fisheye are imported with --model fisheye");
+  }
+  if (is_fisheye) {
+    TrimCoefficients(4, &d);
+    if (d.empty()) d.assign(4, 0);
+    return FormNamed(kFisheye);
+  }
+  // OpenCV's 12 or 14 coefficients that are those of 8.
+  if (d.size() > 8) TrimCoefficients(8, &d);
+  if (d.size() > 5 && d.size() < 8) TrimCoefficients(5, &d);
+  const LensForm& form = FormOfCount(d.size());
+  if (d.empty()) d.assign(4, 0);
+  return form;
+}
+
+}  // namespace opencv_file
+}  // namespace raygrid

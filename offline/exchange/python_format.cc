@@ -1,0 +1,133 @@
+#include "exchange/python_format.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "exchange/file_storage.h"
+#include "exchange/npz.h"
+#include "exchange/opencv_cameras.h"
+#include "exchange/opencv_keys.h"
+#include "exchange/opencv_models.h"
+#include "exchange/plain_trees.h"
+
+namespace raygrid {
+namespace {
+
+using opencv_file::kDistortionKeys;
+using opencv_file::KeyList;
+using opencv_file::kMatrixKeys;
+using opencv_file::ReadNamed;
+using opencv_file::ReadTree;
+
+// The numbers of an array as lists in each other; other arrays are left out.
+YAML::Node ListsOf(const NpyArray& array) {
+  const std::vector<double> numbers = NpyNumbers(array);
+  YAML::Node list(YAML::NodeType::Sequence);
+  const size_t columns = array.shape.empty() ? 1 : array.shape.back();
+  if (array.shape.size() < 2) {
+    if (array.shape.empty()) return YAML::Node(numbers.at(0));
+    for (const double number : numbers) list.push_back(number);
+    return list;
+  }
+  for (size_t k = 0; columns > 0 && k + columns <= numbers.size();
+       k += columns) {
+    YAML::Node row(YAML::NodeType::Sequence);
+    for (size_t c = 0; c < columns; ++c) row.push_back(numbers[k + c]);
+    list.push_back(row);
+  }
+  return list;
+}
+
+// A text or a pickled object is no number, and says nothing that is read.
+YAML::Node TreeOfNpz(const std::string& bytes) {
+  constexpr size_t kMostNumbers = 64;
+  YAML::Node root(YAML::NodeType::Map);
+  for (const NpyArray& array : ReadNpz(bytes, true)) {
+    if (array.bytes.empty()) {
+      root[array.name] = array.type;
+      continue;
+    }
+    size_t count = 1;
+    for (const size_t side : array.shape) count *= side;
+    if (count > kMostNumbers) continue;  // corners and poses
+    root[array.name] = ListsOf(array);
+  }
+  return root;
+}
+
+// Whether a text has a key of YAML or JSON, or of TOML's lists if the mark is
+// '=', behind whatever prefix a pair has.
+bool HasKeyInText(const std::string& text, const KeyList& names, char mark) {
+  const auto is_word = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.';
+  };
+  for (const std::string& name : names)
+    for (size_t at = text.find(name); at != std::string::npos;
+         at = text.find(name, at + 1)) {
+      if (at > 0 && is_word(text[at - 1]) && text[at - 1] != '_' &&
+          text[at - 1] != '.')
+        continue;
+      size_t end = at + name.size();
+      // A pair has _left or 1 behind it.
+      const size_t most = std::min(text.size(), end + 6);
+      while (end < most && is_word(text[end])) ++end;
+      if (end < text.size() && (text[end] == '"' || text[end] == '\'')) ++end;
+      end = text.find_first_not_of(" \t", end);
+      if (end == std::string::npos || text[end] != mark) continue;
+      if (mark == ':') return true;
+      end = text.find_first_not_of(" \t", end + 1);
+      if (end != std::string::npos && text[end] == '[') return true;
+    }
+  return false;
+}
+
+// Whether a text has a camera matrix and coefficients, whose keys end so.
+bool HasAnyKey(const std::string& text, char mark) {
+  return (HasKeyInText(text, kMatrixKeys, mark) ||
+          HasKeyInText(text, {"fx"}, mark)) &&
+         (HasKeyInText(text, kDistortionKeys, mark) ||
+          HasKeyInText(text, {"k1"}, mark));
+}
+
+ExchangeContents ReadPython(const ReadRequest& request) {
+  if (IsNpz(request.text)) return ReadTree(TreeOfNpz(request.text), request);
+  const YAML::Node root = ParseFileStorage(request.path, request.text);
+  if (root.IsMap()) return ReadTree(root, request);
+  ExchangeContents contents;
+  if (root.IsSequence()) ReadNamed(root, request, 0, &contents);
+  return contents;
+}
+
+}  // namespace
+
+bool IsNpzOfCamera(const std::string& bytes) {
+  const auto has_any = [&](const KeyList& names) {
+    return std::any_of(names.begin(), names.end(),
+                       [&](const std::string& name) {
+                         return bytes.find(name + ".npy") != std::string::npos;
+                       });
+  };
+  return IsNpz(bytes) && has_any(kMatrixKeys) && has_any(kDistortionKeys);
+}
+
+Format PythonFormat() {
+  Format format;
+  format.name = "python";
+  format.holds =
+      "a dictionary of Python as .json, .yaml or .npz: K, mtx or "
+      "camera_matrix, and D, dist or dist_coeffs of OpenCV's models, of one "
+      "camera or by the names of several";
+  format.forms = opencv_file::OpenCvForms();
+  format.takes_model = true;
+  format.recognizes = [](const std::string& text) {
+    if (IsNpz(text)) return IsNpzOfCamera(text);
+    for (const Format& other : Formats())  // whose words say more
+      if (other.name != "python" && other.recognizes(text)) return false;
+    return HasAnyKey(text, ':');
+  };
+  format.read = ReadPython;
+  format.write = nullptr;
+  return format;
+}
+
+}  // namespace raygrid

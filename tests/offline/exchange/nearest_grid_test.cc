@@ -1,0 +1,94 @@
+/// Lenses that no model of raygrid has, against formulas.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "exchange/damaged_files.h"
+#include "exchange/format.h"
+#include "exchange/lenses_by_formula.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+// OCamCalib: rows are x, columns y, and the polynomial of the radius is z.
+TEST(OcamCalibFormat, IsReadAsItsGrid) {
+  const std::string text =
+      "#polynomial coefficients for the DIRECT mapping function (ocam_model.ss "
+      "in MATLAB). These are used by cam2world\n\n4 -180.0 0.0 0.0016 1e-06 "
+      "\n\n#polynomial coefficients for the inverse mapping function\n\n3 250 "
+      "140 10 \n\n#center: \"row\" and \"column\", starting from 0 (C "
+      "convention)\n\n238.5 322.25\n\n#affine parameters \"c\", \"d\", \"e\""
+      "\n\n0.9998 0.0004 -0.0003\n\n#image size: \"height\" and \"width\"\n\n"
+      "480 640\n\n";
+  const auto read = Read(text);
+  EXPECT_EQ(read.cameras.at(0).lens.size, kImage);
+  EXPECT_NE(read.remarks.at(0).find("RMS 0.00"), std::string::npos);
+  const auto grid = MakeLens(read.cameras[0].lens);
+  for (const double x : {-150.0, 30.0, 140.0})
+    for (const double y : {-120.0, 20.0, 190.0}) {
+      const double r2 = x * x + y * y, r = std::sqrt(r2);
+      const Eigen::Vector3d ray(y, x, 180 - 0.0016 * r2 - 1e-6 * r2 * r);
+      const Eigen::Vector2d pixel(-0.0003 * x + y + 322.25,
+                                  0.9998 * x + 0.0004 * y + 238.5);
+      EXPECT_LT((grid->Project(ray).value() - pixel).norm(), 0.01);
+    }
+  ExpectError(ExitCode::kInput, {"f: ", "affine"},
+              [&] { Read(text.substr(0, text.find("0.9998"))); });
+}
+
+TEST(DsoFormat, ReadsItsModels) {
+  const auto lens = [](const std::string& line) {
+    return Read(line + "\n640 480\ncrop\n640 480\n").cameras.at(0);
+  };
+  ExpectLens(lens("RadTan 410 411.5 322.5 238 -0.21 0.06 0.001 -0.002"),
+             kPinholeLens, &Lens::Pinhole);
+  ExpectLens(lens("EquiDistant 290 291.5 322.5 238 0.03 -0.01 0.004 -0.001"),
+             kFisheyeLens, &Lens::Fisheye);
+  // Parts of the image, whose first pixel begins at 0.
+  ExpectLens(lens("Pinhole 0.625 0.75 0.5 0.5 0"),
+             {{400, 360, 319.5, 239.5}, {}}, &Lens::Pinhole);
+  const double omega = 0.92;
+  const auto fov = MakeLens(lens("0.625 0.75 0.5 0.5 0.92").lens);
+  for (const double x : {-0.6, 0.1, 0.7}) {
+    const Eigen::Vector2d xy(x, 0.3);
+    const double bent =
+        std::atan(2 * xy.norm() * std::tan(omega / 2)) / omega / xy.norm();
+    const Eigen::Vector2d pixel(400 * x * bent + 319.5,
+                                360 * 0.3 * bent + 239.5);
+    EXPECT_LT((fov->Project({x, 0.3, 1}).value() - pixel).norm(), 0.01);
+  }
+}
+
+// No lens of raygrid has a skew; the grid's error is stated.
+TEST(NearestGrid, StandsForALensWithASkew) {
+  const auto check = [](const std::string& text, const Lens& lens,
+                        Formula formula) {
+    const auto read = Read(text, kImage);
+    EXPECT_EQ(read.cameras.at(0).lens.form->model, "central-generic");
+    ASSERT_FALSE(read.remarks.empty());
+    EXPECT_NE(read.remarks.back().find("leaves RMS 0.00"), std::string::npos)
+        << read.remarks.back();
+    ExpectLens(read.cameras[0], lens, formula, 0.01);
+  };
+  Lens pinhole = kPinholeLens, fisheye = kFisheyeLens;
+  pinhole.k.push_back(2.5);
+  fisheye.k.push_back(-1.5);
+  check(
+      "{\"K\": [[410, 2.5, 322.5], [0, 411.5, 238], [0, 0, 1]], \"dist\": "
+      "[-0.21, 0.06, 0.001, -0.002, 0]}",
+      pinhole, &Lens::Pinhole);
+  check(
+      "{\"K\": [[290, -1.5, 322.5], [0, 291.5, 238], [0, 0, 1]], \"D\": "
+      "[[0.03], [-0.01], [0.004], [-0.001]]}",
+      fisheye, &Lens::Fisheye);
+  check(
+      "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [410, 2.5, 322.5, 0, "
+      "411.5, 238, 0, 0, 1]\ndistortion_model: plumb_bob\n"
+      "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [-0.21, 0.06, "
+      "0.001, -0.002, 0]\n",
+      pinhole, &Lens::Pinhole);
+}
+
+}  // namespace
+}  // namespace raygrid

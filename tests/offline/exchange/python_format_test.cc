@@ -1,0 +1,118 @@
+/// Dictionaries of Python that hold cameras, against formulas.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "exchange/damaged_files.h"
+#include "exchange/format.h"
+#include "exchange/lenses_by_formula.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+TEST(PythonFormat, ReadsListsUnderTheNamesThatPeopleGive) {
+  const std::string k = "[[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]]";
+  const std::string d = "[[-0.21, 0.06, 0.001, -0.002, 0.0]]";
+  for (const auto& [matrix, distortion] :
+       std::vector<std::array<std::string, 2>>{
+           {"K", "D"},
+           {"mtx", "dist"},
+           {"camera_matrix", "dist_coeff"},
+           {"camera_matrix", "dist_coeffs"},
+           {"cameraMatrix", "distCoeffs"}}) {
+    const std::string json =
+        fmt::format("{{\"{}\": {}, \"{}\": {}, \"image_size\": [640, 480]}}\n",
+                    matrix, k, distortion, d);
+    SCOPED_TRACE(json);
+    ExpectLens(Read(json).cameras.at(0), kPinholeLens, &Lens::Pinhole);
+    const std::string yaml =
+        fmt::format("{}: {}\n{}: {}\n", matrix, k, distortion, d);
+    ExpectLens(Read(yaml, kImage).cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  }
+  const auto named = Read(
+      fmt::format("{{\"front\": {{\"K\": {0}, \"D\": {1}}}, \"back\": {{\"K\": "
+                  "{0}, \"D\": {1}}}}}",
+                  k, d),
+      kImage);
+  ASSERT_EQ(named.cameras.size(), 2u);
+  EXPECT_EQ(named.cameras[1].name, "back");
+  const auto scalars = Read(
+      "{\"fx\": 410, \"fy\": 411.5, \"cx\": 322.5, \"cy\": 238, \"k1\": -0.21, "
+      "\"k2\": 0.06, \"p1\": 0.001, \"p2\": -0.002, \"k3\": 0, \"width\": 640, "
+      "\"height\": 480}");
+  ExpectLens(scalars.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+}
+
+// Cameras stand in maps of maps, in lists with names, and in pairs.
+TEST(PythonFormat, FindsCameras) {
+  const std::string lens =
+      "\"K\": [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]], \"dist\": "
+      "[-0.21, 0.06, 0.001, -0.002, 0]";
+  const auto listed = Read("{\"cameras\": [{\"name\": \"left\", " + lens +
+                               "}, {\"name\": \"right\", " + lens + "}]}",
+                           kImage);
+  ASSERT_EQ(listed.cameras.size(), 2u);
+  EXPECT_EQ(listed.cameras[1].name, "right");
+  ExpectLens(listed.cameras[1], kPinholeLens, &Lens::Pinhole);
+  const std::string matrix = "[[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]]";
+  const auto pair = Read(
+      "{\"left_camera_matrix\": " + matrix +
+          ", \"right_camera_matrix\": " + matrix +
+          ", \"left_dist_coeffs\": [[0, 0, 0, 0, 0.1]], "
+          "\"right_dist_coeffs\": [[0, 0, 0, 0, 0.1]], \"R\": [[1, 0, 0], [0, "
+          "1, 0], [0, 0, 1]], \"T\": [[-0.1], [0], [0]]}",
+      kImage);
+  ASSERT_EQ(pair.cameras.size(), 2u);
+  ASSERT_TRUE(pair.IsRig());
+  EXPECT_EQ(pair.cameras[1].camera_from_rig->translation.x(), -0.1);
+  // RealSense: a model that its zeros do not need.
+  const std::string real =
+      "{\"intrinsics\": {\"fx\": 410, \"fy\": 411.5, \"ppx\": 322.5, "
+      "\"ppy\": 238, \"width\": 640, \"height\": 480, \"model\": "
+      "\"distortion.inverse_brown_conrady\", \"coeffs\": [0, 0, 0, 0, 0]}}";
+  ExpectLens(Read(real).cameras.at(0), {{410, 411.5, 322.5, 238}, {}},
+             &Lens::Pinhole);
+  ExpectError(ExitCode::kInput, {"f: ", "inverse_brown_conrady"},
+              [&] { Read(TextWith(real, "[0, 0,", "[0.1, 0,")); });
+}
+
+// Names of makers are no models, and numbers may be repeated.
+TEST(PythonFormat, KnowsWhatSaysNothingOfTheLens) {
+  const std::string text =
+      "{\"K\": [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]], \"dist\": "
+      "[-0.21, 0.06, 0.001, -0.002, 0], \"width\": 640, \"height\": 480, "
+      "\"camera_model\": \"OmniVision OV5640\", \"model\": \"oCam-1CGN\", "
+      "\"k1\": -0.21, \"alpha\": 1.0}";
+  const auto read = Read(text);
+  ExpectLens(read.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  ASSERT_EQ(read.remarks.size(), 1u);
+  for (const char* word : {"camera_model", "alpha"})
+    EXPECT_NE(read.remarks[0].find(word), std::string::npos);
+  ExpectError(ExitCode::kInput, {"f: ", "'k1'"},
+              [&] { Read(TextWith(text, "\"k1\": -0.21", "\"k1\": -0.3")); });
+  for (const char* other : {"inverse_brown_conrady", "Scaramuzza", "division"})
+    ExpectError(ExitCode::kInput, {"f: ", other},
+                [&] { Read(TextWith(text, "OmniVision OV5640", other)); });
+}
+
+// A column of 4, as cv2.fisheye alone returns it.
+TEST(PythonFormat, TellsFisheyes) {
+  const std::string text =
+      "{\"K\": [[290, 0, 322.5], [0, 291.5, 238], [0, 0, 1]], \"D\": [[0.03], "
+      "[-0.01], [0.004], [-0.001]], \"dim\": [640, 480]}";
+  const auto read = Read(text, kImage);
+  ExpectLens(read.cameras.at(0), kFisheyeLens, &Lens::Fisheye);
+  EXPECT_EQ(read.remarks.size(), 2u);  // and "dim" is not known
+  const std::string row = TextWith(text, "[[0.03], [-0.01], [0.004], [-0.001]]",
+                                   "[0.03, -0.01, 0.004, -0.001]");
+  EXPECT_EQ(Read(row, kImage).cameras.at(0).lens.form->name, "opencv4");
+  EXPECT_EQ(Read(row, kImage, "fisheye").cameras.at(0).lens.form->name,
+            "fisheye");
+  const std::string said =
+      TextWith(row, "\"dim\"", "\"model\": \"fisheye\", \"d\"");
+  EXPECT_EQ(Read(said, kImage).cameras.at(0).lens.form->name, "fisheye");
+}
+
+}  // namespace
+}  // namespace raygrid
