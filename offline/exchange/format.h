@@ -110,6 +110,7 @@ struct Format {
   bool takes_model = false;      ///< --model: files may not say it
   bool takes_board = false;      ///< corners alone, without a board's width
   bool may_take_board = false;   ///< corners that may lack a board's width
+  bool lacks_size = false;       ///< files do not say the size of images
 
   /// Whether a text is of this format, by words that others have not. It need
   /// not be well-formed.
@@ -117,7 +118,7 @@ struct Format {
   /// Throws InputError without the file's name, and what yaml-cpp throws.
   std::function<ExchangeContents(const ReadRequest& request)> read;
   /// The text of a file; null if the format is only read.
-  std::string (*write)(const WriteRequest& request);
+  std::function<std::string(const WriteRequest& request)> write;
   /// Paths of files that may stand beside the first, and those that are written
   /// with it; null if there are none.
   std::vector<std::string> (*beside)(const std::string& path) = nullptr;

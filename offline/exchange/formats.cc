@@ -17,6 +17,7 @@
 #include "exchange/kalibr_format.h"
 #include "exchange/kalibr_target_format.h"
 #include "exchange/keyed_formats.h"
+#include "exchange/lensfun_format.h"
 #include "exchange/libcamera_format.h"
 #include "exchange/metashape_format.h"
 #include "exchange/mrcal_corners_format.h"
@@ -30,6 +31,7 @@
 #include "exchange/puzzlepaint_pattern_format.h"
 #include "exchange/python_format.h"
 #include "exchange/ros_format.h"
+#include "exchange/ros_ini_format.h"
 
 namespace raygrid {
 namespace {
@@ -127,11 +129,13 @@ const std::vector<Format>& Formats() {
     // Settings of programs may have matrices of OpenCV, too.
     std::vector<Format> all = KeyedFormats();
     for (const auto& row :
-         {OpenCvFormat, RosFormat, KalibrFormat, KalibrTargetFormat,
-          ColmapFormat, MrcalCornersFormat, MrcalFormat, BasaltFormat,
-          NerfstudioFormat, MetashapeFormat, PuzzlepaintFormat, DepthAiFormat,
-          LibcameraFormat, PhotonVisionFormat, PuzzlepaintPatternFormat,
-          OcamCalibFormat, DsoFormat, PythonFormat})
+         {OpenCvFormat,       RosFormat,          KalibrFormat,
+          KalibrTargetFormat, ColmapFormat,       MrcalCornersFormat,
+          MrcalFormat,        BasaltFormat,       NerfstudioFormat,
+          MetashapeFormat,    PuzzlepaintFormat,  DepthAiFormat,
+          LibcameraFormat,    PhotonVisionFormat, PuzzlepaintPatternFormat,
+          OcamCalibFormat,    DsoFormat,          RosIniFormat,
+          LensfunFormat,      PythonFormat})
       all.push_back(row());
     return all;
   }();

@@ -97,6 +97,17 @@ std::unique_ptr<CameraModel> AsNamedLens(const CameraModel& camera) {
                                             parameters);
 }
 
+// OpenCV's pinhole among those with a thin prism and a tilt, which are 0.
+std::unique_ptr<CameraModel> WithoutPrism(const CameraModel& pinhole) {
+  const LensModel& model = *FindLensModel("opencv-14");
+  Eigen::VectorXd parameters = Eigen::VectorXd::Zero(model.parameters.size());
+  const std::vector<std::string>& names = FindLensModel("opencv")->parameters;
+  for (size_t k = 0; k < names.size(); ++k)
+    parameters[IndexOf(model, names[k])] =
+        pinhole.Parameters()[static_cast<Eigen::Index>(k)];
+  return model.make(pinhole.image_size(), pinhole.area(), parameters);
+}
+
 }  // namespace
 
 bool LensForm::Has(const std::string& parameter) const {
@@ -166,7 +177,9 @@ std::unique_ptr<CameraModel> MakeLens(const LensInForm& lens) {
 std::optional<LensInForm> InForm(const LensForm& form,
                                  const CameraModel& camera) {
   if (form.IsGrid()) return std::nullopt;
-  const std::unique_ptr<CameraModel> lens = AsNamedLens(camera);
+  std::unique_ptr<CameraModel> lens = AsNamedLens(camera);
+  if (lens->Name() == "opencv" && form.model == "opencv-14")
+    lens = WithoutPrism(*lens);
   if (lens->Name() != form.model) return std::nullopt;
   if (form.IsSpline())
     return LensInForm{&form,

@@ -184,7 +184,9 @@ ExchangeContents ReadMetashape(const ReadRequest& request) {
 }
 
 bool IsMetashape(const std::string& text) {
-  return text.find("<calibration>") != std::string::npos ||
+  // Lensfun has calibrations, too.
+  return (text.find("<calibration>") != std::string::npos &&
+          text.find("<distortion") == std::string::npos) ||
          (text.find("<document ") != std::string::npos &&
           text.find("<sensors") != std::string::npos);
 }

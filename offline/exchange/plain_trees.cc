@@ -129,13 +129,16 @@ YAML::Node ParseKeyLines(const std::string& text) {
   std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
-    if (WithoutSpaces(line).empty()) continue;
+    const std::string words_of_line = WithoutSpaces(line);
+    if (words_of_line.empty() || words_of_line[0] == '#') continue;
     const size_t colon = line.find(':');
     if (colon == std::string::npos) RefuseLine(number, "no 'KEY: NUMBERS'");
     YAML::Node list(YAML::NodeType::Sequence);
     std::istringstream words(line.substr(colon + 1));
     for (std::string word; words >> word;) list.push_back(word);
-    root.Add(WithoutSpaces(line.substr(0, colon)), list, number);
+    root.Add(WithoutSpaces(line.substr(0, colon)),
+             list.size() == 1 ? YAML::Node(list[0].as<std::string>()) : list,
+             number);
   }
   return root.node();
 }

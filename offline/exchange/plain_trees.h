@@ -11,7 +11,8 @@ namespace raygrid {
 /// TOML of tables, texts, numbers and lists. Throws InputError, with the line.
 YAML::Node ParseToml(const std::string& text);
 
-/// Lines "KEY: NUMBER ...", each a list: calib.txt of KITTI.
+/// Lines "KEY: NUMBER ...", each a list, or the word that stands there alone:
+/// calib.txt of KITTI.
 YAML::Node ParseKeyLines(const std::string& text);
 
 /// ROS's .ini: a key is a line, and its numbers follow in the lines below it.

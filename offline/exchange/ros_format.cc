@@ -188,6 +188,21 @@ ExchangeContents ReadRosCamera(const YAML::Node& root,
   return contents;
 }
 
+RosMatrices RosMatricesOf(const WrittenLens& camera) {
+  const LensInForm& lens = camera.lens;
+  const double fx = lens.Value("fx"), fy = lens.Value("fy"),
+               cx = lens.Value("cx"), cy = lens.Value("cy");
+  RosMatrices matrices = {{fx, 0, cx, 0, fy, cy, 0, 0, 1},
+                          lens.ValuesFrom(4),
+                          {1, 0, 0, 0, 1, 0, 0, 0, 1},
+                          {fx, 0, cx, 0, 0, fy, cy, 0, 0, 0, 1, 0}};
+  if (!camera.rectified) return matrices;
+  for (int k = 0; k < 9; ++k) matrices.r[k] = camera.rectified->r(k / 3, k % 3);
+  for (int k = 0; k < 12; ++k)
+    matrices.p[k] = camera.rectified->p(k / 4, k % 4);
+  return matrices;
+}
+
 namespace {
 
 ExchangeContents ReadRos(const ReadRequest& request) {
@@ -215,15 +230,7 @@ std::string MatrixText(const char* name, int rows, int columns,
 std::string WriteRos(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
   const LensInForm& lens = camera.lens;
-  const double fx = lens.Value("fx"), fy = lens.Value("fy"),
-               cx = lens.Value("cx"), cy = lens.Value("cy");
-  std::vector<double> r = {1, 0, 0, 0, 1, 0, 0, 0, 1},
-                      p = {fx, 0, cx, 0, 0, fy, cy, 0, 0, 0, 1, 0};
-  if (camera.rectified) {
-    for (int k = 0; k < 9; ++k) r[k] = camera.rectified->r(k / 3, k % 3);
-    for (int k = 0; k < 12; ++k) p[k] = camera.rectified->p(k / 4, k % 4);
-  }
-  const std::vector<double> d = lens.ValuesFrom(4);
+  const RosMatrices matrices = RosMatricesOf(camera);
   std::string text;
   if (camera.fit)
     text += fmt::format("# The nearest {}: {}\n", lens.form->name,
@@ -232,13 +239,12 @@ std::string WriteRos(const WriteRequest& request) {
                       lens.size.height);
   if (!camera.name.empty())
     text += fmt::format("camera_name: {}\n", QuotedYaml(camera.name));
-  return text +
-         MatrixText("camera_matrix", 3, 3, {fx, 0, cx, 0, fy, cy, 0, 0, 1}) +
+  return text + MatrixText("camera_matrix", 3, 3, matrices.k) +
          fmt::format("distortion_model: {}\n", lens.form->name) +
-         MatrixText("distortion_coefficients", 1, static_cast<int>(d.size()),
-                    d) +
-         MatrixText("rectification_matrix", 3, 3, r) +
-         MatrixText("projection_matrix", 3, 4, p);
+         MatrixText("distortion_coefficients", 1,
+                    static_cast<int>(matrices.d.size()), matrices.d) +
+         MatrixText("rectification_matrix", 3, 3, matrices.r) +
+         MatrixText("projection_matrix", 3, 4, matrices.p);
 }
 
 }  // namespace

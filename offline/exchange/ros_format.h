@@ -15,6 +15,12 @@ Format RosFormat();
 ExchangeContents ReadRosCamera(const YAML::Node& root,
                                const ReadRequest& request);
 
+/// Matrices of a camera that is written, row by row: K, D, R and P.
+struct RosMatrices {
+  std::vector<double> k, d, r, p;
+};
+RosMatrices RosMatricesOf(const WrittenLens& camera);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_EXCHANGE_ROS_FORMAT_H

@@ -90,8 +90,10 @@ class XmlTree {
 
   static void RefuseType(void* data, const XML_Char* /*name*/,
                          const XML_Char* /*system_id*/,
-                         const XML_Char* /*public_id*/, int /*has_subset*/) {
-    static_cast<XmlTree*>(data)->Refuse("a document type, which is not taken");
+                         const XML_Char* /*public_id*/, int has_subset) {
+    if (has_subset)
+      static_cast<XmlTree*>(data)->Refuse(
+          "a document type with declarations, which are not read");
   }
 
   std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser_;

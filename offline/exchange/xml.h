@@ -19,8 +19,8 @@ struct XmlElement {
   const XmlElement* Child(const std::string& child) const;
 };
 
-/// The root of a document without a document type. Throws InputError, with the
-/// line.
+/// The root of a document whose type, if it names one, declares nothing. Throws
+/// InputError, with the line.
 XmlElement ParseXml(const std::string& text);
 
 }  // namespace raygrid

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "camera/lens_models.h"
 #include "camera/thin_prism_fisheye.h"
@@ -81,17 +82,31 @@ TEST(Formats, HaveNamesOfTheirOwnAndModelsThatAreKnown) {
               [] { FindFormat("--to", "none"); });
 }
 
+// The size of images, if the files of a format do not say it.
+std::optional<ImageSize> SizeToSay(const Format& format) {
+  return format.lacks_size ? std::optional(kExampleImage) : std::nullopt;
+}
+
+// Lengths there are parts of the image, so the last bits of parameters differ.
+const std::set<std::string> kOfParts = {"opensfm", "lensfun"};
+
 TEST(Formats, ReadWhatTheyWriteToTheBit) {
+  constexpr double kLastBits = 1e-13;
   for (const Format& format : Formats()) {
     if (!format.read || !format.write) continue;
     for (const auto& [camera, text] : Examples(format)) {
       SCOPED_TRACE(format.name + " " + camera.lens.form->name);
-      const ExchangeContents read =
-          ReadExchangeFile(nullptr, {"front.yaml", text, "", std::nullopt});
+      const ExchangeContents read = ReadExchangeFile(
+          nullptr, {"front.yaml", text, "", SizeToSay(format)});
       ASSERT_EQ(read.cameras.size(), 1u);
       if (camera.lens.form->IsGrid()) continue;  // nearly, as its test says
-      EXPECT_EQ(MakeLens(read.cameras[0].lens)->Parameters(),
-                MakeLens(camera.lens)->Parameters());
+      const Eigen::VectorXd parameters =
+          MakeLens(read.cameras[0].lens)->Parameters();
+      const Eigen::VectorXd expected = MakeLens(camera.lens)->Parameters();
+      if (kOfParts.count(format.name) > 0)
+        EXPECT_LT((parameters - expected).norm(), kLastBits * expected.norm());
+      else
+        EXPECT_EQ(parameters, expected);
       EXPECT_EQ(read.cameras[0].lens.size, kExampleImage);
       EXPECT_TRUE(read.remarks.empty());
       ASSERT_EQ(read.cameras[0].trusted.has_value(), format.holds_region);
@@ -140,13 +155,26 @@ const std::map<std::string, PlaceOfKey> kPlaces = {
     {"puzzlepaint", {"width :", "{} : {}\n"}},
     {"depthai", {"\"cameraType\"", "\"{}\": {}, "}},
     {"libcamera", {"coefficients:", "{}: {}\n      "}},
-    {"photonvision", {"\"resolution\"", "\"{}\": {}, "}}};
+    {"photonvision", {"\"resolution\"", "\"{}\": {}, "}},
+    {"gyroflow", {"\"calib_dimension\"", "\"{}\": {}, "}},
+    {"orbslam", {"Camera.fx:", "{}: {}\n"}},
+    {"camodocal", {"image_width:", "{}: {}\n"}},
+    {"euroc", {"resolution:", "{}: {}\n"}},
+    {"anipose", {"matrix =", "{} = {}\n"}},
+    {"okvis", {"focal_length:", "{}: {}, "}},
+    {"opensfm", {"\"width\"", "\"{}\": {}, "}},
+    {"kitti", {"S_00:", "{}: {}\n"}},
+    {"lensfun", {"<type>", "<{0}>{1}</{0}>"}}};
+
+// Lines of their files have no keys, or their keys no values of one word.
+const std::set<std::string> kWithoutKeys = {"colmap", "ros-ini"};
 
 // A key that is not known is named; one that elsewhere selects a model, or is a
 // number of one, is an error, unless it is the format's own for that.
 TEST(Formats, LeaveNoKeyOutWithoutAWord) {
   for (const Format& format : Formats()) {
-    if (!format.read || !format.write || format.name == "colmap") continue;
+    if (!format.read || !format.write || kWithoutKeys.count(format.name) > 0)
+      continue;
     ASSERT_EQ(kPlaces.count(format.name), 1u) << format.name;
     const PlaceOfKey& place = kPlaces.at(format.name);
     const auto [camera, text] = Examples(format).front();
@@ -155,7 +183,8 @@ TEST(Formats, LeaveNoKeyOutWithoutAWord) {
       const std::string changed = TextWith(
           text, place.before,
           fmt::format(fmt::runtime(place.key), key, value) + place.before);
-      return ReadExchangeFile(nullptr, {"front.yaml", changed, "", {}});
+      return ReadExchangeFile(nullptr,
+                              {"front.yaml", changed, "", SizeToSay(format)});
     };
     SCOPED_TRACE(format.name);
     const ExchangeContents stranger = read_with("stranger", "5");
@@ -168,7 +197,8 @@ TEST(Formats, LeaveNoKeyOutWithoutAWord) {
       ExpectError(ExitCode::kInput, {"front.yaml", key},
                   [&, &k = key, &v = value] { read_with(k, v); });
     const size_t usual =
-        ReadExchangeFile(nullptr, {"front.yaml", text, "", {}}).remarks.size();
+        ReadExchangeFile(nullptr, {"front.yaml", text, "", SizeToSay(format)})
+            .remarks.size();
     for (const auto& [key, value] :
          {std::pair("mirror_parameters", "0.0"), {"affine", "0"}})
       EXPECT_EQ(read_with(key, value).remarks.size(), usual) << key;
@@ -178,7 +208,7 @@ TEST(Formats, LeaveNoKeyOutWithoutAWord) {
 // An option adds to a file, and replaces nothing that the file says.
 TEST(Formats, RefuseOptionsAgainstTheFile) {
   for (const Format& format : Formats()) {
-    if (!format.read || !format.write) continue;
+    if (!format.read || !format.write || format.lacks_size) continue;
     const auto [camera, text] = Examples(format).back();
     SCOPED_TRACE(format.name);
     const auto read_with = [&, &text = text](const std::string& form,
@@ -213,7 +243,8 @@ TEST(Formats, TakeDamagedFilesForNothingElse) {
       const std::string text =
           Mutated(examples[k % examples.size()].second, &random);
       num_refused += IsRefused([&] {
-        ExpectFinite(ReadExchangeFile(&format, {"front.yaml", text, "", {}}));
+        ExpectFinite(ReadExchangeFile(
+            &format, {"front.yaml", text, "", SizeToSay(format)}));
       });
     }
   }

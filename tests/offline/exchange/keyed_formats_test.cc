@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "dataset/text_encoding.h"
 #include "exchange/damaged_files.h"
 #include "exchange/format.h"
 #include "exchange/lenses_by_formula.h"
@@ -153,8 +154,8 @@ TEST(KeyedFormats, ReadGyroflow) {
   ExpectLens(read.cameras.at(0), kFisheyeLens, &Lens::Fisheye);
   EXPECT_TRUE(read.remarks.empty());
   for (const auto& [old, by, word] : std::vector<std::array<const char*, 3>>{
-           {"\"distortion_model\": null", "\"distortion_model\": \"poly5\"",
-            "'poly5'"},
+           {"\"distortion_model\": null", "\"distortion_model\": \"sony\"",
+            "'sony'"},
            {"\"digital_lens\": null", "\"digital_lens\": \"gopro_superview\"",
             "digital_lens"},
            {"_stretch\": 1.0", "_stretch\": 1.33", "1.33"}})
@@ -202,6 +203,14 @@ TEST(KeyedFormats, ReadOpenSfm) {
   const std::string scene =
       "[{\"cameras\": " + text + ", \"shots\": {\"a\": {\"rotation\": []}}}]";
   ExpectLens(Read(scene).cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  // A scene may have more points than a list of cameras may have values.
+  std::string points;
+  for (size_t k = 0; k < kMaxTreeMarks / 4; ++k)
+    points += fmt::format("{}\"{}\": {{\"color\": [1, 2]}}", k ? ", " : "", k);
+  ExpectLens(Read(TextWith(scene, "\"shots\"",
+                           "\"points\": {" + points + "}, \"shots\""))
+                 .cameras.at(0),
+             kPinholeLens, &Lens::Pinhole);
   ExpectError(ExitCode::kInput, {"f: ", "'spherical'"},
               [&] { Read(TextWith(text, "brown", "spherical")); });
   const auto simple = Read(
@@ -233,6 +242,13 @@ TEST(KeyedFormats, ReadCalibTexts) {
   const auto line =
       Read("410 411.5 322.5 238 -0.21 0.06 0.001 -0.002\n", kImage);
   ExpectLens(line.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  const auto commented = Read(
+      "# fx fy cx cy k1 k2 p1 p2\n\n410 411.5 322.5 238 -0.21 0.06 0.001 "
+      "-0.002\n",
+      kImage);
+  ExpectLens(commented.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  ExpectError(ExitCode::kInput, {"f: ", "of no format"},
+              [] { Read("410 411.5 322.5 238\n410 411.5 322.5 238\n"); });
   const auto ini = Read(
       "# intrinsics\n\n[image]\n\nwidth\n640\n\nheight\n480\n\n[front]\n\n"
       "camera matrix\n410 0 322.5\n0 411.5 238\n0 0 1\n\ndistortion\n"

@@ -64,6 +64,18 @@ TEST(LensForm, HasOneFocalLengthIfThereIsOne) {
   EXPECT_FALSE(InForm(form, LensWith(0, 0)));  // 510 and 515 px
 }
 
+// A form of the model with prism and tilt holds the pinhole without them.
+TEST(LensForm, HoldsAPinholeAmongThoseWithPrismAndTilt) {
+  const LensForm twelve = OpenCvForm("twelve", 12),
+                 eight = OpenCvForm("eight", 8);
+  const auto held = InForm(twelve, ExampleLens()).value();
+  const auto expected = InForm(eight, ExampleLens()).value();
+  ASSERT_EQ(held.values.size(), 16u);
+  for (const std::string& parameter : eight.parameters)
+    EXPECT_EQ(held.Value(parameter), expected.Value(parameter)) << parameter;
+  EXPECT_EQ(held.Value("s1"), 0);
+}
+
 TEST(LensForm, HoldsAnEquidistantViewAsAFisheye) {
   const ViewCamera view(ViewProjection::kEquidistant, kFormImage,
                         WholeImage(kFormImage), {200, 200, 320, 240});

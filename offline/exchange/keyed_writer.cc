@@ -1,0 +1,312 @@
+#include "exchange/keyed_writer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "exchange/own_json.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace {
+
+// ---- A camera as a tree ----------------------------------------------------
+
+// Sets the value at a key, or at keys of maps in each other: "a/b".
+void SetAt(const std::string& path, Json value, Json* map) {
+  Json* place = map;
+  for (const std::string& key : PartsOf(path, '/')) place = &(*place)[key];
+  *place = std::move(value);
+}
+
+// "KEY|KEY": the first is written.
+std::string FirstKey(const std::string& keys) {
+  return keys.substr(0, keys.find('|'));
+}
+
+Json MatrixRows(const Eigen::MatrixXd& matrix) {
+  Json rows = Json::array();
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+    rows.push_back(Json::array());
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column)
+      rows.back().push_back(matrix(row, column));
+  }
+  return rows;
+}
+
+Json FlatMatrix(const Eigen::MatrixXd& matrix) {
+  Json numbers = Json::array();
+  for (const Json& row : MatrixRows(matrix))
+    for (const Json& number : row) numbers.push_back(number);
+  return numbers;
+}
+
+// Lines have no rows.
+Json MatrixJson(const KeyedFormat& format, const Eigen::MatrixXd& matrix) {
+  return format.syntax == KeyedSyntax::kLines ? FlatMatrix(matrix)
+                                              : MatrixRows(matrix);
+}
+
+const KeyedModel& KeyedModelOf(const KeyedFormat& format,
+                               const LensForm& form) {
+  return *std::find_if(
+      format.models.begin(), format.models.end(),
+      [&](const KeyedModel& model) { return model.form.name == form.name; });
+}
+
+double KeyedValue(const KeyedFormat& format, const LensInForm& lens,
+                  const std::string& parameter) {
+  const double value = lens.Value(parameter);
+  const bool is_length = parameter[0] == 'f' || parameter[0] == 'c';
+  return format.is_normalized && is_length
+             ? value / std::max(lens.size.width, lens.size.height)
+             : value;
+}
+
+void AddSize(const KeyedFormat& format, const ImageSize& size,
+             const std::string& word, Json* map) {
+  const std::vector<std::string> keys = PartsOf(WithWord(format.size, word));
+  if (keys.size() == 1)
+    SetAt(FirstKey(keys[0]), Json::array({size.width, size.height}), map);
+  if (keys.size() != 2) return;
+  SetAt(FirstKey(keys[0]), size.width, map);
+  SetAt(FirstKey(keys[1]), size.height, map);
+}
+
+void AddModel(const KeyedModel& model, Json* map) {
+  for (const std::string& condition : PartsOf(model.says)) {
+    const KeyedWord said = Parted(condition, '?', "");
+    const std::string word = FirstKey(said.words);
+    if (word == "true" || word == "false")
+      SetAt(said.key, word == "true", map);
+    else
+      SetAt(said.key, word, map);
+  }
+}
+
+// Programs ask for four coefficients at least; zeros behind them, which add
+// nothing, are left out of lists that may be shorter.
+void AddValues(const KeyedFormat& format, const KeyedModel& model,
+               const LensInForm& lens, const std::string& word, Json* map) {
+  constexpr size_t kFewest = 4;
+  for (const std::string& entry : PartsOf(model.values)) {
+    const bool may_be_missing = entry.find("?=") != std::string::npos;
+    const KeyedWord part = Parted(entry, may_be_missing ? '?' : '~', word);
+    const std::string key = FirstKey(part.key);
+    if (part.words == "K") {
+      Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
+      k(0, 0) = lens.Value("fx");
+      k(1, 1) = lens.Value("fy");
+      k(0, 2) = lens.Value("cx");
+      k(1, 2) = lens.Value("cy");
+      SetAt(key, MatrixJson(format, k), map);
+      continue;
+    }
+    std::vector<double> numbers;
+    for (const std::string& parameter : PartsOf(part.words, ','))
+      numbers.push_back(KeyedValue(format, lens, parameter));
+    if (numbers.size() == 1) {
+      SetAt(key, numbers[0], map);
+      continue;
+    }
+    if (part.has_mark && format.syntax != KeyedSyntax::kLines)
+      while (numbers.size() > kFewest && numbers.back() == 0)
+        numbers.pop_back();
+    SetAt(key, numbers, map);
+  }
+}
+
+void AddPose(const KeyedFormat& format, const std::optional<Pose>& given,
+             const std::string& word, Json* map) {
+  if (format.poses.empty() || format.poses.front().word[0] != 0) return;
+  const KeyedPose& row = format.poses.front();
+  const Pose pose = given.value_or(Pose{});
+  const std::vector<std::string> keys = PartsOf(row.keys);
+  if (row.kind == PoseKind::kVectors || row.kind == PoseKind::kRAndT) {
+    const Eigen::AngleAxisd turn(pose.rotation);
+    const Eigen::Vector3d vector = turn.angle() * turn.axis();
+    const Eigen::Matrix3d matrix = pose.rotation.toRotationMatrix();
+    SetAt(WithWord(keys[0], word),
+          FlatMatrix(row.kind == PoseKind::kVectors
+                         ? Eigen::MatrixXd(vector.transpose())
+                         : Eigen::MatrixXd(matrix)),
+          map);
+    SetAt(WithWord(keys[1], word), FlatMatrix(pose.translation.transpose()),
+          map);
+    return;
+  }
+  const Pose written =
+      row.kind == PoseKind::kCameraFromRig ? pose : pose.Inverse();
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  matrix.topLeftCorner<3, 3>() = written.rotation.toRotationMatrix();
+  matrix.topRightCorner<3, 1>() = written.translation;
+  const Json numbers = FlatMatrix(matrix);
+  if (format.syntax == KeyedSyntax::kYaml)
+    SetAt(keys[0], {{"cols", 4}, {"rows", 4}, {"data", numbers}}, map);
+  else
+    SetAt(keys[0], numbers, map);
+}
+
+void AddCamera(const KeyedFormat& format, const WrittenLens& camera,
+               const std::string& word, Json* map) {
+  const KeyedModel& model = KeyedModelOf(format, *camera.lens.form);
+  for (const auto& [key, text] : format.written) SetAt(key, text, map);
+  if (format.fit_key[0] != 0 && camera.fit)
+    SetAt(format.fit_key,
+          fmt::format("nearest {}: {}", model.form.name,
+                      LensFitText(*camera.fit)),
+          map);
+  if (format.camera_name[0] != 0 && !camera.name.empty())
+    SetAt(format.camera_name, Printable(camera.name), map);
+  AddSize(format, camera.lens.size, word, map);
+  AddModel(model, map);
+  AddValues(format, model, camera.lens, word, map);
+  AddPose(format, camera.camera_from_rig, word, map);
+}
+
+// The cameras at the format's place.
+Json FileTree(const KeyedFormat& format, const WriteRequest& request) {
+  Json root = Json::object();
+  const std::string place = format.place;
+  if (!format.words.empty() &&
+      request.cameras.size() >
+          (format.poses.empty() || format.poses.front().word[0] != 0
+               ? 1
+               : format.words.size()))
+    throw InputError(fmt::format("{} cameras, while {} has up to {}",
+                                 request.cameras.size(), format.name,
+                                 format.words.size()));
+  for (size_t k = 0; k < request.cameras.size(); ++k) {
+    const WrittenLens& camera = request.cameras[k];
+    if (place.empty()) {
+      AddCamera(format, camera, format.words.empty() ? "" : format.words[k],
+                &root);
+      continue;
+    }
+    WrittenLens named = camera;
+    if (named.name.empty()) named.name = fmt::format("cam_{}", k);
+    Json map = Json::object();
+    AddCamera(format, named, "", &map);
+    const std::string name = format.camera_name[0] != 0
+                                 ? fmt::format("cam_{}", k)
+                                 : Printable(named.name);
+    if (place == "*")
+      root[name] = std::move(map);
+    else
+      root[place].push_back(std::move(map));
+  }
+  return root;
+}
+
+// ---- Texts -----------------------------------------------------------------
+
+std::string ScalarText(const Json& value) {
+  if (value.is_number_float()) return RealText(value.get<double>());
+  if (!value.is_string()) return value.dump();
+  const std::string text = value.get<std::string>();
+  return QuotedYaml(text);
+}
+
+// Words that no parser takes for something else need no quotes in YAML.
+std::string YamlScalar(const Json& value) {
+  if (!value.is_string()) return ScalarText(value);
+  const std::string text = value.get<std::string>();
+  const bool is_word =
+      !text.empty() && std::isalpha(static_cast<unsigned char>(text[0])) &&
+      std::all_of(text.begin(), text.end(), [](unsigned char c) {
+        return std::isalnum(c) || c == '_' || c == '-';
+      });
+  return is_word && text.size() > 3 && text != "null" ? text : QuotedYaml(text);
+}
+
+// Lists in brackets, which YAML and TOML write alike.
+std::string ListText(const Json& list) {
+  std::string text;
+  for (const Json& value : list)
+    text += (text.empty() ? "" : ", ") +
+            (value.is_array() ? ListText(value) : ScalarText(value));
+  return "[" + text + "]";
+}
+
+std::string YamlText(const Json& map, const std::string& indentation) {
+  std::string text;
+  for (const auto& [key, value] : map.items()) {
+    text += indentation + key + ":";
+    if (value.is_object())
+      text += "\n" + YamlText(value, indentation + "   ");
+    else if (value.is_array() && !value.empty() && value[0].is_object())
+      for (const Json& entry : value) {
+        std::string entries;
+        for (const auto& [name, inner] : entry.items())
+          entries += fmt::format(
+              "{}{}: {}", entries.empty() ? "" : ",\n        ", name,
+              inner.is_array() ? ListText(inner) : YamlScalar(inner));
+        text += fmt::format("\n     - {{{}}}{}", entries,
+                            &entry == &value.back() ? "\n" : "");
+      }
+    else
+      text +=
+          " " + (value.is_array() ? ListText(value) : YamlScalar(value)) + "\n";
+  }
+  return text;
+}
+
+std::string TomlText(const Json& tables) {
+  std::string text;
+  for (const auto& [name, table] : tables.items()) {
+    text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", name);
+    for (const auto& [key, value] : table.items())
+      text +=
+          fmt::format("{} = {}\n", key,
+                      value.is_array() ? ListText(value) : ScalarText(value));
+  }
+  return text;
+}
+
+std::string LinesText(const Json& map) {
+  std::string text;
+  for (const auto& [key, value] : map.items()) {
+    text += key + ":";
+    for (const Json& number : value) text += " " + ScalarText(number);
+    text += "\n";
+  }
+  return text;
+}
+
+// Comments on nearest lenses, where a format has comments and no key for them.
+std::string FitComments(const KeyedFormat& format,
+                        const WriteRequest& request) {
+  std::string text;
+  if (format.fit_key[0] != 0) return text;
+  for (const WrittenLens& camera : request.cameras)
+    if (camera.fit)
+      text += fmt::format("# {}{}nearest {}: {}\n", Printable(camera.name),
+                          camera.name.empty() ? "" : ": ",
+                          camera.lens.form->name, LensFitText(*camera.fit));
+  return text;
+}
+
+}  // namespace
+
+std::string WriteKeyed(const KeyedFormat& format, const WriteRequest& request) {
+  const Json tree = FileTree(format, request);
+  switch (format.syntax) {
+    case KeyedSyntax::kJson:
+      return tree.dump(2) + "\n";
+    case KeyedSyntax::kToml:
+      return FitComments(format, request) + TomlText(tree);
+    case KeyedSyntax::kLines:
+      return LinesText(tree);
+    case KeyedSyntax::kStorage:
+      return "%YAML:1.0\n---\n" + FitComments(format, request) +
+             YamlText(tree, "");
+    default:
+      return FitComments(format, request) + YamlText(tree, "");
+  }
+}
+
+}  // namespace raygrid

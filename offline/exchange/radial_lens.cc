@@ -1,0 +1,113 @@
+#include "exchange/radial_lens.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <optional>
+
+#include "dataset/error.h"
+#include "exchange/nearest_grid.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kGrid[] = "central-generic";
+
+// The angle off the axis of an ideal radius; nothing beyond the projection's
+// end.
+std::optional<double> AngleOf(RadialProjection projection, double radius) {
+  const auto arc_sine = [](double sine, double factor) {
+    return sine < 1 ? std::optional(factor * std::asin(sine)) : std::nullopt;
+  };
+  constexpr double kThobyLength = 1.47, kThobyAngle = 0.713;
+  switch (projection) {
+    case RadialProjection::kRectilinear:
+      return std::atan(radius);
+    case RadialProjection::kEquidistant:
+      return radius < M_PI ? std::optional(radius) : std::nullopt;
+    case RadialProjection::kEquisolid:
+      return arc_sine(radius / 2, 2);
+    case RadialProjection::kStereographic:
+      return 2 * std::atan(radius / 2);
+    case RadialProjection::kOrthographic:
+      return arc_sine(radius, 1);
+    default:
+      return arc_sine(radius / kThobyLength, 1 / kThobyAngle);
+  }
+}
+
+// The ideal radius that is seen at another one: the root that a lens which does
+// not fold has. Newton's steps begin at the centre, where the radius is its
+// own.
+std::optional<double> IdealRadius(const std::array<double, 4>& c, double seen) {
+  constexpr int kMostSteps = 100;
+  double r = 0;
+  for (int k = 0; k < kMostSteps; ++k) {
+    const double value =
+        r * (1 + r * (c[0] + r * (c[1] + r * (c[2] + r * c[3]))));
+    const double slope =
+        1 + r * (2 * c[0] + r * (3 * c[1] + r * (4 * c[2] + r * 5 * c[3])));
+    if (!(slope > 1e-3)) return std::nullopt;
+    const double step = (seen - value) / slope;
+    // Short steps do not leap over a fold.
+    r += std::clamp(step, -0.1, 0.1);
+    if (std::abs(step) < 1e-13 * (1 + seen)) return r;
+  }
+  return std::nullopt;
+}
+
+// The named lens that such a lens is. Its form lives as long as the program.
+LensInForm NamedLens(const std::string& name, const ImageSize& size,
+                     const RadialLens& lens) {
+  static std::mutex mutex;
+  static std::map<std::pair<std::string, std::string>, LensForm> forms;
+  const bool is_pinhole = lens.projection == RadialProjection::kRectilinear;
+  const std::string model = is_pinhole ? "opencv" : "thin-prism-fisheye";
+  const std::lock_guard<std::mutex> lock(mutex);
+  LensForm& form =
+      forms.try_emplace({name, model}, FormOf(name, model, {"k1", "k2"}))
+          .first->second;
+  form.reach_rad = is_pinhole ? M_PI / 2 : M_PI;
+  return {&form,
+          size,
+          {lens.focal_px.x(), lens.focal_px.y(), lens.center_px.x(),
+           lens.center_px.y(), lens.coefficients[1], lens.coefficients[3]}};
+}
+
+}  // namespace
+
+LensForm RadialLensForm(const std::string& name) { return {name, kGrid, {}}; }
+
+LensInForm LensOfRadial(const std::string& name, const ImageSize& size,
+                        const RadialLens& lens,
+                        std::vector<std::string>* remarks) {
+  if (size == ImageSize{})
+    throw InputError(
+        "the size of the images is missing; import it with --image-size WxH");
+  if (!(lens.focal_px.minCoeff() > 0))
+    throw InputError("a focal length is not above 0");
+  const std::array<double, 4>& c = lens.coefficients;
+  const bool is_named = lens.projection == RadialProjection::kRectilinear ||
+                        lens.projection == RadialProjection::kEquidistant;
+  if (is_named && c[0] == 0 && c[2] == 0) return NamedLens(name, size, lens);
+  return NearestGrid(
+      size,
+      [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
+        const Eigen::Vector2d seen =
+            (pixel - lens.center_px).cwiseQuotient(lens.focal_px);
+        const double radius = seen.norm();
+        if (radius == 0) return Eigen::Vector3d::UnitZ();
+        const auto ideal = IdealRadius(c, radius);
+        const auto angle =
+            ideal ? AngleOf(lens.projection, *ideal) : std::nullopt;
+        if (!angle) return std::nullopt;
+        const Eigen::Vector2d side = seen * (std::sin(*angle) / radius);
+        return Eigen::Vector3d(side.x(), side.y(), std::cos(*angle));
+      },
+      fmt::format("its lens, {}, is none of raygrid's", name), remarks);
+}
+
+}  // namespace raygrid
