@@ -217,18 +217,26 @@ ExchangeContents ReadForeign(const ImportArguments& arguments,
   return all;
 }
 
+// A name that a file can have: "Camera 001" becomes "Camera-001".
+std::string NameOfFile(std::string name) {
+  for (char& c : name)
+    if (!IsRigCameraName(std::string(1, c))) c = '-';
+  return name;
+}
+
 // Names that files can have, all different.
 std::vector<std::string> FolderNames(const ImportArguments& arguments,
                                      const ExchangeContents& contents) {
   std::vector<std::string> names;
   std::set<std::string> taken;
   for (const ReadLens& camera : contents.cameras) {
-    if (!IsRigCameraName(camera.name) || !taken.insert(camera.name).second)
+    const std::string name = NameOfFile(camera.name);
+    if (name.empty() || !taken.insert(name).second)
       throw InputError(fmt::format(
-          "{}: camera '{}': names of several cameras are different, and have "
-          "letters, digits, '-' and '_' alone",
+          "{}: camera '{}': names of several cameras are different in their "
+          "letters, digits and '_'",
           arguments.files.back(), Printable(camera.name)));
-    names.push_back(camera.name);
+    names.push_back(name);
   }
   return names;
 }

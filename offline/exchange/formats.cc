@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <string_view>
 
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -35,6 +36,13 @@
 
 namespace raygrid {
 namespace {
+
+// Other programs write a mark of UTF-8 before their texts.
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+
+bool HasByteOrderMark(const std::string& text) {
+  return text.compare(0, kByteOrderMark.size(), kByteOrderMark) == 0;
+}
 
 // Says what a user may not expect of the lenses, all of which are made.
 void AddRemarksOnLenses(ExchangeContents* contents) {
@@ -174,6 +182,8 @@ const Format& FindFormat(const std::string& option, const std::string& name) {
 }
 
 const Format* RecognizeFormat(const std::string& text) {
+  if (HasByteOrderMark(text))
+    return RecognizeFormat(text.substr(kByteOrderMark.size()));
   for (const char* own : {"raygrid_camera:", "raygrid_rig:"})
     if (text.find(own) != std::string::npos) return nullptr;
   for (const Format& format : Formats())
@@ -202,6 +212,11 @@ std::string FormatNames() {
 
 ExchangeContents ReadExchangeFile(const Format* format,
                                   const ReadRequest& request) {
+  if (HasByteOrderMark(request.text)) {
+    ReadRequest without = request;
+    without.text.erase(0, kByteOrderMark.size());
+    return ReadExchangeFile(format, without);
+  }
   const Format* found = RecognizeFormat(request.text);
   if (!format && !found)
     throw InputError(fmt::format("{}: of no format that is known: {}",

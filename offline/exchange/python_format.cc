@@ -91,6 +91,8 @@ bool HasAnyKey(const std::string& text, char mark) {
 
 ExchangeContents ReadPython(const ReadRequest& request) {
   if (IsNpz(request.text)) return ReadTree(TreeOfNpz(request.text), request);
+  if (HasAnyKey(request.text, '='))
+    return ReadTree(ParseToml(request.text), request);
   const YAML::Node root = ParseFileStorage(request.path, request.text);
   if (root.IsMap()) return ReadTree(root, request);
   ExchangeContents contents;
@@ -114,7 +116,7 @@ Format PythonFormat() {
   Format format;
   format.name = "python";
   format.holds =
-      "a dictionary of Python as .json, .yaml or .npz: K, mtx or "
+      "a dictionary of Python as .json, .yaml, .toml or .npz: K, mtx or "
       "camera_matrix, and D, dist or dist_coeffs of OpenCV's models, of one "
       "camera or by the names of several";
   format.forms = opencv_file::OpenCvForms();
@@ -123,7 +125,7 @@ Format PythonFormat() {
     if (IsNpz(text)) return IsNpzOfCamera(text);
     for (const Format& other : Formats())  // whose words say more
       if (other.name != "python" && other.recognizes(text)) return false;
-    return HasAnyKey(text, ':');
+    return HasAnyKey(text, ':') || HasAnyKey(text, '=');
   };
   format.read = ReadPython;
   format.write = nullptr;

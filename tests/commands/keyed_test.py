@@ -113,6 +113,15 @@ class KeyedFormats(CommandTest):
                 file = os.path.join(out, "cam1.yaml") if name == "euroc" else out
                 self.assert_same(self.peer(name, file, "cam1"), expected)
 
+    def test_names_of_cameras_become_names_of_files(self):
+        lens = ("size = [160, 120]\nmatrix = [[150, 0, 80], [0, 150, 60], [0, 0, 1]]\n"
+                "distortions = [0, 0, 0, 0, 0]\nrotation = [0, 0, {}]\ntranslation = [0, 0, 0]\n")
+        file = write(self.path("names.toml"), "".join(
+            f'[cam_{k}]\nname = "Camera 00{k}"\n{lens.format(k)}' for k in (0, 1)))
+        self.assert_done(run("import", file, "-o", self.path("names/rig.yaml")))
+        for name in ("Camera-000/camera.yaml", "Camera-001/camera.yaml", "rig.yaml"):
+            self.assertTrue(os.path.exists(os.path.join(self.path("names"), name)), name)
+
     def test_nearest_lenses_say_their_error(self):
         for name in ("kitti", "ros-ini"):
             file, said = self.export(self.path("fisheye.yaml"), name)

@@ -117,6 +117,19 @@ TEST(Formats, ReadWhatTheyWriteToTheBit) {
   }
 }
 
+TEST(Formats, AreReadBehindAByteOrderMark) {
+  for (const Format& format : Formats()) {
+    if (!format.read || !format.write || format.forms.front().IsGrid())
+      continue;
+    const auto [camera, text] = Examples(format).front();
+    SCOPED_TRACE(format.name);
+    const ExchangeContents read = ReadExchangeFile(
+        nullptr, {"front.yaml", "\xef\xbb\xbf" + text, "", SizeToSay(format)});
+    EXPECT_EQ(MakeLens(read.cameras.at(0).lens)->Name(),
+              MakeLens(camera.lens)->Name());
+  }
+}
+
 TEST(Formats, AreToldApart) {
   for (const Format& format : Formats()) {
     if (!format.write) continue;

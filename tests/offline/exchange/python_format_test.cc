@@ -44,6 +44,17 @@ TEST(PythonFormat, ReadsListsUnderTheNamesThatPeopleGive) {
   ExpectLens(scalars.cameras.at(0), kPinholeLens, &Lens::Pinhole);
 }
 
+TEST(PythonFormat, ReadsToml) {
+  const std::string lens =
+      "camera_matrix = [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]]\n"
+      "distortion = [-0.21, 0.06, 0.001, -0.002, 0.0]\nsize = [640, 480]\n";
+  ExpectLens(Read(lens).cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  const auto named = Read("# two\n[left]\n" + lens + "\n[right]\n" + lens);
+  ASSERT_EQ(named.cameras.size(), 2u);
+  EXPECT_EQ(named.cameras[1].name, "right");
+  ExpectLens(named.cameras[1], kPinholeLens, &Lens::Pinhole);
+}
+
 // Cameras stand in maps of maps, in lists with names, and in pairs.
 TEST(PythonFormat, FindsCameras) {
   const std::string lens =
