@@ -311,9 +311,17 @@ void AddCharuco(CLI::App* pattern, CommonOptions* common) {
   Finish(command, make_boards, common);
 }
 
+struct PlainTags {
+  bool has_no_squares = false;
+  std::optional<int> border_cells;
+  std::optional<std::string> numbered_from;
+};
+
 void AddAprilGrid(CLI::App* pattern, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      pattern, "aprilgrid", "An AprilGrid as Kalibr draws it.",
+      pattern, "aprilgrid",
+      "An AprilGrid as Kalibr draws it, or a grid of tags on white paper. "
+      "Prefer Kalibr's: ink that spreads moves corners on white paper.",
       "raygrid pattern aprilgrid --tag-columns 6 --tag-rows 6 --tag-mm 24 -o "
       "board/",
       common);
@@ -335,16 +343,36 @@ void AddAprilGrid(CLI::App* pattern, CommonOptions* common) {
       ->capture_default_str();
   command
       ->add_option("--family", board->tag_family,
-                   "of the tags: tag36h11, tag25h9 or tag16h5")
+                   "of the tags: tag36h11, tag25h9 or tag16h5; without corner "
+                   "squares also a dictionary of OpenCV's, as DICT_4X4_50")
       ->capture_default_str();
+  const auto tags = std::make_shared<PlainTags>();
+  command->add_flag(
+      "--no-squares", tags->has_no_squares,
+      "no black squares at the tags' corners: AprilTag's mosaics, "
+      "OpenCV's GridBoard");
+  command
+      ->add_option("--border-cells", tags->border_cells,
+                   "width of a tag's black border: 1 or 2; default: 2, with "
+                   "--no-squares 1")
+      ->check(CLI::Range(1, 2));
+  command
+      ->add_option("--numbered-from", tags->numbered_from,
+                   "the row of the first tags: top or bottom; default: bottom, "
+                   "with --no-squares top")
+      ->check(CLI::IsMember({"top", "bottom"}));
   command
       ->add_option("--first-marker", board->first_marker,
-                   "number of the first tag, at the bottom left")
+                   "number of the first tag, at the left")
       ->capture_default_str();
   const auto num_boards = std::make_shared<int>(1);
   AddNumBoards(command, num_boards.get());
-  const auto make_boards = [board, tag_mm, num_boards] {
+  const auto make_boards = [board, tags, tag_mm, num_boards] {
     Board made = *board;
+    SetCornerSquares(!tags->has_no_squares, &made);
+    made.border_cells = tags->border_cells.value_or(made.border_cells);
+    if (tags->numbered_from)
+      made.is_numbered_from_top = *tags->numbered_from == "top";
     made.kind = "aprilgrid";
     made.columns *= 2;  // features: two for each tag
     made.rows *= 2;
@@ -370,7 +398,8 @@ void AddPattern(CLI::App* app, CommonOptions* common) {
       "  aprilgrid:6x6:24mm            tags; side of a tag's black square;\n"
       "                                more: spacing-ratio=0.3, "
       "first-marker=0,\n"
-      "                                family=tag36h11, boards=1\n"
+      "                                family=tag36h11, boards=1, no-squares,\n"
+      "                                border-cells=2, numbered-from=bottom\n"
       "  star:16x23:11mm               stars; distance between them; more:\n"
       "                                segments=16, tags=1, tag-id=0,\n"
       "                                tag-squares, boards=1\n"

@@ -88,8 +88,33 @@ std::vector<PlacedMarker> CharucoMarkers(const Board& board) {
   return markers;
 }
 
-// The tags of an AprilGrid as Kalibr draws them: with a black border of two
-// cells, numbered row by row from the bottom left.
+// The cells of a tag within its black border, which all tags and markers have
+// one cell wide.
+MarkerBits CodeBits(const std::string& family, int id) {
+  const bool is_april_tag = family.compare(0, 3, "tag") == 0;
+  // AprilTags come with a white margin of one cell.
+  const int around = is_april_tag ? 2 : 1;
+  const MarkerBits all =
+      is_april_tag ? AprilTagBits(family, id) : ArucoBits(family, id);
+  MarkerBits code;
+  code.size = all.size - 2 * around;
+  for (int row = 0; row < code.size; ++row)
+    for (int column = 0; column < code.size; ++column)
+      code.is_black.push_back(all.at(column + around, row + around));
+  return code;
+}
+
+MarkerBits WithBorder(const MarkerBits& code, int border_cells) {
+  MarkerBits bits;
+  bits.size = code.size + 2 * border_cells;
+  bits.is_black.assign(bits.size * bits.size, true);
+  for (int row = 0; row < code.size; ++row)
+    for (int column = 0; column < code.size; ++column)
+      bits.is_black[(row + border_cells) * bits.size + column + border_cells] =
+          code.at(column, row);
+  return bits;
+}
+
 std::vector<PlacedMarker> AprilGridTags(const Board& board) {
   std::vector<PlacedMarker> markers;
   const int columns = board.columns / 2, rows = board.rows / 2;
@@ -97,13 +122,10 @@ std::vector<PlacedMarker> AprilGridTags(const Board& board) {
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       PlacedMarker marker;
-      marker.id = board.first_marker + (rows - 1 - row) * columns + column;
-      marker.bits = AprilTagBits(board.tag_family, marker.id);
-      const int last = marker.bits.size - 1;
-      for (int k = 0; k <= last; ++k)
-        for (const int cell :
-             {k, last * (last + 1) + k, k * (last + 1), k * (last + 1) + last})
-          marker.bits.is_black[cell] = true;
+      const int counted_row = board.is_numbered_from_top ? row : rows - 1 - row;
+      marker.id = board.first_marker + counted_row * columns + column;
+      marker.bits =
+          WithBorder(CodeBits(board.tag_family, marker.id), board.border_cells);
       marker.corner = Eigen::Vector2d(column, row) * pitch_m;
       marker.cell_m = board.square_m / marker.bits.size;
       markers.push_back(marker);
@@ -158,6 +180,8 @@ BoardAppearance::BoardAppearance(const Board& board) : board_(board) {
     const double gap = s * board.spacing_ratio;
     const double pitch = s + gap;
     extent_m_ = {-gap, -gap, board.columns / 2 * pitch, board.rows / 2 * pitch};
+    if (!board.has_corner_squares)
+      extent_m_ = {0, 0, extent_m_.x1 - gap, extent_m_.y1 - gap};
   } else {
     extent_m_ = {-s, -s, board.columns * s, board.rows * s};
   }
@@ -170,7 +194,8 @@ bool BoardAppearance::IsBlackBesideMarkers(const Eigen::Vector2d& p) const {
   if (board_.kind == "aprilgrid") {
     // Black squares fill the crossings of the gaps between tags.
     const double pitch = 1 + board_.spacing_ratio;
-    return x - std::floor(x / pitch) * pitch >= 1 &&
+    return board_.has_corner_squares &&
+           x - std::floor(x / pitch) * pitch >= 1 &&
            y - std::floor(y / pitch) * pitch >= 1;
   }
   const int column = static_cast<int>(std::floor(x)) + 1;
@@ -216,19 +241,23 @@ void BoardAppearance::AddSquares(InkLayer* layer) const {
   }
 }
 
+void BoardAppearance::AddCornerSquares(InkLayer* layer) const {
+  const double gap = board_.square_m * board_.spacing_ratio;
+  const double pitch = board_.square_m + gap;
+  for (int row = 0; row <= board_.rows / 2; ++row)
+    for (int column = 0; column <= board_.columns / 2; ++column)
+      layer->polygons.push_back(Rectangle(column * pitch - gap,
+                                          row * pitch - gap, column * pitch,
+                                          row * pitch));
+}
+
 std::vector<InkLayer> BoardAppearance::Layers() const {
   InkLayer ink, paper, cells;
   paper.is_black = false;
   if (board_.kind == "star") {
     AddStars(&ink);
   } else if (board_.kind == "aprilgrid") {
-    const double gap = board_.square_m * board_.spacing_ratio;
-    const double pitch = board_.square_m + gap;
-    for (int row = 0; row <= board_.rows / 2; ++row)
-      for (int column = 0; column <= board_.columns / 2; ++column)
-        ink.polygons.push_back(Rectangle(column * pitch - gap,
-                                         row * pitch - gap, column * pitch,
-                                         row * pitch));
+    if (board_.has_corner_squares) AddCornerSquares(&ink);
   } else {
     AddSquares(&ink);
   }

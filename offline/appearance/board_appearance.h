@@ -56,6 +56,7 @@ class BoardAppearance {
   bool IsBlackBesideMarkers(const Eigen::Vector2d& point_m) const;
   void AddStars(InkLayer* layer) const;
   void AddSquares(InkLayer* layer) const;
+  void AddCornerSquares(InkLayer* layer) const;
 
   Board board_;
   Area extent_m_;

@@ -60,7 +60,8 @@ int DictionaryNumber(const std::string& name) {
   }
   throw InputError(fmt::format(
       "dictionary '{}' is not known; OpenCV's names are DICT_4X4_50 to "
-      "DICT_7X7_1000 and DICT_ARUCO_ORIGINAL",
+      "DICT_7X7_1000 and DICT_ARUCO_ORIGINAL (DICT_APRILTAG_36h11 is the tag "
+      "family tag36h11)",
       name));
 }
 

@@ -85,17 +85,42 @@ void ParseCharuco(const std::string& place, const YAML::Node& node,
         fmt::format("{}: 'marker_m' must lie between 0 and square_m", place));
 }
 
+void RequireTagFamily(const std::string& place, const Board& board) {
+  const std::string& family = board.tag_family;
+  if (family == "tag36h11" || family == "tag25h9" || family == "tag16h5")
+    return;
+  if (family.compare(0, 5, "DICT_") != 0)
+    throw InputError(
+        fmt::format("{}: tag family '{}'; use tag36h11, tag25h9, "
+                    "tag16h5 or a dictionary, as DICT_4X4_50",
+                    place, family));
+  if (board.has_corner_squares)
+    throw InputError(fmt::format(
+        "{}: tag family '{}': markers of a dictionary are read without squares "
+        "at their corners only; add 'corner_squares: false' if there are none",
+        place, family));
+}
+
 void ParseAprilGrid(const std::string& place, const YAML::Node& node,
                     Board* board) {
   board->tag_family =
       OptionalValue<std::string>(place, node, "tag_family", "tag36h11");
   board->spacing_ratio = Value<double>(place, node, "spacing_ratio");
   board->first_marker = OptionalValue<int>(place, node, "first_marker", 0);
-  const std::string& family = board->tag_family;
-  if (family != "tag36h11" && family != "tag25h9" && family != "tag16h5")
-    throw InputError(
-        fmt::format("{}: tag family '{}'; use tag36h11, tag25h9 or tag16h5",
-                    place, family));
+  SetCornerSquares(OptionalValue<bool>(place, node, "corner_squares", true),
+                   board);
+  board->border_cells =
+      OptionalValue<int>(place, node, "border_cells", board->border_cells);
+  const auto numbered_from = OptionalValue<std::string>(
+      place, node, "numbered_from",
+      board->is_numbered_from_top ? "top" : "bottom");
+  board->is_numbered_from_top = numbered_from == "top";
+  RequireTagFamily(place, *board);
+  if (numbered_from != "top" && numbered_from != "bottom")
+    throw InputError(fmt::format("{}: numbered_from '{}'; use top or bottom",
+                                 place, numbered_from));
+  if (board->border_cells != 1 && board->border_cells != 2)
+    throw InputError(fmt::format("{}: 'border_cells' must be 1 or 2", place));
   if (!(board->spacing_ratio > 0 && board->spacing_ratio < 10))
     throw InputError(
         fmt::format("{}: 'spacing_ratio' must be positive", place));
@@ -342,6 +367,12 @@ std::string FormatPattern(const Pattern& pattern) {
   YAML::Emitter emitter;
   emitter << root;
   return std::string(emitter.c_str()) + "\n";
+}
+
+void SetCornerSquares(bool has_corner_squares, Board* board) {
+  board->has_corner_squares = has_corner_squares;
+  board->border_cells = has_corner_squares ? 2 : 1;
+  board->is_numbered_from_top = !has_corner_squares;
 }
 
 Pattern ChessboardPattern(int columns, int rows, double square_m) {

@@ -33,10 +33,17 @@ struct Board {
   std::vector<BoardTag> tags;  ///< star
   double marker_m = 0;         ///< ChArUco: side of a marker's black square
   std::string dictionary;      ///< ChArUco: as OpenCV names it
-  bool is_legacy = false;    ///< ChArUco: markers as OpenCV put them before 4.6
-  std::string tag_family;    ///< AprilGrid
+  bool is_legacy = false;  ///< ChArUco: markers as OpenCV put them before 4.6
+  /// AprilGrid: as AprilTag names it, or an ArUco dictionary as OpenCV does
+  std::string tag_family;
   double spacing_ratio = 0;  ///< AprilGrid: gap between tags / square_m
   int first_marker = 0;      ///< ChArUco, AprilGrid: the lowest marker number
+  /// AprilGrid: black squares touch the tags' corners, as Kalibr draws them.
+  bool has_corner_squares = true;
+  int border_cells = 2;  ///< AprilGrid: width of a tag's black border
+  /// AprilGrid: tags are numbered row by row from the top left, as OpenCV's
+  /// GridBoard has them; otherwise from the bottom left, as Kalibr has them.
+  bool is_numbered_from_top = false;
 
   /// The places of the features, row by row: nominal, or as a calibration found
   /// them.
@@ -52,6 +59,11 @@ struct Board {
   /// The column and row of the feature that one becomes by a turn, from 0 to
   /// NumTurns() - 1 steps from the x axis towards the y axis.
   std::pair<int, int> Turned(int column, int row, int turn) const;
+  /// Whether the ink around features is symmetric about them, but for markers
+  /// and the board's edge: not that of corners on white paper.
+  bool HasSymmetricFeatures() const {
+    return kind != "aprilgrid" || has_corner_squares;
+  }
   /// False for positions on or inside a tag of a star board.
   bool HasFeature(int column, int row) const;
   /// The nominal points, in the plane z = 0: (column, row) square_m, but for
@@ -83,6 +95,10 @@ Pattern ReadPattern(const std::string& path);
 
 /// The text of pattern.yaml with the boards' points as they are now.
 std::string FormatPattern(const Pattern& pattern);
+
+/// Sets whether an AprilGrid has corner squares, and the border and numbering
+/// that usually go with it: Kalibr's with squares, OpenCV's without.
+void SetCornerSquares(bool has_corner_squares, Board* board);
 
 /// A chessboard with columns x rows inner corners.
 Pattern ChessboardPattern(int columns, int rows, double square_m);

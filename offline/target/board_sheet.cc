@@ -222,10 +222,11 @@ std::string DescribeBoard(const Board& board) {
                        board.marker_m * 1000, board.dictionary,
                        FromMarker(board), board.is_legacy ? ", legacy" : "");
   if (board.kind == "aprilgrid")
-    return fmt::format("AprilGrid, {} x {} tags of {:g} mm, spacing {:g}, {}{}",
-                       board.columns / 2, board.rows / 2, square_mm,
-                       board.spacing_ratio, board.tag_family,
-                       FromMarker(board));
+    return fmt::format(
+        "AprilGrid{}, {} x {} tags of {:g} mm, spacing {:g}, {}{}",
+        board.has_corner_squares ? "" : " without corner squares",
+        board.columns / 2, board.rows / 2, square_mm, board.spacing_ratio,
+        board.tag_family, FromMarker(board));
   return "chessboard, " + corners;
 }
 

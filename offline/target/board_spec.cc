@@ -163,6 +163,13 @@ std::vector<Board> AprilGridOf(Board board, Spec* spec) {
   board.rows *= 2;
   board.tag_family = spec->Text("family", "tag36h11");
   board.spacing_ratio = spec->Number("spacing-ratio", 0.3);
+  SetCornerSquares(!spec->Flag("no-squares"), &board);
+  board.border_cells = spec->Number("border-cells", board.border_cells);
+  const std::string from = spec->Text(
+      "numbered-from", board.is_numbered_from_top ? "top" : "bottom");
+  if (from != "top" && from != "bottom")
+    Refuse(fmt::format("numbered-from={}: use top or bottom", from));
+  board.is_numbered_from_top = from == "top";
   return MarkersOf(board, spec);
 }
 

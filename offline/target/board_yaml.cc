@@ -28,6 +28,12 @@ std::string KeysOfKind(const Board& board) {
   if (board.kind == "aprilgrid")
     keys = fmt::format(", tag_family: {}, spacing_ratio: {:.9g}",
                        board.tag_family, board.spacing_ratio);
+  if (!board.has_corner_squares) keys += ", corner_squares: false";
+  if (board.border_cells != (board.has_corner_squares ? 2 : 1))
+    keys += fmt::format(", border_cells: {}", board.border_cells);
+  if (board.is_numbered_from_top == board.has_corner_squares)
+    keys += fmt::format(", numbered_from: {}",
+                        board.is_numbered_from_top ? "top" : "bottom");
   if (board.first_marker != 0)
     keys += fmt::format(", first_marker: {}", board.first_marker);
   return keys;

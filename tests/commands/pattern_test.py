@@ -69,6 +69,10 @@ class PatternCommand(CommandTest):
                               "--dpi", 50)
         self.assertIn("kind: aprilgrid, columns: 12, rows: 10, square_m: 0.024, "
                       "tag_family: tag36h11, spacing_ratio: 0.3}", self.yaml(folder))
+        folder = self.pattern("aprilgrid", "--tag-columns", 6, "--tag-rows", 5, "--tag-mm", 24,
+                              "--no-squares", "--family", "DICT_4X4_50", "--dpi", 50)
+        self.assertIn("tag_family: DICT_4X4_50, spacing_ratio: 0.3, corner_squares: false}",
+                      self.yaml(folder))
 
     def test_a_chessboard_that_looks_alike_after_a_turn_is_named(self):
         for columns, rows, words in ((7, 5, "after half a turn"), (6, 6, "after a quarter turn"), (9, 6, "")):
@@ -192,6 +196,9 @@ class PatternCommand(CommandTest):
                  "--first-marker 3 --dictionary DICT_5X5_100"),
                 ("aprilgrid:6x5:0.024m:spacing-ratio=0.25", "aprilgrid",
                  "--tag-columns 6 --tag-rows 5 --tag-mm 24 --spacing-ratio 0.25"),
+                ("aprilgrid:6x5:24mm:no-squares:border-cells=2:numbered-from=bottom:family=tag25h9",
+                 "aprilgrid", "--tag-columns 6 --tag-rows 5 --tag-mm 24 --no-squares --border-cells 2 "
+                 "--numbered-from bottom --family tag25h9"),
                 ("star:16x23:11.132mm", "star", "--columns 16 --rows 23 --square-mm 11.132"),
                 ("star:12x9:15mm:segments=8:tags=2:tag-id=10:tag-squares=2:boards=2", "star",
                  "--columns 12 --rows 9 --square-mm 15 --segments 8 --tags 2 --tag-id 10 "
@@ -221,6 +228,8 @@ class PatternCommand(CommandTest):
                 ("charuco:6x4:25mm:marker=18mm:first-marker=1.5", "first-marker=1.5"),
                 ("charuco:6x4:25mm:marker=18mm:dictionary=X", "'X'"),
                 ("aprilgrid:501x6:25mm", "500"),
+                ("aprilgrid:5x6:25mm:numbered-from=left", "top or bottom"),
+                ("aprilgrid:5x6:25mm:family=DICT_4X4_50", "corner_squares: false"),
                 ("star:16x23:11mm:tags=", "'tags' has no value"),
                 ("star:16x23:11mm:segments=7", "--segments")):
             self.assert_refused(run("detect", self.folder, "--pattern", spec, "-o",

@@ -32,6 +32,13 @@ inline Board AprilGrid(int tag_columns, int tag_rows, double tag_mm) {
   return board;
 }
 
+// A grid as OpenCV's GridBoard and AprilTag's mosaics are.
+inline Board PlainTagGrid(int tag_columns, int tag_rows, double tag_mm) {
+  Board board = AprilGrid(tag_columns, tag_rows, tag_mm);
+  SetCornerSquares(false, &board);
+  return board;
+}
+
 inline StarBoardOptions Stars(int columns, int rows, double square_mm) {
   StarBoardOptions options;
   options.columns = columns;

@@ -10,6 +10,7 @@
 #include "features/board_view/image_noise.h"
 #include "features/refinement/outliers.h"
 #include "features/refinement/symmetry_refinement.h"
+#include "features/refinement/tag_corner_refinement.h"
 #include "features/refinement/window_mapping.h"
 
 namespace raygrid {
@@ -22,8 +23,10 @@ constexpr int kRefinementDegree = 3;
 // Bounds of what is plausible.
 constexpr double kMinWidthPx = 5.5;
 constexpr double kMaxMovePx = 2;
-constexpr double kMaxMoveSquares = 0.03;     // of large ones
-constexpr double kMaxAsymmetry = 0.6;        // of the contrast
+constexpr double kMaxMoveSquares = 0.03;  // of large ones
+constexpr double kMaxAsymmetry = 0.6;     // of the contrast
+constexpr double kMaxUnlikeness = 0.35;   // likewise, of tags' corners
+constexpr double kMinTagCornerInsidePx = 2;
 constexpr double kMinRefinedContrast = 0.5;  // grey levels
 // Standard deviation along the less certain direction: 0.5 px are eight of
 // them.
@@ -151,6 +154,7 @@ struct Round {
   double max_move_px, max_move_squares;  // whichever is more
   double noise;                          // of the image, grey levels
   bool is_last;
+  double tone = 0;  // of the image, for tags' corners
 };
 
 struct FeatureRefiner::Data {
@@ -158,10 +162,21 @@ struct FeatureRefiner::Data {
   DetectionOptions options;
   std::vector<SymmetryMask> masks;
   SymmetrySamples rough_samples, samples;
+  // Only for boards whose features are not point-symmetric.
+  std::unique_ptr<TagCornerRefiner> tag_corners;
 
-  SymmetryResult Symmetry(const GreyImage& image, const Feature& feature,
-                          const LocalMapping& start, bool center_only,
-                          const Round& round) const;
+  double MaxMovePx(const LocalMapping& start, const Round& round) const;
+  double Tone(const GreyImage& image, const FeatureLattice& lattice,
+              double noise) const;
+  WindowFit Symmetry(const GreyImage& image, const Feature& feature,
+                     const LocalMapping& start, bool center_only,
+                     const Round& round) const;
+  WindowFit FitTagCorner(const GreyImage& image, const Feature& feature,
+                         const LocalMapping& start, bool has_known_edges,
+                         const Round& round) const;
+  WindowFit Fit(const GreyImage& image, const Feature& feature,
+                const LocalMapping& start, bool center_only,
+                const Round& round) const;
   std::string RefineOne(const GreyImage& image, const Feature& feature,
                         const Round& round, const FeatureLattice& lattice,
                         WindowMappings* windows, Eigen::Vector2d* pixel) const;
@@ -178,26 +193,76 @@ FeatureRefiner::FeatureRefiner(const Board& board,
     : data_(new Data{
           board, options, SymmetryMask::OfBoard(board),
           MakeSymmetrySamples(options.window_px, kRoughSamplesPerPixel),
-          MakeSymmetrySamples(options.window_px, kSamplesPerPixel)}) {}
+          MakeSymmetrySamples(options.window_px, kSamplesPerPixel),
+          board.HasSymmetricFeatures()
+              ? nullptr
+              : std::make_unique<TagCornerRefiner>(board)}) {}
 FeatureRefiner::~FeatureRefiner() = default;
 
-SymmetryResult FeatureRefiner::Data::Symmetry(const GreyImage& image,
-                                              const Feature& feature,
-                                              const LocalMapping& start,
-                                              bool center_only,
-                                              const Round& round) const {
+// Half a window away there is nothing to go by.
+double FeatureRefiner::Data::MaxMovePx(const LocalMapping& start,
+                                       const Round& round) const {
+  return std::clamp(round.max_move_squares * start.SpacingPx(),
+                    round.max_move_px,
+                    std::max(round.max_move_px, options.window_px / 3.0));
+}
+
+WindowFit FeatureRefiner::Data::Symmetry(const GreyImage& image,
+                                         const Feature& feature,
+                                         const LocalMapping& start,
+                                         bool center_only,
+                                         const Round& round) const {
   SymmetryOptions symmetry;
   symmetry.refinement = options.refinement;
   symmetry.inverts_colors = ReflectionInvertsColors(board);
   symmetry.center_only = center_only;
   symmetry.noise = round.noise;
-  // Half a window away there is nothing to go by.
-  symmetry.max_move_px =
-      std::clamp(round.max_move_squares * start.SpacingPx(), round.max_move_px,
-                 std::max(round.max_move_px, options.window_px / 3.0));
+  symmetry.max_move_px = MaxMovePx(start, round);
   return RefineSymmetry(image, *round.samples,
                         masks[board.PointIndex(feature.column, feature.row)],
                         start, symmetry);
+}
+
+WindowFit FeatureRefiner::Data::FitTagCorner(const GreyImage& image,
+                                             const Feature& feature,
+                                             const LocalMapping& start,
+                                             bool has_known_edges,
+                                             const Round& round) const {
+  TagCornerOptions corner;
+  corner.window_px = options.window_px;
+  corner.has_known_edges = has_known_edges;
+  corner.max_move_px = MaxMovePx(start, round);
+  corner.noise = round.noise;
+  corner.tone = round.tone;
+  return tag_corners->Refine(image, {feature.column, feature.row, start},
+                             corner);
+}
+
+double FeatureRefiner::Data::Tone(const GreyImage& image,
+                                  const FeatureLattice& lattice,
+                                  double noise) const {
+  if (!tag_corners) return 0;
+  WindowMappings windows(board, lattice, image.size, options.window_px);
+  std::vector<TagCorner> corners;
+  for (const Feature& feature : lattice.Features()) {
+    WindowMapping window = windows.At(feature.column, feature.row);
+    window.mapping.center = feature.pixel;
+    if (window.degree > 0)
+      corners.push_back({feature.column, feature.row, window.mapping});
+  }
+  TagCornerOptions corner;
+  corner.window_px = options.window_px;
+  corner.noise = noise;
+  return tag_corners->EstimateTone(image, corners, corner);
+}
+
+// center_only: the rest of the mapping is known as well as symmetry needs it.
+WindowFit FeatureRefiner::Data::Fit(const GreyImage& image,
+                                    const Feature& feature,
+                                    const LocalMapping& start, bool center_only,
+                                    const Round& round) const {
+  return tag_corners ? FitTagCorner(image, feature, start, false, round)
+                     : Symmetry(image, feature, start, center_only, round);
 }
 
 const std::vector<SymmetryMask>& FeatureRefiner::masks() const {
@@ -217,16 +282,26 @@ std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
   const bool center_only = window.degree > 1;
   if (start.CircleWidthPx() < kMinWidthPx) return "too small";
   start.center = feature.pixel;
-  SymmetryResult result = Symmetry(image, feature, start, center_only, round);
+  WindowFit result = Fit(image, feature, start, center_only, round);
   LocalMapping predicted;
   if (!result.is_converged && Predicted(lattice, feature, &predicted))
-    result = Symmetry(image, feature, predicted, center_only, round);
-  if (!result.is_converged) return "no centre of symmetry near";
+    result = Fit(image, feature, predicted, center_only, round);
+  if (!result.is_converged)
+    return tag_corners ? "no corner near" : "no centre of symmetry near";
+  // A corner that the image's edge cuts is known by one side of its edges.
+  if (tag_corners &&
+      !WholeImage(image.size)
+           .Contains(result.mapping.center, -kMinTagCornerInsidePx))
+    return "at the image's edge";
   if (result.contrast < kMinRefinedContrast) return "no contrast";
   // Noise is in each value, and in both values of a difference.
   const double noise2 = round.noise * round.noise;
-  if (std::pow(result.rms, 2) - 2 * noise2 >
-      std::pow(kMaxAsymmetry, 2) * (std::pow(result.contrast, 2) - noise2))
+  const double signal2 = std::pow(result.contrast, 2) - noise2;
+  if (tag_corners &&
+      std::pow(result.rms, 2) - noise2 > std::pow(kMaxUnlikeness, 2) * signal2)
+    return "not like the drawing";
+  if (!tag_corners && std::pow(result.rms, 2) - 2 * noise2 >
+                          std::pow(kMaxAsymmetry, 2) * signal2)
     return "not symmetric";
   if (round.is_last && !(result.deviation_px < kMaxDeviationPx))
     return "lost in noise";
@@ -265,8 +340,11 @@ void FeatureRefiner::Data::RefineBySymmetry(const GreyImage& image,
   const double noise = NoiseOf(image);
   RefineOnce(image, {&rough_samples, kMaxMovePx, kMaxMoveSquares, noise, false},
              lattice, detection);
-  RefineOnce(image, {&samples, kMaxMovePx / 4, 0, noise, true}, lattice,
-             detection);
+  // Their tone moves tags' corners.
+  RefineOnce(image,
+             {&samples, tag_corners ? kMaxMovePx / 2 : kMaxMovePx / 4, 0, noise,
+              true, Tone(image, *lattice, noise)},
+             lattice, detection);
 }
 
 void FeatureRefiner::Data::RefineByCorners(const GreyImage& image,
@@ -321,12 +399,19 @@ std::vector<Feature> FeatureRefiner::RefineWith(
   if (data_->options.refinement == Refinement::kNone ||
       data_->options.refinement == Refinement::kCornerSubpix)
     return features;
-  const Round round = {&data_->samples, kMaxMovePx / 4, 0, 0, true};
+  Round round = {&data_->samples, kMaxMovePx / 4, 0, 0, true};
+  if (data_->tag_corners) {
+    FeatureLattice lattice(data_->board);
+    for (const Feature& f : features) lattice.Set(f.column, f.row, f.pixel);
+    round.tone = data_->Tone(image, lattice, NoiseOf(image));
+  }
   for (Feature& feature : features) {
     const auto mapping = tell_mapping(feature);
     if (!mapping) continue;
-    const SymmetryResult result =
-        data_->Symmetry(image, feature, *mapping, true, round);
+    const WindowFit result =
+        data_->tag_corners
+            ? data_->FitTagCorner(image, feature, *mapping, true, round)
+            : data_->Symmetry(image, feature, *mapping, true, round);
     if (result.is_converged) feature.pixel = result.mapping.center;
   }
   return features;

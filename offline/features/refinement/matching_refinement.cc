@@ -14,10 +14,10 @@ namespace {
 
 constexpr int kSupersampling = 4;  // along each axis
 constexpr size_t kMinSamples = 40;
-constexpr double kMaxShiftPx = 1.5;    // after the search
-constexpr double kNearPx = 2;          // searched first
-constexpr double kSurely = 0.7;        // a star, with this correlation
-constexpr double kConvergedPx = 0.03;  // symmetry goes on from there
+constexpr double kMaxShiftPx = 1.5;  // after the search
+constexpr double kNearPx = 2;        // searched first
+constexpr double kSurely = 0.7;      // a star, with this correlation
+constexpr double kMatchedPx = 0.03;  // symmetry goes on from there
 
 // Offsets from the centre, and how white the rendering is there.
 struct Rendering {
@@ -318,7 +318,7 @@ MatchingResult MatchWithin(const GreyImage& image, const Rendering& rendering,
     f += step[2];
     b += step[3];
     if ((result.center - first).norm() > kMaxShiftPx) return result;
-    if (move.norm() < kConvergedPx) break;
+    if (move.norm() < kMatchedPx) break;
   }
   result.is_converged = true;
   return result;

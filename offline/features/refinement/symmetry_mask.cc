@@ -14,12 +14,12 @@ constexpr double kCellSquares = 2 * SymmetryMask::kReach / SymmetryMask::kCells;
 // lies between a corner's edges and a marker's cells at most, or the edges
 // would be lost.
 double MarginSquares(const Board& board) {
-  constexpr double kMargin = 0.15, kTagBorder = 0.2;
+  constexpr double kMargin = 0.15, kBorderCell = 0.1;
   double between = kMargin / 0.57;
   if (board.kind == "charuco")
     between = (board.square_m - board.marker_m) / 2 / board.square_m;
   if (board.kind == "aprilgrid")
-    between = std::min(kTagBorder, board.spacing_ratio);
+    between = std::min(kBorderCell * board.border_cells, board.spacing_ratio);
   return std::min(kMargin, std::max(0.57 * between, 1.1 * kCellSquares));
 }
 

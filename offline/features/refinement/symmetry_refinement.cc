@@ -355,7 +355,7 @@ double DeviationPx(const System<N>& system, int samples_per_pixel,
 template <int N>
 void Refine(const SymmetryPatch& patch, const Pairs& pairs,
             int samples_per_pixel, const SymmetryOptions& options,
-            SymmetryResult* result) {
+            WindowFit* result) {
   const Problem<N> problem(patch, pairs, options.inverts_colors);
   System<N> system;
   if (!Minimize<N>(problem, options.max_move_px, &result->mapping, &system))
@@ -392,12 +392,10 @@ SymmetrySamples MakeSymmetrySamples(int window_px, int samples_per_pixel) {
   return samples;
 }
 
-SymmetryResult RefineSymmetry(const GreyImage& image,
-                              const SymmetrySamples& samples,
-                              const SymmetryMask& mask,
-                              const LocalMapping& start,
-                              const SymmetryOptions& options) {
-  SymmetryResult result;
+WindowFit RefineSymmetry(const GreyImage& image, const SymmetrySamples& samples,
+                         const SymmetryMask& mask, const LocalMapping& start,
+                         const SymmetryOptions& options) {
+  WindowFit result;
   result.mapping = start;
   // Kept for the next feature: new ones would be filled with zeros first.
   thread_local Pairs pairs;

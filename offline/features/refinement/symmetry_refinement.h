@@ -30,7 +30,8 @@ struct SymmetryOptions {
   double noise = 0;  ///< of the image, grey levels
 };
 
-struct SymmetryResult {
+/// The result of refining the window around a feature.
+struct WindowFit {
   bool is_converged = false;
   LocalMapping mapping;  ///< refined
   double rms = 0;        ///< of the differences, grey levels
@@ -46,11 +47,9 @@ struct SymmetryResult {
 ///
 /// Not converged: too few samples in the image and on symmetric ground, or
 /// moved by more than max_move_px.
-SymmetryResult RefineSymmetry(const GreyImage& image,
-                              const SymmetrySamples& samples,
-                              const SymmetryMask& mask,
-                              const LocalMapping& start,
-                              const SymmetryOptions& options);
+WindowFit RefineSymmetry(const GreyImage& image, const SymmetrySamples& samples,
+                         const SymmetryMask& mask, const LocalMapping& start,
+                         const SymmetryOptions& options);
 
 }  // namespace raygrid
 

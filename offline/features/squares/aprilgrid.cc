@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
+#include "features/squares/aruco_markers.h"
 #include "features/squares/corner_growth.h"
 #include "features/squares/seen_markers.h"
 
@@ -52,10 +54,13 @@ void Undo(const Preparation& preparation, DetectedTag* tag) {
 
 }  // namespace
 
-TagFamily GridFamily(const std::string& tag_family) {
-  return tag_family == "tag25h9"   ? TagFamily::k25h9WideBorder
-         : tag_family == "tag16h5" ? TagFamily::k16h5WideBorder
-                                   : TagFamily::k36h11WideBorder;
+TagFamily GridFamily(const std::string& tag_family, int border_cells) {
+  const bool is_wide = border_cells == 2;
+  if (tag_family == "tag25h9")
+    return is_wide ? TagFamily::k25h9WideBorder : TagFamily::k25h9;
+  if (tag_family == "tag16h5")
+    return is_wide ? TagFamily::k16h5WideBorder : TagFamily::k16h5;
+  return is_wide ? TagFamily::k36h11WideBorder : TagFamily::k36h11;
 }
 
 std::vector<DetectedTag> FindGridTags(const GreyImage& image,
@@ -89,21 +94,41 @@ struct AprilGridLocator::Data {
       : board(b),
         markers(BoardAppearance(b).markers()),
         points_m(b.NominalPoints()),
-        growth(b) {}
+        growth(b) {
+    if (board.tag_family.compare(0, 3, "tag") != 0)
+      dictionary = BoardDictionary(markers, board.border_cells);
+  }
 
   Board board;
-  TagFamily family = GridFamily(board.tag_family);
+  TagFamily family = GridFamily(board.tag_family, board.border_cells);
+  cv::Ptr<cv::aruco::Dictionary> dictionary;  // of ArUco markers
   std::vector<PlacedMarker> markers;
   std::vector<Eigen::Vector3d> points_m;
   CornerGrowth growth;
 
+  std::vector<DetectedTag> FindTags(const GreyImage& image,
+                                    TagSearch search) const;
   std::vector<SeenMarker> OnBoard(const std::vector<DetectedTag>& tags,
                                   int quarter_turns) const;
   MarkerConstellation Constellation(const std::vector<DetectedTag>& tags) const;
   void FindCornersOf(const GreyImage& image, const MarkerConstellation& tags,
                      const SeenMarker& tag, FeatureLattice* lattice) const;
+  std::pair<int, int> FirstFeature(const SeenMarker& tag) const;
+  void SetCornersOf(const SeenMarker& tag, FeatureLattice* lattice) const;
+  FeatureLattice FindCorners(const GreyImage& image,
+                             const MarkerConstellation& tags) const;
   double pitch_m() const { return board.square_m * (1 + board.spacing_ratio); }
 };
+
+std::vector<DetectedTag> AprilGridLocator::Data::FindTags(
+    const GreyImage& image, TagSearch search) const {
+  if (!dictionary) return FindGridTags(image, {family}, search);
+  std::vector<DetectedTag> tags;
+  for (const SeenMarker& marker :
+       FindArucoMarkers(image, dictionary, board.border_cells))
+    tags.push_back({family, markers[marker.index].id, marker.corners_px});
+  return tags;
+}
 
 // The board's tags, each turned on the page as often as stated.
 std::vector<SeenMarker> AprilGridLocator::Data::OnBoard(
@@ -136,13 +161,19 @@ MarkerConstellation AprilGridLocator::Data::Constellation(
   return best;
 }
 
+// The column and row of a tag's top left corner.
+std::pair<int, int> AprilGridLocator::Data::FirstFeature(
+    const SeenMarker& tag) const {
+  const Eigen::Vector2d place = markers[tag.index].corner / pitch_m();
+  return {2 * static_cast<int>(std::lround(place.x())),
+          2 * static_cast<int>(std::lround(place.y()))};
+}
+
 void AprilGridLocator::Data::FindCornersOf(const GreyImage& image,
                                            const MarkerConstellation& tags,
                                            const SeenMarker& tag,
                                            FeatureLattice* lattice) const {
-  const Eigen::Vector2d place = markers[tag.index].corner / pitch_m();
-  const int left = 2 * static_cast<int>(std::lround(place.x()));
-  const int top = 2 * static_cast<int>(std::lround(place.y()));
+  const auto [left, top] = FirstFeature(tag);
   for (int row = top; row < top + 2; ++row) {
     for (int column = left; column < left + 2; ++column) {
       const Eigen::Vector2d corner_m =
@@ -155,20 +186,42 @@ void AprilGridLocator::Data::FindCornersOf(const GreyImage& image,
   }
 }
 
+// On white paper corners are those of the tags' outlines. What looks like one
+// may be a cell's corner: no others are sought.
+void AprilGridLocator::Data::SetCornersOf(const SeenMarker& tag,
+                                          FeatureLattice* lattice) const {
+  const auto [left, top] = FirstFeature(tag);
+  lattice->Set(left, top, tag.corners_px[0]);
+  lattice->Set(left + 1, top, tag.corners_px[1]);
+  lattice->Set(left + 1, top + 1, tag.corners_px[2]);
+  lattice->Set(left, top + 1, tag.corners_px[3]);
+}
+
+FeatureLattice AprilGridLocator::Data::FindCorners(
+    const GreyImage& image, const MarkerConstellation& tags) const {
+  FeatureLattice lattice(board);
+  if (!board.has_corner_squares) {
+    for (const SeenMarker& tag : tags.seen()) SetCornersOf(tag, &lattice);
+    return lattice;
+  }
+  for (const SeenMarker& tag : tags.seen())
+    FindCornersOf(image, tags, tag, &lattice);
+  for (const double min_correlation : kMinCorrelations)
+    growth.Grow(image, {min_correlation}, &lattice);
+  return lattice;
+}
+
 AprilGridLocator::AprilGridLocator(const Board& board)
     : data_(std::make_unique<Data>(board)) {}
 AprilGridLocator::~AprilGridLocator() = default;
 
 ImageDetection AprilGridLocator::Locate(const GreyImage& image) const {
-  const std::vector<DetectedTag> tags = FindGridTags(image, {data_->family});
+  const std::vector<DetectedTag> tags =
+      data_->FindTags(image, TagSearch::kThorough);
   const MarkerConstellation seen = data_->Constellation(tags);
   const MarkerConstellation fitting = seen.Consistent();
   ImageDetection located;
-  FeatureLattice lattice(data_->board);
-  for (const SeenMarker& tag : fitting.seen())
-    data_->FindCornersOf(image, fitting, tag, &lattice);
-  for (const double min_correlation : kMinCorrelations)
-    data_->growth.Grow(image, {min_correlation}, &lattice);
+  const FeatureLattice lattice = data_->FindCorners(image, fitting);
   located.features = lattice.Features();
   if (seen.size() > 0 && fitting.size() == 0)
     located.remarks.push_back(
@@ -180,10 +233,12 @@ ImageDetection AprilGridLocator::Locate(const GreyImage& image) const {
   if (fitting.size() > 0 && lattice.num_found() == 0)
     located.remarks.push_back(
         fmt::format("board {}: {} tags are seen, but not the black squares at "
-                    "their corners, which features need",
+                    "their corners; if it has none, set 'corner_squares: "
+                    "false' (no-squares in a word) and its 'border_cells' and "
+                    "'numbered_from'",
                     data_->board.id, fitting.size()));
   if (fitting.size() == 0 &&
-      data_->Constellation(FindGridTags(Mirrored(image), {data_->family}))
+      data_->Constellation(data_->FindTags(Mirrored(image), TagSearch::kQuick))
               .Consistent()
               .size() > 0)
     located.remarks.push_back(

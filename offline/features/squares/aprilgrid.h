@@ -9,9 +9,8 @@
 
 namespace raygrid {
 
-/// Finds the corners of an AprilGrid's tags, approximately. Tags as Kalibr
-/// prints them: with a black border of two cells, and black squares that touch
-/// their corners.
+/// Finds the corners of an AprilGrid's tags, approximately: as Kalibr prints
+/// them, with black squares that touch their corners, or on white paper.
 class AprilGridLocator {
  public:
   explicit AprilGridLocator(const Board& board);
@@ -31,8 +30,8 @@ std::vector<DetectedTag> FindGridTags(const GreyImage& image,
                                       const std::vector<TagFamily>& families,
                                       TagSearch search = TagSearch::kThorough);
 
-/// The family of an AprilGrid's tags, which have a border of two cells.
-TagFamily GridFamily(const std::string& tag_family);
+/// The family of an AprilGrid's AprilTags by its name.
+TagFamily GridFamily(const std::string& tag_family, int border_cells);
 
 }  // namespace raygrid
 

@@ -4,8 +4,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <opencv2/aruco.hpp>
 
+#include "features/squares/aruco_markers.h"
 #include "features/squares/corner_growth.h"
 #include "features/squares/seen_markers.h"
 
@@ -17,35 +17,7 @@ namespace {
 constexpr double kAdjacentDistance = 1;
 constexpr double kNearDistance = 2.3;
 constexpr int kMaxNearMarkers = 4;
-
-cv::Mat InnerBits(const MarkerBits& bits) {
-  cv::Mat inner(bits.size - 2, bits.size - 2, CV_8U);
-  for (int row = 0; row < inner.rows; ++row)
-    for (int column = 0; column < inner.cols; ++column)
-      inner.at<uint8_t>(row, column) = !bits.at(column + 1, row + 1);
-  return inner;
-}
-
-// A dictionary of the board's markers only, in their order: others cannot be
-// mistaken for them.
-cv::Ptr<cv::aruco::Dictionary> MakeDictionary(
-    const std::vector<PlacedMarker>& markers) {
-  auto dictionary = cv::makePtr<cv::aruco::Dictionary>();
-  dictionary->markerSize = markers[0].bits.size - 2;
-  const int num_bits = dictionary->markerSize * dictionary->markerSize;
-  int least_distance = num_bits;
-  for (const PlacedMarker& marker : markers) {
-    const cv::Mat bits = InnerBits(marker.bits);
-    if (!dictionary->bytesList.empty())
-      for (int id = 0; id < dictionary->bytesList.rows; ++id)
-        least_distance = std::min(least_distance,
-                                  dictionary->getDistanceToId(bits, id, true));
-    dictionary->bytesList.push_back(
-        cv::aruco::Dictionary::getByteListFromBits(bits));
-  }
-  dictionary->maxCorrectionBits = std::max(0, (least_distance - 1) / 2);
-  return dictionary;
-}
+constexpr int kBorderCells = 1;
 
 Board WithOtherLayout(Board board) {
   board.is_legacy = !board.is_legacy;
@@ -62,7 +34,7 @@ struct CharucoLocator::Data {
       : board(b),
         markers(BoardAppearance(b).markers()),
         other_markers(BoardAppearance(WithOtherLayout(b)).markers()),
-        dictionary(MakeDictionary(markers)),
+        dictionary(BoardDictionary(markers, kBorderCells)),
         growth(b),
         other_growth(WithOtherLayout(b)) {}
 
@@ -71,7 +43,9 @@ struct CharucoLocator::Data {
   cv::Ptr<cv::aruco::Dictionary> dictionary;
   CornerGrowth growth, other_growth;
 
-  std::vector<SeenMarker> FindMarkers(const GreyImage& image) const;
+  std::vector<SeenMarker> FindMarkers(const GreyImage& image) const {
+    return FindArucoMarkers(image, dictionary, kBorderCells);
+  }
   FeatureLattice FindCorners(const GreyImage& image,
                              const MarkerConstellation& markers,
                              const CornerGrowth& drawn) const;
@@ -83,26 +57,6 @@ int CharucoLocator::Data::NumConsistentMarkers(const GreyImage& image) const {
   return MarkerConstellation(markers, pitch_m(), FindMarkers(image))
       .Consistent()
       .size();
-}
-
-std::vector<SeenMarker> CharucoLocator::Data::FindMarkers(
-    const GreyImage& image) const {
-  std::vector<std::vector<cv::Point2f>> corners;
-  std::vector<int> ids;
-  try {
-    cv::aruco::detectMarkers(ReadableImage(image), dictionary, corners, ids);
-  } catch (const cv::Exception&) {
-    return {};  // images too small to hold a marker
-  }
-  std::vector<SeenMarker> seen;
-  for (size_t i = 0; i < ids.size(); ++i) {
-    SeenMarker marker;
-    marker.index = ids[i];
-    for (int k = 0; k < 4; ++k)
-      marker.corners_px[k] = {corners[i][k].x, corners[i][k].y};
-    seen.push_back(marker);
-  }
-  return seen;
 }
 
 // First those at markers, then outwards from them.

@@ -20,9 +20,10 @@ constexpr double kMinNearReachPx = 5;  // more than blur
 // each other. An AprilGrid is like a chessboard as far as the tags' borders and
 // the black squares between them go: the tags' insides may be turned.
 double PatchReach(const Board& board) {
-  constexpr double kHalfSquare = 0.5, kTagBorder = 0.2;
-  return board.kind == "aprilgrid" ? std::min(kTagBorder, board.spacing_ratio)
-                                   : kHalfSquare;
+  constexpr double kHalfSquare = 0.5, kBorderCell = 0.1;
+  return board.kind == "aprilgrid"
+             ? std::min(kBorderCell * board.border_cells, board.spacing_ratio)
+             : kHalfSquare;
 }
 
 // Whether another feature was found at a place.

@@ -166,6 +166,34 @@ TEST(BoardAppearance, AprilGridHasKalibrsNumbersAndSquares) {
   EXPECT_TRUE(appearance.IsBlack({0.006, 0.025}));  // two cells of border
 }
 
+TEST(BoardAppearance, TagsWithoutCornerSquaresAreOpenCvs) {
+  const BoardAppearance appearance(
+      ParsedBoard(std::string(kAprilGrid) + ", corner_squares: false"));
+  const std::vector<PlacedMarker>& tags = appearance.markers();
+  ASSERT_EQ(tags.size(), 6u);
+  EXPECT_EQ(tags[0].id, 0);  // top left
+  EXPECT_EQ(tags[5].id, 5);
+  EXPECT_EQ(tags[0].bits.size, 8);
+  EXPECT_FALSE(appearance.IsBlack({0.0575, 0.0575}));
+  EXPECT_TRUE(appearance.IsBlack({0.005, 0.025}));  // one cell of border
+  EXPECT_EQ(appearance.extent_m().x0, 0);
+  for (const InkLayer& layer : appearance.Layers())
+    for (const Polygon& polygon : layer.polygons)
+      for (const Eigen::Vector2d& p : polygon)
+        EXPECT_TRUE(appearance.extent_m().Contains(p));
+}
+
+TEST(BoardAppearance, TagsHaveTheBorderAndNumbersThatAreStated) {
+  const Board board = ParsedBoard(
+      std::string(kAprilGrid) +
+      ", corner_squares: false, tag_family: DICT_4X4_50, border_cells: 2, "
+      "numbered_from: bottom");
+  const BoardAppearance appearance(board);
+  EXPECT_EQ(appearance.markers()[3].id, 0);
+  EXPECT_EQ(appearance.markers()[3].bits.size, 8);  // 4 + 2 * 2
+  EXPECT_FALSE(board.HasSymmetricFeatures());
+}
+
 TEST(BoardAppearance, UnknownTagFamiliesAreRefused) {
   ExpectError(ExitCode::kInput, {"tag36h9", "tag25h9"}, [&] {
     ParsePattern("p",
@@ -206,6 +234,15 @@ TEST(Pattern, AprilGridFeaturesAreTheTagsCorners) {
       (board.points[board.PointIndex(3, 2)] - Eigen::Vector3d(0.115, 0.065, 0))
           .norm(),
       1e-12);
+}
+
+TEST(Pattern, ImpossibleTagGridsAreRefused) {
+  const std::string start(kAprilGrid);
+  ExpectBoardRefused(start + ", border_cells: 3", {"border_cells"});
+  ExpectBoardRefused(start + ", numbered_from: left", {"left", "top"});
+  ExpectBoardRefused(start + ", corner_squares: maybe", {"corner_squares"});
+  ExpectBoardRefused(start + ", tag_family: DICT_4X4_50",
+                     {"corner_squares: false"});
 }
 
 TEST(Pattern, ImpossibleStarsAreRefused) {

@@ -110,6 +110,38 @@ TEST_F(BoardGuess, FindsOtherFamiliesOfTags) {
   EXPECT_EQ(num_features_, 160);
 }
 
+TEST_F(BoardGuess, FindsTagsWithoutCornerSquares) {
+  Photograph(PlainTagGrid(5, 4, 24));
+  const std::string word =
+      "an AprilGrid of 5 x 4 tags of tag36h11 without corner squares (2 of 2 "
+      "images looked at)";
+  const std::string remedy =
+      "; pass --pattern aprilgrid:5x4:LENGTH:no-squares:family=tag36h11, "
+      "LENGTH "
+      "being the side of a tag";
+  for (const Board& asked :
+       {AprilGrid(5, 4, 24), Chessboard(9, 7, 24), PlainTagGrid(4, 5, 24)}) {
+    const std::string guess = GuessFor(asked);
+    EXPECT_NE(guess.find(word), std::string::npos) << guess;
+    EXPECT_NE(guess.find(remedy), std::string::npos) << guess;
+  }
+  EXPECT_EQ(GuessFor(PlainTagGrid(5, 4, 20)), "");
+  EXPECT_EQ(num_features_, 160);
+}
+
+TEST_F(BoardGuess, FindsGridsOfArucoMarkersAndTheirNumbering) {
+  Board other = PlainTagGrid(5, 4, 24);
+  other.tag_family = "DICT_5X5_100";
+  other.is_numbered_from_top = false;
+  Photograph(other);
+  const std::string guess = GuessFor(Chessboard(9, 7, 24));
+  EXPECT_NE(guess.find("aprilgrid:5x4:LENGTH:no-squares:family=DICT_5X5_50:"
+                       "numbered-from=bottom,"),
+            std::string::npos)
+      << guess;
+  EXPECT_EQ(GuessFor(other), "");
+}
+
 TEST_F(BoardGuess, FindsCharucoBoardsInWhiteOnBlack) {
   Photograph(Charuco(8, 5, 28));
   for (const std::string& path : paths_) {

@@ -136,7 +136,7 @@ GreyImage SeenThrough(const LocalMapping& mapping,
 double ErrorPx(const LocalMapping& truth,
                double (*pattern)(const Eigen::Vector2d&),
                const LocalMapping& start, const SymmetryOptions& options) {
-  const SymmetryResult result =
+  const WindowFit result =
       RefineSymmetry(SeenThrough(truth, pattern), MakeSymmetrySamples(21, 8),
                      WholeMask(), start, options);
   EXPECT_TRUE(result.is_converged);

@@ -153,6 +153,85 @@ TEST(AprilGrid, TagsWithoutSquaresAtTheirCornersAreNamed) {
             std::string::npos);
 }
 
+Board TagGridOf(const std::string& keys) {
+  return ParsePattern("grid",
+                      "raygrid_pattern: 1\nboards:\n  - {id: 1, kind: "
+                      "aprilgrid, columns: 12, rows: 8, square_m: 0.03, "
+                      "spacing_ratio: 0.3, corner_squares: false" +
+                          keys + "}\n")
+      .boards[0];
+}
+
+// Small tags as well as large ones: cells of 3.6 to 12 px.
+TEST(PlainTagGrid, CornersInRenderedImagesAreExact) {
+  const auto camera = SimulatedLens("pinhole", {640, 480});
+  const PixelRays rays(*camera, 3);
+  for (const std::string keys :
+       {"", ", tag_family: tag25h9", ", tag_family: DICT_4X4_50",
+        ", tag_family: DICT_6X6_100, border_cells: 2",
+        ", border_cells: 2, numbered_from: bottom"}) {
+    const Board board = TagGridOf(keys);
+    Pattern pattern;
+    pattern.boards = {board};
+    const BoardSurface surface(board, 0);
+    const Eigen::Vector3d center(3.8 * board.square_m, 2.5 * board.square_m, 0);
+    for (const double distance : {0.32, 0.6}) {
+      const Pose facing = {
+          Eigen::Quaterniond(Eigen::AngleAxisd(
+              0.35, Eigen::Vector3d(1, -0.6, 0.4).normalized())),
+          Eigen::Vector3d(0.005, -0.003, distance)};
+      const Pose pose = {facing.rotation,
+                         facing.translation - facing.rotation * center};
+      const Image image =
+          AddNoiseAndQuantize(RenderImage(rays, {{&surface, pose}}, {}, 2), {});
+      const auto features = Detected(image, pattern).features;
+      const auto truth = VisibleFeatures(*camera, board, pose);
+      EXPECT_GE(features.size(), 0.9 * truth.size()) << keys;
+      Eigen::Vector2d sum(0, 0);
+      for (const Feature& f : features) {
+        const auto right =
+            std::find_if(truth.begin(), truth.end(), [&](const Feature& t) {
+              return t.column == f.column && t.row == f.row;
+            });
+        ASSERT_NE(right, truth.end());
+        const Eigen::Vector2d error = f.pixel - right->pixel;
+        EXPECT_LT(error.norm(), 0.06) << keys;
+        // Outwards from the tag's middle: what blur does to corners.
+        sum += error.cwiseProduct(Eigen::Vector2d(f.column % 2 == 0 ? -1 : 1,
+                                                  f.row % 2 == 0 ? -1 : 1));
+      }
+      EXPECT_LT((sum / static_cast<double>(features.size())).norm(), 0.005)
+          << keys;
+    }
+  }
+}
+
+TEST(PlainTagGrid, EveryCornerIsFound) {
+  Pattern pattern;
+  pattern.boards = {TagGridOf("")};
+  for (const auto& quad : {kFrontal, kTilted, kUpsideDown, kOnItsSide}) {
+    const Photograph photograph(pattern.boards[0], quad);
+    const ImageDetection detection = Detected(photograph.image(), pattern);
+    EXPECT_EQ(detection.features.size(), 96u);
+    EXPECT_TRUE(IsInBoardOrder(detection.features));
+    EXPECT_LT(photograph.WorstErrorPx(detection.features), kDrawingErrorPx);
+    EXPECT_TRUE(detection.remarks.empty());
+  }
+}
+
+// Paper with a shadow's edge, a finger: no corner is told where it is not.
+TEST(PlainTagGrid, CoveredCornersAreLeftOut) {
+  Pattern pattern;
+  pattern.boards = {TagGridOf("")};
+  Photograph photograph(pattern.boards[0], kFrontal);
+  for (const double column : {0.0, 1.3, 3.9})
+    cv::circle(photograph.mat, photograph.ToImage(column, 0), 9, cv::Scalar(90),
+               cv::FILLED);
+  const auto features = Detected(photograph.image(), pattern).features;
+  EXPECT_LE(features.size(), 93u);
+  EXPECT_LT(photograph.WorstErrorPx(features), 0.2);
+}
+
 TEST(AprilGrid, PartOfABoardIsEnough) {
   const Pattern pattern = AprilGridPattern();
   const Photograph photograph(pattern.boards[0], kHalfOutside);

@@ -1,0 +1,347 @@
+#include "features/marker_board_guess.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <opencv2/aruco.hpp>
+#include <utility>
+#include <vector>
+
+#include "features/squares/aprilgrid.h"
+#include "features/squares/seen_markers.h"
+
+namespace raygrid {
+namespace {
+
+struct Dictionary {
+  int number;  // OpenCV's
+  const char* name;
+  bool has_sizes;     // DICT_4X4_50, _100, ...
+  bool is_april_tag;  // of a family of AprilTags
+};
+constexpr Dictionary kDictionaries[] = {
+    {cv::aruco::DICT_4X4_1000, "DICT_4X4", true, false},
+    {cv::aruco::DICT_5X5_1000, "DICT_5X5", true, false},
+    {cv::aruco::DICT_6X6_1000, "DICT_6X6", true, false},
+    {cv::aruco::DICT_7X7_1000, "DICT_7X7", true, false},
+    {cv::aruco::DICT_ARUCO_ORIGINAL, "DICT_ARUCO_ORIGINAL", false, false},
+    {cv::aruco::DICT_APRILTAG_16h5, "DICT_APRILTAG_16h5", false, true},
+    {cv::aruco::DICT_APRILTAG_25h9, "DICT_APRILTAG_25h9", false, true},
+    {cv::aruco::DICT_APRILTAG_36h10, "DICT_APRILTAG_36h10", false, true},
+    {cv::aruco::DICT_APRILTAG_36h11, "DICT_APRILTAG_36h11", false, true}};
+
+constexpr int kMinMarkers = 4, kMaxMarkers = 1000;
+constexpr int kMaxAcross = 24;
+
+// Markers as a board with so many of its squares or tags across has them, in
+// the order of their numbers; a square, or a tag with a gap, is 1 m.
+struct MarkerLayout {
+  int across = 0;
+  double pitch_m = 1;
+  std::vector<PlacedMarker> markers;
+};
+
+PlacedMarker MarkerAt(double x, double y, double side_m) {
+  PlacedMarker marker;
+  marker.corner = {x, y};
+  marker.cell_m = side_m;
+  marker.bits.size = 1;
+  return marker;
+}
+
+// parity: of column + row of the squares that hold markers.
+MarkerLayout CharucoLayout(int across, int parity, double marker_part) {
+  MarkerLayout layout = {across, M_SQRT2, {}};
+  for (int row = 0; static_cast<int>(layout.markers.size()) < kMaxMarkers;
+       ++row)
+    for (int column = 0; column < across; ++column)
+      if ((column + row) % 2 == parity)
+        layout.markers.push_back(MarkerAt(column + (1 - marker_part) / 2,
+                                          row + (1 - marker_part) / 2,
+                                          marker_part));
+  return layout;
+}
+
+MarkerLayout TagLayout(int across, bool is_numbered_from_top, double tag_part) {
+  MarkerLayout layout = {across, 1, {}};
+  for (int k = 0; k < kMaxMarkers; ++k) {
+    const int row = k / across;
+    layout.markers.push_back(
+        MarkerAt(k % across, is_numbered_from_top ? row : -row, tag_part));
+  }
+  return layout;
+}
+
+// The layout that the markers confirm best, if it is clearly one.
+struct BestLayout {
+  int across = 0, num_rows = 0, max_marker = 0;
+  int agreement = 0;
+  bool is_clear = false;  // hardly a marker is elsewhere
+};
+
+void Compare(const MarkerLayout& layout, const std::vector<SeenMarker>& seen,
+             BestLayout* best) {
+  const MarkerConstellation all(layout.markers, layout.pitch_m, seen);
+  const int agreement = all.Agreement();
+  if (agreement <= best->agreement) return;
+  const MarkerConstellation consistent = all.Consistent();
+  constexpr double kMinPart = 0.6, kClearPart = 0.95;
+  if (consistent.size() < kMinMarkers ||
+      consistent.size() < kMinPart * all.size())
+    return;
+  best->agreement = agreement;
+  best->is_clear = consistent.size() >= kClearPart * all.size();
+  best->across = layout.across;
+  best->max_marker = 0;
+  for (const SeenMarker& marker : consistent.seen())
+    best->max_marker = std::max(best->max_marker, marker.index);
+  best->num_rows = 1 + static_cast<int>(std::lround(std::fabs(std::floor(
+                           layout.markers[best->max_marker].corner.y()))));
+}
+
+cv::Ptr<cv::aruco::Dictionary> Predefined(const Dictionary& dictionary) {
+  return cv::aruco::getPredefinedDictionary(dictionary.number);
+}
+
+// The markers of a dictionary, and how many squares may be markers of any.
+struct DictionaryView {
+  std::vector<SeenMarker> seen;
+  int num_squares = 0;
+};
+
+DictionaryView ViewOf(const cv::Mat& readable, const Dictionary& dictionary,
+                      int first_marker) {
+  std::vector<std::vector<cv::Point2f>> corners, others;
+  std::vector<int> ids;
+  cv::aruco::detectMarkers(readable, Predefined(dictionary), corners, ids,
+                           cv::aruco::DetectorParameters::create(), others);
+  DictionaryView view;
+  view.num_squares = static_cast<int>(corners.size() + others.size());
+  for (size_t i = 0; i < ids.size(); ++i) {
+    SeenMarker marker;
+    marker.index = ids[i] - first_marker;
+    if (marker.index < 0 || marker.index >= kMaxMarkers) continue;
+    for (int k = 0; k < 4; ++k)
+      marker.corners_px[k] = {corners[i][k].x, corners[i][k].y};
+    view.seen.push_back(marker);
+  }
+  return view;
+}
+
+// The number asked for comes first: others must be better.
+std::vector<int> AcrossToTry(int asked_across) {
+  std::vector<int> tries = {asked_across};
+  for (int across = 2; across <= kMaxAcross; ++across)
+    if (across != asked_across) tries.push_back(across);
+  return tries;
+}
+
+std::vector<Dictionary> DictionariesToTry(const std::string& asked) {
+  std::vector<Dictionary> tries(std::begin(kDictionaries),
+                                std::end(kDictionaries));
+  std::stable_partition(tries.begin(), tries.end(), [&](const Dictionary& d) {
+    return asked.compare(0, std::string(d.name).size(), d.name) == 0;
+  });
+  return tries;
+}
+
+GreyImage Negative(GreyImage image) {
+  for (float& level : image.levels) level = 255 - level;
+  for (uint8_t& byte : image.bytes) byte = 255 - byte;
+  return image;
+}
+
+struct GridTags {
+  const char* name;
+  int border_cells;
+  TagFamily family;
+};
+constexpr GridTags kGridTags[] = {{"tag36h11", 2, TagFamily::k36h11WideBorder},
+                                  {"tag25h9", 2, TagFamily::k25h9WideBorder},
+                                  {"tag16h5", 2, TagFamily::k16h5WideBorder},
+                                  {"tag36h11", 1, TagFamily::k36h11},
+                                  {"tag25h9", 1, TagFamily::k25h9},
+                                  {"tag16h5", 1, TagFamily::k16h5}};
+
+// The family asked for comes first; for other kinds of boards, the usual one.
+std::vector<GridTags> GridTagsToTry(const Board& asked) {
+  std::vector<GridTags> tries(std::begin(kGridTags), std::end(kGridTags));
+  std::stable_partition(tries.begin(), tries.end(), [&](const GridTags& t) {
+    return asked.tag_family == t.name && asked.border_cells == t.border_cells;
+  });
+  return tries;
+}
+
+// The tags of one family as markers of a board.
+std::vector<SeenMarker> SeenOf(const std::vector<DetectedTag>& tags,
+                               TagFamily family, int first_marker) {
+  std::vector<SeenMarker> seen;
+  for (const DetectedTag& tag : tags) {
+    const int index = tag.id - first_marker;
+    if (tag.family == family && index >= 0 && index < kMaxMarkers)
+      seen.push_back({index, tag.corners});
+  }
+  return seen;
+}
+
+std::vector<SeenMarker> QuarterTurned(std::vector<SeenMarker> markers,
+                                      int turns) {
+  for (SeenMarker& marker : markers)
+    std::rotate(marker.corners_px.begin(), marker.corners_px.begin() + turns,
+                marker.corners_px.end());
+  return markers;
+}
+
+// Improves on the best layout of a grid by markers of one kind, which are named
+// in kind; the other properties of the guess are found here.
+void CompareGrids(const std::vector<SeenMarker>& seen, Guess kind,
+                  const Board& asked, BestLayout* best, Guess* guess) {
+  const bool is_asked = asked.kind == "aprilgrid";
+  const double tag_part = 1 / (1 + (is_asked ? asked.spacing_ratio : 0.3));
+  if (static_cast<int>(seen.size()) < kMinMarkers) return;
+  kind.kind = "aprilgrid";
+  kind.has_corner_squares =
+      kind.border_cells == 2 && (!is_asked || asked.has_corner_squares);
+  const bool is_usual_first =
+      is_asked ? asked.is_numbered_from_top : kind.border_cells == 1;
+  for (int turns = 0; turns < 4; ++turns) {
+    const std::vector<SeenMarker> turned = QuarterTurned(seen, turns);
+    for (const bool from_top : {is_usual_first, !is_usual_first}) {
+      for (const int across : AcrossToTry(is_asked ? asked.columns / 2 : 2)) {
+        const int before = best->agreement;
+        Compare(TagLayout(across, from_top, tag_part), turned, best);
+        if (best->agreement == before) continue;
+        *guess = kind;
+        guess->columns = 2 * best->across;
+        guess->rows = 2 * best->num_rows;
+        guess->max_marker = best->max_marker;
+        guess->is_numbered_from_top = from_top;
+        if (best->is_clear && IsAsAsked(*guess, asked)) return;
+      }
+    }
+  }
+}
+
+Guess KindOf(const std::string& family, int border_cells) {
+  Guess guess;
+  guess.dictionary = family;
+  guess.border_cells = border_cells;
+  return guess;
+}
+
+}  // namespace
+
+bool HasMarkersAsAsked(const Guess& guess, const Board& asked) {
+  if (asked.kind == "aprilgrid")
+    return asked.tag_family.compare(0, guess.dictionary.size(),
+                                    guess.dictionary) == 0 &&
+           guess.border_cells == asked.border_cells &&
+           guess.has_corner_squares == asked.has_corner_squares;
+  return asked.dictionary.compare(0, guess.dictionary.size(),
+                                  guess.dictionary) == 0;
+}
+
+bool IsAsAsked(const Guess& guess, const Board& asked) {
+  if (guess.kind != asked.kind || guess.is_mirrored || guess.is_negative)
+    return false;
+  if (guess.kind == "chessboard")
+    return guess.columns == asked.columns && guess.rows == asked.rows;
+  return guess.columns == asked.columns && guess.rows <= asked.rows &&
+         guess.is_numbered_from_top == asked.is_numbered_from_top &&
+         HasMarkersAsAsked(guess, asked);
+}
+
+std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
+  const bool is_asked = asked.kind == "charuco";
+  const double marker_part = is_asked ? asked.marker_m / asked.square_m : 0.75;
+  std::vector<MarkerLayout> layouts;
+  for (const int across : AcrossToTry(is_asked ? asked.columns + 1 : 3))
+    for (const int parity : {0, 1})
+      layouts.push_back(CharucoLayout(across, parity, marker_part));
+  BestLayout best;
+  Guess guess;
+  enum class Shown { kAsSeen, kMirrored, kNegative };
+  for (const Shown shown :
+       {Shown::kAsSeen, Shown::kMirrored, Shown::kNegative}) {
+    if (shown == Shown::kNegative && best.agreement > 0) break;
+    const GreyImage changed = shown == Shown::kAsSeen     ? image
+                              : shown == Shown::kMirrored ? Mirrored(image)
+                                                          : Negative(image);
+    const cv::Mat readable = ReadableImage(changed);
+    for (const Dictionary& dictionary : DictionariesToTry(asked.dictionary)) {
+      const auto [seen, num_squares] =
+          ViewOf(readable, dictionary, asked.first_marker);
+      if (num_squares < kMinMarkers) break;  // of any dictionary
+      if (static_cast<int>(seen.size()) < kMinMarkers) continue;
+      for (const MarkerLayout& layout : layouts) {
+        const int before = best.agreement;
+        Compare(layout, seen, &best);
+        if (best.agreement == before) continue;
+        guess.kind = "charuco";
+        guess.dictionary = dictionary.name;
+        guess.is_mirrored = shown == Shown::kMirrored;
+        guess.columns = best.across - 1;
+        guess.rows = best.num_rows - 1;
+        guess.max_marker = best.max_marker;
+        guess.is_negative = shown == Shown::kNegative;
+        if (best.is_clear && IsAsAsked(guess, asked)) return guess;
+      }
+    }
+  }
+  if (best.agreement == 0) return std::nullopt;
+  guess.max_marker += asked.first_marker;
+  return guess;
+}
+
+std::optional<Guess> GuessAprilGrid(const GreyImage& image,
+                                    const Board& asked) {
+  const std::vector<GridTags> kinds = GridTagsToTry(asked);
+  BestLayout best;
+  Guess guess;
+  // libapriltag reads many tags with another border than theirs: both are
+  // compared.
+  const auto compare = [&](const GreyImage& shown, bool is_mirrored,
+                           TagSearch search, bool is_first_family) {
+    std::vector<GridTags> tried;
+    std::vector<TagFamily> families;
+    for (const GridTags& kind : kinds) {
+      if ((kind.name == std::string(kinds[0].name)) != is_first_family)
+        continue;
+      tried.push_back(kind);
+      families.push_back(kind.family);
+    }
+    const auto tags = FindGridTags(shown, families, search);
+    for (const GridTags& kind : tried) {
+      Guess of_kind = KindOf(kind.name, kind.border_cells);
+      of_kind.is_mirrored = is_mirrored;
+      CompareGrids(SeenOf(tags, kind.family, asked.first_marker), of_kind,
+                   asked, &best, &guess);
+    }
+  };
+  compare(image, false, TagSearch::kThorough, true);
+  if (best.is_clear && IsAsAsked(guess, asked)) return guess;
+  compare(Mirrored(image), true, TagSearch::kQuick, true);
+  if (best.agreement > 0) return guess;
+  compare(image, false, TagSearch::kQuick, false);
+  if (best.agreement > 0) return guess;
+  const cv::Mat readable = ReadableImage(image);
+  for (const Dictionary& dictionary : DictionariesToTry(asked.tag_family)) {
+    if (dictionary.is_april_tag) continue;
+    const auto [seen, num_squares] =
+        ViewOf(readable, dictionary, asked.first_marker);
+    if (num_squares < kMinMarkers) break;
+    CompareGrids(seen, KindOf(dictionary.name, 1), asked, &best, &guess);
+  }
+  if (best.agreement == 0) return std::nullopt;
+  return guess;
+}
+
+std::string DictionaryName(const std::string& name, int max_marker) {
+  for (const Dictionary& dictionary : kDictionaries)
+    if (dictionary.name == name && dictionary.has_sizes)
+      for (const int size : {50, 100, 250, 1000})
+        if (max_marker < size) return fmt::format("{}_{}", name, size);
+  return name;
+}
+
+}  // namespace raygrid
