@@ -18,26 +18,68 @@ double Response(const GreyImage& image, int x, int y) {
   return row(y - 1) - 2 * row(y) + row(y + 1);
 }
 
-double NoiseOfBlock(const GreyImage& image, int x0, int y0) {
-  double sum = 0;
-  for (int y = y0; y < y0 + kBlockPx; ++y)
-    for (int x = x0; x < x0 + kBlockPx; ++x)
+// A block's mean level and its noise.
+NoiseAtLevel NoiseOfBlock(const GreyImage& image, int x0, int y0) {
+  double sum = 0, levels = 0;
+  for (int y = y0; y < y0 + kBlockPx; ++y) {
+    for (int x = x0; x < x0 + kBlockPx; ++x) {
       sum += std::pow(Response(image, x, y), 2);
-  return std::sqrt(sum) / kBlockPx / 6;
+      levels += image.at(x, y);
+    }
+  }
+  return {levels / kBlockPx / kBlockPx, std::sqrt(sum) / kBlockPx / 6};
+}
+
+std::vector<NoiseAtLevel> NoiseOfBlocks(const GreyImage& image) {
+  std::vector<NoiseAtLevel> blocks;
+  for (int y = 1; y + kBlockPx < image.size.height; y += kStridePx)
+    for (int x = 1; x + kBlockPx < image.size.width; x += kStridePx)
+      blocks.push_back(NoiseOfBlock(image, x, y));
+  return blocks;
+}
+
+double SmoothestNoise(std::vector<NoiseAtLevel> blocks) {
+  if (blocks.empty()) return 0;
+  const auto chosen =
+      blocks.begin() + static_cast<ptrdiff_t>(
+                           kQuantile * static_cast<double>(blocks.size() - 1));
+  std::nth_element(blocks.begin(), chosen, blocks.end(),
+                   [](const NoiseAtLevel& a, const NoiseAtLevel& b) {
+                     return a.noise < b.noise;
+                   });
+  return chosen->noise;
 }
 
 }  // namespace
 
 double NoiseOf(const GreyImage& image) {
-  std::vector<double> noise;
-  for (int y = 1; y + kBlockPx < image.size.height; y += kStridePx)
-    for (int x = 1; x + kBlockPx < image.size.width; x += kStridePx)
-      noise.push_back(NoiseOfBlock(image, x, y));
-  if (noise.empty()) return 0;
-  const auto chosen =
-      noise.begin() + static_cast<size_t>(kQuantile * (noise.size() - 1));
-  std::nth_element(noise.begin(), chosen, noise.end());
-  return *chosen;
+  return SmoothestNoise(NoiseOfBlocks(image));
+}
+
+std::vector<NoiseAtLevel> NoiseByLevel(const GreyImage& image) {
+  constexpr size_t kNumLevels = 8, kMinBlocks = 12;
+  std::vector<NoiseAtLevel> blocks = NoiseOfBlocks(image);
+  std::stable_sort(blocks.begin(), blocks.end(),
+                   [](const NoiseAtLevel& a, const NoiseAtLevel& b) {
+                     return a.level < b.level;
+                   });
+  const size_t num_levels =
+      std::clamp<size_t>(blocks.size() / kMinBlocks, 1, kNumLevels);
+  std::vector<NoiseAtLevel> by_level;
+  for (size_t k = 0; k < num_levels && !blocks.empty(); ++k) {
+    const auto begin = blocks.begin() + k * blocks.size() / num_levels;
+    const auto end = blocks.begin() + (k + 1) * blocks.size() / num_levels;
+    const double level = (begin + (end - begin) / 2)->level;
+    double noise = SmoothestNoise({begin, end});
+    for (const NoiseAtLevel& other : by_level)
+      noise = std::min(
+          noise, other.noise * std::sqrt(std::max(
+                                   1.0, level / std::max(1.0, other.level))));
+    for (NoiseAtLevel& darker : by_level)
+      darker.noise = std::min(darker.noise, noise);
+    by_level.push_back({level, noise});
+  }
+  return by_level;
 }
 
 }  // namespace raygrid

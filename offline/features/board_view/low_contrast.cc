@@ -65,6 +65,29 @@ double LargeDifference(const cv::Mat& differences) {
   return std::max(kManyDeviations, Quantile(sizes, kLarge));
 }
 
+// The noise of the mean of 8 x 8 pixels. Neighbours may have a part of it in
+// common: compression and demosaicing leave noise that is wider than a pixel.
+std::vector<NoiseAtLevel> CellNoise(const GreyImage& image) {
+  std::vector<NoiseAtLevel> noise = NoiseByLevel(image);
+  const std::vector<NoiseAtLevel> halved = NoiseByLevel(Halved(image));
+  for (NoiseAtLevel& n : noise) n.noise /= 7;
+  for (size_t k = 0; k < std::min(noise.size(), halved.size()); ++k)
+    noise[k].noise = std::max(noise[k].noise, halved[k].noise / 4);
+  return noise;
+}
+
+// Interpolated.
+double NoiseAt(const std::vector<NoiseAtLevel>& noise, double level) {
+  constexpr double kLeast = 1e-6;
+  size_t k = 0;
+  while (k < noise.size() && noise[k].level <= level) ++k;
+  if (k == 0) return std::max(kLeast, noise.front().noise);
+  if (k == noise.size()) return std::max(kLeast, noise.back().noise);
+  const NoiseAtLevel &a = noise[k - 1], &b = noise[k];
+  const double part = (level - a.level) / (b.level - a.level);
+  return std::max(kLeast, a.noise + part * (b.noise - a.noise));
+}
+
 // Single pixels far beyond all around them would outweigh the rest of a window:
 // they become as their neighbours are. The image's noise is about one level.
 void MendDeadPixels(GreyImage* image) {
@@ -101,17 +124,27 @@ std::optional<GreyImage> WithNoiseOfOneLevel(const GreyImage& image) {
 
 bool IsNoiseAlone(const GreyImage& image) {
   // The median of 3 x 3 pixels takes hot ones out. In cells a seventh of white
-  // noise is left, of which 3.3 deviations to each side are a twentieth of a
-  // percent. A corner needs more contrast than that.
-  constexpr int kCellPx = 8;
-  constexpr double kFew = 5e-4, kMaxDeviations = 1.3;
-  cv::Mat median, cells;
+  // noise is left, and a quarter of noise of half the resolution. Of the
+  // differences from the cells around, a twentieth of a percent are beyond 3.5
+  // deviations. A corner has larger ones.
+  constexpr int kCellPx = 8, kAroundCells = 5;
+  constexpr double kFew = 5e-4, kMaxDeviations = 4.5;
+  cv::Mat median, cells, around;
   cv::medianBlur(LevelsOf(image), median, 3);
   cv::resize(median, cells, cv::Size(), 1.0 / kCellPx, 1.0 / kCellPx,
              cv::INTER_AREA);
-  const std::vector<float> levels = cells.reshape(1, 1);
-  return Quantile(levels, 1 - kFew) - Quantile(levels, kFew) <
-         kMaxDeviations * NoiseOf(image);
+  cv::blur(cells, around, cv::Size(kAroundCells, kAroundCells),
+           cv::Point(-1, -1), cv::BORDER_REFLECT);
+  const std::vector<NoiseAtLevel> noise = CellNoise(image);
+  if (noise.empty()) return false;
+  std::vector<float> differences;
+  differences.reserve(cells.total());
+  for (int y = 0; y < cells.rows; ++y)
+    for (int x = 0; x < cells.cols; ++x)
+      differences.push_back(static_cast<float>(
+          std::fabs(cells.at<float>(y, x) - around.at<float>(y, x)) /
+          NoiseAt(noise, around.at<float>(y, x))));
+  return Quantile(std::move(differences), 1 - kFew) < kMaxDeviations;
 }
 
 GreyImage WithLittleNoise(const GreyImage& image) {

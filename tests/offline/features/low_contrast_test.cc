@@ -1,5 +1,6 @@
 #include "features/board_view/low_contrast.h"
 
+#include <cmath>
 #include <ctime>
 #include <opencv2/imgcodecs.hpp>
 
@@ -63,6 +64,42 @@ TEST(LowContrast, HardlyAnyContrastIsSaid) {
     for (const std::string& remark : found.images[0].remarks)
       is_any |= remark.find("hardly any contrast") != std::string::npos;
     EXPECT_EQ(is_any, is_said);
+  }
+}
+
+// Nothing stands out from the noise, however the light falls.
+TEST(LowContrast, LitNoiseTakesLittleTime) {
+#ifdef RAYGRID_SANITIZED
+  constexpr double kTimes = 10;
+#else
+  constexpr double kTimes = 1;
+#endif
+  const Pattern pattern = ChessboardPattern(9, 6, 0.025);
+  const TemporaryFolder folder;
+  cv::theRNG().state = 2;
+  cv::Mat light(1944, 2592, CV_32F), noise(light.size(), CV_32F);
+  const cv::Point2d middle(light.cols / 2.0, light.rows / 2.0);
+  for (const double vignetting : {0.0, 1.5}) {
+    for (int y = 0; y < light.rows; ++y)
+      for (int x = 0; x < light.cols; ++x)
+        light.at<float>(y, x) = static_cast<float>(
+            20 + 180 / std::pow(1 + vignetting *
+                                        (std::pow(x - middle.x, 2) +
+                                         std::pow(y - middle.y, 2)) /
+                                        std::pow(middle.x, 2),
+                                2));
+    cv::randn(noise, 0, 1);
+    cv::Mat deviation, frame;
+    cv::sqrt(0.4 * light, deviation);  // of photons
+    cv::Mat(light + noise.mul(deviation)).convertTo(frame, CV_8U);
+    ASSERT_TRUE(cv::imwrite(folder / "a.png", frame));
+    const std::clock_t start = std::clock();
+    const FolderDetection found =
+        DetectFeatures({folder / "a.png"}, pattern, {}, nullptr, 1, nullptr);
+    EXPECT_FALSE(GuessOtherBoard(found, pattern, "p.yaml", 1));
+    EXPECT_TRUE(found.images[0].features.empty());
+    EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC,
+              kTimes * 1.5);
   }
 }
 
