@@ -131,6 +131,18 @@ class TurnSearch {
 
   const std::vector<int>& turns() const { return turns_; }
 
+  // Whether the other images show that a turn matters, but not this one which
+  // it has.
+  bool IsTurnDoubtful(size_t image, double sureness) const {
+    const Displacements mean =
+        MeanOfOthers(SumOf(turns_), turned_[image][turns_[image]]);
+    for (int turn = 0; turn < num_turns_; ++turn)
+      if (turn != turns_[image] && DoesTurnMatter(image, turn, mean) &&
+          Advantage(image, turn, mean) < sureness)
+        return true;
+    return false;
+  }
+
   // How surely an image is turned so rather than not at all, in standard
   // deviations.
   double Sureness(size_t image) const {
@@ -234,6 +246,27 @@ class TurnSearch {
     for (int& turn : turns_) turn = (turn - most + num_turns_) % num_turns_;
   }
 
+  // Whether the board is displaced otherwise after a turn, by more than the
+  // mean of images is uncertain and than matters.
+  bool DoesTurnMatter(size_t image, int other,
+                      const Displacements& mean) const {
+    constexpr double kMattersPx2 = 0.01 * 0.01, kManyVariances = 4;
+    const Displacements& chosen = turned_[image][turns_[image]];
+    const int turn = (other - turns_[image] + num_turns_) % num_turns_;
+    const Displacements after = Turned(mean, board_, turn);
+    const Eigen::ArrayXd seen = chosen.is_seen.array() * mean.is_seen.array();
+    const double count = std::max(1.0, seen.sum());
+    const auto square = [&](const Eigen::VectorXd& metres) {
+      return chosen.weight * (metres.array() * seen).square().sum() / count;
+    };
+    const double variance_px2 = square(chosen.metres - mean.metres);
+    const double num_images = static_cast<double>(turned_.size());
+    // The errors of the mean and of the turned mean add up.
+    return square(after.metres - mean.metres) >
+           std::max(kMattersPx2,
+                    kManyVariances * 2 * variance_px2 / num_images);
+  }
+
   double Advantage(size_t image, int other, const Displacements& mean) const {
     constexpr double kLeastNoisePx2 = 1e-6;  // less is of rounding
     const Displacements& chosen = turned_[image][turns_[image]];
@@ -335,12 +368,12 @@ Pose TurnOf(const Board& board, int turn) {
   return {rotation, middle - rotation * middle};
 }
 
-BoardTurns TurnByGeometry(const std::vector<Adjusted>& cameras,
-                          const Pattern& pattern) {
+GeometryTurns TurnByGeometry(const std::vector<Adjusted>& cameras,
+                             const Pattern& pattern) {
   // Errors of neighbours are alike, so that chance goes further than the
   // deviations say.
   constexpr double kSurely = 5;
-  BoardTurns turns;
+  GeometryTurns found;
   for (size_t b = 0; b < pattern.boards.size(); ++b) {
     const Board& board = pattern.boards[b];
     if (board.NumTurns() < 2) continue;
@@ -349,11 +382,14 @@ BoardTurns TurnByGeometry(const std::vector<Adjusted>& cameras,
     if (images.size() < 2) continue;
     TurnSearch search(images, board);
     search.Run();
-    for (size_t i = 0; i < images.size(); ++i)
+    for (size_t i = 0; i < images.size(); ++i) {
+      const std::pair<std::string, int> view(images[i].image, board.id);
       if (search.turns()[i] != 0 && search.Sureness(i) > kSurely)
-        turns[{images[i].image, board.id}] = search.turns()[i];
+        found.turns[view] = search.turns()[i];
+      if (search.IsTurnDoubtful(i, kSurely)) found.doubtful.push_back(view);
+    }
   }
-  return turns;
+  return found;
 }
 
 }  // namespace raygrid

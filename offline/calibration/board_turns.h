@@ -38,12 +38,19 @@ void AddViews(const Adjusted& views, Adjusted* camera);
 /// points of features to where those are that they become by a turn.
 Pose TurnOf(const Board& board, int turn);
 
+struct GeometryTurns {
+  BoardTurns turns;
+  /// Views, by image and board id, of a board whose points are displaced as no
+  /// turn of it is, by so little that these may be turned otherwise.
+  std::vector<std::pair<std::string, int>> doubtful;
+};
+
 /// The turns by which the displacements of a board's points agree best over all
 /// its views. Cameras that were adjusted with nominal points, each on its own
 /// images; views in images of one name share their turn. Only views that are
 /// surely otherwise than most are turned.
-BoardTurns TurnByGeometry(const std::vector<Adjusted>& cameras,
-                          const Pattern& pattern);
+GeometryTurns TurnByGeometry(const std::vector<Adjusted>& cameras,
+                             const Pattern& pattern);
 
 }  // namespace raygrid
 

@@ -98,6 +98,8 @@ class Calibration {
   void TurnBoards(const BoardTurns& turns, CameraInProgress* camera) const;
   void TurnBoardsAcrossCameras();
   void TurnBoardsByGeometry();
+  void NameDoubtfulTurns(
+      const std::vector<std::pair<std::string, int>>& doubtful);
   void FillResults();
   bool IsWorseThanFolds() const;
   void AdjustFromComparison();
@@ -319,7 +321,8 @@ void Calibration::TurnBoardsByGeometry() {
                             pattern_, options_.num_threads),
              &cameras.back());
   }
-  const BoardTurns turns = TurnByGeometry(cameras, pattern_);
+  const auto [turns, doubtful] = TurnByGeometry(cameras, pattern_);
+  NameDoubtfulTurns(doubtful);
   if (turns.empty()) return;
   // Errors of a lens may look like those of a board: free points decide.
   struct AsBefore {
@@ -349,7 +352,18 @@ void Calibration::TurnBoardsByGeometry() {
     cameras_[c].dataset = std::move(as_before[c].dataset);
     cameras_[c].split = std::move(as_before[c].split);
     cameras_[c].lens = std::move(as_before[c].lens);
+    cameras_[c].result.images_of_doubtful_turn.clear();
   }
+}
+
+void Calibration::NameDoubtfulTurns(
+    const std::vector<std::pair<std::string, int>>& doubtful) {
+  for (CameraInProgress& camera : cameras_)
+    for (const ImageFeatures& image : camera.dataset.images)
+      if (std::any_of(doubtful.begin(), doubtful.end(), [&](const auto& view) {
+            return view.first == image.image;
+          }))
+        camera.result.images_of_doubtful_turn.push_back(image.image);
 }
 
 void Calibration::TurnBoards() {
@@ -769,6 +783,7 @@ RigResult Calibration::Judge() {
       NameImagesAlone(adjusted_, static_cast<int>(&camera - cameras_.data()),
                       options_.num_threads, &camera.result);
     JudgeResult(options_.num_threads, &camera.result);
+    camera.result.turns = camera.turns;
     result_.cameras.push_back(std::move(camera.result));
   }
   result_.verdict = JudgeRig(result_);

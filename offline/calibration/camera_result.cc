@@ -320,6 +320,7 @@ void AddSameViews(const CalibrationResult& result,
 CalibrationFigures FiguresOf(const CalibrationResult& result,
                              const std::set<std::string>& images_apart) {
   CalibrationFigures figures;
+  figures.images_of_doubtful_turn = result.images_of_doubtful_turn;
   figures.converged = result.converged;
   figures.interrupted = result.checkpoint.has_value();
   figures.image_size = result.camera.camera->image_size();

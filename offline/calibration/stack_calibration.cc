@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "adjustment/smoothness_prior.h"
+#include "calibration/board_turns.h"
 #include "calibration/camera_in_progress.h"
 #include "calibration/camera_result.h"
 #include "calibration/camera_trust.h"
@@ -366,17 +367,19 @@ RigResult CalibrateStack(const CalibrationInput& input,
   };
   RigResult result = Calibrate({in_middle}, pattern, of_middle);
   CalibrationResult& camera = result.cameras.front();
+  // Features as given, but with boards turned as poses have them.
+  const Dataset turned = Turned(input.dataset, pattern, camera.turns);
   if (options.ShouldStop()) {
     // The camera is that of the middle, but files tell where images show
     // features.
-    camera.features = UsedOf(input.dataset, camera);
+    camera.features = UsedOf(turned, camera);
     return result;
   }
   report("adjustment over the condition", 0.8);
   const CameraStack stack = ChangesOnGrid(
       *start, dynamic_cast<const CentralGeneric&>(*camera.camera.camera));
-  Adjusted adjusted = StartFrom(camera, UsedOf(input.dataset, camera),
-                                conditions, pattern, stack);
+  Adjusted adjusted =
+      StartFrom(camera, UsedOf(turned, camera), conditions, pattern, stack);
   adjusted.problem.area = options.area;
   {
     const Stopwatch stopwatch(&seconds["stack_adjustment"]);

@@ -1,8 +1,10 @@
 #ifndef RAYGRID_EVALUATION_CALIBRATION_RESULT_H
 #define RAYGRID_EVALUATION_CALIBRATION_RESULT_H
 
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "dataset/camera_file.h"
@@ -65,6 +67,13 @@ struct CalibrationResult {
   CameraFile camera;
   Pattern pattern;   ///< points where they were found to be
   Dataset features;  ///< those used
+  /// How boards are turned against how the features were numbered, by image and
+  /// board id: steps of Board::Turned(). Those that are not turned are left
+  /// out.
+  std::map<std::pair<std::string, int>, int> turns;
+  /// Images whose boards differ from how they look after a turn by less than
+  /// tells which way they are turned.
+  std::vector<std::string> images_of_doubtful_turn;
   /// In all images; those that others stand for are the last.
   std::vector<BoardPose> poses;
   /// Groups of images that count as one: those that stand for the others are

@@ -151,6 +151,16 @@ void JudgeImagesAlone(const CalibrationFigures& figures, Verdict* verdict) {
        verdict);
 }
 
+void JudgeTurns(const CalibrationFigures& figures, Verdict* verdict) {
+  if (figures.images_of_doubtful_turn.empty()) return;
+  Warn(fmt::format("the board looks alike after a turn, and {} do not tell "
+                   "which way it is turned there: the print's errors may be "
+                   "taken for the lens's; leave them out, or print one row of "
+                   "squares more",
+                   Counted(figures.images_of_doubtful_turn)),
+       verdict);
+}
+
 void JudgeFlatBoard(const CalibrationFigures& figures, Verdict* verdict) {
   if (figures.flat_board_height_m > 0)
     Warn(fmt::format("--flat-board is believed, but a board is {:.3f} mm from "
@@ -343,9 +353,10 @@ Verdict JudgeCalibration(const CalibrationFigures& figures) {
   // Errors of a state on its way say nothing.
   if (figures.interrupted) return verdict;
   for (const auto judge :
-       {JudgeTimes, JudgeImagesApart, JudgeImagesAlone, JudgeFlatBoard,
-        JudgeFleetDistance, JudgeUncertainty, JudgeFoldOver, JudgePixels,
-        JudgeNeighbors, JudgeHeldOutError, JudgeHeldOutCopies, JudgeOverfit})
+       {JudgeTimes, JudgeImagesApart, JudgeImagesAlone, JudgeTurns,
+        JudgeFlatBoard, JudgeFleetDistance, JudgeUncertainty, JudgeFoldOver,
+        JudgePixels, JudgeNeighbors, JudgeHeldOutError, JudgeHeldOutCopies,
+        JudgeOverfit})
     judge(figures, &verdict);
   return verdict;
 }

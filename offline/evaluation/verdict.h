@@ -48,6 +48,7 @@ struct CalibrationFigures {
   /// Images that err far more than others only where they are held out, since
   /// they alone show some places of the image, and these places.
   std::vector<std::string> images_alone, places_alone;
+  std::vector<std::string> images_of_doubtful_turn;  ///< CalibrationResult's
   std::optional<TwoCameras> two_cameras;
   int boards_seen = 0, different_views = 0;
   /// The image of each time that a board is seen from behind.

@@ -6,8 +6,10 @@
 #include <cmath>
 
 #include "calibration/calibration.h"
+#include "calibration/stack_calibration.h"
 #include "evaluation/model_difference.h"
 #include "simulation/simulated_camera.h"
+#include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
 #include "simulation/simulated_rig.h"
 #include "support.h"
@@ -145,6 +147,7 @@ TEST(CalibrateTurnedBoards, TurnsNoneThatNothingTellsOf) {
   options.num_threads = 2;
   const CalibrationResult result =
       Calibrate(views.turned, views.nominal, options);
+  EXPECT_TRUE(result.images_of_doubtful_turn.empty());
   for (const ImageFeatures& image : result.features.images) {
     const auto given = std::find_if(
         views.turned.images.begin(), views.turned.images.end(),
@@ -157,6 +160,79 @@ TEST(CalibrateTurnedBoards, TurnsNoneThatNothingTellsOf) {
                                        other.pixel == feature.pixel;
                               }));
   }
+}
+
+// One image shows only nine corners of a print that is off by hundredths of a
+// millimetre.
+TEST(CalibrateTurnedBoards, NamesAViewThatDoesNotTellItsTurn) {
+  TurnedViews views = ViewsOf(ChessboardPattern(13, 9, 0.03), 0.00005, 20, 3);
+  ImageFeatures& poor = views.turned.images[4];
+  std::vector<Feature> middle;
+  for (const Feature& f : poor.features)
+    if (f.column >= 5 && f.column <= 7 && f.row >= 3 && f.row <= 5)
+      middle.push_back(f);
+  poor.features = middle;
+  ASSERT_EQ(middle.size(), 9u);
+  CalibrationOptions options;
+  options.cell_px = 160;
+  options.num_threads = 2;
+  options.rigid_board = true;
+  const CalibrationResult result =
+      Calibrate(views.turned, views.nominal, options);
+  EXPECT_EQ(result.images_of_doubtful_turn,
+            std::vector<std::string>{poor.image});
+  EXPECT_TRUE(std::any_of(
+      result.verdict.reasons.begin(), result.verdict.reasons.end(),
+      [&](const std::string& reason) {
+        return reason.find("the board looks alike after a turn, and") == 0 &&
+               reason.find(poor.image) != std::string::npos;
+      }));
+}
+
+// ---- Operating points ------------------------------------------------------
+
+// Images of a focusing lens, whose features are numbered by chance.
+double StackErrorPx(bool is_turned) {
+  const Pattern nominal = ChessboardPattern(7, 5, 0.03);
+  ImageConditions conditions;
+  conditions.conditions = {CameraCondition::kLensPosition};
+  CalibrationInput input;
+  const ImageSize size = {640, 480};
+  input.dataset.image_size = size;
+  SimulationOptions simulation;
+  simulation.num_images = 6;
+  simulation.noise_px = 0.02;
+  simulation.features_per_image = nominal.boards[0].num_points();
+  for (const double value : {0.0, 2.5, 5.0, 7.5, 10.0}) {
+    ++simulation.seed;
+    const auto lens = ChangingLens(CameraCondition::kLensPosition, value, size);
+    for (ImageFeatures& image :
+         SimulateObservations(*lens, Misprinted(nominal, 0.0004), simulation)
+             .dataset.images) {
+      image.image = std::to_string(simulation.seed) + image.image;
+      conditions.values[image.image] = {value};
+      input.dataset.images.push_back(std::move(image));
+    }
+  }
+  if (is_turned)
+    input.dataset =
+        Turned(input.dataset, nominal, RandomTurns(input.dataset, nominal, 7));
+  CalibrationOptions options;
+  options.num_threads = 2;
+  options.cell_px = 160;
+  options.rigid_board = true;
+  options.hold_out = {input.dataset.images.back().image};
+  const StackOfCameras stack =
+      CalibrateStack(input, conditions, nominal, options)
+          .cameras[0]
+          .camera.stack.value();
+  return CompareModels(*ChangingLens(CameraCondition::kLensPosition, 3.7, size),
+                       stack.cameras.At({3.7}), 20)
+      .rms_px;
+}
+
+TEST(CalibrateTurnedBoards, HasNoMoreErrorOverOperatingPoints) {
+  EXPECT_LT(StackErrorPx(true), 1.2 * StackErrorPx(false));
 }
 
 // ---- Rigs ------------------------------------------------------------------
