@@ -10,11 +10,13 @@
 #include "calibration/budget_input.h"
 #include "calibration/camera_in_progress.h"
 #include "calibration/camera_result.h"
+#include "calibration/divergence.h"
 #include "calibration/frame_adjustment.h"
 #include "calibration/grid_choice.h"
 #include "calibration/input_checks.h"
 #include "calibration/measuring_again.h"
 #include "calibration/parametric_comparison.h"
+#include "calibration/restart.h"
 #include "calibration/rig_evaluation.h"
 #include "calibration/rig_start.h"
 #include "calibration/rig_uncertainty.h"
@@ -101,9 +103,7 @@ class Calibration {
   void NameDoubtfulTurns(
       const std::vector<std::pair<std::string, int>>& doubtful);
   void FillResults();
-  bool IsWorseThanFolds() const;
   void AdjustFromComparison();
-  Adjusted AdjustAround(const std::string& other, double cell_px) const;
   void LookForTwoCameras();
   void CompareModels();
   void TellUncertainty(CameraInProgress* camera, int num_threads) const;
@@ -571,111 +571,29 @@ void Calibration::EvaluateHeldOutImages() {
         Summarize(first.result.cell_px, first.result.held_out)};
 }
 
-// Errors are compared as MeanErrorPx() counts them. Held-out features of folds
-// have no worse errors than training ones but by divergence.
-bool Calibration::IsWorseThanFolds() const {
-  constexpr double kMuchWorse = 1.2, kNegligiblePx = 0.01;
-  const CameraInProgress& camera = cameras_.front();
-  HeldOut held_out;
-  for (const bool rigid : {AreBoardsRigid(), true})
-    if (held_out.alone.empty())
-      held_out = JoinFolds(camera.checkpoint.trials, camera.folds.count(),
-                           CellsPx(), rigid);
-  if (held_out.alone.empty() || held_out.alone.front().empty()) return false;
-  const double cap_px = ErrorCapPx(camera.dataset.image_size);
-  double sum = 0;
-  for (const FeatureResidual& residual : held_out.alone.front())
-    sum += std::min(residual.error_px.norm(), cap_px);
-  const double mean_px =
-      sum / static_cast<double>(held_out.alone.front().size());
-  return MeanErrorPx(adjusted_, camera.lens) >
-         kMuchWorse * mean_px + kNegligiblePx;
-}
-
 void Calibration::AdjustFromFolds() {
+  CameraInProgress& camera = cameras_.front();
   if (IsRig() || !bodies_.empty() || options_.ShouldStop() ||
-      !IsWorseThanFolds())
+      !IsWorseThanFolds(camera, adjusted_, AreBoardsRigid(),
+                        camera.result.cell_px))
     return;
   const Stopwatch stopwatch(&result_.seconds["adjustment"]);
-  CameraInProgress& camera = cameras_.front();
-  const Adjusted given = camera.lens;
-  Adjusted best_lens = given, best = adjusted_;
-  double least_px = MeanErrorPx(best, given);
-  for (const Folds::Fold& fold : camera.folds.folds) {
-    const auto& start = fold.lenses ? fold.lenses : fold.start;
-    if (!start || options_.ShouldStop()) continue;
-    try {
-      camera.lens = AdjustStartingLens(camera.split.training, pattern_,
-                                       AdjustmentOptionsOf(options_),
-                                       options_.area, &start->state.camera());
-      camera.lens.problem.like = options_.like;
-      camera.lens.problem.like_spread = options_.like_spread;
-      Adjusted adjusted = AdjustTogether({0}, &rejected_);
-      const double error_px = MeanErrorPx(adjusted, given);
-      if (error_px >= least_px) continue;
-      least_px = error_px;
-      best = std::move(adjusted);
-      best_lens = camera.lens;
-    } catch (const Error&) {  // this fold's lens is no start
-    }
-  }
-  camera.lens = std::move(best_lens);
-  adjusted_ = std::move(best);
+  raygrid::AdjustFromFolds(
+      pattern_, options_, [this] { return AdjustTogether({0}, &rejected_); },
+      &camera, &adjusted_);
   FillResults();
   if (!options_.hold_out.empty()) EvaluateHeldOutImages();
-}
-
-// The model that was asked for, around a lens of another model.
-Adjusted Calibration::AdjustAround(const std::string& other,
-                                   double cell_px) const {
-  const CameraInProgress& camera = cameras_.front();
-  Adjusted adjusted = camera.lens;
-  AdjustmentOptions options = StoppableAdjustment(options_);
-  options.fix_points = true;
-  AdjustModel(pattern_, other, {0}, options, &adjusted);
-  adjusted.tilt_firmness.clear();
-  options.fix_points = options_.flat_board;
-  options.rigid_boards = AreBoardsRigid();
-  AdjustRigidly(pattern_, options_.model, {cell_px}, options, &adjusted);
-  if (!options.rigid_boards) LetBoardsBend(pattern_, options, &adjusted);
-  FinishCameras(&adjusted);
-  AdjustInCameraFrames(options, &adjusted);
-  AlignBoards(pattern_, &adjusted);
-  return adjusted;
 }
 
 // A grid has no larger errors than a lens of few parameters, but where it was
 // led astray.
 void Calibration::AdjustFromComparison() {
-  constexpr double kMuchWorse = 1.2, kNegligiblePx = 0.01;
   CameraInProgress& camera = cameras_.front();
   if (IsRig() || !bodies_.empty() || options_.ShouldStop() ||
-      IsParametricModel(options_.model))
+      IsParametricModel(options_.model) ||
+      !raygrid::AdjustFromComparison(pattern_, options_, AreBoardsRigid(),
+                                     &camera, &adjusted_))
     return;
-  const double own_px = camera.result.camera.training->median_px;
-  // With few images there are no folds to choose the cells by.
-  std::vector<double> cells_px = CellsPx();
-  if (camera.folds.count() == 0 && options_.cell_px == 0)
-    cells_px.push_back(MediumCellPx(camera.split.training, options_.model));
-  Adjusted best;
-  double best_cell_px = 0;
-  double least_px = MeanErrorPx(adjusted_, camera.lens);
-  for (const ModelFigures& other : camera.result.parametric_models) {
-    if (!IsParametricModel(other.model) ||
-        own_px <= kMuchWorse * other.training.median_px + kNegligiblePx)
-      continue;
-    for (const double cell_px : cells_px) {
-      Adjusted adjusted = AdjustAround(other.model, cell_px);
-      const double error_px = MeanErrorPx(adjusted, camera.lens);
-      if (kMuchWorse * error_px >= least_px) continue;
-      least_px = error_px;
-      best = std::move(adjusted);
-      best_cell_px = cell_px;
-    }
-  }
-  if (best.state.cameras.empty()) return;
-  adjusted_ = std::move(best);
-  camera.result.cell_px = best_cell_px;
   FillResults();
   if (!options_.hold_out.empty()) EvaluateHeldOutImages();
   TellUncertainty(&camera, options_.num_threads);

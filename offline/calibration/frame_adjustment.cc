@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "adjustment/smoothness_prior.h"
+#include "calibration/divergence.h"
 #include "camera/camera_frame.h"
 #include "camera/noncentral_generic.h"
 

@@ -10,7 +10,9 @@
 #include "adjustment/metric_scale.h"
 #include "adjustment/smoothness_prior.h"
 #include "calibration/continued_lens.h"
+#include "calibration/divergence.h"
 #include "calibration/grid_like.h"
+#include "calibration/outlier_removal.h"
 #include "calibration/polynomial_part.h"
 #include "calibration/unseen_nodes.h"
 #include "camera/model_fitting.h"
@@ -257,75 +259,6 @@ void CenterLines(AdjustmentState* state) {
   if (have_moved) state->MoveRigToFirstCamera();
 }
 
-// The outlier threshold of each camera: the third quartile of the residuals + 6
-// interquartile ranges (paper's supplement, "Bundle adjustment details").
-std::vector<double> OutlierThresholds(const std::vector<Residual>& residuals,
-                                      const CalibrationProblem& problem) {
-  std::vector<std::vector<double>> norms(problem.image_sizes.size());
-  size_t index = 0;
-  for (const View& view : problem.views)
-    for (size_t k = 0; k < view.observations.size(); ++k, ++index)
-      if (residuals[index].valid)
-        norms[view.camera].push_back(residuals[index].error_px.norm());
-  std::vector<double> thresholds;
-  for (const std::vector<double>& camera : norms) {
-    const double q1 = Quantile(camera, 0.25), q3 = Quantile(camera, 0.75);
-    thresholds.push_back(q3 + 6 * (q3 - q1));
-  }
-  return thresholds;
-}
-
-bool IsOutlier(const Residual& residual, double threshold) {
-  return !residual.valid || residual.error_px.norm() > threshold;
-}
-
-// Residuals beyond the thresholds leave the problem; they are returned by
-// camera.
-std::vector<std::vector<FeatureResidual>> TakeOutliers(
-    const Pattern& pattern, const std::vector<Residual>& residuals,
-    CalibrationProblem* problem) {
-  const std::vector<double> thresholds = OutlierThresholds(residuals, *problem);
-  std::vector<std::vector<FeatureResidual>> removed(thresholds.size());
-  size_t index = 0;
-  for (size_t v = 0; v < problem->views.size(); ++v) {
-    View& view = problem->views[v];
-    std::vector<Observation> kept;
-    for (const Observation& observation : view.observations) {
-      const Residual& residual = residuals[index++];
-      if (!IsOutlier(residual, thresholds[view.camera])) {
-        kept.push_back(observation);
-        continue;
-      }
-      const Feature feature =
-          problem->FeatureOf(pattern, static_cast<int>(v), observation);
-      removed[view.camera].push_back({problem->images[v], feature.board,
-                                      feature.column, feature.row,
-                                      observation.pixel, residual.error_px});
-    }
-    view.observations = std::move(kept);
-  }
-  return removed;
-}
-
-bool HasOutliers(const std::vector<Residual>& residuals,
-                 const CalibrationProblem& problem) {
-  const std::vector<double> thresholds = OutlierThresholds(residuals, problem);
-  size_t index = 0;
-  for (const View& view : problem.views)
-    for (size_t k = 0; k < view.observations.size(); ++k, ++index)
-      if (IsOutlier(residuals[index], thresholds[view.camera])) return true;
-  return false;
-}
-
-std::vector<Area> CalibratedAreas(const CalibrationProblem& problem) {
-  std::vector<Area> areas;
-  for (size_t c = 0; c < problem.image_sizes.size(); ++c)
-    areas.push_back(CalibratedArea(problem, static_cast<int>(c)));
-  return areas;
-}
-
-enum class Removed { kNone, kSome, kPartOfArea };
-
 // Without outliers boards may have shapes that were not told before.
 void LetBoardsHaveShapes(Adjusted* adjusted) {
   AdjustmentState& state = adjusted->state;
@@ -336,23 +269,6 @@ void LetBoardsHaveShapes(Adjusted* adjusted) {
 void AdjustAgain(const AdjustmentOptions& options, Adjusted* adjusted) {
   adjusted->summary = AdjustWithLearnedPrior(
       adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
-}
-
-// Residuals beyond the thresholds leave the problem, for good. The area is that
-// of the grids, which its features may span.
-Removed RemoveOutliers(const Pattern& pattern, Adjusted* adjusted) {
-  const std::vector<Area> areas = CalibratedAreas(adjusted->problem);
-  const auto removed =
-      TakeOutliers(pattern, adjusted->summary.residuals, &adjusted->problem);
-  bool have_removed = false;
-  for (size_t c = 0; c < removed.size(); ++c) {
-    auto& rejected = adjusted->rejected_features[c];
-    rejected.insert(rejected.end(), removed[c].begin(), removed[c].end());
-    have_removed = have_removed || !removed[c].empty();
-  }
-  if (!have_removed) return Removed::kNone;
-  return CalibratedAreas(adjusted->problem) == areas ? Removed::kSome
-                                                     : Removed::kPartOfArea;
 }
 
 // Grids around the lenses that they start from, before anything is adjusted,
@@ -461,43 +377,7 @@ bool CanJudge(const AdjustmentState& start, const std::string& model) {
              [&](const auto& camera) { return camera->Name() == model; });
 }
 
-size_t NumFeatures(const Adjusted& adjusted) {
-  size_t count = 0;
-  for (const View& view : adjusted.problem.views)
-    count += view.observations.size();
-  for (const auto& rejected : adjusted.rejected_features)
-    count += rejected.size();
-  return count;
-}
-
 }  // namespace
-
-double ErrorCapPx(const ImageSize& size) {
-  constexpr double kCapPart = 1.0 / 128;
-  return kCapPart * std::max(size.width, size.height);
-}
-
-double MeanErrorPx(const Adjusted& adjusted, const Adjusted& start) {
-  const double cap_px = ErrorCapPx(start.problem.image_sizes.front());
-  double less = 0;  // than all features at the cap
-  for (const Residual& residual :
-       ComputeResiduals(adjusted.state, adjusted.problem.views, 1))
-    if (residual.valid)
-      less += cap_px - std::min(residual.error_px.norm(), cap_px);
-  // Features that were not projected have no error.
-  for (const auto& rejected : adjusted.rejected_features)
-    for (const FeatureResidual& residual : rejected)
-      if (!residual.error_px.isZero(0))
-        less += cap_px - std::min(residual.error_px.norm(), cap_px);
-  const auto count = static_cast<double>(NumFeatures(start));
-  return cap_px - less / std::max(1.0, count);
-}
-
-bool HasDiverged(const Adjusted& adjusted, const Adjusted& start) {
-  constexpr double kMuchWorse = 1.2, kNegligiblePx = 0.01;
-  return MeanErrorPx(adjusted, start) >
-         kMuchWorse * MeanErrorPx(start, start) + kNegligiblePx;
-}
 
 AdjustmentSummary AdjustCameras(const CalibrationProblem& problem,
                                 const AdjustmentOptions& options,

@@ -4,24 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "adjustment/bundle_adjustment.h"
-#include "calibration/calibration_problem.h"
+#include "calibration/adjusted.h"
 
 namespace raygrid {
-
-/// A calibration without its figures.
-struct Adjusted {
-  CalibrationProblem problem;
-  AdjustmentState state;
-  AdjustmentSummary summary;
-  GaussianPrior prior;  ///< as it was learned
-  /// How firmly the lenses that grids lie around were kept from tilting when
-  /// they were fitted to the features (adjustment/gaussian_prior.h), by camera;
-  /// empty if they were not.
-  std::vector<double> tilt_firmness;
-  std::vector<RejectedImage> rejected_images;
-  std::vector<std::vector<FeatureResidual>> rejected_features;  ///< by camera
-};
 
 /// Cameras from where the state is: parametric ones, or grids, which scatter
 /// smoothly around where they are.
@@ -34,17 +19,6 @@ AdjustmentSummary AdjustCameras(const CalibrationProblem& problem,
 /// features were smallest (offline/calibration/DESIGN.md), unless it leaves far
 /// more than the starting lenses do: then these.
 void PutLensesAroundGrids(const AdjustmentOptions& options, Adjusted* adjusted);
-
-/// The largest error that counts where adjustments are compared: 1/128 of the
-/// image's longer side.
-double ErrorCapPx(const ImageSize& size);
-
-/// The mean reprojection error over all features of a start, each no more than
-/// ErrorCapPx(), which those have that an adjustment lost.
-double MeanErrorPx(const Adjusted& adjusted, const Adjusted& start);
-
-/// Whether an adjustment went from a start to something that is much worse.
-bool HasDiverged(const Adjusted& adjusted, const Adjusted& start);
 
 /// Goes on to the model asked for, with boards that are rigid: adjusted,
 /// outliers removed, once more. Grids start from the lenses that they lie

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "calibration/calibration.h"
+#include "calibration/divergence.h"
 #include "calibration/starting_lens.h"
 #include "gtest/gtest.h"
 #include "random_calibration.h"

@@ -1,0 +1,27 @@
+#ifndef RAYGRID_CALIBRATION_ADJUSTED_H
+#define RAYGRID_CALIBRATION_ADJUSTED_H
+
+#include <vector>
+
+#include "adjustment/bundle_adjustment.h"
+#include "calibration/calibration_problem.h"
+
+namespace raygrid {
+
+/// A calibration without its figures.
+struct Adjusted {
+  CalibrationProblem problem;
+  AdjustmentState state;
+  AdjustmentSummary summary;
+  GaussianPrior prior;  ///< as it was learned
+  /// How firmly the lenses that grids lie around were kept from tilting when
+  /// they were fitted to the features (adjustment/gaussian_prior.h), by camera;
+  /// empty if they were not.
+  std::vector<double> tilt_firmness;
+  std::vector<RejectedImage> rejected_images;
+  std::vector<std::vector<FeatureResidual>> rejected_features;  ///< by camera
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_ADJUSTED_H

@@ -1,0 +1,51 @@
+#include "calibration/divergence.h"
+
+#include <algorithm>
+
+#include "adjustment/reprojection_error.h"
+
+namespace raygrid {
+namespace {
+
+size_t NumFeatures(const Adjusted& adjusted) {
+  size_t count = 0;
+  for (const View& view : adjusted.problem.views)
+    count += view.observations.size();
+  for (const auto& rejected : adjusted.rejected_features)
+    count += rejected.size();
+  return count;
+}
+
+}  // namespace
+
+double ErrorCapPx(const ImageSize& size) {
+  constexpr double kCapPart = 1.0 / 128;
+  return kCapPart * std::max(size.width, size.height);
+}
+
+double MeanErrorPx(const Adjusted& adjusted, const Adjusted& start) {
+  const double cap_px = ErrorCapPx(start.problem.image_sizes.front());
+  double less = 0;  // than all features at the cap
+  for (const Residual& residual :
+       ComputeResiduals(adjusted.state, adjusted.problem.views, 1))
+    if (residual.valid)
+      less += cap_px - std::min(residual.error_px.norm(), cap_px);
+  // Features that were not projected have no error.
+  for (const auto& rejected : adjusted.rejected_features)
+    for (const FeatureResidual& residual : rejected)
+      if (!residual.error_px.isZero(0))
+        less += cap_px - std::min(residual.error_px.norm(), cap_px);
+  const auto count = static_cast<double>(NumFeatures(start));
+  return cap_px - less / std::max(1.0, count);
+}
+
+bool IsAstray(double error_px, double other_px) {
+  constexpr double kNegligiblePx = 0.01;
+  return error_px > kAstrayRatio * other_px + kNegligiblePx;
+}
+
+bool HasDiverged(const Adjusted& adjusted, const Adjusted& start) {
+  return IsAstray(MeanErrorPx(adjusted, start), MeanErrorPx(start, start));
+}
+
+}  // namespace raygrid

@@ -1,0 +1,24 @@
+#ifndef RAYGRID_CALIBRATION_OUTLIER_REMOVAL_H
+#define RAYGRID_CALIBRATION_OUTLIER_REMOVAL_H
+
+#include <vector>
+
+#include "calibration/adjusted.h"
+
+namespace raygrid {
+
+/// Outliers are residuals beyond the third quartile + 6 interquartile ranges of
+/// their camera's (paper's supplement, "Bundle adjustment details"), and
+/// features that do not project.
+bool HasOutliers(const std::vector<Residual>& residuals,
+                 const CalibrationProblem& problem);
+
+enum class Removed { kNone, kSome, kPartOfArea };
+
+/// Removes the outliers of the last adjustment from the problem, for good.
+/// kPartOfArea: the area of the grids has changed, which features may span.
+Removed RemoveOutliers(const Pattern& pattern, Adjusted* adjusted);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_OUTLIER_REMOVAL_H
