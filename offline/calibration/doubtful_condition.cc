@@ -2,186 +2,236 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <utility>
 
-#include "adjustment/reprojection_error.h"
+#include "calibration/value_equations.h"
+#include "calibration/value_regression.h"
 #include "camera/stacked_grid.h"
 #include "evaluation/residual_statistics.h"
 
 namespace raygrid {
 namespace {
 
-// Nothing is said of less than this part of the range, nor of fewer deviations,
-// be they the view's own or of all views' differences.
-constexpr double kLeastPart = 0.05, kManyDeviations = 6;
-// A wrong value bends the stack, so that others seem wrong besides: those less
-// doubtful than this part of the worst are not told.
-constexpr double kPartOfWorst = 0.5;
-constexpr double kPartOfRange = 1e-3;  // the step of differences
-constexpr double kToldPart = 0.02;     // of the range, that decimals tell
-constexpr int kNumPose = 6;
+// Nothing is said of less than this part of the range.
+constexpr double kLeastPart = 0.05;
+constexpr double kStatedPart = 0.02;   // of the range, that decimals show
+constexpr double kPerMedian = 1.4826;  // a normal deviation by a median
+// A calibration without any wrong value names an image as rarely as this.
+constexpr double kChance = 1e-3;
+// Values belong to none of the images if more of these are to be left out.
+constexpr double kMostLeftOut = 1.0 / 3;
 
-struct ValueShift {
-  double shift = 0, deviation = 0;
-};
+const std::vector<ConditionRange>& RangesOf(const Adjusted& adjusted) {
+  return dynamic_cast<const StackedGrid&>(adjusted.state.camera())
+      .stack()
+      .ranges();
+}
 
-// The derivatives of projections by a stack's values at those of a view, by
-// differences.
-class ValueDerivatives {
+double WidthOf(const ConditionRange& range) { return range.high - range.low; }
+
+// The standard normal number as rare as a number of Student's distribution
+// (Wallace, "Bounds on normal approximations to Student's and the chi-square
+// distributions", 1959).
+double NormalScore(double student, double freedom) {
+  return (8 * freedom + 1) / (8 * freedom + 3) *
+         std::sqrt(freedom * std::log1p(student * student / freedom));
+}
+
+// Whether chance makes one of so many scores as large.
+bool IsBeyondChance(double score, double freedom, Eigen::Index count) {
+  return static_cast<double>(count) *
+             std::erfc(NormalScore(score, freedom) / std::sqrt(2.0)) <
+         kChance;
+}
+
+// Judges by how much values are off.
+class StepJudge {
  public:
-  ValueDerivatives(const CameraStack& stack, const View& view) {
-    for (size_t r = 0; r < stack.ranges().size(); ++r) {
-      const ConditionRange& range = stack.ranges()[r];
-      const double step = kPartOfRange * (range.high - range.low);
-      ConditionValues below = view.conditions, above = view.conditions;
-      below[r] -= step;
-      above[r] += step;
-      sides_.push_back({stack.At(below), stack.At(above), 2 * step});
-    }
+  StepJudge(const Adjusted& adjusted, const ValueEquations& equations)
+      : ranges_(RangesOf(adjusted)),
+        num_images_(static_cast<double>(equations.images.size())),
+        count_(equations.count()) {
+    for (int r = 0; r < equations.num_ranges; ++r)
+      scatters_.push_back(ScatterOf(r, equations));
   }
 
-  // Columns of 2; false where a camera does not see the point.
-  bool At(const Eigen::Vector3d& point, const Eigen::Vector2d& pixel,
-          Eigen::Matrix2Xd* derivatives) const {
-    derivatives->resize(2, static_cast<Eigen::Index>(sides_.size()));
-    for (size_t r = 0; r < sides_.size(); ++r) {
-      const auto low =
-          sides_[r].below.Project(point, &pixel, kAdjustmentMarginPx);
-      const auto high =
-          sides_[r].above.Project(point, &pixel, kAdjustmentMarginPx);
-      if (!low || !high) return false;
-      derivatives->col(static_cast<Eigen::Index>(r)) =
-          (*high - *low) / sides_[r].apart;
-    }
-    return true;
+  bool IsDoubtful(const ValueStep& step, int range) const {
+    return std::abs(step.step) >= kLeastPart * WidthOf(ranges_[range]) &&
+           IsBeyondChance(step.Score() / scatters_[range], num_images_, count_);
   }
 
  private:
-  struct Sides {
-    CentralGeneric below, above;
-    double apart;
-  };
-  std::vector<Sides> sides_;
+  // How far the steps of a range scatter, in their deviations: what else is
+  // wrong with the model shifts values, too.
+  static double ScatterOf(int range, const ValueEquations& equations) {
+    std::vector<double> scores;
+    for (Eigen::Index i = range; i < equations.count();
+         i += equations.num_ranges)
+      scores.push_back(equations.StepOf(i).Score());
+    return std::max(1.0, kPerMedian * Quantile(scores, 0.5));
+  }
+
+  std::vector<ConditionRange> ranges_;
+  std::vector<double> scatters_;
+  double num_images_;
+  Eigen::Index count_;
 };
 
-// The shifts of all values with which the features of a view fit best, its pose
-// being free: a step of Gauss-Newton. None where features tell none.
-std::vector<ValueShift> FindShifts(const AdjustmentState& state,
-                                   const View& view) {
-  const CameraStack& stack =
-      dynamic_cast<const StackedGrid&>(*state.cameras[view.camera]).stack();
-  const ValueDerivatives by_values(stack, view);
-  const Pose camera_from_board = state.CameraFromPattern(view);
-  const auto num_values = static_cast<Eigen::Index>(stack.ranges().size());
-  const Eigen::Index num = kNumPose + num_values;
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(num, num);
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(num);
-  double squares = 0;
-  int count = 0;
-  Eigen::Matrix2Xd of_values, derivatives(2, num);
-  const std::vector<LinearizedResidual> residuals = LinearizeView(state, view);
-  for (size_t k = 0; k < residuals.size(); ++k) {
-    if (!residuals[k].residual.valid) continue;
-    const Eigen::Vector3d point =
-        camera_from_board *
-        state.PointAt(view.pose, view.observations[k].point);
-    if (!by_values.At(point, view.observations[k].pixel, &of_values)) continue;
-    derivatives.leftCols<kNumPose>() = residuals[k].by_pose;
-    derivatives.rightCols(num_values) = of_values;
-    const Eigen::Vector2d& error = residuals[k].residual.error_px;
-    normal += derivatives.transpose() * derivatives;
-    sum += derivatives.transpose() * error;
-    squares += error.squaredNorm();
-    ++count;
-  }
-  const int freedom = 2 * count - static_cast<int>(num);
-  const Eigen::LDLT<Eigen::MatrixXd> solver(normal);
-  if (freedom < 1 || solver.info() != Eigen::Success || !solver.isPositive())
-    return {};
-  const Eigen::VectorXd best = -solver.solve(sum);
-  const Eigen::MatrixXd inverse =
-      solver.solve(Eigen::MatrixXd::Identity(num, num));
-  const double variance = std::max(0.0, squares + sum.dot(best)) / freedom;
-  std::vector<ValueShift> shifts;
-  for (Eigen::Index r = kNumPose; r < num; ++r) {
-    shifts.push_back({best[r], std::sqrt(variance * inverse(r, r))});
-    if (!std::isfinite(best[r]) || !(shifts.back().deviation > 0)) return {};
-  }
-  return shifts;
+// The images whose values are doubtful by the equations of an adjustment.
+std::set<std::string> FindDoubtfulImages(const Adjusted& adjusted,
+                                         const ValueEquations& equations) {
+  const StepJudge judge(adjusted, equations);
+  std::set<std::string> images;
+  for (Eigen::Index i = 0; i < equations.count(); ++i)
+    if (judge.IsDoubtful(equations.StepOf(i), equations.RangeOf(i)))
+      images.insert(equations.images[equations.ImageOf(i)]);
+  return images;
 }
 
-// How far shifts of a condition scatter, in their deviations: other errors of
-// the model shift values as well.
-double ScatterOf(const std::vector<std::vector<ValueShift>>& shifts,
-                 size_t range) {
-  std::vector<double> sizes;
-  for (const auto& of_view : shifts)
-    if (!of_view.empty())
-      sizes.push_back(std::abs(of_view[range].shift) /
-                      of_view[range].deviation);
-  if (sizes.empty()) return 1;
-  constexpr double kPerMedian = 1.4826;  // of normal errors
-  return std::max(1.0, kPerMedian * Quantile(sizes, 0.5));
+// The images' views leave, each of which has a pose of its own.
+void RemoveImages(const std::set<std::string>& images, Adjusted* adjusted) {
+  std::vector<bool> remove;
+  std::vector<Pose> poses;
+  std::vector<FlexModes::Coefficients> flex;
+  const AdjustmentState& state = adjusted->state;
+  for (size_t v = 0; v < adjusted->problem.views.size(); ++v) {
+    remove.push_back(images.count(adjusted->problem.images[v]) > 0);
+    if (remove.back()) continue;
+    poses.push_back(state.rig_from_pattern[adjusted->problem.views[v].pose]);
+    if (state.HasFlex())
+      flex.push_back(state.flex[adjusted->problem.views[v].pose]);
+  }
+  RemoveViews(remove, &adjusted->problem);
+  adjusted->state.rig_from_pattern = std::move(poses);
+  if (state.HasFlex()) adjusted->state.flex = std::move(flex);
 }
 
-// One in each image: boards that it shows tell the same value.
-void KeepWorstOfImages(std::vector<DoubtfulCondition>* doubtful) {
-  std::set<std::pair<std::string, CameraCondition>> named;
-  const auto end = std::remove_if(
-      doubtful->begin(), doubtful->end(), [&](const DoubtfulCondition& of) {
-        return !named.insert({of.image, of.condition}).second;
-      });
-  doubtful->erase(end, doubtful->end());
+// The views of an image with all of its features: those that fit the stated
+// value least were rejected as outliers.
+std::vector<View> ViewsOf(const std::string& image,
+                          const CalibrationProblem& problem,
+                          const CalibrationProblem& given) {
+  std::vector<View> views;
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    if (problem.images[v] != image) continue;
+    views.push_back(problem.views[v]);
+    for (size_t g = 0; g < given.views.size(); ++g)
+      if (given.images[g] == image && given.boards[g] == problem.boards[v])
+        views.back().observations = given.views[g].observations;
+  }
+  return views;
+}
+
+// Whether images differ by far more than noise, and stated values explain that
+// no better than random ones would, or leave much of it.
+bool AreUnexplained(const ValueRegression& regression,
+                    const ConditionRange& range) {
+  constexpr double kManyDeviations = 3, kLikely = 0.01, kLeftPart = 0.15;
+  return (regression.scatter_without > kManyDeviations &&
+          regression.chance > kLikely) ||
+         (regression.scatter > kManyDeviations &&
+          regression.left > kLeftPart * WidthOf(range));
+}
+
+// The images whose fitted values are off what they depend on the stated ones
+// by.
+std::set<std::string> FindApart(const std::vector<FreeValue>& values,
+                                const ValueRegression& regression) {
+  const size_t count = regression.scores.size();
+  std::set<std::string> images;
+  for (size_t i = 0; i < count; ++i)
+    if (IsBeyondChance(regression.scores[i], static_cast<double>(count),
+                       static_cast<Eigen::Index>(count)))
+      images.insert(values[i].image);
+  return images;
+}
+
+// Fits the values of images to a stack that was adjusted without them.
+std::vector<DoubtfulCondition> PredictValues(
+    const std::set<std::string>& images, const Adjusted& all,
+    const CalibrationProblem& given, const Adjusted& without, int num_threads) {
+  std::vector<DoubtfulCondition> doubtful;
+  const ValueEquations equations = MakeValueEquations(without, num_threads);
+  if (equations.count() == 0) return doubtful;
+  const StepJudge judge(without, equations);
+  const std::vector<ConditionRange>& ranges = RangesOf(all);
+  AdjustmentState state = all.state;
+  state.cameras[0] = without.state.camera().Clone();
+  for (const std::string& image : images) {
+    const std::vector<View> views = ViewsOf(image, all.problem, given);
+    for (size_t r = 0; r < ranges.size(); ++r) {
+      const ValueStep step = FitValue(state, views, r, ranges[r]);
+      if (!judge.IsDoubtful(step, static_cast<int>(r))) continue;
+      const double stated = views.front().conditions[r];
+      const int num_decimals = std::clamp(
+          static_cast<int>(
+              std::ceil(-std::log10(kStatedPart * WidthOf(ranges[r])))),
+          0, 9);
+      doubtful.push_back({image, ranges[r].condition, stated,
+                          stated + step.step, num_decimals});
+    }
+  }
+  return doubtful;
 }
 
 }  // namespace
 
 std::string DoubtfulCondition::Text() const {
-  return fmt::format("{} was told at {:g} {}, and fits better near {:.{}f}",
-                     image, told, ConditionUnit(condition), seems,
+  return fmt::format("{} is stated at {:g} {}, but its features fit {:.{}f}",
+                     image, stated, ConditionUnit(condition), predicted,
                      num_decimals);
 }
 
-std::vector<DoubtfulCondition> FindDoubtfulConditions(
-    const Adjusted& adjusted) {
-  const AdjustmentState& state = adjusted.state;
-  const std::vector<View>& views = adjusted.problem.views;
-  const std::vector<ConditionRange> ranges =
-      dynamic_cast<const StackedGrid&>(state.camera()).stack().ranges();
-  std::vector<std::vector<ValueShift>> shifts;
-  for (const View& view : views) shifts.push_back(FindShifts(state, view));
-  std::vector<DoubtfulCondition> doubtful;
-  for (size_t r = 0; r < ranges.size(); ++r) {
-    const double width = ranges[r].high - ranges[r].low;
-    const double scatter = ScatterOf(shifts, r);
-    const int num_decimals = std::clamp(
-        static_cast<int>(std::ceil(-std::log10(kToldPart * width))), 0, 9);
-    for (size_t v = 0; v < views.size(); ++v) {
-      if (shifts[v].empty()) continue;
-      const ValueShift& found = shifts[v][r];
-      const double doubt = std::abs(found.shift) / (scatter * found.deviation);
-      if (doubt < kManyDeviations || std::abs(found.shift) < kLeastPart * width)
-        continue;
-      const double told = views[v].conditions[r];
-      doubtful.push_back(
-          {adjusted.problem.images[v], ranges[r].condition, told,
-           std::clamp(told + found.shift, ranges[r].low, ranges[r].high), doubt,
-           num_decimals});
+std::string UnexplainedCondition::Text() const {
+  const std::string name = ConditionName(condition);
+  return fmt::format(
+      "the values of {} do not explain how the images differ: check that each "
+      "value belongs to its image and that all have one unit, or calibrate "
+      "without {}",
+      name, name);
+}
+
+ConditionCheck CheckConditions(
+    const Adjusted& adjusted, const CalibrationProblem& given,
+    const std::function<void(Adjusted* fewer)>& readjust, int num_threads) {
+  constexpr int kMaxRounds = 4;
+  const std::vector<ConditionRange>& ranges = RangesOf(adjusted);
+  const size_t num_images =
+      std::set<std::string>(adjusted.problem.images.begin(),
+                            adjusted.problem.images.end())
+          .size();
+  ConditionCheck check;
+  // Wrong values bend the stack, which hides them and casts doubt on others: so
+  // it is adjusted without them, and again without those that show then.
+  Adjusted without = adjusted;
+  std::set<std::string> left_out;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    std::set<std::string> found;
+    for (size_t r = 0; r < ranges.size(); ++r) {
+      const std::vector<FreeValue> values =
+          FitFreeValues(without, r, num_threads);
+      const ValueRegression regression = RegressValues(values);
+      found.merge(FindApart(values, regression));
+      if (AreUnexplained(regression, ranges[r]) ||
+          kMostLeftOut * static_cast<double>(num_images) <
+              static_cast<double>(left_out.size() + found.size()))
+        check.unexplained.push_back({ranges[r].condition});
     }
+    if (!check.unexplained.empty()) return check;
+    const ValueEquations equations = MakeValueEquations(without, num_threads);
+    if (equations.count() == 0) return check;
+    found.merge(FindDoubtfulImages(without, equations));
+    if (found.empty()) break;
+    left_out.insert(found.begin(), found.end());
+    RemoveImages(found, &without);
+    readjust(&without);
   }
-  std::stable_sort(doubtful.begin(), doubtful.end(),
-                   [](const DoubtfulCondition& a, const DoubtfulCondition& b) {
-                     return a.doubt > b.doubt;
-                   });
-  while (!doubtful.empty() &&
-         doubtful.back().doubt < kPartOfWorst * doubtful.front().doubt)
-    doubtful.pop_back();
-  KeepWorstOfImages(&doubtful);
-  return doubtful;
+  if (!left_out.empty())
+    check.doubtful =
+        PredictValues(left_out, adjusted, given, without, num_threads);
+  return check;
 }
 
 }  // namespace raygrid

@@ -1,6 +1,7 @@
 #ifndef RAYGRID_CALIBRATION_DOUBTFUL_CONDITION_H
 #define RAYGRID_CALIBRATION_DOUBTFUL_CONDITION_H
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -9,25 +10,39 @@
 
 namespace raygrid {
 
-/// A view whose features look as if a condition had another value than was
-/// told of the image.
+/// An image whose stated value of a condition differs by more than chance from
+/// the one that is predicted from its features and from the other images.
 struct DoubtfulCondition {
   std::string image;
   CameraCondition condition = CameraCondition::kLensPosition;
-  double told = 0;
-  double seems = 0;      ///< within the range
-  double doubt = 0;      ///< the difference, in its standard deviations
-  int num_decimals = 0;  ///< of what it seems
+  double stated = 0;
+  double predicted = 0;  ///< within the range
+  int num_decimals = 0;  ///< of the prediction
 
-  /// "front_07.png was told at 9 dioptres, and fits better near 4.2".
+  /// "front_07.png is stated at 9 dioptres, but its features fit 4.2".
   std::string Text() const;
 };
 
-/// The views of an adjusted stack whose features tell another value, the most
-/// doubtful first. The distance of a board does much of what a longer focal
-/// length does, so a wrong value leaves small residuals, and no search for
-/// outliers sees it.
-std::vector<DoubtfulCondition> FindDoubtfulConditions(const Adjusted& adjusted);
+/// A condition whose values do not go with how the images differ.
+struct UnexplainedCondition {
+  CameraCondition condition = CameraCondition::kLensPosition;
+
+  std::string Text() const;
+};
+
+/// The check of stated values against what the images' features fit. Where
+/// values do not explain the images, none is doubtful by itself.
+struct ConditionCheck {
+  std::vector<DoubtfulCondition> doubtful;
+  std::vector<UnexplainedCondition> unexplained;
+};
+
+/// Checks the stated values of an adjusted stack. given has all features of the
+/// images, those that were rejected, too. readjust adjusts the stack once more,
+/// to fewer images than before, from where it is.
+ConditionCheck CheckConditions(
+    const Adjusted& adjusted, const CalibrationProblem& given,
+    const std::function<void(Adjusted* fewer)>& readjust, int num_threads);
 
 }  // namespace raygrid
 

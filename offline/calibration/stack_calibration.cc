@@ -291,8 +291,11 @@ void Warn(const std::string& reason, Verdict* verdict) {
   verdict->reasons.insert(verdict->reasons.begin(), reason);
 }
 
-void WarnOf(const std::vector<DoubtfulCondition>& doubtful, Verdict* verdict) {
+void WarnOf(const ConditionCheck& check, Verdict* verdict) {
   constexpr size_t kMostNamed = 5;
+  for (const UnexplainedCondition& condition : check.unexplained)
+    Warn(condition.Text(), verdict);
+  const std::vector<DoubtfulCondition>& doubtful = check.doubtful;
   if (doubtful.empty()) return;
   std::string names;
   for (size_t k = 0; k < std::min(doubtful.size(), kMostNamed); ++k)
@@ -302,10 +305,45 @@ void WarnOf(const std::vector<DoubtfulCondition>& doubtful, Verdict* verdict) {
   Warn(names + ": correct the values, or leave these images out", verdict);
 }
 
+// Adjusts a stack to the images of a problem from their features alone: what it
+// was before may have been bent by images that left.
+void StartAnew(const ImageConditions& conditions, const Pattern& pattern,
+               const CalibrationOptions& options, Adjusted* adjusted) {
+  CalibrationProblem& problem = adjusted->problem;
+  AdjustmentState& state = adjusted->state;
+  const CameraStack& before =
+      dynamic_cast<const StackedGrid&>(state.camera()).stack();
+  const BSplineSurface& grid = before.terms().front();
+  Dataset dataset = {before.image_size(), {}};
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    if (dataset.images.empty() ||
+        dataset.images.back().image != problem.images[v])
+      dataset.images.push_back({problem.images[v], {}});
+    for (const Observation& observation : problem.views[v].observations)
+      dataset.images.back().features.push_back(
+          problem.FeatureOf(pattern, static_cast<int>(v), observation));
+  }
+  const CameraStack start = StartStack(dataset, conditions, pattern, options);
+  const CentralGeneric middle = FitCentralGeneric(
+      start.At(start.Middle()), grid.area(), grid.columns(), grid.rows());
+  const CameraStack stack = ChangesOnGrid(start, middle);
+  for (const View& view : problem.views)
+    if (const auto pose = Localize(stack.At(view.conditions),
+                                   MatchesOf(view, problem.nominal)))
+      state.rig_from_pattern[view.pose] = *pose;
+  state.SetCamera(StackedGrid(stack, stack.Middle()));
+  adjusted->prior.cameras = {
+      StackPrior(middle, static_cast<int>(stack.terms().size()))};
+  AdjustmentOptions adjustment = StoppableAdjustment(options);
+  adjustment.fix_points = true;
+  adjusted->summary = AdjustWithLearnedPrior(problem.views, adjustment,
+                                             &adjusted->prior, &state);
+}
+
 // The result of all images in place of that of the camera in the middle.
-void PutResult(const CalibrationInput& input, const Pattern& pattern,
-               const CalibrationOptions& options, const Adjusted& adjusted,
-               CalibrationResult* result) {
+void PutResult(const CalibrationInput& input, const ImageConditions& conditions,
+               const Pattern& pattern, const CalibrationOptions& options,
+               const Adjusted& adjusted, CalibrationResult* result) {
   const auto& stack =
       dynamic_cast<const StackedGrid&>(adjusted.state.camera()).stack();
   result->poses.clear();
@@ -317,8 +355,24 @@ void PutResult(const CalibrationInput& input, const Pattern& pattern,
   result->camera.camera = middle.Clone();
   result->camera.stack =
       StackOfCameras{stack, StackDeviations(adjusted, options.num_threads)};
+  const auto readjust = [&](Adjusted* fewer) {
+    try {
+      StartAnew(conditions, pattern, options, fewer);
+    } catch (const Error&) {  // they lead to no lens: the stack stays
+    }
+  };
+  std::vector<RejectedImage> rejected;
+  const ConditionCheck check = CheckConditions(
+      adjusted, BuildProblem({input.dataset}, pattern, &rejected), readjust,
+      options.num_threads);
+  if (!check.unexplained.empty()) {
+    // Residuals of wrong values look like errors of boards, motion or focus.
+    result->budget.reset();
+    result->two_cameras.reset();
+    result->flat_board_height_m = 0;
+  }
   JudgeResult(options.num_threads, result);
-  WarnOf(FindDoubtfulConditions(adjusted), &result->verdict);
+  WarnOf(check, &result->verdict);
   for (const std::string& reason : FindUntestedConditions(stack, adjusted))
     Warn(reason, &result->verdict);
 }
@@ -387,7 +441,7 @@ RigResult CalibrateStack(const CalibrationInput& input,
   }
   {
     const Stopwatch stopwatch(&seconds["stack_figures"]);
-    PutResult(input, pattern, options, adjusted, &camera);
+    PutResult(input, conditions, pattern, options, adjusted, &camera);
   }
   result.seconds.merge(seconds);
   result.pattern = camera.pattern;

@@ -131,32 +131,77 @@ TEST(CalibrateStack, TellsTheCameraAtLensPositionsThatNoImageHas) {
   EXPECT_LT(found, 4 * stated);
 }
 
+// The verdict's word and reasons.
+std::string VerdictOf(const Sweep& sweep) {
+  const Verdict verdict =
+      CalibrateStack(sweep.input, sweep.conditions, FineTestBoard(),
+                     WithCellsOf40(sweep.input.dataset))
+          .cameras[0]
+          .verdict;
+  std::string text = verdict.word;
+  for (const std::string& reason : verdict.reasons) text += "; " + reason;
+  return text;
+}
+
+int CountIn(const std::string& text, const std::string& part) {
+  int count = 0;
+  for (size_t at = text.find(part); at != std::string::npos;
+       at = text.find(part, at + 1))
+    ++count;
+  return count;
+}
+
+// The value that an image's features fit, as the verdict says it.
+double PredictedIn(const std::string& verdict, const std::string& image) {
+  const std::string before = "but its features fit ";
+  const size_t at = verdict.find(before, verdict.find(image + " is stated at"));
+  return at == std::string::npos
+             ? NAN
+             : std::stod(verdict.substr(at + before.size()));
+}
+
 // The board's distance takes up most of what a wrong focal length does: the
 // residuals stay small, and the camera is wrong.
 TEST(CalibrateStack, NamesImagesWhoseValuesDoNotFit) {
   Sweep sweep =
       TakeSweep(CameraCondition::kLensPosition, {0, 2, 4, 6, 8, 10}, 6);
-  const auto reasons = [&] {
-    const CalibrationResult result =
-        CalibrateStack(sweep.input, sweep.conditions, FineTestBoard(),
-                       WithCellsOf40(sweep.input.dataset))
-            .cameras[0];
-    std::string text = result.verdict.word;
-    for (const std::string& reason : result.verdict.reasons)
-      text += "; " + reason;
-    return text;
-  };
-  EXPECT_EQ(reasons().find("was told at"), std::string::npos);
-  const std::string wrong = sweep.input.dataset.images[15].image;
+  const std::string right = VerdictOf(sweep);
+  EXPECT_EQ(CountIn(right, "is stated at"), 0) << right;
+  EXPECT_EQ(CountIn(right, "do not explain"), 0) << right;
+  // One that is wrong, and two that are swapped.
+  const auto& images = sweep.input.dataset.images;
+  const std::string wrong = images[15].image, first = images[8].image,
+                    second = images[27].image;
   ASSERT_EQ(sweep.conditions.values.at(wrong).front(), 4);
   sweep.conditions.values.at(wrong).front() = 9;
-  const std::string told = reasons();
-  EXPECT_NE(told.find(wrong + " was told at 9 dioptres, and fits better near"),
-            std::string::npos)
-      << told;
-  EXPECT_EQ(told.find("warn"), 0u);
+  sweep.conditions.values.at(first).front() = 8;
+  sweep.conditions.values.at(second).front() = 2;
+  const std::string verdict = VerdictOf(sweep);
+  EXPECT_EQ(verdict.find("warn"), 0u);
+  EXPECT_NEAR(PredictedIn(verdict, wrong), 4, 0.6) << verdict;
+  EXPECT_NEAR(PredictedIn(verdict, first), 2, 0.6) << verdict;
+  EXPECT_NEAR(PredictedIn(verdict, second), 8, 0.6) << verdict;
   // No other image is blamed for it.
-  EXPECT_EQ(told.find("was told at"), told.rfind("was told at")) << told;
+  EXPECT_EQ(CountIn(verdict, "is stated at"), 3) << verdict;
+}
+
+TEST(CalibrateStack, SaysThatShuffledValuesDoNotExplainTheImages) {
+  Sweep sweep =
+      TakeSweep(CameraCondition::kLensPosition, {0, 2, 4, 6, 8, 10}, 4);
+  std::vector<double> values;
+  for (const ImageFeatures& image : sweep.input.dataset.images)
+    values.push_back(sweep.conditions.values.at(image.image).front());
+  TestRandom random(3);
+  for (size_t i = values.size(); i > 1; --i)
+    std::swap(values[i - 1], values[random.Index(static_cast<int>(i))]);
+  for (size_t i = 0; i < values.size(); ++i)
+    sweep.conditions.values.at(sweep.input.dataset.images[i].image) = {
+        values[i]};
+  const std::string verdict = VerdictOf(sweep);
+  EXPECT_EQ(CountIn(verdict, "values of lens_position do not explain"), 1)
+      << verdict;
+  EXPECT_EQ(CountIn(verdict, "is stated at"), 0) << verdict;
+  EXPECT_EQ(CountIn(verdict, "bends"), 0) << verdict;
 }
 
 // Two positions fit any line: in the middle, rays may be as wrong as they like.

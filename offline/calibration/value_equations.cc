@@ -1,0 +1,238 @@
+#include "calibration/value_equations.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "adjustment/linear_response.h"
+#include "camera/stacked_grid.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kPartOfRange = 1e-3;  // the step of differences
+constexpr int kNumPose = 6;
+
+const CameraStack& StackOf(const AdjustmentState& state) {
+  return dynamic_cast<const StackedGrid&>(state.camera()).stack();
+}
+
+// The derivatives of projections by a stack's values at those of a view, by
+// differences.
+class ValueDerivatives {
+ public:
+  ValueDerivatives(const CameraStack& stack, const View& view) {
+    for (size_t r = 0; r < stack.ranges().size(); ++r) {
+      const ConditionRange& range = stack.ranges()[r];
+      const double step = kPartOfRange * (range.high - range.low);
+      ConditionValues below = view.conditions, above = view.conditions;
+      below[r] -= step;
+      above[r] += step;
+      sides_.push_back({stack.At(below), stack.At(above), 2 * step});
+    }
+  }
+
+  // A column of 2 for each value; zero where a camera does not see the point.
+  Eigen::Matrix2Xd At(const Eigen::Vector3d& point,
+                      const Eigen::Vector2d& pixel) const {
+    Eigen::Matrix2Xd derivatives(2, static_cast<Eigen::Index>(sides_.size()));
+    for (size_t r = 0; r < sides_.size(); ++r) {
+      const auto low =
+          sides_[r].below.Project(point, &pixel, kAdjustmentMarginPx);
+      const auto high =
+          sides_[r].above.Project(point, &pixel, kAdjustmentMarginPx);
+      if (!low || !high) return Eigen::Matrix2Xd::Zero(2, derivatives.cols());
+      derivatives.col(static_cast<Eigen::Index>(r)) =
+          (*high - *low) / sides_[r].apart;
+    }
+    return derivatives;
+  }
+
+ private:
+  struct Sides {
+    CentralGeneric below, above;
+    double apart;
+  };
+  std::vector<Sides> sides_;
+};
+
+// The valid residuals of a view, two rows each, times the square root of the
+// loss's weight, and their derivatives by the view's pose and by its values.
+struct ViewEquations {
+  Eigen::VectorXd error;
+  Eigen::MatrixXd by_pose, by_values;
+
+  // The moves of the pose that are nearest to errors, and what they leave.
+  Eigen::MatrixXd PoseStep(const Eigen::MatrixXd& errors) const {
+    const Eigen::MatrixXd normal = by_pose.transpose() * by_pose;
+    return normal.ldlt().solve(by_pose.transpose() * errors);
+  }
+  Eigen::MatrixXd BesidePose(const Eigen::MatrixXd& errors) const {
+    return errors - by_pose * PoseStep(errors);
+  }
+};
+
+ViewEquations EquationsOf(const AdjustmentState& state, const View& view) {
+  const ValueDerivatives by_values(StackOf(state), view);
+  const Pose camera_from_board = state.CameraFromPattern(view);
+  const std::vector<LinearizedResidual> residuals = LinearizeView(state, view);
+  const double huber_px = AdjustmentOptions().huber_px;
+  const Eigen::Index num_rows =
+      2 * std::count_if(residuals.begin(), residuals.end(),
+                        [](const auto& r) { return r.residual.valid; });
+  ViewEquations equations = {
+      Eigen::VectorXd(num_rows), Eigen::MatrixXd(num_rows, kNumPose),
+      Eigen::MatrixXd(num_rows,
+                      static_cast<Eigen::Index>(view.conditions.size()))};
+  Eigen::Index row = 0;
+  for (size_t k = 0; k < residuals.size(); ++k) {
+    const LinearizedResidual& r = residuals[k];
+    if (!r.residual.valid) continue;
+    const double root =
+        std::sqrt(HuberWeight(r.residual.error_px.norm(), huber_px));
+    const Eigen::Vector3d point =
+        camera_from_board *
+        state.PointAt(view.pose, view.observations[k].point);
+    equations.error.segment<2>(row) = root * r.residual.error_px;
+    equations.by_pose.middleRows<2>(row) = root * r.by_pose;
+    equations.by_values.middleRows<2>(row) =
+        root * by_values.At(point, view.observations[k].pixel);
+    row += 2;
+  }
+  return equations;
+}
+
+// The standard deviation of residuals, but for what poses and values take up.
+double NoisePx(const std::vector<ViewEquations>& views) {
+  double squares = 0;
+  Eigen::Index freedom = 0;
+  const Eigen::Index num_values = views.front().by_values.cols();
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(num_values, num_values);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(num_values);
+  for (const ViewEquations& view : views) {
+    const Eigen::MatrixXd beside = view.BesidePose(view.by_values);
+    const Eigen::VectorXd error = view.BesidePose(view.error);
+    normal += beside.transpose() * beside;
+    gradient += beside.transpose() * error;
+    squares += error.squaredNorm();
+    freedom += error.size() - kNumPose;
+  }
+  squares -= gradient.dot(normal.ldlt().solve(gradient));
+  freedom -= num_values;
+  return freedom > 0 && squares > 0
+             ? std::sqrt(squares / static_cast<double>(freedom))
+             : 0;
+}
+
+// The number of each view's image, in the order of the images.
+std::vector<int> NumberImages(const CalibrationProblem& problem,
+                              std::vector<std::string>* images) {
+  std::vector<int> numbers;
+  for (const std::string& image : problem.images) {
+    const auto found = std::find(images->begin(), images->end(), image);
+    numbers.push_back(static_cast<int>(found - images->begin()));
+    if (found == images->end()) images->push_back(image);
+  }
+  return numbers;
+}
+
+}  // namespace
+
+ValueStep ValueEquations::StepOf(Eigen::Index unknown) const {
+  // Beside the information that an image has by itself.
+  constexpr double kUndetermined = 1e-6;
+  const double found = information[unknown];
+  if (!(found > kUndetermined * own_information[unknown])) return {0, INFINITY};
+  return {-gradient[unknown] / found,
+          noise_px[ImageOf(unknown)] / std::sqrt(found)};
+}
+
+ValueEquations MakeValueEquations(const Adjusted& adjusted, int num_threads) {
+  const std::vector<View>& views = adjusted.problem.views;
+  ValueEquations result;
+  result.num_ranges = static_cast<int>(StackOf(adjusted.state).ranges().size());
+  const std::vector<int> image_of =
+      NumberImages(adjusted.problem, &result.images);
+  const int num_images = static_cast<int>(result.images.size());
+
+  AdjustmentOptions options;
+  options.num_threads = num_threads;
+  options.fix_points = !HavePointsMoved(adjusted);
+  const LinearResponse response(views, adjusted.prior, options, adjusted.state);
+  ViewErrors none;
+  for (const ViewJacobian& jacobian : response.jacobians())
+    none.push_back(Eigen::Matrix2Xd::Zero(2, jacobian.count()));
+
+  std::vector<std::vector<ViewEquations>> by_image(num_images);
+  const Eigen::Index num_values =
+      static_cast<Eigen::Index>(num_images) * result.num_ranges;
+  result.gradient = Eigen::VectorXd::Zero(num_values);
+  result.own_information = Eigen::VectorXd::Zero(num_values);
+  Eigen::MatrixXd right =
+      Eigen::MatrixXd::Zero(response.layout().num_all(), num_values);
+  for (size_t v = 0; v < views.size(); ++v) {
+    const ViewEquations equations = EquationsOf(adjusted.state, views[v]);
+    const Eigen::Index first =
+        static_cast<Eigen::Index>(image_of[v]) * result.num_ranges;
+    // The pose is eliminated at once, since it takes up nearly all.
+    const Eigen::MatrixXd beside = equations.BesidePose(equations.by_values);
+    result.gradient.segment(first, result.num_ranges) +=
+        beside.transpose() * equations.error;
+    result.own_information.segment(first, result.num_ranges) +=
+        beside.colwise().squaredNorm().transpose();
+    for (int r = 0; r < result.num_ranges; ++r) {
+      const Eigen::VectorXd column = beside.col(r);
+      none[v] = Eigen::Map<const Eigen::Matrix2Xd>(column.data(), 2,
+                                                   column.size() / 2);
+      right.col(first + r) += response.Gradient(none);
+      none[v].setZero();
+    }
+    by_image[image_of[v]].push_back(equations);
+  }
+  Eigen::MatrixXd moves;
+  if (!response.Solve(right, &moves)) return {};
+  result.information = result.own_information -
+                       right.cwiseProduct(moves).colwise().sum().transpose();
+  for (const auto& of_image : by_image)
+    result.noise_px.push_back(
+        std::max(NoisePx(of_image), adjusted.summary.noise_px));
+  return result;
+}
+
+ValueStep FitValue(AdjustmentState state, const std::vector<View>& views,
+                   size_t range, const ConditionRange& limits) {
+  constexpr int kMaxSteps = 12;
+  constexpr double kPartOfDeviation = 0.05;
+  const auto column = static_cast<Eigen::Index>(range);
+  const double stated = views.front().conditions[range];
+  double value = stated;
+  ValueStep found = {0, INFINITY};
+  for (int step = 0; step < kMaxSteps; ++step) {
+    std::vector<ViewEquations> equations;
+    double information = 0, gradient = 0;
+    for (View view : views) {
+      view.conditions[range] = value;
+      equations.push_back(EquationsOf(state, view));
+      const ViewEquations& own = equations.back();
+      const Eigen::VectorXd beside = own.BesidePose(own.by_values.col(column));
+      information += beside.squaredNorm();
+      gradient += beside.dot(own.error);
+    }
+    if (!(information > 0)) return {0, INFINITY};
+    const double before = value;
+    value =
+        std::clamp(before - gradient / information, limits.low, limits.high);
+    found = {value - stated, NoisePx(equations) / std::sqrt(information)};
+    for (size_t k = 0; k < views.size(); ++k) {
+      Pose& pose = state.rig_from_pattern[views[k].pose];
+      pose = UpdatedPose(
+          pose, -equations[k].PoseStep(equations[k].error +
+                                       (value - before) *
+                                           equations[k].by_values.col(column)));
+    }
+    if (std::abs(value - before) < kPartOfDeviation * found.deviation) break;
+  }
+  return found;
+}
+
+}  // namespace raygrid
