@@ -373,6 +373,7 @@ GeometryTurns TurnByGeometry(const std::vector<Adjusted>& cameras,
   // Errors of neighbours are alike, so that chance goes further than the
   // deviations say.
   constexpr double kSurely = 5;
+  constexpr size_t kFewParts = 3;
   GeometryTurns found;
   for (size_t b = 0; b < pattern.boards.size(); ++b) {
     const Board& board = pattern.boards[b];
@@ -382,12 +383,17 @@ GeometryTurns TurnByGeometry(const std::vector<Adjusted>& cameras,
     if (images.size() < 2) continue;
     TurnSearch search(images, board);
     search.Run();
+    std::vector<std::pair<std::string, int>> doubtful;
     for (size_t i = 0; i < images.size(); ++i) {
       const std::pair<std::string, int> view(images[i].image, board.id);
       if (search.turns()[i] != 0 && search.Sureness(i) > kSurely)
         found.turns[view] = search.turns()[i];
-      if (search.IsTurnDoubtful(i, kSurely)) found.doubtful.push_back(view);
+      if (search.IsTurnDoubtful(i, kSurely)) doubtful.push_back(view);
     }
+    // Noise hides whatever the board has where many views are doubtful.
+    if (kFewParts * doubtful.size() <= images.size())
+      found.doubtful.insert(found.doubtful.end(), doubtful.begin(),
+                            doubtful.end());
   }
   return found;
 }
