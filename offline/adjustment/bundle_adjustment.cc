@@ -353,7 +353,7 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
 
   PriorUpdate update(groups, square_metres_per_pixel);
   AdjustmentOptions fixed = options;
-  double variance = 0;
+  double variance = 0, num_effective = 0;
   EquationsBuilder builder(views, options.huber_px, options.num_threads);
   double lambda = kLearningLambda;
   bool is_asked = !options.is_enough, is_enough = false;
@@ -374,8 +374,8 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
     const std::optional<PriorEvidence> evidence = EvidenceOn(
         groups, *prior, views, *equations, layout, tried_lambda, *state);
     if (!evidence) break;
-    variance = ResidualVariance(residuals, options.huber_px,
-                                NumEffectiveParameters(*evidence, layout));
+    num_effective = NumEffectiveParameters(*evidence, layout);
+    variance = ResidualVariance(residuals, options.huber_px, num_effective);
     double change = update.UpdateCameras(*evidence, variance);
     if (LeaveOutWhatIsNotTold(*evidence, variance, *prior, &fixed.fix_points,
                               state)) {
@@ -398,6 +398,7 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
       Adjust(views, *prior, fixed, lambda, &builder, state);
   if (!fixed.fix_points) MoveMeanBends(views, prior, state);
   summary.noise_px = std::sqrt(variance);
+  summary.num_effective = num_effective;
   return summary;
 }
 

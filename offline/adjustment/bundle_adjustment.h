@@ -46,6 +46,8 @@ struct AdjustmentSummary {
   std::vector<Residual> residuals;          ///< of the final state
   /// Standard deviation of a residual's coordinate, with a learned prior.
   double noise_px = 0;
+  /// The effective number of parameters, with a learned prior.
+  double num_effective = 0;
 };
 
 /// Levenberg-Marquardt on the reprojection error over the camera's parameters,

@@ -25,6 +25,9 @@ void PriorGroup::HoldFree(const Eigen::VectorXd& holds) {
   const Eigen::MatrixXd& directions = freer_.directions;
   Eigen::MatrixXd square = directions.transpose() * precision * directions;
   square.diagonal() += holds;
+  // Parameters of a lens may be all but dependent.
+  constexpr double kRidge = 1e-10;
+  square.diagonal() *= 1 + kRidge;
   const Eigen::LLT<Eigen::MatrixXd> root(square);
   free = root.matrixL().solve(directions.transpose()).transpose();
   // Turned among themselves until D^T K D is diagonal.

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "adjustment/board_flex.h"
@@ -66,6 +67,15 @@ Eigen::VectorXd WithoutFree(const Eigen::MatrixXd& free,
                             const Eigen::MatrixXd& freed,
                             const Eigen::VectorXd& random);
 
+/// The parametric camera that a grid lies around. Its parameters are estimated
+/// together with the grid: they are unpenalized but for what held them when the
+/// camera was fitted to the observations.
+struct BaseLens {
+  std::shared_ptr<const ParametricModel> model;  ///< nullptr: of no such model
+  /// Of each parameter, in units of the inverse residual variance.
+  Eigen::VectorXd precision;
+};
+
 /// The belief about a camera's parameters before the observations: they lie
 /// around a parametric lens, with smooth differences. The prior costs, beside
 /// the residuals:
@@ -78,7 +88,7 @@ struct CameraPrior {
   Eigen::MatrixXd orientation;  ///< G, three columns a field; may be empty
   Eigen::VectorXd orientation_difference;  ///< g0; empty: zero
   double orientation_weight = 0;
-  double tilt_firmness = 0;                 ///< that it was made with
+  BaseLens base_lens = {};                  ///< that it was made with
   std::vector<BSplineSurface> spread = {};  ///< and with these
 
   double Cost(const Eigen::VectorXd& parameters) const;

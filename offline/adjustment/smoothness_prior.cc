@@ -121,65 +121,112 @@ std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   return scales;
 }
 
-// How far the parameters of a lens move the image: focal lengths, centre,
-// radial distortion, and what tilts it.
-struct LensDisplacements {
-  static constexpr int kCentral = 4, kRadial = 3, kTilt = 4;
-  static constexpr int kCount = kCentral + kRadial + kTilt;
+// The displacements of an image, in pixels, by what is free of a camera of no
+// parametric model: x, y, 1 across and 1 down, then along the radius by its
+// third power, and its fifth and seventh, a pixel in the area's corners.
+Eigen::Matrix2Xd PolynomialDisplacements(const Area& area,
+                                         const Eigen::Vector2d& pixel) {
+  constexpr int kNumRadial = 3;
+  const Eigen::Vector2d offset = (pixel - area.center()) / area.width();
+  const Eigen::Vector2d to_corner =
+      (pixel - area.center()) * 2 / std::hypot(area.width(), area.height());
+  Eigen::Matrix2Xd displacements(2, 4 + kNumRadial);
+  displacements.leftCols<4>() << offset.x(), 0, 1, 0,  //
+      0, offset.y(), 0, 1;
+  for (int k = 0; k < kNumRadial; ++k)
+    displacements.col(4 + k) =
+        to_corner * std::pow(to_corner.squaredNorm(), k + 1);
+  return displacements;
+}
 
-  // Displacements x, y, 1 across and 1 down, then along the radius by its third
-  // power, and its fifth and seventh, a pixel in the area's corners. The last
-  // are the tangential terms p1 and p2 and the thin-prism terms sx1 and sy1, of
-  // a pixel as camera/decentring.h counts them.
-  static Eigen::Matrix<double, 2, kCount> At(const Area& area,
-                                             const Eigen::Vector2d& pixel) {
-    const Eigen::Vector2d offset = (pixel - area.center()) / area.width();
-    const Eigen::Vector2d to_corner =
-        (pixel - area.center()) * 2 / std::hypot(area.width(), area.height());
-    Eigen::Matrix<double, 2, kCount> displacements;
-    displacements.leftCols<kCentral>() << offset.x(), 0, 1, 0,  //
-        0, offset.y(), 0, 1;
-    for (int k = 0; k < kRadial; ++k)
-      displacements.col(kCentral + k) =
-          to_corner * std::pow(to_corner.squaredNorm(), k + 1);
-    const double x = to_corner.x(), y = to_corner.y(), r2 = x * x + y * y;
-    displacements.rightCols<kTilt>() << 2 * x * y, r2 + 2 * x * x, r2, 0,  //
-        r2 + 2 * y * y, 2 * x * y, 0, r2;
-    return displacements;
+// Radial distortion is held a hundredth as much as a pixel of the field: so
+// little holds nothing that features tell, but where they are in a small part
+// of the image, high orders would move the rest by any number of pixels.
+Eigen::VectorXd PolynomialHolds() {
+  constexpr double kRadialHold = 1e-4;
+  Eigen::VectorXd holds = Eigen::VectorXd::Zero(7);
+  holds.tail<3>().setConstant(kRadialHold);
+  return holds;
+}
+
+// How far a unit of each parameter of a lens moves what a pixel sees; beyond
+// where the lens sees anything, as at the last pixel on the way there.
+class ParameterDisplacements {
+ public:
+  ParameterDisplacements(const ParametricModel& lens, const Area& area)
+      : lens_(lens.OverArea(area)), middle_(area.center()) {}
+
+  Eigen::Matrix2Xd At(const Eigen::Vector2d& pixel) const {
+    constexpr int kSteps = 64;
+    for (int step = kSteps; step > 0; --step) {
+      const Eigen::Vector2d nearer =
+          middle_ + (pixel - middle_) * step / static_cast<double>(kSteps);
+      const auto ray = lens_->Unproject(nearer);
+      LinearizedProjection projection;
+      if (ray && lens_->Linearize(*ray, &nearer, 1, &projection))
+        return projection.by_global.leftCols(projection.num_global);
+    }
+    return Eigen::Matrix2Xd::Zero(2, lens_->NumParameters());
   }
 
-  // Radial distortion is held a hundredth as much as a pixel of the field: so
-  // little holds nothing that features tell, but where they are in a small part
-  // of the image, high orders would move the rest by any number of pixels.
-  static Eigen::VectorXd Holds() {
-    constexpr double kRadialHold = 1e-4;
-    Eigen::VectorXd holds = Eigen::VectorXd::Zero(kCount);
-    holds.segment<kRadial>(kCentral).setConstant(kRadialHold);
-    return holds;
-  }
-  static Eigen::VectorXd Firmness(double tilt_firmness) {
-    Eigen::VectorXd firmness = Eigen::VectorXd::Zero(kCount);
-    firmness.tail<kTilt>().setConstant(tilt_firmness);
-    return firmness;
-  }
+ private:
+  std::unique_ptr<ParametricModel> lens_;
+  Eigen::Vector2d middle_;
 };
 
-// How control points move with each of these. Without a firmness, the lens's
-// tilt is as the base has it.
-FreeDirections FreedOfLens(const BSplineSurface& surface,
-                           const FieldParameters& field, double tilt_firmness) {
-  Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(
-      field.per_point * surface.num_points(), LensDisplacements::kCount);
+// The control points of surfaces with these values at pixels, a column each.
+// Beyond the area they go on as what is inside it does: the smoothness would
+// see a bend there.
+Eigen::MatrixXd ControlValues(
+    const BSplineSurface& surface, const FieldParameters& field,
+    const std::function<Eigen::MatrixXd(const Eigen::Vector2d&)>& at) {
+  const LatticeFit fit(surface);
+  const Eigen::Index count = at(fit.pixels()[0]).cols();
+  Eigen::MatrixXd values(fit.pixels().size(), 2 * count);
+  for (size_t i = 0; i < fit.pixels().size(); ++i)
+    values.row(i) = at(fit.pixels()[i]).reshaped().transpose();
+  Eigen::MatrixXd result =
+      Eigen::MatrixXd::Zero(field.per_point * surface.num_points(), count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::VectorXd x = fit.Of(values.col(2 * k)),
+                          y = fit.Of(values.col(2 * k + 1));
+    for (int i = 0; i < surface.num_points(); ++i)
+      result.col(k).segment<2>(field.ParameterOf(i)) << x[i], y[i];
+  }
+  return result;
+}
+
+// How control points move with the parameters of a lens.
+FreeDirections FreeParameters(const BSplineSurface& surface,
+                              const FieldParameters& field,
+                              const BaseLens& lens) {
+  const ParameterDisplacements displacements(*lens.model, surface.area());
+  FreeDirections freed;
+  freed.directions =
+      ControlValues(surface, field, [&](const Eigen::Vector2d& pixel) {
+        return Eigen::MatrixXd(ChartDerivative(surface, pixel) *
+                               displacements.At(pixel));
+      });
+  freed.holds = Eigen::VectorXd::Zero(lens.precision.size());
+  freed.firmness = lens.precision;
+  return freed;
+}
+
+// How control points move with what is free of a camera of no such model.
+FreeDirections FreePolynomials(const BSplineSurface& surface,
+                               const FieldParameters& field) {
+  FreeDirections freed;
+  freed.holds = PolynomialHolds();
+  freed.firmness = Eigen::VectorXd::Zero(freed.holds.size());
+  freed.directions = Eigen::MatrixXd::Zero(
+      field.per_point * surface.num_points(), freed.holds.size());
   for (int i = 0; i < surface.num_points(); ++i) {
     const Eigen::Vector2d pixel = surface.PixelOf(i);
-    directions.middleRows<2>(field.ParameterOf(i)) =
+    freed.directions.middleRows<2>(field.ParameterOf(i)) =
         ChartDerivative(surface, pixel) *
-        LensDisplacements::At(surface.area(), pixel);
+        PolynomialDisplacements(surface.area(), pixel);
   }
-  const int count = LensDisplacements::kCount -
-                    (tilt_firmness > 0 ? 0 : LensDisplacements::kTilt);
-  return {directions.leftCols(count), LensDisplacements::Holds().head(count),
-          LensDisplacements::Firmness(tilt_firmness).head(count)};
+  return freed;
 }
 
 // The rotations of the directions of pixels all over the area, in pixels, as a
@@ -208,28 +255,6 @@ Eigen::MatrixXd RotationOverArea(const BSplineSurface& surface,
             support.wx[i] * support.wy[j] * by_rotation;
   }
   return rotation / static_cast<double>(pixels.size());
-}
-
-// The control points of surfaces with these values at pixels, a column each.
-// Beyond the area they go on as what is inside it does: the smoothness would
-// see a bend there.
-Eigen::MatrixXd ControlValues(
-    const BSplineSurface& surface, const FieldParameters& field,
-    const std::function<Eigen::MatrixXd(const Eigen::Vector2d&)>& at) {
-  const LatticeFit fit(surface);
-  const Eigen::Index count = at(fit.pixels()[0]).cols();
-  Eigen::MatrixXd values(fit.pixels().size(), 2 * count);
-  for (size_t i = 0; i < fit.pixels().size(); ++i)
-    values.row(i) = at(fit.pixels()[i]).reshaped().transpose();
-  Eigen::MatrixXd result =
-      Eigen::MatrixXd::Zero(field.per_point * surface.num_points(), count);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const Eigen::VectorXd x = fit.Of(values.col(2 * k)),
-                          y = fit.Of(values.col(2 * k + 1));
-    for (int i = 0; i < surface.num_points(); ++i)
-      result.col(k).segment<2>(field.ParameterOf(i)) << x[i], y[i];
-  }
-  return result;
 }
 
 // Beside what is freed of a lens, how a fleet's lenses differ: by normal
@@ -280,10 +305,10 @@ Eigen::MatrixXd WithoutTurns(const Eigen::MatrixXd& directions,
 // control point's parameters.
 CameraPrior DirectionsPrior(const BSplineSurface& base,
                             const FieldParameters& field,
-                            double tilt_firmness = 0,
+                            const BaseLens& lens = {},
                             const std::vector<BSplineSurface>& spread = {}) {
   CameraPrior prior;
-  prior.tilt_firmness = tilt_firmness;
+  prior.base_lens = lens;
   prior.spread = spread;
   prior.groups = {SmoothGroup(base, field, PixelsPerChartUnit(base))};
   // The orientation is that of displacements in pixels: in the chart,
@@ -294,7 +319,8 @@ CameraPrior DirectionsPrior(const BSplineSurface& base,
   prior.orientation =
       std::sqrt(base.num_points()) * RotationOverArea(base, field, middle_px);
   prior.orientation_weight = middle_px * middle_px;
-  FreeDirections freed = FreedOfLens(base, field, tilt_firmness);
+  FreeDirections freed = lens.model ? FreeParameters(base, field, lens)
+                                    : FreePolynomials(base, field);
   if (!spread.empty()) {
     freed = WithSpread(freed, base, field, spread);
     freed.directions =
@@ -328,10 +354,9 @@ Eigen::SparseMatrix<double> PlacesAlongLines(const BSplineSurface& directions,
 
 }  // namespace
 
-CameraPrior SmoothnessPrior(const CentralGeneric& base, double tilt_firmness,
+CameraPrior SmoothnessPrior(const CentralGeneric& base, const BaseLens& lens,
                             const std::vector<BSplineSurface>& spread) {
-  CameraPrior prior =
-      DirectionsPrior(base.surface(), {2, 0, 2}, tilt_firmness, spread);
+  CameraPrior prior = DirectionsPrior(base.surface(), {2, 0, 2}, lens, spread);
   prior.mean = base.Parameters();
   return prior;
 }
@@ -354,10 +379,10 @@ CameraPrior StackPrior(const CentralGeneric& base, int num_terms) {
 }
 
 CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m,
-                            double tilt_firmness) {
+                            const BaseLens& lens) {
   constexpr int kPerNode = NonCentralGeneric::kPerNode;
   const BSplineSurface& surface = base.surface();
-  CameraPrior prior = DirectionsPrior(surface, {kPerNode, 0, 2}, tilt_firmness);
+  CameraPrior prior = DirectionsPrior(surface, {kPerNode, 0, 2}, lens);
   prior.mean = NonCentralGeneric(base).Parameters();
   const int middle = surface.num_points() / 2;
   const double chart_per_radian =

@@ -12,25 +12,20 @@ namespace raygrid {
 /// Smoothness of a grid's difference from base: K sums the squared second
 /// differences, across, down and mixed, of the displacement in pixels that
 /// separates the two. Keeps nodes that few observations determine near where
-/// their neighbours and the parametric lens would have them. Focal lengths and
-/// centre are free, and radial distortion of orders 3, 5 and 7 nearly so: those
-/// of the parametric lens make up for what it does not follow, and beyond the
-/// outermost features they are no better known than the features tell. Also
-/// holds the camera's orientation, which no observation can see,
-/// to base's.
+/// their neighbours and the parametric lens would have them. Also holds the
+/// camera's orientation, which no observation can see, to base's.
 ///
-/// The terms that tilt a lens are free as well if the base's were fitted to the
-/// observations: held as firmly as they were in that fit, by the cost of a term
-/// that moves the farthest corner by a pixel (camera/decentring.h), as a part
-/// of the residuals' variance. Taken for known, with 0, they would lend their
-/// errors to the grid.
+/// The parameters of the lens are free, as far as its own fit left them: they
+/// make up for what it does not follow, and beyond the outermost features they
+/// are no better known than the features tell. Without a lens, focal lengths
+/// and centre are free, and radial distortion of orders 3, 5 and 7 nearly so.
 ///
 /// spread tells how lenses differ from base, if that is a fleet's middle: by
 /// displacements in pixels, each times a standard normal number. Then the
 /// smoothness is about what these and the lens leave, of which no part is to be
 /// a turn.
 CameraPrior SmoothnessPrior(const CentralGeneric& base,
-                            double tilt_firmness = 0,
+                            const BaseLens& lens = {},
                             const std::vector<BSplineSurface>& spread = {});
 
 /// The smoothness priors of a stack's terms, each as that of a grid and a group
@@ -50,7 +45,7 @@ CameraPrior StackPrior(const CentralGeneric& base, int num_terms);
 /// points drift along the lines, o(x) -> o(x) + f(x) d(x): the prior holds each
 /// control point's point in the plane across base's direction.
 CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m,
-                            double tilt_firmness = 0);
+                            const BaseLens& lens = {});
 
 }  // namespace raygrid
 

@@ -14,10 +14,9 @@ struct Adjusted {
   AdjustmentState state;
   AdjustmentSummary summary;
   GaussianPrior prior;  ///< as it was learned
-  /// How firmly the lenses that grids lie around were kept from tilting when
-  /// they were fitted to the features (adjustment/gaussian_prior.h), by camera;
-  /// empty if they were not.
-  std::vector<double> tilt_firmness;
+  /// The lenses that grids lie around, by camera; empty if they were not fitted
+  /// to the features.
+  std::vector<BaseLens> base_lenses;
   std::vector<RejectedImage> rejected_images;
   std::vector<std::vector<FeatureResidual>> rejected_features;  ///< by camera
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "calibration/base_lens.h"
 #include "calibration/bend_choice.h"
 #include "calibration/body_search.h"
 #include "calibration/budget_input.h"
@@ -232,10 +233,12 @@ bool Calibration::DoBoardsBend() const {
 void Calibration::StartFromImages(CameraInProgress* camera) const {
   // One of the features before they were measured again.
   const auto& known = camera->lens.state.cameras;
+  const std::string base_model = camera->lens.problem.base_model;
   try {
     camera->lens = AdjustStartingLens(
         camera->split.training, pattern_, AdjustmentOptionsOf(options_),
         options_.area, known.empty() ? nullptr : known.front().get());
+    camera->lens.problem.base_model = base_model;
     camera->lens.problem.like = options_.like;
     camera->lens.problem.like_spread = options_.like_spread;
   } catch (const Error& error) {
@@ -252,6 +255,9 @@ void Calibration::Start() {
   const Stopwatch stopwatch(&result_.seconds["start"]);
   ForEachCamera({"start", 0, 0.05}, [&](CameraInProgress* camera, auto) {
     StartFromImages(camera);
+    if (!IsParametricModel(options_.model))
+      camera->lens.problem.base_model =
+          ChooseBaseModel(AdjustmentOptionsOf(options_), camera->lens);
     if (!options_.any_distance) RequireLikelyDistances(camera->lens);
   });
 }
@@ -430,6 +436,7 @@ void Calibration::ChooseGrids() {
   ForEachCamera({"cross-validation", 0.1, 0.6}, [&](CameraInProgress* camera,
                                                     const auto& report) {
     camera->folds = MakeFolds({camera->split}, {&camera->lens.state.camera()});
+    camera->folds.base_model = camera->lens.problem.base_model;
     ChooseGrid(pattern_, options_, report, camera);
     ChooseBends(pattern_, options_, camera);
     for (Folds::Fold& fold : camera->folds.folds) fold.rigid.clear();
@@ -551,6 +558,7 @@ void Calibration::EvaluateHeldOutImages() {
   const bool is_anew = IsRig() || !bodies_.empty();
   Folds anew;
   if (is_anew) anew = MakeFolds(Splits(), StartingLenses());
+  anew.base_model = adjusted_.problem.base_model;
   HeldOut held_out =
       EvaluateHeldOut(adjusted_, pattern_, Splits(), validation, CellsPx(),
                       is_anew ? &anew : &first.folds,

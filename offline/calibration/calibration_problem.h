@@ -18,6 +18,9 @@ namespace raygrid {
 struct CalibrationProblem {
   std::vector<ImageSize> image_sizes;  ///< of each camera
   AreaChoice area = AreaChoice::kWholeImage;
+  /// The model of the lenses that grids lie around, once ChooseBaseModel() has
+  /// chosen it.
+  std::string base_model = {};
   /// A camera of a like lens, which grids lie around; or none.
   std::shared_ptr<const CameraModel> like = {};
   /// How lenses differ from it, if that is known.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "calibration/base_lens.h"
 #include "calibration/bend_share.h"
 #include "calibration/camera_evaluation.h"
 #include "calibration/flexed_evaluation.h"
@@ -142,11 +143,12 @@ void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
       if (!fold.start)
         fold.start = StartCameras(fold.cameras, folds->known, pattern,
                                   options.bodies, options.area, adjustment);
+      fold.start->problem.base_model = folds->base_model;
       fold.start->problem.like = options.like;
       fold.start->problem.like_spread = options.like_spread;
       if (!is_grid) return;
       Adjusted lenses = *fold.start;
-      PutLensesAroundGrids(adjustment, &lenses);
+      FitBaseLenses(adjustment, &lenses);
       fold.lenses = std::move(lenses);
     });
   });

@@ -43,6 +43,8 @@ struct Folds {
   /// Starting lenses of all training images, which each fold adjusts to its
   /// own.
   std::vector<std::shared_ptr<const CameraModel>> known;
+  /// CalibrationProblem::base_model, found with all training images.
+  std::string base_model;
 
   int count() const { return static_cast<int>(folds.size()); }
 };

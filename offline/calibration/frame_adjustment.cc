@@ -25,12 +25,12 @@ CameraPrior TurnedPrior(const CameraPrior& prior, const CameraModel& camera,
   CameraPrior turned;
   if (const auto* lines = dynamic_cast<const NonCentralGeneric*>(base.get())) {
     constexpr double kAnyDistanceM = 1;
-    turned = NonCentralPrior(lines->CentralPart(), kAnyDistanceM,
-                             prior.tilt_firmness);
+    turned =
+        NonCentralPrior(lines->CentralPart(), kAnyDistanceM, prior.base_lens);
     turned.groups.back() = prior.groups.back();
   } else {
     turned = SmoothnessPrior(dynamic_cast<const CentralGeneric&>(*base),
-                             prior.tilt_firmness, prior.spread);
+                             prior.base_lens, prior.spread);
   }
   for (size_t g = 0; g < turned.groups.size(); ++g)
     turned.groups[g].SetWeight(prior.groups[g].weight, residual_variance);

@@ -8,18 +8,6 @@
 
 namespace raygrid {
 
-/// Cameras from where the state is: parametric ones, or grids, which scatter
-/// smoothly around where they are.
-AdjustmentSummary AdjustCameras(const CalibrationProblem& problem,
-                                const AdjustmentOptions& options,
-                                AdjustmentState* state);
-
-/// Goes on from starting lenses to those that grids lie around, and go on as
-/// where nothing is seen. Their model is the one whose errors beyond the
-/// features were smallest (offline/calibration/DESIGN.md), unless it leaves far
-/// more than the starting lenses do: then these.
-void PutLensesAroundGrids(const AdjustmentOptions& options, Adjusted* adjusted);
-
 /// Goes on to the model asked for, with boards that are rigid: adjusted,
 /// outliers removed, once more. Grids start from the lenses that they lie
 /// around. Where that diverges, other lenses are tried; if all fail, the camera

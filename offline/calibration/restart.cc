@@ -23,7 +23,7 @@ Adjusted AdjustAround(const std::string& other, const Pattern& pattern,
   AdjustmentOptions options = StoppableAdjustment(calibration);
   options.fix_points = true;
   AdjustModel(pattern, other, {0}, options, &adjusted);
-  adjusted.tilt_firmness.clear();
+  adjusted.base_lenses.clear();
   options.fix_points = calibration.flat_board;
   options.rigid_boards = are_boards_rigid;
   AdjustRigidly(pattern, calibration.model, {cell_px}, options, &adjusted);
@@ -66,6 +66,7 @@ void AdjustFromFolds(const Pattern& pattern, const CalibrationOptions& options,
       camera->lens = AdjustStartingLens(camera->split.training, pattern,
                                         AdjustmentOptionsOf(options),
                                         options.area, &start->state.camera());
+      camera->lens.problem.base_model = given.problem.base_model;
       camera->lens.problem.like = options.like;
       camera->lens.problem.like_spread = options.like_spread;
       Adjusted again = adjust();

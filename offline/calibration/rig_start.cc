@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "calibration/camera_adjustment.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/residual_statistics.h"
@@ -41,6 +42,10 @@ Joined Join(const std::vector<Adjusted>& cameras, const Bodies& bodies) {
   problem.first_points = cameras.front().problem.first_points;
   problem.nominal = cameras.front().problem.nominal;
   problem.area = cameras.front().problem.area;
+  problem.base_model = cameras.front().problem.base_model;
+  for (const Adjusted& camera : cameras)
+    if (camera.problem.base_model != problem.base_model)
+      problem.base_model.clear();
   std::map<std::pair<std::string, int>, int> pose_of;
   for (size_t c = 0; c < cameras.size(); ++c) {
     const CalibrationProblem& own = cameras[c].problem;

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <set>
 
+#include "calibration/camera_adjustment.h"
 #include "calibration/evenly_chosen.h"
 #include "camera/model_fitting.h"
 #include "dataset/error.h"

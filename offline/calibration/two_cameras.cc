@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "calibration/camera_adjustment.h"
 #include "calibration/camera_evaluation.h"
 #include "calibration/evenly_chosen.h"
 #include "calibration/starting_lens.h"

@@ -7,4 +7,4 @@ set(NOT_QUICK
   LargeEquations Lenses/StartFromThreeViewsOf Lenses/UnevenLensOf MarkerBoards
   MeasureNoise NextView OutputFolder PackCamera PackWhatCanBe PlaceByLayout
   PrintedFeatures ProjectionUncertainty RenderImage ResidualBudget RowTime ShareOfBends
-  SpreadAround StackPacking StarDetector StartFromThreeViews TwoCameras VirtualView)
+  SpreadAround StackPacking StarDetector StartFromThreeViews TrueErrors TwoCameras VirtualView)

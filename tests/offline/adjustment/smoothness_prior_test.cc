@@ -61,46 +61,57 @@ TEST(SmoothnessPrior, ScattersAsItHolds) {
 
 // A pinhole, whose tangential term p1 moves the farthest corner by so many
 // pixels.
-CentralGeneric Tilted(double p1_px) {
-  constexpr int kP1 = 10;
+constexpr int kP1 = OpenCvModel::kP1;
+OpenCvModel TiltedLens(double p1_px) {
   OpenCvModel lens = ExampleLens();
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(OpenCvModel::kCount);
   parameters.head<4>() << 510, 510, 319.5, 239.5;
   lens.SetParameters(parameters);
   parameters[kP1] = p1_px / DecentringPixels(lens, lens.area())[kP1];
   lens.SetParameters(parameters);
-  return FittedGrid(lens, 80);
+  return lens;
+}
+CentralGeneric Tilted(double p1_px) {
+  return FittedGrid(TiltedLens(p1_px), 80);
+}
+
+// The lens around which a grid lies, whose tilt has a precision; the others are
+// free.
+BaseLens WithTiltPrecision(double precision) {
+  const OpenCvModel lens = TiltedLens(0);
+  BaseLens base;
+  base.model = std::make_shared<OpenCvModel>(lens);
+  const Eigen::VectorXd pixels = DecentringPixels(lens, lens.area());
+  base.precision = precision * pixels.cwiseAbs2();
+  return base;
 }
 
 // Nearly: the surface beyond the area is not quite as the directions have it.
-TEST(SmoothnessPrior, FreesTheTiltOfAFittedLens) {
+TEST(SmoothnessPrior, FreesTheParametersOfItsLens) {
   constexpr double kWeight = 10, kVariance = 0.01;
   const CentralGeneric base = Tilted(0);
   const Eigen::VectorXd tilt = Tilted(1).Parameters() - base.Parameters();
-  const auto group_with = [&](double firmness) {
-    PriorGroup group = SmoothnessPrior(base, firmness).groups[0];
+  const auto group_with = [&](double precision) {
+    PriorGroup group =
+        SmoothnessPrior(base, WithTiltPrecision(precision)).groups[0];
     group.SetWeight(kWeight, kVariance);
     return group;
   };
-  const PriorGroup known = group_with(0), fitted = group_with(2);
-  EXPECT_EQ(known.free.cols(), 7);
-  EXPECT_EQ(fitted.free.cols(), 11);
-  EXPECT_EQ(fitted.rank, known.rank - 4);
-  const double cost = known.SquaredDistance(tilt);
-  EXPECT_LT(fitted.SquaredDistance(tilt), 0.07 * cost);
-  // Held ever so firmly, it is as the rest.
-  const PriorGroup held = group_with(1e9);
-  EXPECT_NEAR(held.SquaredDistance(tilt), cost, 1e-3 * cost);
-  EXPECT_EQ(held.rank, known.rank);
+  const PriorGroup free = group_with(2), held = group_with(1e9);
+  EXPECT_EQ(free.free.cols(), OpenCvModel::kCount);
+  EXPECT_EQ(held.rank, free.rank + 2);  // p1 and p2
+  const double cost = held.SquaredDistance(tilt);
+  EXPECT_LT(free.SquaredDistance(tilt), 0.07 * cost);
 }
 
-// The firmness counts beside the residuals' variance, however much the group
+// A precision counts beside the residuals' variance, however much the group
 // weighs.
 TEST(SmoothnessPrior, HoldsATiltTheLessTheMoreItWeighs) {
-  constexpr double kFirmness = 2e4, kVariance = 0.01;
+  constexpr double kPrecision = 2e4, kVariance = 0.01;
   const CentralGeneric base = Tilted(0);
   const Eigen::VectorXd tilt = Tilted(1).Parameters() - base.Parameters();
-  PriorGroup group = SmoothnessPrior(base, kFirmness).groups[0];
+  PriorGroup group =
+      SmoothnessPrior(base, WithTiltPrecision(kPrecision)).groups[0];
   group.SetWeight(1, kVariance);
   const double with_weak = group.SquaredDistance(tilt);
   group.SetWeight(1000, kVariance);
@@ -161,7 +172,7 @@ TEST(SmoothnessPrior, HoldsASpreadByItsDeviation) {
   const CentralGeneric base = Base();
   const BSplineSurface bump = Bump(base.area(), 0.5);
   const auto cost_with = [&](const BSplineSurface& spread, double times) {
-    const CameraPrior prior = SmoothnessPrior(base, 0, {spread});
+    const CameraPrior prior = SmoothnessPrior(base, {}, {spread});
     PriorGroup group = prior.groups[0];
     group.SetWeight(kWeight, kVariance);
     return kWeight / kVariance *
@@ -178,7 +189,7 @@ TEST(SmoothnessPrior, HoldsASpreadByItsDeviation) {
 TEST(SmoothnessPrior, TakesASpreadOfZeros) {
   const CentralGeneric base = Base();
   const PriorGroup with =
-      SmoothnessPrior(base, 0, {Bump(base.area(), 0)}).groups[0];
+      SmoothnessPrior(base, {}, {Bump(base.area(), 0)}).groups[0];
   EXPECT_TRUE(with.free.allFinite());
   EXPECT_TRUE(with.freed.allFinite());
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "adjustment/covariance.h"
+#include "calibration/camera_adjustment.h"
 #include "calibration/camera_trust.h"
 #include "calibration/model_adjustment.h"
 #include "calibration/starting_lens.h"

@@ -1,0 +1,229 @@
+#include "calibration/camera_adjustment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "adjustment/distortion_prior.h"
+#include "adjustment/smoothness_prior.h"
+#include "calibration/continued_lens.h"
+#include "calibration/grid_like.h"
+#include "calibration/polynomial_part.h"
+#include "camera/model_fitting.h"
+#include "camera/noncentral_generic.h"
+#include "evaluation/residual_statistics.h"
+
+namespace raygrid {
+namespace {
+
+// The pattern's points stay where they are nominally.
+AdjustmentOptions WithFixedPoints(AdjustmentOptions options) {
+  options.fix_points = true;
+  options.is_enough = {};
+  return options;
+}
+
+// First with fixed points, a small problem from a rough start; then, if they
+// may move, with all of them, from a good start. Grids would follow what is
+// wrong with fixed points: for them this start ends early. Lenses cannot, and
+// need it good.
+AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
+                                   const AdjustmentOptions& options,
+                                   GaussianPrior* prior,
+                                   AdjustmentState* state) {
+  prior->points_mean = problem.nominal;
+  state->SetModes({}, BendScope::kBoard);
+  AdjustmentOptions first = options.fix_points ? options : AsStart(options);
+  first.is_start = !options.fix_points && !AreParametric(CopyCameras(*state));
+  const AdjustmentSummary summary =
+      AdjustWithLearnedPrior(problem.views, first, prior, state);
+  if (options.fix_points) return summary;
+  state->SetModes(ModesOf(problem), BendScope::kBoard);
+  return AdjustWithLearnedPrior(problem.views, options, prior, state);
+}
+
+int NumFeatures(const CalibrationProblem& problem, int camera) {
+  size_t count = 0;
+  for (const View& view : problem.views)
+    if (view.camera == camera) count += view.observations.size();
+  return static_cast<int>(count);
+}
+
+// The prior of a camera from where it is.
+CameraPrior PriorAround(const CameraModel& camera,
+                        const CalibrationProblem& problem, int index) {
+  if (const auto* grid = dynamic_cast<const CentralGeneric*>(&camera))
+    return SmoothnessPrior(PolynomialPart(*grid));
+  return DistortionPrior(dynamic_cast<const ParametricModel&>(camera),
+                         CalibratedArea(problem, index),
+                         NumFeatures(problem, index));
+}
+
+// Cameras from where the state is.
+AdjustmentSummary AdjustLenses(const CalibrationProblem& problem,
+                               const AdjustmentOptions& options,
+                               GaussianPrior* prior, AdjustmentState* state) {
+  *prior = {};
+  for (size_t c = 0; c < state->cameras.size(); ++c)
+    prior->cameras.push_back(
+        PriorAround(*state->cameras[c], problem, static_cast<int>(c)));
+  return AdjustInTwoSteps(problem, options, prior, state);
+}
+
+// A radial spline has as many knots as there are features to tell them. Its
+// prior keeps those smooth that are not needed (offline/calibration/DESIGN.md).
+int NumKnots(int num_features) {
+  constexpr int kLeast = 24, kMost = 96, kFeaturesPerKnot = 20;
+  return std::clamp(num_features / kFeaturesPerKnot, kLeast, kMost);
+}
+
+// A parametric camera instead of a starting lens. A start of no kind of lens
+// has no axis: the model finds its own, and what the camera sees turns with it.
+void SetLens(const std::string& model, const CameraModel& lens,
+             const CalibrationProblem& problem, int camera,
+             AdjustmentState* state) {
+  FitOptions options;
+  options.free_rotation = !IsParametricModel(lens.Name());
+  options.num_knots = NumKnots(NumFeatures(problem, camera));
+  const FittedModel fitted =
+      FitParametricModel(model, lens, FeatureArea(problem, camera), options);
+  state->cameras[camera] = fitted.model->Clone();
+  if (!options.free_rotation) return;
+  Pose& pose = state->camera_from_rig[camera];
+  pose = Pose{fitted.model_from_camera, Eigen::Vector3d::Zero()} * pose;
+  state->MoveRigToFirstCamera();
+}
+
+// A grid that starts as a lens is expected to lie around it. A start of no kind
+// of lens was fitted to the same features, and tells how they err.
+CentralGeneric ExpectedGrid(const CalibrationProblem& problem,
+                            const CameraModel& lens,
+                            const CentralGeneric& start) {
+  return problem.like || IsParametricModel(lens.Name()) ? start
+                                                        : PolynomialPart(start);
+}
+
+// Lines, which start from adjusted central grids. Their points stay where they
+// are nominally: free, they would take on what is not central.
+AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
+                              const Starts& starts,
+                              const AdjustmentOptions& options,
+                              GaussianPrior* prior, AdjustmentState* state) {
+  AdjustGrids(problem, starts, WithFixedPoints(options), prior, state);
+  *prior = {};
+  for (size_t c = 0; c < starts.lenses.size(); ++c) {
+    prior->cameras.push_back(NonCentralPrior(
+        ExpectedGrid(problem, *starts.lenses[c], AsGrid(problem, c, starts)),
+        MeanDistance(problem, c, *state), starts.BaseOf(c)));
+    state->cameras[c] = NonCentralGeneric(dynamic_cast<const CentralGeneric&>(
+                                              *state->cameras[c]))
+                            .Clone();
+  }
+  return AdjustInTwoSteps(problem, options, prior, state);
+}
+
+}  // namespace
+
+Lenses CopyCameras(const AdjustmentState& state) {
+  Lenses cameras;
+  for (const auto& camera : state.cameras) cameras.push_back(camera->Clone());
+  return cameras;
+}
+
+bool AreParametric(const Lenses& lenses) {
+  return std::all_of(lenses.begin(), lenses.end(), [](const auto& lens) {
+    return IsParametricModel(lens->Name());
+  });
+}
+
+AdjustmentOptions AsStart(AdjustmentOptions options) {
+  options.fix_points = true;
+  options.is_enough = {};
+  options.max_iterations = 0;
+  return options;
+}
+
+double MedianErrorPx(const std::vector<Residual>& residuals) {
+  std::vector<double> norms;
+  for (const Residual& residual : residuals)
+    norms.push_back(residual.valid ? residual.error_px.norm() : INFINITY);
+  return Quantile(norms, 0.5);
+}
+
+CentralGeneric AsGrid(const CalibrationProblem& problem, size_t camera,
+                      const Starts& starts) {
+  const Area area = CalibratedArea(problem, static_cast<int>(camera));
+  const double cell_px = starts.cells_px[camera];
+  const int columns = NumControlPoints(area.width(), cell_px),
+            rows = NumControlPoints(area.height(), cell_px);
+  const CameraModel& lens = *starts.lenses[camera];
+  return problem.like ? GridLike(*problem.like, lens, area, columns, rows)
+                      : FitContinuedLens(lens, area, columns, rows);
+}
+
+double MeanDistance(const CalibrationProblem& problem, size_t camera,
+                    const AdjustmentState& state) {
+  double sum = 0;
+  int count = 0;
+  for (const View& view : problem.views) {
+    if (view.camera != static_cast<int>(camera)) continue;
+    const Pose pose = state.CameraFromPattern(view);
+    for (const Observation& observation : view.observations) {
+      sum += (pose * state.points[observation.point]).norm();
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+AdjustmentSummary AdjustLenses(const std::string& model,
+                               const CalibrationProblem& problem,
+                               const Lenses& lenses,
+                               const AdjustmentOptions& options,
+                               GaussianPrior* prior, AdjustmentState* state) {
+  for (size_t c = 0; c < lenses.size(); ++c) {
+    state->cameras[c] = lenses[c]->Clone();
+    // A radial lens may start with fewer knots than it is to have.
+    if (lenses[c]->Name() != model || model == "central-radial")
+      SetLens(model, *lenses[c], problem, static_cast<int>(c), state);
+  }
+  return AdjustLenses(problem, options, prior, state);
+}
+
+AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
+                              const Starts& starts,
+                              const AdjustmentOptions& options,
+                              GaussianPrior* prior, AdjustmentState* state) {
+  *prior = {};
+  std::vector<BSplineSurface> spread;
+  if (problem.like && problem.like_spread)
+    spread = problem.like_spread->Surfaces(problem.like->area());
+  for (size_t c = 0; c < starts.lenses.size(); ++c) {
+    const CentralGeneric base = AsGrid(problem, c, starts);
+    prior->cameras.push_back(
+        SmoothnessPrior(ExpectedGrid(problem, *starts.lenses[c], base),
+                        starts.BaseOf(c), spread));
+    state->cameras[c] = base.Clone();
+  }
+  return AdjustInTwoSteps(problem, options, prior, state);
+}
+
+AdjustmentSummary Adjust(const std::string& model,
+                         const CalibrationProblem& problem,
+                         const Starts& starts, const AdjustmentOptions& options,
+                         GaussianPrior* prior, AdjustmentState* state) {
+  if (IsParametricModel(model))
+    return AdjustLenses(model, problem, starts.lenses, options, prior, state);
+  if (model == "noncentral-generic")
+    return AdjustLines(problem, starts, options, prior, state);
+  return AdjustGrids(problem, starts, options, prior, state);
+}
+
+AdjustmentSummary AdjustCameras(const CalibrationProblem& problem,
+                                const AdjustmentOptions& options,
+                                AdjustmentState* state) {
+  GaussianPrior prior;
+  return AdjustLenses(problem, options, &prior, state);
+}
+
+}  // namespace raygrid
