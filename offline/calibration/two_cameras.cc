@@ -10,6 +10,7 @@
 #include "calibration/camera_adjustment.h"
 #include "calibration/camera_evaluation.h"
 #include "calibration/evenly_chosen.h"
+#include "calibration/split_gain.h"
 #include "calibration/starting_lens.h"
 #include "dataset/error.h"
 
@@ -170,13 +171,15 @@ double CellPxOf(const CameraModel& lens) {
   return std::max(grid->surface().cell_width(), grid->surface().cell_height());
 }
 
-// Residuals of a camera of its own whose board may bend, too; none if it cannot
-// be adjusted.
+// Residuals of a camera of its own whose board may bend, too, from the lens of
+// all images; none if it cannot be adjusted.
 std::vector<FeatureResidual> FullyAdjusted(const Dataset& dataset,
                                            const Pattern& pattern,
+                                           const CameraModel& joint,
                                            const AdjustmentOptions& options) {
   try {
-    Adjusted adjusted = AdjustStartingLens(dataset, pattern, options);
+    Adjusted adjusted = AdjustStartingLens(dataset, pattern, options,
+                                           AreaChoice::kWholeImage, &joint);
     const CameraModel& lens = adjusted.state.camera();
     AdjustModel(pattern, lens.Name(), {CellPxOf(lens)}, options, &adjusted);
     return ResidualsOf(pattern, adjusted, options.num_threads);
@@ -280,11 +283,15 @@ std::optional<Names> BestSplit(const Dataset& all, const Pattern& pattern,
                                const AdjustmentOptions& options) {
   constexpr int kMaxRounds = 4;
   constexpr double kWorthAnotherLook = 0.9;
+  // A linear step predicts what adjusted cameras leave to 0.003.
+  constexpr double kWorthAdjusting = 0.92;
   double best = kWorthAnotherLook * MeanSquare(residuals);
   std::optional<Names> best_split;
   const Dataset training = Thinned(all);
   const Adjusted thinned = OnlyOf(joint, training);
+  const SplitGain gain(thinned, options.huber_px, options.num_threads);
   for (Names first : SplitsToTry(all, residuals)) {
+    if (gain.LeftPart(first) > kWorthAdjusting) continue;
     double before = MeanSquare(residuals);
     for (int round = 0; round < kMaxRounds; ++round) {
       const TwoFits fits(thinned, pattern, first, options);
@@ -307,11 +314,12 @@ std::optional<Names> BestSplit(const Dataset& all, const Pattern& pattern,
 // The mean square of two cameras that are fully adjusted to parts of the
 // images; infinite if they cannot be, or still err alike and must not.
 double MeanSquareOfParts(const TwoParts& parts, const Pattern& pattern,
+                         const CameraModel& joint,
                          const AdjustmentOptions& options, bool may_err_alike) {
   std::vector<FeatureResidual> residuals[2];
   for (const int k : {0, 1}) {
-    residuals[k] =
-        FullyAdjusted(k == 0 ? parts.first : parts.second, pattern, options);
+    residuals[k] = FullyAdjusted(k == 0 ? parts.first : parts.second, pattern,
+                                 joint, options);
     if (residuals[k].empty() || (!may_err_alike && ErrAlike(residuals[k])))
       return INFINITY;
   }
@@ -322,7 +330,7 @@ double MeanSquareOfParts(const TwoParts& parts, const Pattern& pattern,
 // equal distances in the order of names. A lens that no camera follows is
 // followed better in parts, whichever they are.
 double MeanSquareByChance(const Dataset& dataset, size_t num_first,
-                          const Pattern& pattern,
+                          const Pattern& pattern, const CameraModel& joint,
                           const AdjustmentOptions& options) {
   double least = INFINITY;
   const std::vector<std::string> names = NamesOf(dataset);
@@ -332,7 +340,7 @@ double MeanSquareByChance(const Dataset& dataset, size_t num_first,
       first.insert(
           names[(k * names.size() / num_first + split) % names.size()]);
     least = std::min(least, MeanSquareOfParts(SplitBy(dataset, first), pattern,
-                                              options, true));
+                                              joint, options, true));
   }
   return least;
 }
@@ -347,17 +355,21 @@ std::optional<TwoCameras> FindTwoCameras(const Dataset& training,
   const std::vector<FeatureResidual> residuals =
       ResidualsOf(pattern, joint, options.num_threads);
   if (!ErrAlike(residuals)) return std::nullopt;
-  const auto first = BestSplit(training, pattern, joint, residuals, options);
+  // Points that are free in each part would take up more than lenses can.
+  AdjustmentOptions fixed = options;
+  fixed.fix_points = true;
+  const auto first = BestSplit(training, pattern, joint, residuals, fixed);
   if (!first) return std::nullopt;
   const TwoParts parts = SplitBy(training, *first);
+  const CameraModel& lens = joint.state.camera();
   const std::vector<FeatureResidual> of_all =
-      FullyAdjusted(training, pattern, options);
+      FullyAdjusted(training, pattern, lens, options);
   if (!ErrAlike(of_all)) return std::nullopt;
   const double bound = kMuchBetter * kMuchBetter;
-  const double of_two = MeanSquareOfParts(parts, pattern, options, false);
+  const double of_two = MeanSquareOfParts(parts, pattern, lens, options, false);
   if (of_two > bound * MeanSquare(of_all) ||
       of_two > bound * MeanSquareByChance(training, parts.first.images.size(),
-                                          pattern, options))
+                                          pattern, lens, options))
     return std::nullopt;
   TwoCameras two = {NamesOf(parts.first), NamesOf(parts.second)};
   if (two.second < two.first) std::swap(two.first, two.second);

@@ -24,12 +24,14 @@ struct Case {
   std::string name, lens;
   ImageSize size;
   int num_images, features_per_image;
+  double shared_noise_px = 0;  ///< that neighbours on the board share
 };
 
 std::vector<Case> Cases() {
   return {{"many-features", "example", {640, 480}, 83, 240},
           {"large-images", "wide", {6016, 4016}, 149, 100},
-          {"many-images", "wide", {1280, 1024}, 1000, 240}};
+          {"many-images", "wide", {1280, 1024}, 1000, 240},
+          {"correlated", "example", {640, 480}, 82, 330, 0.03}};
 }
 
 double WallSeconds() {
@@ -57,6 +59,7 @@ void TimeCalibration(const Case& c, int num_threads) {
   SimulationOptions simulation;
   simulation.num_images = c.num_images;
   simulation.features_per_image = c.features_per_image;
+  simulation.shared_noise_px = c.shared_noise_px;
   const auto truth = SimulatedLens(c.lens, c.size);
   CalibrationInput input;
   input.dataset = SimulateObservations(*truth, pattern, simulation).dataset;
