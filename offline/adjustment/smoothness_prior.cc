@@ -140,8 +140,8 @@ Eigen::Matrix2Xd PolynomialDisplacements(const Area& area,
 }
 
 // Radial distortion is held a hundredth as much as a pixel of the field: so
-// little holds nothing that features tell, but where they are in a small part
-// of the image, high orders would move the rest by any number of pixels.
+// little holds nothing that features determine, but where they are in a small
+// part of the image, high orders would move the rest by any number of pixels.
 Eigen::VectorXd PolynomialHolds() {
   constexpr double kRadialHold = 1e-4;
   Eigen::VectorXd holds = Eigen::VectorXd::Zero(7);

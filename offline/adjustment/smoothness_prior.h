@@ -17,7 +17,7 @@ namespace raygrid {
 ///
 /// The parameters of the lens are free, as far as its own fit left them: they
 /// make up for what it does not follow, and beyond the outermost features they
-/// are no better known than the features tell. Without a lens, focal lengths
+/// are no better known than the features allow. Without a lens, focal lengths
 /// and centre are free, and radial distortion of orders 3, 5 and 7 nearly so.
 ///
 /// spread tells how lenses differ from base, if that is a fleet's middle: by

@@ -70,7 +70,7 @@ AdjustmentSummary AdjustLenses(const CalibrationProblem& problem,
   return AdjustInTwoSteps(problem, options, prior, state);
 }
 
-// A radial spline has as many knots as there are features to tell them. Its
+// A radial spline has as many knots as the features determine. Its
 // prior keeps those smooth that are not needed (offline/calibration/DESIGN.md).
 int NumKnots(int num_features) {
   constexpr int kLeast = 24, kMost = 96, kFeaturesPerKnot = 20;

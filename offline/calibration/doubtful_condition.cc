@@ -39,7 +39,7 @@ double NormalScore(double student, double freedom) {
          std::sqrt(freedom * std::log1p(student * student / freedom));
 }
 
-// Whether chance makes one of so many scores as large.
+// Whether chance makes one of n scores as large.
 bool IsBeyondChance(double score, double freedom, Eigen::Index count) {
   return static_cast<double>(count) *
              std::erfc(NormalScore(score, freedom) / std::sqrt(2.0)) <

@@ -17,7 +17,7 @@ namespace raygrid {
 bool IsWorseThanFolds(const CameraInProgress& camera, const Adjusted& adjusted,
                       bool are_boards_rigid, double cell_px);
 
-/// Adjusts from each fold's lens, which adjust is told by camera->lens. The
+/// Adjusts from each fold's lens, which adjust takes from camera->lens. The
 /// best stays, with its lens.
 void AdjustFromFolds(const Pattern& pattern, const CalibrationOptions& options,
                      const std::function<Adjusted()>& adjust,

@@ -153,12 +153,13 @@ void JudgeImagesAlone(const CalibrationFigures& figures, Verdict* verdict) {
 
 void JudgeTurns(const CalibrationFigures& figures, Verdict* verdict) {
   if (figures.images_of_doubtful_turn.empty()) return;
-  Warn(fmt::format("the board looks alike after a turn, and {} do not tell "
-                   "which way it is turned there: the print's errors may be "
-                   "taken for the lens's; leave them out, or print one row of "
-                   "squares more",
-                   Counted(figures.images_of_doubtful_turn)),
-       verdict);
+  Warn(
+      fmt::format("the board looks alike after a turn, and {} do not "
+                  "determine which way it is turned there: errors of the print "
+                  "may be attributed to the lens; leave them out, or print one "
+                  "row of squares more",
+                  Counted(figures.images_of_doubtful_turn)),
+      verdict);
 }
 
 void JudgeFlatBoard(const CalibrationFigures& figures, Verdict* verdict) {

@@ -19,7 +19,7 @@ std::string ImageName(const YAML::Node& names, int index) {
   return fmt::format("view{:04}", index);
 }
 
-// The board that the file tells, or else the user. The message of an error
+// The board that the file states, or else the user. The message of an error
 // begins with image_points.
 ImageSize BoardOf(const YAML::Node& root, const ReadRequest& request,
                   int num_points) {

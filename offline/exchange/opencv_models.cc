@@ -49,7 +49,7 @@ const LensForm& FormNamed(const std::string& name) {
                   Printable(name)));
 }
 
-// The form of so many coefficients.
+// The form by the number of coefficients.
 const LensForm& FormOfCount(size_t count) {
   const std::map<size_t, const char*> names = {
       {0, "opencv4"}, {4, "opencv4"},   {5, "opencv5"},

@@ -33,7 +33,7 @@ constexpr Dictionary kDictionaries[] = {
 constexpr int kMinMarkers = 4, kMaxMarkers = 1000;
 constexpr int kMaxAcross = 24;
 
-// Markers as a board with so many of its squares or tags across has them, in
+// Markers as a board with n of its squares or tags across has them, in
 // the order of their numbers; a square, or a tag with a gap, is 1 m.
 struct MarkerLayout {
   int across = 0;

@@ -271,7 +271,7 @@ TEST(JudgeBudget, IsTheVerdictOfACalibration) {
   simulation.num_images = 30;
   simulation.features_per_image = 36;
   simulation.noise_px = 0.1;
-  simulation.seed = 2;  // of eight draws, four tell row from column time
+  simulation.seed = 2;  // four of eight draws separate row from column time
   const Pattern pattern = ChessboardPattern(6, 6, 0.0254);
   CalibrationOptions options;
   options.cell_px = 320;

@@ -219,7 +219,7 @@ TEST(PlainTagGrid, EveryCornerIsFound) {
   }
 }
 
-// Paper with a shadow's edge, a finger: no corner is told where it is not.
+// Paper with a shadow's edge, a finger: no corner is reported where it is not.
 TEST(PlainTagGrid, CoveredCornersAreLeftOut) {
   Pattern pattern;
   pattern.boards = {TagGridOf("")};
