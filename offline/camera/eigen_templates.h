@@ -78,6 +78,30 @@ RAYGRID_TEMPLATE struct gebp_kernel<
     gebp_traits<double, double>::mr, gebp_traits<double, double>::nr, false,
     false>;
 #endif
+RAYGRID_TEMPLATE struct gemm_pack_lhs<
+    double, Index, const_blas_data_mapper<double, Index, ColMajor>,
+    gebp_traits<double, double>::mr, gebp_traits<double, double>::LhsProgress,
+    gebp_traits<double, double>::LhsPacket4Packing, ColMajor, false, false>;
+RAYGRID_TEMPLATE struct gemm_pack_lhs<
+    double, Index, const_blas_data_mapper<double, Index, RowMajor>,
+    gebp_traits<double, double>::mr, gebp_traits<double, double>::LhsProgress,
+    gebp_traits<double, double>::LhsPacket4Packing, RowMajor, false, false>;
+RAYGRID_TEMPLATE struct gemm_pack_rhs<
+    double, Index, const_blas_data_mapper<double, Index, ColMajor>,
+    gebp_traits<double, double>::nr, ColMajor, false, false>;
+RAYGRID_TEMPLATE struct gemm_pack_rhs<
+    double, Index, const_blas_data_mapper<double, Index, RowMajor>,
+    gebp_traits<double, double>::nr, RowMajor, false, false>;
+RAYGRID_TEMPLATE struct gemm_pack_rhs<
+    double, Index, blas_data_mapper<double, Index, ColMajor, 0, 1>,
+    gebp_traits<double, double>::nr, ColMajor, false, true>;
+RAYGRID_TEMPLATE void evaluateProductBlockingSizesHeuristic<double, double, 1>(
+    Index&, Index&, Index&, Index);
+RAYGRID_TEMPLATE void evaluateProductBlockingSizesHeuristic<double, double, 4>(
+    Index&, Index&, Index&, Index);
+RAYGRID_TEMPLATE struct general_matrix_vector_product<
+    Index, double, const_blas_data_mapper<double, Index, ColMajor>, ColMajor,
+    false, double, const_blas_data_mapper<double, Index, ColMajor>, false, 0>;
 RAYGRID_TEMPLATE struct general_matrix_vector_product<
     Index, double, const_blas_data_mapper<double, Index, ColMajor>, ColMajor,
     false, double, const_blas_data_mapper<double, Index, RowMajor>, false, 0>;
@@ -87,10 +111,30 @@ RAYGRID_TEMPLATE struct general_matrix_vector_product<
 RAYGRID_TEMPLATE struct general_matrix_vector_product<
     Index, double, const_blas_data_mapper<double, Index, RowMajor>, RowMajor,
     false, double, const_blas_data_mapper<double, Index, RowMajor>, false, 1>;
+RAYGRID_TEMPLATE struct triangular_solve_matrix<double, Index, OnTheLeft, Lower,
+                                                false, ColMajor, ColMajor, 1>;
+RAYGRID_TEMPLATE struct triangular_solve_matrix<double, Index, OnTheLeft, Upper,
+                                                false, ColMajor, ColMajor, 1>;
+RAYGRID_TEMPLATE struct triangular_solve_matrix<double, Index, OnTheLeft, Upper,
+                                                false, RowMajor, ColMajor, 1>;
+RAYGRID_TEMPLATE struct triangular_solve_matrix<
+    double, Index, OnTheRight, Upper, false, RowMajor, ColMajor, 1>;
 RAYGRID_TEMPLATE struct triangular_solve_matrix<
     double, Index, OnTheLeft, Lower | UnitDiag, false, ColMajor, ColMajor, 1>;
 RAYGRID_TEMPLATE struct triangular_solve_matrix<
     double, Index, OnTheLeft, Upper | UnitDiag, false, RowMajor, ColMajor, 1>;
+
+// Householder's reflections multiply their triangular factors by these.
+RAYGRID_TEMPLATE struct product_triangular_matrix_matrix<
+    double, Index, Lower, true, ColMajor, false, ColMajor, false, ColMajor, 1>;
+RAYGRID_TEMPLATE struct product_triangular_matrix_matrix<
+    double, Index, Lower | UnitDiag, true, ColMajor, false, ColMajor, false,
+    ColMajor, 1>;
+RAYGRID_TEMPLATE struct product_triangular_matrix_matrix<
+    double, Index, Upper, true, RowMajor, false, ColMajor, false, ColMajor, 1>;
+RAYGRID_TEMPLATE struct product_triangular_matrix_matrix<
+    double, Index, Upper | UnitDiag, true, RowMajor, false, ColMajor, false,
+    ColMajor, 1>;
 
 }  // namespace internal
 }  // namespace Eigen
