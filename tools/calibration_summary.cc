@@ -75,8 +75,6 @@ void PrintUncertainty(const CameraUncertainty& uncertainty,
       "image\n",
       uncertainty.lattice.MedianPx(), uncertainty.max_deviation_px,
       100 * uncertainty.TrustedPart(camera.image_size(), camera.area()));
-  const FeatureNoise& noise = uncertainty.noise;
-  if (noise.IsShared()) fmt::print("  noise of features: {}\n", noise.Text());
 }
 
 void PrintKnownOverRanges(const CameraFile& file) {

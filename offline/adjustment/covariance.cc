@@ -1,9 +1,9 @@
 #include "adjustment/covariance.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 
 namespace raygrid {
@@ -112,6 +112,9 @@ class Lattice {
       : derivatives_(derivatives),
         first_(response.layout().first_camera[camera]) {}
 
+  const Eigen::MatrixXd& derivatives() const { return derivatives_; }
+  int first() const { return first_; }
+
   // How pixels move with columns of parameters.
   Eigen::MatrixXd Moves(const Eigen::MatrixXd& parameters) const {
     return derivatives_ * parameters.middleRows(first_, derivatives_.cols());
@@ -132,15 +135,13 @@ class Lattice {
 // With X = H^-1 D^T: D X in total, and D H^-1 J^T J H^-1 D^T = D X - X^T P X by
 // noise; D H^-1 g = X^T g by the prior's gradient g = P (c - c0).
 bool AddExactCovariances(const LinearResponse& response, const Lattice& lattice,
-                         const ObservationNoise& noise,
-                         JointCovariances* covariances) {
+                         double noise_px, JointCovariances* covariances) {
   const PriorEquations& prior = response.prior();
   Eigen::MatrixXd x;
   if (!response.Solve(lattice.Right(response.layout()), &x)) return false;
   const Eigen::MatrixXd by_prior = x.transpose() * prior.Times(x);
-  covariances->by_prior = std::pow(noise.total_px, 2) * by_prior;
-  covariances->by_noise =
-      std::pow(noise.own_px, 2) * (lattice.Moves(x) - by_prior);
+  covariances->by_prior = std::pow(noise_px, 2) * by_prior;
+  covariances->by_noise = std::pow(noise_px, 2) * (lattice.Moves(x) - by_prior);
   covariances->smoothing_px = x.transpose() * prior.gradient;
   return true;
 }
@@ -149,26 +150,25 @@ bool AddExactCovariances(const LinearResponse& response, const Lattice& lattice,
 // the noise e, and H^-1 g with gradients g of the covariance P for the prior.
 bool AddSampledCovariances(const LinearResponse& response,
                            const Lattice& lattice, int num_samples,
-                           const ObservationNoise& noise,
-                           JointCovariances* covariances) {
+                           double noise_px, JointCovariances* covariances) {
   constexpr int kTogether = 4;  // samples
   std::mt19937 random_bits(1);  // the standard fixes its sequence
   const Eigen::Index size = response.layout().num_all();
+  const double scale_px2 = noise_px * noise_px / num_samples;
   for (int first = 0; first < num_samples; first += kTogether) {
     const int count = std::min(kTogether, num_samples - first);
     Eigen::MatrixXd right(size, 2 * count), x;
     for (int k = 0; k < count; ++k) {
-      right.col(k) =
-          response.Gradient(OwnNoise(response, &random_bits)) * noise.own_px +
-          response.DrawFlex(&random_bits) * noise.own_px;
-      right.col(count + k) = response.DrawPrior(&random_bits) * noise.total_px;
+      right.col(k) = response.Gradient(response.DrawNoise(&random_bits)) +
+                     response.DrawFlex(&random_bits);
+      right.col(count + k) = response.DrawPrior(&random_bits);
     }
     if (!response.Solve(right, &x)) return false;
     const Eigen::MatrixXd moved = lattice.Moves(x);
     const auto by_noise = moved.leftCols(count);
     const auto by_prior = moved.rightCols(count);
-    covariances->by_noise += by_noise * by_noise.transpose() / num_samples;
-    covariances->by_prior += by_prior * by_prior.transpose() / num_samples;
+    covariances->by_noise += scale_px2 * by_noise * by_noise.transpose();
+    covariances->by_prior += scale_px2 * by_prior * by_prior.transpose();
   }
   Eigen::MatrixXd x;
   if (!response.Solve(response.PriorGradient(), &x)) return false;
@@ -176,24 +176,47 @@ bool AddSampledCovariances(const LinearResponse& response,
   return true;
 }
 
-// Adds what noise that neighbours share does, by samples.
-bool AddSharedNoise(const LinearResponse& response, const Lattice& lattice,
-                    int num_samples, const std::vector<Eigen::Vector3d>& points,
-                    const ObservationNoise& noise,
-                    JointCovariances* covariances) {
-  std::mt19937 random_bits(2);
-  for (const ObservationNoise::Shared& part : noise.shared) {
-    const std::vector<SmoothField> fields =
-        SmoothFields(response, points, part.length);
-    Eigen::MatrixXd right(response.layout().num_all(), num_samples), x;
-    for (int k = 0; k < num_samples; ++k)
-      right.col(k) = response.Gradient(SharedNoise(fields, &random_bits));
-    if (!response.Solve(right, &x)) return false;
-    const Eigen::MatrixXd moved = lattice.Moves(x);
-    covariances->by_noise += std::pow(part.deviation_px, 2) / num_samples *
-                             (moved * moved.transpose());
+// Standard deviations of rows, the RMS of both axes of each pixel.
+Eigen::VectorXd DeviationsOfRows(const Eigen::MatrixXd& joint_px2) {
+  Eigen::VectorXd deviations(joint_px2.rows());
+  for (Eigen::Index i = 0; i < joint_px2.rows(); i += 2)
+    deviations.segment<2>(i).setConstant(
+        std::sqrt((joint_px2(i, i) + joint_px2(i + 1, i + 1)) / 2));
+  return deviations;
+}
+
+// Scales the modes of the correlation of pixels that features were seen near,
+// until they agree with the jackknife; other pixels as these are scaled in the
+// mean.
+void ScaleByJackknife(const GroupJackknife& jackknife, const Lattice& lattice,
+                      const std::vector<PixelUncertainty>& pixels,
+                      JointCovariances* covariances) {
+  const Eigen::MatrixXd total = covariances->by_noise + covariances->by_prior;
+  const Eigen::VectorXd deviations = DeviationsOfRows(total);
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(deviations.size());
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    if (pixels[i].num_observations > 0 && deviations[row] > 0)
+      weights.segment<2>(row).setConstant(1 / deviations[row]);
   }
-  return true;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      weights.asDiagonal() * ((total + total.transpose()) / 2) *
+      weights.asDiagonal());
+  // The largest variance first; those of other pixels are zeros.
+  const Eigen::Index num_seen = (weights.array() > 0).count();
+  const Eigen::MatrixXd modes =
+      solver.eigenvectors().rowwise().reverse().leftCols(num_seen);
+  const VarianceFactors factors(jackknife.Of(
+      lattice.first(),
+      modes.transpose() * weights.asDiagonal() * lattice.derivatives()));
+  const double of_all = std::sqrt(factors.of_all);
+  Eigen::MatrixXd scaling =
+      deviations.asDiagonal() * modes *
+      (factors.of_each.cwiseSqrt().array() - of_all).matrix().asDiagonal() *
+      modes.transpose() * weights.asDiagonal();
+  scaling.diagonal().array() += of_all;
+  for (Eigen::MatrixXd* part : {&covariances->by_noise, &covariances->by_prior})
+    *part = scaling * *part * scaling.transpose();
 }
 
 }  // namespace
@@ -218,37 +241,15 @@ Eigen::MatrixXd MovesOfLattice(const std::vector<View>& views,
   return WithoutRotation(derivatives, *pixels);
 }
 
-double WorseDeviation(const Eigen::Matrix2d& covariance) {
-  const double mean = covariance.trace() / 2;
-  const double root =
-      std::sqrt(std::max(0.0, mean * mean - covariance.determinant()));
-  return std::sqrt(mean + root);
-}
-
-Eigen::MatrixXd MovesOfSeenPixels(const std::vector<View>& views,
-                                  const AdjustmentState& state, int camera,
-                                  const UncertaintyOptions& lattice) {
-  constexpr int kMaxPixels = 12;
-  std::vector<bool> is_known;
-  std::vector<PixelUncertainty> pixels;
-  const Eigen::MatrixXd all =
-      MovesOfLattice(views, state, camera, lattice, &pixels, &is_known);
-  std::vector<Eigen::Index> seen;
-  for (size_t i = 0; i < pixels.size(); ++i)
-    if (is_known[i] && pixels[i].num_observations >= kMinObservations)
-      seen.push_back(2 * static_cast<Eigen::Index>(i));
-  const size_t count = std::min<size_t>(kMaxPixels, seen.size());
-  Eigen::MatrixXd moves(2 * static_cast<Eigen::Index>(count), all.cols());
-  for (size_t k = 0; k < count; ++k)
-    moves.middleRows<2>(2 * static_cast<Eigen::Index>(k)) =
-        all.middleRows<2>(seen[k * seen.size() / count]);
-  return moves;
+double AxisDeviation(const Eigen::Matrix2d& covariance) {
+  return std::sqrt(covariance.trace() / 2);
 }
 
 std::vector<PixelUncertainty> ProjectionUncertainty(
-    const LinearResponse& response, const ObservationNoise& noise,
-    const std::vector<View>& views, const AdjustmentState& state, int camera,
-    const UncertaintyOptions& lattice, Eigen::MatrixXd* joint_px2) {
+    const LinearResponse& response, double noise_px,
+    const GroupJackknife* jackknife, const std::vector<View>& views,
+    const AdjustmentState& state, int camera, const UncertaintyOptions& lattice,
+    Eigen::MatrixXd* joint_px2) {
   std::vector<bool> is_known;
   std::vector<PixelUncertainty> pixels;
   const Eigen::MatrixXd without_rotation =
@@ -259,12 +260,16 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
                             Eigen::MatrixXd::Zero(num_rows, num_rows),
                             Eigen::VectorXd::Zero(num_rows)};
   if (!(response.IsExact()
-            ? AddExactCovariances(response, moves, noise, &joint)
-            : AddSampledCovariances(response, moves, lattice.num_samples, noise,
-                                    &joint)) ||
-      !AddSharedNoise(response, moves, lattice.num_samples, state.points, noise,
-                      &joint))
+            ? AddExactCovariances(response, moves, noise_px, &joint)
+            : AddSampledCovariances(response, moves, lattice.num_samples,
+                                    noise_px, &joint)))
     return {};
+  const Eigen::VectorXd unscaled =
+      DeviationsOfRows(joint.by_noise + joint.by_prior);
+  if (jackknife && jackknife->IsValid())
+    ScaleByJackknife(*jackknife, moves, pixels, &joint);
+  const Eigen::VectorXd scaled =
+      DeviationsOfRows(joint.by_noise + joint.by_prior);
   if (joint_px2) *joint_px2 = joint.by_noise + joint.by_prior;
   for (size_t i = 0; i < pixels.size(); ++i) {
     PixelUncertainty& pixel = pixels[i];
@@ -272,6 +277,8 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
     pixel.total_px2 = pixel.noise_px2 + OfPixel(joint.by_prior, i);
     pixel.smoothing_px =
         joint.smoothing_px.segment<2>(2 * static_cast<Eigen::Index>(i));
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    if (unscaled[row] > 0) pixel.jackknife_scale = scaled[row] / unscaled[row];
     if (is_known[i]) continue;
     pixel.noise_px2.setConstant(NAN);
     pixel.total_px2.setConstant(NAN);

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "adjustment/shared_noise.h"
+#include "adjustment/group_jackknife.h"
 
 namespace raygrid {
 
@@ -19,11 +19,13 @@ struct PixelUncertainty {
   /// How far it may be from the truth: also what the prior leaves open where
   /// observations do not tell.
   Eigen::Matrix2d total_px2;
+  /// By how much the jackknife scaled the standard deviation of total_px2.
+  double jackknife_scale = 1;
   int num_observations = 0;  ///< nearer to it than to other pixels
 };
 
-/// Standard deviation in the worse direction.
-double WorseDeviation(const Eigen::Matrix2d& covariance);
+/// Standard deviation of a coordinate: the RMS of both axes.
+double AxisDeviation(const Eigen::Matrix2d& covariance);
 
 /// The options of the uncertainty at pixels from corner to corner of a camera's
 /// area, row by row.
@@ -33,27 +35,29 @@ struct UncertaintyOptions {
 };
 
 /// The uncertainty of an adjusted camera, with poses and points as unknown as
-/// they were. H = J^T J + P being the equations' matrix around the state, with
-/// the prior P, s^2 the variance that adjustment found and N the covariance of
-/// the observations' noise, parameters scatter by H^-1 J^T N J H^-1 with the
-/// noise, and are from the truth by s^2 H^-1 P H^-1 besides if the prior holds:
-/// together by s^2 H^-1 if the noise is white. Their mean is H^-1 P (c - c0)
-/// from the truth c, of which the adjusted parameters are an estimate; c0 is
-/// the prior's mean.
-/// The camera's orientation, which no observation can see, is the one nearest
-/// to the true rays of the observations. Nothing if the
-/// equations are singular. The flex of a view counts as noise, being drawn anew
-/// with each view: its prior stands beside J^T N J.
+/// they were. With H = J^T J + P of the normal equations, the prior precision P
+/// and the noise variance s^2, white noise gives the parameters the covariance
+/// s^2 H^-1 J^T J H^-1, and the prior s^2 H^-1 P H^-1 besides. Their mean is
+/// H^-1 P (c - c0) from the truth c, of which the adjusted parameters are an
+/// estimate; c0 is the prior's mean. The gauge, the camera's orientation, is
+/// fixed by least squares to the true rays of the observations. The flex of a
+/// view counts as noise, being drawn anew with each view.
 ///
-/// Exact where the response is, but for noise that neighbours share: that, and
-/// all where the response is not exact, is told by samples. A standard
-/// deviation is known to 1 / sqrt(2 num_samples) then, 9 %.
+/// Residuals of real images are not white. So the covariance over the lattice
+/// is scaled mode by mode until it predicts how much the camera changes if
+/// groups of frames are left out (GroupJackknife).
 ///
-/// joint_px2, if given, is what total_px2 is a part of: the covariance of all
-/// pixels' x and y.
+/// Exact where the response is; else by samples, which determine a standard
+/// deviation to 1 / sqrt(2 num_samples), 9 %.
+///
+/// @param jackknife of the response; nullptr: the noise is white
+/// @param joint_px2 the covariance of all pixels' x and y, of which total_px2
+///     is a part; may be nullptr
+/// @return empty if the equations are singular
 std::vector<PixelUncertainty> ProjectionUncertainty(
-    const LinearResponse& response, const ObservationNoise& noise,
-    const std::vector<View>& views, const AdjustmentState& state, int camera,
+    const LinearResponse& response, double noise_px,
+    const GroupJackknife* jackknife, const std::vector<View>& views,
+    const AdjustmentState& state, int camera,
     const UncertaintyOptions& lattice = {},
     Eigen::MatrixXd* joint_px2 = nullptr);
 
@@ -66,12 +70,6 @@ Eigen::MatrixXd MovesOfLattice(const std::vector<View>& views,
                                const UncertaintyOptions& lattice,
                                std::vector<PixelUncertainty>* pixels,
                                std::vector<bool>* is_known);
-
-/// How some pixels among observations move with the camera's parameters, two
-/// rows each, but for a rotation that all share.
-Eigen::MatrixXd MovesOfSeenPixels(const std::vector<View>& views,
-                                  const AdjustmentState& state, int camera,
-                                  const UncertaintyOptions& lattice = {});
 
 }  // namespace raygrid
 

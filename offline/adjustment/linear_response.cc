@@ -66,6 +66,14 @@ ViewErrors LinearResponse::ErrorsBy(const Eigen::VectorXd& parameters) const {
   return errors;
 }
 
+ViewErrors LinearResponse::DrawNoise(std::mt19937* random_bits) const {
+  ViewErrors errors;
+  for (const ViewJacobian& view : jacobians_)
+    errors.push_back(
+        RandomSigns(2 * view.count(), random_bits).reshaped(2, view.count()));
+  return errors;
+}
+
 // With P = B B^T + R R^T.
 Eigen::VectorXd LinearResponse::DrawPrior(std::mt19937* random_bits) const {
   // Drawn in an order that no compiler chooses.

@@ -37,6 +37,8 @@ class LinearResponse {
   /// J x.
   ViewErrors ErrorsBy(const Eigen::VectorXd& parameters) const;
 
+  /// White errors of variance 1.
+  ViewErrors DrawNoise(std::mt19937* random_bits) const;
   /// A gradient of covariance P, but for the flex's share.
   Eigen::VectorXd DrawPrior(std::mt19937* random_bits) const;
   /// A gradient of the covariance of the flex's share of P.

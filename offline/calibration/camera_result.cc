@@ -416,7 +416,7 @@ void FillUncertainty(const Adjusted& adjusted, int camera,
                      int num_threads, CalibrationResult* result) {
   auto& uncertainty = result->camera.uncertainty;
   uncertainty = UncertaintyOf(adjusted, camera, num_threads);
-  if (uncertainty) result->feature_noise = uncertainty->noise;
+  if (uncertainty) result->jackknife_scale = uncertainty->jackknife_scale;
   if (image_circle && uncertainty)
     DistrustBeyond(*image_circle, &uncertainty->mask);
   result->fold_over = MeasureFoldOver(

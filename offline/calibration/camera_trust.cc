@@ -111,26 +111,28 @@ ErrorModes ModesOf(const Eigen::MatrixXd& joint_px2,
   return coarse;
 }
 
-LinearResponse ResponseOf(const Adjusted& adjusted, int num_threads) {
+AdjustmentOptions ResponseOptions(const Adjusted& adjusted, int num_threads) {
   AdjustmentOptions options;
   options.num_threads = num_threads;
   options.fix_points = !HavePointsMoved(adjusted);
-  return LinearResponse(adjusted.problem.views, adjusted.prior, options,
-                        adjusted.state);
+  return options;
 }
 
-ObservationNoise NoiseOf(const LinearResponse& response,
-                         const Adjusted& adjusted, int camera,
-                         const UncertaintyOptions& size) {
-  return MeasureNoise(
-      response, adjusted.state, camera, response.layout().first_camera[camera],
-      MovesOfSeenPixels(adjusted.problem.views, adjusted.state, camera, size),
-      adjusted.summary.noise_px);
+LinearResponse ResponseOf(const Adjusted& adjusted, int num_threads) {
+  return LinearResponse(adjusted.problem.views, adjusted.prior,
+                        ResponseOptions(adjusted, num_threads), adjusted.state);
+}
+
+GroupJackknife JackknifeOf(const LinearResponse& response,
+                           const Adjusted& adjusted, int num_threads) {
+  return GroupJackknife(response, adjusted.problem.views, adjusted.prior,
+                        ResponseOptions(adjusted, num_threads), adjusted.state,
+                        adjusted.summary.noise_px);
 }
 
 double SeenDeviation(const PixelUncertainty& pixel) {
-  return WorseDeviation(pixel.noise_px2 +
-                        pixel.smoothing_px * pixel.smoothing_px.transpose());
+  return AxisDeviation(pixel.noise_px2 +
+                       pixel.smoothing_px * pixel.smoothing_px.transpose());
 }
 
 }  // namespace
@@ -142,7 +144,7 @@ std::vector<DeviationLattice> DeviationsOf(
   const UncertaintyOptions size =
       LatticeOver(adjusted.state.cameras[camera]->area());
   const LinearResponse response = ResponseOf(adjusted, num_threads);
-  const ObservationNoise noise = NoiseOf(response, adjusted, camera, size);
+  const GroupJackknife jackknife = JackknifeOf(response, adjusted, num_threads);
   AdjustmentState state = adjusted.state;
   std::vector<DeviationLattice> lattices;
   for (const CameraModel* model : as) {
@@ -150,8 +152,9 @@ std::vector<DeviationLattice> DeviationsOf(
     DeviationLattice& lattice = lattices.emplace_back();
     lattice.columns = size.columns;
     lattice.rows = size.rows;
-    for (const PixelUncertainty& pixel : ProjectionUncertainty(
-             response, noise, adjusted.problem.views, state, camera, size))
+    for (const PixelUncertainty& pixel :
+         ProjectionUncertainty(response, adjusted.summary.noise_px, &jackknife,
+                               adjusted.problem.views, state, camera, size))
       lattice.deviation_px.push_back(SeenDeviation(pixel));
     if (lattice.deviation_px.empty()) return {};
   }
@@ -167,20 +170,23 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   const TrustMask near = CellsNearFeatures(adjusted, camera);
   Eigen::MatrixXd joint_px2;
   const LinearResponse response = ResponseOf(adjusted, num_threads);
-  const ObservationNoise noise = NoiseOf(response, adjusted, camera, size);
-  const std::vector<PixelUncertainty> pixels =
-      ProjectionUncertainty(response, noise, adjusted.problem.views,
-                            adjusted.state, camera, size, &joint_px2);
+  const GroupJackknife jackknife = JackknifeOf(response, adjusted, num_threads);
+  const std::vector<PixelUncertainty> pixels = ProjectionUncertainty(
+      response, noise_px, &jackknife, adjusted.problem.views, adjusted.state,
+      camera, size, &joint_px2);
   if (pixels.empty()) return std::nullopt;
   DeviationLattice seen = {size.columns, size.rows, {}}, total = seen,
                    scatter = seen;
+  std::vector<double> scales;
   for (const PixelUncertainty& pixel : pixels) {
     scatter.deviation_px.push_back(std::sqrt(pixel.noise_px2.trace() / 2));
     const double seen_px = SeenDeviation(pixel);
     seen.deviation_px.push_back(seen_px);
-    const double factor = near.Trusts(pixel.pixel) ? 1 : kBeyondFeatures;
+    const bool is_near = near.Trusts(pixel.pixel);
+    if (is_near) scales.push_back(pixel.jackknife_scale);
+    const double factor = is_near ? 1 : kBeyondFeatures;
     total.deviation_px.push_back(
-        factor * std::max(WorseDeviation(pixel.total_px2), seen_px));
+        factor * std::max(AxisDeviation(pixel.total_px2), seen_px));
   }
   if (!std::isfinite(total.MedianPx())) return std::nullopt;
   CameraUncertainty uncertainty;
@@ -189,8 +195,8 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   uncertainty.mask = near;
   uncertainty.mask.DistrustAbove(uncertainty.max_deviation_px, total, area);
   uncertainty.modes = ModesOf(joint_px2, size);
-  uncertainty.noise = {noise.own_px, noise.SharedPx(), noise.MeanLength()};
   uncertainty.scatter = scatter;
+  if (!scales.empty()) uncertainty.jackknife_scale = Quantile(scales, 0.5);
   // The deviation that smoothing takes away cannot be estimated where
   // observations are few.
   uncertainty.lattice = seen;

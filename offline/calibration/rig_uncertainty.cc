@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
-#include "adjustment/linear_response.h"
-#include "adjustment/shared_noise.h"
+#include "adjustment/group_jackknife.h"
 #include "calibration/rig_start.h"
 
 namespace raygrid {
@@ -54,65 +52,6 @@ Eigen::MatrixXd AllByPoses(const std::vector<Pose>& camera_from_rig,
   return rows;
 }
 
-// The noise of each camera's views, by what it does to the camera's baselines.
-std::vector<ObservationNoise> NoiseByCamera(
-    const Adjusted& adjusted, const LinearResponse& response,
-    const std::vector<Baseline>& baselines, const Eigen::MatrixXd& by_poses) {
-  std::vector<ObservationNoise> noise;
-  for (size_t c = 0; c < adjusted.state.cameras.size(); ++c) {
-    Eigen::MatrixXd moves(0, by_poses.cols());
-    for (size_t b = 0; b < baselines.size(); ++b) {
-      if (baselines[b].first != c && baselines[b].second != c) continue;
-      moves.conservativeResize(moves.rows() + 4, Eigen::NoChange);
-      moves.bottomRows<4>() =
-          by_poses.middleRows<4>(4 * static_cast<Eigen::Index>(b));
-    }
-    noise.push_back(MeasureNoise(response, adjusted.state, static_cast<int>(c),
-                                 response.layout().CameraPose(1), moves,
-                                 adjusted.summary.noise_px));
-  }
-  return noise;
-}
-
-// The variances of what answers to errors of the views so.
-class Variances {
- public:
-  Variances(const Adjusted& adjusted, const LinearResponse& response,
-            const std::vector<ObservationNoise>& noise)
-      : response_(response), noise_(noise) {
-    for (const ObservationNoise& of_camera : noise)
-      for (const ObservationNoise::Shared& part : of_camera.shared)
-        if (fields_.count(part.length) == 0)
-          fields_[part.length] =
-              SmoothFields(response, adjusted.state.points, part.length);
-  }
-
-  // The share of the views' noise.
-  double OfNoise(const ViewErrors& weights) const {
-    double variance = 0;
-    for (size_t v = 0; v < weights.size(); ++v) {
-      const ObservationNoise& noise = noise_[response_.jacobians()[v].camera];
-      variance += noise.own_px * noise.own_px * weights[v].squaredNorm();
-      for (const ObservationNoise::Shared& part : noise.shared)
-        variance += part.deviation_px * part.deviation_px *
-                    fields_.at(part.length)[v].VarianceOf(weights[v]);
-    }
-    return variance;
-  }
-  // The share of noise that is white, and of variance 1.
-  static double OfWhiteNoise(const ViewErrors& weights) {
-    double variance = 0;
-    for (const Eigen::Matrix2Xd& of_view : weights)
-      variance += of_view.squaredNorm();
-    return variance;
-  }
-
- private:
-  const LinearResponse& response_;
-  const std::vector<ObservationNoise>& noise_;
-  std::map<double, std::vector<SmoothField>> fields_;  // by length
-};
-
 // Leaves the deviations empty if the equations are singular.
 void AddDeviations(const Adjusted& adjusted, AdjustmentOptions options,
                    std::vector<Baseline>* baselines) {
@@ -127,17 +66,15 @@ void AddDeviations(const Adjusted& adjusted, AdjustmentOptions options,
                   x;
   right.middleRows(first, by_poses.cols()) = by_poses.transpose();
   if (!response.Solve(right, &x)) return;
-  const std::vector<ObservationNoise> noise =
-      NoiseByCamera(adjusted, response, *baselines, by_poses);
-  const Variances variances(adjusted, response, noise);
-  // With H = J^T J + P, the prior's share of H^-1 is what J^T J leaves.
-  const double white_px2 = std::pow(adjusted.summary.noise_px, 2);
+  const double noise_px = adjusted.summary.noise_px;
+  const GroupJackknife jackknife(response, adjusted.problem.views,
+                                 adjusted.prior, options, adjusted.state,
+                                 noise_px);
   const auto variance_of = [&](Eigen::Index row) {
-    const ViewErrors weights = response.ErrorsBy(x.col(row));
-    const double inverse = x.col(row).dot(right.col(row));
-    return variances.OfNoise(weights) +
-           white_px2 *
-               std::max(0.0, inverse - Variances::OfWhiteNoise(weights));
+    const double white = noise_px * noise_px * x.col(row).dot(right.col(row));
+    if (!jackknife.IsValid()) return white;
+    return white *
+           VarianceFactors(jackknife.Of(first, by_poses.row(row))).of_all;
   };
   for (size_t b = 0; b < baselines->size(); ++b) {
     const auto row = 4 * static_cast<Eigen::Index>(b);

@@ -119,19 +119,6 @@ void TrustMask::DistrustAbove(double max_deviation_px,
   }
 }
 
-std::string FeatureNoise::Text() const {
-  if (own_px > 0)
-    return fmt::format(
-        "{:.4f} px each for itself, {:.4f} px that neighbours share over "
-        "{:.1f} "
-        "features",
-        own_px, shared_px, shared_features);
-  return fmt::format(
-      "neighbours share it; it moves the camera as {:.2f} px over {:.1f} "
-      "features would, most of which poses take up",
-      shared_px, shared_features);
-}
-
 CameraUncertainty CameraUncertainty::OfMask(const TrustMask& mask) {
   CameraUncertainty known;
   known.lattice = {2, 2, std::vector<double>(4, NAN)};

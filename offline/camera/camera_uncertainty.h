@@ -10,9 +10,9 @@
 
 namespace raygrid {
 
-/// Standard deviations of the projection of a far point, in the worse
-/// direction: on a lattice from corner to corner of the camera's area, row by
-/// row, bilinear between. Not a number where the camera does not tell.
+/// Standard deviations of a coordinate of the projection of a far point, the
+/// RMS of both axes: on a lattice from corner to corner of the camera's area,
+/// row by row, bilinear between. Not a number where the camera does not tell.
 struct DeviationLattice {
   int columns = 0, rows = 0;
   std::vector<double> deviation_px;
@@ -73,24 +73,6 @@ struct ErrorModes {
                      const Eigen::Vector2d& pixel) const;
 };
 
-/// The noise of the features that a camera was calibrated with, as their errors
-/// tell it: standard deviations of a coordinate.
-struct FeatureNoise {
-  double own_px = 0;     ///< of each feature for itself
-  double shared_px = 0;  ///< of what neighbours of a view share
-  /// How many features away it is alike: by exp(-1/2).
-  double shared_features = 0;
-
-  /// Whether the shared part is worth a word.
-  bool IsShared() const {
-    return shared_px >= 0.1 * own_px && shared_px >= 5e-5;
-  }
-  /// The two parts in words. Errors of another kind, such as of a rolling
-  /// shutter, may move the camera more than their squares tell. Nothing is then
-  /// left for the own part, and the shared one is what would move it as far.
-  std::string Text() const;
-};
-
 /// How well a camera is known: by the calibration's noise where it can be
 /// trusted, by all that is not known elsewhere.
 struct CameraUncertainty {
@@ -98,11 +80,12 @@ struct CameraUncertainty {
   TrustMask mask;
   double max_deviation_px = 0;  ///< of the cells trusted
   ErrorModes modes;             ///< may be empty
-  /// Of a calibration that is not from a file: the noise of features, and how
-  /// far cameras of as many other images would scatter by it, as the RMS of
-  /// both axes.
-  FeatureNoise noise;
+  /// Of a calibration that is not from a file: the standard deviation between
+  /// cameras of as many other images, the RMS of both axes.
   DeviationLattice scatter;
+  /// Standard deviations, as a multiple of those that white noise predicts: the
+  /// median of the pixels near features.
+  double jackknife_scale = 1;
 
   /// How well a camera is known of which no deviation is.
   static CameraUncertainty OfMask(const TrustMask& mask);

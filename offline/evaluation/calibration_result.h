@@ -113,7 +113,8 @@ struct CalibrationResult {
   /// The correlation between neighbours of the held-out residuals, or else of
   /// the training ones.
   std::optional<double> neighbor_correlation;
-  FeatureNoise feature_noise;
+  /// As in CameraUncertainty, which camera files do not hold.
+  double jackknife_scale = 1;
   std::optional<LineSpread> line_spread;  ///< of a camera that is not central
   FoldOver fold_over;
   double flat_board_height_m = 0;  ///< as in CalibrationFigures

@@ -375,8 +375,8 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
       {"halves",
        fmt::format("{} pairs, each camera from half of the images", kPairs)},
       {"ratio",
-       "difference in an axis by the stated deviations, which are those of the "
-       "worse direction, with what smoothing does: of the RMS over places that "
+       "difference in an axis by the stated deviations, "
+       "with what smoothing does: of the RMS over places that "
        "both trust; RMS, and by the median, over all that both have features "
        "around and state to know to 3 px"},
       {"scatter ratio",

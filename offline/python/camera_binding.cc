@@ -408,9 +408,9 @@ void BindCamera(py::module_* module) {
            "(origins, directions) of pixels (..., 2), both (..., 3), in "
            "metres; the origin of a central camera is (0, 0, 0).")
       .def("uncertainty", &UncertaintyAt, py::arg("pixels"),
-           "Standard deviation (...), in pixels, of where the camera projects "
-           "a far point that pixels (..., 2) see, in the worse direction; NaN "
-           "where that is not known.")
+           "Standard deviation (...) of a coordinate, in pixels, of the "
+           "projection of a far point that pixels (..., 2) see, the RMS of "
+           "both axes; NaN where it is not known.")
       .def("is_trusted", &IsTrusted, py::arg("pixels"),
            "Whether the camera can be trusted at pixels (..., 2).")
       .def_property_readonly(

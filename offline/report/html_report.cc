@@ -86,8 +86,11 @@ void AddTrustRows(const CalibrationResult& result, std::vector<HtmlRow>* rows) {
                        100 * everywhere->TrustedPart(camera.image_size(),
                                                      camera.area()))});
     }
-    const FeatureNoise& noise = result.feature_noise;
-    if (noise.IsShared()) rows->push_back({"noise of features", noise.Text()});
+    rows->push_back(
+        {"correlated residuals",
+         fmt::format("the uncertainty is {:.2f} times that of white noise "
+                     "(jackknife over groups of images)",
+                     result.jackknife_scale)});
   }
   if (const auto& circle = camera.image_circle())
     rows->push_back(

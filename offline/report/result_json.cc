@@ -203,10 +203,7 @@ void AddCamera(const CalibrationResult& result, Json* json) {
         {"median_px", known->lattice.MedianPx()},
         {"max_trusted_px", known->max_deviation_px},
         {"trusted_part", known->TrustedPart(camera.image_size(), area)},
-        {"feature_noise",
-         {{"own_px", result.feature_noise.own_px},
-          {"shared_px", result.feature_noise.shared_px},
-          {"shared_features", result.feature_noise.shared_features}}}};
+        {"jackknife_scale", result.jackknife_scale}};
   if (result.camera.stack && result.camera.uncertainty) {
     const auto everywhere = UncertaintyOverRanges(result.camera);
     (*json)["uncertainty"]["median_over_range_px"] =
@@ -435,13 +432,9 @@ void ParseMore(const Json& json, CalibrationResult* result) {
       result->parametric_models.push_back(ParseModel(other));
   if (json.contains("residual_budget"))
     result->budget = ParseBudget(json.at("residual_budget"));
-  if (json.contains("uncertainty") &&
-      json.at("uncertainty").contains("feature_noise")) {
-    const Json& noise = json.at("uncertainty").at("feature_noise");
-    result->feature_noise = {noise.at("own_px").get<double>(),
-                             noise.at("shared_px").get<double>(),
-                             noise.at("shared_features").get<double>()};
-  }
+  if (json.contains("uncertainty"))
+    result->jackknife_scale =
+        json.at("uncertainty").value("jackknife_scale", 1.0);
   if (json.contains("line_spread")) {
     LineSpread& spread = result->line_spread.emplace();
     spread.rms_m = json.at("line_spread").at("rms_m").get<double>();

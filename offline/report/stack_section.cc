@@ -173,8 +173,8 @@ std::string MapsOf(const StackOfCameras& stack) {
       html += HtmlPicture(
           HeatMap(end.deviations_px, kColumns, 0, deviation_px, kCellPx),
           "How well the camera is known at " + end.value, AreaAxes(area),
-          HtmlColorBar(BarOf("standard deviation, in the worse direction",
-                             deviation_px)),
+          HtmlColorBar(
+              BarOf("standard deviation of a coordinate", deviation_px)),
           "area");
     html += "</div>\n";
   }

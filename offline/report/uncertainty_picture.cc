@@ -54,7 +54,7 @@ void DrawScale(double full_scale_px, int top, cv::Mat* picture) {
              picture);
   }
   DrawText(
-      "standard deviation of a far point's image (worse direction); hatched: "
+      "standard deviation of a far point's image, of a coordinate; hatched: "
       "not to be trusted",
       {kMargin, top + kBarHeight + 40}, picture);
 }

@@ -1,10 +1,10 @@
 # Suites that take more than a CPU second.
 set(NOT_QUICK
-  AdjustBundle AdjustModel AdjustWithLearnedPrior BlobCamera BoardGuess Calibrate
+  AdjustBundle AdjustModel AdjustWithLearnedPrior AutoModel BlobCamera BoardGuess Calibrate
   CalibrateBodies CalibrateRig CalibrateSameViews CalibrateTurnedBoards CameraFrame CameraFrames CameraKnowledge
   CaptureGuide Charuco ChooseKnots FeatureRefiner FitParametricModel FitRemapTable
   FrameQuality GuidedRig IdentifyBoard ImageCircle InterruptionsDeathTest JudgeBudget
   LargeEquations Lenses/StartFromThreeViewsOf Lenses/UnevenLensOf MarkerBoards
-  MeasureNoise NextView OutputFolder PackCamera PackWhatCanBe PlaceByLayout
+  NextView OutputFolder PackCamera PackWhatCanBe PlaceByLayout
   PrintedFeatures ProjectionUncertainty RenderImage ResidualBudget RowTime ShareOfBends
   SpreadAround StackPacking StarDetector StartFromThreeViews TrueErrors TwoCameras VirtualView)

@@ -24,8 +24,8 @@ std::vector<PixelUncertainty> UncertaintyFor(
     int max_exact_unknowns = kAllExact) {
   const LinearResponse response(problem.views, prior, options, problem.state,
                                 max_exact_unknowns);
-  return ProjectionUncertainty(response, {noise_px, noise_px, {}},
-                               problem.views, problem.state, 0, lattice);
+  return ProjectionUncertainty(response, noise_px, nullptr, problem.views,
+                               problem.state, 0, lattice);
 }
 
 SmallProblem ExactProblem() { return MakeExactGridProblem(25, 60); }
@@ -80,8 +80,8 @@ TEST(ProjectionUncertainty, IsHowAdjustedCamerasScatterWithTheNoise) {
   Eigen::MatrixXd joint_px2;
   const LinearResponse response(exact.views, prior, Options(), exact.state);
   const std::vector<PixelUncertainty> predicted =
-      ProjectionUncertainty(response, {kObservedNoisePx, kObservedNoisePx, {}},
-                            exact.views, exact.state, 0, kLattice, &joint_px2);
+      ProjectionUncertainty(response, kObservedNoisePx, nullptr, exact.views,
+                            exact.state, 0, kLattice, &joint_px2);
   ASSERT_EQ(predicted.size(), 63u);
   ASSERT_EQ(joint_px2.rows(), 126);
   for (size_t i = 0; i < predicted.size(); ++i)
@@ -133,8 +133,8 @@ TEST(ProjectionUncertainty, SamplesAgreeWithTheFactor) {
     double noise_sum = 0, total_sum = 0;
     for (size_t i = 0; i < found.size(); ++i) {
       const auto ratio = [&](Eigen::Matrix2d PixelUncertainty::*member) {
-        return WorseDeviation(found[i].*member) /
-               WorseDeviation(expected[i].*member);
+        return AxisDeviation(found[i].*member) /
+               AxisDeviation(expected[i].*member);
       };
       const double noise = ratio(&PixelUncertainty::noise_px2);
       const double total = ratio(&PixelUncertainty::total_px2);
@@ -171,9 +171,9 @@ TEST(ProjectionUncertainty, GrowsWithTheNoiseAndWhereFewFeaturesAre) {
   const auto twice = UncertaintyFor(exact, prior, Options(), 0.2);
   const PixelUncertainty& corner = once.front();
   const PixelUncertainty& middle = once[once.size() / 2];
-  EXPECT_NEAR(WorseDeviation(twice.front().total_px2),
-              2 * WorseDeviation(corner.total_px2), 1e-9);
-  EXPECT_LT(WorseDeviation(middle.total_px2), WorseDeviation(corner.total_px2));
+  EXPECT_NEAR(AxisDeviation(twice.front().total_px2),
+              2 * AxisDeviation(corner.total_px2), 1e-9);
+  EXPECT_LT(AxisDeviation(middle.total_px2), AxisDeviation(corner.total_px2));
   EXPECT_GT(middle.num_observations, corner.num_observations);
 }
 

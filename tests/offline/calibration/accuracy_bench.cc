@@ -18,12 +18,25 @@ namespace {
 void Measure(const TrueErrorSetting& setting, int num_seeds, bool verbose) {
   std::vector<double> rms_px, max_px;
   double mean_px = 0, oracle_px = 0;
+  TrueError sum;
+  sum.jackknife_scale = 0;
   for (int seed = 1; seed <= num_seeds; ++seed) {
     const TrueError error = MeasureTrueError(setting, seed);
     if (verbose)
       std::printf(
-          "  seed %d: RMS %.5f px, median %.5f, max %.4f, oracle %.5f\n", seed,
-          error.rms_px, error.median_px, error.max_px, error.oracle_px);
+          "  seed %d: RMS %.5f px, median %.5f, max %.4f, oracle %.5f; within "
+          "%.2f, %.2f, ratio %.2f; trusted %.2f: %.2f, %.2f, ratio %.2f; "
+          "jackknife scale %.2f\n",
+          seed, error.rms_px, error.median_px, error.max_px, error.oracle_px,
+          error.within_1, error.within_2, error.ratio, error.trusted_part,
+          error.trusted_within_1, error.trusted_within_2, error.trusted_ratio,
+          error.jackknife_scale);
+    sum.within_1 += error.within_1 / num_seeds;
+    sum.within_2 += error.within_2 / num_seeds;
+    sum.trusted_within_1 += error.trusted_within_1 / num_seeds;
+    sum.trusted_within_2 += error.trusted_within_2 / num_seeds;
+    sum.trusted_part += error.trusted_part / num_seeds;
+    sum.jackknife_scale += error.jackknife_scale / num_seeds;
     rms_px.push_back(error.rms_px);
     max_px.push_back(error.max_px);
     mean_px += error.rms_px / num_seeds;
@@ -31,10 +44,13 @@ void Measure(const TrueErrorSetting& setting, int num_seeds, bool verbose) {
   }
   std::printf(
       "%-10s %-7s %4d images, noise %.3f px: RMS mean %.5f px, median %.5f, "
-      "max %.4f, oracle %.5f (%.2f x)\n",
+      "max %.4f, oracle %.5f (%.2f x); within 1 and 2 standard deviations "
+      "%.2f, %.2f; of %.2f trusted %.2f, %.2f; jackknife scale %.2f\n",
       setting.lens.c_str(), setting.target.c_str(), setting.num_images,
       setting.noise_px, mean_px, Quantile(rms_px, 0.5), Quantile(max_px, 0.5),
-      oracle_px, mean_px / oracle_px);
+      oracle_px, mean_px / oracle_px, sum.within_1, sum.within_2,
+      sum.trusted_part, sum.trusted_within_1, sum.trusted_within_2,
+      sum.jackknife_scale);
   std::fflush(stdout);
 }
 
@@ -55,7 +71,7 @@ int main(int argc, char** argv) {
   app.add_option("--lens", lenses, "families of lenses (default: all)")
       ->check(CLI::IsMember(lenses));
   app.add_option("--target", targets)
-      ->check(CLI::IsMember({"flat", "bent", "bending"}))
+      ->check(CLI::IsMember({"flat", "bent", "bending", "correlated"}))
       ->capture_default_str();
   app.add_option("--images", images)->capture_default_str();
   app.add_option("--noise-px", noise_px)->capture_default_str();
@@ -63,6 +79,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--seeds", num_seeds)->capture_default_str();
   app.add_flag("--verbose", verbose, "print each seed");
+  app.add_flag("!--no-oracle", setting.with_oracle,
+               "without the best possible estimate, which takes long");
   CLI11_PARSE(app, argc, argv);
   for (const std::string& lens : lenses)
     for (const std::string& target : targets)

@@ -1,6 +1,7 @@
 #ifndef RAYGRID_TESTS_OFFLINE_CALIBRATION_TRUE_ERROR_H
 #define RAYGRID_TESTS_OFFLINE_CALIBRATION_TRUE_ERROR_H
 
+#include <cmath>
 #include <string>
 
 #include "calibration/calibration.h"
@@ -11,18 +12,60 @@ namespace raygrid {
 
 /// A simulation to measure the error of a calibration by.
 struct TrueErrorSetting {
-  std::string lens = "wide";    ///< as LensFamilyOf() names them
-  std::string target = "flat";  ///< or "bent", or "bending" from view to view
+  std::string lens = "wide";  ///< as LensFamilyOf() names them
+  /// Or "bent", or "bending" from view to view; or "correlated": flat, with
+  /// noise of 0.05 px besides that is correlated over 8 features.
+  std::string target = "flat";
   int num_images = 40;
   double noise_px = 0.05;
   double cell_px = 20;  ///< 0: chosen by the calibration
+  bool with_oracle = true;
 };
 
 /// Errors of a camera's rays, px, after the best rotation.
 struct TrueError {
   double rms_px = 0, median_px = 0, max_px = 0;
   double oracle_px = 0;  ///< the RMS of the best possible estimate
+  /// Parts of the coordinates of all pixels whose error is within one and two
+  /// stated standard deviations; RMS of the errors over the RMS stated.
+  double within_1 = 0, within_2 = 0, ratio = 0;
+  double trusted_within_1 = 0, trusted_within_2 = 0, trusted_ratio = 0;
+  double trusted_part = 0, jackknife_scale = 1;
 };
+
+/// Adds how far stated standard deviations hold.
+inline void AddCoverage(const ModelDifference& difference,
+                        const CalibrationResult& result, TrueError* error) {
+  if (!result.camera.uncertainty) return;
+  const CameraUncertainty& uncertainty = *result.camera.uncertainty;
+  const Area& area = result.camera.camera->area();
+  struct Sums {
+    double count = 0, within_1 = 0, within_2 = 0, squares = 0, stated2 = 0;
+  } sums[2];
+  for (size_t i = 0; i < difference.pixels.size(); ++i) {
+    const Eigen::Vector2d& pixel = difference.pixels[i];
+    const double stated_px = uncertainty.lattice.At(area, pixel);
+    if (!std::isfinite(stated_px)) continue;
+    for (Sums* s : {&sums[0], &sums[1]}) {
+      if (s == &sums[1] && !uncertainty.mask.Trusts(pixel)) continue;
+      for (const double coordinate : difference.error_px[i]) {
+        s->count += 1;
+        s->within_1 += std::abs(coordinate) <= stated_px;
+        s->within_2 += std::abs(coordinate) <= 2 * stated_px;
+        s->squares += coordinate * coordinate;
+        s->stated2 += stated_px * stated_px;
+      }
+    }
+  }
+  error->within_1 = sums[0].within_1 / sums[0].count;
+  error->within_2 = sums[0].within_2 / sums[0].count;
+  error->ratio = std::sqrt(sums[0].squares / sums[0].stated2);
+  error->trusted_within_1 = sums[1].within_1 / sums[1].count;
+  error->trusted_within_2 = sums[1].within_2 / sums[1].count;
+  error->trusted_ratio = std::sqrt(sums[1].squares / sums[1].stated2);
+  error->trusted_part = sums[1].count / sums[0].count;
+  error->jackknife_scale = uncertainty.jackknife_scale;
+}
 
 /// Calibrates a lens that the seed draws.
 inline TrueError MeasureTrueError(const TrueErrorSetting& setting,
@@ -36,12 +79,14 @@ inline TrueError MeasureTrueError(const TrueErrorSetting& setting,
   simulation.seed = seed;
   if (setting.target == "bent") simulation.board_bend_m = 0.002;
   if (setting.target == "bending") simulation.board_flex_m = 0.0003;
+  if (setting.target == "correlated") simulation.shared_noise_px = 0.05;
   const Pattern pattern = ChessboardPattern(25, 17, 0.015);
   const SimulatedObservations simulated =
       SimulateObservations(*truth, pattern, simulation);
   CalibrationOptions options;
   options.cell_px = setting.cell_px;
-  options.flat_board = setting.target == "flat";
+  options.flat_board =
+      setting.target == "flat" || setting.target == "correlated";
   // Without folds to evaluate.
   options.hold_out = {simulated.dataset.images.back().image};
   options.num_threads = 1;
@@ -49,8 +94,14 @@ inline TrueError MeasureTrueError(const TrueErrorSetting& setting,
       Calibrate(simulated.dataset, pattern, options);
   const ModelDifference difference =
       CompareModels(*truth, *result.camera.camera, kStepPx);
-  return {difference.rms_px, difference.median_px, difference.max_px,
-          OracleRmsPx(family, *truth, simulated, setting.noise_px)};
+  TrueError error;
+  error.rms_px = difference.rms_px;
+  error.median_px = difference.median_px;
+  error.max_px = difference.max_px;
+  if (setting.with_oracle)
+    error.oracle_px = OracleRmsPx(family, *truth, simulated, setting.noise_px);
+  AddCoverage(difference, result, &error);
+  return error;
 }
 
 }  // namespace raygrid

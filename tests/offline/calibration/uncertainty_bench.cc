@@ -68,7 +68,7 @@ Draw CalibrateDraw(const Pattern& pattern, const Adjusted& start,
   const LinearResponse response(adjusted.problem.views, adjusted.prior, options,
                                 adjusted.state);
   draw.predicted =
-      ProjectionUncertainty(response, {draw.noise_px, draw.noise_px, {}},
+      ProjectionUncertainty(response, draw.noise_px, nullptr,
                             adjusted.problem.views, adjusted.state, 0);
   draw.covariance_seconds = Now() - middle;
   const TrustMask mask = UncertaintyOf(adjusted, 0, 1).value().mask;
@@ -141,7 +141,7 @@ void RunCells(int num_images, int num_draws, int seed, double cell_px) {
       ++num_errors;
       own_predicted += draw.predicted[i].noise_px2.trace();
       own_stated += StatedPx2(draw.predicted[i]);
-      deviations.push_back(WorseDeviation(draw.predicted[i].noise_px2));
+      deviations.push_back(AxisDeviation(draw.predicted[i].noise_px2));
     }
     sum += own, predicted_sum += own_predicted, stated_sum += own_stated;
     stated_rms_ratios.push_back(std::sqrt(own / own_stated));

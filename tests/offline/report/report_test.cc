@@ -229,30 +229,18 @@ TEST(ResultFolder, HoldsAllThatTheReportSays) {
   const TemporaryFolder folder;
   const std::string out = folder / "out";
   CalibrationResult result = PlainResult();
-  result.camera.uncertainty = CameraUncertainty{{2, 2, {0.1, 0.2, 0.3, 0.4}},
-                                                TrustMask::Over({640, 480}),
-                                                0.05,
-                                                {},
-                                                {},
-                                                {}};
-  result.feature_noise = {0.0612, 0.0734, 4.5};
+  result.camera.uncertainty = CameraUncertainty{
+      {2, 2, {0.1, 0.2, 0.3, 0.4}}, TrustMask::Over({640, 480}), 0.05, {}, {}};
+  result.jackknife_scale = 1.83;
   result.fleet_distance = FleetDistance{1.7, 0.3};
   WriteResultTo(out, result);
   const std::string html = ReportOf(out);
   for (const char* part :
-       {"0.0612 px each for itself, 0.0734 px that neighbours share over 4.5",
-        "Verdict: warn", "only 2 images", "12345 bytes", "40.0 (chosen)",
-        "central-radial", "pure noise", "(3, 4): 5.00 px off", "front",
-        "1.7 px from the fleet&#39;s middle"})
+       {"1.83 times that of white noise", "Verdict: warn", "only 2 images",
+        "12345 bytes", "40.0 (chosen)", "central-radial", "pure noise",
+        "(3, 4): 5.00 px off", "front", "1.7 px from the fleet&#39;s middle"})
     EXPECT_TRUE(Has(html, part)) << part;
   EXPECT_EQ(ReportOf(out), html);
-}
-
-// A rolling shutter's errors move the camera more than their squares tell.
-TEST(FeatureNoise, IsNotToldAsPixelsWhereOnlyItsInfluenceIsKnown) {
-  const std::string text = FeatureNoise{0, 4.03, 8}.Text();
-  EXPECT_TRUE(Has(text, "moves the camera as 4.03 px over 8.0 features"));
-  EXPECT_FALSE(Has(text, "each for itself"));
 }
 
 // Noise, which JPEG makes least of.

@@ -1,0 +1,189 @@
+#include "adjustment/group_jackknife.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <utility>
+
+namespace raygrid {
+namespace {
+
+constexpr int kMaxGroups = 16;
+
+// Views without a group of poses, and the state without these poses.
+struct Remaining {
+  std::vector<View> views;
+  AdjustmentState state;
+};
+
+bool IsInGroup(int pose, int group, int num_groups) {
+  return pose % num_groups == group;
+}
+
+Remaining WithoutGroup(const std::vector<View>& views,
+                       const AdjustmentState& state, int group,
+                       int num_groups) {
+  Remaining remaining;
+  remaining.state = state;
+  remaining.state.rig_from_pattern.clear();
+  if (state.HasFlex()) remaining.state.flex.clear();
+  const auto num_poses = static_cast<int>(state.rig_from_pattern.size());
+  std::vector<int> new_index(num_poses, -1);
+  for (int pose = 0; pose < num_poses; ++pose) {
+    if (IsInGroup(pose, group, num_groups)) continue;
+    new_index[pose] = static_cast<int>(remaining.state.rig_from_pattern.size());
+    remaining.state.rig_from_pattern.push_back(state.rig_from_pattern[pose]);
+    if (state.HasFlex()) remaining.state.flex.push_back(state.flex[pose]);
+  }
+  for (const View& view : views) {
+    if (new_index[view.pose] < 0) continue;
+    remaining.views.push_back(view);
+    remaining.views.back().pose = new_index[view.pose];
+  }
+  return remaining;
+}
+
+// Errors of a group of poses, and zeros.
+ViewErrors OfGroup(const LinearResponse& response, ViewErrors errors, int group,
+                   int num_groups) {
+  for (size_t v = 0; v < errors.size(); ++v)
+    if (!IsInGroup(response.jacobians()[v].pose, group, num_groups))
+      errors[v].setZero();
+  return errors;
+}
+
+// Residuals that the adjustment leaves of white noise of variance 1, with a
+// prior mean and flex of their own.
+std::vector<ViewErrors> DrawResiduals(const LinearResponse& response,
+                                      int count) {
+  std::mt19937 random_bits(1);  // the standard fixes its sequence
+  std::vector<ViewErrors> residuals;
+  Eigen::MatrixXd right(response.layout().num_all(), count), x;
+  for (int k = 0; k < count; ++k) {
+    residuals.push_back(response.DrawNoise(&random_bits));
+    right.col(k) = response.Gradient(residuals.back()) +
+                   response.DrawPrior(&random_bits) +
+                   response.DrawFlex(&random_bits);
+  }
+  if (!response.Solve(right, &x)) return {};
+  for (int k = 0; k < count; ++k) {
+    const ViewErrors fitted = response.ErrorsBy(x.col(k));
+    for (size_t v = 0; v < fitted.size(); ++v) residuals[k][v] -= fitted[v];
+  }
+  return residuals;
+}
+
+// An estimate of the logarithm of a ratio of variances, and its variance.
+struct LogRatio {
+  double mean = 0, variance = 0;
+};
+
+// Of sums of squares of which so many are independent: log chi^2_n / n has a
+// mean of about -1/n and a variance of about 2/n.
+LogRatio LogRatioOf(double observed, double predicted, double independent) {
+  return {std::log(observed / predicted) + 1 / independent, 2 / independent};
+}
+
+// The posterior mean with a normal prior.
+LogRatio Shrunk(const LogRatio& estimate, const LogRatio& prior) {
+  const double weight = prior.variance / (prior.variance + estimate.variance);
+  return {prior.mean + weight * (estimate.mean - prior.mean),
+          prior.variance * (1 - weight)};
+}
+
+struct Band {
+  double observed = 0, predicted = 0, squared_sum = 0, sum_of_squares = 0;
+
+  // Parts of the band that contribute alike.
+  double NumIndependent() const {
+    return std::max(1.0, squared_sum / sum_of_squares);
+  }
+};
+
+Band BandOf(const GroupJackknife::SquaredChanges& changes, Eigen::Index first,
+            Eigen::Index count) {
+  const auto predicted = changes.predicted.middleRows(first, count);
+  Band band;
+  band.observed = changes.observed.middleRows(first, count).sum();
+  band.predicted = predicted.sum();
+  band.squared_sum = band.predicted * band.predicted;
+  band.sum_of_squares = predicted.squaredNorm();
+  return band;
+}
+
+}  // namespace
+
+GroupJackknife::GroupJackknife(const LinearResponse& response,
+                               const std::vector<View>& views,
+                               const GaussianPrior& prior,
+                               const AdjustmentOptions& options,
+                               const AdjustmentState& state, double noise_px) {
+  const int num_groups = std::min(kMaxGroups, response.layout().num_poses);
+  if (num_groups < 3) return;
+  const int num_draws = response.IsExact() ? 8 : 4;
+  std::vector<ViewErrors> residuals(1);
+  for (const ViewJacobian& view : response.jacobians())
+    residuals.front().push_back(view.error / noise_px);
+  for (ViewErrors& drawn : DrawResiduals(response, num_draws))
+    residuals.push_back(std::move(drawn));
+  if (residuals.size() == 1) return;
+  const Eigen::Index size = response.layout().size;
+  std::vector<Eigen::MatrixXd> changes;
+  for (int group = 0; group < num_groups; ++group) {
+    const Remaining remaining = WithoutGroup(views, state, group, num_groups);
+    const LinearResponse without(remaining.views, prior, options,
+                                 remaining.state);
+    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(without.layout().num_all(),
+                                                  1 + num_draws),
+                    x;
+    for (int k = 0; k <= num_draws; ++k)
+      right.col(k).head(size) =
+          response.Gradient(OfGroup(response, residuals[k], group, num_groups))
+              .head(size);
+    if (!without.Solve(right, &x)) return;
+    changes.push_back(noise_px * x.topRows(size));
+  }
+  changes_ = std::move(changes);
+}
+
+GroupJackknife::SquaredChanges GroupJackknife::Of(
+    int first, const Eigen::MatrixXd& jacobian) const {
+  const auto num_groups = static_cast<Eigen::Index>(changes_.size());
+  SquaredChanges squares = {Eigen::MatrixXd(jacobian.rows(), num_groups),
+                            Eigen::MatrixXd(jacobian.rows(), num_groups)};
+  for (Eigen::Index group = 0; group < num_groups; ++group) {
+    const Eigen::MatrixXd& changes = changes_[group];
+    const Eigen::MatrixXd by_draw =
+        (jacobian * changes.middleRows(first, jacobian.cols())).cwiseAbs2();
+    squares.observed.col(group) = by_draw.col(0);
+    squares.predicted.col(group) =
+        by_draw.rightCols(by_draw.cols() - 1).rowwise().mean();
+  }
+  return squares;
+}
+
+VarianceFactors::VarianceFactors(
+    const GroupJackknife::SquaredChanges& changes) {
+  constexpr LogRatio kOfAll = {0, 4};
+  constexpr double kVarianceOfBand = 1;
+  const Eigen::Index count = changes.observed.rows();
+  of_each.setOnes(count);
+  const Band all = BandOf(changes, 0, count);
+  if (!(all.predicted > 0) || !(all.observed > 0)) return;
+  const LogRatio ratio_of_all = Shrunk(
+      LogRatioOf(all.observed, all.predicted, all.NumIndependent()), kOfAll);
+  of_all = std::exp(ratio_of_all.mean);
+  for (Eigen::Index first = 0, size = 1; first < count;
+       first += size, size *= 2) {
+    size = std::min(size, count - first);
+    const Band band = BandOf(changes, first, size);
+    LogRatio ratio = ratio_of_all;
+    if (band.predicted > 0 && band.observed > 0)
+      ratio = Shrunk(
+          LogRatioOf(band.observed, band.predicted, band.NumIndependent()),
+          {ratio_of_all.mean, kVarianceOfBand});
+    of_each.segment(first, size).setConstant(std::exp(ratio.mean));
+  }
+}
+
+}  // namespace raygrid
