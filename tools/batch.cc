@@ -225,6 +225,12 @@ std::vector<std::string> WordsOfUnit(const UnitJob& job,
   words.push_back("--pattern=" + unit.pattern);
   words.push_back("--output=" + job.folder);
   if (!IsRig(unit)) words.push_back("--serial=" + unit.serial);
+  // The units of a fleet are compared, so they have one model.
+  if (std::none_of(unit.options.begin(), unit.options.end(),
+                   [](const std::string& option) {
+                     return option.compare(0, 8, "--model=") == 0;
+                   }))
+    words.push_back("--model=central-generic");
   words.insert(words.end(), unit.options.begin(), unit.options.end());
   for (const auto& [option, path] : unit.option_files)
     words.push_back("--" + option + "=" + path);

@@ -404,9 +404,13 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
   AddYes(command, common);
   command
       ->add_option("--model", arguments->model,
+                   "auto: the one that predicts held-out images best; or "
                    "central-generic, noncentral-generic, central-radial, "
-                   "thin-prism-fisheye or opencv")
+                   "thin-prism-fisheye, opencv")
       ->capture_default_str();
+  command->add_flag("--allow-noncentral", arguments->allow_noncentral,
+                    "let auto choose noncentral-generic, whose undistortion "
+                    "needs a distance");
   command
       ->add_option("--cell-px", arguments->cell_px,
                    "largest cell of the grid; auto chooses by held-out error")

@@ -417,7 +417,11 @@ std::vector<CalibrationInput> CalibrationInputs(
 CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
                              const CommonOptions& common, ProgressBar* bar) {
   CalibrationOptions options;
-  options.model = arguments.model;
+  // A camera over a range of values is a stack of central grids.
+  const bool is_stack =
+      arguments.model == "auto" && !arguments.condition.empty();
+  options.model = is_stack ? "central-generic" : arguments.model;
+  options.allow_noncentral = arguments.allow_noncentral;
   options.cell_px = ParseCellPx(arguments.cell_px);
   options.area = arguments.area == "features" ? AreaChoice::kFeatures
                                               : AreaChoice::kWholeImage;
@@ -479,11 +483,12 @@ std::string InputsOf(const CalibrateArguments& arguments,
                              f.row, f.pixel.x(), f.pixel.y()));
     }
   }
-  hash.Add(fmt::format(
-      "{} {} {} {} {} {} {} {} {} {}", arguments.model, arguments.cell_px,
-      arguments.same_view_px, arguments.area, arguments.image_circle,
-      arguments.flat_board, arguments.rigid_board, arguments.boards_move,
-      arguments.measure_once, common.seed));
+  hash.Add(fmt::format("{} {} {} {} {} {} {} {} {} {} {}", arguments.model,
+                       arguments.allow_noncentral, arguments.cell_px,
+                       arguments.same_view_px, arguments.area,
+                       arguments.image_circle, arguments.flat_board,
+                       arguments.rigid_board, arguments.boards_move,
+                       arguments.measure_once, common.seed));
   for (const std::string& image : arguments.hold_out) hash.Add(image);
   for (const std::string& mode : arguments.modes) hash.Add(mode);
   if (const auto& conditions = circumstances.conditions) {

@@ -27,11 +27,11 @@ struct NamedImages {
 struct CalibrateArguments {
   std::vector<std::string> images, cameras, image_sizes, hold_out, modes;
   std::string features, pattern, output, name, serial, like;
-  std::string model = "central-generic", cell_px = "auto";
+  std::string model = "auto", cell_px = "auto";
   std::string same_view_px = "auto";
   std::string instant_by = "name", area = "image", image_circle = "auto";
   bool flat_board = false, rigid_board = false, boards_move = false,
-       measure_once = false, resume = false;
+       measure_once = false, resume = false, allow_noncentral = false;
   bool skip_comparison = false, rolling_shutter = false;
   std::string times;              ///< a CSV with the times of images
   std::vector<NamedImages> rig;   ///< of a session, instead of cameras

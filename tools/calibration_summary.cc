@@ -103,6 +103,17 @@ void PrintStack(const CameraStack& stack) {
   }
 }
 
+// Of --model auto.
+void PrintModelChoice(const CalibrationResult& result) {
+  if (result.model_candidates.empty()) return;
+  std::vector<std::string> medians;
+  for (const ModelCandidate& candidate : result.model_candidates)
+    medians.push_back(
+        fmt::format("{} {:.4f} px", candidate.model, candidate.median_px));
+  fmt::print("  model chosen by cross-validation: {}\n",
+             fmt::join(medians, ", "));
+}
+
 void PrintImageCircle(const CameraModel& camera) {
   const auto& circle = camera.image_circle();
   if (!circle) return;
@@ -167,6 +178,10 @@ void PrintSingleCamera(const CalibrationResult& result) {
                *result.bias_kl, *result.noise_bias_kl);
   if (result.camera.uncertainty)
     PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
+  if (result.model_error_px)
+    fmt::print("  model error: {:.3f} px (median), by a richer model\n",
+               *result.model_error_px);
+  PrintModelChoice(result);
   if (result.camera.stack) {
     PrintKnownOverRanges(result.camera);
     PrintStack(result.camera.stack->cameras);

@@ -16,6 +16,7 @@
 #include "calibration/grid_choice.h"
 #include "calibration/input_checks.h"
 #include "calibration/measuring_again.h"
+#include "calibration/model_choice.h"
 #include "calibration/parametric_comparison.h"
 #include "calibration/restart.h"
 #include "calibration/rig_evaluation.h"
@@ -148,7 +149,8 @@ class Calibration {
   }
 
   const Pattern& pattern_;
-  const CalibrationOptions& options_;
+  CalibrationOptions options_;
+  bool is_model_auto_;
   std::vector<CameraInProgress> cameras_;
   Bodies bodies_;
   Adjusted adjusted_;                                 // all cameras together
@@ -159,7 +161,11 @@ class Calibration {
 Calibration::Calibration(const std::vector<CalibrationInput>& inputs,
                          const Pattern& pattern,
                          const CalibrationOptions& options)
-    : pattern_(pattern), options_(options) {
+    : pattern_(pattern),
+      options_(options),
+      is_model_auto_(options.model == kAutoModel) {
+  if (is_model_auto_) options_.model = "central-generic";
+  is_model_auto_ &= options.cell_px == 0 && !options.like;
   for (const CalibrationInput& input : inputs) {
     CameraInProgress& camera = cameras_.emplace_back();
     camera.input = &input;
@@ -441,6 +447,19 @@ void Calibration::ChooseGrids() {
     ChooseBends(pattern_, options_, camera);
     for (Folds::Fold& fold : camera->folds.folds) fold.rigid.clear();
   });
+  if (!is_model_auto_ || options_.ShouldStop()) return;
+  options_.model = raygrid::ChooseModel(pattern_, options_, &cameras_);
+  for (CameraInProgress& camera : cameras_) {
+    camera.grid_cell_px = camera.result.cell_px;
+    if (IsParametricModel(options_.model)) {
+      camera.result.cell_px = 0;
+      camera.boards_bend = false;
+    } else if (options_.model == "noncentral-generic") {
+      camera.result.cell_px =
+          std::max(camera.grid_cell_px,
+                   MediumCellPx(camera.split.training, options_.model));
+    }
+  }
 }
 
 // ---- Adjust ----------------------------------------------------------------
@@ -546,7 +565,10 @@ void Calibration::FillResults() {
 void Calibration::EvaluateHeldOutImages() {
   const Stopwatch stopwatch(&result_.seconds["cross_validation"]);
   CameraInProgress& first = cameras_.front();
-  std::vector<Trial> of_rig;
+  std::vector<Trial> not_kept;
+  // Trials that are kept are those of a given model.
+  const bool is_kept =
+      !IsRig() && !(is_model_auto_ && options_.model == "noncentral-generic");
   ValidationOptions validation = ValidationOptionsOf(options_);
   validation.rigid_boards = AreBoardsRigid();
   validation.bodies = bodies_;
@@ -562,7 +584,7 @@ void Calibration::EvaluateHeldOutImages() {
   HeldOut held_out =
       EvaluateHeldOut(adjusted_, pattern_, Splits(), validation, CellsPx(),
                       is_anew ? &anew : &first.folds,
-                      IsRig() ? &of_rig : &first.checkpoint.trials);
+                      is_kept ? &first.checkpoint.trials : &not_kept);
   result_.held_out = std::move(held_out.together);
   result_.cross_validated = options_.hold_out.empty();
   for (size_t c = 0; c < held_out.alone.size(); ++c) {
@@ -648,6 +670,8 @@ void Calibration::CompareModels() {
       result.parametric_models.push_back(std::move(*figures));
   });
   AdjustFromComparison();
+  for (CameraInProgress& camera : cameras_)
+    camera.result.model_error_px = ModelErrorPx(camera.result);
 }
 
 void Calibration::CompareWithOthers() {

@@ -48,9 +48,12 @@ struct CalibrationInput {
 };
 
 struct CalibrationOptions {
-  std::string model = "central-generic";  ///< or a parametric one
-  double cell_px = 0;                     ///< 0: chosen by held-out error
-  bool any_distance = false;              ///< boards may be more than 20 m away
+  /// Or another model, or "auto": the one that predicts held-out images best
+  /// (model_choice.h); central-generic, if cell_px or like is given.
+  std::string model = "central-generic";
+  bool allow_noncentral = false;  ///< for "auto"
+  double cell_px = 0;             ///< 0: chosen by held-out error
+  bool any_distance = false;      ///< boards may be more than 20 m away
   AreaChoice area = AreaChoice::kWholeImage;
   /// A calibrated camera of a like lens: a grid lies around it, instead of
   /// around a lens of few parameters, so few images do. For central-generic, a

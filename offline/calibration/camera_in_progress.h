@@ -20,6 +20,7 @@ struct CameraInProgress {
   Adjusted lens;             ///< parametric, by its own training images
   Folds folds;               ///< of its training images
   bool boards_bend = false;  ///< from image to image
+  double grid_cell_px = 0;   ///< of the central grid, where "auto" tried one
   Checkpoint checkpoint;     ///< what is done so far
   CalibrationResult result;  ///< what is known so far
 

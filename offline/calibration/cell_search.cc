@@ -30,20 +30,24 @@ bool Try(std::vector<int> resolutions, const CellSearch::Measure& measure,
 }  // namespace
 
 double GainOver(const std::vector<FeatureResidual>& others,
-                const std::vector<FeatureResidual>& residuals) {
-  // A feature that cannot be told where it belongs counts as a pixel off.
+                const std::vector<FeatureResidual>& residuals,
+                double huber_px) {
+  // A feature that cannot be told where it belongs counts as huber_px off.
   struct Losses {
-    double others = HuberLoss(1, 1), ours = HuberLoss(1, 1);
+    double others, ours;
   };
+  const double unknown = HuberLoss(huber_px, huber_px);
   std::map<std::tuple<std::string, int, int, int>, Losses> features;
-  const auto of = [&features](const FeatureResidual& residual) -> Losses& {
-    return features[{residual.image, residual.board, residual.column,
-                     residual.row}];
+  const auto of = [&features,
+                   unknown](const FeatureResidual& residual) -> Losses& {
+    const std::tuple feature(residual.image, residual.board, residual.column,
+                             residual.row);
+    return features.emplace(feature, Losses{unknown, unknown}).first->second;
   };
   for (const FeatureResidual& residual : others)
-    of(residual).others = HuberLoss(residual.error_px.norm(), 1);
+    of(residual).others = HuberLoss(residual.error_px.norm(), huber_px);
   for (const FeatureResidual& residual : residuals)
-    of(residual).ours = HuberLoss(residual.error_px.norm(), 1);
+    of(residual).ours = HuberLoss(residual.error_px.norm(), huber_px);
   struct Sum {
     double gain = 0, count = 0;
   };

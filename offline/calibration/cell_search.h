@@ -10,12 +10,13 @@
 
 namespace raygrid {
 
-/// By how much the mean Huber loss (of 1 px) of residuals is below that of
-/// others, of the same features: in standard deviations of that difference, as
-/// images differ in it. A feature that only one of both has is a pixel off in
-/// the other. 0 for fewer than two images.
+/// By how much the mean Huber loss of residuals is below that of others, of the
+/// same features: in standard deviations of that difference, as images differ
+/// in it. A feature that only one of both has is huber_px off in the other. 0
+/// for fewer than two images.
 double GainOver(const std::vector<FeatureResidual>& others,
-                const std::vector<FeatureResidual>& residuals);
+                const std::vector<FeatureResidual>& residuals,
+                double huber_px = 1);
 
 /// A prior holds what a grid has too many of, at little loss; what it has too
 /// few of is lost. So a coarser one has to gain something: GainOver() the finer

@@ -112,6 +112,25 @@ void UnlessRigFallsApart(size_t num_cameras, const Work& work) {
   }
 }
 
+// The first folds of a cross-validation of num_folds.
+Folds FoldsOf(const std::vector<std::vector<std::string>>& views,
+              const std::vector<Split>& cameras,
+              const std::vector<const CameraModel*>& known, size_t count,
+              size_t num_folds) {
+  Folds folds;
+  for (const CameraModel* lens : known) folds.known.push_back(lens->Clone());
+  folds.folds.resize(count);
+  for (size_t fold = 0; fold < count; ++fold) {
+    std::vector<std::string> test;
+    for (size_t i = fold; i < views.size(); i += num_folds)
+      test.insert(test.end(), views[i].begin(), views[i].end());
+    for (const Split& camera : cameras)
+      folds.folds[fold].cameras.push_back(
+          SplitImages(camera.camera, camera.training, test));
+  }
+  return folds;
+}
+
 // The options of each of some adjustments that share the threads.
 AdjustmentOptions AdjustmentOptionsFor(int num_adjustments,
                                        const ValidationOptions& options) {
@@ -211,19 +230,17 @@ Folds MakeFolds(const std::vector<Split>& cameras,
                 const std::vector<const CameraModel*>& known) {
   constexpr size_t kManyViews = 40;
   const auto views = Views(cameras);
-  Folds folds;
-  for (const CameraModel* lens : known) folds.known.push_back(lens->Clone());
-  if (views.size() < 2 * kFolds) return folds;
-  folds.folds.resize(views.size() <= kManyViews ? kFolds : 1);
-  for (size_t fold = 0; fold < folds.folds.size(); ++fold) {
-    std::vector<std::string> test;
-    for (size_t i = fold; i < views.size(); i += kFolds)
-      test.insert(test.end(), views[i].begin(), views[i].end());
-    for (const Split& camera : cameras)
-      folds.folds[fold].cameras.push_back(
-          SplitImages(camera.camera, camera.training, test));
-  }
-  return folds;
+  if (views.size() < 2 * kFolds) return FoldsOf(views, cameras, known, 0, 1);
+  return FoldsOf(views, cameras, known, views.size() <= kManyViews ? kFolds : 1,
+                 kFolds);
+}
+
+Folds MakeLeaveOneOutFolds(const std::vector<Split>& cameras,
+                           const std::vector<const CameraModel*>& known) {
+  constexpr size_t kMinViews = 4;
+  const auto views = Views(cameras);
+  const size_t count = views.size() < kMinViews ? 0 : views.size();
+  return FoldsOf(views, cameras, known, count, count);
 }
 
 void CrossValidate(const Pattern& pattern, const ValidationOptions& options,

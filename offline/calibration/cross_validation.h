@@ -51,6 +51,10 @@ struct Folds {
 /// known are lenses of all training images of each camera.
 Folds MakeFolds(const std::vector<Split>& cameras,
                 const std::vector<const CameraModel*>& known);
+/// A fold for each view, of fewer views than MakeFolds() has folds for; none
+/// for fewer than four.
+Folds MakeLeaveOneOutFolds(const std::vector<Split>& cameras,
+                           const std::vector<const CameraModel*>& known);
 
 struct ValidationOptions {
   std::string model;

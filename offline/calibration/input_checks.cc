@@ -5,6 +5,7 @@
 #include <set>
 
 #include "calibration/body_search.h"
+#include "calibration/model_choice.h"
 #include "calibration/rig_start.h"
 #include "camera/model_fitting.h"
 #include "dataset/error.h"
@@ -17,9 +18,9 @@ namespace {
 // Other parametric models have no prior yet that holds what observations do not
 // tell.
 void RequireKnownModel(const std::string& model) {
-  const std::set<std::string> known = {"central-generic", "noncentral-generic",
-                                       "central-radial", "thin-prism-fisheye",
-                                       "opencv"};
+  const std::set<std::string> known = {kAutoModel,           "central-generic",
+                                       "noncentral-generic", "central-radial",
+                                       "thin-prism-fisheye", "opencv"};
   if (known.count(model) > 0) return;
   if (IsParametricModel(model))
     throw Error(ExitCode::kUsage,
@@ -28,7 +29,7 @@ void RequireKnownModel(const std::string& model) {
                             model));
   throw Error(ExitCode::kUsage,
               fmt::format("unknown model '{}'; this version calibrates "
-                          "central-generic, noncentral-generic, "
+                          "auto, central-generic, noncentral-generic, "
                           "central-radial, thin-prism-fisheye and opencv",
                           model));
 }
@@ -83,7 +84,8 @@ void RequireImagesOfTheirOwn(const std::vector<CalibrationInput>& cameras) {
 void RequireLikeCameraFits(const std::vector<CalibrationInput>& cameras,
                            const CalibrationOptions& options) {
   if (!options.like) return;
-  if (options.model != "central-generic" || cameras.size() > 1)
+  if ((options.model != "central-generic" && options.model != kAutoModel) ||
+      cameras.size() > 1)
     throw Error(ExitCode::kUsage,
                 "--like: for a single camera and --model central-generic");
   const ImageSize size = options.like->image_size(),

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "calibration/camera_result.h"
+#include "calibration/cell_search.h"
 #include "calibration/grid_choice.h"
+#include "camera/model_fitting.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 
@@ -122,7 +125,29 @@ std::vector<ModelFigures> CompareParametricModels(
   std::vector<Candidate> candidates;
   for (const char* model : {"opencv", "thin-prism-fisheye", "central-radial"})
     if (model != options.model) candidates.push_back({model});
+  if (IsParametricModel(options.model) && camera.grid_cell_px > 0)
+    candidates.push_back({"central-generic", camera.grid_cell_px});
   return Measure(candidates, camera, pattern, options, beside);
+}
+
+std::optional<double> ModelErrorPx(const CalibrationResult& result) {
+  constexpr double kSurely = 2;
+  const std::string own = result.camera.camera->Name();
+  std::optional<double> error_px;
+  if (result.held_out.empty()) return error_px;
+  const double own_px = ComputeErrorFigures(result.held_out).median_px;
+  for (const ModelFigures& other : result.parametric_models) {
+    const bool is_richer =
+        (other.model == "noncentral-generic" && own != other.model) ||
+        (other.model == "central-generic" && IsParametricModel(own));
+    if (!is_richer || !other.held_out || other.held_out->median_px >= own_px ||
+        GainOver(result.held_out, other.held_out_residuals, own_px) < kSurely)
+      continue;
+    const double other_px = other.held_out->median_px;
+    error_px = std::max(error_px.value_or(0),
+                        std::sqrt(own_px * own_px - other_px * other_px));
+  }
+  return error_px;
 }
 
 std::optional<ModelFigures> TryAnotherGrid(const CameraInProgress& camera,

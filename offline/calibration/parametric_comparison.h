@@ -26,6 +26,13 @@ std::optional<ModelFigures> TryAnotherGrid(const CameraInProgress& camera,
                                            const Pattern& pattern,
                                            const CalibrationOptions& options);
 
+/// The part of the median held-out error that a richer model, a grid beside a
+/// parametric model or a non-central one beside a central one, does not have:
+/// the root of the difference of squares. Nothing if none is better by two
+/// standard errors. Standard deviations do not contain it, since all images
+/// share it.
+std::optional<double> ModelErrorPx(const CalibrationResult& result);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_CALIBRATION_PARAMETRIC_COMPARISON_H

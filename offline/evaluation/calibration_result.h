@@ -52,6 +52,14 @@ struct CellCandidate {
   double median_px = 0;
 };
 
+/// A model that was tried, and its error in cross-validation.
+struct ModelCandidate {
+  std::string model;
+  double loss = 0;  ///< mean Huber loss, px^2
+  double median_px = 0;
+  double gain = 0;  ///< over the grid, in standard errors of the difference
+};
+
 /// Another model, adjusted to the same features, and tested with the same ones.
 struct ModelFigures {
   std::string model;
@@ -100,6 +108,7 @@ struct CalibrationResult {
   std::vector<FeatureResidual> rejected_features;
   std::optional<TwoCameras> two_cameras;
   std::vector<CellCandidate> cell_candidates;
+  std::vector<ModelCandidate> model_candidates;  ///< of model "auto"
   double cell_px = 0;  ///< of the grid; 0 for a parametric model
   int num_parameters = 0;
   bool converged = false;
@@ -110,6 +119,8 @@ struct CalibrationResult {
   /// The parametric models, for comparison; noncentral-generic, too, where a
   /// central one errs alike between neighbours.
   std::vector<ModelFigures> parametric_models;
+  /// The part of the median held-out error that a richer model does not have.
+  std::optional<double> model_error_px;
   /// The correlation between neighbours of the held-out residuals, or else of
   /// the training ones.
   std::optional<double> neighbor_correlation;

@@ -240,11 +240,10 @@ PyCalibration CalibrateGiven(
 void BindCalibration(py::module_* module) {
   module->def(
       "calibrate", &CalibrateGiven, py::arg("images"), py::arg("pattern"),
-      py::kw_only(), py::arg("model") = "central-generic",
-      py::arg("cell_px") = py::none(), py::arg("area") = "image",
-      py::arg("flat_board") = false, py::arg("rigid_board") = false,
-      py::arg("boards_move") = false, py::arg("measure_once") = false,
-      py::arg("compare_models") = false,
+      py::kw_only(), py::arg("model") = "auto", py::arg("cell_px") = py::none(),
+      py::arg("area") = "image", py::arg("flat_board") = false,
+      py::arg("rigid_board") = false, py::arg("boards_move") = false,
+      py::arg("measure_once") = false, py::arg("compare_models") = false,
       py::arg("hold_out") = std::vector<std::string>(),
       py::arg("same_view_px") = py::none(), py::arg("image_circle") = "auto",
       py::arg("name") = "", py::arg("serial") = "",

@@ -86,6 +86,12 @@ void AddTrustRows(const CalibrationResult& result, std::vector<HtmlRow>* rows) {
                        100 * everywhere->TrustedPart(camera.image_size(),
                                                      camera.area()))});
     }
+    if (result.model_error_px)
+      rows->push_back(
+          {"model error",
+           fmt::format("{:.3f} px of the median held-out error, by a richer "
+                       "model; no standard deviation contains it",
+                       *result.model_error_px)});
     rows->push_back(
         {"correlated residuals",
          fmt::format("the uncertainty is {:.2f} times that of white noise "

@@ -194,8 +194,15 @@ void AddCamera(const CalibrationResult& result, Json* json) {
                                           {"median_px", candidate.median_px}});
   if (result.bias_kl) (*json)["bias_kl"] = *result.bias_kl;
   if (result.noise_bias_kl) (*json)["noise_bias_kl"] = *result.noise_bias_kl;
+  for (const ModelCandidate& candidate : result.model_candidates)
+    (*json)["model_candidates"].push_back(
+        {{"model", candidate.model},
+         {"cross_validated_loss", candidate.loss},
+         {"median_px", candidate.median_px},
+         {"gain_standard_errors", candidate.gain}});
   for (const ModelFigures& other : result.parametric_models)
     (*json)["parametric_models"].push_back(ModelJson(other));
+  if (result.model_error_px) (*json)["model_error_px"] = *result.model_error_px;
   if (result.neighbor_correlation)
     (*json)["neighbor_correlation"] = *result.neighbor_correlation;
   if (const auto& known = result.camera.uncertainty)
@@ -427,6 +434,15 @@ void ParseMore(const Json& json, CalibrationResult* result) {
           {candidate.at("cell_px").get<double>(),
            candidate.at("held_out_loss").get<double>(),
            candidate.at("median_px").get<double>()});
+  if (json.contains("model_error_px"))
+    result->model_error_px = json.at("model_error_px").get<double>();
+  if (json.contains("model_candidates"))
+    for (const Json& candidate : json.at("model_candidates"))
+      result->model_candidates.push_back(
+          {candidate.at("model").get<std::string>(),
+           candidate.at("cross_validated_loss").get<double>(),
+           candidate.at("median_px").get<double>(),
+           candidate.at("gain_standard_errors").get<double>()});
   if (json.contains("parametric_models"))
     for (const Json& other : json.at("parametric_models"))
       result->parametric_models.push_back(ParseModel(other));
