@@ -232,12 +232,15 @@ std::vector<std::string> WordsOfUnit(const UnitJob& job,
                    }))
     words.push_back("--model=central-generic");
   words.insert(words.end(), unit.options.begin(), unit.options.end());
-  for (const auto& [option, path] : unit.option_files)
+  for (const auto& [key, path] : unit.option_files) {
+    std::string option = key;
+    std::replace(option.begin(), option.end(), '_', '-');
     words.push_back("--" + option + "=" + path);
+  }
   for (const auto& [camera, folder] : unit.cameras)
     words.push_back("--camera=" + camera + "=" + folder);
   for (const auto& [value, folder] : unit.cameras_at)
-    words.push_back("--camera-at=" + value + "=" + folder);
+    words.push_back("--images-at=" + value + "=" + folder);
   if (!unit.features.empty()) words.push_back("--features=" + unit.features);
   if (!unit.images.empty()) {
     words.push_back("--");
@@ -508,15 +511,15 @@ void AddBatch(CLI::App* app, CommonOptions* common) {
       "  raygrid_batch: 1\n"
       "  pattern: board/pattern.yaml   # or a board in a word\n"
       "  model: central-generic        # and other options of calibrate, with\n"
-      "                                # _ for -: cell_px, image_size, ...\n"
+      "                                # _ for -: image_size, area, ...\n"
       "  limits: {held_out_median_px: 0.2, focal_px: [790, 810]}\n"
       "  units:\n"
       "    - {serial: A001, images: A001/}\n"
       "    - {serial: A002, features: A002.csv, image_size: [640, 480]}\n"
       "    - {serial: A003, images: A003/, lens_batch: L7}\n"
       "    - {serial: R001, cameras: {left: R001/l, right: R001/r}}\n"
-      "    - {serial: F001, condition: lens_position,\n"
-      "       cameras_at: {0.5: F001/far, 2: F001/near}}\n"
+      "    - {serial: F001, vary_with: lens_position,\n"
+      "       images_at: {0.5: F001/far, 2: F001/near}}\n"
       "    - {serial: G-1, images: G-1/, repeats: A001, operator: ann, "
       "station: s1}",
       common);

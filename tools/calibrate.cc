@@ -169,7 +169,7 @@ void SayThatTheLensMoved(const Session& session,
   if (arguments.condition.empty() && high - low > kSameDioptres)
     fmt::print(stderr,
                "raygrid: the lens moved between frames, from {:.2f} to {:.2f} "
-               "dioptres; --condition lens_position calibrates over all of "
+               "dioptres; --vary-with lens_position calibrates over all of "
                "it\n",
                low, high);
 }
@@ -363,7 +363,7 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
       "as for a single one. The first camera's frame is the rig's.",
       "raygrid calibrate photos/ --pattern pattern.yaml -o result/\n"
       "  raygrid calibrate session/\n"
-      "  raygrid calibrate clip/ --rolling-shutter --times times.csv "
+      "  raygrid calibrate clip/ --rolling-shutter --timestamps times.csv "
       "--pattern pattern.yaml -o result/\n"
       "  raygrid calibrate --camera left=l/ --camera right=r/ --pattern "
       "pattern.yaml -o result/",
@@ -392,7 +392,7 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                    "WxH, with --features; NAME=WxH for one camera of a rig")
       ->allow_extra_args(false);
   command
-      ->add_option("--instant-by", arguments->instant_by,
+      ->add_option("--sync-by", arguments->instant_by,
                    "what tells a rig's images of one instant: their name, or "
                    "the last number in it (left01.jpg and right01.jpg); they "
                    "are called by this number then")
@@ -412,7 +412,7 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                     "let auto choose noncentral-generic, whose undistortion "
                     "needs a distance");
   command
-      ->add_option("--cell-px", arguments->cell_px,
+      ->add_option("--knot-spacing-px", arguments->cell_px,
                    "largest cell of the grid; auto chooses by held-out error")
       ->capture_default_str();
   command
@@ -423,13 +423,13 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
       ->check(CLI::IsMember({"image", "features"}))
       ->capture_default_str();
   command
-      ->add_option("--same-view-px", arguments->same_view_px,
+      ->add_option("--duplicate-px", arguments->same_view_px,
                    "images whose features moved by less are one view, and one "
                    "of them is used; auto: 0.1 % of the image's longer side, 1 "
                    "px at least; 0: each image counts")
       ->capture_default_str();
   command->add_option(
-      "--like", arguments->like,
+      "--prior", arguments->like,
       "camera.yaml of a like lens, as of another unit or a fleet_camera.yaml: "
       "the grid lies around it where images tell little, so 10 images do; "
       "focal length, centre and distortion are its own all the same; a camera "
@@ -444,18 +444,18 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                    "images stay border. auto: found where images leave a "
                    "fisheye's corners dark; none: all; or X,Y,RADIUS in pixels")
       ->capture_default_str();
-  command->add_flag("--flat-board", arguments->flat_board,
+  command->add_flag("--fix-target-geometry", arguments->flat_board,
                     "trust the pattern's points as they are given, in every "
                     "image");
-  command->add_flag("--rigid-board", arguments->rigid_board,
+  command->add_flag("--rigid-target", arguments->rigid_board,
                     "boards do not bend from image to image; otherwise they "
                     "may, where that predicts held-out images better");
-  command->add_flag("--boards-move", arguments->boards_move,
+  command->add_flag("--independent-boards", arguments->boards_move,
                     "each of several boards moves by itself; otherwise those "
                     "that keep still against each other, as far as can be "
                     "told, are adjusted as one body, which also connects "
                     "cameras that never see one board together");
-  command->add_flag("--measure-once", arguments->measure_once,
+  command->add_flag("--no-refine-features", arguments->measure_once,
                     "keep the features as detected; otherwise they are "
                     "measured again through a first camera");
   command->add_flag("--resume", arguments->resume,
@@ -469,7 +469,7 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
       "--rolling-shutter", arguments->rolling_shutter,
       "estimate the time of a row from consecutive frames of a moving camera "
       "or board, and calibrate as if each frame were read at once");
-  command->add_option("--times", arguments->times,
+  command->add_option("--timestamps", arguments->times,
                       "with --rolling-shutter: a CSV, image,time_s, that says "
                       "when images were taken; a session has times");
   command->add_flag("--skip-comparison", arguments->skip_comparison,

@@ -36,7 +36,8 @@ double ParseCellPx(const std::string& text) {
   if (*end != 0 || !(value >= 2) || value > 1e5)
     throw Error(
         ExitCode::kUsage,
-        fmt::format("--cell-px {}: expected auto, or 2 or more pixels", text));
+        fmt::format("--knot-spacing-px {}: expected auto, or 2 or more pixels",
+                    text));
   return value;
 }
 
@@ -46,7 +47,7 @@ std::optional<double> ParseSameViewPx(const std::string& text) {
   const double value = std::strtod(text.c_str(), &end);
   if (text.empty() || *end != 0 || !(value >= 0) || value > 1e5)
     throw Error(ExitCode::kUsage,
-                fmt::format("--same-view-px {}: expected auto, pixels, or 0 "
+                fmt::format("--duplicate-px {}: expected auto, pixels, or 0 "
                             "for none",
                             text));
   return value;
@@ -266,7 +267,7 @@ namespace {
 // The time of a row is that of one sensor mode, and needs those of images.
 void RequireTimes(const CalibrateArguments& arguments) {
   if (!arguments.rolling_shutter && !arguments.times.empty())
-    throw Error(ExitCode::kUsage, "--times is for --rolling-shutter");
+    throw Error(ExitCode::kUsage, "--timestamps is for --rolling-shutter");
   if (!arguments.rolling_shutter) return;
   if (!arguments.modes.empty())
     throw Error(ExitCode::kUsage,
@@ -274,12 +275,12 @@ void RequireTimes(const CalibrateArguments& arguments) {
                 "time; calibrate the images of one mode");
   if (!arguments.condition.empty())
     throw Error(ExitCode::kUsage,
-                "--rolling-shutter: not with --condition; calibrate the frames "
+                "--rolling-shutter: not with --vary-with; calibrate the frames "
                 "of one value without it");
   if (arguments.times.empty() && arguments.session_times.empty())
     throw Error(ExitCode::kUsage,
                 "--rolling-shutter needs to know when images were taken: give "
-                "--times times.csv with the columns image,time_s, or the "
+                "--timestamps times.csv with the columns image,time_s, or the "
                 "session of raygrid capture --every-frame");
   if (!arguments.times.empty()) ReadImageTimes(arguments.times);
 }
@@ -291,7 +292,7 @@ FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
           !arguments.cameras_at.empty() + arguments.HasCameraImages() !=
       1)
     throw Error(ExitCode::kUsage,
-                "give either images, --camera, --camera-at or --features");
+                "give either images, --camera, --images-at or --features");
   if (!arguments.features.empty() && !arguments.modes.empty())
     throw Error(ExitCode::kUsage,
                 "--mode is for images; features are of calibrated frames");

@@ -66,7 +66,7 @@ struct Measurements {
   Dataset dataset;
   std::vector<std::string> paths;   ///< of the dataset's images
   std::vector<ImagesOfMode> modes;  ///< the last of the dataset's images
-  /// By image, with --camera-at or of EXIF: the values of the conditions.
+  /// By image, with --images-at or of EXIF: the values of the conditions.
   std::map<std::string, ConditionValues> condition_values;
   std::optional<ImageCircle> image_circle;
   std::vector<RejectedImage> skipped;   ///< could not be measured

@@ -241,7 +241,7 @@ void PrintSummary(const RigResult& result, const std::string& folder) {
        BodySentences(result.bodies, result.board_pairs))
     fmt::print("  {}\n", told);
   if (!result.bodies.empty())
-    fmt::print("    (--boards-move: each moves by itself)\n");
+    fmt::print("    (--independent-boards: each moves by itself)\n");
   fmt::print("  verdict: {}\n", result.verdict.word);
   for (const std::string& reason : result.verdict.reasons)
     fmt::print("    {}\n", Printable(reason));

@@ -20,13 +20,13 @@ const char kCaptureWordsHelp[] =
 namespace {
 
 [[noreturn]] void RefuseCapture(const std::string& fault) {
-  throw Error(ExitCode::kUsage, "--capture: " + fault);
+  throw Error(ExitCode::kUsage, "--capture-settings: " + fault);
 }
 
 std::vector<double> CaptureNumbers(const std::string& word,
                                    const std::string& text, size_t count,
                                    const char* example) {
-  return ParseNumbers("--capture: " + word, text, count, example);
+  return ParseNumbers("--capture-settings: " + word, text, count, example);
 }
 
 // A number without a fraction, of any size.

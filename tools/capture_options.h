@@ -9,7 +9,7 @@
 
 namespace raygrid {
 
-/// The help for the words of --capture.
+/// The help for the words of --capture-settings.
 extern const char kCaptureWordsHelp[];
 
 /// The known capture, with what "crop=0,0,3280,2464,lens=2,orientation=1" says

@@ -40,7 +40,7 @@ std::vector<FolderAt> ParseFolders(const std::vector<std::string>& texts) {
     if (given.name.empty() || *end != 0 || !std::isfinite(value) ||
         given.value.empty())
       throw Error(ExitCode::kUsage,
-                  fmt::format("--camera-at {}: expected VALUE=FOLDER, as "
+                  fmt::format("--images-at {}: expected VALUE=FOLDER, as "
                               "2.5=photos/near",
                               text));
     folders.push_back({given.name, value, given.value});
@@ -72,8 +72,8 @@ std::string NamesOf(const std::vector<CameraCondition>& conditions) {
   return fmt::format("{}", fmt::join(names, ","));
 }
 
-// The columns of --conditions: of a single condition, "value" may stand for its
-// name.
+// The columns of --operating-points: of a single condition, "value" may stand
+// for its name.
 std::vector<std::string> ColumnsOf(
     const std::string& path, const std::string& text,
     const std::vector<CameraCondition>& conditions) {
@@ -108,8 +108,9 @@ void ReadValues(const std::string& path,
 // The options that tell values.
 std::string WaysToTell(const std::vector<CameraCondition>& conditions) {
   if (conditions.size() == 1)
-    return "--camera-at VALUE=FOLDER for each value, or --conditions FILE.csv";
-  return fmt::format("--conditions FILE.csv with the columns image,{}",
+    return "--images-at VALUE=FOLDER for each value, or --operating-points "
+           "FILE.csv";
+  return fmt::format("--operating-points FILE.csv with the columns image,{}",
                      NamesOf(conditions));
 }
 
@@ -152,24 +153,24 @@ std::map<std::string, ConditionValues> ReadExifValues(
 void AddConditionOptions(CLI::App* command, CalibrateArguments* arguments) {
   command
       ->add_option(
-          "--condition", arguments->condition,
+          "--vary-with", arguments->condition,
           "calibrate over a range of it, the camera being a function "
           "of it: lens_position (dioptres) or temperature (°C of the "
           "sensor), or both. The values are those of a session's frames, of "
-          "--camera-at, of --conditions, or else those that images "
+          "--images-at, of --operating-points, or else those that images "
           "have in their EXIF data: SubjectDistance, of which 1 / "
           "metres is taken, or AmbientTemperature")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember({"lens_position", "temperature"}));
   command
-      ->add_option("--camera-at", arguments->cameras_at,
+      ->add_option("--images-at", arguments->cameras_at,
                    "VALUE=FOLDER, once for each lens position or temperature "
                    "that images were taken at, instead of images")
       ->type_name("VALUE=FOLDER")
       ->allow_extra_args(false);
   command
-      ->add_option("--conditions", arguments->conditions,
+      ->add_option("--operating-points", arguments->conditions,
                    "CSV with the columns image, value: the lens position or "
                    "temperature in each image; of both: image, "
                    "lens_position, temperature")
@@ -181,24 +182,24 @@ void RequireConditionOptions(const CalibrateArguments& arguments, bool is_rig) {
       !arguments.cameras_at.empty() || !arguments.conditions.empty();
   if (arguments.condition.empty() && has_values)
     throw Error(ExitCode::kUsage,
-                "say what the values of --camera-at or --conditions are: "
-                "--condition lens_position or --condition temperature");
+                "say what the values of --images-at or --operating-points are: "
+                "--vary-with lens_position or --vary-with temperature");
   if (arguments.condition.empty()) return;
   if (is_rig)
     throw Error(ExitCode::kUsage,
-                "--condition is for a single camera; calibrate a rig's cameras "
+                "--vary-with is for a single camera; calibrate a rig's cameras "
                 "one by one");
   const std::vector<CameraCondition> conditions = ConditionsIn(arguments);
   if (conditions.size() > 1 && !arguments.cameras_at.empty())
     throw Error(ExitCode::kUsage,
-                "--camera-at tells one value; of two conditions give " +
+                "--images-at tells one value; of two conditions give " +
                     WaysToTell(conditions));
   if (!arguments.cameras_at.empty() && !arguments.conditions.empty())
     throw Error(ExitCode::kUsage,
-                "give either --camera-at or --conditions, not both");
+                "give either --images-at or --operating-points, not both");
   if (!has_values && arguments.session_values.empty() && !AreOfExif(arguments))
     throw Error(ExitCode::kUsage,
-                fmt::format("--condition {}: nothing says it of the images; "
+                fmt::format("--vary-with {}: nothing says it of the images; "
                             "give {}",
                             NamesOf(conditions), WaysToTell(conditions)));
 }
@@ -236,13 +237,13 @@ Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
     if (!values.insert(folder.value).second)
       throw Error(
           ExitCode::kUsage,
-          fmt::format("--camera-at {}={}: the value is given twice; put "
+          fmt::format("--images-at {}={}: the value is given twice; put "
                       "its images into one folder",
                       folder.text, folder.folder));
   std::vector<NamedValue> places;
   for (const FolderAt& folder : folders)
     places.push_back({folder.text, folder.folder});
-  RequireDifferentFolders("--camera-at", places);
+  RequireDifferentFolders("--images-at", places);
   Measurements measurements;
   for (size_t k = 0; k < folders.size(); ++k) {
     const auto part = [&](double done) {

@@ -31,7 +31,7 @@ Measurements MeasureWithExif(const std::vector<std::string>& images,
                              const Pattern& pattern,
                              const std::function<void(double)>& progress);
 
-/// Measures the folders of --camera-at. Their images are named after the value,
+/// Measures the folders of --images-at. Their images are named after the value,
 /// too: VALUE/IMAGE. Throws Error(kUsage), InputError.
 Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
                               const CommonOptions& common,
@@ -48,8 +48,8 @@ std::optional<ConditionValues> ValuesOf(const CalibrateArguments& arguments,
 std::optional<ImageConditions> ConditionsOf(const CalibrateArguments& arguments,
                                             const Measurements& measurements);
 
-/// A remark on rows of --conditions that name none of the images; empty if all
-/// rows do.
+/// A remark on rows of --operating-points that name none of the images; empty
+/// if all rows do.
 std::string RowsOfNoImage(const CalibrateArguments& arguments,
                           const ImageConditions& conditions,
                           const Measurements& measurements);

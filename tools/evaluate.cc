@@ -47,7 +47,7 @@ void PrintHowLocalized(const Pattern& pattern) {
   if (pattern.bodies.empty())
     fmt::print("each board localised by itself\n");
   else
-    fmt::print("localised: {} (--boards-move: each by itself)\n",
+    fmt::print("localised: {} (--independent-boards: each by itself)\n",
                BodiesInWords(pattern));
 }
 
@@ -261,7 +261,7 @@ void AddEvaluate(CLI::App* app, CommonOptions* common) {
                    ". The one that calibrate wrote has the board as it really "
                    "is")
       ->required();
-  command->add_flag("--boards-move", arguments->boards_move,
+  command->add_flag("--independent-boards", arguments->boards_move,
                     "each of several boards moves by itself, even if the "
                     "pattern says that they are fixed to each other");
   command->callback([arguments, common] { Run(*arguments, *common); });

@@ -21,7 +21,8 @@
 namespace raygrid {
 namespace {
 
-// With --fine: cells of 20 and 10 px make 10,000 and 40,000 parameters.
+// With --fine-distortion: cells of 20 and 10 px make 10,000 and 40,000
+// parameters.
 constexpr ImageSize kFineSize = {1840, 1040};
 constexpr int kFineImages = 500;
 
@@ -64,13 +65,14 @@ void RequireUse(const Experiment& experiment,
   };
   if (arguments.options.fine && experiment.name != "model-validation")
     throw Error(ExitCode::kUsage, fmt::format("experiment {}: has no use for "
-                                              "--fine",
+                                              "--fine-distortion",
                                               experiment.name));
   if (arguments.options.fine && !arguments.features.empty())
-    throw Error(ExitCode::kUsage,
-                "--fine simulates its features; give it or --features");
+    throw Error(
+        ExitCode::kUsage,
+        "--fine-distortion simulates its features; give it or --features");
   if (!arguments.bump_widths_px.empty() && !arguments.options.fine)
-    throw Error(ExitCode::kUsage, "--bump-px is for --fine");
+    throw Error(ExitCode::kUsage, "--bump-px is for --fine-distortion");
   constexpr size_t kMostWidths = 6;  // in a chart
   if (arguments.bump_widths_px.size() > kMostWidths)
     throw Error(ExitCode::kUsage,
@@ -79,10 +81,10 @@ void RequireUse(const Experiment& experiment,
   require("--features", !arguments.features.empty());
   require("--result", !arguments.result.empty());
   require("--camera", !arguments.cameras.empty());
-  require("--walk", !arguments.walk.empty());
+  require("--colmap-model", !arguments.walk.empty());
   require("--rig", !arguments.rigs.empty());
   require("--image", !arguments.images.empty());
-  require("--nearest-m", arguments.nearest_m > 0);
+  require("--min-depth-m", arguments.nearest_m > 0);
   if (!arguments.features.empty() &&
       (arguments.pattern.empty() || arguments.image_size.empty()))
     throw Error(ExitCode::kUsage,
@@ -291,24 +293,25 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
                    "the user's own image, or a folder; may be repeated")
       ->allow_extra_args(false);
   command
-      ->add_option("--nearest-m", arguments->nearest_m,
+      ->add_option("--min-depth-m", arguments->nearest_m,
                    "distance of the nearest thing that --image shows "
                    "(default: ten times what is between the cameras)")
       ->check(AboveZero());
-  command->add_option("--walk", arguments->walk,
+  command->add_option("--colmap-model", arguments->walk,
                       "folder of the user's own structure from motion: "
                       "cameras.txt, images.txt and points3D.txt of COLMAP");
   command
-      ->add_option("--walks", options.num_walks,
+      ->add_option("--trajectories", options.num_walks,
                    "number of simulated walks of trajectory-drift")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command->add_option(
       "--size", arguments->size,
-      fmt::format("of images, WxH (default: 640x480; with --fine {}x{})",
-                  kFineSize.width, kFineSize.height));
+      fmt::format(
+          "of images, WxH (default: 640x480; with --fine-distortion {}x{})",
+          kFineSize.width, kFineSize.height));
   command->add_flag(
-      "--fine", options.fine,
+      "--fine-distortion", options.fine,
       fmt::format("model-validation in the paper's regime: lenses whose bumps "
                   "are 20 to 60 px wide, {} images of star boards, cells of "
                   "30, 20 and 10 px; takes half an hour",
@@ -324,9 +327,10 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
       ->check(CLI::Range(0.0, 255.0))
       ->capture_default_str();
   command
-      ->add_option("--bump-px", arguments->bump_widths_px,
-                   "with --fine: how wide a lens's bumps are at half their "
-                   "height; may be repeated (default: 20, 40, 60)")
+      ->add_option(
+          "--bump-px", arguments->bump_widths_px,
+          "with --fine-distortion: how wide a lens's bumps are at half their "
+          "height; may be repeated (default: 20, 40, 60)")
       ->allow_extra_args(false)
       ->check(CLI::Range(5.0, 500.0));
   AddHugeOption(command);

@@ -153,7 +153,7 @@ void RequireSmallError(const Exported& camera, const ChosenLens& chosen,
   if (fit.num_beyond == 0 && fit.max_px <= *max_fit_error_px) return;
   throw Error(
       ExitCode::kQuality,
-      fmt::format("{}: {} leaves more than --max-fit-error {:g}: {}; {}",
+      fmt::format("{}: {} leaves more than --max-fit-error-px {:g}: {}; {}",
                   camera.path, chosen.lens.form->name, *max_fit_error_px,
                   LensFitText(fit), ViewAdvice(*camera.input.file.camera)));
 }
@@ -324,14 +324,14 @@ std::vector<std::string> GivenOptions(const ExportArguments& arguments) {
   std::vector<std::string> given;
   for (const auto& [name, is_given] :
        {std::pair("model", !arguments.model.empty()),
-        {"max-fit-error", arguments.max_fit_error_px.has_value()},
+        {"max-fit-error-px", arguments.max_fit_error_px.has_value()},
         {"rectified", arguments.rectified},
         {"poses", !arguments.poses.empty()},
         {"address", !arguments.address.empty()},
-        {"every", !arguments.every.empty()},
+        {"stride", !arguments.every.empty()},
         {"pattern", !arguments.pattern.empty()},
         {"image-size", !arguments.image_sizes.empty()},
-        {"reverse", arguments.is_reverse}})
+        {"inverse", arguments.is_reverse}})
     if (is_given) given.push_back(name);
   return given;
 }
@@ -342,7 +342,7 @@ void RequireTaken(const ExportArguments& arguments, const TableFormat* table) {
     throw Error(ExitCode::kUsage, fmt::format("--{}: --to {} does not take it",
                                               option, arguments.format));
   };
-  static const std::set<std::string> of_lenses = {"model", "max-fit-error",
+  static const std::set<std::string> of_lenses = {"model", "max-fit-error-px",
                                                   "rectified", "poses"};
   if (table && table->write_poses && !arguments.poses.empty())
     throw Error(ExitCode::kUsage,
@@ -529,7 +529,7 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       "poses.csv, or of features.csv. Meshes of hardware that dewarps tell how "
       "far it is from the view.",
       "raygrid export camera.yaml --to opencv -o calibration.yaml "
-      "--max-fit-error 0.5",
+      "--max-fit-error-px 0.5",
       common);
   auto arguments = std::make_shared<ExportArguments>();
   AddAtOption(command, common);
@@ -550,7 +550,7 @@ void AddExport(CLI::App* app, CommonOptions* common) {
                       "others leave 2 % less)");
   command
       ->add_option(
-          "--max-fit-error", arguments->max_fit_error_px,
+          "--max-fit-error-px", arguments->max_fit_error_px,
           "pixels; write nothing if a trusted pixel, or of a mesh any, "
           "is farther off")
       ->check(CLI::NonNegativeNumber);
@@ -566,11 +566,11 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       ->add_option("--address", arguments->address,
                    "where in flash the blob is to lie, for formats that say it")
       ->option_text("0x08080000");
-  command->add_flag("--reverse", arguments->is_reverse,
+  command->add_flag("--inverse", arguments->is_reverse,
                     "of a view's maps: the other direction, from pictures of "
                     "the view to images of the camera");
   command
-      ->add_option("--every", arguments->every,
+      ->add_option("--stride", arguments->every,
                    "of rays: the first of so many columns and rows, and the "
                    "last of all (default: 1); of meshes: the pixels from one "
                    "vertex to the next (default: 16, of vpi 1)")

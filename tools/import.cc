@@ -38,10 +38,11 @@ ImageSize ParseBoardSize(const std::string& text) {
         std::min(columns, rows) >= 2 && std::max(columns, rows) <= kMostCorners)
       return {columns, rows};
   }
-  throw Error(ExitCode::kUsage,
-              fmt::format("--board {}: expected COLUMNSxROWS of corners, 2 to "
-                          "{} each, as 10x10",
-                          text, kMostCorners));
+  throw Error(
+      ExitCode::kUsage,
+      fmt::format("--board-size {}: expected COLUMNSxROWS of corners, 2 to "
+                  "{} each, as 10x10",
+                  text, kMostCorners));
 }
 
 ExchangeContents ReadForeignFile(const ImportArguments& arguments,
@@ -75,7 +76,7 @@ bool ImportBoards(const ImportArguments& arguments,
   const ExchangeContents contents = ReadForeignFile(arguments, path, texts[0]);
   for (const auto& [option, value] : {std::pair("--model", arguments.model),
                                       {"--image-size", arguments.image_size},
-                                      {"--board", arguments.board}})
+                                      {"--board-size", arguments.board}})
     if (!value.empty())
       throw Error(ExitCode::kUsage,
                   fmt::format("{}: {} has a board alone", option, path));
@@ -111,7 +112,7 @@ void RequireUsed(const ImportArguments& arguments,
   if (!contents.cameras.empty()) {
     if (!arguments.board.empty() &&
         std::filesystem::path(arguments.output).extension() != ".csv")
-      refuse("--board", "is for corners, which become features.csv");
+      refuse("--board-size", "is for corners, which become features.csv");
     return;
   }
   if (arguments.files.size() > 1)
@@ -129,8 +130,9 @@ std::optional<ExchangeContents> ReadCorners(
                              : &FindFormat("--from", arguments.from);
   if (!format || !format->takes_board) {
     if (!arguments.board.empty() && !(format && format->may_take_board))
-      throw Error(ExitCode::kUsage,
-                  "--board: is for corners whose file does not tell the board");
+      throw Error(
+          ExitCode::kUsage,
+          "--board-size: is for corners whose file does not tell the board");
     return std::nullopt;
   }
   RequireUsed(arguments, {});
@@ -463,11 +465,11 @@ void AddImport(CLI::App* app, CommonOptions* common) {
   command->add_option("--image-size", arguments->image_size,
                       "WxH, where the file does not tell; of an STMap that of "
                       "the camera's images");
-  command->add_option("--board", arguments->board,
+  command->add_option("--board-size", arguments->board,
                       "COLUMNSxROWS of a board's corners, where the file does "
                       "not tell, as mrcal's corners.vnl, or image_points of "
                       "OpenCV without board_width");
-  command->add_flag("--reverse", arguments->is_reverse,
+  command->add_flag("--inverse", arguments->is_reverse,
                     "of an STMap: its pixels are those of the camera, and show "
                     "places in the view");
   AddViewOptions(command, &arguments->view);

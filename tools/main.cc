@@ -19,6 +19,7 @@
 #include "dataset/freed_memory.h"
 #include "dataset/image_header.h"
 #include "dataset/text_encoding.h"
+#include "renamed_options.h"
 
 namespace raygrid {
 // Replaces CLI::PositiveNumber, whose message has the largest number in digits.
@@ -84,7 +85,7 @@ void AddAtOption(CLI::App* command, CommonOptions* common) {
 
 void AddHugeOption(CLI::App* command) {
   command->add_flag_callback(
-      "--huge", AllowHugeImages,
+      "--allow-huge-images", AllowHugeImages,
       fmt::format("take images of more than {} pixels a side", kMaxSidePx));
 }
 
@@ -236,7 +237,10 @@ int Run(int argc, char** argv) {
   RefuseValuesThatAreNone(&app);
   if (argc > 1 && argv[1][0] != '-') RequireCommand(app, argv[1]);
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> words =
+        CurrentOptionNames({argv + 1, argv + argc});
+    std::reverse(words.begin(), words.end());  // as CLI11 wants them
+    app.parse(words);
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::RuntimeError& error) {

@@ -260,7 +260,7 @@ void AddPack(CLI::App* app, CommonOptions* common) {
       ->capture_default_str();
   AddOutsideOption(command, &arguments->outside);
   command->add_flag(
-      "--wide-grid", arguments->wide_grid,
+      "--grid-32bit", arguments->wide_grid,
       "control points of 32 bits even where 16 are exact enough: a grid of "
       "twice the size, un-projected in three quarters of the time by "
       "microcontrollers");
@@ -268,7 +268,7 @@ void AddPack(CLI::App* app, CommonOptions* common) {
   command->add_option("--serial", arguments->serial,
                       "camera's serial number in the blob");
   command
-      ->add_option("--capture", arguments->capture,
+      ->add_option("--capture-settings", arguments->capture,
                    std::string("how the camera stood while it was calibrated, "
                                "which raygrid-camera compares frames with: ") +
                        kCaptureWordsHelp +

@@ -374,19 +374,21 @@ void Run(SimulateArguments arguments, const CommonOptions& common) {
   if (arguments.poses.min_square_px > arguments.poses.max_square_px)
     throw Error(ExitCode::kUsage, "--min-square-px exceeds --max-square-px");
   if (arguments.render && arguments.board_flex_mm > 0)
-    throw Error(ExitCode::kUsage,
-                "--board-flex-mm: not with --render, whose boards are "
-                "paraboloids; --board-bend-mm bends these");
+    throw Error(
+        ExitCode::kUsage,
+        "--per-view-deformation-mm: not with --render, whose boards are "
+        "paraboloids; --target-deformation-mm bends these");
   if (arguments.render && arguments.simulation.shared_noise_px > 0)
-    throw Error(ExitCode::kUsage,
-                "--shared-noise-px: not with --render, whose noise is that of "
-                "pixels");
+    throw Error(
+        ExitCode::kUsage,
+        "--correlated-noise-px: not with --render, whose noise is that of "
+        "pixels");
   if (arguments.moving &&
       (arguments.render || arguments.cameras > 1 || arguments.fixed_boards ||
        arguments.simulation.num_shots > 1 || arguments.board_flex_mm > 0))
     throw Error(ExitCode::kUsage,
                 "--moving: not with --render, --cameras, --fixed-boards, "
-                "--shots or --board-flex-mm");
+                "--repeats or --per-view-deformation-mm");
   if (arguments.render && arguments.cameras > 1)
     throw Error(ExitCode::kUsage, "--render: with one camera only");
   if (arguments.render && arguments.fixed_boards)
@@ -431,7 +433,7 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
       "  times.csv          with --moving: when frames were taken\n"
       "  true_poses.csv     camera_from_board",
       "raygrid simulate --noise-px 0.05 -o simulated/\n"
-      "  raygrid simulate --moving --row-time-us 20 -o moving/",
+      "  raygrid simulate --moving --line-delay-us 20 -o moving/",
       common);
   auto arguments = std::make_shared<SimulateArguments>();
   AddAtOption(command, common);

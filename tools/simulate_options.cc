@@ -11,7 +11,7 @@ void AddObservationOptions(CLI::App* command, SimulateArguments* arguments) {
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   command
-      ->add_option("--shots", simulation.num_shots,
+      ->add_option("--repeats", simulation.num_shots,
                    "images of each view, which differ by noise")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -26,23 +26,23 @@ void AddObservationOptions(CLI::App* command, SimulateArguments* arguments) {
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   command
-      ->add_option("--shared-noise-px", simulation.shared_noise_px,
+      ->add_option("--correlated-noise-px", simulation.shared_noise_px,
                    "noise that neighbours on the board share, besides, without "
                    "--render: standard deviation of each coordinate")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   command
-      ->add_option("--shared-noise-features", simulation.shared_noise_features,
+      ->add_option("--correlation-length", simulation.shared_noise_features,
                    "how many features away it is alike, by exp(-1/2)")
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();
   command
-      ->add_option("--board-bend-mm", arguments->board_bend_mm,
+      ->add_option("--target-deformation-mm", arguments->board_bend_mm,
                    "how far the board's edges are bent out of its plane")
       ->check(CLI::Range(-1000.0, 1000.0))
       ->capture_default_str();
   command
-      ->add_option("--board-flex-mm", arguments->board_flex_mm,
+      ->add_option("--per-view-deformation-mm", arguments->board_flex_mm,
                    "each view bends the board besides, at random and "
                    "smoothly: standard deviation of its features' heights, "
                    "without --render")
@@ -143,7 +143,7 @@ void AddCameraOptions(CLI::App* command, SimulateArguments* arguments) {
       ->needs(fixed)
       ->capture_default_str();
   command
-      ->add_flag("--never-shared", arguments->fixed.never_shared,
+      ->add_flag("--no-common-boards", arguments->fixed.never_shared,
                  "no two cameras see one of the fixed boards at one instant: "
                  "what the first of them sees is hidden from the others")
       ->needs(fixed);
@@ -161,7 +161,7 @@ void AddMotionOptions(CLI::App* command, SimulateArguments* arguments) {
       "--moving", arguments->moving,
       "--images are consecutive frames of a board in a hand that moves");
   command
-      ->add_option("--row-time-us", arguments->row_time_us,
+      ->add_option("--line-delay-us", arguments->row_time_us,
                    "how much later than the row above it a row is read; "
                    "negative: from the last one on; 0: a global shutter")
       ->check(CLI::Range(-1000.0, 1000.0))

@@ -134,7 +134,8 @@ int ParseEvery(const std::string& text) {
   if (fault != std::errc() || next != end || every < 1)
     throw Error(
         ExitCode::kUsage,
-        fmt::format("--every {}: expected a number of pixels from 1 on", text));
+        fmt::format("--stride {}: expected a number of pixels from 1 on",
+                    text));
   return every;
 }
 
@@ -284,7 +285,7 @@ void RequireSmallMeshError(const TableFormat& format,
       fmt::format("{}: {} leaves more than {:g} px: {}", arguments.input,
                   format.name, *most, MeshErrorText(error));
   if (!unit.reason.empty()) text += "; " + unit.reason;
-  if (!arguments.max_fit_error_px) text += ", or say --max-fit-error";
+  if (!arguments.max_fit_error_px) text += ", or say --max-fit-error-px";
   throw Error(ExitCode::kQuality, text);
 }
 

@@ -126,7 +126,7 @@ const TableFormat* FindTable(const ImportArguments& arguments,
 
 void RequireNoView(const ImportArguments& arguments) {
   const std::string word =
-      arguments.is_reverse ? "reverse" : FirstWord(arguments.view);
+      arguments.is_reverse ? "inverse" : FirstWord(arguments.view);
   if (!word.empty())
     throw Error(ExitCode::kUsage,
                 fmt::format("--{}: is for an STMap, which {} is not", word,
@@ -138,7 +138,7 @@ void ImportTable(const TableFormat& table, const ImportArguments& arguments,
   const std::string& path = arguments.files[0];
   if (!arguments.board.empty())
     throw Error(ExitCode::kUsage,
-                fmt::format("--board: {} has no corners", path));
+                fmt::format("--board-size: {} has no corners", path));
   if (!table.read_view) RequireNoView(arguments);
   if (table.read_poses) {
     ImportPoses(table, arguments, bytes, common);

@@ -86,7 +86,7 @@ ImageMapper Distortion(const CameraModel& camera, const VirtualView& view,
   return {view, [=](const std::string& path, const Image& picture) {
             RequireSize(path, picture.size, view.size, "the view has",
                         "use pictures of that view, or say which view they "
-                        "are of, as with --size or --like");
+                        "are of, as with --size or --view");
             return DistortedImage(*map, picture, num_threads);
           }};
 }
@@ -128,7 +128,7 @@ ImageMapper TrustedAlone(ImageMapper mapper, const std::string& path,
 void RequireNoFrames(const UndistortArguments& arguments) {
   if (!arguments.frames.empty())
     throw Error(ExitCode::kUsage,
-                "--frames: raw frames are those of the camera, which --reverse "
+                "--frames: raw frames are those of the camera, which --inverse "
                 "makes; leave one of them out");
 }
 
@@ -136,7 +136,7 @@ void RequireCentral(const UndistortArguments& arguments,
                     const CameraModel& camera) {
   if (!camera.IsCentral())
     throw Error(ExitCode::kUsage,
-                fmt::format("{}: --reverse: its pixels look along lines that "
+                fmt::format("{}: --inverse: its pixels look along lines that "
                             "do not meet, so no view has a place for each; "
                             "make a central camera of it with raygrid fit",
                             arguments.camera));
@@ -177,7 +177,7 @@ void RequireDirection(const UndistortArguments& arguments, uint32_t table,
   if (distorts && !arguments.is_reverse)
     throw Error(ExitCode::kUsage,
                 fmt::format("{}: table {} distorts pictures of its view; add "
-                            "--reverse for those, or choose another with "
+                            "--inverse for those, or choose another with "
                             "--remap-index",
                             arguments.camera, table));
 }
@@ -382,7 +382,7 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
       "Undistorts images with the code that runs on the board. Grey images "
       "stay grey, 16 bits stay 16 bits. x.jpg becomes x.png; images that would "
       "get one name are refused. view.camera.yaml beside them is the view as a "
-      "camera, with its matrix K. --reverse makes images of the real camera "
+      "camera, with its matrix K. --inverse makes images of the real camera "
       "out "
       "of pictures of the view.",
       "raygrid undistort camera.yaml photos/ -o flat/ --hfov 80", common);
@@ -397,7 +397,7 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
   AddViewOptions(command, &arguments->view);
   AddOutsideOption(command, &arguments->outside);
   command->add_flag(
-      "--reverse", arguments->is_reverse,
+      "--inverse", arguments->is_reverse,
       "the other direction, as for overlays and renderers: IMAGES are pictures "
       "of the view, in its size, and become images of the real camera, black "
       "where the view shows nothing; with --outside trusted also where pixels "

@@ -139,7 +139,7 @@ void RequireSlots(const BlobSlots& read, const UpdateArguments& arguments) {
   if (!first.is_whole && !second.is_whole && !is_erased && !arguments.is_new)
     throw InputError(arguments.slots +
                      ": has neither a whole blob in a slot nor erased slots; "
-                     "if it may be overwritten, say --new");
+                     "if it may be overwritten, say --initialize");
 }
 
 void Tell(const UpdateArguments& arguments, const CommonOptions& common,
@@ -232,7 +232,7 @@ void AddUpdate(CLI::App* app, CommonOptions* common) {
                    "the flash erases at once. Half of a file that is there; "
                    "else 64K")
       ->transform(CLI::AsSizeValue(false));
-  command->add_flag("--new", arguments->is_new,
+  command->add_flag("--initialize", arguments->is_new,
                     "overwrite what has no slots yet");
   command->callback([arguments, common] { RunUpdate(*arguments, *common); });
 }

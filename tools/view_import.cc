@@ -25,7 +25,7 @@ VirtualView ViewOfWords(const TableFormat& format, const ViewImport& import,
   } catch (const Error& error) {
     throw Error(error.code(),
                 fmt::format("{}: a table of {} is imported with the words that "
-                            "it was exported with, as --like view.camera.yaml "
+                            "it was exported with, as --view view.camera.yaml "
                             "or --hfov 90: {}",
                             import.path, format.name, error.what()));
   }
@@ -100,7 +100,7 @@ RayTable RaysOfViewTable(const TableFormat& format, const ViewImport& import) {
   if (!import.is_reverse && !image_size)
     ThrowMissing("--image-size",
                  fmt::format("say WxH of the camera's images, which {} does "
-                             "not hold; or --reverse, if its pixels are those "
+                             "not hold; or --inverse, if its pixels are those "
                              "of the camera",
                              import.path));
   const ViewTable table = format.read_view(

@@ -37,7 +37,7 @@ constexpr ViewWord kViewWords[] = {
     {"rotate", "YAW,PITCH,ROLL",
      "degrees by which the view is turned to the right, then up, then "
      "clockwise"},
-    {"like", "FILE", "as the view in a camera file, NAME.camera.yaml"},
+    {"view", "FILE", "as the view in a camera file, NAME.camera.yaml"},
 };
 
 VirtualView ReadView(const std::string& place, const std::string& path) {
@@ -65,7 +65,7 @@ ViewProjection ParseProjection(const std::string& place,
 
 void AddWord(const std::string& place, const std::string& name,
              const std::string& value, ViewRequest* request) {
-  if (name == "like") {
+  if (name == "view") {
     request->like = ReadView(place, value);
     return;
   }
@@ -104,7 +104,7 @@ const char kViewWordsHelp[] =
     "without border; 1: the smallest that shows every pixel), center=X,Y (its "
     "principal point), rotate=YAW,PITCH,ROLL (degrees to the right, up, "
     "clockwise), projection=pinhole|cylindrical|equirectangular|stereographic|"
-    "equidistant, like=FILE (a view's camera file)";
+    "equidistant, view=FILE (a view's camera file)";
 
 ViewRequest ParseView(const std::string& option, const std::string& text) {
   ViewRequest request;
@@ -116,7 +116,8 @@ ViewRequest ParseView(const std::string& option, const std::string& text) {
       request.size = ParseImageSize(option, part);
       continue;
     }
-    const std::string name = part.substr(0, equals);
+    std::string name = part.substr(0, equals);
+    if (name == "like") name = "view";  // its former name
     if (equals == std::string::npos || !IsViewWord(name))
       throw Error(ExitCode::kUsage,
                   fmt::format("{} {}: expected WIDTHxHEIGHT and {}, not '{}'",

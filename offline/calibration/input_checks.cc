@@ -87,16 +87,17 @@ void RequireLikeCameraFits(const std::vector<CalibrationInput>& cameras,
   if ((options.model != "central-generic" && options.model != kAutoModel) ||
       cameras.size() > 1)
     throw Error(ExitCode::kUsage,
-                "--like: for a single camera and --model central-generic");
+                "--prior: for a single camera and --model central-generic");
   const ImageSize size = options.like->image_size(),
                   own = cameras.front().dataset.image_size;
   if (size != own)
-    throw Error(ExitCode::kUsage,
-                fmt::format("--like: its images are {}x{} px, those given {}x{}"
-                            " px; give a camera of the same sensor mode",
-                            size.width, size.height, own.width, own.height));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--prior: its images are {}x{} px, those given {}x{}"
+                    " px; give a camera of the same sensor mode",
+                    size.width, size.height, own.width, own.height));
   if (!options.like->IsCentral())
-    throw Error(ExitCode::kUsage, "--like: give a central camera");
+    throw Error(ExitCode::kUsage, "--prior: give a central camera");
 }
 
 }  // namespace

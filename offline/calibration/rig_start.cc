@@ -477,7 +477,7 @@ void RequireConnected(const std::vector<std::string>& names,
       fmt::format("the cameras are not connected: no board is seen at one "
                   "instant, with {} features or more, from two of the groups "
                   "{}; take images in which it is, and give those of one "
-                  "instant one name (or use --instant-by number)",
+                  "instant one name (or use --sync-by number)",
                   kMinViewFeatures, fmt::join(groups, ", ")));
 }
 

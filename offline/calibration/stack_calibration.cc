@@ -58,7 +58,7 @@ void RequireSpread(const ImageConditions& conditions,
                               name,
                               conditions.conditions.size() > 1
                                   ? name
-                                  : std::string("--condition")));
+                                  : std::string("--vary-with")));
   }
   if (conditions.conditions.size() < 2) return;
   // Below this, a change is as well one of either condition.
@@ -94,7 +94,7 @@ void RequireConditions(const Dataset& dataset,
     names += (names.empty() ? "" : ",") + ConditionName(condition);
   if (options.model != "central-generic")
     throw Error(ExitCode::kUsage,
-                fmt::format("--condition {}: the model is central-generic, not "
+                fmt::format("--vary-with {}: the model is central-generic, not "
                             "{}",
                             names, options.model));
   std::vector<ConditionValues> values;

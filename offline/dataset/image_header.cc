@@ -265,7 +265,7 @@ void RequireLikelyContents(const std::string& name, const RawHeader& header,
   if (huge_is_allowed || is_likely) return;
   throw InputError(
       fmt::format("{}: {} x {} pixels in {} bytes are no photograph; if they "
-                  "are meant, they need --huge",
+                  "are meant, they need --allow-huge-images",
                   name, header.width, header.height, num_bytes));
 }
 
@@ -281,12 +281,14 @@ void AllowHugeImages() { huge_is_allowed = true; }
 std::string WhySizeIsRefused(uint64_t width, uint64_t height) {
   const uint64_t side = std::max(width, height);
   if (!huge_is_allowed && side > kMaxSidePx)
-    return fmt::format("{} x {} pixels; more than {} a side need --huge", width,
-                       height, kMaxSidePx);
+    return fmt::format(
+        "{} x {} pixels; more than {} a side need --allow-huge-images", width,
+        height, kMaxSidePx);
   if (side > kMaxHugeSidePx ||
       width * height > static_cast<uint64_t>(kMaxHugePixels))
     return fmt::format(
-        "{} x {} pixels; even --huge allows {} a side and {} in all at most",
+        "{} x {} pixels; even --allow-huge-images allows {} a side and {} in "
+        "all at most",
         width, height, kMaxHugeSidePx, kMaxHugePixels);
   return "";
 }

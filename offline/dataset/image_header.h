@@ -28,7 +28,8 @@ ImageHeader ParseImageHeader(const std::string& name, const std::string& bytes);
 /// Larger images are refused unless AllowHugeImages() was called: they take
 /// minutes and gigabytes, and most are no photographs.
 constexpr int kMaxSidePx = 16384;
-/// The limits that --huge allows: indices of pixels stay within 31 bits.
+/// The limits that --allow-huge-images allows: indices of pixels stay within 31
+/// bits.
 constexpr int kMaxHugeSidePx = 65535;
 constexpr int64_t kMaxHugePixels = int64_t{1} << 30;
 

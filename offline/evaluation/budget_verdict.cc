@@ -29,9 +29,9 @@ std::string ImagePlaceAdvice(const BudgetFacts& facts) {
     return "take more images: a finer grid was tried, and these are too few "
            "for it";
   if (facts.cell_px > 0)
-    return fmt::format("calibrate with a finer grid: --cell-px {:.3g}",
+    return fmt::format("calibrate with a finer grid: --knot-spacing-px {:.3g}",
                        facts.cell_px / 2);
-  return "calibrate with a finer grid: a smaller --cell-px";
+  return "calibrate with a finer grid: a smaller --knot-spacing-px";
 }
 
 // The thing to do against a cause, if it was not done yet.
@@ -41,13 +41,15 @@ std::string AdviceFor(ErrorCause cause, const BudgetFacts& facts) {
       return ImagePlaceAdvice(facts);
     case ErrorCause::kBoardPlace:
       if (!facts.points_free)
-        return "calibrate without --flat-board, so that the board's points are "
+        return "calibrate without --fix-target-geometry, so that the board's "
+               "points are "
                "estimated, too";
       return "print the board anew, on a better printer, or take more images "
              "of it";
     case ErrorCause::kBend:
       if (!facts.bends_tried && facts.IsGrid())
-        return "calibrate without --rigid-board and --flat-board, so that "
+        return "calibrate without --rigid-target and --fix-target-geometry, so "
+               "that "
                "bends are estimated, too";
       return "glue the pattern onto a stiffer board, of glass or aluminium, "
              "and hold it by its edges";
@@ -117,7 +119,8 @@ std::string AdviceOnViewsAlike(const BudgetFacts& facts) {
     return "calibrate with --model central-generic first, since a model that "
            "does not follow the lens leaves such errors, too";
   if (facts.IsGrid() && !facts.points_free)
-    return "calibrate without --flat-board first, since a board that is not as "
+    return "calibrate without --fix-target-geometry first, since a board that "
+           "is not as "
            "told leaves such errors, too";
   if (facts.model == "central-generic" && !facts.noncentral_tried)
     return "calibrate with --model noncentral-generic first, since lines that "
@@ -205,10 +208,11 @@ std::string AdviceAgainstSharedErrors(const BudgetFacts& facts) {
                                : "try --model central-generic";
   std::vector<std::string> advice;
   if (!facts.cells_chosen)
-    advice.emplace_back("try --cell-px auto, which looks for better cells");
+    advice.emplace_back(
+        "try --knot-spacing-px auto, which looks for better cells");
   else if (!facts.tried_finer && facts.cell_px > 0)
-    advice.push_back(
-        fmt::format("try smaller cells, --cell-px {:.0f}", facts.cell_px / 2));
+    advice.push_back(fmt::format("try smaller cells, --knot-spacing-px {:.0f}",
+                                 facts.cell_px / 2));
   if (facts.model == "central-generic" && !facts.noncentral_tried)
     advice.emplace_back(
         "try --model noncentral-generic if lines may not meet in a point, as "

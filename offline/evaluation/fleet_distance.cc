@@ -98,7 +98,7 @@ std::string FleetDistance::Warning() const {
   return fmt::format(
       "this camera lies {}: is its lens of another kind or focus? The fleet "
       "may "
-      "harm such a lens where it has no features; calibrate it without 'like'",
+      "harm such a lens where it has no features; calibrate it without 'prior'",
       Text());
 }
 

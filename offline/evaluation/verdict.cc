@@ -164,10 +164,11 @@ void JudgeTurns(const CalibrationFigures& figures, Verdict* verdict) {
 
 void JudgeFlatBoard(const CalibrationFigures& figures, Verdict* verdict) {
   if (figures.flat_board_height_m > 0)
-    Warn(fmt::format("--flat-board is believed, but a board is {:.3f} mm from "
-                     "flat (RMS) where it may be, and bends the camera "
-                     "instead; calibrate without --flat-board",
-                     1e3 * figures.flat_board_height_m),
+    Warn(fmt::format(
+             "--fix-target-geometry is believed, but a board is {:.3f} mm from "
+             "flat (RMS) where it may be, and bends the camera "
+             "instead; calibrate without --fix-target-geometry",
+             1e3 * figures.flat_board_height_m),
          verdict);
 }
 

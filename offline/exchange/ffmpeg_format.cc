@@ -64,9 +64,9 @@ TableFormat FfmpegFormat() {
   format.name = "ffmpeg";
   format.holds =
       "ffmpeg's filter remap: NAME_x.pgm and NAME_y.pgm of a view, or with "
-      "--reverse of the camera; whole pixels";
+      "--inverse of the camera; whole pixels";
   format.endings = {".pgm"};
-  format.options = {"rectified", "reverse"};
+  format.options = {"rectified", "inverse"};
   format.write_view = WriteFfmpeg;
   return format;
 }

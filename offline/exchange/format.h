@@ -64,7 +64,8 @@ struct ReadRequest {
   /// Texts of the files that Format::beside() names; "" of one that is not
   /// there.
   std::vector<std::string> beside = {};
-  /// --board: the corners of a row and of a column; the file does not tell.
+  /// --board-size: the corners of a row and of a column; the file does not
+  /// tell.
   std::optional<ImageSize> board = {};
 };
 

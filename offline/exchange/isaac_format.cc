@@ -543,7 +543,7 @@ TableFormat IsaacFormat() {
       "places of directions; what lies ahead is in its middle, or what lies "
       "behind";
   format.endings = {".exr"};
-  format.options = {"model", "max-fit-error"};
+  format.options = {"model", "max-fit-error-px"};
   format.models = {kAhead, kBehind};
   format.write_camera = WriteIsaac;
   return format;

@@ -106,10 +106,10 @@ TableFormat MapsFormat() {
   TableFormat format;
   format.name = "maps";
   format.holds =
-      "OpenCV and numpy: map1 and map2 of a view, or with --reverse of the "
+      "OpenCV and numpy: map1 and map2 of a view, or with --inverse of the "
       "camera, for cv2.remap(), in .npz, .yaml, .xml or .json";
   format.endings = {kNpz, ".yaml", ".yml", ".xml", ".json"};
-  format.options = {"model", "rectified", "reverse"};
+  format.options = {"model", "rectified", "inverse"};
   format.models = {"float", kFixed};
   format.write_view = WriteMaps;
   return format;

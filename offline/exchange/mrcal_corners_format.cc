@@ -148,17 +148,18 @@ void RequireThisWayRound(const std::vector<CornerRows>& images,
     turned += BendOf(image, board.height) / (board.height - 2) / board.width;
   }
   if (told > 3 * turned)
-    throw InputError(fmt::format(
-        "its corners lie as on a board of --board {}x{}, columns first, not "
-        "{}x{}",
-        board.height, board.width, board.width, board.height));
+    throw InputError(
+        fmt::format("its corners lie as on a board of --board-size {}x{}, "
+                    "columns first, not "
+                    "{}x{}",
+                    board.height, board.width, board.width, board.height));
 }
 
 ImageFeatures FeaturesOfRows(const CornerRows& image, const ImageSize& board) {
   const size_t expected = static_cast<size_t>(board.width) * board.height;
   if (image.corners.size() != expected)
     throw InputError(fmt::format(
-        "image '{}' has {}; a board of --board {}x{} has {}",
+        "image '{}' has {}; a board of --board-size {}x{} has {}",
         Printable(image.image), CountText(image.corners.size(), "corner"),
         board.width, board.height, expected));
   ImageFeatures features = {image.image, {}};
@@ -187,8 +188,8 @@ ExchangeContents ReadMrcalCorners(const ReadRequest& request) {
   const CornerColumns columns = ColumnsOf(request.text);
   if (!request.board)
     throw InputError(
-        "does not tell the board's width; import it with --board "
-        "COLUMNSxROWS, counting corners, as --board 10x10");
+        "does not tell the board's width; import it with --board-size "
+        "COLUMNSxROWS, counting corners, as --board-size 10x10");
   CornerCounts counts;
   const std::vector<CornerRows> images = RowsOf(request, columns, &counts);
   ExchangeContents contents;
@@ -214,7 +215,7 @@ Format MrcalCornersFormat() {
   format.name = "mrcal-corners";
   format.holds =
       "corners.vnl of mrcal and mrgingham: corners of a board, no camera; "
-      "import them with --board COLUMNSxROWS";
+      "import them with --board-size COLUMNSxROWS";
   format.takes_board = true;
   format.recognizes = IsMrcalCorners;
   format.read = ReadMrcalCorners;

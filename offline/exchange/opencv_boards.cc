@@ -30,15 +30,15 @@ ImageSize BoardOf(const YAML::Node& root, const ReadRequest& request,
                            ? SidePx(root["board_height"], "board_height")
                            : num_points / width;
     if (request.board && *request.board != ImageSize{width, height})
-      throw InputError(
-          fmt::format("image_points: its board is {} x {}, not that of --board",
-                      width, height));
+      throw InputError(fmt::format(
+          "image_points: its board is {} x {}, not that of --board-size", width,
+          height));
     board = {width, height};
   }
   if (board.width == 0)
     throw InputError(
-        "image_points: 'board_width' is missing; import them with --board "
-        "COLUMNSxROWS, counting corners, as --board 9x6");
+        "image_points: 'board_width' is missing; import them with --board-size "
+        "COLUMNSxROWS, counting corners, as --board-size 9x6");
   if (int64_t{board.width} * board.height != num_points)
     throw InputError(fmt::format(
         "image_points: {} corners of an image, while its board has {} x {}",

@@ -168,7 +168,7 @@ TableFormat RaysFormat() {
       "numpy: directions of pixels, and points of the lines of a non-central "
       "camera, in .npz";
   format.endings = {".npz"};
-  format.options = {"every"};
+  format.options = {"stride"};
   format.write_rays = WriteRays;
   format.recognizes = [](const std::string& bytes) {
     return IsNpz(bytes) && !IsNpzOfCamera(bytes);

@@ -182,10 +182,10 @@ TableFormat StMapFormat() {
   TableFormat format;
   format.name = "stmap";
   format.holds =
-      "compositing: the STMap of a view, or with --reverse of the camera, in "
+      "compositing: the STMap of a view, or with --inverse of the camera, in "
       ".exr";
   format.endings = {".exr"};
-  format.options = {"rectified", "reverse"};
+  format.options = {"rectified", "inverse"};
   format.write_view = WriteStMap;
   format.recognizes = IsExr;
   format.read_view = ReadStMap;

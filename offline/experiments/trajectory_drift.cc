@@ -136,10 +136,11 @@ Walk WalkOf(const ColmapModel& model, const Area& area) {
     walk.views.push_back(std::move(view));
   }
   if (static_cast<int>(walk.views.size()) < 2 * kFirstFrames)
-    throw Error(ExitCode::kTooFew,
-                fmt::format("--walk: {} images see {} points or more where the "
-                            "cameras are calibrated; take {} or more",
-                            walk.views.size(), kMinSeen, 2 * kFirstFrames));
+    throw Error(
+        ExitCode::kTooFew,
+        fmt::format("--colmap-model: {} images see {} points or more where the "
+                    "cameras are calibrated; take {} or more",
+                    walk.views.size(), kMinSeen, 2 * kFirstFrames));
   return walk;
 }
 
@@ -391,11 +392,12 @@ void RequireSize(const ColmapModel& model,
   for (const NamedCamera& camera : cameras) {
     const ImageSize& size = camera.model->image_size();
     if (model.size != size)
-      throw InputError(fmt::format(
-          "--walk: its images have {} x {} pixels, those of {} {} x {}; take "
-          "images of the mode that was calibrated",
-          model.size.width, model.size.height, camera.name, size.width,
-          size.height));
+      throw InputError(
+          fmt::format("--colmap-model: its images have {} x {} pixels, those "
+                      "of {} {} x {}; take "
+                      "images of the mode that was calibrated",
+                      model.size.width, model.size.height, camera.name,
+                      size.width, size.height));
   }
 }
 
@@ -405,9 +407,10 @@ ComparedCameras CamerasForWalk(const ExperimentOptions& options) {
   ComparedCameras given;
   given.cameras = options.data.cameras;
   if (given.cameras.size() < 2 || given.cameras.size() > 6)
-    throw Error(ExitCode::kUsage,
-                "--walk: needs --camera two to six times, or --features to "
-                "calibrate cameras from");
+    throw Error(
+        ExitCode::kUsage,
+        "--colmap-model: needs --camera two to six times, or --features to "
+        "calibrate cameras from");
   return given;
 }
 

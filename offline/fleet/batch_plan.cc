@@ -19,28 +19,62 @@ namespace raygrid {
 namespace {
 
 constexpr size_t kMaxSerialSize = 31;  // as blobs have it
-constexpr char kConditionKey[] = "condition";
+constexpr char kVaryWith[] = "vary_with";
+constexpr char kImagesAt[] = "images_at";
+constexpr char kOperatingPoints[] = "operating_points";
+constexpr char kTimestamps[] = "timestamps";
+constexpr char kPrior[] = "prior";
 
 // Keys of a plan or a unit, and the options of raygrid calibrate that they
 // become: with a value, or without one.
 const std::vector<std::pair<std::string, std::string>> kValueOptions = {
     {"model", "--model"},
-    {"cell_px", "--cell-px"},
+    {"knot_spacing_px", "--knot-spacing-px"},
     {"image_size", "--image-size"},
     {"area", "--area"},
-    {kConditionKey, "--condition"},
-    {"same_view_px", "--same-view-px"},
+    {kVaryWith, "--vary-with"},
+    {"duplicate_px", "--duplicate-px"},
     {"image_circle", "--image-circle"},
     {"seed", "--seed"},
     {"name", "--name"}};
 const std::vector<std::pair<std::string, std::string>> kFlagOptions = {
-    {"flat_board", "--flat-board"},
-    {"rigid_board", "--rigid-board"},
-    {"measure_once", "--measure-once"},
+    {"fix_target_geometry", "--fix-target-geometry"},
+    {"rigid_target", "--rigid-target"},
+    {"no_refine_features", "--no-refine-features"},
     {"rolling_shutter", "--rolling-shutter"},
     {"skip_comparison", "--skip-comparison"}};
 // Those that name a file.
-const std::vector<std::string> kFileOptions = {"conditions", "like", "times"};
+const std::vector<std::string> kFileOptions = {kOperatingPoints, kPrior,
+                                               kTimestamps};
+// Former names of keys, which stay valid for one minor version.
+const std::map<std::string, std::string> kFormerKeys = {
+    {"cell_px", "knot_spacing_px"},
+    {"condition", kVaryWith},
+    {"conditions", kOperatingPoints},
+    {"cameras_at", kImagesAt},
+    {"same_view_px", "duplicate_px"},
+    {"flat_board", "fix_target_geometry"},
+    {"rigid_board", "rigid_target"},
+    {"measure_once", "no_refine_features"},
+    {"like", kPrior},
+    {"times", kTimestamps}};
+
+// A plan or unit with former keys replaced by the current ones.
+YAML::Node WithCurrentKeys(const YAML::Node& map, const std::string& what) {
+  YAML::Node current(YAML::NodeType::Map);
+  for (const auto& entry : map) {
+    const std::string key = entry.first.as<std::string>();
+    const auto former = kFormerKeys.find(key);
+    const std::string& name =
+        former == kFormerKeys.end() ? key : former->second;
+    if (current[name])
+      throw InputError(fmt::format(
+          "{}: key '{}' occurs twice, or beside its former name; keep one",
+          what, Printable(name)));
+    current[name] = entry.second;
+  }
+  return current;
+}
 
 void RequireKnownKeys(const YAML::Node& map, const std::string& what,
                       const std::set<std::string>& own_keys) {
@@ -57,7 +91,7 @@ void RequireKnownKeys(const YAML::Node& map, const std::string& what,
   }
 }
 
-// One of the conditions, or a list of several, as --condition has them.
+// One of the conditions, or a list of several, as --vary-with takes them.
 std::string ConditionText(const YAML::Node& value) {
   const std::vector<YAML::Node> several =
       value.IsSequence() ? std::vector<YAML::Node>(value.begin(), value.end())
@@ -67,7 +101,7 @@ std::string ConditionText(const YAML::Node& value) {
     const std::string name = node.IsScalar() ? node.Scalar() : "";
     if (!FindCondition(name))
       throw InputError(fmt::format(
-          "condition: '{}' is none; there are lens_position, temperature and "
+          "vary_with: '{}' is unknown; expected lens_position, temperature or "
           "[lens_position, temperature]",
           Printable(name)));
     names.push_back(name);
@@ -81,7 +115,7 @@ std::string OptionText(const YAML::Node& value, const std::string& key) {
     RequireYamlList(value, "image_size", 2);
     return fmt::format("{}x{}", value[0].as<int>(), value[1].as<int>());
   }
-  if (key == kConditionKey) return ConditionText(value);
+  if (key == kVaryWith) return ConditionText(value);
   if (!value.IsScalar())
     throw InputError(fmt::format("key '{}' has no single value", key));
   return value.as<std::string>();
@@ -134,45 +168,43 @@ bool IsNumber(const std::string& text) {
 // Calibrate would refuse these of each unit after the other.
 void RequireOptionsFit(const BatchUnit& unit, const YAML::Node& node,
                        const YAML::Node& plan) {
-  const bool has_condition = Find(node, plan, kConditionKey).IsDefined();
+  const bool has_condition = Find(node, plan, kVaryWith).IsDefined();
   const YAML::Node shutter = Find(node, plan, "rolling_shutter");
   const bool has_shutter = shutter && IsTrue(shutter, "rolling_shutter");
   const auto& files = unit.option_files;
-  if (!has_condition && (files.count("conditions") || !unit.cameras_at.empty()))
+  if (!has_condition &&
+      (files.count(kOperatingPoints) || !unit.cameras_at.empty()))
     throw InputError(fmt::format(
-        "unit {}: say what the values of {} are, with condition: "
-        "lens_position or condition: temperature",
-        unit.serial, unit.cameras_at.empty() ? "conditions" : "cameras_at"));
+        "unit {}: {} needs vary_with: lens_position or vary_with: temperature",
+        unit.serial, unit.cameras_at.empty() ? kOperatingPoints : kImagesAt));
   if (has_shutter && has_condition)
-    throw InputError(
-        fmt::format("unit {}: has both rolling_shutter and "
-                    "condition; a calibration has one of them",
-                    unit.serial));
-  if (has_condition && !unit.features.empty() && !files.count("conditions"))
     throw InputError(fmt::format(
-        "unit {}: features have no values of the condition; name the file that "
-        "has them, with conditions",
+        "unit {}: rolling_shutter and vary_with cannot be combined; "
+        "remove one of them",
+        unit.serial));
+  if (has_condition && !unit.features.empty() && !files.count(kOperatingPoints))
+    throw InputError(fmt::format(
+        "unit {}: vary_with needs the operating point of each image in "
+        "features; give operating_points: FILE.csv",
         unit.serial));
   for (const auto& [value, folder] : unit.cameras_at)
     if (!IsNumber(value))
-      throw InputError(
-          fmt::format("unit {}: cameras_at: '{}' is no value of the condition",
-                      unit.serial, Printable(value)));
+      throw InputError(fmt::format("unit {}: images_at: '{}' is not a number",
+                                   unit.serial, Printable(value)));
   if (!unit.cameras_at.empty() &&
-      ConditionText(Find(node, plan, kConditionKey)).find(',') !=
-          std::string::npos)
+      ConditionText(Find(node, plan, kVaryWith)).find(',') != std::string::npos)
     throw InputError(fmt::format(
-        "unit {}: cameras_at has values of one condition; tell both "
-        "of images or features, with conditions",
+        "unit {}: images_at takes values of one quantity; for both give "
+        "operating_points: FILE.csv",
         unit.serial));
-  if (has_shutter && !unit.features.empty() && !files.count("times"))
+  if (has_shutter && !unit.features.empty() && !files.count(kTimestamps))
     throw InputError(fmt::format(
-        "unit {}: features have no times; name the file that has them, with "
-        "times",
+        "unit {}: rolling_shutter needs the time of each image in features; "
+        "give timestamps: FILE.csv",
         unit.serial));
-  if (!has_shutter && files.count("times"))
-    throw InputError(fmt::format("unit {}: times are for rolling_shutter: true",
-                                 unit.serial));
+  if (!has_shutter && files.count(kTimestamps))
+    throw InputError(fmt::format(
+        "unit {}: timestamps needs rolling_shutter: true", unit.serial));
 }
 
 void RequireSerial(const std::string& serial) {
@@ -199,28 +231,29 @@ std::string ReadText(const YAML::Node& map, const std::string& key) {
   return map[key] ? OptionText(map[key], key) : std::string();
 }
 
-BatchUnit ReadUnit(const YAML::Node& node, const YAML::Node& plan) {
-  if (!node.IsMap() || !node["serial"])
+BatchUnit ReadUnit(const YAML::Node& given, const YAML::Node& plan) {
+  if (!given.IsMap() || !given["serial"])
     throw InputError("units: one has no serial");
   BatchUnit unit;
-  unit.serial = ReadText(node, "serial");
+  unit.serial = ReadText(given, "serial");
   RequireSerial(unit.serial);
   const std::string what = "unit " + unit.serial;
+  const YAML::Node node = WithCurrentKeys(given, what);
   RequireKnownKeys(node, what,
-                   {"serial", "images", "features", "cameras", "cameras_at",
+                   {"serial", "images", "features", "cameras", kImagesAt,
                     "pattern", "lens_batch", "repeats", "operator", "station"});
   unit.pattern = ReadText(node["pattern"] ? node : plan, "pattern");
   unit.images = ReadText(node, "images");
   unit.features = ReadText(node, "features");
   unit.cameras = ReadFolders(node["cameras"], "cameras");
-  unit.cameras_at = ReadFolders(node["cameras_at"], "cameras_at");
+  unit.cameras_at = ReadFolders(node[kImagesAt], kImagesAt);
   if (!unit.images.empty() + !unit.features.empty() + !unit.cameras.empty() +
           !unit.cameras_at.empty() !=
       1)
     throw InputError(what +
-                     ": has not one of images (a folder), features (a file), "
-                     "cameras (a folder of each) and cameras_at (a folder of "
-                     "each value of the condition)");
+                     ": needs exactly one of images (a folder), features (a "
+                     "file), cameras (folders by camera) and images_at "
+                     "(folders by value of vary_with)");
   if (unit.pattern.empty())
     throw InputError(what + ": has no pattern, nor has the plan");
   unit.options = ReadOptions(node, plan);
@@ -295,8 +328,9 @@ void RequireRepeatsFit(const std::vector<BatchUnit>& units) {
   }
 }
 
-BatchPlan ReadPlan(const YAML::Node& root) {
-  RequireKind(root, "batch");
+BatchPlan ReadPlan(const YAML::Node& given) {
+  RequireKind(given, "batch");
+  const YAML::Node root = WithCurrentKeys(given, "plan");
   if (root["raygrid_batch"].as<int>() != 1)
     throw InputError("raygrid_batch: only version 1 is known");
   RequireKnownKeys(root, "plan",

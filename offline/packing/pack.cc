@@ -59,7 +59,7 @@ std::optional<std::string> RemarkOnProjection(
   if (faults.empty()) return std::nullopt;
   return fmt::format(
       "projection does not lead back to all {} pixels: {}; images with the "
-      "board there, or a larger --cell-px, make the camera smoother",
+      "board there, or a larger --knot-spacing-px, make the camera smoother",
       has_mask ? "trusted" : "of the area's", faults);
 }
 

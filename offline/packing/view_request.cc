@@ -180,14 +180,14 @@ void RequireSensible(const ViewRequest& request) {
                        request.alpha.has_value() + request.like.has_value();
   if (num_ways > 1)
     ThrowUsage(
-        "a view by several of hfov and vfov, focal, alpha, like; give one");
+        "a view by several of hfov and vfov, focal, alpha, view; give one");
   if (request.center_px && (request.alpha || request.like))
     ThrowUsage(
-        "a view by center and by alpha or like, which have their own; "
+        "a view by center and by alpha or view, which have their own; "
         "give one");
   if (request.like && (request.projection || request.rotate_deg))
     ThrowUsage(
-        "a view by like and by projection or rotate, which like has; give one");
+        "a view by view and by projection or rotate, which it has; give one");
   const ViewProjection projection =
       request.projection.value_or(ViewProjection::kPinhole);
   const Eigen::Vector2d most_deg = LargestFieldDeg(projection);

@@ -187,38 +187,73 @@ void TakeCircle(const py::object& given, Wishes* wishes) {
   wishes->circle->radii_px.setConstant(numbers[0][2]);
 }
 
+// Former names of arguments stay valid for one minor version.
+class FormerNames {
+ public:
+  explicit FormerNames(const py::kwargs& given) : given_(given) {}
+
+  template <typename Value>
+  void Take(const char* former, Value* value) {
+    if (!given_.contains(former)) return;
+    *value = given_[former].cast<Value>();
+    ++num_taken_;
+  }
+
+  // Throws TypeError for names that no argument ever had.
+  void RequireAllTaken() const {
+    if (num_taken_ != given_.size())
+      throw py::type_error(
+          "calibrate() got an unexpected keyword argument; see "
+          "help(raygrid.calibrate)");
+  }
+
+ private:
+  const py::kwargs& given_;
+  size_t num_taken_ = 0;
+};
+
 PyCalibration CalibrateGiven(
     const py::object& images, const py::object& pattern,
-    const std::string& model, const std::optional<double>& cell_px,
-    const std::string& area, bool flat_board, bool rigid_board,
-    bool boards_move, bool measure_once, bool compare_models,
+    const std::string& model, std::optional<double> knot_spacing_px,
+    const std::string& area, bool fix_target_geometry, bool rigid_target,
+    bool independent_boards, bool refine_features, bool compare_models,
     const std::vector<std::string>& hold_out,
-    const std::optional<double>& same_view_px, const py::object& image_circle,
+    std::optional<double> duplicate_px, const py::object& image_circle,
     const std::string& name, const std::string& serial, bool any_distance,
-    int threads, const py::object& progress) {
+    int threads, const py::object& progress, const py::kwargs& given) {
+  FormerNames former(given);
+  former.Take("cell_px", &knot_spacing_px);
+  former.Take("flat_board", &fix_target_geometry);
+  former.Take("rigid_board", &rigid_target);
+  former.Take("boards_move", &independent_boards);
+  bool measure_once = false;
+  former.Take("measure_once", &measure_once);
+  former.Take("same_view_px", &duplicate_px);
+  former.RequireAllTaken();
   Wishes wishes;
   wishes.name = name;
   wishes.serial = serial;
-  wishes.measures_once = measure_once;
+  wishes.measures_once = measure_once || !refine_features;
   TakeCircle(image_circle, &wishes);
   CalibrationOptions& options = wishes.options;
   options.model = model;
-  options.cell_px = cell_px.value_or(0);
-  if (cell_px && !(*cell_px >= 2 && *cell_px <= 1e5))
-    throw py::value_error("cell_px: expected None, or 2 pixels or more");
+  options.cell_px = knot_spacing_px.value_or(0);
+  if (knot_spacing_px && !(*knot_spacing_px >= 2 && *knot_spacing_px <= 1e5))
+    throw py::value_error("knot_spacing_px: expected None, or 2 to 1e5 pixels");
   if (area != "image" && area != "features")
     throw py::value_error("area: expected image or features, not '" + area +
                           "'");
   options.area =
       area == "features" ? AreaChoice::kFeatures : AreaChoice::kWholeImage;
-  options.flat_board = flat_board;
-  options.rigid_board = rigid_board;
-  options.boards_move = boards_move;
+  options.flat_board = fix_target_geometry;
+  options.rigid_board = rigid_target;
+  options.boards_move = independent_boards;
   options.compare_models = compare_models;
   options.hold_out = hold_out;
-  options.same_view_px = same_view_px;
-  if (same_view_px && !(*same_view_px >= 0 && *same_view_px <= 1e5))
-    throw py::value_error("same_view_px: expected None, pixels, or 0 for none");
+  options.same_view_px = duplicate_px;
+  if (duplicate_px && !(*duplicate_px >= 0 && *duplicate_px <= 1e5))
+    throw py::value_error(
+        "duplicate_px: expected None, pixels, or 0 to keep every image");
   options.any_distance = any_distance;
   options.num_threads = threads;
   RequireBlobText("name", name);
@@ -240,22 +275,24 @@ PyCalibration CalibrateGiven(
 void BindCalibration(py::module_* module) {
   module->def(
       "calibrate", &CalibrateGiven, py::arg("images"), py::arg("pattern"),
-      py::kw_only(), py::arg("model") = "auto", py::arg("cell_px") = py::none(),
-      py::arg("area") = "image", py::arg("flat_board") = false,
-      py::arg("rigid_board") = false, py::arg("boards_move") = false,
-      py::arg("measure_once") = false, py::arg("compare_models") = false,
+      py::kw_only(), py::arg("model") = "auto",
+      py::arg("knot_spacing_px") = py::none(), py::arg("area") = "image",
+      py::arg("fix_target_geometry") = false, py::arg("rigid_target") = false,
+      py::arg("independent_boards") = false, py::arg("refine_features") = true,
+      py::arg("compare_models") = false,
       py::arg("hold_out") = std::vector<std::string>(),
-      py::arg("same_view_px") = py::none(), py::arg("image_circle") = "auto",
+      py::arg("duplicate_px") = py::none(), py::arg("image_circle") = "auto",
       py::arg("name") = "", py::arg("serial") = "",
       py::arg("any_distance") = false, py::arg("threads") = 0,
       py::arg("progress") = py::none(),
-      "Calibrates a camera, or a rig.\n\nimages: paths of images or folders, "
-      "or Detections; of a rig a dict of these by the cameras' names, where "
-      "images of one instant have one name. pattern: as for detect(). The "
-      "rest is as 'raygrid calibrate --help' says. progress(stage, done, "
-      "seconds_left): done is 0 to 1, seconds_left None at first. Ctrl-C and "
-      "exceptions of progress end the work; nothing is written before "
-      "save().");
+      "Calibrate a camera or a rig.\n\nimages: paths of images or folders, or "
+      "Detections; for a rig a dict of these by camera name, in which images "
+      "of a frame share one name. pattern: as for detect(). The other "
+      "arguments are those of 'raygrid calibrate --help'. progress(stage, "
+      "done, "
+      "seconds_left) is called with done from 0 to 1; seconds_left is None at "
+      "first. Ctrl-C and exceptions raised by progress stop the calibration. "
+      "Files are written by save() only.");
 }
 
 }  // namespace raygrid

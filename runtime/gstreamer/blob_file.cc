@@ -126,7 +126,7 @@ void BlobFile::SetCondition(double value) {
   if (status != RG_OK && status != RG_EXTRAPOLATED)
     throw CameraError(CameraExit::kBlob,
                       path_ + ": condition: " + rg_status_text(status) +
-                          "; raygrid calibrate --condition makes a camera that "
+                          "; raygrid calibrate --vary-with makes a camera that "
                           "has a range");
 }
 

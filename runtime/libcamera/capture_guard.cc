@@ -200,7 +200,8 @@ void CaptureGuard::SayWhatIsNotTold() {
   if (!not_told.empty())
     say_("cannot be told whether frames are as calibrated: " + what_ +
          " does not tell " + not_told +
-         "; check that by hand, or leave it out of raygrid pack --capture");
+         "; check that by hand, or leave it out of raygrid pack "
+         "--capture-settings");
 }
 
 // A camera that warms up moves its lens, by how much is the camera's own.

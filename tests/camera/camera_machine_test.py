@@ -60,7 +60,7 @@ class CameraInMachine(MachineCase):
     def make_more(cls):
         """A blob that records another orientation, and what this camera does not tell."""
         machine_case.raygrid("pack", cls.path("vga_scene/true_camera.yaml"), "--remap",
-                             "640x480,hfov=80", "--capture",
+                             "640x480,hfov=80", "--capture-settings",
                              "orientation=3,lens=2,crop=0,0,640,480", "-o",
                              cls.path("shared/turned.raygrid"))
 
@@ -125,7 +125,7 @@ class CameraInMachine(MachineCase):
 
     def test_frames_are_compared_with_calibration(self):
         self.assert_ends("told", 0)
-        self.assertIn("; as pack --capture has it: orientation=1\n", self.read("told.out"))
+        self.assertIn("; as pack --capture-settings has it: orientation=1\n", self.read("told.out"))
         error = self.read("turned.err")
         self.assertEqual(self.status("turned"), 0, error)
         for said in ("frames are upright (1), where calibration had rotated by 180 degrees (3); ",

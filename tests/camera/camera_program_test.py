@@ -53,7 +53,7 @@ class CameraProgram(unittest.TestCase):
                 ("pack", "scene/true_camera.yaml", "-o", "distorting.raygrid", "--remap",
                  "160x120,hfov=80,direction=distort", "--max-error-px", 2),
                 ("pack", "scene/true_camera.yaml", "-o", "stood.raygrid", "--remap",
-                 "160x120,hfov=80", "--capture", "crop=0,0,320,240,lens=2,orientation=1"),
+                 "160x120,hfov=80", "--capture-settings", "crop=0,0,320,240,lens=2,orientation=1"),
                 ("pack", "scene/true_camera.yaml", "-o", "rays.raygrid")):
             cls.run_raygrid(*command)
         grey = bytes((3 * x + y * y) & 255 for y in range(HEIGHT) for x in range(WIDTH))
@@ -485,7 +485,7 @@ class CameraProgram(unittest.TestCase):
                                          "part of the sensor, orientation; "), 1, error)
             self.assertEqual("not as calibrated: 0 frames" in error, "--quiet" not in arguments)
         self.assert_fails(8, "flat.raygrid", "--strict", "--from", "frames.yuyv", "--format",
-                          "YUYV", words=["--strict", "--capture"])
+                          "YUYV", words=["--strict", "--capture-settings"])
 
     def test_nonsense_of_a_forged_blob_is_refused(self):
         blob = bytearray(self.read("stood.raygrid"))

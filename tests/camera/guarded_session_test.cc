@@ -172,9 +172,10 @@ TEST(CaptureSession, ACheckTellsTheWordsForPacking) {
   const std::string told = testing::internal::GetCapturedStdout();
   EXPECT_EQ(ended.code, 0);
   EXPECT_EQ(ended.said, "");
-  EXPECT_TRUE(Has(told,
-                  "; as pack --capture has it: crop=0,0,640,480,lens=2,"
-                  "zoom=1,orientation=1\n"))
+  EXPECT_TRUE(
+      Has(told,
+          "; as pack --capture-settings has it: crop=0,0,640,480,lens=2,"
+          "zoom=1,orientation=1\n"))
       << told;
 }
 

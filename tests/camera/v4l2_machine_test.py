@@ -60,7 +60,7 @@ class V4l2InMachine(MachineCase):
     def make_more(cls):
         """A blob that records how the camera stood, and some of the frames as JPEGs."""
         raygrid("pack", cls.path("vga_scene/true_camera.yaml"), "--remap", "640x480,hfov=80",
-                "--capture", "orientation=1,lens=2", "-o", cls.path("shared/stood.raygrid"))
+                "--capture-settings", "orientation=1,lens=2", "-o", cls.path("shared/stood.raygrid"))
         subprocess.run(["ffmpeg", "-loglevel", "error", "-f", "rawvideo", "-pixel_format", "yuyv422",
                         "-video_size", "640x480", "-i", cls.path("vga.yuyv"), "-frames:v", "20",
                         "-q:v", "2", "-f", "mjpeg", cls.path("vga.mjpeg")], check=True)
@@ -114,7 +114,7 @@ class V4l2InMachine(MachineCase):
 
     def test_frames_are_compared_with_calibration(self):
         self.assertEqual(self.status("check"), 0, self.read("check.err"))
-        self.assertIn("; as pack --capture has it: ", self.read("check.out"))
+        self.assertIn("; as pack --capture-settings has it: ", self.read("check.out"))
         self.assertIn("orientation=1\n", self.read("check.out"))
         untold = "the camera does not tell lens position; "
         for name, status, count in (("same", 0, 0), ("flipped", 0, 3)):

@@ -230,7 +230,7 @@ class BadInput(CommandTest):
         """Wherever it is: never another camera, or another board."""
         result = run("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
                      "640x480", "--pattern", self.path("sim/pattern.yaml"), "--model", "opencv",
-                     "--skip-comparison", "--flat-board", "--hold-out", "sim0001.png", "-o",
+                     "--skip-comparison", "--fix-target-geometry", "--hold-out", "sim0001.png", "-o",
                      self.path("whole"))
         self.assert_done(result)
         for name in ("whole/camera.yaml", "whole/pattern.yaml", "sim/true_camera.yaml"):

@@ -19,7 +19,7 @@ PLAN = """raygrid_batch: 1
 pattern: board.yaml
 model: opencv
 skip_comparison: true
-flat_board: true
+fix_target_geometry: true
 image_size: [160, 120]
 limits: {%s}
 units:
@@ -107,12 +107,12 @@ class Batch(CommandTest):
         plan = write(self.path("conditions.yaml"), f"""raygrid_batch: 1
 pattern: {board}
 skip_comparison: true
-flat_board: true
+fix_target_geometry: true
 image_size: [640, 480]
-cell_px: 80
+knot_spacing_px: 80
 units:
-  - {{serial: F1, features: focusing.csv, condition: lens_position, conditions: values.csv}}
-  - {{serial: R1, features: at0/features.csv, rolling_shutter: true, times: gone.csv}}
+  - {{serial: F1, features: focusing.csv, vary_with: lens_position, operating_points: values.csv}}
+  - {{serial: R1, features: at0/features.csv, rolling_shutter: true, timestamps: gone.csv}}
 """)
         result = self.batch(plan)
         self.assertEqual(result.returncode, 2, result.stderr)
@@ -126,22 +126,24 @@ units:
         self.assertNotEqual(read(self.out + "/F1/unit.json"), done)
 
     def test_bad_conditions_are_refused_in_one_line(self):
-        for unit, told in (("condition: focus", "condition: 'focus' is none; there are lens_position, temperature"),
-                           ("condition: [temperature, 3]", "condition: '3' is none"),
-                           ("conditions: v.csv", "unit C1: say what the values of conditions are"),
-                           ("condition: temperature", "unit C1: features have no values of the condition"),
-                           ("rolling_shutter: true", "unit C1: features have no times"),
-                           ("times: t.csv", "unit C1: times are for rolling_shutter: true"),
+        for unit, told in (("vary_with: focus", "vary_with: 'focus' is unknown; expected lens_position, temperature"),
+                           ("vary_with: [temperature, 3]", "vary_with: '3' is unknown"),
+                           ("operating_points: v.csv", "unit C1: operating_points needs vary_with"),
+                           ("vary_with: temperature", "unit C1: vary_with needs the operating point of each image"),
+                           ("rolling_shutter: true", "unit C1: rolling_shutter needs the time of each image"),
+                           ("timestamps: t.csv", "unit C1: timestamps needs rolling_shutter: true"),
                            ("rolling_shutter: maybe", "key 'rolling_shutter' is neither true nor false"),
-                           ("rolling_shutter: true, condition: temperature", "unit C1: has both rolling_shutter and")):
+                           ("rolling_shutter: true, vary_with: temperature",
+                            "unit C1: rolling_shutter and vary_with cannot be combined"),
+                           ("like: a.yaml, prior: b.yaml", "key 'prior' occurs twice, or beside its former name")):
             plan = self.plan((), more=[f"  - {{serial: C1, features: A1/features.csv, {unit}}}\n"])
             self.assert_refused(self.batch(plan), 2, told)
-        for at, told in (("{a: far, 1: near}, condition: temperature", "unit C1: cameras_at: 'a' is no value"),
-                         ("{0: far, 1: near}, condition: [lens_position, temperature]",
-                          "unit C1: cameras_at has values of one condition"),
-                         ("{0: far, 1: near}", "unit C1: say what the values of cameras_at are"),
-                         ("far", "key 'cameras_at' has no folder for each")):
-            plan = self.plan((), more=[f"  - {{serial: C1, cameras_at: {at}}}\n"])
+        for at, told in (("{a: far, 1: near}, vary_with: temperature", "unit C1: images_at: 'a' is not a number"),
+                         ("{0: far, 1: near}, vary_with: [lens_position, temperature]",
+                          "unit C1: images_at takes values of one quantity"),
+                         ("{0: far, 1: near}", "unit C1: images_at needs vary_with"),
+                         ("far", "key 'images_at' has no folder for each")):
+            plan = self.plan((), more=[f"  - {{serial: C1, images_at: {at}}}\n"])
             self.assert_refused(self.batch(plan), 2, told)
 
     def make_fleet(self):
@@ -248,16 +250,16 @@ units:
         # A unit of five images: its corners are those of the fleet, where its own images tell nothing.
         lines = read(self.path("A1/features.csv")).decode().splitlines(keepends=True)
         few = write(self.path("five.csv"), "".join(line for line in lines if not re.match("sim000[5-9]", line)))
-        words = ["calibrate", "--features", few, "--image-size", "160x120", "--flat-board", "--skip-comparison",
-                 "--cell-px", 40, "--pattern", self.path("board.yaml"), "--quiet"]
+        words = ["calibrate", "--features", few, "--image-size", "160x120", "--fix-target-geometry", "--skip-comparison",
+                 "--knot-spacing-px", 40, "--pattern", self.path("board.yaml"), "--quiet"]
         worst = {}
-        for name, more in (("alone", []), ("like", ["--like", middle])):
+        for name, more in (("alone", []), ("like", ["--prior", middle])):
             run(*words, "-o", self.path("five-" + name), *more)
             facts = run("compare", self.path("A1/true_camera.yaml"), self.path(f"five-{name}/camera.yaml"), "--json")
             worst[name] = json.loads(facts.stdout)["max_px"]
         self.assertLess(worst["like"], worst["alone"])
         # The plan's key is the same, and the mean cannot be its own.
-        text = read(plan).decode().replace("model: opencv", "cell_px: 40\nlike: " + middle)
+        text = read(plan).decode().replace("model: opencv", "knot_spacing_px: 40\nprior: " + middle)
         text = text.split("units:")[0] + f"units:\n  - {{serial: N1, features: {few}}}\n"
         again = write(self.path("again.yaml"), text.replace("limits: {focal_px: [80, 90]}\n", ""))
         run("batch", again, "-o", self.path("few-units"))
@@ -267,15 +269,16 @@ units:
         self.assertLess(facts["fleet_distance"]["rms_px"], 5 * facts["fleet_distance"]["units_px"])
         self.assertNotIn("warning", facts["fleet_distance"])
         self.assert_refused(run("batch", again, "-o", self.out), 7, "fleet_camera.yaml")
-        self.assert_refused(run(*words, "--model", "opencv", "--like", middle, "-o", self.path("no")), 1, "--like")
+        self.assert_refused(run(*words, "--model", "opencv", "--prior", middle, "-o", self.path("no")), 1, "--prior")
         words[4] = "320x240"
-        self.assert_refused(run(*words, "--like", middle, "-o", self.path("no")), 1, "160x120", "320x240")
+        self.assert_refused(run(*words, "--prior", middle, "-o", self.path("no")), 1, "160x120", "320x240")
 
     def test_a_stranger_to_the_fleet_is_told(self):
         plan = self.make_fleet()
         self.assert_done(run("batch", plan, "-o", self.out, "--gather"))
         self.assert_done(run("simulate", "--images", 5, "--features-per-image", 60, "--pattern", self.path("board.yaml"),
                              "--lens", "pinhole", "--size", "160x120", "-o", self.path("stranger")))
+        # Former names of keys stay valid.
         text = PLAN.replace("model: opencv", "cell_px: 40\nlike: " + self.out + "/fleet_camera.yaml") % ""
         strange = write(self.path("strange.yaml"), text + "  - {serial: S1, features: stranger/features.csv}\n")
         self.out = self.path("strange")
@@ -491,7 +494,7 @@ units:
                 (("names a folder",), lambda text: text.replace("serial: A2", "serial: ''")),
                 (("'colour' is not known",), lambda text: text + "colour: red\n"),
                 (("'sharpness' is not known",), lambda text: text.replace("{}", "{sharpness: 1}", 1)),
-                (("not one of images",), lambda text: text.replace("features: A2/features.csv", "model: opencv")),
+                (("exactly one of images",), lambda text: text.replace("features: A2/features.csv", "model: opencv")),
                 (("A2: repeats A1", "repeated itself"), lambda text: text.replace(
                     "serial: A2,", "serial: A2, repeats: A1,").replace("serial: A3,", "serial: A3, repeats: A2,")),
                 (("A2: repeats B7", "no unit of that serial"), lambda text: text.replace(

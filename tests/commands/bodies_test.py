@@ -6,7 +6,7 @@ from command_test import CommandTest, main, read, run, write
 
 BOARDS = "raygrid_pattern: 1\nboards:\n" + "".join(
     "  - {id: %d, kind: chessboard, columns: 8, rows: 6, square_m: 0.025}\n" % i for i in range(3))
-FAR_APART = ("--fixed-boards", "--board-gap-m", 0.25, "--never-shared", "--cameras", 2,
+FAR_APART = ("--fixed-boards", "--board-gap-m", 0.25, "--no-common-boards", "--cameras", 2,
              "--baseline-m", 1, "--images", 60)
 
 
@@ -48,7 +48,7 @@ class Bodies(CommandTest):
         sentence = self.told("out")["boards_told"][0]
         self.assertTrue(sentence.startswith("boards 0, 1 and 2 are fixed to each other"))
         self.assertIn(sentence, self.said)
-        self.assertIn("--boards-move", self.said)
+        self.assertIn("--independent-boards", self.said)
         self.assertIn(sentence, read(self.path("out/report.html")).decode())
 
     def evaluated(self, *options):
@@ -65,9 +65,9 @@ class Bodies(CommandTest):
         self.assertEqual(told["bodies"], [[0, 1, 2]])
         self.assertAlmostEqual(told["rms_px"], self.told("out")["training"]["rms_px"], delta=0.001)
         # Each board has a pose of its own then, which takes up some of the noise.
-        alone = self.evaluated(*options, "--boards-move")
+        alone = self.evaluated(*options, "--independent-boards")
         self.assertTrue(alone.startswith("each board localised by itself\n"), alone)
-        alone = json.loads(self.evaluated(*options, "--boards-move", "--json"))
+        alone = json.loads(self.evaluated(*options, "--independent-boards", "--json"))
         self.assertEqual(alone["bodies"], [])
         self.assertLess(alone["rms_px"], 0.99 * told["rms_px"])
         # A pattern that tells of no body.
@@ -94,11 +94,11 @@ class Bodies(CommandTest):
         self.assertIn(b"board_bodies", read(options[-1]))
         self.assert_done(run("calibrate", *options[1:], "--image-size", "640x480", "--model",
                              "opencv", "--skip-comparison", "--hold-out", "sim0001.png",
-                             "--boards-move", "-o", self.path("moving")))
+                             "--independent-boards", "-o", self.path("moving")))
         self.assertNotIn(b"board_bodies", read(self.path("moving/pattern.yaml")))
 
     def test_option_forbids_it(self):
-        result = self.calibrate("rig", "--boards-move")
+        result = self.calibrate("rig", "--independent-boards")
         self.assert_refused(result, 4, "not connected")
         self.assert_nothing_in(self.path("refused"))
 

@@ -8,7 +8,7 @@ from command_test import CommandTest, main, read, run, write
 BOARD = "chessboard:13x9:30mm"
 POSITIONS = (0, 2.5, 5, 7.5, 10)
 EACH = 10
-BOTH = ("--condition", "lens_position", "--condition", "temperature")
+BOTH = ("--vary-with", "lens_position", "--vary-with", "temperature")
 
 
 class BothConditions(CommandTest):
@@ -27,7 +27,7 @@ class BothConditions(CommandTest):
             values.append("%02d_sim0000.png,%g,%g" % (index, position, temperature))
         cls.features = write(cls.path("features.csv"), "\n".join(features) + "\n")
         cls.values = write(cls.path("values.csv"), "\n".join(values) + "\n")
-        result = cls.calibrate(*BOTH, "--conditions", cls.values, out="out")
+        result = cls.calibrate(*BOTH, "--operating-points", cls.values, out="out")
         assert result.returncode == 0, result.stderr
         cls.said, cls.remarks = result.stdout, result.stderr
         cls.camera = cls.path("out/camera.yaml")
@@ -44,7 +44,7 @@ class BothConditions(CommandTest):
     @classmethod
     def calibrate(cls, *options, out="refused"):
         return run("calibrate", "--features", cls.features, "--image-size", "640x480",
-                   "--pattern", BOARD, "--cell-px", 80, "--skip-comparison", "--flat-board",
+                   "--pattern", BOARD, "--knot-spacing-px", 80, "--skip-comparison", "--fix-target-geometry",
                    "--hold-out", "00_sim0000.png", *options, "-o", cls.path(out))
 
     def error_px(self, position, temperature, camera, *options):
@@ -136,27 +136,27 @@ class BothConditions(CommandTest):
             self.assertIn("it goes over lens_position, at temperature 45, the middle", remarks)
 
     def test_values_that_do_not_tell_both(self):
-        both = ("--condition", "lens_position,temperature")
+        both = ("--vary-with", "lens_position,temperature")
         self.assert_refused(self.calibrate(*both), 1, "nothing says it",
                             "the columns image,lens_position,temperature")
-        self.assert_refused(self.calibrate(*both, "--camera-at", "3=folder"), 1)
+        self.assert_refused(self.calibrate(*both, "--images-at", "3=folder"), 1)
         one = write(self.path("one.csv"), "image,value\n00_sim0000.png,0\n")
-        self.assert_refused(self.calibrate(*both, "--conditions", one), 2, "lens_position")
+        self.assert_refused(self.calibrate(*both, "--operating-points", one), 2, "lens_position")
         together = write(self.path("together.csv"), "".join(
             "%s,%s,%s\n" % (line.split(",")[0], line.split(",")[1],
                             40 + 2 * float(line.split(",")[1]) if k else "temperature")
             for k, line in enumerate(read(self.values).decode().splitlines())))
-        self.assert_refused(self.calibrate(*both, "--conditions", together), 1,
+        self.assert_refused(self.calibrate(*both, "--operating-points", together), 1,
                             "lens_position and temperature go together")
         same = write(self.path("same.csv"), "".join(
             line.rsplit(",", 1)[0] + (",30\n" if k else ",temperature\n")
             for k, line in enumerate(read(self.values).decode().splitlines())))
-        self.assert_refused(self.calibrate(*both, "--conditions", same), 1,
+        self.assert_refused(self.calibrate(*both, "--operating-points", same), 1,
                             "all images have one temperature", "calibrate without temperature")
         self.assert_nothing_in(self.path("refused"))
 
     def test_one_column_of_two_is_enough_for_one(self):
-        result = self.calibrate("--condition", "lens_position", "--conditions", self.values, out="one")
+        result = self.calibrate("--vary-with", "lens_position", "--operating-points", self.values, out="one")
         self.assert_done(result)
         self.assertIn(b"\n  condition: lens_position\n", read(self.path("one/camera.yaml")))
 

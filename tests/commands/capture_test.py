@@ -74,16 +74,16 @@ class CaptureTest(CommandTest):
                       "  exposure: 8333\n  gain: 98304\n", told.stdout)
 
     def test_words_say_it_by_hand(self):
-        self.assert_done(self.pack("--capture", "crop=8,-4,320,240,lens=2.5", "--capture",
+        self.assert_done(self.pack("--capture-settings", "crop=8,-4,320,240,lens=2.5", "--capture-settings",
                                    "tolerance=0.25,zoom=1,orientation=3,temperature=-5.5,exposure=8333,"
                                    "gain=1.5"))
         self.assertEqual(read(self.path("c.raygrid")), read(self.path("known.raygrid")))
-        self.assert_done(self.pack("--capture", "lens=1"))
+        self.assert_done(self.pack("--capture-settings", "lens=1"))
         self.assertEqual(self.facts()["capture"], {"lens_position_dpt": 1.0, "lens_tolerance_dpt":
                                                    round(0.1 * 65536) / 65536})
 
     def test_words_stand_instead_of_those_of_the_file(self):
-        self.assert_done(self.pack("--capture", "orientation=1,lens=0", camera=self.known))
+        self.assert_done(self.pack("--capture-settings", "orientation=1,lens=0", camera=self.known))
         self.assertEqual(self.facts()["capture"], {**FACTS, "lens_position_dpt": 0.0,
                                                    "orientation": 1})
 
@@ -92,7 +92,7 @@ class CaptureTest(CommandTest):
         plain = read(self.path("c.raygrid"))
         self.assertNotIn("capture", self.facts())
         self.assertEqual(self.facts()["format"], "1.3")
-        self.assert_done(self.pack("--capture", "none", camera=self.known))
+        self.assert_done(self.pack("--capture-settings", "none", camera=self.known))
         self.assertEqual(read(self.path("c.raygrid")), plain)
         self.assertEqual(len(read(self.path("known.raygrid"))), len(plain) + 16 + 44)
 
@@ -117,7 +117,7 @@ class CaptureTest(CommandTest):
                 ("orientation=0", "1 to 8"), ("orientation=9", "1 to 8"),
                 ("orientation=1.5", "whole"), ("none,lens=1", "none")):
             with self.subTest(words):
-                self.assert_refused(self.pack("--capture", words), 1, "--capture", said)
+                self.assert_refused(self.pack("--capture-settings", words), 1, "--capture-settings", said)
 
     def test_wrong_files_are_refused(self):
         for capture, said in (

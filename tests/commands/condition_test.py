@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""calibrate --condition: a camera over a range of lens positions, and --at of the other commands."""
+"""calibrate --vary-with: a camera over a range of lens positions, and --at of the other commands."""
 import json
 import os
 import shutil
@@ -26,7 +26,7 @@ class Condition(CommandTest):
             values += ["%g_sim%04d.png,%g" % (position, i, position) for i in range(7)]
         cls.features = write(cls.path("features.csv"), "\n".join(features) + "\n")
         cls.values = write(cls.path("values.csv"), "\n".join(values) + "\n")
-        result = cls.calibrate("--condition", "lens_position", "--conditions", cls.values,
+        result = cls.calibrate("--vary-with", "lens_position", "--operating-points", cls.values,
                                out="out")
         assert result.returncode == 0, result.stderr
         cls.said = result.stdout
@@ -41,7 +41,7 @@ class Condition(CommandTest):
     @classmethod
     def calibrate(cls, *options, out="refused"):
         return run("calibrate", "--features", cls.features, "--image-size", "640x480",
-                   "--pattern", BOARD, "--cell-px", 80, "--skip-comparison", "--flat-board",
+                   "--pattern", BOARD, "--knot-spacing-px", 80, "--skip-comparison", "--fix-target-geometry",
                    "--hold-out", "0_sim0000.png", *options, "-o", cls.path(out))
 
     def error_px(self, position, *options):
@@ -115,26 +115,26 @@ class Condition(CommandTest):
         self.assert_refused(result, 1, "was not calibrated over")
 
     def test_conditions_that_are_missing(self):
-        self.assert_refused(self.calibrate("--condition", "temperature"), 1, "nothing says it")
-        self.assert_refused(self.calibrate("--conditions", self.values), 1, "--condition lens_position")
+        self.assert_refused(self.calibrate("--vary-with", "temperature"), 1, "nothing says it")
+        self.assert_refused(self.calibrate("--operating-points", self.values), 1, "--vary-with lens_position")
         few = write(self.path("few.csv"), "image,value\n0_sim0000.png,0\n")
-        self.assert_refused(self.calibrate("--condition", "lens_position", "--conditions", few), 1,
+        self.assert_refused(self.calibrate("--vary-with", "lens_position", "--operating-points", few), 1,
                           "has no lens_position")
         one = write(self.path("one.csv"), "\n".join(
             line.rsplit(",", 1)[0] + (",3" if i else ",value")
             for i, line in enumerate(read(self.values).decode().splitlines())) + "\n")
-        self.assert_refused(self.calibrate("--condition", "lens_position", "--conditions", one), 1,
+        self.assert_refused(self.calibrate("--vary-with", "lens_position", "--operating-points", one), 1,
                           "all images have one lens_position")
         twice = write(self.path("twice.csv"), "image,value\n0_sim0000.png,0\n0_sim0000.png,1\n")
-        self.assert_refused(self.calibrate("--condition", "lens_position", "--conditions", twice), 2,
+        self.assert_refused(self.calibrate("--vary-with", "lens_position", "--operating-points", twice), 2,
                           "has a value already")
-        self.assert_refused(self.calibrate("--condition", "lens_position", "--conditions", self.values,
+        self.assert_refused(self.calibrate("--vary-with", "lens_position", "--operating-points", self.values,
                                          "--model", "opencv"), 1, "the model is central-generic")
         self.assert_nothing_in(self.path("refused"))
 
     def test_rows_of_no_image_are_told(self):
         more = write(self.path("more.csv"), read(self.values).decode() + "gone1.png,1\ngone0.png,3\n")
-        options = ("--condition", "lens_position", "--conditions", more)
+        options = ("--vary-with", "lens_position", "--operating-points", more)
         result = self.calibrate(*options, out="more")
         self.assert_done(result)
         lines = [line for line in result.stderr.splitlines() if "rows" in line]
@@ -148,7 +148,7 @@ class Condition(CommandTest):
         pipe = self.path("pipe")
         os.mkfifo(pipe)
         threading.Thread(target=write, args=(pipe, table), daemon=True).start()
-        result = self.calibrate("--condition", "lens_position", "--conditions", pipe, out="steps")
+        result = self.calibrate("--vary-with", "lens_position", "--operating-points", pipe, out="steps")
         self.assert_done(result)
         self.assertIn("lens_position 1000 is none in dioptres", result.stderr)
         self.assertNotIn("rows", result.stderr)
@@ -161,10 +161,10 @@ class Condition(CommandTest):
                          4, "--size", "320x240", "--pattern", "chessboard:8x6:40mm", "--seed",
                          position, "-o", folder)
             assert result.returncode == 0, result.stderr
-            folders += ["--camera-at", "%g=%s" % (position, folder)]
-        options = ("--pattern", "chessboard:8x6:40mm", "--cell-px", 80, "--skip-comparison",
+            folders += ["--images-at", "%g=%s" % (position, folder)]
+        options = ("--pattern", "chessboard:8x6:40mm", "--knot-spacing-px", 80, "--skip-comparison",
                    "--hold-out", "0/sim0000.png", "-o", self.path("folders"))
-        result = run("calibrate", "--condition", "lens_position", *folders, *options)
+        result = run("calibrate", "--vary-with", "lens_position", *folders, *options)
         self.assertIn(result.returncode, (0, 5), result.stderr)
         self.assertIn(b"10/sim0001.png", read(self.path("folders/features.csv")))
         self.assertIn(b"range: [0, 10]", read(self.path("folders/camera.yaml")))
@@ -173,30 +173,30 @@ class Condition(CommandTest):
             self.assertTrue(read(self.path("folders/" + name)).startswith(b"\x89PNG"))
         # The order of values changes nothing.
         turned = (*options[:-1], self.path("turned"))
-        self.assertIn(run("calibrate", "--condition", "lens_position", *folders[2:], *folders[:2],
+        self.assertIn(run("calibrate", "--vary-with", "lens_position", *folders[2:], *folders[:2],
                           *turned).returncode, (0, 5))
         for name in ("camera.yaml", "camera.raygrid", "features.csv", "poses.csv"):
             self.assertEqual(read(self.path("turned/" + name)), read(self.path("folders/" + name)), name)
-        result = run("calibrate", "--condition", "lens_position", *folders, "--camera-at", "10.0=x", *options)
+        result = run("calibrate", "--vary-with", "lens_position", *folders, "--images-at", "10.0=x", *options)
         self.assert_refused(result, 1, "the value is given twice")
-        result = run("calibrate", "--condition", "lens_position", *folders, *folders, *options)
+        result = run("calibrate", "--vary-with", "lens_position", *folders, *folders, *options)
         self.assert_refused(result, 1, "the value is given twice")
         again = "5=" + os.path.join(self.path("photographs"), "0", "..", "0")
-        result = run("calibrate", "--condition", "lens_position", *folders, "--camera-at", again, *options)
+        result = run("calibrate", "--vary-with", "lens_position", *folders, "--images-at", again, *options)
         self.assert_refused(result, 1, "the folder of 0 again")
         copy = shutil.copytree(self.path("photographs/0"), self.path("copy"))
-        result = run("calibrate", "--condition", "lens_position", *folders, "--camera-at", f"5={copy}",
+        result = run("calibrate", "--vary-with", "lens_position", *folders, "--images-at", f"5={copy}",
                      "--quiet", *options)
         self.assert_refused(result, 2, "0/sim0000.png", "5/sim0000.png", "0 and 5")
         # In one folder, a copy with a value of its own.
         shutil.copy(self.path("copy/sim0001.png"), self.path("copy/copied.png"))
         values = write(self.path("copied.csv"), "image,value\n" + "".join(
             f"{name},{k}\n" for k, name in enumerate(sorted(os.listdir(copy))) if name.endswith("png")))
-        result = run("calibrate", copy, "--condition", "lens_position", "--conditions", values, *options[:-4],
+        result = run("calibrate", copy, "--vary-with", "lens_position", "--operating-points", values, *options[:-4],
                      "-o", self.path("folders"))
         self.assertEqual(result.returncode, 2, result.stderr)
         self.assertIn("copied.png and sim0001.png show the same features", result.stderr)
-        result = run("calibrate", "--condition", "lens_position", "--camera-at", "near=x", *options)
+        result = run("calibrate", "--vary-with", "lens_position", "--images-at", "near=x", *options)
         self.assert_refused(result, 1, "expected VALUE=FOLDER")
 
 
@@ -215,18 +215,18 @@ class Condition(CommandTest):
                       photo[:33] + chunk(b"eXIf", exif) + photo[33:])
 
     def test_photographs_tell_the_value_by_themselves(self):
-        options = ("--pattern", "chessboard:8x6:40mm", "--cell-px", 80, "--skip-comparison",
+        options = ("--pattern", "chessboard:8x6:40mm", "--knot-spacing-px", 80, "--skip-comparison",
                    "--hold-out", "0_0.png")
         for condition, tag, type_, values, told in (
                 ("lens_position", 0x9206, 5, {0: (0xffffffff, 1), 10: (1, 10)}, "[0, 10]"),
                 ("temperature", 0x9400, 10, {0: (2050, 100), 10: (71, 1)}, "[20.5, 71]")):
             folder, out = self.path(condition), self.path("exif_" + condition)
             self.photographs_with_exif(folder, tag, type_, values)
-            result = run("calibrate", folder, "--condition", condition, *options, "-o", out)
+            result = run("calibrate", folder, "--vary-with", condition, *options, "-o", out)
             self.assertIn(result.returncode, (0, 5), result.stderr)
             self.assertIn("range: " + told, read(os.path.join(out, "camera.yaml")).decode())
         # Of the other condition, the first image tells nothing, and is named.
-        result = run("calibrate", self.path("temperature"), "--condition", "lens_position",
+        result = run("calibrate", self.path("temperature"), "--vary-with", "lens_position",
                      *options, "-o", self.path("untold"))
         self.assert_refused(result, 2, "0_0.png: its EXIF data do not tell the lens_position "
                                        "(SubjectDistance)")

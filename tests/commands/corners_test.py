@@ -240,10 +240,10 @@ for path, array in ((sys.argv[1], points), (sys.argv[2], points[:, :, None])):
             self.assertEqual(self.rows("features.csv"), expected)
         text = read(files[0]).decode()
         without = write(self.path("w.yml"), re.sub("board_.*\n", "", text))
-        self.refused(without, "w.yml: image_points", "--board")
-        self.assert_done(run("import", without, "--board", "3x4", "-o", self.path("f.csv")))
+        self.refused(without, "w.yml: image_points", "--board-size")
+        self.assert_done(run("import", without, "--board-size", "3x4", "-o", self.path("f.csv")))
         self.assertEqual(self.rows("f.csv"), expected)
-        self.refused(files[0], "--board", "3 x 4", more=("--board", "4x3"))
+        self.refused(files[0], "--board-size", "3 x 4", more=("--board-size", "4x3"))
         self.refused(files[0], "c.yaml", "features.csv", code=1, out="never/c.yaml")
         self.assert_refused(run("inspect", files[0]), 2, "raygrid import", "features.csv")
         self.assert_nothing_in(self.path("never"))
@@ -305,7 +305,7 @@ colSpacingMeters: 0.06      #size of one chessboard square [m]
                                         self.path("never/p.yaml")), 2, "t.yaml", *words)
         target = write(self.path("t.yaml"), self.APRILGRID)
         never = self.path("never/p.yaml")
-        for arguments, code, words in ((("-o", never, "--board", "6x6"), 1, ("--board",)),
+        for arguments, code, words in ((("-o", never, "--board-size", "6x6"), 1, ("--board-size",)),
                                        (("-o", never, "--model", "opencv"), 1, ("--model",)),
                                        ((target, "-o", never), 1, ("alone",)),
                                        (("-o", self.path("never/f.csv")), 1, ("pattern.yaml",)),

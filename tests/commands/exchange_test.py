@@ -756,9 +756,9 @@ class Exports(ExchangeTest):
         for word in ("RMS", "99 % below", "largest", "px at"):
             self.assertIn(word, result.stdout)
         self.assertIn(b"raygrid_fit", read(self.path("e.yaml")))
-        result = run("export", self.camera, "--to", "ros", "--max-fit-error", 1e-3, "-o",
+        result = run("export", self.camera, "--to", "ros", "--max-fit-error-px", 1e-3, "-o",
                      self.path("never/e.yaml"))
-        self.assert_refused(result, 6, "--max-fit-error 0.001", "--rectified", "degrees")
+        self.assert_refused(result, 6, "--max-fit-error-px 0.001", "--rectified", "degrees")
         self.assert_nothing_in(self.path("never"))
 
     def test_views_are_exact(self):
@@ -767,7 +767,7 @@ class Exports(ExchangeTest):
         for source, more in ((self.path("v.camera.yaml"), ()), (self.path("v.raygrid"),
                                                                ("--rectified",)),
                              (self.camera, ("--rectified", "--size", "200x150", "--hfov", 60))):
-            told = self.export(source, "--to", "opencv", "--max-fit-error", 0, *more)
+            told = self.export(source, "--to", "opencv", "--max-fit-error-px", 0, *more)
             self.assertTrue(told["cameras"][0]["exact"])
             data = re.findall(rb"data: \[ (.*) \]", read(self.path("out.yaml")))
             fx, _, cx, _, fy, cy, *_ = map(float, data[0].split(b","))
@@ -849,7 +849,7 @@ class Exports(ExchangeTest):
                 (("export", self.camera, "--to", "opencv"), 1, ("-o is required",)),
                 ((*export, "--model", "none"), 1, ("--model none", "opencv5")),
                 ((*export, "--hfov", 60), 1, ("--hfov", "--rectified")),
-                ((*export, "--max-fit-error", -1), 1, ("--max-fit-error",)),
+                ((*export, "--max-fit-error-px", -1), 1, ("--max-fit-error-px",)),
                 (("export", self.camera, "--to", "none", "-o", "x"), 1, ("--to none", "opencv")),
                 (("import", self.camera, "-o", "x.yaml"), 2, ("raygrid's own",)),
                 (("import", write(self.path("a.txt"), "hello\n"), "-o", "x.yaml"), 2,

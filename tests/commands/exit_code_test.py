@@ -31,6 +31,19 @@ class HelpAndReadme(CommandTest):
                              .replace("`", ""), command)
 
 
+class FormerNames(CommandTest):
+    def test_renamed_options_keep_their_former_names(self):
+        words = ["calibrate", "--features", "none.csv", "--image-size", "640x480", "--pattern",
+                 "chessboard:9x6:25mm", "-o", self.path("never")]
+        for old, new in (("--flat-board", "--fix-target-geometry"), ("--like=none.yaml", "--prior=none.yaml"),
+                         ("--same-view-px=x", "--duplicate-px=x"), ("--huge", "--allow-huge-images")):
+            results = [run(*words, option) for option in (old, new)]
+            self.assertEqual(results[0].returncode, results[1].returncode)
+            self.assertEqual(results[0].stderr, results[1].stderr)
+            self.assertNotIn("not expected", results[0].stderr)
+        self.assert_refused(run(*words, "--flat-boards"), 1, "--flat-boards")
+
+
 class MisspeltCommands(CommandTest):
     def test_the_nearest_command_is_named(self):
         for word, meant in (("captur", "capture"), ("calibrat", "calibrate"), ("undistrot", "undistort"),
@@ -55,14 +68,14 @@ class Verdicts(CommandTest):
                              self.board, *simulation, "-o", folder))
         self.out = folder + "-out"
         return run("calibrate", "--features", folder + "/features.csv", "--image-size", "640x480",
-                   "--pattern", folder + "/pattern.yaml", "--cell-px", 160, "--skip-comparison",
-                   "--flat-board", "--quiet", "-o", self.out)
+                   "--pattern", folder + "/pattern.yaml", "--knot-spacing-px", 160, "--skip-comparison",
+                   "--fix-target-geometry", "--quiet", "-o", self.out)
 
     def result(self):
         return json.loads(read(self.out + "/result.json"))
 
     def test_a_camera_that_fails_is_written_and_ends_in_6(self):
-        result = self.calibrate("--board-bend-mm", 40)
+        result = self.calibrate("--target-deformation-mm", 40)
         self.assert_refused(result, 6, "verdict: fail")
         self.assertEqual(self.result()["verdict"], "fail")
         self.assertTrue(any(reason in result.stderr for reason in self.result()["reasons"]))
@@ -76,7 +89,7 @@ class Verdicts(CommandTest):
         self.assertIn("camera.yaml: its calibration failed", result.stderr)
 
     def test_a_rig_that_fails_is_written_and_ends_in_6(self):
-        result = self.calibrate("--board-bend-mm", 60, "--cameras", 2)
+        result = self.calibrate("--target-deformation-mm", 60, "--cameras", 2)
         self.assert_refused(result, 6, "verdict: fail")
         self.assertEqual(self.result()["verdict"], "fail")
         self.assertTrue(any(reason in result.stderr for reason in self.result()["reasons"]))
@@ -100,7 +113,7 @@ class CamerasThatNoBlobHolds(CommandTest):
         write(self.out + "/camera.raygrid", b"of an earlier calibration")
         hold_out = () if "--hold-out" in more else ("--hold-out", "sim0007.png")
         return run("calibrate", "--features", features, "--image-size", size, "--pattern",
-                   self.board, "--skip-comparison", "--flat-board", *hold_out, "-o", self.out,
+                   self.board, "--skip-comparison", "--fix-target-geometry", *hold_out, "-o", self.out,
                    *more)
 
     def simulate(self, *arguments):
@@ -120,8 +133,8 @@ class CamerasThatNoBlobHolds(CommandTest):
             self.assertIn(word, report)
 
     def test_image_larger_than_a_blob_can_say(self):
-        result = self.calibrate(self.simulate("--size", "20000x15000", "--lens", "pinhole", "--huge"),
-                                "20000x15000", "--model", "opencv", "--huge")
+        result = self.calibrate(self.simulate("--size", "20000x15000", "--lens", "pinhole", "--allow-huge-images"),
+                                "20000x15000", "--model", "opencv", "--allow-huge-images")
         self.assertEqual(result.returncode, 6, result.stderr)
         for words in ("camera.raygrid is left out", "16384", "other files are written"):
             self.assertIn(words, result.stderr)
@@ -150,7 +163,7 @@ parameters: {fx: 152.8, fy: 152.8, cx: 319.5, cy: 239.5, k1: 0, k2: 0, k3: 0, k4
         result = self.calibrate(features, "640x480", "--model", "thin-prism-fisheye")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assert_done(run("inspect", self.out + "/camera.raygrid"))
-        result = self.calibrate(features, "640x480", "--cell-px", 160)
+        result = self.calibrate(features, "640x480", "--knot-spacing-px", 160)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assert_done(run("inspect", self.out + "/camera.raygrid"))
         for camera in (lens, self.out + "/camera.yaml"):
@@ -164,7 +177,7 @@ parameters: {fx: 152.8, fy: 152.8, cx: 319.5, cy: 239.5, k1: 0, k2: 0, k3: 0, k4
         features = write(self.path("alike.csv"), "\n".join(lines[:1] + [
             ",".join([f"view{k}.png", *line[1:4], str(float(line[4]) + 0.01 * k), line[5]])
             for k in range(6) for line in first]) + "\n")
-        result = self.calibrate(features, "640x480", "--cell-px", 160, "--quiet", "--hold-out",
+        result = self.calibrate(features, "640x480", "--knot-spacing-px", 160, "--quiet", "--hold-out",
                                 "view5.png")
         self.assert_refused(result, 6, "verdict: fail")
         self.assert_done(run("inspect", self.out + "/camera.yaml"))

@@ -114,9 +114,9 @@ class Experiment(CommandTest):
         self.assertLess(predicted["next view"], predicted["ROS's bars"])
 
     def fine(self, name, *options):
-        """The rows of model-validation --fine, small, and its pictures."""
+        """The rows of model-validation --fine-distortion, small, and its pictures."""
         folder = self.path(name)
-        self.assert_done(run("experiment", "model-validation", "--fine", "-o", folder, *options))
+        self.assert_done(run("experiment", "model-validation", "--fine-distortion", "-o", folder, *options))
         text = read(os.path.join(folder, "model-validation.csv")).decode()
         rows = list(csv.DictReader(line for line in text.splitlines() if line[0] != "#"))
         return rows, sorted(file for file in os.listdir(folder) if file.endswith(".png"))
@@ -142,9 +142,9 @@ class Experiment(CommandTest):
 
     def test_fine_is_refused_where_it_has_no_use(self):
         for name, *options in (["noncentrality"], ["model-validation", "--features", "no.csv"]):
-            result = run("experiment", name, "--fine", "-o", self.path("none"), *options)
+            result = run("experiment", name, "--fine-distortion", "-o", self.path("none"), *options)
             self.assertEqual(result.returncode, 1)
-            self.assertIn("--fine", result.stderr)
+            self.assertIn("--fine-distortion", result.stderr)
             self.assertEqual(result.stderr.count("\n"), 1)
 
     def test_model_comparison(self):
@@ -199,7 +199,7 @@ class Experiment(CommandTest):
 
     def test_trajectory_drift(self):
         camera = self.own_camera()
-        rows, _ = self.small("trajectory-drift", "--camera", camera, "--walks", 1)
+        rows, _ = self.small("trajectory-drift", "--camera", camera, "--trajectories", 1)
         rows = {row.pop("camera"): {key: float(value) for key, value in row.items()}
                 for row in rows}
         truth = camera + " (the truth here)"
@@ -251,18 +251,18 @@ class Experiment(CommandTest):
 
     def test_residual_budget_of_a_calibration(self):
         self.assert_done(run("simulate", "--images", 12, "--pattern", "chessboard:14x10:30mm",
-                             "--noise-px", 0.02, "--board-flex-mm", 0.5, "-o", self.path("bent")))
+                             "--noise-px", 0.02, "--per-view-deformation-mm", 0.5, "-o", self.path("bent")))
         pattern = self.path("bent/pattern.yaml")
         features = self.path("bent/features.csv")
         size = ("--image-size", "640x480")
         done = run("calibrate", "--features", features, "--pattern", pattern, *size,
-                   "--cell-px", 160, "--rigid-board", "--skip-comparison",
+                   "--knot-spacing-px", 160, "--rigid-target", "--skip-comparison",
                    "-o", self.path("result"))
         self.assert_done(done)
         result = json.loads(read(self.path("result/result.json")))
         budget = result["residual_budget"]
         self.assertEqual(budget["limited_by"], "bends")
-        self.assertIn("--rigid-board", budget["to_do"])
+        self.assertIn("--rigid-target", budget["to_do"])
         report = read(self.path("result/report.html")).decode()
         self.assertIn("What limits this calibration", report)
         # Terminal, verdict and report say one thing.
@@ -270,7 +270,7 @@ class Experiment(CommandTest):
                       done.stdout)
         said = f"{budget['sentence']}; {budget['to_do']}"
         self.assertTrue(any(said in reason for reason in result["reasons"]), result["reasons"])
-        self.assertFalse([reason for reason in result["reasons"] if "--cell-px" in reason])
+        self.assertFalse([reason for reason in result["reasons"] if "--knot-spacing-px" in reason])
         self.assertEqual(report.count(budget["to_do"]), 2)
         rows, _ = self.small("residual-budget", "--result", self.path("result"))
         parts = {row["cause"]: float(row["part_percent"]) for row in rows}
@@ -346,7 +346,7 @@ class Experiment(CommandTest):
         self.assert_done(run("fit", truth, "--model", "opencv", "-o", self.path("opencv.yaml")))
         folder = self.colmap_model(self.path("colmap"), truth)
         cameras = ("--camera", self.path("opencv.yaml"), "--camera", truth)
-        rows, _ = self.small("trajectory-drift", "--walk", folder, *cameras)
+        rows, _ = self.small("trajectory-drift", "--colmap-model", folder, *cameras)
         self.assertEqual([row["camera"] for row in rows], [self.path("opencv.yaml"), truth])
         # The pixels are those of the true camera, and the other is wrong by 0.3 px.
         self.assertLess(float(rows[1]["residual_median_px"]), 1e-4)
@@ -357,7 +357,7 @@ class Experiment(CommandTest):
 
         def refused(code, *words, options=cameras):
             self.assert_refused(run("experiment", "trajectory-drift", "-o", self.path("refused"),
-                                    "--walk", folder, *options), code, *words)
+                                    "--colmap-model", folder, *options), code, *words)
         refused(1, "--camera", options=cameras[:2])
         points = read(os.path.join(folder, "points3D.txt"))
         write(os.path.join(folder, "points3D.txt"), points.replace(b"\n7 ", b"\n7 x", 1))
@@ -412,7 +412,7 @@ cameras:
         data = ("--image", self.photograph_wall(truth, 0, self.path("left.pgm")),
                 "--image", self.photograph_wall(truth, 0.1, self.path("right.pgm")))
         both = ("--rig", rigs[0], "--rig", rigs[1])
-        rows, pictures = self.small("stereo-depth", *both, *data, "--nearest-m", 0.7)
+        rows, pictures = self.small("stereo-depth", *both, *data, "--min-depth-m", 0.7)
         self.assertEqual(pictures, ["stereo-depth-bias.png"])
         self.assertEqual([row["cameras"] for row in rows], rigs)
         self.assertAlmostEqual(float(rows[0]["baseline_m"]), 0.1)
@@ -485,7 +485,7 @@ cameras:
         def simulate(folder, images):
             self.assert_done(run("simulate", "--images", images, "--features-per-image", 100,
                                  "--pattern", write(self.path("board.yaml"), SIMULATED_PATTERN),
-                                 "--shared-noise-px", 0.05, "-o", self.path(folder)))
+                                 "--correlated-noise-px", 0.05, "-o", self.path(folder)))
             return ("--features", self.path(folder + "/features.csv"), "--pattern",
                     self.path(folder + "/pattern.yaml"), "--image-size", "640x480")
         rows, _ = self.small("repeatability", *simulate("many", 24))

@@ -46,7 +46,7 @@ class ImageSize(CommandTest):
         for board in BOARDS:
             with self.subTest(board=board):
                 result = run("detect", path, "--pattern", board, "-o", self.path("f.csv"),
-                             "--no-cache", "--threads", 1, "--huge")
+                             "--no-cache", "--threads", 1, "--allow-huge-images")
                 self.assert_refused(result, 3, "no board found")
 
     def test_the_others_are_gone_on_with(self):
@@ -64,7 +64,7 @@ class ImageSize(CommandTest):
             path = write(self.path("black.png"), black_png(width, height))
             for board in BOARDS:
                 self.assert_refused(self.detect(path, pattern=board), 2,
-                                    f"{width} x {height} pixels", "bytes", "--huge")
+                                    f"{width} x {height} pixels", "bytes", "--allow-huge-images")
 
 
 if __name__ == "__main__":

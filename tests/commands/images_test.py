@@ -209,7 +209,7 @@ class Boards(CommandTest):
     def calibrate(self, *images, to=None, held_out="sim0004.png"):
         self.out = to or self.path("out-" + self.id())
         return run("calibrate", *images, "--pattern", self.pattern, "--model", "opencv",
-                   "--skip-comparison", "--measure-once", "--flat-board", "--hold-out", held_out,
+                   "--skip-comparison", "--no-refine-features", "--fix-target-geometry", "--hold-out", held_out,
                    "-o", self.out)
 
     def images_of_result(self):
@@ -307,17 +307,17 @@ class Boards(CommandTest):
                     chunk(b"IDAT", empty) + chunk(b"IEND", b""))
         command = ("detect", write(self.path("huge.png"), huge(30000, 30000)), "--pattern",
                    self.pattern, "-o", self.path("f.csv"))
-        self.assert_refused(run(*command), 2, "30000 x 30000", "--huge")
-        self.assert_refused(run(*command, "--huge"), 2, "damaged")
+        self.assert_refused(run(*command), 2, "30000 x 30000", "--allow-huge-images")
+        self.assert_refused(run(*command, "--allow-huge-images"), 2, "damaged")
         write(self.path("huge.png"), huge(1000000, 1))
-        for option in ((), ("--huge",)):
+        for option in ((), ("--allow-huge-images",)):
             self.assert_refused(run(*command, *option), 2, "1000000 x 1")
 
     def test_sizes_of_options_are_checked(self):
         camera = self.path("sim/true_camera.yaml")
         image = self.path("sim/sim0000.png")
-        texts = (("4294967936x480", "--huge"), ("640x4294967936", "--huge"), ("16385x8", "--huge"),
-                 ("1000000x1000000", "--huge"), ("99999999999999999999x9", "WIDTHxHEIGHT"),
+        texts = (("4294967936x480", "--allow-huge-images"), ("640x4294967936", "--allow-huge-images"), ("16385x8", "--allow-huge-images"),
+                 ("1000000x1000000", "--allow-huge-images"), ("99999999999999999999x9", "WIDTHxHEIGHT"),
                  ("640", "WIDTHxHEIGHT"), ("640x", "WIDTHxHEIGHT"), ("-640x480", "WIDTHxHEIGHT"),
                  ("640x480 ", "WIDTHxHEIGHT"), ("0x480", "WIDTHxHEIGHT"))
         # Sizes are read by one function, behind a reader of --remap's own: the others show that
@@ -336,11 +336,11 @@ class Boards(CommandTest):
                     self.assert_refused(result, 1, word)
                     self.assertFalse(os.path.exists(self.path("never/features.csv")))
         result = run("simulate", "--images", 1, "--lens", "pinhole", "--size", "17000x12000",
-                     "--features-per-image", 20, "--huge", "-o", self.path("huge"))
+                     "--features-per-image", 20, "--allow-huge-images", "-o", self.path("huge"))
         self.assert_done(result)
         result = run("simulate", "--camera", self.path("huge/true_camera.yaml"), "--render",
                      "--images", 1, "-o", self.path("never"))
-        self.assert_refused(result, 2, "17000 x 12000", "--huge")
+        self.assert_refused(result, 2, "17000 x 12000", "--allow-huge-images")
 
 
 if __name__ == "__main__":

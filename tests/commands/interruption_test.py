@@ -115,7 +115,7 @@ class Interruption(CommandTest):
         self.assert_done(done)
 
     def test_state_so_far_is_written_and_gone_on_from(self):
-        coarse = ("--cell-px", 160)
+        coarse = ("--knot-spacing-px", 160)
         whole_seconds = self.finished(self.arguments("whole", "--seed", 0, *coarse))
         for number, part in ((signal.SIGINT, 0.5), (signal.SIGTERM, 0.95)):
             with self.subTest(signal=number):
@@ -130,14 +130,14 @@ class Interruption(CommandTest):
                 other = run(*self.arguments(output, "--resume", *coarse, "--model", "opencv"))
                 self.assertEqual(other.returncode, 2)
                 self.assertIn("other features, pattern", other.stderr)
-                other = run(*self.arguments(output, "--resume", *coarse, "--same-view-px", 9))
+                other = run(*self.arguments(output, "--resume", *coarse, "--duplicate-px", 9))
                 self.assertEqual(other.returncode, 2)
 
                 self.assert_done(run(*self.arguments(output, "--resume", *coarse)))
                 self.assert_same_bytes(output, "whole")
 
     def test_a_finished_result_is_kept(self):
-        quick = ("--cell-px", 160, "--skip-comparison")
+        quick = ("--knot-spacing-px", 160, "--skip-comparison")
         seconds = self.finished(self.arguments("finished", *quick))
         arguments = self.arguments("finished", "--seed", 1, *quick)
         for part in (0.5, 0.35, 0.7, 0.25, 0.9):
@@ -182,7 +182,7 @@ class Interruption(CommandTest):
 
         def arguments(output, *more):
             return ["calibrate", "--features", self.path("rig/features.csv"), "--image-size",
-                    "640x480", "--pattern", self.path("rig/pattern.yaml"), "--cell-px", 160,
+                    "640x480", "--pattern", self.path("rig/pattern.yaml"), "--knot-spacing-px", 160,
                     "--skip-comparison", "--threads", 1, "-o", self.path(output), *more]
 
         seconds = self.finished(arguments("rig-whole"))
@@ -201,14 +201,14 @@ class Interruption(CommandTest):
                              "--features-per-image", 100, "-o", self.path("large")))
         command = [programs.raygrid, "calibrate", "--features", self.path("large/features.csv"),
                    "--image-size", "4000x3000", "--pattern", self.path("large/pattern.yaml"),
-                   "--cell-px", "500", "--skip-comparison", "--threads", "1", "-o",
+                   "--knot-spacing-px", "500", "--skip-comparison", "--threads", "1", "-o",
                    self.path("large-out")]
         code, seconds = self.signalled(command, 0.3, signal.SIGTERM)
         self.assertIn(code, (5, -signal.SIGTERM))
         self.assertLess(seconds, 2.5)
 
     def test_a_second_signal_ends_it_at_once(self):
-        command = [programs.raygrid, *map(str, self.arguments("twice", "--cell-px", 12))]
+        command = [programs.raygrid, *map(str, self.arguments("twice", "--knot-spacing-px", 12))]
         code, seconds = self.signalled(command, 0.8, signal.SIGINT, signal.SIGINT)
         self.assertIn(code, (-signal.SIGINT, 5))
         self.assertLess(seconds, 3)
@@ -226,7 +226,7 @@ class Interruption(CommandTest):
 
     def test_a_script_that_tries_again_may_always_say_resume(self):
         """Where there is nothing yet, and where all is done."""
-        coarse = ("--resume", "--cell-px", 160)
+        coarse = ("--resume", "--knot-spacing-px", 160)
         self.assert_done(run(*self.arguments("empty", *coarse)))
         camera = read(self.path("empty/camera.yaml"))
         self.assert_done(run(*self.arguments("empty", *coarse)))

@@ -128,8 +128,8 @@ class KeyedFormats(CommandTest):
             self.assertRegex(said, "RMS 0.[0-9]{4} px")
         self.assertIn("nearest", read(file).decode())
         refused = run("export", self.path("fisheye.yaml"), "--to", "kitti", "-o",
-                      self.path("none.txt"), "--max-fit-error", "0.0001")
-        self.assert_refused(refused, 6, "--max-fit-error")
+                      self.path("none.txt"), "--max-fit-error-px", "0.0001")
+        self.assert_refused(refused, 6, "--max-fit-error-px")
 
     @unittest.skipUnless(os.path.exists(CONVERT), "no ROS parser")
     def test_the_parser_of_ros_reads_the_ini(self):

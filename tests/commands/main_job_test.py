@@ -32,7 +32,7 @@ class MainJob(CommandTest):
                 ("simulate", "--images", 12, "--features-per-image", 120, "--pattern",
                  write(cls.path("board.yaml"), SIMULATED_PATTERN), "-o", cls.path("sim")),
                 ("calibrate", "--features", cls.path("sim/features.csv"), "--image-size",
-                 "640x480", "--pattern", cls.path("sim/pattern.yaml"), "--cell-px", 80, "-o",
+                 "640x480", "--pattern", cls.path("sim/pattern.yaml"), "--knot-spacing-px", 80, "-o",
                  cls.path("out"), "--name", "front", "--serial", "42")):
             result = run(*arguments)
             assert result.returncode == 0, result.stderr
@@ -68,7 +68,7 @@ class MainJob(CommandTest):
         # The others ran with as many as there are processors.
         threads = 1 if os.cpu_count() > 1 else 3
         result = run("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
-                     "640x480", "--pattern", self.path("sim/pattern.yaml"), "--cell-px", 80,
+                     "640x480", "--pattern", self.path("sim/pattern.yaml"), "--knot-spacing-px", 80,
                      "--name", "front", "--serial", "42", "--threads", threads, "-o",
                      self.path("again"))
         self.assert_done(result)
@@ -78,10 +78,10 @@ class MainJob(CommandTest):
                              name)
 
     def test_frames_of_a_video_are_as_many_images_as_they_show_views(self):
-        self.assert_done(run("simulate", "--images", 13, "--shots", 39, "--features-per-image",
+        self.assert_done(run("simulate", "--images", 13, "--repeats", 39, "--features-per-image",
                              120, "--pattern", self.path("board.yaml"), "-o", self.path("video")))
         result = run("calibrate", "--features", self.path("video/features.csv"), "--image-size",
-                     "640x480", "--pattern", self.path("video/pattern.yaml"), "--cell-px", 160,
+                     "640x480", "--pattern", self.path("video/pattern.yaml"), "--knot-spacing-px", 160,
                      "--skip-comparison", "-o", self.path("video_out"))
         self.assert_done(result)
         self.assertIn("507 images show 13 different views", result.stdout)
@@ -355,7 +355,7 @@ class MainJob(CommandTest):
             write(self.path(f"{folder}/sim{k:04d}.png"), png(shown, size=size))
         folders = [self.path(folder) for folder in (
             "whole", "binned two by two: all of the sensor", "part")]
-        common = ("--pattern", board, "--skip-comparison", "--model", "opencv", "--flat-board",
+        common = ("--pattern", board, "--skip-comparison", "--model", "opencv", "--fix-target-geometry",
                   "--quiet", "-o", self.path("calibrated"))
         self.assert_done(run("calibrate", *folders, "--mode", f"{folders[1]}/:bin=2", "--mode",
                              f"{folders[2]}:crop=20,0,280,200", *common))

@@ -70,7 +70,7 @@ class Dw100(Unit):
 class TiLdc(Unit):
     """Offsets from the output's pixel, S16Q3, y before x, in lines of multiples of 16 vertices."""
     name, step = "ti-ldc", 8
-    more = ("--every", step)
+    more = ("--stride", step)
 
     def load(self):
         line = -(-self.size[0] // self.step) + 1
@@ -178,7 +178,7 @@ class Vpi(Unit):
 
 class SparseVpi(Vpi):
     """A point for each 16th pixel, an odd number of them, and parabolas through nine points."""
-    step, more, span = 16, ("--every", 16), "patches"
+    step, more, span = 16, ("--stride", 16), "patches"
 
     def load(self):
         ends = (-(-length // tile) * tile for length, tile in zip(self.size, (64, 16)))
@@ -293,7 +293,7 @@ class Meshes(CommandTest):
                              "-o", camera))
         height_deg = 2 * math.degrees(math.atan(SIZE[1] / 2 / 150))
         self.check_units([Ldch], "--hfov", 75, "--vfov", height_deg, camera=camera)
-        told, path = self.export(Ldch, *WITHOUT_BORDER, "--max-fit-error", 100)
+        told, path = self.export(Ldch, *WITHOUT_BORDER, "--max-fit-error-px", 100)
         self.assertGreater(told["mesh"]["max_px"], 2)
         pixels = [(x, y) for y in range(0, 240, 11) for x in range(0, 320, 11)]
         unit = Ldch(path)
@@ -347,16 +347,16 @@ class Meshes(CommandTest):
     def test_what_a_unit_cannot_do(self):
         for name, code, more, words in (
                 ("dw100", 1, ("--size", "644x480"), ("multiples of 8", "width of 644")),
-                ("dw100", 1, ("--every", "8"), ("--every", "does not take")),
-                ("dw100", 6, (*WITHOUT_BORDER, "--max-fit-error", "0.01"), ("0.01 px", "at most", "RMS")),
-                ("ti-ldc", 1, ("--every", "12"), ("--every 12", "powers of 2")),
-                ("rockchip-ldch", 6, WITHOUT_BORDER, ("rows only", "rockchip-fec", "--max-fit-error")),
+                ("dw100", 1, ("--stride", "8"), ("--stride", "does not take")),
+                ("dw100", 6, (*WITHOUT_BORDER, "--max-fit-error-px", "0.01"), ("0.01 px", "at most", "RMS")),
+                ("ti-ldc", 1, ("--stride", "12"), ("--stride 12", "powers of 2")),
+                ("rockchip-ldch", 6, WITHOUT_BORDER, ("rows only", "rockchip-fec", "--max-fit-error-px")),
                 ("rockchip-ldch", 1, ("--size", "160x120"), ("320 x 240", "--size")),
                 ("hailo", 1, ("--size", "4096x480"), ("64 to 4095",)),
-                ("depthai-mesh", 1, ("--every", "7"), ("--every 7", "divides")),
+                ("depthai-mesh", 1, ("--stride", "7"), ("--stride 7", "divides")),
                 ("vpi", 1, ("--size", "32x16"), ("64 to",)),
-                ("vpi", 1, ("--every", "12"), ("--every 12", "powers of 2")),
-                ("opencv", 1, ("--every", "7"), ("--every", "opencv"))):
+                ("vpi", 1, ("--stride", "12"), ("--stride 12", "powers of 2")),
+                ("opencv", 1, ("--stride", "7"), ("--stride", "opencv"))):
             with self.subTest((name, more)):
                 ending = ".npz" if name == "vpi" else ".bin"
                 self.assert_refused(run("export", self.camera, "--to", name, *more, "-o",

@@ -85,13 +85,13 @@ class Modes(CommandTest):
         self.assert_done(run("undistort", blob, self.path("in/whole.png"), "-o",
                              self.path("there")))
         back = ("undistort", blob, self.path("there/whole.png"), "-o", self.path("back"))
-        self.assert_refused(run(*back, "--remap-index", 1), 1, "distorts", "--reverse")
+        self.assert_refused(run(*back, "--remap-index", 1), 1, "distorts", "--inverse")
         self.assert_refused(run("undistort", blob, self.path("in/whole.png"), "--remap-index", 1,
-                                "--reverse", "-o", self.path("back")), 8, "200 x 150",
+                                "--inverse", "-o", self.path("back")), 8, "200 x 150",
                             "pictures of its view")
-        self.assert_done(run(*back, "--remap-index", 1, "--reverse"))
+        self.assert_done(run(*back, "--remap-index", 1, "--inverse"))
         # The table of the other direction says the view, and each pixel is found exactly.
-        self.assert_done(run(*back[:-1], self.path("exact"), "--reverse"))
+        self.assert_done(run(*back[:-1], self.path("exact"), "--inverse"))
         table, exact = (self.levels(f"{name}/whole.png") for name in ("back", "exact"))
         middle = [k for k in range(160 * 120) if 40 < k % 160 < 120 and 30 < k // 160 < 90]
         self.assertLess(max(abs(table[k] - exact[k]) for k in middle), 3)

@@ -62,17 +62,17 @@ class Mrcal(ExchangeTest):
 
     def test_corners_become_features(self):
         corners, seen = self.corners_file()
-        result = run("import", corners, "--board", "7x5", "-o", self.path("imported.csv"))
+        result = run("import", corners, "--board-size", "7x5", "-o", self.path("imported.csv"))
         self.assert_done(result)
         self.assertIn("without a board: 1 image\n", result.stderr)
         imported = [line.split(",") for line in
                     read(self.path("imported.csv")).decode().splitlines()[1:]]
         self.assertEqual({(image, int(row), int(column)): (x, y)
                           for image, _, column, row, x, y in imported}, seen)
-        for words, code, *told in ((("-o", "x.csv"), 2, "--board"),
-                                   (("--board", "7x", "-o", "x.csv"), 1, "COLUMNSxROWS"),
-                                   (("--board", "6x5", "-o", "x.csv"), 2, "35 corners", "30"),
-                                   (("--board", "7x5", "-o", "x.yaml"), 1, "no camera")):
+        for words, code, *told in ((("-o", "x.csv"), 2, "--board-size"),
+                                   (("--board-size", "7x", "-o", "x.csv"), 1, "COLUMNSxROWS"),
+                                   (("--board-size", "6x5", "-o", "x.csv"), 2, "35 corners", "30"),
+                                   (("--board-size", "7x5", "-o", "x.yaml"), 1, "no camera")):
             self.assert_refused(run("import", corners, *words), code, *told)
             self.assertFalse(os.path.exists(words[-1]))
         self.assert_refused(run("inspect", corners), 2, "raygrid import")
@@ -202,7 +202,7 @@ for path, image in zip(paths, observations):
             self.assertNotIn("median_px", facts.stdout)
 
     def test_the_best_model_is_the_default(self):
-        told = self.export(self.camera, "--to", "mrcal", "--max-fit-error", 0.02)["cameras"][0]
+        told = self.export(self.camera, "--to", "mrcal", "--max-fit-error-px", 0.02)["cameras"][0]
         self.assertEqual(told["model"], "LENSMODEL_SPLINED_STEREOGRAPHIC")
         self.assertLess(told["fit"]["max_px"], 0.01)
 

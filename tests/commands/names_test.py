@@ -39,7 +39,7 @@ class Names(CommandTest):
     def calibrate(self, features, *more, output="out"):
         return run("calibrate", "--features", features, "--image-size", "160x120", "--pattern",
                    self.path("sim/pattern.yaml"), "--model", "opencv", "--skip-comparison",
-                   "--flat-board", "-o", self.path(output), *more)
+                   "--fix-target-geometry", "-o", self.path(output), *more)
 
     def test_names_come_through_a_calibration_as_they_are(self):
         self.assert_done(self.calibrate(self.features(NAMES)))
@@ -138,10 +138,10 @@ class Names(CommandTest):
                           ["rectify", "rig.yaml", "--left", "a", "--right", "b", "--alpha"],
                           ["rectify", "rig.yaml", "--left", "a", "--right", "b", "--distance"],
                           ["calibrate", "--features", self.path("sim/features.csv"), "--image-size",
-                           "160x120", "--pattern", self.path("sim/pattern.yaml"), "--cell-px"],
+                           "160x120", "--pattern", self.path("sim/pattern.yaml"), "--knot-spacing-px"],
                           ["calibrate", "--features", self.path("sim/features.csv"), "--image-size",
                            "160x120", "--pattern", self.path("sim/pattern.yaml"),
-                           "--same-view-px"]):
+                           "--duplicate-px"]):
             for number in ("nan", "inf", "-nan"):
                 last = [] if "=" in str(arguments[-1]) else [number]
                 self.assert_refused(run(*arguments, *last, *output), 1)

@@ -68,7 +68,7 @@ class Outputs(CommandTest):
     def calibration(self, output):
         return ("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
                 "160x120", "--pattern", self.path("board.yaml"), "--model", "opencv",
-                "--skip-comparison", "--flat-board", "--hold-out", "sim0001.png", "--quiet", "-o",
+                "--skip-comparison", "--fix-target-geometry", "--hold-out", "sim0001.png", "--quiet", "-o",
                 self.path(output))
 
     def test_no_folder_gets_the_name_of_a_file(self):

@@ -188,7 +188,7 @@ class RectifyLines(CommandTest):
                              self.path("sim")))
         self.assert_done(run("calibrate", "--features", self.path("sim/features.csv"),
                              "--image-size", "160x120", "--pattern", board, "--model",
-                             "noncentral-generic", "--cell-px", 60, "--skip-comparison",
+                             "noncentral-generic", "--knot-spacing-px", 60, "--skip-comparison",
                              "--hold-out", "sim0000.png", "-o", self.path("rig")))
         rectify = ("rectify", self.path("rig/rig.yaml"), "--left", "cam0", "--right", "cam1", "-o",
                    self.path("out"))

@@ -120,7 +120,7 @@ class Calibrated(CommandTest):
                 ("simulate", "--images", 12, "--features-per-image", 120, "--pattern",
                  write(cls.path("board.yaml"), SIMULATED_PATTERN), "-o", cls.path("sim")),
                 ("calibrate", "--features", cls.path("sim/features.csv"), "--image-size",
-                 "640x480", "--pattern", cls.path("sim/pattern.yaml"), "--cell-px", 80, "-o",
+                 "640x480", "--pattern", cls.path("sim/pattern.yaml"), "--knot-spacing-px", 80, "-o",
                  cls.path("out"), "--name", "front", *cls.options)):
             result = run(*arguments)
             assert result.returncode == 0, result.stderr

@@ -23,7 +23,7 @@ class ResultFolder(CommandTest):
         """Which files are written is the question: the cheapest camera will do."""
         return run("calibrate", "--features", self.path(features), "--image-size", size,
                    "--pattern", self.path("sim/pattern.yaml"), "--model", "opencv",
-                   "--skip-comparison", "--flat-board", "--hold-out", "sim0001.png", "--huge", "-o",
+                   "--skip-comparison", "--fix-target-geometry", "--hold-out", "sim0001.png", "--allow-huge-images", "-o",
                    self.path(output))
 
     def test_files_of_an_earlier_result_go_and_those_of_others_stay(self):

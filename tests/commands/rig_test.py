@@ -84,9 +84,9 @@ class Rig(CommandTest):
     def test_cameras_without_a_common_instant(self):
         features = self.edited(lambda line: line.replace("cam1,sim", "cam1,other"))
         self.assert_refused(self.calibrate(features, "--image-size", "640x480"), 4,
-                            "{cam0}, {cam1}", "--instant-by")
+                            "{cam0}, {cam1}", "--sync-by")
         # Their numbers are still alike.
-        self.assert_done(self.calibrate(features, "--image-size", "640x480", "--instant-by",
+        self.assert_done(self.calibrate(features, "--image-size", "640x480", "--sync-by",
                                         "number", out="numbered"))
         self.assertIn(b"cam1,3,", read(self.path("numbered/features.csv")))
 
@@ -141,8 +141,8 @@ class Rig(CommandTest):
         pattern = write(self.path("photo_pattern.yaml"), PATTERN)
         arguments = ("calibrate", "--camera", "left=" + folders[0], "--camera",
                      "right=" + folders[1], "--pattern", pattern)
-        self.assert_refused(run(*arguments, "-o", self.path("photo")), 4, "--instant-by number")
-        self.assert_done(run(*arguments, "--instant-by", "number", "--model", "opencv",
+        self.assert_refused(run(*arguments, "-o", self.path("photo")), 4, "--sync-by number")
+        self.assert_done(run(*arguments, "--sync-by", "number", "--model", "opencv",
                              "--hold-out", "4,8,13", "-o", self.path("photo")))
         result = json.loads(read(self.path("photo/result.json")))
         self.assertEqual(result["baselines"][0]["common_views"], 10)

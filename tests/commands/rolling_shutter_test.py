@@ -13,7 +13,7 @@ class RollingShutterTest(CommandTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.moving = cls.record("moving", "--row-time-us", "20", "--images", "150")
+        cls.moving = cls.record("moving", "--line-delay-us", "20", "--images", "150")
 
     @classmethod
     def record(cls, name, *options):
@@ -25,13 +25,13 @@ class RollingShutterTest(CommandTest):
 
     def calibrate(self, folder, *options):
         return run("calibrate", "--features", folder / "features.csv", "--image-size", SIZE,
-                   "--pattern", folder / "pattern.yaml", "--cell-px", "120", "--skip-comparison",
+                   "--pattern", folder / "pattern.yaml", "--knot-spacing-px", "120", "--skip-comparison",
                    *options)
 
     def row_time(self, folder, *options):
         """What calibrate says of it, and the result's folder."""
         result = Path(self.path("of_" + folder.name))
-        done = self.calibrate(folder, "--rolling-shutter", "--times", folder / "times.csv", "--json",
+        done = self.calibrate(folder, "--rolling-shutter", "--timestamps", folder / "times.csv", "--json",
                               "-o", result, *options)
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads(done.stdout)["row_time"], result
@@ -91,7 +91,7 @@ class RollingShutterTest(CommandTest):
         wrong = write(self.path("bursts.csv"), "image,time_s\n" + "".join(
             f"{name},{time}\n" for name, time in zip(names, bursts)))
         result = Path(self.path("bursts"))
-        done = self.calibrate(self.moving, "--rolling-shutter", "--times", wrong, "-o", result)
+        done = self.calibrate(self.moving, "--rolling-shutter", "--timestamps", wrong, "-o", result)
         self.assertEqual(done.returncode, 6, done.stderr)
         self.assertIn("the time stamps do not fit the motion", done.stderr)
         self.assertIn("not observable", done.stdout)
@@ -108,7 +108,7 @@ class RollingShutterTest(CommandTest):
         gone = ("sim0060.png", "sim0061.png")
         times = write(self.path("gaps.csv"), "".join(row for row in rows if not row.startswith(gone)))
         result = Path(self.path("gaps"))
-        done = self.calibrate(self.moving, "--rolling-shutter", "--times", times, "-o", result)
+        done = self.calibrate(self.moving, "--rolling-shutter", "--timestamps", times, "-o", result)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("without 2 of unknown motion, which have no time or no neighbours in time", done.stdout)
         facts = json.loads(read(result / "result.json"))
@@ -130,14 +130,14 @@ class RollingShutterTest(CommandTest):
         rows = read(self.moving / "times.csv").decode()
         for options, code, words in (
                 (["--rolling-shutter"], 1, "when images were taken"),
-                (["--times", self.moving / "times.csv"], 1, "for --rolling-shutter"),
-                (["--rolling-shutter", "--times", self.moving / "times.csv", "--condition",
-                  "temperature"], 1, "not with --condition"),
-                (["--rolling-shutter", "--times", self.path("none.csv")], 2, "none.csv"),
-                (["--rolling-shutter", "--times", times("image,time\na,1\n")], 2, "time_s"),
-                (["--rolling-shutter", "--times", times(rows + "sim0000.png,99\n")], 2, "twice"),
-                (["--rolling-shutter", "--times", times(rows + "other.png,0\n")], 2, "was taken when"),
-                (["--rolling-shutter", "--times", times("image,time_s\nx.png,1\n")], 2,
+                (["--timestamps", self.moving / "times.csv"], 1, "for --rolling-shutter"),
+                (["--rolling-shutter", "--timestamps", self.moving / "times.csv", "--vary-with",
+                  "temperature"], 1, "not with --vary-with"),
+                (["--rolling-shutter", "--timestamps", self.path("none.csv")], 2, "none.csv"),
+                (["--rolling-shutter", "--timestamps", times("image,time\na,1\n")], 2, "time_s"),
+                (["--rolling-shutter", "--timestamps", times(rows + "sim0000.png,99\n")], 2, "twice"),
+                (["--rolling-shutter", "--timestamps", times(rows + "other.png,0\n")], 2, "was taken when"),
+                (["--rolling-shutter", "--timestamps", times("image,time_s\nx.png,1\n")], 2,
                  "no image of the calibration")):
             code_of_it, text = self.refusal(*options)
             self.assertEqual(code_of_it, code, text)

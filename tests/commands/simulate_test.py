@@ -129,7 +129,7 @@ class Simulate(CommandTest):
                         ("--render", "--size", "320x240", "--lens", "pinhole", "--read-noise", 2,
                          "--pattern", self.chessboard())):
             with self.subTest(options):
-                folder = self.simulate("--shots", 3, *options)
+                folder = self.simulate("--repeats", 3, *options)
                 poses = table(os.path.join(folder, "true_poses.csv"))
                 names = sorted({pose["image"] for pose in poses})
                 self.assertEqual(names, [f"sim000{k}.png" for k in range(6)])
@@ -154,7 +154,7 @@ class Simulate(CommandTest):
 
     def test_bent_board(self):
         folder = self.render("--size", "320x240", "--lens", "pinhole", "--pattern",
-                             self.chessboard(), "--board-bend-mm", 3)
+                             self.chessboard(), "--target-deformation-mm", 3)
         self.assert_projections(folder, 0.02, lambda x, y: 0.003 * (
             ((x - 0.07) / 0.07) ** 2 + ((y - 0.04) / 0.04) ** 2 / 2))
         true_pattern = read(os.path.join(folder, "true_pattern.yaml")).decode()
@@ -164,7 +164,7 @@ class Simulate(CommandTest):
     def test_calibrate_finds_a_board_that_is_hardly_bent(self):
         """Points that scatter independently would leave 0.05 to 0.12 px."""
         for bend_mm, seed in ((0.1, 11), (0.07, 23), (0.15, 27)):
-            folder = self.simulate("--board-bend-mm", bend_mm, "--seed", seed, images=20)
+            folder = self.simulate("--target-deformation-mm", bend_mm, "--seed", seed, images=20)
             out = self.path("calibrated")
             result = run("calibrate", "--features", os.path.join(folder, "features.csv"),
                          "--pattern", os.path.join(folder, "pattern.yaml"),
@@ -256,7 +256,7 @@ class Simulate(CommandTest):
     def test_views_bend_the_board_each_in_its_own_way(self):
         names = ("true_pattern.yaml", "true_camera.yaml", "features.csv")
         files = []
-        for options in ((), ("--board-flex-mm", 1)):
+        for options in ((), ("--per-view-deformation-mm", 1)):
             folder = self.simulate("--noise-px", 0, *options)
             files.append([read(os.path.join(folder, name)) for name in names])
         flat, flexed = files
@@ -275,17 +275,17 @@ class Simulate(CommandTest):
                    "--board-gap-m", 0.25)
         shared = self.boards_seen(self.simulate(*options, images=30))
         self.assertGreater(sum(len(cameras) > 1 for cameras in shared.values()), 0)
-        hidden = self.boards_seen(self.simulate(*options, "--never-shared", images=30))
+        hidden = self.boards_seen(self.simulate(*options, "--no-common-boards", images=30))
         self.assertEqual({len(cameras) for cameras in hidden.values()}, {1})
         self.assertEqual(set(hidden), set(shared))
 
     def test_wrong_usage(self):
         folder = self.path("refused")
-        for options, code, word in ((("--board-bend-mm", "abc"), 1, "--board-bend-mm"),
+        for options, code, word in ((("--target-deformation-mm", "abc"), 1, "--target-deformation-mm"),
                                     (("--features-per-image", 721), 1, "720"),
                                     (("--min-square-px", 40), 1, "--max-square-px"),
-                                    (("--board-flex-mm", 1, "--render"), 1, "--board-bend-mm"),
-                                    (("--board-flex-mm", -1), 1, "--board-flex-mm"),
+                                    (("--per-view-deformation-mm", 1, "--render"), 1, "--target-deformation-mm"),
+                                    (("--per-view-deformation-mm", -1), 1, "--per-view-deformation-mm"),
                                     (("--fixed-boards",), 1, "one board only"),
                                     (("--fixed-boards", "--render"), 1, "--render"),
                                     (("--move-board-mm", 1), 1, "--fixed-boards"),

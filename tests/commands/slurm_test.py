@@ -17,7 +17,7 @@ PLAN = """raygrid_batch: 1
 pattern: board.yaml
 model: opencv
 skip_comparison: true
-flat_board: true
+fix_target_geometry: true
 image_size: [64, 48]
 units:
 """

@@ -190,16 +190,16 @@ class Case:
     def run_calibrate(self):
         measured = (["--features", self.features(), "--image-size",
                      "160x120" if self.chance(0.7) else self.size()]
-                    if self.chance(0.6) else [*self.images(), "--measure-once"])
+                    if self.chance(0.6) else [*self.images(), "--no-refine-features"])
         model = self.random.choice(("opencv", "central-generic", "noncentral-generic",
                                     "central-radial", "thin-prism-fisheye", "none"))
         names = ("sim0001.png", '"a,b"', '"', ",,", "x" * 9000)
         held_out = ["--hold-out", self.random.choice(names)]
-        return [*measured, "--pattern", self.pattern(), "--model", model, "--cell-px",
+        return [*measured, "--pattern", self.pattern(), "--model", model, "--knot-spacing-px",
                 self.random.choice(("40", "160", "2", "0", "nan", "1e300", "auto")),
-                *(["--same-view-px", self.random.choice(("0", "auto", "-1", "40"))]
+                *(["--duplicate-px", self.random.choice(("0", "auto", "-1", "40"))]
                   if self.chance(0.1) else []),
-                *(["--rolling-shutter", "--times", self.numbers("xy")]
+                *(["--rolling-shutter", "--timestamps", self.numbers("xy")]
                   if self.chance(0.1) else []),
                 "--skip-comparison", *(held_out if self.chance(0.1) else []), "-o", self.output()]
 
@@ -222,7 +222,7 @@ class Case:
                 "-o", self.output()]
 
     def run_export(self):
-        more = self.random.choice(((), ("--max-fit-error", self.random.choice(NUMBERS)),
+        more = self.random.choice(((), ("--max-fit-error-px", self.random.choice(NUMBERS)),
                                    ("--rectified", "--size", self.size()), ("--rectified",)))
         if self.random.random() < 0.3:
             return self.table_export()
@@ -232,11 +232,11 @@ class Case:
     def table_export(self):
         name = self.random.choice(TABLE_FORMATS)
         more = {"hex": ("--address", self.random.choice(NUMBERS)),
-                "maps": ("--size", self.size()), "stmap": ("--size", self.size(), "--reverse"),
-                "rays": ("--every", self.random.choice(NUMBERS)),
-                "ti-ldc": ("--every", self.random.choice(NUMBERS)),
-                "dw100": ("--max-fit-error", self.random.choice(NUMBERS)),
-                "isaac": ("--max-fit-error", self.random.choice(NUMBERS))}.get(name, ())
+                "maps": ("--size", self.size()), "stmap": ("--size", self.size(), "--inverse"),
+                "rays": ("--stride", self.random.choice(NUMBERS)),
+                "ti-ldc": ("--stride", self.random.choice(NUMBERS)),
+                "dw100": ("--max-fit-error-px", self.random.choice(NUMBERS)),
+                "isaac": ("--max-fit-error-px", self.random.choice(NUMBERS))}.get(name, ())
         return [self.camera(), "--to", name, *more, "-o",
                 self.output(self.random.choice((".h", ".c", ".npz", ".exr", ".pgm", ".json", ".bin")))]
 
@@ -257,7 +257,7 @@ class Case:
     def run_pack(self):
         remap = self.size() + self.random.choice(("", ",hfov=60", ",hfov=179.9", ",hfov=1e-9"))
         number = lambda: self.random.choice(NUMBERS)
-        capture = (["--capture", f"crop={number()},0,{number()},480,lens={number()},"
+        capture = (["--capture-settings", f"crop={number()},0,{number()},480,lens={number()},"
                     f"zoom={number()},orientation={number()}"] if self.chance(0.3) else [])
         return [self.camera(), "--remap", remap, *capture, "-o", self.output(".raygrid")]
 
@@ -296,13 +296,13 @@ class Case:
                   ["--lens", "pinhole", "--size", self.size()])
         return [*camera, "--pattern", self.pattern(), "--images", "2", "--samples-per-pixel", "1",
                 *(["--render"] if self.chance(0.5) else []),
-                *(["--moving", "--row-time-us", self.random.choice(("20", "-20", "nan", "1e9"))]
+                *(["--moving", "--line-delay-us", self.random.choice(("20", "-20", "nan", "1e9"))]
                   if self.chance(0.3) else []), "-o", self.output()]
 
     def run_undistort(self):
         return [self.camera(), *self.images(), "--size", self.size(), "--hfov",
                 self.random.choice(("60", "179.99", "1e-9", "0")),
-                *(["--reverse"] if self.chance(0.3) else []), "-o", self.output()]
+                *(["--inverse"] if self.chance(0.3) else []), "-o", self.output()]
 
     def run_unproject(self):
         return [self.camera(), "--pixels", self.numbers("xy"), *self.printed_or_written()]

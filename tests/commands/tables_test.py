@@ -142,7 +142,7 @@ class Blobs(TableTest):
         for address, words in (("0x08080002", ("multiples of 4",)), ("0xfffffffc", ("32 bits",)),
                                ("0x100000000", ("number",)), ("12q", ("number",))):
             refused(self.blob, 1, "--address", *words, to="hex", more=("--address=" + address,))
-        for option, value in (("--address", "4"), ("--hfov", "60"), ("--max-fit-error", "1")):
+        for option, value in (("--address", "4"), ("--hfov", "60"), ("--max-fit-error-px", "1")):
             refused(self.blob, 1, option, "--to c does not take it", to="c", more=(option, value))
         refused(self.blob, 1, "--rectified", "hex", to="hex",
                 more=("--rectified", "--address", "4"))
@@ -254,7 +254,7 @@ class Maps(TableTest):
     @unittest.skipUnless(OPENCV, NO_OPENCV)
     def test_stmaps_are_the_maps_in_both_directions(self):
         self.check_stmap("--hfov", 100)
-        self.check_stmap("--hfov", 100, "--reverse")
+        self.check_stmap("--hfov", 100, "--inverse")
 
     @unittest.skipUnless(shutil.which("oiiotool"), "no oiiotool; 'tools/install_packages tests' installs it")
     def test_oiiotool_sees_what_raygrid_does(self):
@@ -277,8 +277,8 @@ class Maps(TableTest):
         camera = write(self.path("circle.yaml"), read(self.camera).decode() +
                        f"image_circle: [{x}, {y}, {radius}]\n")
         self.export(camera, "--to", "maps", "--hfov", 100, out="c.npz")
-        self.export(camera, "--to", "maps", "--hfov", 100, "--reverse", out="cr.npz")
-        self.export(self.camera, "--to", "maps", "--hfov", 100, "--reverse", out="m.npz")
+        self.export(camera, "--to", "maps", "--hfov", 100, "--inverse", out="cr.npz")
+        self.export(self.camera, "--to", "maps", "--hfov", 100, "--inverse", out="m.npz")
         there, back, everywhere = self.seen_by_opencv("c.npz", "cr.npz", "m.npz",
                                                       view=("--hfov", 100))
         distances = [math.dist((x, y), place) for place in zip(there["x"], there["y"])
@@ -375,7 +375,7 @@ class Maps(TableTest):
     def test_what_cannot_be(self):
         for more, words in ((("--model", "x", "-o", "never/m.npz"), ("--model x", "float, fixed")),
                             (("-o", "never/m.txt"), ("m.txt", ".npz")),
-                            (("--every", "2", "-o", "never/m.npz"), ("--every", "maps")),
+                            (("--stride", "2", "-o", "never/m.npz"), ("--stride", "maps")),
                             (("--poses", "p.csv", "-o", "never/m.npz"), ("--poses", "maps")),
                             (("--hfov", "x", "-o", "never/m.npz"), ("--hfov",))):
             with self.subTest(more):
@@ -383,7 +383,7 @@ class Maps(TableTest):
                 self.assert_refused(run("export", self.camera, "--to", "maps", *more), 1, *words)
         self.assert_nothing_in(self.path("never"))
         for to, more, words in (("stmap", (), (".exr",)), ("stmap", ("--model", "x"), ("--model",)),
-                                ("ros", ("--reverse",), ("--reverse", "ros"))):
+                                ("ros", ("--inverse",), ("--inverse", "ros"))):
             self.assert_refused(run("export", self.camera, "--to", to, *more, "-o",
                                     self.path("never/m.npz")), 1, *words)
         self.assert_refused(run("export", self.path("board.yaml"), "--to", "maps", "-o",
@@ -430,7 +430,7 @@ class Rays(ImportTest):
         return json.loads(result.stdout)
 
     def test_numpy_reads_the_rays(self):
-        self.export(self.camera, "--to", "rays", "--every", 7, out="r.npz")
+        self.export(self.camera, "--to", "rays", "--stride", 7, out="r.npz")
         told = self.numpy("r.npz")
         self.assertEqual((told["directions"], told["x"], told["y"], told["image_size"]),
                          (["float64", [18, 24, 3]], ["float64", [24]], ["float64", [18]],
@@ -467,7 +467,7 @@ class Rays(ImportTest):
         self.assertIn(f"{100 - 100 * math.pi * 50 ** 2 / (160 * 120):.1f} %", result.stderr)
 
     def test_pixels_that_are_left_out_say_what_lies_between(self):
-        self.export(self.camera, "--to", "rays", "--every", 16, out="r.npz")
+        self.export(self.camera, "--to", "rays", "--stride", 16, out="r.npz")
         told, _ = self.imported("r.npz")
         rms = self.distance(self.camera)[1]
         self.assertLess(told["fit"]["rms_px"], rms)
@@ -496,7 +496,7 @@ class Rays(ImportTest):
         self.assertIn("22.7 %", remarks)
 
     def test_what_cannot_be(self):
-        self.export(self.camera, "--to", "rays", "--every", 4, out="r.npz")
+        self.export(self.camera, "--to", "rays", "--stride", 4, out="r.npz")
         self.numpy("r.npz")
         for way, words in (("y_up", ("mirrored", "y down")), ("opengl", ("backwards", "z forward")),
                            ("fortran", ("Fortran", "ascontiguousarray")),
@@ -522,10 +522,10 @@ class Rays(ImportTest):
                 (("import", rays, "-o", never, "--image-size", "8x8"), 1, ("--image-size",)),
                 (("import", rays, rays, "-o", never), 1, ("alone",)),
                 (("export", self.camera, "--to", "rays", "-o", never), 1, (".npz",)),
-                (("export", self.camera, "--to", "rays", "--every", "0", "-o",
-                  self.path("never/c.npz")), 1, ("--every",)),
-                (("export", self.camera, "--to", "ros", "--every", "2", "-o", never), 1,
-                 ("--every", "ros"))):
+                (("export", self.camera, "--to", "rays", "--stride", "0", "-o",
+                  self.path("never/c.npz")), 1, ("--stride",)),
+                (("export", self.camera, "--to", "ros", "--stride", "2", "-o", never), 1,
+                 ("--stride", "ros"))):
             with self.subTest(arguments):
                 self.assert_refused(run(*arguments), code, *words)
         self.assert_nothing_in(self.path("never"))
@@ -560,7 +560,7 @@ class Isaac(TableTest):
         """Within the error that is told. Half a pixel is found, and each wrong axis."""
         for model, bound_px in (("ahead", 0.05), ("behind", 0.5)):
             with self.subTest(model):
-                told = self.export(self.camera, "--to", "isaac", "--model", model, "--max-fit-error",
+                told = self.export(self.camera, "--to", "isaac", "--model", model, "--max-fit-error-px",
                                    bound_px, out="i.exr")
                 self.assertEqual(told["files"], [self.path("i_enter.exr"), self.path("i_exit.exr")])
                 seen = self.looked_up(self.camera, "i", model)
@@ -587,10 +587,10 @@ class Isaac(TableTest):
         """Rays look backward, places lie beyond every image; the error is that of lit pixels."""
         camera = write(self.path("circle.yaml"), read(self.camera).decode() +
                        "image_circle: [80, 60, 50]\n")
-        told = self.export(camera, "--to", "isaac", "--max-fit-error", 0.05, out="c.exr")
+        told = self.export(camera, "--to", "isaac", "--max-fit-error-px", 0.05, out="c.exr")
         lit = sum(math.dist((x, y), (80, 60)) <= 50 for x in range(160) for y in range(120))
         self.assertEqual(told["pixels"], lit)
-        self.export(self.camera, "--to", "isaac", "--max-fit-error", 0.05, out="i.exr")
+        self.export(self.camera, "--to", "isaac", "--max-fit-error-px", 0.05, out="i.exr")
         self.assertEqual(self.looked_up(self.camera, "c")["none"]["enter"], 160 * 120 - lit)
         none = self.looked_up(self.camera, "i")["none"]
         self.assertEqual(none["enter"], 0)
@@ -599,28 +599,28 @@ class Isaac(TableTest):
     def test_a_lens_beyond_the_hemisphere(self):
         """Where an octahedron's faces meet 90 degrees off the axis, places bend: more is left."""
         camera = self.simulated_camera("fisheye190")
-        told = self.export(camera, "--to", "isaac", "--max-fit-error", 0.5, out="f.exr")
+        told = self.export(camera, "--to", "isaac", "--max-fit-error-px", 0.5, out="f.exr")
         self.assertGreater(told["exit_max_px"], 0.05)
         seen = self.looked_up(camera, "f")
         self.assertLess(seen["exit_px"], 1.5 * told["exit_max_px"])
 
     def test_lines_begin_in_one_point(self):
         lines = self.simulated_camera("noncentral")
-        told = self.export(lines, "--to", "isaac", "--max-fit-error", 0.1, out="n.exr")
+        told = self.export(lines, "--to", "isaac", "--max-fit-error-px", 0.1, out="n.exr")
         self.assertGreater(told["offset_m"], 1e-5)
-        result = run("export", lines, "--to", "isaac", "--max-fit-error", 0.1, "-o",
+        result = run("export", lines, "--to", "isaac", "--max-fit-error-px", 0.1, "-o",
                      self.path("n.exr"))
         self.assertIn("mm beside the camera's lines", result.stdout)
 
     def test_same_bytes_with_any_number_of_threads(self):
         for threads in (1, 2):
-            self.export(self.camera, "--to", "isaac", "--max-fit-error", 0.05, "--threads", threads,
+            self.export(self.camera, "--to", "isaac", "--max-fit-error-px", 0.05, "--threads", threads,
                         out=f"t{threads}.exr")
         for suffix in ("enter", "exit"):
             self.assertTrue(read(self.path(f"t1_{suffix}.exr")) == read(self.path(f"t2_{suffix}.exr")))
 
     def test_what_cannot_be(self):
-        for more, code, words in ((("--max-fit-error", 1e-9), 6, ("isaac leaves more than 1e-09 px",)),
+        for more, code, words in ((("--max-fit-error-px", 1e-9), 6, ("isaac leaves more than 1e-09 px",)),
                                   (("--model", "x"), 1, ("--model x", "ahead, behind")),
                                   (("--hfov", 60), 1, ("--hfov", "isaac"))):
             with self.subTest(more):
@@ -643,7 +643,7 @@ class StMaps(ImportTest):
         super().setUpClass()
         cls.camera = cls.simulated_camera("wide")
         for command in (("export", cls.camera, "--to", "stmap", *cls.VIEW, "-o", cls.path("s.exr")),
-                        ("export", cls.camera, "--to", "stmap", "--reverse", *cls.WIDE, "-o",
+                        ("export", cls.camera, "--to", "stmap", "--inverse", *cls.WIDE, "-o",
                          cls.path("r.exr")),
                         ("export", cls.camera, "--to", "opencv", "--rectified", *cls.WIDE, "-o",
                          cls.path("view.yml"))):
@@ -654,7 +654,7 @@ class StMaps(ImportTest):
 
     def test_import_after_export_is_nearly_the_camera(self):
         """In both directions, and with the view's words or its file. Half a pixel is found."""
-        like = ("--reverse", "--like", self.path("view.yml"))
+        like = ("--inverse", "--view", self.path("view.yml"))
         for stmap, words, bound_px in (("s", (*self.SIZE, *self.VIEW), 0.001), ("r", like, 0.002)):
             with self.subTest(stmap):
                 told, remarks = self.imported(stmap + ".exr", *words)
@@ -679,12 +679,12 @@ class StMaps(ImportTest):
     def test_what_cannot_be(self):
         stmap, never = self.path("s.exr"), self.path("never/c.yaml")
         for more, code, words in (
-                (self.VIEW, 1, ("--image-size", "s.exr", "--reverse")),
-                (self.SIZE, 1, ("s.exr", "--like view.camera.yaml", "--hfov"))):
+                (self.VIEW, 1, ("--image-size", "s.exr", "--inverse")),
+                (self.SIZE, 1, ("s.exr", "--view view.camera.yaml", "--hfov"))):
             with self.subTest(more):
                 self.assert_refused(run("import", stmap, "-o", never, *more), code, *words)
-        self.assert_refused(run("import", self.path("view.yml"), "-o", never, "--reverse"), 1,
-                            "--reverse", "STMap", "view.yml")
+        self.assert_refused(run("import", self.path("view.yml"), "-o", never, "--inverse"), 1,
+                            "--inverse", "STMap", "view.yml")
         self.assert_refused(run("export", stmap, "--to", "ros", "-o", never), 2, "s.exr", "import")
         good = read(stmap)
         corner = good.index(b"displayWindow") + len(b"displayWindow\0box2i\0....") + 8

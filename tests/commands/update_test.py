@@ -194,7 +194,7 @@ class Update(CommandTest):
         blob = self.path("a.raygrid")
         self.assert_refused(run("update", blob, "--slots", blob), 7, "replace")
         photo = write(self.path("photo.bin"), bytes(range(256)) * 256)
-        self.assert_refused(run("update", blob, "--slots", photo), 2, "--new")
+        self.assert_refused(run("update", blob, "--slots", photo), 2, "--initialize")
         self.assert_refused(run("update", blob, "--slots", photo, "--slot-size", "4K"), 2, "65536 bytes")
         # A copy of flash with more behind the slots, or with less.
         two = self.path("two.bin")
@@ -206,7 +206,7 @@ class Update(CommandTest):
             self.assert_refused(run("update", blob, "--slots", place), 2, "a slot begins at byte 65536")
             self.assertEqual(read(place), copy)
         self.assertEqual(read(photo), bytes(range(256)) * 256)
-        self.assert_done(run("update", blob, "--slots", photo, "--new"))
+        self.assert_done(run("update", blob, "--slots", photo, "--initialize"))
         self.assertEqual(newest(read(photo)), (0, 1, self.blobs["a"]))
         self.assert_refused(run("update", blob, "--slots", "/dev/null"), 7, "/dev/null")
         self.assert_refused(run("update", blob, "--slots", self.folder), 7, "cannot be written")

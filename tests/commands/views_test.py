@@ -51,7 +51,7 @@ class Views(CommandTest):
 
     def test_a_view_like_another_is_that_view(self):
         self.assert_done(self.pack("100x80,alpha=0.3", output="like/a.raygrid"))
-        self.assert_done(self.pack(f"like={self.path('like/a.camera.yaml')}",
+        self.assert_done(self.pack(f"view={self.path('like/a.camera.yaml')}",
                                    output="like/b.raygrid"))
         self.assertEqual(read(self.path("like/a.raygrid")), read(self.path("like/b.raygrid")))
 
@@ -76,7 +76,7 @@ class Views(CommandTest):
         self.assertIn(b"camera_from_view", read(camera))
         self.assertEqual(json.loads(run("inspect", camera, "--json").stdout)["turned_deg"],
                          {"right": 30, "up": -10, "clockwise": 5})
-        self.assert_done(self.pack(f"like={camera}", output="round/d.raygrid"))
+        self.assert_done(self.pack(f"view={camera}", output="round/d.raygrid"))
         self.assertEqual(read(self.path("round/c.raygrid")), read(self.path("round/d.raygrid")))
         inspected = json.loads(run("inspect", self.path("round/c.raygrid"), "--json").stdout)
         self.assertEqual((inspected["format"], inspected["remap_tables"][0]["projection"]),
@@ -119,7 +119,7 @@ class Views(CommandTest):
             self.assertIn(result.returncode, (0, 6), result.stderr)
             return json.loads(result.stdout).get("image_circle")
 
-        found = circle_of(calibrate("auto", folder, "--measure-once"))
+        found = circle_of(calibrate("auto", folder, "--no-refine-features"))
         for value, truth in zip(found["center_px"] + [found["radius_px"]], (159.5, 119.5, 130)):
             self.assertAlmostEqual(value, truth, delta=2)
         given = ("--features", folder + "/features.csv", "--image-size", "320x240")
@@ -171,11 +171,11 @@ class Views(CommandTest):
         image = write(self.path("wave/in/wave.png"), png(wave, size=(160, 120)))
         self.assert_done(self.pack("200x150,alpha=1", output="wave/c.raygrid"))
         for camera, words in ((self.path("wave/c.raygrid"), ()),
-                              (self.camera, ("--like", self.path("wave/c.camera.yaml"),
+                              (self.camera, ("--view", self.path("wave/c.camera.yaml"),
                                              "--max-error-px", 0.25))):
             self.assert_done(run("undistort", camera, image, *words, "-o",
                                  self.path("wave/flat")))
-            result = run("undistort", camera, self.path("wave/flat/wave.png"), *words, "--reverse",
+            result = run("undistort", camera, self.path("wave/flat/wave.png"), *words, "--inverse",
                          "--json", "-o", self.path("wave/back"))
             self.assert_done(result)
             self.assertEqual(json.loads(result.stdout)["view"]["size"], [200, 150])
@@ -190,15 +190,15 @@ class Views(CommandTest):
 
     def test_reverse_refuses_what_has_no_way_back(self):
         out = ["-o", self.path("never")]
-        self.assert_refused(run("undistort", self.camera, self.image, "--reverse", "--size",
+        self.assert_refused(run("undistort", self.camera, self.image, "--inverse", "--size",
                                 "200x150", *out), 8, "white.png", "160 x 120", "the view has",
                             "200 x 150")
-        self.assert_refused(run("undistort", self.camera, self.image, "--reverse", "--frames",
+        self.assert_refused(run("undistort", self.camera, self.image, "--inverse", "--frames",
                                 self.path("raw"), *out), 1, "--frames")
         self.assert_done(run("simulate", "--images", 3, "--lens", "glass", "--size", "160x120",
                              "-o", self.path("glass")))
         self.assert_refused(run("undistort", self.path("glass/true_camera.yaml"), self.image,
-                                "--reverse", *out), 1, "true_camera.yaml", "raygrid fit")
+                                "--inverse", *out), 1, "true_camera.yaml", "raygrid fit")
         self.assert_nothing_in(self.path("never"))
 
     def test_border_where_nothing_is_trusted(self):
@@ -213,7 +213,7 @@ class Views(CommandTest):
         features = write(self.path("middle.csv"), "".join(middle))
         self.assert_done(run("calibrate", "--features", features, "--image-size", "160x120",
                              "--pattern", os.path.join(simulated, "pattern.yaml"),
-                             "--cell-px", 40, "--skip-comparison", "--quiet",
+                             "--knot-spacing-px", 40, "--skip-comparison", "--quiet",
                              "--hold-out", "sim0000.png",
                              "-o", self.path("known")))
         camera = self.path("known/camera.yaml")
@@ -256,7 +256,7 @@ class Views(CommandTest):
             with self.subTest((camera, words)):
                 shown = {}
                 for outside in ("fill", "trusted"):
-                    self.assert_done(run("undistort", camera, self.image, "--reverse", *words,
+                    self.assert_done(run("undistort", camera, self.image, "--inverse", *words,
                                          "--outside", outside, "-o", self.path(outside)))
                     shown[outside] = read_png(self.path(f"{outside}/white.png"))[2]
                 self.assertEqual(len(shown["fill"]), width * width * 3 // 4)
@@ -269,7 +269,7 @@ class Views(CommandTest):
         self.assert_done(run("undistort", blob, small, "--remap-index", 1, "--outside", "trusted",
                              "--max-error-px", 2, "-o", self.path("cells/out")))
         dark = write(self.path("cells/dark.yaml"), read(known).decode().replace("#", "."))
-        self.assert_refused(run("undistort", dark, self.image, "--reverse", "--outside", "trusted",
+        self.assert_refused(run("undistort", dark, self.image, "--inverse", "--outside", "trusted",
                                 "-o", self.path("never")), 1, "dark.yaml", "no pixel")
 
     def test_impossible_views_are_refused_in_a_line(self):
@@ -283,7 +283,7 @@ class Views(CommandTest):
                             ("rotate=3,4", ("three numbers",)),
                             ("hfov=361,projection=cylindrical", ("361", "360")),
                             ("rotate=180,0,0,alpha=0", ("middle", "rotate")),
-                            (f"like={self.camera}", ("no view",)),
+                            (f"view={self.camera}", ("no view",)),
                             ("hfov=60,center=1e6,0", ("center",))):
             with self.subTest(view):
                 self.assert_refused(self.pack(view, output="never/c.raygrid"), 1, *words)

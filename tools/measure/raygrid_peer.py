@@ -33,7 +33,7 @@ def calibrate_arguments(job, output):
 def write_starts(job, raygrid):
     """Poses of all images by a camera that is used for nothing else. Returns poses.csv."""
     output = os.path.join(job["work"], "starts")
-    arguments = calibrate_arguments(job, output) + ["--model", "thin-prism-fisheye", "--flat-board"]
+    arguments = calibrate_arguments(job, output) + ["--model", "thin-prism-fisheye", "--fix-target-geometry"]
     if not run(raygrid, arguments, output + ".log"):
         raise RuntimeError(f"no poses to start from; see {output}.log")
     return os.path.join(output, "poses.csv")
@@ -55,7 +55,7 @@ def row_of(job, raygrid, model, is_flat):
     arguments = calibrate_arguments(job, output) + ["--model", model, "--hold-out", held_out]
     begin = time.perf_counter()
     row = {"peer": "raygrid", "version": "", "model": model, "board": "flat" if is_flat else "free"}
-    if not run(raygrid, arguments + ["--flat-board"] * is_flat, output + ".log"):
+    if not run(raygrid, arguments + ["--fix-target-geometry"] * is_flat, output + ".log"):
         return {**row, "failed": f"ends in an error, see {output}.log"}
     row["seconds"] = time.perf_counter() - begin
     row["parameters"] = datasets.read_json(os.path.join(output, "result.json"))["parameters"]

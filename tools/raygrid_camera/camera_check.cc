@@ -11,7 +11,7 @@ std::string DescribeSize(const StreamFormat& format) {
   return std::to_string(format.width) + "x" + std::to_string(format.height);
 }
 
-// The words for raygrid pack --capture of all that the source tells.
+// The words for raygrid pack --capture-settings of all that the source tells.
 std::string DescribeCapture(const FrameInfo& info) {
   char text[160] = "";
   std::string words;
@@ -49,7 +49,7 @@ std::string DescribeCapture(const FrameInfo& info) {
     std::snprintf(text, sizeof(text), "gain=%.4g", double{*info.analogue_gain});
     add();
   }
-  return words.empty() ? "" : "; as pack --capture has it: " + words;
+  return words.empty() ? "" : "; as pack --capture-settings has it: " + words;
 }
 
 std::string DescribeSource(const CameraArguments& arguments) {

@@ -73,7 +73,7 @@ Blob OpenBlob(const CameraArguments& arguments) {
     throw CameraError(CameraExit::kBlob,
                       arguments.blob +
                           ": --strict: does not record how the camera stood; "
-                          "pack it with --capture");
+                          "pack it with --capture-settings");
   return blob;
 }
 

@@ -16,10 +16,11 @@ MeshLattice DepthAiLattice(const MeshRequest& request) {
                   kDepthAiHeight);
   const int step = request.step.value_or(kDepthAiStep);
   if (request.size.width % step != 0 || request.size.height % step != 0)
-    throw Error(ExitCode::kUsage,
-                fmt::format("--every {}: the view has {} x {} px; depthai-mesh "
-                            "takes a step that divides both",
-                            step, request.size.width, request.size.height));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--stride {}: the view has {} x {} px; depthai-mesh "
+                    "takes a step that divides both",
+                    step, request.size.width, request.size.height));
   return RegularLattice(request.size, step, step);
 }
 
@@ -55,7 +56,7 @@ TableFormat DepthAiMeshFormat() {
   format.holds =
       "Luxonis: a camera's mesh for loadMeshFiles() of StereoDepth, in .bin";
   format.endings = {".bin", ".calib"};
-  format.options = {"rectified", "every", "max-fit-error"};
+  format.options = {"rectified", "stride", "max-fit-error-px"};
   format.mesh_unit = &unit;
   return format;
 }

@@ -44,7 +44,7 @@ TableFormat Dw100Format() {
   format.holds =
       "NXP i.MX 8M Plus: the vertex map of the dewarper dw100, in .bin";
   format.endings = {".bin"};
-  format.options = {"rectified", "max-fit-error"};
+  format.options = {"rectified", "max-fit-error-px"};
   format.mesh_unit = &unit;
   return format;
 }

@@ -40,7 +40,7 @@ TableFormat HailoFormat() {
   format.name = "hailo";
   format.holds = "Hailo-15: mesh_table of dsp_dewarp(), in .bin";
   format.endings = {".bin"};
-  format.options = {"rectified", "max-fit-error"};
+  format.options = {"rectified", "max-fit-error-px"};
   format.mesh_unit = &unit;
   return format;
 }

@@ -84,7 +84,7 @@ TableFormat RockchipFecFormat() {
       "Rockchip RV1126, RK3588: the four meshes of the fisheye corrector, "
       "NAME_meshxi.bin and so on";
   format.endings = {".bin"};
-  format.options = {"rectified", "max-fit-error"};
+  format.options = {"rectified", "max-fit-error-px"};
   format.mesh_unit = &unit;
   return format;
 }

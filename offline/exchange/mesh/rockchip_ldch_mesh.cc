@@ -62,7 +62,7 @@ TableFormat RockchipLdchFormat() {
       "Rockchip RV1126, RK356x, RK3588: the mesh of the horizontal corrector "
       "LDCH, in .bin";
   format.endings = {".bin"};
-  format.options = {"rectified", "max-fit-error"};
+  format.options = {"rectified", "max-fit-error-px"};
   format.mesh_unit = &unit;
   return format;
 }

@@ -22,7 +22,7 @@ MeshLattice LdcLattice(const MeshRequest& request) {
   const int step = request.step.value_or(kLdcDefaultStep);
   if (step > kLdcMaxStep || (step & (step - 1)) != 0)
     throw Error(ExitCode::kUsage,
-                fmt::format("--every {}: ti-ldc takes powers of 2 up to {}",
+                fmt::format("--stride {}: ti-ldc takes powers of 2 up to {}",
                             step, kLdcMaxStep));
   return RegularLattice(request.size, step, step);
 }
@@ -120,7 +120,7 @@ TableFormat TiLdcFormat() {
       "TI TDA4, AM62A, AM67A, AM68A: the mesh of the lens distortion "
       "corrector, in .bin";
   format.endings = {".bin"};
-  format.options = {"rectified", "every", "max-fit-error"};
+  format.options = {"rectified", "stride", "max-fit-error-px"};
   format.mesh_unit = &unit;
   return format;
 }

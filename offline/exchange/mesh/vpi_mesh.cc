@@ -28,7 +28,7 @@ MeshLattice VpiLattice(const MeshRequest& request) {
   const int step = request.step.value_or(1);
   if (step > kVpiMaxStep || (step & (step - 1)) != 0)
     throw Error(ExitCode::kUsage,
-                fmt::format("--every {}: vpi takes powers of 2 up to {}", step,
+                fmt::format("--stride {}: vpi takes powers of 2 up to {}", step,
                             kVpiMaxStep));
   MeshLattice lattice;
   if (step > 1) {
@@ -81,11 +81,11 @@ TableFormat VpiFormat() {
   TableFormat format;
   format.name = "vpi";
   format.holds =
-      "NVIDIA VPI: the keypoints of a WarpMap, dense or with --every sparse, "
+      "NVIDIA VPI: the keypoints of a WarpMap, dense or with --stride sparse, "
       "in "
       ".npz";
   format.endings = {".npz"};
-  format.options = {"rectified", "max-fit-error", "every"};
+  format.options = {"rectified", "max-fit-error-px", "stride"};
   format.mesh_unit = &unit;
   return format;
 }

@@ -36,7 +36,7 @@ for model in ("opencv", "central-generic"):
     for flat in (True, False):
         name = f"{model}, {'board as drawn' if flat else 'its shape found'}"
         results[name] = raygrid.calibrate(
-            features, BOARD, model=model, flat_board=flat, hold_out=HELD_OUT,
+            features, BOARD, model=model, fix_target_geometry=flat, hold_out=HELD_OUT,
             progress=lambda stage, done, left: print(f"\r{100 * done:3.0f} % {stage:<24}", end="",
                                                      file=sys.stderr))
         errors = np.hypot(*results[name].held_out()[1].T)

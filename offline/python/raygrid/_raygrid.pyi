@@ -129,10 +129,11 @@ class Calibration:
 def detect(image: Union[_Path, npt.NDArray[Any]], pattern: _Path, *, name: str = ...,
            refinement: str = ..., window: int = ...) -> Detection: ...
 def calibrate(images: Union[_Images, Mapping[str, _Images]], pattern: _Path, *, model: str = ...,
-              cell_px: Optional[float] = ..., area: str = ..., flat_board: bool = ...,
-              rigid_board: bool = ..., boards_move: bool = ..., measure_once: bool = ...,
+              knot_spacing_px: Optional[float] = ..., area: str = ...,
+              fix_target_geometry: bool = ..., rigid_target: bool = ...,
+              independent_boards: bool = ..., refine_features: bool = ...,
               compare_models: bool = ..., hold_out: Sequence[str] = ...,
-              same_view_px: Optional[float] = ...,
+              duplicate_px: Optional[float] = ...,
               image_circle: Union[str, None, tuple[float, float, float]] = ..., name: str = ...,
               serial: str = ..., any_distance: bool = ..., threads: int = ...,
               progress: Optional[_Progress] = ...) -> Calibration: ...

@@ -75,7 +75,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--images", images)->capture_default_str();
   app.add_option("--noise-px", noise_px)->capture_default_str();
-  app.add_option("--cell-px", setting.cell_px, "0: chosen")
+  app.add_option("--knot-spacing-px", setting.cell_px, "0: chosen")
       ->capture_default_str();
   app.add_option("--seeds", num_seeds)->capture_default_str();
   app.add_flag("--verbose", verbose, "print each seed");

@@ -74,7 +74,7 @@ TEST(Calibrate, SaysThatABoardIsNotFlatAsTold) {
         TestBoard(), options);
     EXPECT_EQ(result.flat_board_height_m > 0, bend_m > 0);
     EXPECT_LT(result.flat_board_height_m, bend_m + 1e-9);
-    EXPECT_EQ(result.verdict.reasons.front().find("--flat-board") !=
+    EXPECT_EQ(result.verdict.reasons.front().find("--fix-target-geometry") !=
                   std::string::npos,
               bend_m > 0);
   }

@@ -108,10 +108,10 @@ int main(int argc, char** argv) {
   app.add_option("--height", arguments.height, "of images");
   app.add_option("--images", arguments.images, "to calibrate from");
   app.add_option("--features-per-image", arguments.features_per_image);
-  app.add_option("--board-bend-mm", arguments.bend_mm);
+  app.add_option("--target-deformation-mm", arguments.bend_mm);
   app.add_option("--noise-px", arguments.noise_px);
-  app.add_option("--cell-px", arguments.cell_px, "0: auto");
-  app.add_flag("--flat-board", arguments.flat_board);
+  app.add_option("--knot-spacing-px", arguments.cell_px, "0: auto");
+  app.add_flag("--fix-target-geometry", arguments.flat_board);
   app.add_option("--calibrations", arguments.calibrations);
   app.add_option("--draws", arguments.draws, "of new images, each");
   app.add_option("--draw-images", arguments.draw_images);

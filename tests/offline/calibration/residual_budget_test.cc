@@ -129,7 +129,7 @@ TEST(ResidualBudget, NamesBendsOfACalibrationWithRigidBoards) {
   EXPECT_EQ(JudgeBudget(budget).limit, "bends");
   EXPECT_GT(budget.Of(ErrorCause::kBend).in_turn, 0.4);
   // Only things that were not tried are advised.
-  EXPECT_NE(JudgeBudget(budget).advice.find("--rigid-board"),
+  EXPECT_NE(JudgeBudget(budget).advice.find("--rigid-target"),
             std::string::npos);
   budget.facts.bends_tried = true;
   EXPECT_NE(JudgeBudget(budget).advice.find("glass"), std::string::npos);
@@ -199,18 +199,21 @@ TEST(JudgeBudget, AdvisesNothingThatWasDone) {
   BudgetFacts facts;
   facts.model = "opencv";
   EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts), "--model central"));
-  EXPECT_TRUE(has(advice(ErrorCause::kBoardPlace, facts), "--flat-board"));
+  EXPECT_TRUE(
+      has(advice(ErrorCause::kBoardPlace, facts), "--fix-target-geometry"));
   facts.generic_tried = true;
   EXPECT_FALSE(has(advice(ErrorCause::kImagePlace, facts), "--model"));
   facts.model = "central-generic";
   facts.points_free = facts.bends_tried = true;
   facts.cell_px = 80;
-  EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts), "--cell-px 40"));
+  EXPECT_TRUE(
+      has(advice(ErrorCause::kImagePlace, facts), "--knot-spacing-px 40"));
   EXPECT_TRUE(has(advice(ErrorCause::kBoardPlace, facts), "print"));
   EXPECT_TRUE(has(advice(ErrorCause::kBend, facts), "glass"));
   facts.tried_finer = true;
   EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts), "more images"));
-  EXPECT_FALSE(has(advice(ErrorCause::kImagePlace, facts), "--cell-px"));
+  EXPECT_FALSE(
+      has(advice(ErrorCause::kImagePlace, facts), "--knot-spacing-px"));
   facts.better_model = "noncentral-generic";
   EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts),
                   "--model noncentral-generic, which predicts"));
@@ -235,8 +238,9 @@ TEST(JudgeBudget, NamesNoCauseThatAnotherExplainsAsWell) {
   EXPECT_EQ(JudgeBudget(budget).advice.find("--model"), std::string::npos);
   budget.facts.model = "central-generic";
   budget.facts.points_free = false;
-  EXPECT_NE(JudgeBudget(budget).advice.find("without --flat-board first"),
-            std::string::npos);
+  EXPECT_NE(
+      JudgeBudget(budget).advice.find("without --fix-target-geometry first"),
+      std::string::npos);
   budget.facts.points_free = true;
   EXPECT_NE(JudgeBudget(budget).advice.find("--model noncentral-generic first"),
             std::string::npos);
@@ -258,7 +262,7 @@ TEST(JudgeBudget, AdvisesOfTheRestWhatTheVerdictDoes) {
   budget.facts.noncentral_tried = true;
   EXPECT_EQ(JudgeBudget(budget).limit, "rest");
   EXPECT_EQ(JudgeBudget(budget).advice,
-            "try --cell-px auto, which looks for better cells");
+            "try --knot-spacing-px auto, which looks for better cells");
   budget.facts.cells_chosen = budget.facts.tried_finer = true;
   EXPECT_NE(JudgeBudget(budget).advice.find("are no better; look for blur"),
             std::string::npos);
@@ -292,7 +296,7 @@ TEST(JudgeBudget, IsTheVerdictOfACalibration) {
   EXPECT_NE(reasons.find(limit.sentence + "; " + limit.advice),
             std::string::npos)
       << reasons;
-  for (const char* other : {"--model", "--cell-px", "flatter", "blur"})
+  for (const char* other : {"--model", "--knot-spacing-px", "flatter", "blur"})
     EXPECT_EQ(reasons.find(other), std::string::npos) << reasons;
 }
 

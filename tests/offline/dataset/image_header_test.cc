@@ -118,22 +118,23 @@ void ExpectHeaderRefused(const std::string& file, const std::string& word) {
 
 TEST(ImageHeader, LargerImagesThanAllowedAreRefused) {
   EXPECT_EQ(ParseImageHeader("a", "P5 16384 1024 255\n").size.width, 16384);
-  ExpectHeaderRefused("P5 16385 1 255\n", "--huge");
-  ExpectHeaderRefused("P5 1 4294967936 255\n", "--huge");
-  ExpectHeaderRefused("P5 99999999999999999999999 1 255\n", "--huge");
+  ExpectHeaderRefused("P5 16385 1 255\n", "--allow-huge-images");
+  ExpectHeaderRefused("P5 1 4294967936 255\n", "--allow-huge-images");
+  ExpectHeaderRefused("P5 99999999999999999999999 1 255\n",
+                      "--allow-huge-images");
   ExpectHeaderRefused("P5 0 640 255\n", "damaged");
   constexpr uint32_t kWidth = 256, kHeight = 257, kTileWidth = 322, kLong = 4,
                      kSignedLong = 9, kLong8 = 16;
   ExpectHeaderRefused(Tiff({{kWidth, kLong, 20000}, {kHeight, kLong, 1}}),
-                      "--huge");
+                      "--allow-huge-images");
   // The first of two is what a decoder may take, or the last.
   ExpectHeaderRefused(
       Tiff({{kWidth, kLong, 20000}, {kWidth, kLong, 8}, {kHeight, kLong, 1}}),
-      "--huge");
+      "--allow-huge-images");
   ExpectHeaderRefused(Tiff({{kWidth, kLong, 8},
                             {kHeight, kLong, 8},
                             {kTileWidth, kLong, 1 << 20}}),
-                      "--huge");
+                      "--allow-huge-images");
   for (const uint32_t type : {kSignedLong, kLong8})
     ExpectHeaderRefused(
         Tiff({{kWidth, type, 20000}, {kWidth, kLong, 8}, {kHeight, kLong, 8}}),
@@ -147,7 +148,7 @@ TEST(ImageHeader, ManyPixelsOfFewBytesAreRefused) {
   EXPECT_EQ(ParseImageHeader("a", many + std::string(33600, ' ')).size.height,
             4097);
   const std::string huge = "P5 16384 16384 255\n";
-  ExpectHeaderRefused(huge + std::string(2600000, ' '), "--huge");
+  ExpectHeaderRefused(huge + std::string(2600000, ' '), "--allow-huge-images");
   EXPECT_EQ(ParseImageHeader("a", huge + std::string(2700000, ' ')).size.height,
             16384);
 }

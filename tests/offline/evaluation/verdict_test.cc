@@ -160,7 +160,7 @@ TEST(Verdict, AdvisesNoModelThatIsInUse) {
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "noncentral-generic"));
   figures.tried.model = "noncentral-generic";
   EXPECT_FALSE(HasReason(JudgeCalibration(figures), "noncentral-generic"));
-  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "--cell-px auto"));
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "--knot-spacing-px auto"));
   figures.tried.model = "opencv";
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "central-generic"));
   EXPECT_FALSE(HasReason(JudgeCalibration(figures), "smaller cells"));
@@ -171,7 +171,7 @@ TEST(Verdict, AdvisesNothingThatWasTried) {
   figures.neighbor_correlation = 0.6;
   figures.tried.cells_chosen = true;
   figures.tried.cell_px = 26.8;
-  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "--cell-px 13"));
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "--knot-spacing-px 13"));
   figures.tried.tried_finer = true;
   EXPECT_FALSE(HasReason(JudgeCalibration(figures), "cells"));
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "noncentral-generic"));

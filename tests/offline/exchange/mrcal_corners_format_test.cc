@@ -60,7 +60,7 @@ TEST(MrcalCornersFormat, SaysWhatIsMissingOrWrong) {
   expect("level", "size", {"'size'", "level"});
   expect("level", "level more", {"columns are not"});
   expect("a/1.png 20 20 0", "b 20 20 0", {"not in one piece", "a/1.png"});
-  ExpectError(ExitCode::kInput, {"f", "--board", "10x10"},
+  ExpectError(ExitCode::kInput, {"f", "--board-size", "10x10"},
               [] { ParseMrcalCorners(kMrcalCorners, {}); });
   // Rows are too short to tell if many corners are missing.
   std::string whole = TextWith(kMrcalCorners, "20 30 -", "20 30 0");

@@ -236,7 +236,7 @@ TEST(OpenCvFormat, ReadsWhatASampleCalibratedWith) {
 // A board that is not told is no fault of the camera.
 TEST(OpenCvFormat, TakesCornersOnlyWithTheirBoard) {
   for (const auto& [old, by, word] :
-       {std::array{"board_width", "other", "--board"},
+       {std::array{"board_width", "other", "--board-size"},
         std::array{"board_height: 2", "board_height: 3", "2 x 3"}}) {
     const std::string text = TextWith(kCorners, old, by);
     const ReadLens camera = Parse(kYaml + text).cameras.at(0);

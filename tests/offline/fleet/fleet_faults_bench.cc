@@ -104,7 +104,8 @@ void Write(const Options& options) {
   WriteFile(folder + "/pattern.yaml", FormatPattern(pattern));
   std::string plan = fmt::format(
       "raygrid_batch: 1\npattern: pattern.yaml\nmodel: {}\n"
-      "skip_comparison: true\nflat_board: true\nimage_size: [{}, {}]\nunits:\n",
+      "skip_comparison: true\nfix_target_geometry: true\nimage_size: [{}, "
+      "{}]\nunits:\n",
       options.model, kSize.width, kSize.height);
   const std::vector<FamilyMember> fleet = MakeFleet(options);
   for (size_t u = 0; u < fleet.size(); ++u) {

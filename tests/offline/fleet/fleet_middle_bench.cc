@@ -317,7 +317,7 @@ int main(int argc, char** argv) {
                  "of the other units: strangers");
   app.add_option("--times", options.times,
                  "strangers, which differ so many times as much");
-  app.add_flag("!--no-alone", options.alone, "not without --like");
+  app.add_flag("!--no-alone", options.alone, "not without --prior");
   app.add_flag("!--no-exact", options.exact, "not around the exact middle");
   app.add_flag("!--no-plain", options.plain,
                "around middles with their spread only");

@@ -468,7 +468,7 @@ TEST(VirtualView, RefusesAnglesThatItsProjectionDoesNotHave) {
   ViewRequest request;
   request.like = ViewOf(Example(), {640, 480}, 70);
   request.rotate_deg = Eigen::Vector3d(0, 0, 0);
-  ExpectRefused(Example(), request, {"like", "rotate", "give one"});
+  ExpectRefused(Example(), request, {"by view", "rotate", "give one"});
   // Nothing of the area's middle is seen there.
   request = RequestOf(kViewedSize);
   request.alpha = 0;

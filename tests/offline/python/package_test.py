@@ -195,7 +195,7 @@ class Rays(PackageTest):
                 ([], None, False),
                 (["--size", "90x70", "--hfov", "80", "--rotate", "10,5,0"],
                  camera.view(size=(90, 70), hfov=80, rotate=(10, 5, 0)), False),
-                (["--hfov", "70", "--reverse"], camera.view(hfov=70), True)):
+                (["--hfov", "70", "--inverse"], camera.view(hfov=70), True)):
             archive = self.path("maps.npz")
             self.assert_done(run("export", path, "--to", "maps", *options, "-o", archive))
             expected = np.load(archive)
@@ -412,13 +412,16 @@ class Calibrations(PackageTest):
 
     def test_images_of_the_same_view_count_once(self):
         with self.assertRaises(ValueError):
-            raygrid.calibrate(self.features, self.pattern, same_view_px=-1)
+            raygrid.calibrate(self.features, self.pattern, duplicate_px=-1)
+        with self.assertRaises(TypeError):
+            raygrid.calibrate(self.features, self.pattern, duplicates_px=1)
         first = self.features[0]
         copy = raygrid.Detection("copy.png", first.size, first.pixels + 0.01, first.columns,
                                  first.rows)
-        for px, groups in ((None, [{"image": first.name, "others": ["copy.png"]}]), (0, None)):
+        for option, groups in (({}, [{"image": first.name, "others": ["copy.png"]}]),
+                               ({"duplicate_px": 0}, None), ({"same_view_px": 0}, None)):
             result = json.loads(raygrid.calibrate([*self.features, copy], self.pattern,
-                                                  model="opencv", same_view_px=px).result_json)
+                                                  model="opencv", **option).result_json)
             self.assertEqual(result["images"].get("same_views"), groups)
 
     def test_features_come_back_from_their_file(self):
