@@ -25,6 +25,7 @@
 #include "fleet/fleet_mean.h"
 #include "fleet/fleet_page.h"
 #include "fleet/fleet_table.h"
+#include "help_formatter.h"
 #include "progress_bar.h"
 #include "target/board_spec.h"
 #include "unit_lock.h"
@@ -496,59 +497,47 @@ void RunBatch(const BatchArguments& arguments, const CommonOptions& common) {
 }  // namespace
 
 void AddBatch(CLI::App* app, CommonOptions* common) {
-  CLI::App* command = AddCommand(
-      app, "batch",
-      "Calibrates many units, each into a folder of its serial number, one "
-      "after the other in the order of their serials. A unit that has no "
-      "result is named with its reason, and the others go on. Called again, it "
-      "goes on where it was ended: finished units stay, those whose images or "
-      "options changed are calibrated anew, and those without a result are "
-      "tried again. fleet.csv in the folder has a line for each unit, and "
-      "fleet.html shows the fleet: unusual units, changes of means, batches of "
-      "lenses, and how well a golden unit is repeated.",
-      "raygrid batch plan.yaml -o out/\n\n"
-      "plan.yaml, whose paths begin at its folder:\n"
+  CLI::App* command =
+      AddCommand(app, "batch", "Calibrate many units and analyse the fleet.",
+                 "raygrid batch plan.yaml -o out/", common);
+  command->footer(
+      "plan.yaml, with paths relative to its folder:\n"
       "  raygrid_batch: 1\n"
-      "  pattern: board/pattern.yaml   # or a board in a word\n"
+      "  pattern: board/pattern.yaml   # or a specification\n"
       "  model: central-generic        # and other options of calibrate, with\n"
       "                                # _ for -: image_size, area, ...\n"
       "  limits: {held_out_median_px: 0.2, focal_px: [790, 810]}\n"
       "  units:\n"
       "    - {serial: A001, images: A001/}\n"
       "    - {serial: A002, features: A002.csv, image_size: [640, 480]}\n"
-      "    - {serial: A003, images: A003/, lens_batch: L7}\n"
-      "    - {serial: R001, cameras: {left: R001/l, right: R001/r}}\n"
-      "    - {serial: F001, vary_with: lens_position,\n"
-      "       images_at: {0.5: F001/far, 2: F001/near}}\n"
-      "    - {serial: G-1, images: G-1/, repeats: A001, operator: ann, "
-      "station: s1}",
-      common);
+      "    - {serial: R001, cameras: {left: R001/l, right: R001/r}}\n\n" +
+      command->get_footer());
   auto arguments = std::make_shared<BatchArguments>();
-  command->add_option("plan", arguments->plan, "the units and their options")
+  command->add_option("plan", arguments->plan, "plan.yaml: units and options")
       ->required();
-  command
-      ->add_option("-o,--output", arguments->output,
-                   "folder of the units' folders, fleet.csv and fleet.html")
-      ->required();
-  CLI::Option* const unit = command->add_option(
-      "--unit", arguments->units,
-      "calibrate this unit alone, counted from 0 in the order of serials, or "
-      "the units from one to another, as 3-7; fleet.csv and fleet.html stay as "
-      "they are");
+  CLI::Option* const unit =
+      command
+          ->add_option("--unit", arguments->units,
+                       "calibrate only this unit, or a range such as 3-7, "
+                       "counted from 0 by serial; does not write fleet files")
+          ->option_text("I[-J]");
   CLI::Option* const gather =
       command
           ->add_flag("--gather", arguments->gather,
-                     "calibrate nothing: write fleet.csv and fleet.html of "
-                     "what is there")
+                     "calibrate nothing, only write fleet.csv and fleet.html")
           ->excludes(unit);
   command
       ->add_flag("--slurm", arguments->slurm,
-                 "submit the units to Slurm as an array of tasks with "
-                 "--threads each (1 unless more are given), and a job that "
-                 "gathers; sbatch takes partition, time and memory from its "
-                 "environment, as SBATCH_PARTITION")
+                 "submit a Slurm array job with --threads per task (default: "
+                 "1) and a job that gathers")
       ->excludes(unit)
       ->excludes(gather);
+  BeginGroup(command, help_group::kOutput);
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "folder for a result per unit, fleet.csv and fleet.html")
+      ->option_text("DIR")
+      ->required();
   command->callback([arguments, common] { RunBatch(*arguments, *common); });
 }
 

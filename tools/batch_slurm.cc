@@ -64,7 +64,7 @@ std::string SubmittedJob(const std::vector<std::string>& options) {
     throw Error(ExitCode::kUsage,
                 "--slurm: sbatch is not in the PATH; install slurm-client and "
                 "Slurm's configuration here, or share out the units with GNU "
-                "parallel (README.md, \"Many units\")");
+                "parallel (offline/fleet/README.md)");
   if (end.exit_code != 0)
     throw Error(
         ExitCode::kOutput,

@@ -16,6 +16,7 @@
 #include "dataset/files.h"
 #include "dataset/image_files.h"
 #include "dataset/output_folder.h"
+#include "help_formatter.h"
 #include "interruption.h"
 #include "packing/blob_camera.h"
 #include "packing/pack.h"
@@ -352,134 +353,136 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
   RequireBlobs(result, extras, arguments.output);
 }
 
-}  // namespace
-
-void AddCalibrate(CLI::App* app, CommonOptions* common) {
-  CLI::App* command = AddCommand(
-      app, "calibrate",
-      "Calibrates a camera, or the cameras of a rig, from images of a pattern "
-      "or from features. A rig's files: rig.yaml, NAME/camera.yaml, "
-      "NAME/camera.raygrid and NAME/report.html for each camera, and the rest "
-      "as for a single one. The first camera's frame is the rig's.",
-      "raygrid calibrate photos/ --pattern pattern.yaml -o result/\n"
-      "  raygrid calibrate session/\n"
-      "  raygrid calibrate clip/ --rolling-shutter --timestamps times.csv "
-      "--pattern pattern.yaml -o result/\n"
-      "  raygrid calibrate --camera left=l/ --camera right=r/ --pattern "
-      "pattern.yaml -o result/",
-      common);
-  auto arguments = std::make_shared<CalibrateArguments>();
-  command->add_option("images", arguments->images, "images or folders");
+void AddCalibrationInputs(CLI::App* command, CalibrateArguments* arguments) {
+  command->add_option("images", arguments->images,
+                      "images, folders or a capture session");
   command
       ->add_option("--camera", arguments->cameras,
-                   "NAME=FOLDER, once for each camera of a rig; images of one "
-                   "instant have one name")
-      ->type_name("NAME=FOLDER")
-      ->allow_extra_args(false);
-  command
-      ->add_option("--mode", arguments->modes,
-                   "FOLDER:WORDS, the images in this one of the folders are of "
-                   "another sensor mode: crop=X,Y,W,H (the calibrated pixels "
-                   "that they show), bin=N, scale=S, size=WxH, flip=h|v|hv, "
-                   "rotate=180")
-      ->type_name("FOLDER:WORDS")
-      ->allow_extra_args(false);
-  command->add_option("--features", arguments->features,
-                      "features.csv instead of images; a rig's has a column "
-                      "'camera'");
-  command
-      ->add_option("--image-size", arguments->image_sizes,
-                   "WxH, with --features; NAME=WxH for one camera of a rig")
+                   "images of a camera of a rig; repeatable. Images of a frame "
+                   "have the same name in all cameras")
+      ->option_text("NAME=DIR")
       ->allow_extra_args(false);
   command
       ->add_option("--sync-by", arguments->instant_by,
-                   "what tells a rig's images of one instant: their name, or "
-                   "the last number in it (left01.jpg and right01.jpg); they "
-                   "are called by this number then")
+                   "match a rig's images by file name, or by the last number "
+                   "in it (left01, right01)")
       ->check(CLI::IsMember({"name", "number"}))
+      ->option_text("name|number")
       ->capture_default_str();
-  AddConditionOptions(command, arguments.get());
-  AddPatternOption(command, &arguments->pattern,
-                   "; not needed for the session of a capture");
-  AddYes(command, common);
+  command
+      ->add_option("--features", arguments->features,
+                   "features.csv instead of images; column camera for a rig")
+      ->option_text("FILE");
+  command
+      ->add_option("--image-size", arguments->image_sizes,
+                   "image size in px, with --features; NAME=WxH for a camera "
+                   "of a rig")
+      ->option_text("WxH")
+      ->allow_extra_args(false);
+  AddHoldOut(command,
+             "test images (rig: frames) to evaluate and not calibrate with "
+             "(default: cross-validation)",
+             &arguments->hold_out);
+  command
+      ->add_option("--duplicate-px", arguments->same_view_px,
+                   "skip images whose features moved less since a kept image; "
+                   "0: keep all; auto: 0.1 % of the longer side, at least 1")
+      ->option_text("PX")
+      ->capture_default_str();
+  command
+      ->add_option("--mode", arguments->modes,
+                   "sensor mode of the images in one folder: crop=X,Y,W,H "
+                   "bin=N scale=S size=WxH flip=h|v|hv rotate=180")
+      ->option_text("DIR:WORD=VALUE,...")
+      ->allow_extra_args(false);
+}
+
+void AddModelOptions(CLI::App* command, CalibrateArguments* arguments) {
+  BeginGroup(command, help_group::kModel);
   command
       ->add_option("--model", arguments->model,
                    "auto: the one that predicts held-out images best; or "
                    "central-generic, noncentral-generic, central-radial, "
-                   "thin-prism-fisheye, opencv")
+                   "thin-prism-fisheye or opencv")
+      ->option_text("NAME")
       ->capture_default_str();
   command->add_flag("--allow-noncentral", arguments->allow_noncentral,
                     "let auto choose noncentral-generic, whose undistortion "
                     "needs a distance");
   command
       ->add_option("--knot-spacing-px", arguments->cell_px,
-                   "largest cell of the grid; auto chooses by held-out error")
+                   "largest knot spacing of the B-spline grid; auto: chosen by "
+                   "held-out error")
+      ->option_text("PX")
       ->capture_default_str();
   command
       ->add_option("--area", arguments->area,
-                   "image: the whole image is calibrated, what no feature was "
-                   "seen in by how the lens goes on; features: the rectangle "
-                   "of the features alone")
+                   "calibrated area: the whole image (extrapolated beyond the "
+                   "features), or the bounding box of the features")
       ->check(CLI::IsMember({"image", "features"}))
+      ->option_text("image|features")
       ->capture_default_str();
-  command
-      ->add_option("--duplicate-px", arguments->same_view_px,
-                   "images whose features moved by less are one view, and one "
-                   "of them is used; auto: 0.1 % of the image's longer side, 1 "
-                   "px at least; 0: each image counts")
-      ->capture_default_str();
-  command->add_option(
-      "--prior", arguments->like,
-      "camera.yaml of a like lens, as of another unit or a fleet_camera.yaml: "
-      "the grid lies around it where images tell little, so 10 images do; "
-      "focal length, centre and distortion are its own all the same; a camera "
-      "that lies too far from a fleet's middle for a unit of it is told");
-  AddHoldOut(command,
-             "images (of a rig: instants) to evaluate with instead of "
-             "calibrating with them (default: cross-validation)",
-             &arguments->hold_out);
   command
       ->add_option("--image-circle", arguments->image_circle,
-                   "what the lens lights of the images; beyond it undistorted "
-                   "images stay border. auto: found where images leave a "
-                   "fisheye's corners dark; none: all; or X,Y,RADIUS in pixels")
+                   "image circle of a fisheye: auto (detected), none, or "
+                   "X,Y,RADIUS in px; outside, the camera is not calibrated")
+      ->option_text("CIRCLE")
       ->capture_default_str();
+  command
+      ->add_option("--prior", arguments->like,
+                   "camera.yaml of a similar camera, or fleet_camera.yaml, as "
+                   "a prior of the central-generic grid")
+      ->option_text("FILE");
+  command->add_flag("--rolling-shutter", arguments->rolling_shutter,
+                    "estimate the line delay from consecutive frames and "
+                    "compensate for it");
+  command
+      ->add_option("--timestamps", arguments->times,
+                   "with --rolling-shutter: CSV image,time_s (default: those "
+                   "of the session)")
+      ->option_text("FILE");
+  AddConditionOptions(command, arguments);
+}
+
+}  // namespace
+
+void AddCalibrate(CLI::App* app, CommonOptions* common) {
+  CLI::App* command = AddCommand(
+      app, "calibrate", "Calibrate a camera or a rig from images of a target.",
+      "raygrid calibrate photos/ --pattern pattern.yaml -o result/", common);
+  auto arguments = std::make_shared<CalibrateArguments>();
+  AddCalibrationInputs(command, arguments.get());
+  AddModelOptions(command, arguments.get());
+  AddPatternOption(command, &arguments->pattern,
+                   "; not needed for a capture session");
+  AddYes(command, common);
+  BeginGroup(command, help_group::kTarget);
   command->add_flag("--fix-target-geometry", arguments->flat_board,
-                    "trust the pattern's points as they are given, in every "
-                    "image");
+                    "do not estimate target geometry: use the nominal points");
   command->add_flag("--rigid-target", arguments->rigid_board,
-                    "boards do not bend from image to image; otherwise they "
-                    "may, where that predicts held-out images better");
+                    "do not estimate per-view target deformation");
   command->add_flag("--independent-boards", arguments->boards_move,
-                    "each of several boards moves by itself; otherwise those "
-                    "that keep still against each other, as far as can be "
-                    "told, are adjusted as one body, which also connects "
-                    "cameras that never see one board together");
-  command->add_flag("--no-refine-features", arguments->measure_once,
-                    "keep the features as detected; otherwise they are "
-                    "measured again through a first camera");
-  command->add_flag("--resume", arguments->resume,
-                    "go on from where a calibration with the same features, "
-                    "options and output folder was interrupted or killed, or "
-                    "begin anew if nothing was kept of it; the "
-                    "result is that of one that was not. An interrupted "
-                    "calibration writes the best state so far, but not over a "
-                    "finished result");
-  command->add_flag(
-      "--rolling-shutter", arguments->rolling_shutter,
-      "estimate the time of a row from consecutive frames of a moving camera "
-      "or board, and calibrate as if each frame were read at once");
-  command->add_option("--timestamps", arguments->times,
-                      "with --rolling-shutter: a CSV, image,time_s, that says "
-                      "when images were taken; a session has times");
+                    "estimate a pose per board (default: boards found to be "
+                    "rigidly connected share one pose)");
+  BeginGroup(command, help_group::kOutput);
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "output folder (default for a session: its calibration/)")
+      ->option_text("DIR");
+  command->add_option("--name", arguments->name, "camera name")
+      ->option_text("NAME");
+  command->add_option("--serial", arguments->serial, "camera serial number")
+      ->option_text("SERIAL");
   command->add_flag("--skip-comparison", arguments->skip_comparison,
-                    "do not calibrate parametric models as well, to compare "
-                    "with in the report");
-  command->add_option("--name", arguments->name, "camera's name");
-  command->add_option("--serial", arguments->serial, "camera's serial number");
-  command->add_option("-o,--output", arguments->output,
-                      "folder to write to (default, for a session: its "
-                      "calibration/)");
+                    "do not calibrate parametric models for comparison in the "
+                    "report");
+  BeginGroup(command, help_group::kAdvanced);
+  command->add_flag("--no-refine-features", arguments->measure_once,
+                    "keep features as detected, do not refine them with the "
+                    "estimated camera");
+  command->add_flag("--resume", arguments->resume,
+                    "continue an interrupted calibration of the same input, "
+                    "options and output folder");
   AddHugeOption(command);
   command->callback([arguments, common] {
     UseSession(arguments.get());

@@ -5,10 +5,8 @@ namespace raygrid {
 
 // A program of its own, since it alone needs cameras and a page's server.
 void AddCapture(CLI::App* app) {
-  CLI::App* command =
-      app->add_subcommand("capture",
-                          "Takes a live camera's images for calibrate, and "
-                          "says what to show next.");
+  CLI::App* command = app->add_subcommand(
+      "capture", "Capture calibration images live, guided by coverage.");
   command->set_help_flag();
   command->prefix_command();
   command->callback([command] {

@@ -11,6 +11,14 @@
 
 namespace raygrid {
 
+const char kCaptureSyntaxHelp[] =
+    "Capture settings, separated by commas:\n"
+    "  crop=X,Y,W,H                   read-out region of the sensor\n"
+    "  lens=DPT, tolerance=DPT        LensPosition in dioptres, and how far a\n"
+    "                                 frame's may differ (default: 0.1)\n"
+    "  zoom=FACTOR, orientation=1..8  relative to the widest; as in EXIF\n"
+    "  temperature=C, exposure=US, gain=FACTOR\n";
+
 const char kCaptureWordsHelp[] =
     "crop=X,Y,W,H (the pixels of the sensor that frames showed), lens=DIOPTRES "
     "(libcamera's LensPosition), tolerance=DIOPTRES (0.1 if it is not there), "

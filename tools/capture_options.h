@@ -9,7 +9,10 @@
 
 namespace raygrid {
 
-/// The help for the words of --capture-settings.
+/// The syntax of --capture-settings, a block of help.
+extern const char kCaptureSyntaxHelp[];
+
+/// The words of --capture-settings, for messages.
 extern const char kCaptureWordsHelp[];
 
 /// The known capture, with what "crop=0,0,3280,2464,lens=2,orientation=1" says

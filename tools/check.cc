@@ -11,6 +11,7 @@
 #include "dataset/error.h"
 #include "dataset/image_files.h"
 #include "dataset/text_encoding.h"
+#include "help_formatter.h"
 #include "pattern_input.h"
 #include "session_file.h"
 
@@ -204,29 +205,23 @@ void Run(CheckArguments arguments, const CommonOptions& common) {
 void AddCheck(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
       app, "check",
-      "Tells from a few images of the board whether a camera is still as it "
-      "was calibrated: OK, or DEGRADED (exit code 6) and what moved, with its "
-      "significance, or CANNOT TELL (3) where a change by 1 % of the image "
-      "would not be found. An unchanged camera is called degraded less than "
-      "once in "
-      "100 times where 60 images or so have calibrated a model that follows "
-      "its lens: 6 to 9 of 1,000 were in simulations. Where 14 images have, it "
-      "is up to once in 50 times, and once in 14 where a parametric model does "
-      "not follow the lens; what the calibration's held-out images show beyond "
-      "its covariance is allowed for.",
+      "Check from a few images whether a calibration is still valid.",
       "raygrid check result/camera.yaml field/*.jpg", common);
   auto arguments = std::make_shared<CheckArguments>();
-  AddAtOption(command, common);
   command
       ->add_option("camera", arguments->camera,
-                   "camera.yaml, as calibrate wrote it")
+                   "camera.yaml written by calibrate, with its covariance")
       ->required();
   command->add_option("images", arguments->images,
-                      "images or folders, or the session of a capture");
-  command->add_option("--features", arguments->features,
-                      "features.csv instead of images");
+                      "images, folders or a capture session");
+  command
+      ->add_option("--features", arguments->features,
+                   "features.csv instead of images")
+      ->option_text("FILE");
+  BeginGroup(command, help_group::kModel);
+  AddAtOption(command, common);
   AddPatternOption(command, &arguments->pattern,
-                   "; default: pattern.yaml beside the camera");
+                   " (default: pattern.yaml beside the camera)");
   AddHugeOption(command);
   command->callback([arguments, common] { Run(*arguments, *common); });
 }

@@ -1,4 +1,5 @@
-/// Times, lens positions and temperatures of the images that calibrate is given.
+/// Times, lens positions and temperatures of the images that calibrate is
+/// given.
 #ifndef RAYGRID_TOOLS_CIRCUMSTANCES_H
 #define RAYGRID_TOOLS_CIRCUMSTANCES_H
 

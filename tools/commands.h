@@ -19,12 +19,14 @@ struct CommonOptions {
   uint64_t seed = 0;
   bool quiet = false;
   bool json = false;
-  bool yes = false;  ///< lengths that look like mistakes are meant
-  /// Of a camera that is a stack: the lens position, the temperature meant.
+  bool yes = false;  ///< accept unusual lengths without asking
+  /// Operating point: lens position and temperature.
   ConditionsAt at;
 };
 
-/// A command with the common options and an example in its help.
+/// A command with the common options and an example in its help. description:
+/// one sentence that fits into a line of raygrid --help. Options that are
+/// declared next are in the group Input.
 CLI::App* AddCommand(CLI::App* app, const std::string& name,
                      const std::string& description, const std::string& example,
                      CommonOptions* common);
@@ -32,10 +34,10 @@ CLI::App* AddCommand(CLI::App* app, const std::string& name,
 /// A check of a number: that it is finite and above 0.
 CLI::Validator AboveZero();
 
-/// The meaning of each exit code, for a help's end.
+/// The meaning of each exit code, for the end of raygrid --help.
 std::string ExitCodesHelp();
 
-/// --hold-out, names of images; help says what they are for.
+/// --hold-out, names of images; help is the description of the option.
 void AddHoldOut(CLI::App* command, const std::string& help,
                 std::vector<std::string>* names);
 

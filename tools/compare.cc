@@ -15,6 +15,7 @@
 #include "evaluation/model_difference.h"
 #include "evaluation/prediction_comparison.h"
 #include "evaluation/residual_statistics.h"
+#include "help_formatter.h"
 #include "pattern_input.h"
 #include "report/pictures.h"
 
@@ -280,32 +281,34 @@ void Run(const CompareArguments& arguments, const CommonOptions& common) {
 void AddCompare(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
       app, "compare",
-      "Difference of two cameras in pixels of the first, after the rotation "
-      "that brings them nearest: no calibration can tell its camera's rotation "
-      "from that of all poses. Unless both are central, they are compared at "
-      "--distance and infinitely far away (between, the error is a mean of the "
-      "two), after the best translation as well. With --features, images are "
-      "localised with each camera as it is, to tell which of the two predicts "
-      "features better; take images that neither was calibrated with.",
-      "raygrid compare today/camera.yaml last_year/camera.raygrid -o "
-      "difference/",
+      "Compare two cameras by their projection difference in pixels.",
+      "raygrid compare today/camera.yaml last_year/camera.yaml -o difference/",
       common);
   auto arguments = std::make_shared<CompareArguments>();
-  AddAtOption(command, common);
-  command->add_option("first", arguments->first, "camera.yaml or a blob")
+  command->add_option("first", arguments->first, "camera.yaml or blob")
       ->required();
-  command->add_option("second", arguments->second, "camera.yaml or a blob")
+  command->add_option("second", arguments->second, "camera.yaml or blob")
       ->required();
   command
+      ->add_option("--features", arguments->features,
+                   "features.csv of images that calibrated neither camera: "
+                   "report which camera predicts them better")
+      ->option_text("FILE");
+  BeginGroup(command, help_group::kModel);
+  AddAtOption(command, common);
+  command
       ->add_option("--distance", arguments->distance_m,
-                   "of what cameras that are not central see, metres")
+                   "distance at which non-central cameras are compared, "
+                   "besides infinity")
+      ->option_text("M")
       ->check(AboveZero())
       ->capture_default_str();
-  command->add_option("--features", arguments->features,
-                      "features.csv that both cameras predict");
   AddPatternOption(command, &arguments->pattern, "; with --features");
-  command->add_option("-o,--output", arguments->output,
-                      "folder for pictures and tables");
+  BeginGroup(command, help_group::kOutput);
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "folder for plots and tables")
+      ->option_text("DIR");
   command->callback([arguments, common] { Run(*arguments, *common); });
 }
 

@@ -152,29 +152,24 @@ std::map<std::string, ConditionValues> ReadExifValues(
 
 void AddConditionOptions(CLI::App* command, CalibrateArguments* arguments) {
   command
-      ->add_option(
-          "--vary-with", arguments->condition,
-          "calibrate over a range of it, the camera being a function "
-          "of it: lens_position (dioptres) or temperature (°C of the "
-          "sensor), or both. The values are those of a session's frames, of "
-          "--images-at, of --operating-points, or else those that images "
-          "have in their EXIF data: SubjectDistance, of which 1 / "
-          "metres is taken, or AmbientTemperature")
+      ->add_option("--vary-with", arguments->condition,
+                   "calibrate a camera model that varies with lens_position "
+                   "(dioptres), temperature (°C) or both, comma-separated")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember({"lens_position", "temperature"}));
+      ->check(CLI::IsMember({"lens_position", "temperature"}))
+      ->option_text("QUANTITY");
   command
       ->add_option("--images-at", arguments->cameras_at,
-                   "VALUE=FOLDER, once for each lens position or temperature "
-                   "that images were taken at, instead of images")
-      ->type_name("VALUE=FOLDER")
+                   "images taken at one value of --vary-with; repeatable, "
+                   "instead of IMAGES")
+      ->option_text("VALUE=DIR")
       ->allow_extra_args(false);
   command
       ->add_option("--operating-points", arguments->conditions,
-                   "CSV with the columns image, value: the lens position or "
-                   "temperature in each image; of both: image, "
-                   "lens_position, temperature")
-      ->type_name("FILE");
+                   "CSV image,value or image,lens_position,temperature for "
+                   "--vary-with (default: session or EXIF)")
+      ->option_text("FILE");
 }
 
 void RequireConditionOptions(const CalibrateArguments& arguments, bool is_rig) {

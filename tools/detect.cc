@@ -17,6 +17,7 @@
 #include "features/board_guess.h"
 #include "features/detection_pictures.h"
 #include "features/pattern_detector.h"
+#include "help_formatter.h"
 #include "pattern_input.h"
 #include "progress_bar.h"
 
@@ -210,18 +211,18 @@ void Run(const DetectArguments& arguments, const CommonOptions& common) {
 }
 
 void AddDetectionOptions(CLI::App* command, DetectArguments* arguments) {
+  BeginGroup(command, help_group::kAdvanced);
   command
       ->add_option("--refinement", arguments->detection.refinement,
-                   "how features get sub-pixel accurate: symmetry of "
-                   "intensities, gradients-xy or gradient-magnitude; "
-                   "corner-subpix; none")
+                   "sub-pixel refinement: intensities, gradients-xy or "
+                   "gradient-magnitude (symmetry), corner-subpix or none")
       ->transform(CLI::CheckedTransformer(kRefinements, CLI::ignore_case)
                       .description(""))
-      ->type_name("NAME")
+      ->option_text("NAME")
       ->default_str("intensities");
   command
       ->add_option("--window", arguments->detection.window_px,
-                   "side of the refinement's window in pixels, odd, 5 to 101")
+                   "side of the refinement window, odd, 5 to 101")
       ->check([](const std::string& text) {
         int value = 0;
         return CLI::detail::lexical_cast(text, value) && value >= 5 &&
@@ -229,19 +230,22 @@ void AddDetectionOptions(CLI::App* command, DetectArguments* arguments) {
                    ? std::string()
                    : text + " is not an odd number from 5 to 101";
       })
+      ->option_text("PX")
       ->capture_default_str();
-  command->add_option("--cache", arguments->cache,
-                      "folder that remembers what images showed (default: "
-                      "raygrid in $XDG_CACHE_HOME or ~/.cache)");
+  command
+      ->add_option("--cache", arguments->cache,
+                   "cache folder of detections (default: raygrid in "
+                   "$XDG_CACHE_HOME or ~/.cache)")
+      ->option_text("DIR");
   command->add_flag("--no-cache", arguments->no_cache,
-                    "detect every image anew, and remember nothing");
+                    "neither read nor write the cache");
 }
 
 }  // namespace
 
 void AddDetect(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      app, "detect", "Finds the pattern's features in images.",
+      app, "detect", "Detect target features with sub-pixel accuracy.",
       "raygrid detect photos/ --pattern pattern.yaml -o features.csv "
       "--overlay seen/",
       common);
@@ -250,11 +254,15 @@ void AddDetect(CLI::App* app, CommonOptions* common) {
       ->required();
   AddPatternOption(command, &arguments->pattern)->required();
   AddYes(command, common);
+  BeginGroup(command, help_group::kOutput);
   command->add_option("-o,--output", arguments->output, "features.csv to write")
+      ->option_text("FILE")
       ->required();
-  command->add_option("--overlay", arguments->overlay,
-                      "folder for images with the features drawn on them, and "
-                      "for coverage.png");
+  command
+      ->add_option("--overlay", arguments->overlay,
+                   "folder for images with the detected features, and "
+                   "coverage.png")
+      ->option_text("DIR");
   AddDetectionOptions(command, arguments.get());
   AddHugeOption(command);
   command->callback([arguments, common] { Run(*arguments, *common); });

@@ -15,6 +15,7 @@
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
 #include "evaluation/board_bodies.h"
+#include "help_formatter.h"
 #include "pattern_input.h"
 
 namespace raygrid {
@@ -237,33 +238,28 @@ void Run(const EvaluateArguments& arguments, const CommonOptions& common) {
 
 void AddEvaluate(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      app, "evaluate",
-      "Localises images with a camera as it is, and reports reprojection "
-      "errors. With a rig, each board is localised once for all cameras that "
-      "see it at one instant. Boards that pattern.yaml says are fixed to each "
-      "other, as calibrate writes it, are localised as one body; of a single "
-      "camera, a last line has these errors. A second line has the errors if "
-      "boards may bend from view to view, each by itself: half of a view's "
-      "features tell how its board stands and bends, the errors are those of "
-      "the other half.",
+      app, "evaluate", "Report reprojection errors with fixed intrinsics.",
       "raygrid evaluate camera.yaml --features held_out.csv --pattern "
       "result/pattern.yaml",
       common);
   auto arguments = std::make_shared<EvaluateArguments>();
-  AddAtOption(command, common);
   command
-      ->add_option("camera", arguments->camera,
-                   "camera.yaml, a blob, or rig.yaml")
+      ->add_option("camera", arguments->camera, "camera.yaml, blob or rig.yaml")
       ->required();
-  command->add_option("--features", arguments->features, "features.csv")
+  command
+      ->add_option("--features", arguments->features,
+                   "features.csv of the images to evaluate")
+      ->option_text("FILE")
       ->required();
+  BeginGroup(command, help_group::kModel);
+  AddAtOption(command, common);
   AddPatternOption(command, &arguments->pattern,
-                   ". The one that calibrate wrote has the board as it really "
-                   "is")
+                   "; use the estimated geometry that calibrate wrote")
       ->required();
+  BeginGroup(command, help_group::kTarget);
   command->add_flag("--independent-boards", arguments->boards_move,
-                    "each of several boards moves by itself, even if the "
-                    "pattern says that they are fixed to each other");
+                    "estimate a pose per board even if pattern.yaml declares "
+                    "the boards rigidly connected");
   command->callback([arguments, common] { Run(*arguments, *common); });
 }
 

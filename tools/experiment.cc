@@ -13,6 +13,7 @@
 #include "dataset/rig_file.h"
 #include "experiments/calibrated_cameras.h"
 #include "experiments/experiment_files.h"
+#include "help_formatter.h"
 #include "image_size_option.h"
 #include "pattern_input.h"
 #include "progress_bar.h"
@@ -246,93 +247,105 @@ void Run(const ExperimentArguments& arguments, const CommonOptions& common) {
 }  // namespace
 
 void AddExperiment(CLI::App* app, CommonOptions* common) {
-  CLI::App* command = AddCommand(
-      app, "experiment",
-      "Repeats one of the paper's experiments on simulated data, whose truth "
-      "is known, or on the user's own; writes its table as NAME.csv and "
-      "NAME.json, NAME.svg, and pictures.\n" +
-          ListOfExperiments(),
-      "raygrid experiment pattern-segments -o results/\n"
-      "  raygrid experiment localization --camera result/ -o results/\n"
-      "  raygrid experiment stereo-depth --rig rig_result/ -o results/",
-      common);
+  CLI::App* command =
+      AddCommand(app, "experiment",
+                 "Repeat an experiment of the paper on simulated or real data.",
+                 "raygrid experiment pattern-segments -o results/", common);
+  command->footer("Experiments:\n" + ListOfExperiments() + "\n" +
+                  command->get_footer());
   auto arguments = std::make_shared<ExperimentArguments>();
   ExperimentOptions& options = arguments->options;
-  command->add_option("name", arguments->name, "which experiment");
-  command->add_flag("--list", arguments->list, "print what there is");
-  command->add_option("-o,--output", arguments->output, "folder to write to");
+  command->add_option("name", arguments->name, "experiment, see below");
   command
-      ->add_option("--images", arguments->num_images,
-                   "number of images, of capture-guidance: of lenses "
-                   "(default: the experiment's own)")
-      ->check(CLI::Range(1, 10000));
-  command->add_option("--result", arguments->result,
-                      "folder that the user's own calibrate wrote");
-  command->add_option(
-      "--features", arguments->features,
-      "the user's own features.csv, instead of simulated ones; of "
-      "two cameras for stereo-depth, as calibrate's");
-  command->add_option("--image-size", arguments->image_size,
-                      "WxH, with --features");
-  AddPatternOption(command, &arguments->pattern, "; with --features");
-  AddHoldOut(command, "images to test with (default: every fifth)",
+      ->add_option("--result", arguments->result,
+                   "your calibration: output folder of calibrate")
+      ->option_text("DIR");
+  command
+      ->add_option("--features", arguments->features,
+                   "your features.csv instead of simulated features; of two "
+                   "cameras for stereo-depth")
+      ->option_text("FILE");
+  command
+      ->add_option("--image-size", arguments->image_size,
+                   "image size in px of --features")
+      ->option_text("WxH");
+  AddHoldOut(command, "test images (default: every fifth)",
              &arguments->hold_out);
   command
       ->add_option("--camera", arguments->cameras,
-                   "the user's own camera.yaml or blob, or a folder of "
-                   "calibrate; may be repeated: the last is taken for the "
-                   "truth, and parametric models are fitted to a single one")
+                   "your camera.yaml, blob or output folder of calibrate; "
+                   "repeatable, the last is the reference")
+      ->option_text("PATH")
       ->allow_extra_args(false);
   command
-      ->add_option("--rig", arguments->rigs,
-                   "the user's own rig.yaml of two cameras, or a folder of "
-                   "calibrate; may be repeated, as --camera")
+      ->add_option(
+          "--rig", arguments->rigs,
+          "your rig.yaml of two cameras, or output folder; repeatable, "
+          "the last is the reference")
+      ->option_text("PATH")
       ->allow_extra_args(false);
   command
       ->add_option("--image", arguments->images,
-                   "the user's own image, or a folder; may be repeated")
+                   "your image or folder; repeatable")
+      ->option_text("PATH")
       ->allow_extra_args(false);
   command
       ->add_option("--min-depth-m", arguments->nearest_m,
-                   "distance of the nearest thing that --image shows "
-                   "(default: ten times what is between the cameras)")
+                   "smallest depth in --image (default: ten baselines)")
+      ->option_text("M")
       ->check(AboveZero());
-  command->add_option("--colmap-model", arguments->walk,
-                      "folder of the user's own structure from motion: "
-                      "cameras.txt, images.txt and points3D.txt of COLMAP");
-  command
-      ->add_option("--trajectories", options.num_walks,
-                   "number of simulated walks of trajectory-drift")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  command->add_option(
-      "--size", arguments->size,
-      fmt::format(
-          "of images, WxH (default: 640x480; with --fine-distortion {}x{})",
-          kFineSize.width, kFineSize.height));
-  command->add_flag(
-      "--fine-distortion", options.fine,
-      fmt::format("model-validation in the paper's regime: lenses whose bumps "
-                  "are 20 to 60 px wide, {} images of star boards, cells of "
-                  "30, 20 and 10 px; takes half an hour",
-                  kFineImages));
-  command
-      ->add_option("--blur-px", options.blur_px,
-                   "the lens's blur, standard deviation")
-      ->check(CLI::Range(0.0, 50.0))
-      ->capture_default_str();
-  command
-      ->add_option("--read-noise", options.read_noise,
-                   "standard deviation, grey levels")
-      ->check(CLI::Range(0.0, 255.0))
-      ->capture_default_str();
   command
       ->add_option(
-          "--bump-px", arguments->bump_widths_px,
-          "with --fine-distortion: how wide a lens's bumps are at half their "
-          "height; may be repeated (default: 20, 40, 60)")
+          "--colmap-model", arguments->walk,
+          "your COLMAP text model: folder with cameras.txt, images.txt "
+          "and points3D.txt")
+      ->option_text("DIR");
+  AddPatternOption(command, &arguments->pattern, "; with --features");
+  BeginGroup(command, "Simulation");
+  command
+      ->add_option("--images", arguments->num_images,
+                   "number of images; capture-guidance: of cameras (default: "
+                   "set by the experiment)")
+      ->option_text("N")
+      ->check(CLI::Range(1, 10000));
+  command
+      ->add_option("--trajectories", options.num_walks,
+                   "trajectories of trajectory-drift")
+      ->option_text("N")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command
+      ->add_option("--size", arguments->size,
+                   fmt::format("image size in px (default: 640x480; {}x{} with "
+                               "--fine-distortion)",
+                               kFineSize.width, kFineSize.height))
+      ->option_text("WxH");
+  command->add_flag(
+      "--fine-distortion", options.fine,
+      fmt::format("model-validation with local distortion of 20 to 60 px, {} "
+                  "images and knot spacings of 30, 20 and 10 px (half an hour)",
+                  kFineImages));
+  command
+      ->add_option("--bump-px", arguments->bump_widths_px,
+                   "with --fine-distortion: width of the distortions at half "
+                   "maximum; repeatable (default: 20, 40, 60)")
+      ->option_text("PX")
       ->allow_extra_args(false)
       ->check(CLI::Range(5.0, 500.0));
+  command->add_option("--blur-px", options.blur_px, "optical blur, 1 σ")
+      ->option_text("PX")
+      ->check(CLI::Range(0.0, 50.0))
+      ->capture_default_str();
+  command->add_option("--read-noise", options.read_noise, "read noise, 1 σ")
+      ->option_text("LEVELS")
+      ->check(CLI::Range(0.0, 255.0))
+      ->capture_default_str();
+  BeginGroup(command, help_group::kOutput);
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "folder for tables (NAME.csv, NAME.json) and plots")
+      ->option_text("DIR");
+  command->add_flag("--list", arguments->list, "list the experiments");
   AddHugeOption(command);
   command->callback([arguments, common] { Run(*arguments, *common); });
 }

@@ -20,6 +20,7 @@
 #include "exchange/format.h"
 #include "exchange/table_format.h"
 #include "exchange/valid_region.h"
+#include "help_formatter.h"
 #include "packing/rectification.h"
 #include "packing/view_request.h"
 #include "pattern_input.h"
@@ -517,71 +518,68 @@ void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
 }  // namespace
 
 void AddExport(CLI::App* app, CommonOptions* common) {
-  CLI::App* command = AddCommand(
-      app, "export",
-      "A camera or a rig as another program's file. A camera that the format "
-      "has a model for, as a view, is written exactly. Of another one the "
-      "nearest lens is, and the error that it leaves at trusted pixels is "
-      "told and stored. Where the lens looks elsewhere, rigs turn with it. "
-      "Other "
-      "formats are made of a blob, which itself is the binary for flash, of a "
-      "view, as --rectified has it, of the rays of all pixels, of "
-      "poses.csv, or of features.csv. Meshes of hardware that dewarps tell how "
-      "far it is from the view.",
-      "raygrid export camera.yaml --to opencv -o calibration.yaml "
-      "--max-fit-error-px 0.5",
-      common);
+  CLI::App* command =
+      AddCommand(app, "export",
+                 "Convert cameras, views, poses or features for other tools.",
+                 "raygrid export camera.yaml --to opencv -o calibration.yaml "
+                 "--max-fit-error-px 0.5",
+                 common);
+  command->footer("Formats of --to (--list describes them):\n" +
+                  WrapText(WrittenFormatNames(), 2) + "\n" +
+                  command->get_footer());
   auto arguments = std::make_shared<ExportArguments>();
-  AddAtOption(command, common);
-  command->add_option(
-      "camera", arguments->input,
-      "camera.yaml, rig.yaml, rectified.yaml, a blob or another "
-      "program's camera; of trajectories poses.csv, of datasets "
-      "features.csv");
-  command->add_option("--to", arguments->format,
-                      "the format: " + WrittenFormatNames());
-  command->add_option(
-      "-o,--output", arguments->output,
-      "file to write, or the name that several begin with; of a "
-      "rig in a format that has one camera a file, a folder");
-  command->add_option("--model", arguments->model,
-                      "one of the format's models, or of raygrid's that it has "
-                      "(default: that of the fewest coefficients, unless "
-                      "others leave 2 % less)");
+  command->add_option("camera", arguments->input,
+                      "camera.yaml, rig.yaml, rectified.yaml, blob, another "
+                      "tool's camera, poses.csv or features.csv");
   command
-      ->add_option(
-          "--max-fit-error-px", arguments->max_fit_error_px,
-          "pixels; write nothing if a trusted pixel, or of a mesh any, "
-          "is farther off")
-      ->check(CLI::NonNegativeNumber);
-  command->add_flag("--rectified", arguments->rectified,
-                    "the view of undistorted images: of a blob that of its "
-                    "table, else as calibrate packs it, or as the options "
-                    "below say");
-  command->add_option("--poses", arguments->poses,
-                      "poses.csv of the camera or rig, for formats that have "
-                      "poses of boards");
-  AddViewOptions(command, &arguments->view);
-  command
-      ->add_option("--address", arguments->address,
-                   "where in flash the blob is to lie, for formats that say it")
-      ->option_text("0x08080000");
-  command->add_flag("--inverse", arguments->is_reverse,
-                    "of a view's maps: the other direction, from pictures of "
-                    "the view to images of the camera");
-  command
-      ->add_option("--stride", arguments->every,
-                   "of rays: the first of so many columns and rows, and the "
-                   "last of all (default: 1); of meshes: the pixels from one "
-                   "vertex to the next (default: 16, of vpi 1)")
-      ->option_text("N");
-  AddPatternOption(command, &arguments->pattern, "; that of features.csv");
+      ->add_option("--poses", arguments->poses,
+                   "poses.csv to write with the camera, for formats that hold "
+                   "target poses")
+      ->option_text("FILE");
   command
       ->add_option("--image-size", arguments->image_sizes,
-                   "of features.csv: that of the images; of a rig's camera "
-                   "NAME=WxH, if they differ")
+                   "image size in px of features.csv; NAME=WxH for a camera "
+                   "of a rig")
       ->option_text("WxH");
-  command->add_flag("--list", arguments->lists, "list the formats");
+  BeginGroup(command, help_group::kModel);
+  AddAtOption(command, common);
+  command
+      ->add_option("--model", arguments->model,
+                   "camera model of the format (default: the one with fewest "
+                   "coefficients whose error is within 2 % of the best)")
+      ->option_text("NAME");
+  command
+      ->add_option("--max-fit-error-px", arguments->max_fit_error_px,
+                   "write nothing if the largest fit error in the valid region "
+                   "exceeds this (default: no limit)")
+      ->option_text("PX")
+      ->check(CLI::NonNegativeNumber);
+  AddPatternOption(command, &arguments->pattern, "; for features.csv");
+  BeginGroup(command, help_group::kView);
+  command->add_flag("--rectified", arguments->rectified,
+                    "export the camera of undistorted images: the blob's "
+                    "view, or the one the options below describe");
+  AddViewOptions(command, &arguments->view);
+  command->add_flag(
+      "--inverse", arguments->is_reverse,
+      "export the inverse map, which distorts images of the view");
+  command
+      ->add_option("--stride", arguments->every,
+                   "rays: sample every N pixels (default: 1); meshes: vertex "
+                   "spacing in px (default: 16, vpi 1)")
+      ->option_text("N");
+  BeginGroup(command, help_group::kOutput);
+  command->add_option("--to", arguments->format, "format to write, see below")
+      ->option_text("FORMAT");
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "file, common prefix of several files, or folder for a rig")
+      ->option_text("PATH");
+  command
+      ->add_option("--address", arguments->address,
+                   "flash address of the blob, for hex such as 0x08080000")
+      ->option_text("ADDRESS");
+  command->add_flag("--list", arguments->lists, "list all formats");
   command->callback([arguments, common] { RunExport(*arguments, *common); });
 }
 

@@ -14,6 +14,7 @@
 #include "dataset/files.h"
 #include "evaluation/model_difference.h"
 #include "evaluation/residual_statistics.h"
+#include "help_formatter.h"
 
 namespace raygrid {
 namespace {
@@ -199,27 +200,26 @@ void Run(const FitArguments& arguments, const CommonOptions& common) {
 
 void AddFit(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      app, "fit",
-      "The parametric model nearest to a camera, for programs that know no "
-      "other, and the error that it leaves. Where a rotation leaves at least "
-      "2 % less, the model looks elsewhere, and poses turn with it: --json has "
-      "the rotation. splined-stereographic, which mrcal knows, follows any "
-      "central camera, and is not turned.",
+      app, "fit", "Fit a parametric camera model to a calibrated camera.",
       "raygrid fit camera.yaml --model opencv -o opencv.yaml", common);
   auto arguments = std::make_shared<FitArguments>();
-  AddAtOption(command, common);
   command
       ->add_option("camera", arguments->camera,
-                   "camera.yaml, a blob, or another program's camera")
+                   "camera.yaml, blob or another tool's camera file")
       ->required();
-  command->add_option("--model", arguments->model, NamesOfModels())->required();
+  BeginGroup(command, help_group::kModel);
+  command->add_option("--model", arguments->model, NamesOfModels())
+      ->option_text("NAME")
+      ->required();
   command
       ->add_option("--spline", arguments->spline,
-                   "of splined-stereographic: its control points, and the "
-                   "angle across that they cover (default: the fewest that "
-                   "leave 0.005 px, and all that the camera sees)")
-      ->option_text("COLUMNSxROWS[,fov=DEGREES]");
+                   "control points and field of view of splined-stereographic "
+                   "(default: fewest that fit to 0.005 px)")
+      ->option_text("NxM[,fov=DEG]");
+  AddAtOption(command, common);
+  BeginGroup(command, help_group::kOutput);
   command->add_option("-o,--output", arguments->output, "camera.yaml to write")
+      ->option_text("FILE")
       ->required();
   command->callback([arguments, common] { Run(*arguments, *common); });
 }

@@ -17,6 +17,7 @@
 #include "exchange/count_text.h"
 #include "exchange/format.h"
 #include "exchange/table_format.h"
+#include "help_formatter.h"
 #include "image_size_option.h"
 #include "import_arguments.h"
 #include "table_import.h"
@@ -429,50 +430,45 @@ void RunImport(ImportArguments arguments, const CommonOptions& common) {
 
 void AddImport(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      app, "import",
-      "Another program's camera or rig as a camera.yaml or rig.yaml, exactly."
-      " Other commands take such files as they are, too, if they have one "
-      "camera. Files of a camera each are a rig if they have the poses, or R "
-      "and P as those of a stereo pair do; so is a file of two cameras with "
-      "that of their R and T. Keys of a camera that are not known are named. "
-      "Tables of rays become the grid "
-      "that leaves little of them, and so does an STMap with the words of the"
-      " view that it was exported with. Corners of mrcal and OpenCV become "
-      "features.csv for calibrate --features, a target of Kalibr or a "
-      "pattern of puzzlepaint becomes pattern.yaml, a trajectory of TUM "
-      "poses.csv, a dataset of puzzlepaint "
-      "features.csv and pattern.yaml. 'raygrid export --list' names the "
-      "formats.",
+      app, "import", "Convert another tool's calibration to raygrid files.",
       "raygrid import calibration.xml -o camera.yaml", common);
   auto arguments = std::make_shared<ImportArguments>();
   command
       ->add_option("files", arguments->files,
-                   "another program's file, the files of a rig's cameras, or "
-                   "the folder of COLMAP's model or puzzlepaint's state")
+                   "another tool's files, or the folder of a COLMAP model; "
+                   "raygrid export --list names the formats")
       ->required();
   command
-      ->add_option("-o,--output", arguments->output,
-                   "camera.yaml; of a rig rig.yaml, beside which NAME/"
-                   "camera.yaml are; of other files with several cameras a "
-                   "folder; features.csv or poses.csv, for what a camera was "
-                   "calibrated with; pattern.yaml of boards")
-      ->required();
-  command->add_option("--from", arguments->from,
-                      "the format, where the file does not show it");
-  command->add_option("--model", arguments->model,
-                      "the distortion model, where the file does not tell; of "
-                      "rays central-generic or noncentral-generic");
-  command->add_option("--image-size", arguments->image_size,
-                      "WxH, where the file does not tell; of an STMap that of "
-                      "the camera's images");
-  command->add_option("--board-size", arguments->board,
-                      "COLUMNSxROWS of a board's corners, where the file does "
-                      "not tell, as mrcal's corners.vnl, or image_points of "
-                      "OpenCV without board_width");
+      ->add_option("--from", arguments->from,
+                   "format, if the file does not identify it")
+      ->option_text("FORMAT");
+  command
+      ->add_option("--image-size", arguments->image_size,
+                   "image size in px, if the file does not state it")
+      ->option_text("WxH");
   command->add_flag("--inverse", arguments->is_reverse,
-                    "of an STMap: its pixels are those of the camera, and show "
-                    "places in the view");
+                    "the STMap is an inverse map, from pixels of the camera to "
+                    "the view");
+  BeginGroup(command, help_group::kModel);
+  command
+      ->add_option("--model", arguments->model,
+                   "distortion model, if the file does not state it; for ray "
+                   "tables central-generic or noncentral-generic")
+      ->option_text("NAME");
+  BeginGroup(command, help_group::kTarget);
+  command
+      ->add_option("--board-size", arguments->board,
+                   "inner corners, if the file does not state them (mrcal "
+                   "corners.vnl, OpenCV image_points)")
+      ->option_text("COLUMNSxROWS");
   AddViewOptions(command, &arguments->view);
+  BeginGroup(command, help_group::kOutput);
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "camera.yaml, rig.yaml (cameras go to NAME/camera.yaml), "
+                   "features.csv, poses.csv, pattern.yaml, or a folder")
+      ->option_text("PATH")
+      ->required();
   command->callback([arguments, common] { RunImport(*arguments, *common); });
 }
 

@@ -519,23 +519,22 @@ void Inspect(const std::string& path, const std::optional<uint64_t>& slot_size,
 }  // namespace
 
 void AddInspect(CLI::App* app, CommonOptions* common) {
-  CLI::App* command = AddCommand(
-      app, "inspect",
-      "Says what a blob, camera, rig, pattern or features file holds; "
-      "verifies blobs.",
-      "raygrid inspect front.raygrid", common);
+  CLI::App* command =
+      AddCommand(app, "inspect", "Describe a raygrid file, and verify blobs.",
+                 "raygrid inspect front.raygrid", common);
   auto path = std::make_shared<std::string>();
   command
       ->add_option("file", *path,
-                   "file, block device with the slots of raygrid update, or a "
-                   "board in a word, as chessboard:9x6:25mm")
+                   "blob, camera, rig, pattern or features file, flash slots, "
+                   "or a target specification such as chessboard:9x6:25mm")
       ->required();
   auto slot_size = std::make_shared<std::optional<uint64_t>>();
   command
       ->add_option("--slot-size", *slot_size,
-                   "bytes of one slot of a block device, such as 64K or 1M")
+                   "size of a slot of a block device, such as 64K or 1M")
       ->transform(CLI::AsSizeValue(false))
-      ->check(CLI::Range(uint64_t{8}, uint64_t{1} << 30));
+      ->check(CLI::Range(uint64_t{8}, uint64_t{1} << 30))
+      ->option_text("BYTES");
   command->callback(
       [path, slot_size, common] { Inspect(*path, *slot_size, *common); });
 }

@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <new>
 #include <numeric>
 #include <string>
@@ -19,6 +20,7 @@
 #include "dataset/freed_memory.h"
 #include "dataset/image_header.h"
 #include "dataset/text_encoding.h"
+#include "help_formatter.h"
 #include "renamed_options.h"
 
 namespace raygrid {
@@ -34,19 +36,35 @@ CLI::Validator AboveZero() {
       "POSITIVE");
 }
 
+// An example that is too long for a line goes on in the next one.
+std::string ExampleLines(const std::string& example) {
+  constexpr size_t kMaxWidth = 76;  // without the backslash
+  if (example.size() <= kMaxWidth + 2) return "  " + example;
+  const size_t space = example.rfind(" -", kMaxWidth);
+  return "  " + example.substr(0, space) + " \\\n    " +
+         example.substr(space + 1);
+}
+
 CLI::App* AddCommand(CLI::App* app, const std::string& name,
                      const std::string& description, const std::string& example,
                      CommonOptions* common) {
   CLI::App* command = app->add_subcommand(name, description);
-  command->footer("Example:\n  " + example + "\n\n" + ExitCodesHelp());
+  command->footer("Example:\n" + ExampleLines(example));
+  command->get_help_ptr()
+      ->description("print this help")
+      ->group(help_group::kAdvanced);
+  BeginGroup(command, help_group::kAdvanced);
   command
-      ->add_option("--threads", common->threads, "threads; 0 means all cores")
+      ->add_option("--threads", common->threads,
+                   "number of threads; 0: one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  command->add_option("--seed", common->seed, "seed of random choices")
+  command->add_option("--seed", common->seed, "random seed")
       ->capture_default_str();
   command->add_flag("--quiet", common->quiet, "print errors only");
-  command->add_flag("--json", common->json, "print the result as JSON");
+  command->add_flag("--json", common->json,
+                    "print the result as JSON on standard output");
+  BeginGroup(command, help_group::kInput);
   return command;
 }
 
@@ -64,10 +82,8 @@ void AddHoldOut(CLI::App* command, const std::string& help,
               throw Error(ExitCode::kUsage, error.what());
             }
           },
-          help +
-              "; one name, or several with commas between them, where names "
-              "with commas of their own are in quotes: '\"a,b.png\",c.png'")
-      ->type_name("NAMES");
+          help + "; comma-separated, quote names that contain commas")
+      ->option_text("NAME,...");
 }
 
 void AddAtOption(CLI::App* command, CommonOptions* common) {
@@ -77,16 +93,17 @@ void AddAtOption(CLI::App* command, CommonOptions* common) {
           [common](const std::string& text) {
             common->at = ParseConditionsAt(text);
           },
-          "the lens position (dioptres) or temperature (°C) of a camera that "
-          "was calibrated over a range of it; of one that was over both: "
-          "lens_position=VALUE,temperature=VALUE. Default: the middle")
-      ->type_name("VALUE");
+          "operating point: focus in dioptres or temperature in °C; of both: "
+          "lens_position=V,temperature=V (default: centre of the range)")
+      ->option_text("VALUE");
 }
 
 void AddHugeOption(CLI::App* command) {
-  command->add_flag_callback(
-      "--allow-huge-images", AllowHugeImages,
-      fmt::format("take images of more than {} pixels a side", kMaxSidePx));
+  command
+      ->add_flag_callback(
+          "--allow-huge-images", AllowHugeImages,
+          fmt::format("accept images wider or higher than {} px", kMaxSidePx))
+      ->group(help_group::kAdvanced);
 }
 
 namespace {
@@ -200,39 +217,60 @@ int FailToPrint() {
 
 int Run(int argc, char** argv) {
   CLI::App app(
-      "Camera calibration with generic models, and blobs for the "
-      "board that undistorts");
+      "Camera calibration with B-spline generic models, undistortion on the "
+      "device.");
   app.name("raygrid");
-  app.set_version_flag("--version", "raygrid " RAYGRID_VERSION);
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.get_help_ptr()->description("print this help");
+  app.set_version_flag("--version", "raygrid " RAYGRID_VERSION,
+                       "print the version");
   app.require_subcommand(1);
-  app.footer("raygrid COMMAND --help explains a command.\n\n" +
-             ExitCodesHelp());
+  app.footer(
+      "raygrid COMMAND --help explains a command; tools/README.md and the "
+      "manual\npages have more.\n\n" +
+      ExitCodesHelp());
   CommonOptions common;
+  // The commands that are added next are listed under this title.
+  std::vector<const CLI::App*> listed;
+  const auto list_under = [&app, &listed](const char* title) {
+    for (CLI::App* command : app.get_subcommands({})) {
+      if (std::find(listed.begin(), listed.end(), command) != listed.end())
+        continue;
+      command->group(title);
+      listed.push_back(command);
+    }
+  };
   AddPattern(&app, &common);
+  AddDetect(&app, &common);
+  list_under("Targets");
 #if RAYGRID_HAS_CAPTURE
   AddCapture(&app);
 #endif
-  AddDetect(&app, &common);
   AddCalibrate(&app, &common);
   AddBatch(&app, &common);
   AddCheck(&app, &common);
-  AddCompare(&app, &common);
+  list_under("Calibrate");
   AddEvaluate(&app, &common);
+  AddCompare(&app, &common);
+  AddInspect(&app, &common);
   AddReport(&app, &common);
+  AddView(&app, &common);
+  AddProject(&app, &common);
+  AddUnproject(&app, &common);
+  list_under("Inspect");
+  AddPack(&app, &common);
+  AddUndistort(&app, &common);
+  AddRectify(&app, &common);
+  AddUpdate(&app, &common);
+  list_under("Deploy");
   AddFit(&app, &common);
   AddExport(&app, &common);
   AddImport(&app, &common);
-  AddPack(&app, &common);
-  AddUpdate(&app, &common);
-  AddRectify(&app, &common);
-  AddInspect(&app, &common);
-  AddView(&app, &common);
-  AddUndistort(&app, &common);
-  AddUnproject(&app, &common);
-  AddProject(&app, &common);
+  list_under("Exchange");
 #if RAYGRID_HAS_EXPERIMENTS
   AddSimulate(&app, &common);
   AddExperiment(&app, &common);
+  list_under("Research");
 #endif
   RefuseValuesThatAreNone(&app);
   if (argc > 1 && argv[1][0] != '-') RequireCommand(app, argv[1]);

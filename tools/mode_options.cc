@@ -15,6 +15,12 @@
 
 namespace raygrid {
 
+const char kModeSyntaxHelp[] =
+    "Sensor modes, NAME: and any of these, separated by commas:\n"
+    "  crop=X,Y,W,H                   read-out region in calibrated pixels\n"
+    "  bin=N or scale=S or size=WxH   binning, or scale of the frames\n"
+    "  flip=h|v|hv, rotate=180\n";
+
 const char kModeWordsHelp[] =
     "NAME:WORDS, with commas between: crop=X,Y,W,H (the calibrated pixels that "
     "its frames show), bin=N (N x N of them in one), scale=S (0.5: half as "

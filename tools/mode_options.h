@@ -10,6 +10,8 @@ namespace raygrid {
 
 /// The help for the words of a mode.
 extern const char kModeWordsHelp[];
+/// The syntax of pack --mode, a block of help.
+extern const char kModeSyntaxHelp[];
 
 /// "half:bin=2", "roi:crop=320,180,640,360,flip=h": a name, up to the last
 /// colon, and how the mode's frames lie in those of calibrated_size. Throws

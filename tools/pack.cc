@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "help_formatter.h"
 #include "mode_options.h"
 #include "packing/regular_region.h"
 #include "view_options.h"
@@ -225,55 +226,53 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
 
 void AddPack(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      app, "pack", "Packs a camera into a blob for the board.",
-      "raygrid pack camera.yaml -o front.raygrid --remap 640x480,hfov=60 "
-      "--serial 0042",
+      app, "pack", "Pack a camera into a blob for the embedded runtime.",
+      "raygrid pack camera.yaml -o front.raygrid --remap 640x480,hfov=60",
       common);
+  command->footer(std::string(kViewSyntaxHelp) + kModeSyntaxHelp +
+                  kCaptureSyntaxHelp + "\n" + command->get_footer());
   auto arguments = std::make_shared<PackArguments>();
-  AddAtOption(command, common);
   command->add_option("camera", arguments->camera, "camera.yaml")->required();
-  command->add_option("-o,--output", arguments->output, "blob to write")
-      ->required();
+  BeginGroup(command, help_group::kModel);
+  AddAtOption(command, common);
+  command->add_flag("--grid-32bit", arguments->wide_grid,
+                    "store 32-bit control points: twice the size, unprojection "
+                    "in 3/4 of the time on microcontrollers");
+  BeginGroup(command, help_group::kView);
   command
-      ->add_option(
-          "--remap", arguments->remaps,
-          std::string("add an undistortion table of a view: WxH, and after "
-                      "commas ") +
-              kViewWordsHelp + ", " + kTableWordsHelp +
-              ". Give the option once for each table; programs choose one by "
-              "its number. "
-              "Beside the blob, NAME.camera.yaml is the view as a camera")
+      ->add_option("--remap", arguments->remaps,
+                   "add a remap table for this view; repeatable. The view is "
+                   "also written as NAME.camera.yaml")
+      ->option_text("WxH[,WORD=VALUE...]")
       ->allow_extra_args(false);
   command
       ->add_option("--mode", arguments->modes,
-                   std::string("add a table of each view for frames of another "
-                               "sensor mode: ") +
-                       kModeWordsHelp)
+                   "add tables of all views for frames of another sensor "
+                   "mode; repeatable")
+      ->option_text("NAME:WORD=VALUE,...")
       ->allow_extra_args(false);
   command
-      ->add_option(
-          "--max-error-px", arguments->max_error_px,
-          "geometric error that the tables may have; chroma's own is printed. "
-          "If it is given, no table is off by more, and no ray, which is off "
-          "by 0.002 px at most where that can be had")
+      ->add_option("--max-error-px", arguments->max_error_px,
+                   "largest error of a remap table; if given, also a hard "
+                   "limit for every table and ray")
+      ->option_text("PX")
       ->check(AboveZero())
       ->capture_default_str();
   AddOutsideOption(command, &arguments->outside);
-  command->add_flag(
-      "--grid-32bit", arguments->wide_grid,
-      "control points of 32 bits even where 16 are exact enough: a grid of "
-      "twice the size, un-projected in three quarters of the time by "
-      "microcontrollers");
-  command->add_option("--name", arguments->name, "camera's name in the blob");
-  command->add_option("--serial", arguments->serial,
-                      "camera's serial number in the blob");
+  BeginGroup(command, help_group::kOutput);
+  command->add_option("-o,--output", arguments->output, "blob to write")
+      ->option_text("FILE")
+      ->required();
+  command->add_option("--name", arguments->name, "camera name in the blob")
+      ->option_text("NAME");
+  command
+      ->add_option("--serial", arguments->serial, "serial number in the blob")
+      ->option_text("SERIAL");
   command
       ->add_option("--capture-settings", arguments->capture,
-                   std::string("how the camera stood while it was calibrated, "
-                               "which raygrid-camera compares frames with: ") +
-                       kCaptureWordsHelp +
-                       ", with commas between; or none. What is not said is "
-                       "camera.yaml's")
+                   "settings during calibration, to compare frames with; none: "
+                   "do not compare (default: camera.yaml's)")
+      ->option_text("WORD=VALUE,...")
       ->allow_extra_args(false);
   AddHugeOption(command);
   command->callback([arguments, command, common] {

@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "help_formatter.h"
 #include "pattern_input.h"
 #include "target/board_on_screen.h"
 #include "target/board_sheet.h"
@@ -150,31 +151,42 @@ void WriteForPrint(const std::vector<Board>& boards,
 }
 
 void AddOutputOptions(CLI::App* command, OutputOptions* options) {
+  BeginGroup(command, help_group::kOutput);
   command->add_option("--page", options->page, "A4, A3, letter or WxHmm")
+      ->option_text("SIZE")
       ->capture_default_str();
-  command->add_option("--dpi", options->dpi,
-                      "resolution of the PNG, 300 if not given; of the screen");
-  CLI::Option* const screen = command->add_option(
-      "--screen", options->screen,
-      "WIDTHxHEIGHT in pixels: only a PNG for this monitor. With its --dpi, "
-      "squares are as large as asked for, but for whole pixels; without, as "
-      "large as fits, and lengths as given: measure them on the screen");
+  command
+      ->add_option("--dpi", options->dpi,
+                   "resolution of pattern.png (default: 300), or of --screen")
+      ->option_text("DPI");
+  CLI::Option* const screen =
+      command
+          ->add_option("--screen", options->screen,
+                       "write only a PNG for a monitor of this size in px; "
+                       "without --dpi, squares are as large as fit: measure "
+                       "them on the screen")
+          ->option_text("WxH");
   command
       ->add_option("--square-px", options->square_px,
-                   "side of a square on the screen in pixels (of an AprilGrid: "
-                   "of a tag), instead")
+                   "with --screen: side of a square (AprilGrid: of a tag)")
+      ->option_text("PX")
       ->needs(screen)
       ->check(CLI::Range(4, 32767));
-  CLI::Option* const x = command->add_option(
-      "--measured-x-mm", options->measured_x_mm,
-      "how long the ruler below the board really is on the print. All other "
-      "options as before: pattern.yaml then holds the board as printed");
+  CLI::Option* const x =
+      command
+          ->add_option("--measured-x-mm", options->measured_x_mm,
+                       "length of the printed ruler below the board; corrects "
+                       "pattern.yaml for the printer's scale")
+          ->option_text("MM");
   CLI::Option* const y =
-      command->add_option("--measured-y-mm", options->measured_y_mm,
-                          "likewise the ruler beside the board");
+      command
+          ->add_option("--measured-y-mm", options->measured_y_mm,
+                       "the same for the ruler beside the board")
+          ->option_text("MM");
   x->needs(y)->excludes(screen)->check(AboveZero());
   y->needs(x)->check(AboveZero());
-  command->add_option("-o,--output", options->output, "folder to write to")
+  command->add_option("-o,--output", options->output, "output folder")
+      ->option_text("DIR")
       ->required();
 }
 
@@ -201,23 +213,29 @@ void Finish(CLI::App* command, const MakeBoards& make_boards,
 void AddNumBoards(CLI::App* command, int* num_boards) {
   command
       ->add_option("--boards", *num_boards,
-                   "boards with different markers, to be seen together")
+                   "number of boards with distinct markers")
+      ->option_text("N")
       ->capture_default_str();
 }
 
 void AddSize(CLI::App* command, const std::string& what, int* columns,
              int* rows, double* square_mm) {
-  command->add_option("--columns", *columns, what + " across")->required();
-  command->add_option("--rows", *rows, what + " down")->required();
+  BeginGroup(command, help_group::kTarget);
+  command->add_option("--columns", *columns, what + " per row")
+      ->option_text("N")
+      ->required();
+  command->add_option("--rows", *rows, what + " per column")
+      ->option_text("N")
+      ->required();
   command->add_option("--square-mm", *square_mm, "side of a square")
+      ->option_text("MM")
       ->required();
 }
 
 void AddStar(CLI::App* pattern, CommonOptions* common) {
   CLI::App* command = AddCommand(
       pattern, "star",
-      "Stars around every feature, and an AprilTag: for generic models. "
-      "16 segments suit most cameras, fewer suit blurred or small images.",
+      "Star pattern with an AprilTag, made for generic camera models.",
       "raygrid pattern star --columns 16 --rows 23 --square-mm 11 -o board/",
       common);
   const auto options = std::make_shared<StarBoardOptions>();
@@ -225,19 +243,24 @@ void AddStar(CLI::App* pattern, CommonOptions* common) {
           &options->square_mm);
   command
       ->add_option("--segments", options->segments,
-                   "of a star, black and white: even, 4 to 32")
+                   "segments of a star, even, 4 to 32; use fewer for blurred "
+                   "or small images")
+      ->option_text("N")
       ->capture_default_str();
   command
       ->add_option("--tag-id", options->tag_id,
-                   "number of the first tag (tag36h11)")
+                   "ID of the first tag (tag36h11)")
+      ->option_text("N")
       ->capture_default_str();
   command
       ->add_option("--tags", options->num_tags,
-                   "tags on each board: more help if parts are seen only")
+                   "tags per board; more allow partial views")
+      ->option_text("N")
       ->capture_default_str();
   command
       ->add_option("--tag-squares", options->tag_squares,
-                   "side of a tag in squares; default: about 40 mm")
+                   "side of a tag in squares (default: about 40 mm)")
+      ->option_text("N")
       ->check(AboveZero());
   AddNumBoards(command, &options->num_boards);
   Finish(
@@ -258,7 +281,7 @@ void SayIfSymmetric(const Board& board) {
 
 void AddChessboard(CLI::App* pattern, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      pattern, "chessboard", "A chessboard, with rulers to check the print.",
+      pattern, "chessboard", "Chessboard.",
       "raygrid pattern chessboard --columns 9 --rows 6 --square-mm 25 -o "
       "board/",
       common);
@@ -277,7 +300,7 @@ void AddChessboard(CLI::App* pattern, CommonOptions* common) {
 
 void AddCharuco(CLI::App* pattern, CommonOptions* common) {
   CLI::App* command =
-      AddCommand(pattern, "charuco", "A ChArUco board as OpenCV draws it.",
+      AddCommand(pattern, "charuco", "ChArUco board in OpenCV's layout.",
                  "raygrid pattern charuco --columns 8 --rows 5 --square-mm 28 "
                  "--marker-mm 21 -o board/",
                  common);
@@ -287,19 +310,21 @@ void AddCharuco(CLI::App* pattern, CommonOptions* common) {
   board->dictionary = "DICT_4X4_50";
   AddSize(command, "inner corners", &board->columns, &board->rows,
           square_mm.get());
-  command
-      ->add_option("--marker-mm", *marker_mm, "side of a marker's black square")
+  command->add_option("--marker-mm", *marker_mm, "side of a marker")
+      ->option_text("MM")
       ->required();
   command
       ->add_option("--dictionary", board->dictionary,
-                   "of the markers, as OpenCV names it")
+                   "OpenCV's name of the marker dictionary")
+      ->option_text("NAME")
       ->capture_default_str();
   command
       ->add_option("--first-marker", board->first_marker,
-                   "number of the first marker")
+                   "ID of the first marker")
+      ->option_text("N")
       ->capture_default_str();
   command->add_flag("--legacy", board->is_legacy,
-                    "markers where OpenCV put them before 4.6");
+                    "layout of OpenCV before 4.6 (legacy pattern)");
   const auto num_boards = std::make_shared<int>(1);
   AddNumBoards(command, num_boards.get());
   const auto make_boards = [board, square_mm, marker_mm, num_boards] {
@@ -320,8 +345,7 @@ struct PlainTags {
 void AddAprilGrid(CLI::App* pattern, CommonOptions* common) {
   CLI::App* command = AddCommand(
       pattern, "aprilgrid",
-      "An AprilGrid as Kalibr draws it, or a grid of tags on white paper. "
-      "Prefer Kalibr's: ink that spreads moves corners on white paper.",
+      "AprilGrid in Kalibr's layout, or a grid of separate tags.",
       "raygrid pattern aprilgrid --tag-columns 6 --tag-rows 6 --tag-mm 24 -o "
       "board/",
       common);
@@ -329,41 +353,49 @@ void AddAprilGrid(CLI::App* pattern, CommonOptions* common) {
   const auto tag_mm = std::make_shared<double>();
   board->tag_family = "tag36h11";
   board->spacing_ratio = 0.3;
-  command->add_option("--tag-columns", board->columns, "tags across")
+  BeginGroup(command, help_group::kTarget);
+  command->add_option("--tag-columns", board->columns, "tags per row")
+      ->option_text("N")
       ->required()
       ->check(CLI::Range(1, 500));
-  command->add_option("--tag-rows", board->rows, "tags down")
+  command->add_option("--tag-rows", board->rows, "tags per column")
+      ->option_text("N")
       ->required()
       ->check(CLI::Range(1, 500));
   command->add_option("--tag-mm", *tag_mm, "side of a tag's black square")
+      ->option_text("MM")
       ->required();
   command
       ->add_option("--spacing-ratio", board->spacing_ratio,
-                   "gap between tags / side of a tag")
+                   "gap between tags divided by their side")
+      ->option_text("RATIO")
       ->capture_default_str();
   command
       ->add_option("--family", board->tag_family,
-                   "of the tags: tag36h11, tag25h9 or tag16h5; without corner "
-                   "squares also a dictionary of OpenCV's, as DICT_4X4_50")
+                   "tag36h11, tag25h9 or tag16h5; with --no-squares also "
+                   "OpenCV dictionaries such as DICT_4X4_50")
+      ->option_text("NAME")
       ->capture_default_str();
   const auto tags = std::make_shared<PlainTags>();
   command->add_flag(
       "--no-squares", tags->has_no_squares,
-      "no black squares at the tags' corners: AprilTag's mosaics, "
-      "OpenCV's GridBoard");
+      "no black squares between tags, as in AprilTag mosaics and OpenCV's "
+      "GridBoard");
   command
       ->add_option("--border-cells", tags->border_cells,
-                   "width of a tag's black border: 1 or 2; default: 2, with "
-                   "--no-squares 1")
+                   "width of a tag's black border, 1 or 2 cells (default: 2; "
+                   "1 with --no-squares)")
+      ->option_text("N")
       ->check(CLI::Range(1, 2));
   command
       ->add_option("--numbered-from", tags->numbered_from,
-                   "the row of the first tags: top or bottom; default: bottom, "
-                   "with --no-squares top")
+                   "row of the first tag (default: bottom; top with "
+                   "--no-squares)")
       ->check(CLI::IsMember({"top", "bottom"}));
   command
       ->add_option("--first-marker", board->first_marker,
-                   "number of the first tag, at the left")
+                   "ID of the first tag, at the left")
+      ->option_text("N")
       ->capture_default_str();
   const auto num_boards = std::make_shared<int>(1);
   AddNumBoards(command, num_boards.get());
@@ -386,30 +418,32 @@ void AddAprilGrid(CLI::App* pattern, CommonOptions* common) {
 
 void AddPattern(CLI::App* app, CommonOptions* common) {
   CLI::App* pattern = app->add_subcommand(
-      "pattern", "Makes targets to print, or to show on a monitor.");
+      "pattern", "Make calibration targets to print or to show on a monitor.");
   pattern->require_subcommand(1);
+  pattern->get_help_ptr()->description("print this help");
   pattern->footer(
-      "Other commands take a board in a word instead of pattern.yaml:\n"
-      "  KIND:COLUMNSxROWS:LENGTH[:NAME=VALUE]...\n"
-      "  chessboard:9x6:25mm           inner corners; side of a square\n"
-      "  charuco:8x5:28mm:marker=21mm  likewise; more: "
-      "dictionary=DICT_4X4_50,\n"
-      "                                legacy, first-marker=0, boards=1\n"
-      "  aprilgrid:6x6:24mm            tags; side of a tag's black square;\n"
-      "                                more: spacing-ratio=0.3, "
-      "first-marker=0,\n"
-      "                                family=tag36h11, boards=1, no-squares,\n"
-      "                                border-cells=2, numbered-from=bottom\n"
-      "  star:16x23:11mm               stars; distance between them; more:\n"
-      "                                segments=16, tags=1, tag-id=0,\n"
-      "                                tag-squares, boards=1\n"
-      "Lengths have mm, cm or m. The board is that of 'raygrid pattern KIND' "
-      "with\nthe same values.\n\n" +
-      ExitCodesHelp());
+      "Other commands accept a specification instead of pattern.yaml:\n"
+      "  KIND:COLUMNSxROWS:LENGTH[:NAME=VALUE]...   LENGTH in mm, cm or m\n"
+      "  chessboard:9x6:25mm           inner corners, side of a square\n"
+      "  charuco:8x5:28mm:marker=21mm  more: dictionary, legacy, "
+      "first-marker,\n"
+      "                                boards\n"
+      "  aprilgrid:6x6:24mm            tags, side of a tag; more: family,\n"
+      "                                spacing-ratio, first-marker, boards,\n"
+      "                                no-squares, border-cells, "
+      "numbered-from\n"
+      "  star:16x23:11mm               features, spacing; more: segments, "
+      "tags,\n"
+      "                                tag-id, tag-squares, boards\n"
+      "\nExample:\n"
+      "  raygrid pattern chessboard --columns 9 --rows 6 --square-mm 25 -o "
+      "board/");
   AddStar(pattern, common);
   AddChessboard(pattern, common);
   AddCharuco(pattern, common);
   AddAprilGrid(pattern, common);
+  for (CLI::App* command : pattern->get_subcommands({}))
+    command->group("Targets");
 }
 
 }  // namespace raygrid

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "dataset/error.h"
+#include "help_formatter.h"
 #include "target/board_spec.h"
 
 namespace raygrid {
@@ -65,11 +66,13 @@ std::string Question(const Board& board, const std::string& mm_option) {
 
 CLI::Option* AddPatternOption(CLI::App* command, std::string* pattern,
                               const std::string& remark) {
-  return command->add_option(
-      "--pattern", *pattern,
-      "pattern.yaml, or a board in a word, as chessboard:9x6:25mm (raygrid "
-      "pattern --help)" +
-          remark);
+  return command
+      ->add_option("--pattern", *pattern,
+                   "target: pattern.yaml, or a specification such as "
+                   "chessboard:9x6:25mm (see raygrid pattern --help)" +
+                       remark)
+      ->option_text("FILE|SPEC")
+      ->group(help_group::kTarget);
 }
 
 Pattern GivenPattern(const std::string& pattern) {
@@ -77,10 +80,11 @@ Pattern GivenPattern(const std::string& pattern) {
 }
 
 void AddYes(CLI::App* command, CommonOptions* common) {
-  command->add_flag("--yes", common->yes,
-                    "lengths that look like mistakes are meant: squares "
-                    "outside 1 mm to 1 m, boards of more than 5 m, boards more "
-                    "than 20 m away");
+  command
+      ->add_flag("--yes", common->yes,
+                 "accept unusual lengths: squares outside 1 mm to 1 m, boards "
+                 "over 5 m, distances over 20 m")
+      ->group(help_group::kTarget);
 }
 
 void AskAboutLengths(const std::string& source,

@@ -10,14 +10,14 @@
 
 namespace raygrid {
 
-/// remark: what else the option's help says.
+/// remark: added to the description.
 CLI::Option* AddPatternOption(CLI::App* command, std::string* pattern,
                               const std::string& remark = "");
 
 /// Throws Error(kUsage), InputError.
 Pattern GivenPattern(const std::string& pattern);
 
-/// The option --yes, of commands that ask back.
+/// The option --yes, of commands that question unusual lengths.
 void AddYes(CLI::App* command, CommonOptions* common);
 
 /// Asks back, as one who typed metres for millimetres would want: throws

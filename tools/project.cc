@@ -9,6 +9,7 @@
 #include "dataset/csv.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "help_formatter.h"
 
 namespace raygrid {
 namespace {
@@ -71,19 +72,27 @@ void Run(const ProjectArguments& arguments, const CommonOptions& common) {
 
 void AddProject(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      app, "project",
-      "Pixels that show 3D points: x,y,z to x,y,z,u,v,valid; not valid outside "
-      "the calibrated area. A blob is evaluated by the fixed-point runtime, a "
-      "camera.yaml in double precision.",
+      app, "project", "Project 3D points to pixels.",
       "raygrid project camera.yaml --points xyz.csv -o px.csv", common);
   auto arguments = std::make_shared<ProjectArguments>();
+  command
+      ->add_option("camera", arguments->camera,
+                   "camera.yaml (double precision) or blob (fixed-point "
+                   "runtime)")
+      ->required();
+  command
+      ->add_option("--points", arguments->points,
+                   "CSV with columns x,y,z in the camera frame")
+      ->option_text("FILE")
+      ->required();
+  BeginGroup(command, help_group::kModel);
   AddAtOption(command, common);
-  command->add_option("camera", arguments->camera, "camera.yaml or a blob")
-      ->required();
-  command->add_option("--points", arguments->points, "CSV with x,y,z")
-      ->required();
-  command->add_option("-o,--output", arguments->output,
-                      "CSV, or JSON with --json, to write (default: print)");
+  BeginGroup(command, help_group::kOutput);
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "CSV x,y,z,u,v,valid; invalid outside the calibrated area "
+                   "(default: standard output)")
+      ->option_text("FILE");
   command->callback([arguments, common] { Run(*arguments, *common); });
 }
 

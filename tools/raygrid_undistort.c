@@ -19,7 +19,7 @@
 enum { DONE = 0, USAGE = 1, INPUT = 2, OUTPUT = 7, BLOB = 8 };
 
 static const char kHelp[] =
-    "Undistorts a grey frame with the table of a raygrid blob.\n"
+    "Undistort a grey frame with a remap table of a raygrid blob.\n"
     "\n"
     "Usage: raygrid-undistort BLOB IN OUT\n"
     "  BLOB  packed with --remap\n"
@@ -27,7 +27,7 @@ static const char kHelp[] =
     "        (little-endian); or PGM of 8 bits\n"
     "  OUT   raw frame of as many bits; PGM if the name ends in .pgm; neither\n"
     "        BLOB nor IN\n"
-    "Prints the output's size and CRC-32.\n"
+    "Prints the size and CRC-32 of the output.\n"
     "Exit codes: 0 done, 1 usage, 2 blob or frame cannot be read, 7 output, "
     "8 blob.\n"
     "\n"

@@ -12,6 +12,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
+#include "help_formatter.h"
 #include "image_size_option.h"
 #include "packing/pack.h"
 #include "packing/rectification.h"
@@ -282,48 +283,52 @@ void Run(const RectifyArguments& arguments, const CommonOptions& common) {
 
 void AddRectify(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      app, "rectify",
-      "Rectifies two cameras of a rig, so that a point is seen in the same row "
-      "of both images. NAME.raygrid of each undistorts and turns its images; "
-      "NAME.camera.yaml is the view, with its matrix K, which both share. "
-      "rectified.yaml has R1, R2, P1, P2 and Q as OpenCV's stereoRectify "
-      "defines them, in metres. Of cameras on top of each other --left is the "
-      "upper one, and a point is seen in the same column.",
-      "raygrid rectify rig.yaml --left cam0 --right cam1 -o stereo/\n"
-      "  raygrid undistort stereo/cam0.raygrid left/ -o rectified/left/",
-      common);
+      app, "rectify", "Rectify a stereo pair of a rig to common epipolar rows.",
+      "raygrid rectify rig.yaml --left cam0 --right cam1 -o stereo/", common);
   auto arguments = std::make_shared<RectifyArguments>();
   command->add_option("rig", arguments->rig, "rig.yaml")->required();
   command
       ->add_option("--left", arguments->left,
-                   "name of the left camera, as the images show it")
-      ->required();
-  command->add_option("--right", arguments->right, "name of the right camera")
+                   "name of the left (or upper) camera")
+      ->option_text("NAME")
       ->required();
   command
+      ->add_option("--right", arguments->right,
+                   "name of the right (or lower) camera")
+      ->option_text("NAME")
+      ->required();
+  BeginGroup(command, help_group::kView);
+  command
       ->add_option("--alpha", arguments->alpha,
-                   "0: the largest view without border in either image; 1: the "
-                   "smallest that shows every pixel of both (default: 0, and "
-                   "at most 120 degrees)")
+                   "0: only valid pixels in both images; 1: all pixels of "
+                   "both (default: 0, at most 120 degrees)")
       ->option_text("0..1");
   command
       ->add_option("--hfov", arguments->hfov_deg,
-                   "horizontal field of view instead")
-      ->option_text("DEGREES");
-  command->add_option("--size", arguments->size,
-                      "WxH of both views (default: as the left images)");
+                   "horizontal field of view, instead of --alpha")
+      ->option_text("DEG");
+  command
+      ->add_option("--size", arguments->size,
+                   "size of both views in px (default: that of the left "
+                   "camera)")
+      ->option_text("WxH");
   command
       ->add_option("--distance", arguments->distance_m,
-                   "of the scene in metres, for cameras whose lines do not "
-                   "meet in a point")
+                   "scene distance for non-central cameras")
       ->check(AboveZero())
-      ->option_text("METRES");
+      ->option_text("M");
   command
       ->add_option("--max-error-px", arguments->max_error_px,
-                   "geometric error that the tables may have")
+                   "largest error of the remap tables")
+      ->option_text("PX")
       ->check(AboveZero())
       ->capture_default_str();
-  command->add_option("-o,--output", arguments->output, "folder to write to")
+  BeginGroup(command, help_group::kOutput);
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "folder for NAME.raygrid, NAME.camera.yaml and "
+                   "rectified.yaml (R1, R2, P1, P2, Q as in OpenCV)")
+      ->option_text("DIR")
       ->required();
   command->callback([arguments, common] { Run(*arguments, *common); });
 }

@@ -21,12 +21,12 @@ void WriteReport(const std::string& folder, const CommonOptions& common) {
 }  // namespace
 
 void AddReport(CLI::App* app, CommonOptions* common) {
-  CLI::App* command = AddCommand(
-      app, "report",
-      "Makes report.html again, from the other files that calibrate wrote.",
-      "raygrid report result/", common);
+  CLI::App* command =
+      AddCommand(app, "report",
+                 "Rebuild report.html from the files of a calibration result.",
+                 "raygrid report result/", common);
   auto folder = std::make_shared<std::string>();
-  command->add_option("folder", *folder, "where calibrate wrote its results")
+  command->add_option("folder", *folder, "output folder of calibrate")
       ->required();
   command->callback([folder, common] { WriteReport(*folder, *common); });
 }

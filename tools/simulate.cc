@@ -16,6 +16,7 @@
 #include "dataset/image_times.h"
 #include "dataset/parallel_for.h"
 #include "dataset/rig_file.h"
+#include "help_formatter.h"
 #include "image_size_option.h"
 #include "pattern_input.h"
 #include "progress_bar.h"
@@ -419,26 +420,26 @@ void Run(SimulateArguments arguments, const CommonOptions& common) {
 
 void AddSimulate(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      app, "simulate",
-      "Observations of a known camera, or images of boards, with the truth "
-      "beside them:\n"
-      "  features.csv       what is seen; exact with --render\n"
-      "  pattern.yaml       the boards as they ought to be\n"
-      "  true_pattern.yaml  as they are, bent\n"
-      "  true_camera.yaml   as a fine grid\n"
-      "  true_lines.csv     --lens noncentral and glass: the exact lines of 33 "
-      "x 25 "
-      "pixels as x,y,dx,dy,dz,ox,oy,oz: unit direction, point in metres\n"
-      "  true_rig.yaml      with --cameras\n"
-      "  times.csv          with --moving: when frames were taken\n"
-      "  true_poses.csv     camera_from_board",
-      "raygrid simulate --noise-px 0.05 -o simulated/\n"
-      "  raygrid simulate --moving --line-delay-us 20 -o moving/",
-      common);
+      app, "simulate", "Simulate observations or images of a known camera.",
+      "raygrid simulate --noise-px 0.05 -o simulated/", common);
+  command->footer(
+      "Cameras of --lens:\n"
+      "  pinhole, example, wide, fisheye, fisheye190, noncentral, glass\n"
+      "  without rotational symmetry: anamorphic, off-axis, halves, "
+      "decentred,\n"
+      "  mirror; functions of the operating point: focusing (0 to 10 dpt),\n"
+      "  warming (20 to 70 °C), focusing-warming\n\n" +
+      command->get_footer());
   auto arguments = std::make_shared<SimulateArguments>();
-  AddAtOption(command, common);
   AddSimulateOptions(command, arguments.get());
-  command->add_option("-o,--output", arguments->output, "folder to write to")
+  BeginGroup(command, help_group::kModel);
+  AddAtOption(command, common);
+  BeginGroup(command, help_group::kOutput);
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "folder for features.csv, pattern.yaml, images and the "
+                   "ground truth, true_*")
+      ->option_text("DIR")
       ->required();
   AddHugeOption(command);
   command->callback([arguments, common] { Run(*arguments, *common); });

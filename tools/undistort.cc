@@ -16,6 +16,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
+#include "help_formatter.h"
 #include "mode_options.h"
 #include "packing/distorted_image.h"
 #include "packing/pack.h"
@@ -379,48 +380,53 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
 void AddUndistort(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
       app, "undistort",
-      "Undistorts images with the code that runs on the board. Grey images "
-      "stay grey, 16 bits stay 16 bits. x.jpg becomes x.png; images that would "
-      "get one name are refused. view.camera.yaml beside them is the view as a "
-      "camera, with its matrix K. --inverse makes images of the real camera "
-      "out "
-      "of pictures of the view.",
+      "Undistort images with the remap code of the embedded runtime.",
       "raygrid undistort camera.yaml photos/ -o flat/ --hfov 80", common);
   auto arguments = std::make_shared<UndistortArguments>();
-  AddAtOption(command, common);
-  command->add_option("camera", arguments->camera, "camera.yaml or a blob")
+  command->add_option("camera", arguments->camera, "camera.yaml or blob")
       ->required();
   command->add_option("images", arguments->images, "images or folders")
       ->required();
-  command->add_option("-o,--output", arguments->output, "folder for PNG files")
-      ->required();
+  command
+      ->add_option("--mode", arguments->mode,
+                   "sensor mode of the images: NAME in the blob, or a "
+                   "definition as in raygrid pack --mode")
+      ->option_text("NAME");
+  command->add_flag("--inverse", arguments->is_reverse,
+                    "distort: make images of the camera from images of the "
+                    "view");
+  BeginGroup(command, help_group::kView);
+  AddAtOption(command, common);
+  command
+      ->add_option("--remap-index", arguments->remap_index,
+                   "remap table of the blob, counted from 0")
+      ->option_text("N");
   AddViewOptions(command, &arguments->view);
   AddOutsideOption(command, &arguments->outside);
-  command->add_flag(
-      "--inverse", arguments->is_reverse,
-      "the other direction, as for overlays and renderers: IMAGES are pictures "
-      "of the view, in its size, and become images of the real camera, black "
-      "where the view shows nothing; with --outside trusted also where pixels "
-      "of the camera are not trusted");
-  command->add_option("--frames", arguments->frames,
-                      "folder for the images as raw grey frames of 8 or 16 "
-                      "bits, which raygrid-undistort takes");
-  command->add_option(
-      "--mode", arguments->mode,
-      std::string("the images are of another sensor mode: one of the blob's, "
-                  "by its name, or ") +
-          kModeWordsHelp);
-  command->add_option("--remap-index", arguments->remap_index,
-                      "which of a blob's tables, from 0 on");
   command
-      ->add_option("--rectify", arguments->rectify, "virtual camera: pinhole")
+      ->add_option("--rectify", arguments->rectify,
+                   "projection of the view: pinhole")
+      ->option_text("NAME")
       ->capture_default_str();
   command
       ->add_option("--max-error-px", arguments->max_error_px,
-                   "geometric error that the table may have; if it is given, "
-                   "a view that has more is refused")
+                   "largest error of the remap table; if given, views that "
+                   "exceed it are refused")
+      ->option_text("PX")
       ->check(AboveZero())
       ->capture_default_str();
+  BeginGroup(command, help_group::kOutput);
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "folder for PNG files and view.camera.yaml, the camera "
+                   "(matrix K) of the undistorted images")
+      ->option_text("DIR")
+      ->required();
+  command
+      ->add_option("--frames", arguments->frames,
+                   "folder for the input as raw grey frames (8 or 16 bits), to "
+                   "try raygrid-undistort with")
+      ->option_text("DIR");
   AddHugeOption(command);
   command->callback([arguments, command, common] {
     arguments->is_bound_given = command->count("--max-error-px") > 0;

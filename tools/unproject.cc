@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "dataset/csv.h"
 #include "dataset/files.h"
+#include "help_formatter.h"
 
 namespace raygrid {
 namespace {
@@ -56,21 +57,25 @@ void Run(const UnprojectArguments& arguments, const CommonOptions& common) {
 
 void AddUnproject(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      app, "unproject",
-      "Directions that pixels look along: x,y to x,y,dx,dy,dz, and of a camera "
-      "that is not central ox,oy,oz, a point of the line in metres; empty "
-      "fields outside the calibrated area. A blob is evaluated by the "
-      "fixed-point "
-      "runtime, a camera.yaml in double precision.",
+      app, "unproject", "Unproject pixels to observation rays.",
       "raygrid unproject camera.raygrid --pixels px.csv -o rays.csv", common);
   auto arguments = std::make_shared<UnprojectArguments>();
+  command
+      ->add_option("camera", arguments->camera,
+                   "camera.yaml (double precision) or blob (fixed-point "
+                   "runtime)")
+      ->required();
+  command->add_option("--pixels", arguments->pixels, "CSV with columns x,y")
+      ->option_text("FILE")
+      ->required();
+  BeginGroup(command, help_group::kModel);
   AddAtOption(command, common);
-  command->add_option("camera", arguments->camera, "camera.yaml or a blob")
-      ->required();
-  command->add_option("--pixels", arguments->pixels, "CSV with x,y")
-      ->required();
-  command->add_option("-o,--output", arguments->output,
-                      "CSV, or JSON with --json, to write (default: print)");
+  BeginGroup(command, help_group::kOutput);
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "CSV x,y,dx,dy,dz (and ox,oy,oz in m if non-central), empty "
+                   "outside the calibrated area (default: standard output)")
+      ->option_text("FILE");
   command->callback([arguments, common] { Run(*arguments, *common); });
 }
 

@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "help_formatter.h"
 #include "packing/blob_camera.h"
 #include "packing/slot_file.h"
 
@@ -210,30 +211,26 @@ void RunUpdate(const UpdateArguments& arguments, const CommonOptions& common) {
 
 void AddUpdate(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      app, "update",
-      "Brings a blob into the older of two slots of a device's flash, or of a "
-      "file that goes there. The other slot stays as it is, so one blob is "
-      "whole whenever power is cut. A slot whose blob does not open is "
-      "overwritten before the other one, however new it is. The blob is "
-      "verified; who made it is for "
-      "signatures of what boots the device.",
+      app, "update", "Write a blob to the older of two flash slots.",
       "raygrid update front.raygrid --slots slots.bin --slot-size 64K", common);
   auto arguments = std::make_shared<UpdateArguments>();
-  command->add_option("blob", arguments->blob, "the blob, from raygrid pack")
+  command->add_option("blob", arguments->blob, "blob written by raygrid pack")
       ->required();
+  BeginGroup(command, help_group::kOutput);
   command
       ->add_option("--slots", arguments->slots,
-                   "the two slots, behind each other: a file, which is made if "
-                   "there is none, or a block device")
+                   "image of both slots: a block device, or a file that is "
+                   "created if missing")
+      ->option_text("PATH")
       ->required();
   command
       ->add_option("--slot-size", arguments->slot_size,
-                   "bytes of one slot, such as 64K or 1M; a multiple of what "
-                   "the flash erases at once. Half of a file that is there; "
-                   "else 64K")
-      ->transform(CLI::AsSizeValue(false));
+                   "size of a slot, such as 64K or 1M, a multiple of the "
+                   "flash's erase size (default: half of the file, or 64K)")
+      ->transform(CLI::AsSizeValue(false))
+      ->option_text("BYTES");
   command->add_flag("--initialize", arguments->is_new,
-                    "overwrite what has no slots yet");
+                    "overwrite a file or device that holds no slots yet");
   command->callback([arguments, common] { RunUpdate(*arguments, *common); });
 }
 

@@ -11,6 +11,7 @@
 #include "dataset/files.h"
 #include "dataset/image_files.h"
 #include "dataset/text_encoding.h"
+#include "help_formatter.h"
 #include "packing/pack.h"
 #include "packing/view_curves.h"
 #include "report/contact_sheet.h"
@@ -357,37 +358,36 @@ void Run(const ViewArguments& arguments, const CommonOptions& common) {
 
 void AddView(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      app, "view",
-      "Shows cameras and their views on one sheet, a PNG file: the picture "
-      "before, and each view, undistorted with the code that runs on the "
-      "board. Where the camera can be trusted is outlined. Lines that are "
-      "straight in the world are drawn over each view. A blob's tables are its "
-      "views; a camera.yaml or a blob without tables has one of its own. "
-      "NAME.camera.yaml, as pack writes it, is shown as it is.",
+      app, "view", "Draw original and undistorted images on one sheet.",
       "raygrid view front.raygrid --image photo.png -o sheet.png", common);
+  command->footer(kViewSyntaxHelp + ("\n" + command->get_footer()));
   auto arguments = std::make_shared<ViewArguments>();
-  AddAtOption(command, common);
   command
       ->add_option("files", arguments->files,
-                   "blobs, camera.yaml, NAME.camera.yaml: a row each")
+                   "blobs, camera.yaml or NAME.camera.yaml, one row each")
       ->required();
   command
       ->add_option("--image", arguments->images,
-                   "photograph to show, one for all files or one for each "
-                   "(default: a checkered room, rendered through the camera)")
+                   "photograph for all rows, or one for each row (default: a "
+                   "rendered room)")
+      ->option_text("FILE")
       ->allow_extra_args(false);
+  BeginGroup(command, help_group::kView);
+  AddAtOption(command, common);
   command
-      ->add_option(
-          "--remap", arguments->remaps,
-          std::string("show this view instead: WxH, and after commas ") +
-              kViewWordsHelp + "; several show several")
+      ->add_option("--remap", arguments->remaps,
+                   "draw this view instead of the blob's own; repeatable")
+      ->option_text("WxH[,WORD=VALUE...]")
       ->allow_extra_args(false);
   command
       ->add_option("--max-error-px", arguments->max_error_px,
-                   "geometric error that tables of --remap may have")
+                   "largest error of the tables of --remap")
+      ->option_text("PX")
       ->check(AboveZero())
       ->capture_default_str();
+  BeginGroup(command, help_group::kOutput);
   command->add_option("-o,--output", arguments->output, "PNG file to write")
+      ->option_text("FILE")
       ->capture_default_str();
   AddHugeOption(command);
   command->callback([arguments, common] { Run(*arguments, *common); });

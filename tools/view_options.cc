@@ -8,6 +8,7 @@
 #include "camera_input.h"
 #include "dataset/camera_file.h"
 #include "dataset/error.h"
+#include "help_formatter.h"
 #include "image_size_option.h"
 #include "word_options.h"
 
@@ -21,23 +22,19 @@ struct ViewWord {
 };
 
 constexpr ViewWord kViewWords[] = {
-    {"hfov", "DEGREES",
-     "horizontal field of view (default of all: as sharp in the middle as the "
-     "image)"},
-    {"vfov", "DEGREES", "vertical field of view"},
+    {"hfov", "DEG",
+     "horizontal field of view (default: from the image's resolution at its "
+     "centre)"},
+    {"vfov", "DEG", "vertical field of view"},
     {"focal", "PX", "focal length"},
     {"alpha", "0..1",
-     "0: the largest view without border; 1: the smallest that shows every "
-     "pixel of the area"},
-    {"center", "X,Y",
-     "where the view looks straight ahead, its principal point (default: the "
-     "middle)"},
+     "0: largest view of valid pixels only; 1: smallest view of all pixels"},
+    {"center", "X,Y", "principal point in px (default: image centre)"},
     {"projection", "NAME",
      "pinhole, cylindrical, equirectangular, stereographic or equidistant"},
     {"rotate", "YAW,PITCH,ROLL",
-     "degrees by which the view is turned to the right, then up, then "
-     "clockwise"},
-    {"view", "FILE", "as the view in a camera file, NAME.camera.yaml"},
+     "rotate the view right, up and clockwise, in degrees"},
+    {"view", "FILE", "the view in a camera file, such as NAME.camera.yaml"},
 };
 
 VirtualView ReadView(const std::string& place, const std::string& path) {
@@ -98,6 +95,18 @@ bool IsViewWord(const std::string& name) {
 }
 
 }  // namespace
+
+const char kViewSyntaxHelp[] =
+    "Views, WxH and any of these after commas:\n"
+    "  hfov=DEG, vfov=DEG, focal=PX   field of view or focal length\n"
+    "  alpha=0..1                     0: valid pixels only; 1: all pixels\n"
+    "  center=X,Y                     principal point\n"
+    "  rotate=YAW,PITCH,ROLL          degrees right, up, clockwise\n"
+    "  projection=NAME                pinhole, cylindrical, equirectangular,\n"
+    "                                 stereographic, equidistant\n"
+    "  view=FILE                      as another view's camera file\n"
+    "  direction=distort              inverse remap, from the view to frames\n"
+    "  at=M or plane=NX,NY,NZ,M       scene of a non-central camera\n";
 
 const char kViewWordsHelp[] =
     "hfov=DEGREES, vfov=DEGREES, focal=PX, alpha=0..1 (0: the largest view "
@@ -203,8 +212,11 @@ RemapWords ParseRemap(const std::string& option, const std::string& text) {
 }
 
 void AddViewOptions(CLI::App* command, ViewWords* words) {
-  command->add_option("--size", (*words)["size"],
-                      "WxH of the view (default: as the images)");
+  BeginGroup(command, help_group::kView);
+  command
+      ->add_option("--size", (*words)["size"],
+                   "size of the view in px (default: that of the images)")
+      ->option_text("WxH");
   for (const ViewWord& word : kViewWords)
     command
         ->add_option(std::string("--") + word.name, (*words)[word.name],
@@ -215,10 +227,11 @@ void AddViewOptions(CLI::App* command, ViewWords* words) {
 void AddOutsideOption(CLI::App* command, std::string* outside) {
   command
       ->add_option("--outside", *outside,
-                   "what is shown where nothing was seen while calibrating: "
-                   "fill, as the lens goes on there; trusted, border in blocks "
-                   "of 16 pixels of the view in which nothing is trusted")
+                   "outside the valid region, fill: extrapolate the camera "
+                   "model; trusted: leave border")
       ->check(CLI::IsMember({"fill", "trusted"}))
+      ->option_text("fill|trusted")
+      ->group(help_group::kView)
       ->capture_default_str();
 }
 

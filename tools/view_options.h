@@ -16,8 +16,10 @@ namespace raygrid {
 /// A view that is asked for, in words as they were typed: "hfov" and "90".
 using ViewWords = std::map<std::string, std::string>;
 
-/// The help for the words of a view.
+/// The words of a view, for messages.
 extern const char kViewWordsHelp[];
+/// The syntax of --remap, a block of help.
+extern const char kViewSyntaxHelp[];
 
 /// "640x480", "640x480,hfov=90", "alpha=0,center=320,240": a size, words, or
 /// both, with commas between. Throws Error(kUsage), naming the option.
@@ -30,7 +32,7 @@ struct RemapWords {
   bool distorts = false;
 };
 
-/// The help for the words that only tables have.
+/// The words that only tables have, for messages.
 extern const char kTableWordsHelp[];
 
 /// ParseView(), with the words direction, at and plane as well.

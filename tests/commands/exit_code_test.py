@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Exit codes: what README.md says of them, and that nothing ends without one."""
+"""Exit codes, which the help lists, and that nothing ends without one; what help looks like."""
 import json
 import os
 import re
@@ -8,27 +8,42 @@ import subprocess
 
 from command_test import (HANG_S, CommandTest, SIMULATED_PATTERN, main, programs, read, run, write)
 
-README = os.path.join(os.path.dirname(__file__), "../../README.md")
+PAGE = os.path.join(os.path.dirname(__file__), "../../tools/README.md")
 COMMANDS = ("batch", "calibrate", "capture", "check", "compare", "detect", "evaluate", "experiment", "export", "fit",
             "import", "inspect", "pack", "pattern", "project", "rectify", "report", "simulate", "undistort",
             "unproject", "update", "view")
 KINDS = ("star", "chessboard", "charuco", "aprilgrid")
 
 
-class HelpAndReadme(CommandTest):
-    def test_every_command_names_the_codes_of_the_readme(self):
-        readme = read(README).decode()
-        table = dict(re.findall(r"^\| (\d) \| (.*) \|$", readme, re.MULTILINE))
-        self.assertEqual(sorted(table), list("012345678"))
-        listed = re.findall(r"^\| ([`a-z, ]+) \|", readme.split("## Commands")[1], re.MULTILINE)
-        self.assertLessEqual(set(re.findall(r"`(\w+)", " ".join(listed))) - set(KINDS),
-                             set(COMMANDS))
+class Help(CommandTest):
+    def help_of(self, command):
+        result = run(*command, "--help")
+        self.assert_done(result)
+        return result.stdout
+
+    def test_exit_codes_are_in_the_main_help_alone(self):
+        codes = re.findall(r"^  (\d)  ", self.help_of([]).split("Exit codes:")[1], re.MULTILINE)
+        self.assertEqual(codes, list("012345678"))
+        for name in COMMANDS:
+            self.assertNotIn("Exit codes", self.help_of([name]), name)
+
+    def test_commands_of_the_help_are_those_of_the_page(self):
+        page = read(PAGE).decode().split("## Commands")[1].split("\n## ")[0]
+        told = self.help_of([])
+        for name in COMMANDS:
+            self.assertIn(f"\n  {name} ", told)
+            self.assertIn(f"`{name}`", page)
+
+    def test_help_is_short(self):
+        """Lines of 80 characters, options of three lines, one example."""
         for command in [[]] + [[name] for name in COMMANDS] + [["pattern", kind] for kind in KINDS]:
-            result = run(*command, "--help")
-            self.assert_done(result)
-            words = " ".join(result.stdout.split("Exit codes:")[1].split())
-            self.assertEqual(words, " ".join(f"{code} {table[code]}" for code in sorted(table))
-                             .replace("`", ""), command)
+            text = self.help_of(command)
+            self.assertLessEqual(max(map(len, text.splitlines())), 80, command)
+            options = text.split("\nExample:")[0]
+            for entry in re.findall(r"^  -.*\n(?:   .*\n)*", options, re.MULTILINE):
+                self.assertLessEqual(entry.count("\n"), 3, (command, entry))
+            if command:
+                self.assertEqual(text.count("\n  raygrid " + command[0]), 1, command)
 
 
 class FormerNames(CommandTest):
@@ -41,6 +56,7 @@ class FormerNames(CommandTest):
             self.assertEqual(results[0].returncode, results[1].returncode)
             self.assertEqual(results[0].stderr, results[1].stderr)
             self.assertNotIn("not expected", results[0].stderr)
+            self.assertNotIn(old.split("=")[0] + " ", run("calibrate", "--help").stdout)
         self.assert_refused(run(*words, "--flat-boards"), 1, "--flat-boards")
 
 

@@ -50,7 +50,9 @@ class Pages(CommandTest):
         self.assertIn("calibrate", commands)
         for command in commands:
             self.assertIn(f"raygrid_{command}\\fR(1)", main)
-            self.assertIn(f"raygrid_{command} \\- ", self.page(f"raygrid_{command}"))
+            page = self.page(f"raygrid_{command}")
+            self.assertIn(f"raygrid_{command} \\- ", page)
+            self.assertEqual(page.count('.SH "EXIT CODES"'), 1)
 
     def test_lines_of_the_help_are_no_requests_of_troff(self):
         program = write(self.path("program"), "#!/bin/sh\ncat <<'E'\nDoes it.\n\n"

@@ -12,124 +12,75 @@
 namespace raygrid {
 
 const char kCameraHelp[] =
-    "Undistorts a camera's frames with the table of a raygrid blob.\n"
-    "\n"
-    "Usage: raygrid-camera BLOB [options]\n"
-    "       raygrid-camera --source\n"
-    "       raygrid-camera capture --help\n"
-    "  BLOB  packed with --remap, and --mode for frames of other modes\n"
-    "  capture  takes the images that calibrate a camera, by the calibrator's\n"
-    "        program raygrid-capture\n"
-    "\n"
-    "Camera\n"
-    "  --source, --list   cameras, their formats, sizes and controls\n"
-    "  --source KIND[:CAMERA]  libcamera:ID, or v4l2:/dev/video0 for the "
-    "kernel's\n"
-    "                     own devices (default: the only one of libcamera, "
-    "where\n"
-    "                     that is built in)\n"
-    "  --camera ID        as --source libcamera:ID; a part of the id is "
-    "enough\n"
-    "  --format NAME      libcamera's pixel format, or MJPEG of V4L2 (default: "
-    "the\n"
-    "                     camera's)\n"
-    "  --size WxH         to ask the camera for (default: the blob's)\n"
-    "  --table N          which of the blob's tables, from 0 (default: the one "
-    "of\n"
-    "                     the frames' sensor mode, or 0)\n"
-    "  --serial S         the camera's serial number; the blob's must be the "
-    "same\n"
-    "  --calibrated-crop X,Y,WxH  the part of the sensor that was calibrated, "
-    "to\n"
-    "                     know other modes by\n"
-    "  --strict           ends with exit code 8 at a frame that is not as the "
-    "blob\n"
-    "                     records calibration; else that is said once, and "
-    "counted\n"
-    "  --control NAME=VALUE  sets a control of the camera, before the first "
-    "frame;\n"
-    "                     may be given again\n"
-    "  --from FILE        raw frames of a file, again and again, instead of a\n"
-    "                     camera; with --format, and --fps N (default: 30)\n"
-    "  --from -           frames of standard input: raw ones with --format "
-    "and\n"
-    "                     --size, Y4M, or JPEGs one behind the other\n"
-    "  --live             frames of --from do not wait for a slow output, as "
-    "those\n"
-    "                     of a camera (default: every frame is written)\n"
-    "  --timeout S        seconds without a frame that end it (default: 5)\n"
-    "\n"
-    "Output\n"
-    "  -o, --output DIR   frame-000000.raw and so on: a text header that ends\n"
-    "                     with a line \"...\", and the planes\n"
-    "  --png              frame-000000.png and so on instead\n"
-    "  -o -               planes to standard output, for ffplay or\n"
-    "                     gst-launch-1.0 (how is told on standard error)\n"
-    "  --outside WHAT     what is shown where nothing was seen while "
-    "calibrating:\n"
-    "                     fill, as the lens goes on there (default); trusted,\n"
-    "                     border in blocks of 8 pixels of the view in which "
-    "nothing\n"
-    "                     is trusted\n"
-    "  --frames N         ends after N frames\n"
-    "  --every-frame      frames of a camera wait for a slow output; else the "
-    "oldest\n"
-    "                     is given up for a newer one, and numbers of files "
-    "have a\n"
-    "                     gap\n"
-    "  --threads N        that undistort each frame (default: all processors "
-    "but one)\n"
-    "  --http PORT        a page with frames before and after, for this "
-    "machine\n"
-    "                     alone: 127.0.0.1\n"
-    "  --listen ADDRESS   the page is at this address instead, 0.0.0.0 for "
-    "all;\n"
-    "                     who asks must know a token: the link that is "
-    "printed\n"
-    "                     has it\n"
-    "  --token-file FILE  the token, instead of a new one each time; also for\n"
-    "                     127.0.0.1\n"
-    "  --http-name NAME[:PORT]  a name besides the machine's own, and its\n"
-    "                     addresses', that the page may be asked for by\n"
-    "  --points FILE      undistorts positions instead of pixels: lines x,y "
-    "of\n"
-    "                     FILE (- is standard input) to lines x,y,u,v on\n"
-    "                     standard output; u,v are empty where there is none.\n"
-    "                     With a blob of a range, a third number of a line is\n"
-    "                     where its frame was taken: dioptres or degrees. It\n"
-    "                     stands for the lines behind it, too; before that,\n"
-    "                     the first frame tells it\n"
-    "  --benchmark        ends after 90 frames, and tells on standard output: "
-    "frames\n"
-    "                     a second; milliseconds for reading a frame from the\n"
-    "                     camera's memory, the remap, the output, and copying "
-    "as\n"
-    "                     many bytes of other memory; whether caches serve "
-    "the\n"
-    "                     camera's memory; threads\n"
-    "  --check            takes and undistorts one frame, and tells in a line "
-    "what\n"
-    "                     was found; writes and serves nothing, so the other "
-    "options\n"
-    "                     may stay\n"
-    "  --quiet            no statistics\n"
-    "\n"
-    "Statistics: frames a second; milliseconds in the remap, and waiting for "
-    "it\n"
-    "and for the output (median, 99th percentile); frames that arrived, were\n"
-    "taken by the output, given up here, or missed by the camera; frames not "
-    "as\n"
-    "calibrated, where the blob records that: raygrid pack "
-    "--capture-settings.\n"
-    "Exit codes: 0 done, 1 usage, 2 camera or input, 7 output, 8 blob.\n"
-    "\n"
-    "As a service of systemd, raygrid-camera@NAME takes blob and options from\n"
-    "/etc/raygrid/NAME.conf; README.md of raygrid says how.\n"
-    "\n"
-    "Example:\n"
-    "  raygrid-camera front.raygrid --check\n"
-    "  raygrid-camera front.raygrid --http 8080\n"
-    "  raygrid-camera front.raygrid -o frames/ --frames 100\n";
+    R"(Undistort a camera's frames with a remap table of a raygrid blob.
+
+Usage: raygrid-camera BLOB [OPTIONS]
+       raygrid-camera --list
+       raygrid-camera capture [OPTIONS]    (see raygrid-camera capture --help)
+
+BLOB is packed with raygrid pack --remap, and --mode for other sensor modes.
+
+Input:
+  --list                  list cameras, formats, sizes and controls
+  --source KIND[:CAMERA]  libcamera:ID or v4l2:/dev/video0 (default: the only
+                          camera of libcamera); without KIND as --list
+  --camera ID             same as --source libcamera:ID; part of an ID suffices
+  --format NAME           pixel format of libcamera, or MJPEG of V4L2 (default:
+                          the camera's)
+  --size WxH              frame size to request (default: the blob's)
+  --control NAME=VALUE    camera control to set at the start; repeatable
+  --from FILE             raw frames of a file in a loop, with --format
+  --fps N                 frame rate of --from FILE (default: 30)
+  --from -                standard input: Y4M, JPEGs, or raw frames with
+                          --format and --size
+  --live                  drop frames of --from while the output is slow
+                          (default: process every frame)
+  --timeout S             exit after this time without a frame (default: 5)
+
+Model:
+  --table N               remap table of the blob, counted from 0 (default: that
+                          of the sensor mode, or 0)
+  --serial S              required serial number of the blob
+  --calibrated-crop X,Y,WxH  calibrated region of the sensor, to identify other
+                          sensor modes
+  --strict                exit with code 8 at a frame whose capture settings
+                          differ from the blob's (default: warn and count)
+  --outside WHAT          outside the valid region, fill: extrapolate (default);
+                          trusted: leave border
+
+Output:
+  -o,--output DIR         frame-000000.raw and so on: a text header up to a line
+                          "...", then the planes
+  --png                   write PNG files instead
+  -o -                    planes to standard output, for ffplay or
+                          gst-launch-1.0; stderr has their arguments
+  --frames N              exit after N frames
+  --every-frame           wait for slow outputs instead of dropping old frames
+  --http PORT             serve a page with original and undistorted frames, at
+                          127.0.0.1 only
+  --listen ADDRESS        address of the page, 0.0.0.0: all; needs the token of
+                          the printed link
+  --token-file FILE       fixed token, also for 127.0.0.1
+  --http-name NAME[:PORT] additional host name of the page
+  --points FILE           undistort points instead of frames: lines x,y of FILE
+                          (-: standard input) to x,y,u,v; a third number is the
+                          operating point, in dioptres or degrees
+
+Advanced:
+  --check                 undistort one frame, report what was found, write
+                          nothing
+  --benchmark             exit after 90 frames and print frame rate and times of
+                          reading, remap, output and memory copies
+  --threads N             threads per frame (default: all processors but one)
+  --quiet                 print no statistics
+  --help                  print this help
+
+Exit codes: 0 success, 1 usage, 2 camera or input, 7 output, 8 blob.
+As a systemd service: see tools/raygrid_camera/README.md.
+
+Example:
+  raygrid-camera front.raygrid --http 8080
+)";
 
 namespace {
 

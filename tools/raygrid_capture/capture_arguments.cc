@@ -14,6 +14,7 @@
 #include "control_arguments.h"
 #include "dataset/error.h"
 #include "frame_sources.h"
+#include "help_formatter.h"
 #include "image_size_option.h"
 #include "named_camera.h"
 #include "pattern_input.h"
@@ -104,88 +105,98 @@ std::unique_ptr<LiveFrames> OpenLiveFrames(const CaptureArguments& arguments,
 }  // namespace
 
 void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
+  app->get_help_ptr()
+      ->description("print this help")
+      ->group(help_group::kAdvanced);
+  BeginGroup(app, help_group::kInput);
+  app->add_option("--source", arguments->sources,
+                  "libcamera[:ID], v4l2[:DEVICE], a video, a folder, or - for "
+                  "standard input; NAME=SOURCE for each camera of a rig")
+      ->required()
+      ->option_text("SOURCE")
+      ->allow_extra_args(false);
   app->add_flag_callback(
       "--list",
       [] {
         std::fputs(DescribeCameras().c_str(), stdout);
         throw CLI::Success();
       },
-      "print the cameras, their formats, sizes and controls; nothing else is "
-      "needed");
-  app->add_option("--source", arguments->sources,
-                  "libcamera[:ID], v4l2[:DEVICE], a video, a folder of images, "
-                  "or - for Y4M, JPEGs or raw frames on standard input; of a "
-                  "rig NAME=SOURCE, once for each camera")
-      ->required()
-      ->type_name("SOURCE")
+      "list cameras with formats, sizes and controls, and exit");
+  app->add_option("--size", arguments->size, "frame size to request in px")
+      ->option_text("WxH");
+  app->add_option("--format", arguments->format,
+                  "pixel format to request, as libcamera names it, or MJPEG; "
+                  "format of raw frames on standard input")
+      ->option_text("NAME");
+  app->add_option("--control", arguments->controls,
+                  "camera control to set before the first frame; repeatable")
+      ->option_text("NAME=VALUE")
       ->allow_extra_args(false);
   app->add_option("--pair-within-ms", arguments->pair_within_ms,
-                  "a rig's frames are of one instant if their time stamps "
-                  "differ by no more; photographs are by their names, frames "
-                  "of videos by their numbers")
+                  "largest difference of the timestamps of a rig's frame "
+                  "(images pair by name, videos by frame number)")
+      ->option_text("MS")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   AddPatternOption(app, &arguments->pattern)->required();
   AddYes(app, &arguments->common);
-  app->add_option("-o,--output", arguments->output,
-                  "the session's folder, to be made: frames/, session.json and "
-                  "pattern.yaml")
-      ->required();
+  BeginGroup(app, "Selection");
   app->add_option("--until", arguments->until,
-                  "done once 95 % of the image's places are known to so many "
-                  "pixels, such as 0.02px; otherwise once no view would take "
-                  "away 2 % of the variance; never before ten frames");
-  app->add_flag("--resume", arguments->resume,
-                "go on with the folder's session");
-  app->add_flag("--no-calibrate", arguments->no_calibrate,
-                "do not run raygrid calibrate at the end");
-  app->add_option("--size", arguments->size, "WxH to ask the camera for");
-  app->add_option("--format", arguments->format,
-                  "libcamera's pixel format, or MJPEG of V4L2, to ask the "
-                  "camera for; of raw frames on standard input");
-  app->add_option("--control", arguments->controls,
-                  "NAME=VALUE sets a control of the camera before the first "
-                  "frame; may be given again")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false);
+                  "stop when the predicted uncertainty is below this in 95 % "
+                  "of the image (default: when no view reduces the variance "
+                  "by 2 %)")
+      ->option_text("PX");
   app->add_option("--still-px", arguments->loop.judge.still_px,
-                  "frames are kept whose features moved by less since the last "
-                  "one, or while it was exposed")
+                  "keep frames whose features move less than this during and "
+                  "since the last frame")
+      ->option_text("PX")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
   app->add_flag("--every-frame", arguments->loop.judge.every_frame,
-                "keep every frame in which the board is seen, of a camera that "
-                "moves, until the source ends or Ctrl-C: calibrate "
-                "--rolling-shutter follows, which tells the time of a row");
-  app->add_option("--timeout", arguments->loop.timeout_s,
-                  "seconds without a frame that end it")
-      ->check(CLI::Range(0.1, 3600.0))
-      ->capture_default_str();
-  app->add_flag(
-      "--no-page", arguments->no_page,
-      "no page in a browser: the terminal shows the same. Without it, "
-      "the link is printed; videos and folders have no page");
+                "keep every frame with the target, for calibrate "
+                "--rolling-shutter");
+  BeginGroup(app, help_group::kOutput);
+  app->add_option("-o,--output", arguments->output,
+                  "session folder to create: frames/, session.json and "
+                  "pattern.yaml")
+      ->option_text("DIR")
+      ->required();
+  app->add_flag("--resume", arguments->resume, "continue the folder's session");
+  app->add_flag("--no-calibrate", arguments->no_calibrate,
+                "do not run raygrid calibrate at the end");
+  BeginGroup(app, "Page");
+  app->add_flag("--no-page", arguments->no_page,
+                "serve no page; show the state on the terminal only");
   app->add_option("--listen", arguments->page.number,
-                  "address of the page; others than loopback's need the token "
-                  "that the printed link has")
+                  "address of the page; other hosts need the token of the "
+                  "printed link")
+      ->option_text("ADDRESS")
       ->capture_default_str();
   app->add_option("--port", arguments->page.port,
-                  "of the page; 0: any that is free")
+                  "port of the page; 0: any free port")
+      ->option_text("PORT")
       ->capture_default_str();
   app->add_option("--page-name", arguments->page.more_names,
-                  "another name of this machine that browsers may ask for, "
-                  "NAME or NAME:PORT; may be given again")
+                  "additional host name of the page; repeatable")
+      ->option_text("NAME[:PORT]")
       ->allow_extra_args(false);
   app->add_option("--token-file", arguments->page.token_file,
-                  "file with the page's token: 16 to 128 letters, digits, - or "
-                  "_");
+                  "file with the token: 16 to 128 letters, digits, - or _")
+      ->option_text("FILE");
+  BeginGroup(app, help_group::kAdvanced);
+  app->add_option("--timeout", arguments->loop.timeout_s,
+                  "stop after this time without a frame")
+      ->option_text("S")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
   app->add_option("--threads", arguments->common.threads,
-                  "threads; 0 means all cores")
+                  "number of threads; 0: one per core")
+      ->option_text("N")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app->add_flag("--quiet", arguments->common.quiet, "print errors only");
   app->add_flag("--json", arguments->common.json,
-                "print a line of JSON when something changes");
+                "print a line of JSON for each change of state");
 }
 
 void FinishCaptureArguments(CaptureArguments* arguments) {

@@ -20,6 +20,7 @@
 #include "dataset/error.h"
 #include "dataset/freed_memory.h"
 #include "dataset/text_encoding.h"
+#include "help_formatter.h"
 #include "neighbour_program.h"
 #include "pattern_input.h"
 #include "side_by_side.h"
@@ -156,20 +157,14 @@ void RequireFrames(const CaptureArguments& arguments,
 }
 
 int Run(int argc, char** argv) {
-  CLI::App app(
-      "Takes the frames of a camera that calibrate it: detects the pattern, "
-      "keeps frames that add something, and says what to show next. Then runs "
-      "raygrid calibrate on them.");
+  CLI::App app("Capture calibration images live, guided by coverage.");
   app.name("raygrid capture");
+  app.formatter(std::make_shared<HelpFormatter>());
   CaptureArguments arguments;
   AddCaptureOptions(&app, &arguments);
   app.footer(
       "Example:\n  raygrid capture --source v4l2:/dev/video0 --pattern "
-      "pattern.yaml -o session/\n  raygrid capture --source photos/ --pattern "
-      "pattern.yaml -o session/ --until 0.02px\n  raygrid capture --source "
-      "left=v4l2:/dev/video0 --source right=v4l2:/dev/video2 --pattern "
-      "pattern.yaml -o session/\n\n" +
-      ExitCodesHelp());
+      "pattern.yaml -o session/");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -1,0 +1,38 @@
+/// Layout of --help: lines of at most 80 characters, options in groups.
+#ifndef RAYGRID_TOOLS_HELP_FORMATTER_H
+#define RAYGRID_TOOLS_HELP_FORMATTER_H
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace raygrid {
+
+/// Titles of option groups in --help, in the order in which they are printed.
+/// tools/command_pages lists them, too.
+namespace help_group {
+inline constexpr char kInput[] = "Input";
+inline constexpr char kModel[] = "Model";
+inline constexpr char kTarget[] = "Target";
+inline constexpr char kView[] = "View";
+inline constexpr char kOutput[] = "Output";
+inline constexpr char kAdvanced[] = "Advanced";
+}  // namespace help_group
+
+/// Prints one sentence, usage, arguments, options by group (value, default,
+/// description), commands by group and the footer. Options of the group "" are
+/// hidden.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override;
+};
+
+/// Puts the options that are declared from here on into a group.
+void BeginGroup(CLI::App* command, const char* group);
+
+/// Text in lines of at most 80 characters, each after so many spaces.
+std::string WrapText(const std::string& text, size_t indent);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_TOOLS_HELP_FORMATTER_H
