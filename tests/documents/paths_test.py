@@ -13,7 +13,9 @@ ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)),
 # Stages of the calibrator with a page on why they are as they are.
 STAGES = ("adjustment", "calibration", "camera", "dataset", "evaluation", "features",
           "fleet", "initialization", "packing", "report")
-DOCUMENTS = ("README.md", "CONTRIBUTING.md", "runtime/README.md", "runtime/DESIGN.md",
+DOCUMENTS = ("README.md", "CONTRIBUTING.md", "tools/README.md", "tools/raygrid_camera/README.md",
+             "tools/raygrid_capture/README.md", "offline/METHOD.md", "offline/TUTORIAL.md",
+             "offline/fleet/README.md", "runtime/README.md", "runtime/DESIGN.md",
              "runtime/COST.md", "runtime/libcamera/README.md", "runtime/micropython/README.md",
              "runtime/python/README.md", "runtime/v4l2/README.md",
              "runtime/wasm/README.md", "offline/README.md",
@@ -22,7 +24,7 @@ DOCUMENTS = ("README.md", "CONTRIBUTING.md", "runtime/README.md", "runtime/DESIG
              *(f"offline/{stage}/DESIGN.md" for stage in STAGES))
 NAMED = re.compile(r"`([\w./*-]+\.(?:c|h|cc|py|js|md|txt|toml|json|\*))`")
 # Files that a command writes.
-MADE = {"SERIAL.failed.json", "raygrid.c", "result.json", "resume.json", "thumbnails.json", "unit.json"}
+MADE = {"SERIAL.failed.json", "raygrid.c", "result.json", "resume.json", "session.json", "thumbnails.json", "unit.json"}
 NO_FOLDERS = {".git", "build"}
 
 
