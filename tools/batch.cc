@@ -418,13 +418,15 @@ std::vector<const UnitJob*> ChooseJobs(const std::vector<UnitJob>& jobs,
                         : ParseUnitNumber(words.substr(dash + 1));
   if (!first || !last || *last < *first)
     throw Error(ExitCode::kUsage,
-                fmt::format("--unit {}: neither a number, as 3, nor the first "
-                            "and the last one, as 3-7",
+                fmt::format("--unit {}: expected a unit such as 3, or a range "
+                            "such as 3-7",
                             Printable(words)));
   if (*last >= jobs.size())
-    throw Error(ExitCode::kUsage,
-                fmt::format("--unit {}: the plan's {} units count from 0",
-                            words, jobs.size()));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "--unit {}: out of range; the plan has {} units, counted from 0",
+            words, jobs.size()));
   std::vector<const UnitJob*> chosen;
   for (size_t k = *first; k <= *last; ++k) chosen.push_back(&jobs[k]);
   return chosen;

@@ -76,7 +76,7 @@ std::string SubmittedJob(const std::vector<std::string>& options) {
         job.find_first_not_of("0123456789") == std::string::npos)
       return job;
   }
-  throw Error(ExitCode::kOutput, "--slurm: sbatch told no number of a job");
+  throw Error(ExitCode::kOutput, "--slurm: sbatch printed no job ID");
 }
 
 }  // namespace

@@ -274,8 +274,8 @@ void RequireSuccess(const Verdict& verdict, bool is_interrupted,
                     const std::string& folder) {
   if (is_interrupted)
     throw Error(ExitCode::kNotConverged,
-                fmt::format("interrupted; {} holds the best state so far, "
-                            "--resume goes on from there",
+                fmt::format("interrupted; {} has the best state so far, "
+                            "continue with --resume",
                             folder));
   if (verdict.word == "fail")
     throw Error(ExitCode::kQuality,

@@ -22,8 +22,7 @@ namespace {
 
 void PrintFigures(const char* name, const ErrorFigures& figures) {
   fmt::print(
-      "  {:<9} median {:.4f} px, RMS {:.4f} px, largest {:.3f} px, {} "
-      "features\n",
+      "  {:<9} median {:.3g} px, RMS {:.3g} px, max {:.3g} px, {} features\n",
       name, figures.median_px, figures.rms_px, figures.max_px, figures.count);
 }
 
@@ -31,11 +30,12 @@ void PrintFigures(const char* name, const ErrorFigures& figures) {
 void PrintSize(const CalibrationResult& result) {
   fmt::print("{} parameters, {} images", result.num_parameters,
              result.features.images.size());
-  if (result.cell_px > 0) fmt::print(", cells of {:.0f} px", result.cell_px);
+  if (result.cell_px > 0)
+    fmt::print(", knot spacing {:.0f} px", result.cell_px);
   fmt::print("\n");
 }
 
-// The images that are not used, by the reason.
+// Rejected images, by reason.
 void PrintUnusedImages(const CalibrationResult& result) {
   constexpr size_t kMostNames = 20;
   std::map<std::string, std::vector<std::string>> names;
@@ -44,35 +44,34 @@ void PrintUnusedImages(const CalibrationResult& result) {
   for (auto& [reason, images] : names) {
     const size_t count = images.size();
     images.resize(std::min(count, kMostNames));
-    fmt::print("  not used: {}{} ({})\n",
+    fmt::print("  rejected: {}{} ({})\n",
                Printable(fmt::format("{}", fmt::join(images, ", "))),
                count > kMostNames
-                   ? fmt::format(" and {} others", count - kMostNames)
+                   ? fmt::format(" and {} more", count - kMostNames)
                    : std::string(),
                Printable(reason));
   }
 }
 
-// The training errors, and how many features have none; the held-out errors.
+// Training errors, the number of features without one, and held-out errors.
 void PrintErrors(const CalibrationResult& result) {
   PrintFigures("training", *result.camera.training);
   if (const size_t count = NumWithoutError(result))
-    fmt::print(
-        "            {} more features are where this camera projects nothing\n",
-        count);
+    fmt::print("            {} more features are outside the model's domain\n",
+               count);
   if (result.camera.held_out) PrintFigures("held out", *result.camera.held_out);
   if (result.held_out_flexed)
-    PrintFigures("and flexed", *result.held_out_flexed);
+    PrintFigures("held out with per-view deformation", *result.held_out_flexed);
   if (result.bends)
-    fmt::print("  boards bend from image to image: {:.3f} mm (RMS)\n",
+    fmt::print("  per-view target deformation: {:.3f} mm RMS\n",
                1e3 * result.bends->rms_m);
 }
 
 void PrintUncertainty(const CameraUncertainty& uncertainty,
                       const CameraModel& camera) {
   fmt::print(
-      "  uncertainty: median {:.4f} px, trusted to {:.4f} px: {:.0f} % of the "
-      "image\n",
+      "  predicted uncertainty: median {:.2g} px; valid region (below {:.2g} "
+      "px): {:.0f} % of the image\n",
       uncertainty.lattice.MedianPx(), uncertainty.max_deviation_px,
       100 * uncertainty.TrustedPart(camera.image_size(), camera.area()));
 }
@@ -80,9 +79,8 @@ void PrintUncertainty(const CameraUncertainty& uncertainty,
 void PrintKnownOverRanges(const CameraFile& file) {
   if (const auto known = UncertaintyOverRanges(file))
     fmt::print(
-        "  in the middle of the range; at all its values: median {:.4f} px, "
-        "{:.0f} % "
-        "of the image\n",
+        "  at the centre of the range; over the whole range: median {:.2g} px, "
+        "valid region {:.0f} % of the image\n",
         known->lattice.MedianPx(),
         100 *
             known->TrustedPart(file.camera->image_size(), file.camera->area()));
@@ -95,8 +93,8 @@ void PrintStack(const CameraStack& stack) {
         MeasureStackChanges(stack.Along(r), 2);
     const Eigen::Vector2d moved = ends[1].center_px - ends[0].center_px;
     fmt::print(
-        "  {}: the image grows by {:.2f} %, its centre moves by {:.2f} px; "
-        "order {}\n",
+        "  {}: image scale changes by {:.2f} %, image centre by {:.2f} px; "
+        "polynomial order {}\n",
         stack.ranges()[r].Text(),
         100 * ((1 + ends[1].growth) / (1 + ends[0].growth) - 1), moved.norm(),
         stack.orders()[r]);
@@ -118,14 +116,14 @@ void PrintImageCircle(const CameraModel& camera) {
   const auto& circle = camera.image_circle();
   if (!circle) return;
   fmt::print(
-      "  image circle: {:.1f} px around {:.1f}, {:.1f}; nothing is seen "
-      "beyond (--image-circle none: all is)\n",
+      "  image circle: radius {:.1f} px, centre {:.1f}, {:.1f} (--image-circle "
+      "none: calibrate the whole image)\n",
       circle->radii_px.x(), circle->center.x(), circle->center.y());
 }
 
 void PrintRowTime(const CalibrationResult& result) {
   if (result.row_time)
-    fmt::print("  time of a row: {}\n",
+    fmt::print("  line delay: {}\n",
                RowTimeText(*result.row_time,
                            result.camera.camera->image_size().height));
 }
@@ -142,13 +140,13 @@ void PrintBoards(const Pattern& pattern) {
     if (std::max(shape.rms_height_m, shape.rms_shift_m) < kTellableM) continue;
     if (++num_told > kMostLines) continue;
     fmt::print(
-        "  board {} is {:.3f} mm from flat (RMS), {:.3f} mm at most; within "
-        "its plane points are {:.3f} mm from their places\n",
+        "  board {}: out-of-plane deformation {:.3f} mm RMS, {:.3f} mm max; "
+        "in-plane deviation {:.3f} mm RMS\n",
         board.id, 1e3 * shape.rms_height_m, 1e3 * shape.max_height_m,
         1e3 * shape.rms_shift_m);
   }
   if (num_told > kMostLines)
-    fmt::print("  so are {} more boards, as the report shows\n",
+    fmt::print("  {} more boards are deformed, see the report\n",
                num_told - kMostLines);
 }
 
@@ -166,16 +164,17 @@ void PrintSingleCamera(const CalibrationResult& result) {
   PrintSize(result);
   if (result.measured_again_rms_px)
     fmt::print(
-        "  features measured again through a first camera: moved by "
-        "{:.4f} px (RMS)\n",
+        "  features refined with a first camera: moved by {:.2g} px RMS\n",
         *result.measured_again_rms_px);
   PrintUnusedImages(result);
   PrintErrors(result);
   if (result.camera.held_out && result.cross_validated)
     fmt::print("            by cross-validation\n");
   if (result.bias_kl && result.noise_bias_kl)
-    fmt::print("  bias (KL divergence) {:.3f}, of pure noise {:.3f}\n",
-               *result.bias_kl, *result.noise_bias_kl);
+    fmt::print(
+        "  bias of residual directions (KL divergence): {:.3f}, {:.3f} for "
+        "white noise\n",
+        *result.bias_kl, *result.noise_bias_kl);
   if (result.camera.uncertainty)
     PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
   if (result.model_error_px)
@@ -193,8 +192,8 @@ void PrintSingleCamera(const CalibrationResult& result) {
   PrintLimit(result);
   if (result.line_spread)
     fmt::print(
-        "  lines pass the point nearest to all by {:.3f} mm (RMS), {:.3f} mm "
-        "(largest)\n",
+        "  observation lines pass their common point at {:.3f} mm RMS, {:.3f} "
+        "mm max\n",
         1000 * result.line_spread->rms_m, 1000 * result.line_spread->max_m);
 }
 
@@ -220,7 +219,7 @@ void PrintRig(const RigResult& result) {
     PrintFigures("held out", *held_out);
   for (const Baseline& baseline : result.baselines)
     fmt::print(
-        "  {} to {}: {}, {}, {} common views\n",
+        "  {} to {}: baseline {}, rotation {}, {} common views\n",
         result.cameras[baseline.first].camera.name,
         result.cameras[baseline.second].camera.name,
         WithDeviation(baseline.distance_m, baseline.distance_sd_m, 1000, "mm"),
@@ -241,7 +240,7 @@ void PrintSummary(const RigResult& result, const std::string& folder) {
        BodySentences(result.bodies, result.board_pairs))
     fmt::print("  {}\n", told);
   if (!result.bodies.empty())
-    fmt::print("    (--independent-boards: each moves by itself)\n");
+    fmt::print("    (--independent-boards: estimate a pose per board)\n");
   fmt::print("  verdict: {}\n", result.verdict.word);
   for (const std::string& reason : result.verdict.reasons)
     fmt::print("    {}\n", Printable(reason));

@@ -40,7 +40,7 @@ std::vector<double> CaptureNumbers(const std::string& word,
 // A number without a fraction, of any size.
 int WholeNumber(const std::string& word, double number) {
   if (number != std::floor(number) || std::abs(number) > 1e9)
-    RefuseCapture(fmt::format("{}: {} is no whole number", word, number));
+    RefuseCapture(fmt::format("{}: {} is not an integer", word, number));
   return static_cast<int>(number);
 }
 
@@ -89,7 +89,7 @@ std::optional<Capture> ParseCaptureWords(const std::vector<std::string>& texts,
       if (equals == std::string::npos || !kKnown.count(word))
         RefuseCapture(fmt::format("expected {}, or none, not '{}'",
                                   kCaptureWordsHelp, Printable(part)));
-      if (!taken.insert(word).second) RefuseCapture(word + " stands twice");
+      if (!taken.insert(word).second) RefuseCapture(word + " is given twice");
       TakeWord(word, part.substr(equals + 1), &capture);
     }
   }

@@ -163,12 +163,12 @@ void Print(const CameraCheck& check, const std::vector<std::string>& stands) {
     fmt::print("  {:<6} {:>7.1f} sigma  {}\n", movement.name, movement.sigmas,
                Amount(change, movement));
   fmt::print(
-      "  each as if it alone had moved, found 99 times of 100; shift and tilt "
-      "differ little to a board\n");
+      "  each movement tested alone, at 99 % power; shift and tilt are hardly "
+      "distinguishable\n");
   for (const std::string& difference : stands)
-    fmt::print("  stands otherwise: {}\n", difference);
+    fmt::print("  capture settings differ: {}\n", difference);
   for (const RejectedImage& image : check.rejected_images)
-    fmt::print("not used: {} ({})\n", Printable(image.image),
+    fmt::print("rejected: {} ({})\n", Printable(image.image),
                Printable(image.reason));
 }
 

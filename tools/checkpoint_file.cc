@@ -68,8 +68,8 @@ void KeepFinishedResult(const std::string& folder,
             FormatCheckpoints(checkpoints, inputs), Links::kReplace);
   files.Commit();
   throw Error(ExitCode::kNotConverged,
-              fmt::format("interrupted; {} keeps the finished result that it "
-                          "held before, --resume goes on with this one",
+              fmt::format("interrupted; {} keeps its earlier finished result, "
+                          "continue this one with --resume",
                           folder));
 }
 

@@ -209,24 +209,23 @@ void Print(const CompareArguments& arguments,
     fmt::print("{}: median {:.4f} px, RMS {:.4f} px, better in {} images\n",
                camera, figures.median_px, figures.rms_px, num_better);
   };
-  fmt::print("{} features of {} images, localised with either camera:\n",
+  fmt::print("{} features of {} images, poses estimated with each camera:\n",
              prediction.first.count, prediction.images.size());
   print(arguments.first, prediction.first, prediction.num_first_better);
   print(arguments.second, prediction.second, prediction.num_second_better);
   const std::string better = prediction.Better();
   if (better == "neither")
     fmt::print(
-        "neither is shown to be better: images differ so much by chance, "
-        "probability {:.2g}\n",
+        "no significant difference (p = {:.2g}, Wilcoxon signed-rank test over "
+        "images)\n",
         prediction.probability);
   else
-    fmt::print("{} is better; by chance, probability {:.2g}\n",
+    fmt::print("{} predicts better (p = {:.2g})\n",
                better == "first" ? arguments.first : arguments.second,
                prediction.probability);
   if (prediction.num_left_out > 0)
     fmt::print(
-        "{} features that one camera alone is calibrated for do not "
-        "count\n",
+        "{} features outside the calibrated area of one camera were ignored\n",
         prediction.num_left_out);
 }
 

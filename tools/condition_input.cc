@@ -120,10 +120,9 @@ ConditionValues ExifValues(const std::string& path, const std::string& bytes,
   for (const CameraCondition condition : conditions) {
     const auto value = ExifCondition(path, bytes, condition);
     if (!value)
-      throw InputError(
-          fmt::format("{}: its EXIF data do not tell the {} ({}); give {}",
-                      path, ConditionName(condition), ExifTagName(condition),
-                      WaysToTell(conditions)));
+      throw InputError(fmt::format(
+          "{}: EXIF has no {} ({}); give {}", path, ConditionName(condition),
+          ExifTagName(condition), WaysToTell(conditions)));
     values.push_back(*value);
   }
   return values;
@@ -176,9 +175,10 @@ void RequireConditionOptions(const CalibrateArguments& arguments, bool is_rig) {
   const bool has_values =
       !arguments.cameras_at.empty() || !arguments.conditions.empty();
   if (arguments.condition.empty() && has_values)
-    throw Error(ExitCode::kUsage,
-                "say what the values of --images-at or --operating-points are: "
-                "--vary-with lens_position or --vary-with temperature");
+    throw Error(
+        ExitCode::kUsage,
+        "--images-at and --operating-points need --vary-with lens_position or "
+        "--vary-with temperature");
   if (arguments.condition.empty()) return;
   if (is_rig)
     throw Error(ExitCode::kUsage,
@@ -186,17 +186,19 @@ void RequireConditionOptions(const CalibrateArguments& arguments, bool is_rig) {
                 "one by one");
   const std::vector<CameraCondition> conditions = ConditionsIn(arguments);
   if (conditions.size() > 1 && !arguments.cameras_at.empty())
-    throw Error(ExitCode::kUsage,
-                "--images-at tells one value; of two conditions give " +
-                    WaysToTell(conditions));
+    throw Error(
+        ExitCode::kUsage,
+        "--images-at has one value per folder; for two quantities give " +
+            WaysToTell(conditions));
   if (!arguments.cameras_at.empty() && !arguments.conditions.empty())
     throw Error(ExitCode::kUsage,
                 "give either --images-at or --operating-points, not both");
   if (!has_values && arguments.session_values.empty() && !AreOfExif(arguments))
-    throw Error(ExitCode::kUsage,
-                fmt::format("--vary-with {}: nothing says it of the images; "
-                            "give {}",
-                            NamesOf(conditions), WaysToTell(conditions)));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--vary-with {}: the images have no operating point; "
+                    "give {}",
+                    NamesOf(conditions), WaysToTell(conditions)));
 }
 
 bool AreOfExif(const CalibrateArguments& arguments) {

@@ -51,8 +51,8 @@ ConditionsAt ParseConditionsAt(const std::string& text) {
     const auto condition = FindCondition(given.name);
     if (!condition)
       throw Error(ExitCode::kUsage,
-                  fmt::format("--at {}: '{}' is no condition; there are "
-                              "lens_position and temperature",
+                  fmt::format("--at {}: unknown quantity '{}'; expected "
+                              "lens_position or temperature",
                               text, given.name));
     if (!at.named.emplace(*condition, ParseValueAt(given.value)).second)
       throw Error(ExitCode::kUsage,
@@ -67,7 +67,7 @@ HeldConditions HeldOf(const ConditionsAt& at,
   HeldConditions held(ranges.size());
   if (at.alone && ranges.size() > 1)
     RefuseAt(at, name,
-             "changes with two conditions; say which value is whose, as " +
+             "varies with two quantities; give both by name, such as " +
                  ExampleAt(ranges));
   if (at.alone) held[0] = at.alone;
   for (const auto& [condition, value] : at.named) {

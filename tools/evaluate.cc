@@ -105,7 +105,7 @@ void Print(const Evaluation& evaluation, const Residuals& flexed) {
     fmt::print(", predicted from the others\n");
   }
   for (const RejectedImage& image : evaluation.rejected_images)
-    fmt::print("not used: {} ({})\n", Printable(image.image),
+    fmt::print("rejected: {} ({})\n", Printable(image.image),
                Printable(image.reason));
 }
 

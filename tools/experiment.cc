@@ -135,7 +135,7 @@ void ReadUsersFeatures(const ExperimentArguments& arguments,
   if (cameras.size() != num_cameras)
     throw InputError(fmt::format(
         "{}: holds features of {} camera{}; stereo "
-        "needs two, told apart by a column 'camera'",
+        "needs two, in a column 'camera'",
         arguments.features, cameras.size(), cameras.size() == 1 ? "" : "s"));
   data->pattern = GivenPattern(arguments.pattern);
   for (auto& [name, dataset] : cameras) {

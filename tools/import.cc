@@ -120,7 +120,8 @@ void RequireUsed(const ImportArguments& arguments,
     refuse(arguments.files[1], "a file of corners is imported alone");
   if (!arguments.model.empty()) refuse("--model", "corners have no camera");
   if (!arguments.image_size.empty())
-    refuse("--image-size", "features.csv has none; tell it to calibrate");
+    refuse("--image-size",
+           "features.csv does not store it; pass it to calibrate");
 }
 
 // The contents of a file of corners alone; none if it is of another format.
@@ -131,9 +132,8 @@ std::optional<ExchangeContents> ReadCorners(
                              : &FindFormat("--from", arguments.from);
   if (!format || !format->takes_board) {
     if (!arguments.board.empty() && !(format && format->may_take_board))
-      throw Error(
-          ExitCode::kUsage,
-          "--board-size: is for corners whose file does not tell the board");
+      throw Error(ExitCode::kUsage,
+                  "--board-size: only for corner files without a board size");
     return std::nullopt;
   }
   RequireUsed(arguments, {});

@@ -439,8 +439,8 @@ Json FactsOf(const std::string& path,
   if (bytes.find("board") != std::string::npos)
     return FeaturesFacts(ParseFeatures(path, bytes));
   throw InputError(path +
-                   ": neither a blob, a camera, a rig, a pattern, features, "
-                   "nor a file of " +
+                   ": not a blob, camera, rig, pattern or features file, nor "
+                   "a file of " +
                    FormatNames());
 }
 

@@ -131,8 +131,7 @@ std::string WhyNegative(const std::string& text) {
 // Why an option refuses an empty text, which a script's variable gives that was
 // never set.
 std::string WhyEmpty(const std::string& text) {
-  return text.empty() ? "an empty text; leave the option out, or say what is "
-                        "meant"
+  return text.empty() ? "an empty value; omit the option or give a value"
                       : std::string();
 }
 
@@ -200,7 +199,7 @@ void RequireCommand(const CLI::App& app, const std::string& word) {
                     "with -DRAYGRID_EXPERIMENTS=ON");
   throw Error(
       ExitCode::kUsage,
-      fmt::format("{}: there is no such command; {}", word,
+      fmt::format("{}: unknown command; {}", word,
                   nearest.empty() ? "raygrid --help lists them"
                                   : fmt::format("did you mean {}?", nearest)));
 }

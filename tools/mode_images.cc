@@ -92,8 +92,8 @@ void AppendOfMode(const SensorMode& mode, const std::string& folder,
   const ImageSize& size = more.dataset.image_size;
   if (size != mode.size)
     throw InputError(fmt::format(
-        "{}: images of {} x {} pixels, but those of the mode are {} x {}; say "
-        "with --mode how they lie in the calibrated ones",
+        "{}: images have {} x {} pixels, the sensor mode {} x {}; correct "
+        "--mode",
         folder, size.width, size.height, mode.size.width, mode.size.height));
   RequireOtherNames(*measurements, more, folder);
   measurements->modes.push_back({mode, measurements->dataset.images.size()});

@@ -46,7 +46,7 @@ Words ParseWords(const std::string& mode, const std::string& text) {
     if (equals == std::string::npos || !kKnown.count(name))
       Refuse(mode, fmt::format("expected {}, not '{}'", kModeWordsHelp, part));
     if (!words.emplace(name, part.substr(equals + 1)).second)
-      Refuse(mode, name + " stands twice");
+      Refuse(mode, name + " is given twice");
   }
   return words;
 }

@@ -68,8 +68,8 @@ CLI::Option* AddPatternOption(CLI::App* command, std::string* pattern,
                               const std::string& remark) {
   return command
       ->add_option("--pattern", *pattern,
-                   "target: pattern.yaml, or a specification such as "
-                   "chessboard:9x6:25mm (see raygrid pattern --help)" +
+                   "target: pattern.yaml or a specification such as "
+                   "chessboard:9x6:25mm" +
                        remark)
       ->option_text("FILE|SPEC")
       ->group(help_group::kTarget);
@@ -96,7 +96,7 @@ void AskAboutLengths(const std::string& source,
     const std::string question = Question(board, mm_option);
     if (!question.empty())
       throw Error(ExitCode::kUsage,
-                  fmt::format("{}{}; --yes if that is meant",
+                  fmt::format("{}{}; accept with --yes",
                               source.empty() ? "" : source + ": ", question));
   }
 }

@@ -160,8 +160,8 @@ std::vector<Session> ReadSession(const std::string& folder) {
     if (cameras.empty()) throw InputError("has no camera");
     return cameras;
   } catch (const Json::exception& error) {
-    throw InputError(fmt::format("{}: is no session ({}); capture anew", path,
-                                 error.what()));
+    throw InputError(fmt::format(
+        "{}: not a capture session ({}); capture again", path, error.what()));
   } catch (const Error& error) {
     throw InputError(fmt::format("{}: {}", path, error.what()));
   }

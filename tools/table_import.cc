@@ -114,7 +114,7 @@ const TableFormat* FindTable(const ImportArguments& arguments,
                                  arguments.from));
   if (!arguments.image_size.empty() && table->read_rays)
     throw Error(ExitCode::kUsage,
-                fmt::format("--image-size: the format {} tells it, as "
+                fmt::format("--image-size: files of format {} have their own "
                             "image_size",
                             table->name));
   if (arguments.files.size() > 1)

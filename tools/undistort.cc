@@ -73,8 +73,8 @@ ImageMapper ByTable(BlobCamera blob, const VirtualView& view,
                         "the table takes",
                         camera->Distorts(remap_index)
                             ? "use pictures of its view"
-                            : "use images of that size, or say with --mode how "
-                              "these lie in the calibrated ones");
+                            : "use images of that size, or define their sensor "
+                              "mode with --mode");
             return camera->Undistort(image, 0, remap_index);
           }};
 }

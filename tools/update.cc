@@ -48,8 +48,8 @@ class SlotStore {
       close(file_);
       throw Error(ExitCode::kOutput,
                   path_ +
-                      ": is neither a file nor a block device; of an MTD name "
-                      "its /dev/mtdblock, or write the file that update made");
+                      ": is not a file or block device; for MTD use "
+                      "/dev/mtdblock, or flash the file that update writes");
     }
     is_device_ = S_ISBLK(status.st_mode);
     while (flock(file_, LOCK_EX) != 0 && errno == EINTR) {
@@ -105,8 +105,8 @@ void RequireSlotSize(uint64_t slot_size, const UpdateArguments& arguments,
                      const std::string& blob) {
   if (slot_size % 4 != 0 || slot_size > kMaxSlotSize)
     throw Error(ExitCode::kUsage,
-                fmt::format("--slot-size {}: is no multiple of 4 bytes up to "
-                            "1 GiB; take one of the flash's erase blocks",
+                fmt::format("--slot-size {}: must be a multiple of 4 bytes, at "
+                            "most 1 GiB; use a multiple of the erase size",
                             slot_size));
   if (SlotSizeFor(blob) > slot_size)
     throw Error(
@@ -120,9 +120,10 @@ void RequireSlotSize(uint64_t slot_size, const UpdateArguments& arguments,
 uint64_t SizeOfSlots(const SlotStore& store, const UpdateArguments& arguments) {
   const uint64_t size = store.Size();
   if (store.is_device() && !arguments.slot_size)
-    throw Error(ExitCode::kUsage, arguments.slots +
-                                      ": is a device; say with --slot-size how "
-                                      "large its two slots are");
+    throw Error(ExitCode::kUsage,
+                arguments.slots +
+                    ": is a device; give the size of its slots "
+                    "with --slot-size");
   const uint64_t slot_size = arguments.slot_size.value_or(size / 2);
   if (store.is_device() ? 2 * slot_size > size
                         : 2 * slot_size != size || size % 8 != 0)
@@ -139,8 +140,8 @@ void RequireSlots(const BlobSlots& read, const UpdateArguments& arguments) {
   const bool is_erased = first.is_erased && second.is_erased;
   if (!first.is_whole && !second.is_whole && !is_erased && !arguments.is_new)
     throw InputError(arguments.slots +
-                     ": has neither a whole blob in a slot nor erased slots; "
-                     "if it may be overwritten, say --initialize");
+                     ": holds no valid blob and is not erased; overwrite it "
+                     "with --initialize");
 }
 
 void Tell(const UpdateArguments& arguments, const CommonOptions& common,

@@ -133,7 +133,7 @@ ViewRequest ParseView(const std::string& option, const std::string& text) {
                               option, text, kViewWordsHelp, part));
     if (!seen.emplace(name, "").second)
       throw Error(ExitCode::kUsage,
-                  fmt::format("{} {}: {} stands twice", option, text, name));
+                  fmt::format("{} {}: {} is given twice", option, text, name));
     AddWord(fmt::format("{} {}: {}", option, text, name), name,
             part.substr(equals + 1), &request);
   }

@@ -321,8 +321,8 @@ units:
         self.assert_done(self.batch(plan, "--unit", 1, output="-single"))
         self.assert_done(self.batch(plan, "--gather", output="-single"))
         self.assert_same_files(self.files(), expected)
-        for units, words in (("3", "count from 0"), ("1-3", "count from 0"), ("2-1", "neither"), ("-1", "neither"),
-                             ("1-", "neither"), ("x", "neither"), ("1234567890123", "neither")):
+        for units, words in (("3", "counted from 0"), ("1-3", "counted from 0"), ("2-1", "expected a unit"), ("-1", "expected a unit"),
+                             ("1-", "expected a unit"), ("x", "expected a unit"), ("1234567890123", "expected a unit")):
             self.assert_refused(self.batch(plan, "--unit=" + units, output="-single"), 1, words)
         self.assert_done(self.batch(plan, "--unit", "0-2", output="-three"))
         self.assert_done(self.batch(plan, "--gather", output="-three"))

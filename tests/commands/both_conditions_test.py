@@ -70,8 +70,8 @@ class BothConditions(CommandTest):
                       "middle", said)
 
     def test_output_and_report_tell_both_changes(self):
-        self.assertRegex(self.said, r"0 to 10 dioptres: the image grows by [34]\.\d+ %")
-        self.assertRegex(self.said, r"20 to 70 °C: the image grows by -0\.[12]\d? ?%")
+        self.assertRegex(self.said, r"0 to 10 dioptres: image scale changes by [34]\.\d+ %")
+        self.assertRegex(self.said, r"20 to 70 °C: image scale changes by -0\.[12]\d? ?%")
         report = read(self.path("out/report.html")).decode()
         for heading in ("<h3>Over the lens position, at 45 °C</h3>",
                         "<h3>Over the temperature, at 5 dioptres</h3>",
@@ -85,11 +85,11 @@ class BothConditions(CommandTest):
 
     def test_values_say_whose_they_are(self):
         for at, told in (
-                (3, "changes with two conditions; say which value is whose, as --at "
+                (3, "varies with two quantities; give both by name, such as --at "
                     "lens_position=5,temperature=45"),
                 ("lens_position=11", "was calibrated over 0 to 10 dioptres"),
                 ("lens_position=3,temperature=71", "was calibrated over 20 to 70 °C"),
-                ("pressure=3", "'pressure' is no condition"),
+                ("pressure=3", "unknown quantity 'pressure'"),
                 ("lens_position=3,lens_position=4", "lens_position is given twice"),
                 ("lens_position=", "expected a number"), ("near", "expected a number")):
             result = run("project", self.camera, "--at", at, "--points", "none.csv")
@@ -137,7 +137,7 @@ class BothConditions(CommandTest):
 
     def test_values_that_do_not_tell_both(self):
         both = ("--vary-with", "lens_position,temperature")
-        self.assert_refused(self.calibrate(*both), 1, "nothing says it",
+        self.assert_refused(self.calibrate(*both), 1, "have no operating point",
                             "the columns image,lens_position,temperature")
         self.assert_refused(self.calibrate(*both, "--images-at", "3=folder"), 1)
         one = write(self.path("one.csv"), "image,value\n00_sim0000.png,0\n")

@@ -111,11 +111,11 @@ class CaptureTest(CommandTest):
                 ("lens=1,tolerance=-1", "tolerance"), ("tolerance=1", "needs lens"),
                 ("lens=1,lens=2", "twice"), ("crop=0,0,320", "four numbers"),
                 ("crop=0,0,320x240", "four numbers"), ("crop=0,0,0,240", "crop"),
-                ("crop=0,0,320,-240", "crop"), ("crop=0,0,1.5,240", "whole"),
-                ("crop=0,0,1e12,240", "whole"), ("crop=70000,0,320,240", "65536"),
+                ("crop=0,0,320,-240", "crop"), ("crop=0,0,1.5,240", "integer"),
+                ("crop=0,0,1e12,240", "integer"), ("crop=70000,0,320,240", "65536"),
                 ("crop=0,0,10241,240", "64"), ("zoom=0.99", "zoom"), ("zoom=inf", "zoom"),
                 ("orientation=0", "1 to 8"), ("orientation=9", "1 to 8"),
-                ("orientation=1.5", "whole"), ("none,lens=1", "none")):
+                ("orientation=1.5", "integer"), ("none,lens=1", "none")):
             with self.subTest(words):
                 self.assert_refused(self.pack("--capture-settings", words), 1, "--capture-settings", said)
 

@@ -73,7 +73,7 @@ class Condition(CommandTest):
         self.assert_done(result)
 
     def test_output_and_report_tell_what_changes(self):
-        self.assertRegex(self.said, r"0 to 10 dioptres: the image grows by [34]\.\d+ %")
+        self.assertRegex(self.said, r"0 to 10 dioptres: image scale changes by [34]\.\d+ %")
         report = read(self.path("out/report.html")).decode()
         self.assertIn("<h2>Over the range</h2>", report)
         for end in (0, 10):
@@ -115,7 +115,7 @@ class Condition(CommandTest):
         self.assert_refused(result, 1, "was not calibrated over")
 
     def test_conditions_that_are_missing(self):
-        self.assert_refused(self.calibrate("--vary-with", "temperature"), 1, "nothing says it")
+        self.assert_refused(self.calibrate("--vary-with", "temperature"), 1, "have no operating point")
         self.assert_refused(self.calibrate("--operating-points", self.values), 1, "--vary-with lens_position")
         few = write(self.path("few.csv"), "image,value\n0_sim0000.png,0\n")
         self.assert_refused(self.calibrate("--vary-with", "lens_position", "--operating-points", few), 1,
@@ -228,7 +228,7 @@ class Condition(CommandTest):
         # Of the other condition, the first image tells nothing, and is named.
         result = run("calibrate", self.path("temperature"), "--vary-with", "lens_position",
                      *options, "-o", self.path("untold"))
-        self.assert_refused(result, 2, "0_0.png: its EXIF data do not tell the lens_position "
+        self.assert_refused(result, 2, "0_0.png: EXIF has no lens_position "
                                        "(SubjectDistance)")
         self.assert_nothing_in(self.path("untold"))
 

@@ -146,7 +146,7 @@ class Interruption(CommandTest):
             if code == 5:
                 break
         self.assertEqual(code, 5, error)
-        self.assertIn("keeps the finished result", error)
+        self.assertIn("keeps its earlier finished result", error)
         self.assertEqual(error.count("\n"), 1, error)
         after = self.files_in("finished")
         self.assertTrue(after.pop("resume.json"))

@@ -61,8 +61,8 @@ class MainJob(CommandTest):
                      self.path("sim/pattern.yaml"), "--model", "opencv", "--skip-comparison",
                      "--hold-out", "sim0003.png", "-o", self.path("more"))
         self.assert_done(result)
-        self.assertIn("not used: few.png (only 2 features)", result.stdout)
-        self.assertIn("not used: one.png (only 1 features)", result.stdout)
+        self.assertIn("rejected: few.png (only 2 features)", result.stdout)
+        self.assertIn("rejected: one.png (only 1 features)", result.stdout)
 
     def test_same_output_with_any_number_of_threads(self):
         # The others ran with as many as there are processors.
@@ -131,7 +131,7 @@ class MainJob(CommandTest):
             if better == "first":
                 self.assertLess(2 * prediction["first"]["rms_px"], prediction["second"]["rms_px"])
         result = run("compare", self.path("out/camera.yaml"), self.path("opencv.yaml"), *data)
-        self.assertIn("out/camera.yaml is better", result.stdout)
+        self.assertIn("out/camera.yaml predicts better", result.stdout)
         self.assert_refused(run("compare", self.path("out/camera.yaml"),
                                 self.path("opencv.yaml"), *data[:2]), 1, "--pattern")
 

@@ -159,7 +159,7 @@ class PatternCommand(CommandTest):
                     file.write(features)
                 result = run(*command, "--pattern", spec)
                 self.assert_refused(result, 1, spec, *words)
-                self.assertNotIn("if that is meant", run(*command, "--pattern", spec,
+                self.assertNotIn("accept with --yes", run(*command, "--pattern", spec,
                                                          "--yes").stderr)
 
     def test_wrong_usage(self):
