@@ -141,11 +141,12 @@ const LensForm& FormSaid(const CameraKeys& keys, const Affixes& affixes,
     is_fisheye = coefficients->is_fisheye_column || skew_px != 0;
     remarks->push_back(
         is_fisheye
-            ? "its 4 coefficients are taken for k1, k2, k3, k4 of cv::fisheye, "
-              "which writes such a column, or a skew; those of a pinhole are "
-              "imported with --model opencv4"
-            : "its 4 coefficients are taken for k1, k2, p1, p2 of a pinhole; "
-              "those of cv::fisheye are imported with --model fisheye");
+            ? "its 4 coefficients are assumed to be k1, k2, k3, k4 of "
+              "cv::fisheye, which writes such a column, or a skew; if they are "
+              "those of a pinhole, import with --model opencv4"
+            : "its 4 coefficients are assumed to be k1, k2, p1, p2 of a "
+              "pinhole; if they are those of cv::fisheye, import with --model "
+              "fisheye");
   }
   if (is_fisheye) {
     TrimCoefficients(4, &d);

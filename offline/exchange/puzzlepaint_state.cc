@@ -299,7 +299,7 @@ void TakeState(const ReadRequest& request, ReadLens* camera,
       state.points.empty())
     remarks->push_back(
         "its world has several boards; without points.yaml its poses are "
-        "taken for those of board 0");
+        "assumed to be those of board 0");
   camera->poses = PosesOfCamera(state, index, own->second);
 }
 

@@ -89,7 +89,8 @@ class CameraService(unittest.TestCase):
 
     def test_systemd_hears_of_frames_for_as_long_as_they_pass(self):
         if not programs.notifies:
-            self.skipTest("libsystemd is not built in")
+            self.skipTest("raygrid-camera was built without libsystemd, which notifies; "
+                          "tools/install_packages camera installs it")
         notices, environment = self.listen()
         process = self.start(environment, "--timeout", "30")
         time.sleep(0.2)
@@ -189,7 +190,8 @@ class CameraService(unittest.TestCase):
 
     # ---- The unit ----
 
-    @unittest.skipUnless(shutil.which("systemd-analyze"), "there is no systemd-analyze")
+    @unittest.skipUnless(shutil.which("systemd-analyze"), "no systemd-analyze, which checks the unit; "
+                                                            "it comes with Debian's package systemd")
     def test_systemd_takes_the_unit_and_finds_it_locked_in(self):
         with open(programs.unit, encoding="ascii") as file:
             text = file.read()

@@ -151,7 +151,8 @@ TEST(Undistorter, StopsAtOnceThoughNobodyTakesFrames) {
 }
 
 TEST(Undistorter, NothingIsAllocatedForAFrameAfterTheFirst) {
-  if (CountAllocations() < 0) GTEST_SKIP() << "not counted with sanitizers";
+  if (CountAllocations() < 0)
+    GTEST_SKIP() << "sanitizers replace the allocator that counts";
   const TemporaryFolder folder;
   Pipeline pipeline("YUYV", 5, Play(100, 1000, true), EveryFrame(2));
   const auto output =

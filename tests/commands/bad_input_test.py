@@ -157,7 +157,7 @@ class BadInput(CommandTest):
 
     def test_full_disk(self):
         if not os.path.exists("/dev/full"):
-            self.skipTest("no /dev/full")
+            self.skipTest("no /dev/full, which fails as a full disk does")
         result = run("unproject", self.path("good.raygrid"), "--pixels",
                      write(self.path("px.csv"), "x,y\n1,1\n"), "-o", "/dev/full/rays.csv")
         self.assert_refused(result, 7)

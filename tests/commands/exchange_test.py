@@ -785,7 +785,7 @@ class Exports(ExchangeTest):
             [python, "-c", code, self.path("camera.npz")], capture_output=True,
             check=False).returncode == 0), None)
         if not python:
-            self.skipTest("no Python has numpy")
+            self.skipTest("no Python has numpy; 'tools/install_packages tests' installs it")
         size = ("--image-size", "160x120")
         self.assert_done(run("import", self.path("camera.npz"), *size, "-o",
                              self.path("numpy.yaml")))

@@ -73,7 +73,8 @@ class KeyedFormats(CommandTest):
         self.assertEqual(result.returncode, 0, result.stderr)
         return pixels_of(result.stdout)
 
-    @unittest.skipUnless(PYTHON, "no Python has cv2, tomllib and yaml")
+    @unittest.skipUnless(PYTHON, "no Python has cv2, tomllib and yaml; "
+                                 "'tools/install_packages tests' installs them")
     def test_programs_see_what_raygrid_sees(self):
         for lens in ("pinhole", "fisheye"):
             expected = self.projected(self.path(lens + ".yaml"))
@@ -99,7 +100,8 @@ class KeyedFormats(CommandTest):
                     self.assert_same([pixel or (0, 0) for pixel in self.projected(back)], expected,
                                      1e-9)
 
-    @unittest.skipUnless(PYTHON, "no Python has cv2, tomllib and yaml")
+    @unittest.skipUnless(PYTHON, "no Python has cv2, tomllib and yaml; "
+                                 "'tools/install_packages tests' installs them")
     def test_poses_of_a_rig(self):
         rotate = lambda x, y, z: (x * math.cos(0.2) + z * math.sin(0.2) - 0.1, y + 0.01,
                                   z * math.cos(0.2) - x * math.sin(0.2) + 0.02)
@@ -131,7 +133,8 @@ class KeyedFormats(CommandTest):
                       self.path("none.txt"), "--max-fit-error-px", "0.0001")
         self.assert_refused(refused, 6, "--max-fit-error-px")
 
-    @unittest.skipUnless(os.path.exists(CONVERT), "no ROS parser")
+    @unittest.skipUnless(os.path.exists(CONVERT), "no ROS parser; "
+                                               "'tools/install_packages tests' installs it")
     def test_the_parser_of_ros_reads_the_ini(self):
         file = self.path("camera.ini")
         self.assert_done(run("export", self.path("pinhole.yaml"), "--to", "ros-ini", "-o", file))

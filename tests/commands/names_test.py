@@ -80,7 +80,7 @@ class Names(CommandTest):
         try:
             write(os.fsencode(self.path("photos/")) + b"caf\xe9.pgm", b"P5\n1 1\n255\n0")
         except OSError:
-            self.skipTest("names are UTF-8 here")
+            self.skipTest("this file system refuses names that are not UTF-8")
         for command in (["detect", self.path("photos"), "-o", self.path("latin.csv")],
                         ["calibrate", self.path("photos"), "-o", self.path("latin")]):
             result = run(*command, "--pattern", self.path("sim/pattern.yaml"))
@@ -147,7 +147,7 @@ class Names(CommandTest):
                 self.assert_refused(run(*arguments, *last, *output), 1)
                 self.assert_nothing_in(self.path("nan"))
 
-    @unittest.skipUnless(os.path.exists("/dev/full"), "no /dev/full")
+    @unittest.skipUnless(os.path.exists("/dev/full"), "no /dev/full, which fails as a full disk does")
     def test_results_that_cannot_be_printed_are_an_error(self):
         blob = self.path("camera.raygrid")
         self.assert_done(run("pack", self.camera, "-o", blob))

@@ -62,7 +62,10 @@ TEST(AdjustModel, CountsLostFeaturesAsErrors) {
 TEST(AdjustModel, DoesNotDivergeOnPhotographs) {
   const std::string path = std::string(RAYGRID_REAL_DATA) +
                            "/../cases/boards/fisheye_diverges_features.csv";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << ": missing";
+  if (!std::filesystem::exists(path))
+    GTEST_SKIP() << path
+                 << ": missing; real observations are not part of "
+                    "the repository (-DRAYGRID_REAL_DATA)";
   Dataset dataset = ReadFeatures(path).at("");
   dataset.image_size = {1032, 778};
   const Pattern pattern = ChessboardPattern(8, 6, 0.0325);

@@ -223,7 +223,9 @@ class CommaLocale {
 
 TEST(ReadFeatures, DoesNotDependOnTheLocale) {
   const CommaLocale locale;
-  if (!locale.is_set()) GTEST_SKIP() << "no locale with decimal commas here";
+  if (!locale.is_set())
+    GTEST_SKIP() << "no locale with decimal commas is installed (de_DE.UTF-8 "
+                    "or the like)";
   const Dataset dataset =
       ReadFeaturesText(std::string(kHeader) + "a.png,0,0,0,1.5,2.25\n").at("");
   EXPECT_EQ(dataset.images[0].features[0].pixel, Eigen::Vector2d(1.5, 2.25));

@@ -179,7 +179,9 @@ bool IsTracingAllowed() {
 }
 
 TEST(OutputFolder, KillsLeaveTheOldFilesOrTheNewOnes) {
-  if (!IsTracingAllowed()) GTEST_SKIP() << "processes cannot be traced here";
+  if (!IsTracingAllowed())
+    GTEST_SKIP() << "ptrace is not permitted here, as in some containers, so "
+                    "no call can be interrupted";
   const TemporaryFolder folder;
   const std::string out = folder / "out";
   const Files before = Joined(kOld, kOthers), after = Joined(kNew, kOthers);
@@ -201,7 +203,9 @@ TEST(OutputFolder, KillsLeaveTheOldFilesOrTheNewOnes) {
 }
 
 TEST(OutputFolder, KillsNeverMixOldAndNewFilesWhereItStaysInPlace) {
-  if (!IsTracingAllowed()) GTEST_SKIP() << "processes cannot be traced here";
+  if (!IsTracingAllowed())
+    GTEST_SKIP() << "ptrace is not permitted here, as in some containers, so "
+                    "no call can be interrupted";
   const TemporaryFolder folder;
   const std::string out = folder / "out";
   const Files others = Joined(kOthers, {{"photos/1.png", "mine"}});

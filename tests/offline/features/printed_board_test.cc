@@ -79,7 +79,9 @@ void ExpectInkInPlace(const Board& board) {
   // 2400 pixels: no rounding of the page's size.
   const BoardSheets sheets = PlanBoardSheets({board}, {101.6, 101.6});
   const cv::Mat page = Rasterised(SheetsPdf(sheets), kDpi);
-  if (page.empty()) GTEST_SKIP() << "no pdftoppm; install poppler-utils";
+  if (page.empty())
+    GTEST_SKIP() << "no pdftoppm, which rasterises the page; "
+                    "install poppler-utils";
   ASSERT_EQ(page.size(), cv::Size(2400, 2400));
   const ExpectedInk expected(sheets, kDpi);
   const cv::Mat seen = page(expected.rect);
@@ -135,7 +137,9 @@ void ExpectFeaturesInPlace(const Board& drawn) {
   const Pattern pattern = ParsePattern("sheet", yaml);
   const Board& board = pattern.boards[0];
   const cv::Mat page = Rasterised(SheetsPdf(sheets), kDpi);
-  if (page.empty()) GTEST_SKIP() << "no pdftoppm; install poppler-utils";
+  if (page.empty())
+    GTEST_SKIP() << "no pdftoppm, which rasterises the page; "
+                    "install poppler-utils";
   Image image;
   image.size = {page.cols, page.rows};
   image.pixels.assign(page.datastart, page.dataend);

@@ -256,7 +256,8 @@ RealData ReadRealData(const std::string& folder, const ImageSize& size) {
 TEST(StartFromThreeViews, ExplainsARealFisheyeOf190Degrees) {
   const std::string folder = std::string(RAYGRID_REAL_DATA) + "/fisheye_190/";
   if (!std::filesystem::exists(folder + "split.csv"))
-    GTEST_SKIP() << "no real data in " << folder;
+    GTEST_SKIP() << "no real data in " << folder
+                 << "; name their folder with -DRAYGRID_REAL_DATA";
   const RealData data = ReadRealData(folder, {1280, 800});
   const auto start = StartFromThreeViews(data.training, data.pattern, {});
   ASSERT_TRUE(start);
