@@ -129,6 +129,23 @@ ExchangeContents ReadDso(const ReadRequest& request) {
   return contents;
 }
 
+// Four lines, behind which nothing is read. The program undistorts to the same
+// size, cropped to what has no border.
+std::string WriteDso(const WriteRequest& request) {
+  const WrittenLens& camera = request.cameras.front();
+  const bool is_pinhole = camera.lens.form->name == "Pinhole";
+  std::string text = camera.lens.form->name;
+  for (const double value : camera.lens.values) text += " " + RealText(value);
+  const std::string size =
+      fmt::format("{} {}\n", camera.lens.size.width, camera.lens.size.height);
+  text += fmt::format("{}\n{}{}\n{}", is_pinhole ? " 0.0" : "", size,
+                      is_pinhole ? "none" : "crop", size);
+  if (camera.fit)
+    text += fmt::format("# nearest {}: {}\n", camera.lens.form->name,
+                        LensFitText(*camera.fit));
+  return text;
+}
+
 }  // namespace
 
 Format DsoFormat() {
@@ -138,10 +155,11 @@ Format DsoFormat() {
       "camera.txt of DSO, LSD-SLAM and TUM's monocular data set; FOV as the "
       "nearest grid";
   format.forms = DsoForms();
-  format.forms.push_back(NearestGridForm());
+  format.ending = ".txt";
+  format.drops_rigs = true;
   format.recognizes = IsDso;
   format.read = ReadDso;
-  format.write = nullptr;
+  format.write = WriteDso;
   return format;
 }
 

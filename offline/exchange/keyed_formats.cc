@@ -348,8 +348,10 @@ std::vector<Format> KeyedFormats() {
     };
     if (is_written) {
       format.ending = row.ending;
+      format.lacks_size = row.size[0] == 0;
       format.holds_rigs = row.HoldsRigs();
-      format.drops_rigs = row.poses.empty() || row.poses.front().word[0] != 0;
+      format.drops_rigs = !row.HasProjections() &&
+                          (row.poses.empty() || row.poses.front().word[0] != 0);
       format.write = [&row](const WriteRequest& request) {
         return WriteKeyed(row, request);
       };

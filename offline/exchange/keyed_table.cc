@@ -357,7 +357,7 @@ const std::vector<KeyedFormat>& KeyedTable() {
        "KITTI's calib.txt of rectified cameras",
        KeyedSyntax::kLines,
        [](const std::string& text) {
-         return text.rfind("P0:", 0) == 0 && HasAllWords(text, {"\nP1:"});
+         return text.rfind("P0:", 0) == 0 || HasAllWords(text, {"\nP0:"});
        },
        "",
        {"P0", "P1", "P2", "P3"},
@@ -367,7 +367,8 @@ const std::vector<KeyedFormat>& KeyedTable() {
        "",
        "",
        false,
-       {"Tr*", "R0_rect", "R_rect", "calib_time", "corner_dist"}},
+       {"Tr*", "R0_rect", "R_rect", "calib_time", "corner_dist"},
+       ".txt"},
       {"calib-line",
        "calib.txt of one line, as DROID-SLAM has TUM's: fx fy cx cy, and "
        "k1 k2 p1 p2 k3",
@@ -382,7 +383,8 @@ const std::vector<KeyedFormat>& KeyedTable() {
        "",
        "",
        false,
-       {}}};
+       {},
+       ".txt"}};
   return table;
 }
 

@@ -77,8 +77,14 @@ struct KeyedFormat {
 
   /// Whether a file has the cameras of a rig, with their poses.
   bool HoldsRigs() const {
-    return !poses.empty() && (place[0] != 0 || !words.empty()) &&
-           poses.front().word[0] == 0;
+    return HasProjections() ||
+           (!poses.empty() && (place[0] != 0 || !words.empty()) &&
+            poses.front().word[0] == 0);
+  }
+  /// Whether cameras are projection matrices, which have the poses of cameras
+  /// that are not turned against each other.
+  bool HasProjections() const {
+    return std::string(models.front().values).find("=P") != std::string::npos;
   }
 };
 

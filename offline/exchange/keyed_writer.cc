@@ -88,22 +88,52 @@ void AddModel(const KeyedModel& model, Json* map) {
   }
 }
 
-// Programs ask for four coefficients at least; zeros behind them, which add
-// nothing, are left out of lists that may be shorter.
+// Zeros at the end, which add nothing, are left out of lists that may be
+// shorter. Programs ask for four coefficients at least; a line of numbers has
+// the camera matrix before them, and may have it alone.
+void TrimValues(bool is_line, std::vector<double>* numbers) {
+  constexpr size_t kCoefficients = 4, kMatrix = 4;
+  const size_t fewest = is_line ? kMatrix + kCoefficients : kCoefficients;
+  while (numbers->size() > fewest && numbers->back() == 0) numbers->pop_back();
+  if (is_line && numbers->size() == fewest &&
+      std::all_of(numbers->begin() + kMatrix, numbers->end(),
+                  [](double number) { return number == 0; }))
+    numbers->resize(kMatrix);
+}
+
+// A rectified camera's own matrix, or that of a camera beside the first one.
+Eigen::MatrixXd ProjectionOf(const WrittenLens& camera,
+                             const Eigen::Matrix3d& k) {
+  if (camera.rectified) return camera.rectified->p;
+  constexpr double kTurned = 1e-9;
+  const Pose pose = camera.camera_from_rig.value_or(Pose{});
+  if (pose.rotation.angularDistance(Eigen::Quaterniond::Identity()) > kTurned)
+    throw InputError(
+        "its cameras are turned against each other, and projection matrices "
+        "are of a rectified pair: export the rectified.yaml of raygrid "
+        "rectify");
+  Eigen::Matrix<double, 3, 4> p;
+  p << k, k * pose.translation;
+  return p;
+}
+
 void AddValues(const KeyedFormat& format, const KeyedModel& model,
-               const LensInForm& lens, const std::string& word, Json* map) {
-  constexpr size_t kFewest = 4;
+               const WrittenLens& camera, const std::string& word, Json* map) {
+  const LensInForm& lens = camera.lens;
   for (const std::string& entry : PartsOf(model.values)) {
     const bool may_be_missing = entry.find("?=") != std::string::npos;
     const KeyedWord part = Parted(entry, may_be_missing ? '?' : '~', word);
     const std::string key = FirstKey(part.key);
-    if (part.words == "K") {
+    if (part.words == "K" || part.words == "P") {
       Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
       k(0, 0) = lens.Value("fx");
       k(1, 1) = lens.Value("fy");
       k(0, 2) = lens.Value("cx");
       k(1, 2) = lens.Value("cy");
-      SetAt(key, MatrixJson(format, k), map);
+      SetAt(key,
+            MatrixJson(format, part.words == "K" ? Eigen::MatrixXd(k)
+                                                 : ProjectionOf(camera, k)),
+            map);
       continue;
     }
     std::vector<double> numbers;
@@ -114,8 +144,7 @@ void AddValues(const KeyedFormat& format, const KeyedModel& model,
       continue;
     }
     if (part.has_mark && format.syntax != KeyedSyntax::kLines)
-      while (numbers.size() > kFewest && numbers.back() == 0)
-        numbers.pop_back();
+      TrimValues(format.syntax == KeyedSyntax::kNumbers, &numbers);
     SetAt(key, numbers, map);
   }
 }
@@ -164,7 +193,7 @@ void AddCamera(const KeyedFormat& format, const WrittenLens& camera,
     SetAt(format.camera_name, Printable(camera.name), map);
   AddSize(format, camera.lens.size, word, map);
   AddModel(model, map);
-  AddValues(format, model, camera.lens, word, map);
+  AddValues(format, model, camera, word, map);
   AddPose(format, camera.camera_from_rig, word, map);
 }
 
@@ -173,10 +202,7 @@ Json FileTree(const KeyedFormat& format, const WriteRequest& request) {
   Json root = Json::object();
   const std::string place = format.place;
   if (!format.words.empty() &&
-      request.cameras.size() >
-          (format.poses.empty() || format.poses.front().word[0] != 0
-               ? 1
-               : format.words.size()))
+      request.cameras.size() > (format.HoldsRigs() ? format.words.size() : 1))
     throw InputError(fmt::format("{} cameras, while {} has up to {}",
                                  request.cameras.size(), format.name,
                                  format.words.size()));
@@ -277,6 +303,13 @@ std::string LinesText(const Json& map) {
   return text;
 }
 
+std::string NumbersText(const Json& numbers) {
+  std::string text;
+  for (const Json& number : numbers)
+    text += (text.empty() ? "" : " ") + ScalarText(number);
+  return text + "\n";
+}
+
 // Comments on nearest lenses, where a format has comments and no key for them.
 std::string FitComments(const KeyedFormat& format,
                         const WriteRequest& request) {
@@ -301,6 +334,8 @@ std::string WriteKeyed(const KeyedFormat& format, const WriteRequest& request) {
       return FitComments(format, request) + TomlText(tree);
     case KeyedSyntax::kLines:
       return LinesText(tree);
+    case KeyedSyntax::kNumbers:
+      return FitComments(format, request) + NumbersText(tree["numbers"]);
     case KeyedSyntax::kStorage:
       return "%YAML:1.0\n---\n" + FitComments(format, request) +
              YamlText(tree, "");

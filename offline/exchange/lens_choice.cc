@@ -43,16 +43,18 @@ ChosenLens FitSpline(const LensForm& form, const CameraModel& camera,
   return chosen;
 }
 
-// A grid needs no turn, either.
+// A grid needs no turn, either, unless its program has an axis.
 ChosenLens FitGrid(const LensForm& form, const CameraModel& camera,
                    const TrustMask* trusted) {
-  const auto grid =
-      std::make_shared<UnitGrid>(FitUnitGrid(camera, form.HasLines()));
+  const FormGrid grid = form.fit_grid
+                            ? form.fit_grid(camera, trusted)
+                            : FormGrid{std::make_shared<UnitGrid>(
+                                  FitUnitGrid(camera, form.HasLines()))};
   ChosenLens chosen;
-  chosen.lens = {&form, camera.image_size(), {}, nullptr, grid};
+  chosen.lens = {&form, camera.image_size(), {}, nullptr, grid.camera};
   chosen.fit =
-      MeasureLens(camera, trusted, *grid, form, Eigen::Quaterniond::Identity());
-  chosen.model = grid->Clone();
+      MeasureLens(camera, trusted, *grid.camera, form, grid.camera_from_given);
+  chosen.model = grid.camera->Clone();
   return chosen;
 }
 

@@ -1,16 +1,25 @@
 #ifndef RAYGRID_EXCHANGE_LENS_FORM_H
 #define RAYGRID_EXCHANGE_LENS_FORM_H
 
+#include <Eigen/Geometry>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "camera/camera_uncertainty.h"
 #include "camera/parametric_model.h"
 #include "camera/splined_stereographic.h"
 #include "exchange/pixel_origin.h"
 
 namespace raygrid {
+
+/// A program's own camera that stands for one of raygrid's, whose directions it
+/// turns.
+struct FormGrid {
+  std::shared_ptr<const CameraModel> camera;
+  Eigen::Quaterniond camera_from_given = Eigen::Quaterniond::Identity();
+};
 
 /// A camera model as another program has it: one of raygrid's
 /// (camera/lens_models.h), of whose parameters it has some, in an order of its
@@ -24,6 +33,10 @@ struct LensForm {
   double reach_rad = M_PI;
   /// An export takes it only if it is asked for.
   bool is_only_asked = false;
+  /// Of a form that is a grid: the program's camera that is nearest to one of
+  /// raygrid's; null for grids of puzzlepaint.
+  FormGrid (*fit_grid)(const CameraModel& camera,
+                       const TrustMask* trusted) = nullptr;
 
   /// A spline has as many parameters as it likes.
   bool IsSpline() const { return model == "splined-stereographic"; }

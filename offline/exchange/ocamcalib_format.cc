@@ -8,6 +8,7 @@
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "exchange/nearest_grid.h"
+#include "exchange/ocam_camera.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -17,9 +18,9 @@ constexpr char kDirect[] = "polynomial coefficients for the DIRECT mapping";
 
 // The numbers of a file, without its comments. The blocks follow each other in
 // one order, and lists begin with their lengths.
-class OcamNumbers {
+class OcamReader {
  public:
-  explicit OcamNumbers(const std::string& text) {
+  explicit OcamReader(const std::string& text) {
     if (FindNoUtf8(text) != std::string::npos)
       throw InputError("not a text file");
     RequireSmallTree("", text, " \t\n");
@@ -53,13 +54,13 @@ class OcamNumbers {
   size_t at_ = 0;
 };
 
-int OcamSidePx(OcamNumbers* numbers, const char* what) {
+int OcamSidePx(OcamReader* numbers, const char* what) {
   return SidePx(YAML::Node(RealText(numbers->Next(what))), what);
 }
 
 // Rows are x there and columns y, and what is seen lies at negative z.
 ExchangeContents ReadOcamCalib(const ReadRequest& request) {
-  OcamNumbers numbers(request.text);
+  OcamReader numbers(request.text);
   const std::vector<double> direct = numbers.NextList("polynomial");
   numbers.NextList("inverse polynomial");
   const double row = numbers.Next("center"), column = numbers.Next("center");
@@ -69,24 +70,57 @@ ExchangeContents ReadOcamCalib(const ReadRequest& request) {
   ImageSize size;
   size.height = OcamSidePx(&numbers, "image size");
   size.width = OcamSidePx(&numbers, "image size");
+  const OcamNumbers lens = {direct, row, column, c, d, e};
   const double determinant = c - d * e;
   if (!(std::abs(determinant) > 1e-3 && std::abs(determinant) < 1e3))
     throw InputError("affine parameters: no stretch of an image");
   ExchangeContents contents;
   contents.cameras.emplace_back().lens = NearestGrid(
-      size,
-      [&](const Eigen::Vector2d& pixel) {
-        const double x = pixel.y() - row, y = pixel.x() - column;
-        const double down = (x - d * y) / determinant,
-                     right = (c * y - e * x) / determinant;
-        const double radius = std::hypot(down, right);
-        double z = 0;
-        for (size_t k = direct.size(); k-- > 0;) z = z * radius + direct[k];
-        return Eigen::Vector3d(right, down, -z);
-      },
+      size, [&](const Eigen::Vector2d& pixel) { return lens.Direction(pixel); },
       "its lens is a polynomial of the radius, which no lens of raygrid is",
       &contents.remarks);
   return contents;
+}
+
+// A list behind its length.
+std::string CountedReals(const std::vector<double>& numbers) {
+  std::string text = fmt::format("{}", numbers.size());
+  for (const double number : numbers) text += " " + RealText(number);
+  return text;
+}
+
+// Programs read a line of comment before each block, and nothing behind the
+// last one.
+std::string WriteOcamCalib(const WriteRequest& request) {
+  const WrittenLens& written = request.cameras.front();
+  const auto& camera = dynamic_cast<const OcamCamera&>(*written.lens.grid);
+  const OcamNumbers& n = camera.numbers();
+  std::string text;
+  const auto add = [&](const std::string& comment, const std::string& numbers) {
+    text += fmt::format("#{}\n\n{}\n\n", comment, numbers);
+  };
+  add(std::string(kDirect) + " function (cam2world)",
+      CountedReals(n.polynomial));
+  add("polynomial coefficients for the inverse mapping function (world2cam)",
+      CountedReals(InverseOcamPolynomial(camera)));
+  add("center: row and column, from 0 on",
+      fmt::format("{} {}", RealText(n.row), RealText(n.column)));
+  add("affine parameters c, d, e",
+      fmt::format("{} {} {}", RealText(n.c), RealText(n.d), RealText(n.e)));
+  add("image size: height and width",
+      fmt::format("{} {}", written.lens.size.height, written.lens.size.width));
+  if (written.fit)
+    text += fmt::format("#nearest polynomial: {}\n", LensFitText(*written.fit));
+  return text;
+}
+
+const std::vector<LensForm>& OcamForms() {
+  static const std::vector<LensForm> forms = [] {
+    LensForm form = {"polynomial", "central-generic", {}};
+    form.fit_grid = FitOcamCamera;
+    return std::vector<LensForm>{form};
+  }();
+  return forms;
 }
 
 }  // namespace
@@ -94,13 +128,17 @@ ExchangeContents ReadOcamCalib(const ReadRequest& request) {
 Format OcamCalibFormat() {
   Format format;
   format.name = "ocamcalib";
-  format.holds = "calib_results.txt of OCamCalib, as the nearest grid";
-  format.forms = {NearestGridForm()};
+  format.holds =
+      "calib_results.txt of OCamCalib; its polynomial and raygrid's lenses are "
+      "fitted to each other";
+  format.ending = ".txt";
+  format.drops_rigs = true;
+  format.forms = OcamForms();
   format.recognizes = [](const std::string& text) {
     return text.find(kDirect) != std::string::npos;
   };
   format.read = ReadOcamCalib;
-  format.write = nullptr;
+  format.write = WriteOcamCalib;
   return format;
 }
 

@@ -129,6 +129,12 @@ class KeyedFormats(CommandTest):
             file, said = self.export(self.path("fisheye.yaml"), name)
             self.assertRegex(said, "RMS 0.[0-9]{4} px")
         self.assertIn("nearest", read(file).decode())
+        file, said = self.export(self.path("fisheye.yaml"), "ocamcalib")
+        self.assertRegex(said, "RMS 0.0[0-9]{3} px")
+        self.assertIn("#nearest polynomial: RMS 0.0", read(file).decode())
+        self.assert_done(run("import", file, "-o", self.path("back.yaml")))
+        file, said = self.export(self.path("fisheye.yaml"), "dso")
+        self.assertIn("EquiDistant, exactly the camera", said)
         refused = run("export", self.path("fisheye.yaml"), "--to", "kitti", "-o",
                       self.path("none.txt"), "--max-fit-error-px", "0.0001")
         self.assert_refused(refused, 6, "--max-fit-error-px")

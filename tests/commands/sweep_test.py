@@ -27,7 +27,8 @@ IMAGE_SIZES = ((64, 48), (160, 120), (640, 480), (33, 1), (1, 1), (2, 2), (3, 40
 # Far more pixels than bytes.
 LARGE = {"black.png": (16000, 16000), "wide.png": (16384, 3000), "large.png": (8000, 8000)}
 FORMATS = ("opencv", "ros", "kalibr", "colmap", "mrcal", "basalt", "nerfstudio", "metashape",
-           "puzzlepaint", "depthai", "libcamera", "photonvision")
+           "puzzlepaint", "depthai", "libcamera", "photonvision", "dso", "ocamcalib", "calib-line",
+           "kitti-rectified")
 TABLE_FORMATS = ("c", "hex", "maps", "stmap", "ffmpeg", "rays", "isaac", "tum", "dw100", "ti-ldc",
                  "vpi", "rockchip-fec", "rockchip-ldch", "hailo", "depthai-mesh",
                  "puzzlepaint-dataset")

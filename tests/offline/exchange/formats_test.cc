@@ -32,6 +32,10 @@ LensInForm ExampleOf(const LensForm& form) {
     lens.spline = FitSplinedStereographic(fisheye, nullptr);
     return lens;
   }
+  if (form.fit_grid) {
+    lens.grid = form.fit_grid(fisheye, nullptr).camera;
+    return lens;
+  }
   if (form.IsGrid()) {
     lens.grid = std::make_shared<UnitGrid>(
         FitUnitGrid(FittedGrid(fisheye, 80), form.HasLines()));
@@ -177,10 +181,12 @@ const std::map<std::string, PlaceOfKey> kPlaces = {
     {"okvis", {"focal_length:", "{}: {}, "}},
     {"opensfm", {"\"width\"", "\"{}\": {}, "}},
     {"kitti", {"S_00:", "{}: {}\n"}},
+    {"kitti-rectified", {"P0:", "{}: {}\n"}},
     {"lensfun", {"<type>", "<{0}>{1}</{0}>"}}};
 
 // Lines of their files have no keys, or their keys no values of one word.
-const std::set<std::string> kWithoutKeys = {"colmap", "ros-ini"};
+const std::set<std::string> kWithoutKeys = {"colmap", "ros-ini", "calib-line",
+                                            "dso", "ocamcalib"};
 
 // A key that is not known is named; one that elsewhere selects a model, or is a
 // number of one, is an error, unless it is the format's own for that.
@@ -242,7 +248,8 @@ TEST(Formats, RefuseOptionsAgainstTheFile) {
 
 // Grids are fitted, which takes longer: usually a quarter.
 int NumMutantsOf(const Format& format) {
-  return NumMutants(format.forms.front().IsGrid() ? 100 : 400);
+  const LensForm& form = format.forms.front();
+  return NumMutants(form.fit_grid ? 20 : form.IsGrid() ? 100 : 400);
 }
 
 // Each is refused with one line, or is a camera of numbers.

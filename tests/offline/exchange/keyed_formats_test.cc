@@ -306,5 +306,48 @@ TEST(KeyedFormats, TakeDamagedFilesForNothingElse) {
   EXPECT_LT(num_refused, num_read);
 }
 
+// A line of the camera matrix, and of coefficients if there are any.
+TEST(KeyedFormats, WriteLinesOfNumbers) {
+  const auto written = [](const std::string& line) {
+    WrittenLens camera;
+    camera.lens = Read(line, kImage).cameras.at(0).lens;
+    return FindFormat("--to", "calib-line").write({"calib.txt", {camera}});
+  };
+  for (const char* line :
+       {"410.0 411.5 322.5 238.0\n",
+        "410.0 411.5 322.5 238.0 -0.21 0.06 0.001 -0.002\n",
+        "410.0 411.5 322.5 238.0 -0.21 0.0 0.0 0.0\n",
+        "410.0 411.5 322.5 238.0 -0.21 0.06 0.001 -0.002 0.01\n"})
+    EXPECT_EQ(written(line), line);
+}
+
+// P = K [I t]: cameras beside each other, which are not turned.
+TEST(KeyedFormats, WriteProjectionsOfKitti) {
+  const Format& format = FindFormat("--to", "kitti-rectified");
+  EXPECT_TRUE(format.holds_rigs);
+  WriteRequest request = {"calib.txt", {{}, {}}};
+  const auto read = Read("410 410 322.5 238", kImage);
+  for (WrittenLens& camera : request.cameras) {
+    camera.lens = read.cameras.at(0).lens;
+    camera.lens.form = &format.forms.front();
+    camera.lens.values.resize(4);
+    camera.camera_from_rig = Pose{};
+  }
+  request.cameras[1].camera_from_rig->translation = {-0.5, 0, 0};
+  const std::string text = format.write(request);
+  EXPECT_EQ(text,
+            "P0: 410.0 0.0 322.5 0.0 0.0 410.0 238.0 0.0 0.0 0.0 1.0 0.0\n"
+            "P1: 410.0 0.0 322.5 -205.0 0.0 410.0 238.0 0.0 0.0 0.0 1.0 0.0\n");
+  const auto again = Read(text, kImage);
+  EXPECT_LT((again.cameras.at(1).camera_from_rig->translation -
+             Eigen::Vector3d(-0.5, 0, 0))
+                .norm(),
+            1e-15);
+  request.cameras[1].camera_from_rig->rotation =
+      Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitY());
+  ExpectError(ExitCode::kInput, {"turned", "rectified.yaml"},
+              [&] { format.write(request); });
+}
+
 }  // namespace
 }  // namespace raygrid

@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <sstream>
 
+#include "camera/lens_models.h"
 #include "exchange/damaged_files.h"
 #include "exchange/format.h"
 #include "exchange/lenses_by_formula.h"
@@ -35,6 +37,80 @@ TEST(OcamCalibFormat, IsReadAsItsGrid) {
     }
   ExpectError(ExitCode::kInput, {"f: ", "affine"},
               [&] { Read(text.substr(0, text.find("0.9998"))); });
+}
+
+// The file's numbers by the formulas of OCamCalib's cam2world() and world2cam()
+// against the camera that was exported.
+TEST(OcamCalibFormat, WritesTheNearestPolynomial) {
+  const Lens lens = {{290, 291.5, 322.5, 238}, {0.03, -0.01, 0.004, -0.001}};
+  const auto camera = FindLensModel("thin-prism-fisheye")
+                          ->make(kImage, WholeImage(kImage),
+                                 (Eigen::VectorXd(12) << 290, 291.5, 322.5, 238,
+                                  0.03, -0.01, 0.004, -0.001, 0, 0, 0, 0)
+                                     .finished());
+  const Format& format = FindFormat("--to", "ocamcalib");
+  const ChosenLens chosen = ChooseLens(format.FindForms(""), *camera, nullptr);
+  ASSERT_TRUE(chosen.fit);
+  EXPECT_LT(chosen.fit->max_px, 0.05);
+  EXPECT_EQ(chosen.fit->num_beyond, 0u);
+  WrittenLens written;
+  written.lens = chosen.lens;
+  written.fit = chosen.fit;
+  const std::string text = format.write({"calib_results.txt", {written}});
+  EXPECT_NE(text.find("#nearest polynomial: RMS 0.0"), std::string::npos);
+  std::string numbers;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (line[0] != '#') numbers += line + "\n";
+  std::istringstream words(numbers);
+  const auto list = [&] {
+    size_t count = 0;
+    words >> count;
+    std::vector<double> values(count);
+    for (double& value : values) words >> value;
+    return values;
+  };
+  const std::vector<double> direct = list(), inverse = list();
+  double row = 0, column = 0, c = 0, d = 0, e = 0, height = 0, width = 0;
+  words >> row >> column >> c >> d >> e >> height >> width;
+  EXPECT_EQ(Eigen::Vector2d(width, height), Eigen::Vector2d(640, 480));
+  const auto at = [](const std::vector<double>& polynomial, double x) {
+    double sum = 0;
+    for (size_t k = 0; k < polynomial.size(); ++k)
+      sum += polynomial[k] * std::pow(x, k);
+    return sum;
+  };
+  const Eigen::Quaterniond turn = chosen.fit->lens_from_camera;
+  for (double x = 5; x < 640; x += 45)
+    for (double y = 5; y < 480; y += 45) {
+      const Eigen::Vector3d ray = turn * camera->Unproject({x, y}).value();
+      const double theta = std::atan2(-ray.z(), ray.head<2>().norm());
+      const Eigen::Vector2d radial =
+          ray.head<2>().normalized() * at(inverse, theta);
+      const Eigen::Vector2d pixel(e * radial.y() + radial.x() + column,
+                                  c * radial.y() + d * radial.x() + row);
+      EXPECT_LT((pixel - Eigen::Vector2d(x, y)).norm(), 0.06);
+      const double across = radial.norm();
+      const Eigen::Vector3d back(radial.x(), radial.y(), -at(direct, across));
+      EXPECT_LT((back.normalized() - ray).norm(), 0.06 / 290);
+    }
+  ExpectLens(Read(text).cameras.at(0), lens, &Lens::Fisheye, 0.1);
+}
+
+TEST(DsoFormat, WritesItsModels) {
+  const Format& format = FindFormat("--to", "dso");
+  const auto written = [&](const std::string& line) {
+    const auto read = Read(line + "\n640 480\ncrop\n640 480\n");
+    WrittenLens camera;
+    camera.lens = read.cameras.at(0).lens;
+    return format.write({"camera.txt", {camera}});
+  };
+  EXPECT_EQ(written("RadTan 410 411.5 322.5 238 -0.21 0.06 0.001 -0.002"),
+            "RadTan 410.0 411.5 322.5 238.0 -0.21 0.06 0.001 -0.002\n640 480\n"
+            "crop\n640 480\n");
+  // The five numbers of a pinhole are those of FOV without its angle.
+  EXPECT_EQ(written("Pinhole 400 360 319.5 239.5 0"),
+            "Pinhole 400.0 360.0 319.5 239.5 0.0\n640 480\nnone\n640 480\n");
 }
 
 TEST(DsoFormat, ReadsItsModels) {
