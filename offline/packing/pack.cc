@@ -110,12 +110,14 @@ std::vector<RemapTable> FitDefaultTables(
     std::vector<std::string>* remarks) {
   const CameraModel& camera = *cameras.front();
   std::string fault;
-  try {
-    return FitRemapTables(cameras, MakeView(camera, {}), max_error_px,
-                          num_threads, go_on);
-  } catch (const Error& error) {
-    fault = error.what();
-  }
+  for (const RoughBlocks rough : {RoughBlocks::kRefuse, RoughBlocks::kLeaveOut})
+    try {
+      return FitRemapTables(cameras, MakeView(camera, {}), max_error_px,
+                            num_threads, go_on, {}, rough);
+    } catch (const Error& error) {
+      fault = error.what();
+      if (error.code() != ExitCode::kQuality) break;
+    }
   try {
     std::vector<RemapTable> tables = FitRemapTables(
         cameras, MakeViewOfArea(camera), max_error_px, num_threads, go_on);
@@ -257,7 +259,13 @@ class RemapSections {
   }
 
  private:
-  // Says what the last table cannot reach.
+  static double PercentOfPicture(const RemapTable& table) {
+    const double side = 1 << table.section.block_log2;
+    return 100 * table.num_rough * side * side /
+           (static_cast<double>(table.section.width) * table.section.height);
+  }
+
+  // Says what the last table cannot reach, or follow.
   void RemarkOnReach(PackedCamera* packed) const {
     const RemapTable& table = tables_.back().front();
     if (table.num_out_of_reach > 0)
@@ -267,6 +275,14 @@ class RemapSections {
           "a table for smaller frames (--mode) shows all",
           tables_.size() - 1, table.num_out_of_reach,
           1 << table.section.block_log2));
+    if (table.num_rough > 0)
+      packed->remarks.push_back(fmt::format(
+          "table {} has border in {} blocks of {} px ({:.2g} % of its "
+          "picture), "
+          "where the distortion bends more than a table follows within {} px; "
+          "--max-error-px allows more",
+          tables_.size() - 1, table.num_rough, 1 << table.section.block_log2,
+          PercentOfPicture(table), table.section.bound_upx * 1e-6));
   }
 
   // An error says which of several tables it is of.
@@ -282,7 +298,10 @@ class RemapSections {
       try {
         return fit(
             sources, request.view, bound_px, num_threads, go_on,
-            trusted ? TrustedPixels(*trusted, request.mode) : ShownPixels());
+            trusted ? TrustedPixels(*trusted, request.mode) : ShownPixels(),
+            options.is_table_bound_soft && bound_px < kMostPx
+                ? RoughBlocks::kRefuse
+                : RoughBlocks::kLeaveOut);
       } catch (const Error& error) {
         if (error.code() == ExitCode::kQuality && options.is_table_bound_soft &&
             bound_px < kMostPx)

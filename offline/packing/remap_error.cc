@@ -82,6 +82,20 @@ class TableErrors {
     return exact;
   }
 
+  // Whether a part has an error beyond a limit, row by row.
+  std::vector<bool> Beyond(double limit_px) const {
+    const int num_columns = (map_.width + part_ - 1) / part_;
+    std::vector<uint8_t> is_beyond(
+        static_cast<size_t>(num_columns) * num_part_rows_, 0);
+    ParallelFor(num_part_rows_, num_threads_, [&](int j) {
+      ForErrorsOfParts(j, [&](int x0, double error_px) {
+        is_beyond[j * num_columns + x0 / part_] =
+            error_px + map_.max_deviation_px > limit_px;
+      });
+    });
+    return {is_beyond.begin(), is_beyond.end()};
+  }
+
  private:
   // Calls visit(x, block) for parts of a row of parts, with their first column.
   template <typename Visit>
@@ -123,19 +137,28 @@ class TableErrors {
     return true;
   }
 
-  double WorstOfPartRow(int j) const {
-    double worst = 0;
+  // Calls visit(x0, worst) for each part of a row of parts.
+  template <typename Visit>
+  void ForErrorsOfParts(int j, const Visit& visit) const {
     ForParts(j, [&](int x0, const rg_block& block) {
       const int y0 = j * part_;
       if (IsWhole(x0, y0)) {
-        worst = std::max(worst, WorstOfWholePart(x0, y0, block));
+        visit(x0, WorstOfWholePart(x0, y0, block));
         return;
       }
+      double worst = 0;
       ForPixels(x0, y0, block,
                 [&](int x, int y, const Eigen::Vector2d& position) {
                   worst = std::max(worst, ErrorByMap(x, y, position));
                 });
+      visit(x0, worst);
     });
+  }
+
+  double WorstOfPartRow(int j) const {
+    double worst = 0;
+    ForErrorsOfParts(
+        j, [&](int, double error_px) { worst = std::max(worst, error_px); });
     return worst;
   }
 
@@ -266,6 +289,14 @@ std::optional<double> WorstRemapError(const CameraModel& camera,
                                       int num_threads) {
   return TableErrors(camera, output, map, blocks, table, num_threads)
       .Worst(limit_px);
+}
+
+std::vector<bool> BlocksBeyond(const CameraModel& camera,
+                               const OutputImage& output, const SourceMap& map,
+                               const Blocks& blocks, const RemapTable& table,
+                               double limit_px, int num_threads) {
+  return TableErrors(camera, output, map, blocks, table, num_threads)
+      .Beyond(limit_px);
 }
 
 double WorstChromaError(const SourceMap& map, const RemapTable& table,

@@ -2,6 +2,7 @@
 #define RAYGRID_PACKING_REMAP_ERROR_H
 
 #include <optional>
+#include <vector>
 
 #include "camera/camera_model.h"
 #include "packing/remap_blocks.h"
@@ -20,6 +21,13 @@ std::optional<double> WorstRemapError(const CameraModel& camera,
                                       const Blocks& blocks,
                                       const RemapTable& table, double limit_px,
                                       int num_threads);
+
+/// The blocks, all of them parts, in which an error as above is beyond a limit,
+/// by the map; row by row.
+std::vector<bool> BlocksBeyond(const CameraModel& camera,
+                               const OutputImage& output, const SourceMap& map,
+                               const Blocks& blocks, const RemapTable& table,
+                               double limit_px, int num_threads);
 
 /// The worst error of U and V in NV12 and YUYV, in their own pixels, by the
 /// map.

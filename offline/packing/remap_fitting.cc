@@ -248,12 +248,75 @@ bool MeasureTable(const MappedInput& input, const Blocks& own,
   return true;
 }
 
+// Marks the blocks of the smallest layout in which a table of own is beyond the
+// bound as left out, in all tables.
+void LeaveOutRough(const std::vector<std::unique_ptr<MappedInput>>& inputs,
+                   const std::vector<RemapTable>& tables, double max_error_px,
+                   int num_threads, std::vector<Blocks>* own) {
+  std::vector<bool> is_rough(own->front().used.size(), false);
+  for (size_t t = 0; t < inputs.size(); ++t) {
+    RemapTable measured = tables[t];
+    const MappedInput& input = *inputs[t];
+    FillFields(input.input.camera->image_size(), input.map, measured.view,
+               (*own)[t], &measured);
+    const std::vector<bool> beyond =
+        BlocksBeyond(*input.input.camera, input.input.output, input.map,
+                     (*own)[t], measured, max_error_px, num_threads);
+    for (size_t k = 0; k < beyond.size(); ++k)
+      is_rough[k] = is_rough[k] || beyond[k];
+  }
+  for (Blocks& blocks : *own)
+    for (size_t k = 0; k < is_rough.size(); ++k)
+      if (is_rough[k]) blocks.used[k] = false;
+}
+
+// Tables of the smallest blocks without the few that do not keep the bound, as
+// where a distortion nearly folds, or runs off the image; nothing if they are
+// more. Each table is fitted again without them, since they bend it beside
+// them.
+std::optional<std::vector<RemapTable>> FitWithoutRough(
+    const std::vector<std::unique_ptr<MappedInput>>& inputs,
+    double max_error_px, const VirtualView& view, int num_threads,
+    const std::function<void()>& go_on, std::vector<Blocks> own,
+    std::vector<RemapTable> tables) {
+  constexpr int kRounds = 6;
+  constexpr double kMostPart = 0.02;
+  const auto count = [&own] {
+    const Blocks all = UnionOf(own);
+    return std::count(all.used.begin(), all.used.end(), true);
+  };
+  const auto num_before = count();
+  for (int round = 0; round < kRounds; ++round) {
+    LeaveOutRough(inputs, tables, max_error_px, num_threads, &own);
+    const auto num_rough = num_before - count();
+    if (num_rough == 0 || static_cast<double>(num_rough) >
+                              kMostPart * static_cast<double>(num_before))
+      return std::nullopt;
+    const std::vector<RemapTable> before = tables;
+    Blocks all;
+    auto fitted = FitWithLayout(inputs, max_error_px, view, &own, &all);
+    if (!fitted) return std::nullopt;
+    tables = *std::move(fitted);
+    bool are_good = true;
+    for (size_t t = 0; t < inputs.size(); ++t) {
+      go_on();
+      tables[t].num_out_of_reach += before[t].num_out_of_reach;
+      tables[t].num_rough = static_cast<int>(num_rough);
+      are_good &= MeasureTable(*inputs[t], own[t], max_error_px, INFINITY,
+                               num_threads, &tables[t]);
+    }
+    if (are_good) return tables;
+  }
+  return std::nullopt;
+}
+
 // Tables that are alike but for residuals, bends and errors; the view is what
 // they are said to be of.
 std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
                                   const VirtualView& view, double max_error_px,
                                   int num_threads,
-                                  const std::function<void()>& go_on) {
+                                  const std::function<void()>& go_on,
+                                  RoughBlocks rough) {
   num_threads = NumThreads(num_threads);
   std::vector<std::unique_ptr<MappedInput>> inputs;
   bool has_hidden = false;
@@ -288,13 +351,17 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
     go_on();
     if (!tables) continue;
     bool are_good = true;
-    for (size_t t = 0; t < inputs.size() && are_good; ++t) {
-      are_good = MeasureTable(*inputs[t], own[t], max_error_px,
-                              is_last ? INFINITY : max_error_px, num_threads,
-                              &(*tables)[t]);
+    for (size_t t = 0; t < inputs.size() && (are_good || is_last); ++t) {
+      are_good &= MeasureTable(*inputs[t], own[t], max_error_px,
+                               is_last ? INFINITY : max_error_px, num_threads,
+                               &(*tables)[t]);
       worst_px = std::max(worst_px, (*tables)[t].max_error_px);
     }
     if (are_good) return *std::move(tables);
+    if (!is_last || rough == RoughBlocks::kRefuse) continue;
+    auto without = FitWithoutRough(inputs, max_error_px, view, num_threads,
+                                   go_on, own, *std::move(tables));
+    if (without) return *std::move(without);
   }
   // More is no picture that anybody means.
   constexpr double kUsefulErrorPx = 1;
@@ -314,7 +381,7 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
 std::vector<RemapTable> FitRemapTables(
     const std::vector<const CameraModel*>& cameras, const VirtualView& view,
     double max_error_px, int num_threads, const std::function<void()>& go_on,
-    const ShownPixels& asked) {
+    const ShownPixels& asked, RoughBlocks rough) {
   std::vector<TableInput> inputs;
   for (const CameraModel* camera : cameras) {
     const ShownPixels shows = ShownOfCamera(*camera, asked);
@@ -324,13 +391,13 @@ std::vector<RemapTable> FitRemapTables(
              HideCells([&](int x, int y) { return shows(map->At(x, y)); }, map);
          }});
   }
-  return FitTables(inputs, view, max_error_px, num_threads, go_on);
+  return FitTables(inputs, view, max_error_px, num_threads, go_on, rough);
 }
 
 std::vector<RemapTable> FitDistortionTables(
     const std::vector<const CameraModel*>& cameras, const VirtualView& view,
     double max_error_px, int num_threads, const std::function<void()>& go_on,
-    const ShownPixels& asked) {
+    const ShownPixels& asked, RoughBlocks rough) {
   const std::unique_ptr<CameraModel> turned = CameraOfTurnedView(view);
   std::vector<TableInput> inputs;
   for (const CameraModel* camera : cameras) {
@@ -342,7 +409,7 @@ std::vector<RemapTable> FitDistortionTables(
          }});
   }
   std::vector<RemapTable> tables =
-      FitTables(inputs, view, max_error_px, num_threads, go_on);
+      FitTables(inputs, view, max_error_px, num_threads, go_on, rough);
   for (RemapTable& table : tables) {
     table.section.has_view = 1;
     table.section.direction = RG_DISTORT;

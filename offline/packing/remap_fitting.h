@@ -24,7 +24,14 @@ struct RemapTable {
   double max_chroma_error_px = 0;
   /// Blocks that are border since a corner lies beyond 8192 px.
   int num_out_of_reach = 0;
+  /// Blocks that are border since the lens bends more there than the smallest
+  /// blocks follow.
+  int num_rough = 0;
 };
+
+/// What becomes of a few blocks of 8 that do not keep the bound, up to 2 %:
+/// tables are refused, or have border there.
+enum class RoughBlocks { kRefuse, kLeaveOut };
 
 /// Tells which pixels of a camera's image are shown; all, if it is empty.
 using ShownPixels = std::function<bool(const Eigen::Vector2d& pixel)>;
@@ -35,9 +42,10 @@ using ShownPixels = std::function<bool(const Eigen::Vector2d& pixel)>;
 /// error, quantised, and then measured with the arithmetic of the runtime. The
 /// same with any number of threads. Source positions outside the calibrated
 /// area become border. Throws Error(kQuality) if not even blocks of 8 keep the
-/// bound, Error(kUsage) if the images are too large for the format or the
-/// virtual camera sees nothing. Blocks none of whose sources are shown become
-/// border, too. go_on is called now and then, and may throw.
+/// bound, Error(kUsage) if the
+/// images are too large for the format or the virtual camera sees nothing.
+/// Blocks none of whose sources are shown become border, too. go_on is called
+/// now and then, and may throw.
 ///
 /// Of several cameras, which are one at several conditions: a table of each,
 /// that only differ as those of a stack's knots do. A block is border if it is
@@ -45,7 +53,8 @@ using ShownPixels = std::function<bool(const Eigen::Vector2d& pixel)>;
 std::vector<RemapTable> FitRemapTables(
     const std::vector<const CameraModel*>& cameras, const VirtualView& view,
     double max_error_px, int num_threads,
-    const std::function<void()>& go_on = [] {}, const ShownPixels& shows = {});
+    const std::function<void()>& go_on = [] {}, const ShownPixels& shows = {},
+    RoughBlocks rough = RoughBlocks::kRefuse);
 
 /// The tables of the other direction, which distort: their output pixels are
 /// those of the camera's image, their sources lie in the view's picture. The
@@ -56,7 +65,8 @@ std::vector<RemapTable> FitRemapTables(
 std::vector<RemapTable> FitDistortionTables(
     const std::vector<const CameraModel*>& cameras, const VirtualView& view,
     double max_error_px, int num_threads,
-    const std::function<void()>& go_on = [] {}, const ShownPixels& shows = {});
+    const std::function<void()>& go_on = [] {}, const ShownPixels& shows = {},
+    RoughBlocks rough = RoughBlocks::kRefuse);
 
 /// The table of one camera.
 inline RemapTable FitRemapTable(

@@ -437,7 +437,8 @@ std::optional<Shown> ExpectBlobIsRight(int seed) {
   return shown;
 }
 
-// 200 lenses, or one that folds and one that ends.
+// 200 lenses, or one that folds, one that ends, and one with a pole that blocks
+// of 8 px do not follow at any bound.
 std::vector<int> Seeds() {
 #ifdef RAYGRID_LONG_TESTS
   constexpr int kNumLenses = 200;
@@ -445,7 +446,7 @@ std::vector<int> Seeds() {
   std::iota(seeds.begin(), seeds.end(), 0);
   return seeds;
 #else
-  return {3, 5};
+  return {3, 5, 198};
 #endif
 }
 
@@ -460,8 +461,7 @@ TEST(RegularRegion, BlobsOfRandomLensesShowIt) {
     EXPECT_GE(shown->of_view, 0.97);
     EXPECT_GE(shown->of_rays, 0.6);
   }
-  // Formulas of 14 coefficients may be rougher than blocks of 8 px follow.
-  EXPECT_LE(50 * num_refused, seeds.size());
+  EXPECT_EQ(num_refused, 0u);
 }
 
 }  // namespace
