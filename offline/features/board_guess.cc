@@ -94,6 +94,32 @@ bool IsWhole(const ImageDetection& image, const Board& board) {
          kMostOf * board.num_points();
 }
 
+// Black and white exchanged.
+GreyLevels Negative(GreyLevels grey) {
+  constexpr float kWhite = 255;
+  for (float& level : grey.levels) level = kWhite - level;
+  return grey;
+}
+
+// How many of the images show the boards of the pattern in white on black. A
+// chessboard is one then, too.
+int CountNegatives(const FolderDetection& found, const Pattern& pattern,
+                   const std::vector<int>& chosen, int num_threads) {
+  const PatternDetector detector(pattern, {});
+  std::vector<int> are_negative(chosen.size(), 0);
+  ParallelFor(
+      static_cast<int>(chosen.size()), NumThreads(num_threads), [&](int i) {
+        const ImageRoom room(found.dataset.image_size);
+        const GreyImage image =
+            MakeGreyImage(Negative(ReadGreyLevels(found.paths[chosen[i]])));
+        if (IsNoiseAlone(image) || HasHardlyAnyContrast(image)) return;
+        const size_t before = found.images[chosen[i]].features.size();
+        are_negative[i] = detector.Detect(image).features.size() > 2 * before;
+      });
+  return static_cast<int>(
+      std::count(are_negative.begin(), are_negative.end(), 1));
+}
+
 // Some of the images that do not show the whole board, evenly spread; none
 // where enough do, or where most show a part of a chessboard that is told from
 // all others: with another size few would.
@@ -163,6 +189,29 @@ std::string DescribeSought(const Board& board) {
   return "a chessboard of " + size;
 }
 
+// A line if most of the images show the boards in white on black.
+std::optional<std::string> RemarkOnNegatives(const FolderDetection& found,
+                                             const Pattern& pattern,
+                                             const std::string& pattern_name,
+                                             const std::vector<int>& chosen,
+                                             int num_threads) {
+  // A chessboard's negative is a chessboard.
+  if (chosen.empty() || pattern.boards.front().kind == "chessboard")
+    return std::nullopt;
+  const auto num_seen =
+      std::count_if(found.images.begin(), found.images.end(),
+                    [](const auto& image) { return !image.features.empty(); });
+  if (2 * num_seen > static_cast<std::ptrdiff_t>(found.images.size()))
+    return std::nullopt;
+  const int count = CountNegatives(found, pattern, chosen, num_threads);
+  if (2 * count <= static_cast<int>(chosen.size())) return std::nullopt;
+  return fmt::format(
+      "this looks like the board of {} printed white on black ({} of {} images "
+      "looked at); print the board dark on white, or exchange black and white "
+      "in the images",
+      pattern_name, count, chosen.size());
+}
+
 }  // namespace
 
 std::string SoughtBoards(const Pattern& pattern,
@@ -180,11 +229,11 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
                                            const std::string& pattern_name,
                                            int num_threads) {
   const Board& asked = pattern.boards.front();
-  if (pattern.boards.size() > 1 ||
-      (asked.kind != "chessboard" && asked.kind != "charuco" &&
-       asked.kind != "aprilgrid"))
-    return std::nullopt;
   const std::vector<int> chosen = ImagesToLookAt(found, asked);
+  const auto negative = [&] {
+    return RemarkOnNegatives(found, pattern, pattern_name, chosen, num_threads);
+  };
+  if (pattern.boards.size() > 1 || asked.kind == "star") return negative();
   std::vector<std::optional<Guess>> guesses(chosen.size());
   ParallelFor(static_cast<int>(chosen.size()), NumThreads(num_threads),
               [&](int i) {
@@ -196,9 +245,9 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
               });
   int num_votes = 0;
   auto guess = MostVoted(guesses, &num_votes);
-  if (!guess) return std::nullopt;
+  if (!guess) return negative();
   TurnAs(asked, &*guess);
-  if (IsAsAsked(*guess, asked)) return std::nullopt;
+  if (IsAsAsked(*guess, asked)) return negative();
   return fmt::format(
       "this looks like {}{} ({} of {} images looked at), not {}; {}",
       guess->is_mirrored   ? "a mirrored board of "

@@ -12,7 +12,8 @@ namespace raygrid {
 
 /// For a pattern of one chessboard, ChArUco board or AprilGrid that not enough
 /// images show as a whole: looks into some of them for other numbers of columns
-/// and rows, other dictionaries and kinds, and for mirrored boards. If most of
+/// and rows, other dictionaries and kinds, and for mirrored boards; with stars
+/// or markers of any pattern, also for boards in white on black. If most of
 /// them agree on one, says so in a line, with what to do; pattern_name is named
 /// there. What was found of the board as asked for is by chance then.
 std::optional<std::string> GuessOtherBoard(const FolderDetection& found,

@@ -21,12 +21,14 @@ Pattern PatternOf(const Board& board) {
 // Printed pages, seen from the front.
 class BoardGuess : public testing::Test {
  protected:
-  void Photograph(const Board& board, bool is_mirrored = false) {
+  void Photograph(const Board& board, bool is_mirrored = false,
+                  bool is_negative = false) {
     const BoardSheets sheets = PlanBoardSheets({board}, ParsePage("A4"));
     const std::string png = SheetPng(sheets, board, 100);
     const std::vector<char> bytes(png.begin(), png.end());
     cv::Mat image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
     if (is_mirrored) cv::flip(image, image, 1);
+    if (is_negative) image = 255 - image;
     for (const char* name : {"a.png", "b.png"}) {
       paths_.push_back(folder_ / name);
       cv::imwrite(paths_.back(), image);
@@ -166,6 +168,16 @@ TEST(SoughtBoards, SaysWhatIsReadOfEachKind) {
             std::string::npos);
   EXPECT_NE(sought(Charuco(8, 5, 28)).find("DICT_4X4_50, dark on white"),
             std::string::npos);
+}
+
+TEST_F(BoardGuess, FindsStarBoardsInWhiteOnBlack) {
+  const Board board = StarBoards(Stars(16, 12, 11)).front();
+  Photograph(board, false, true);
+  const std::string guess = GuessFor(board);
+  EXPECT_NE(guess.find("printed white on black (2 of 2 images"),
+            std::string::npos)
+      << guess;
+  EXPECT_NE(guess.find("print the board dark on white"), std::string::npos);
 }
 
 }  // namespace
