@@ -19,7 +19,7 @@ struct OcamNumbers {
   double row = 0, column = 0;      ///< the centre
   double c = 1, d = 0, e = 0;
 
-  /// Of any length, in raygrid's axes.
+  /// The direction that a pixel looks along, of any length, in raygrid's axes.
   Eigen::Vector3d Direction(const Eigen::Vector2d& pixel) const;
 };
 

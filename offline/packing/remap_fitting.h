@@ -29,7 +29,7 @@ struct RemapTable {
   int num_rough = 0;
 };
 
-/// What becomes of a few blocks of 8 that do not keep the bound, up to 2 %:
+/// The fate of a few blocks of 8 that do not keep the bound, up to 2 %:
 /// tables are refused, or have border there.
 enum class RoughBlocks { kRefuse, kLeaveOut };
 
