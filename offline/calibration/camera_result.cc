@@ -232,6 +232,36 @@ std::string PlaceInImage(const Eigen::Vector2d& pixel, const ImageSize& size) {
   return row == 1 ? side : rows[row] + " " + side;
 }
 
+// Warns of images that lost so many features to rejection that chance, or a
+// corner at the board's edge, does not explain it: what is left of them fits.
+void WarnOfMisreadImages(const CalibrationResult& result, Verdict* verdict) {
+  constexpr int kLeast = 5;
+  constexpr double kLeastPart = 0.15;
+  std::map<std::string, int> num_kept, num_rejected;
+  for (const FeatureResidual& r : result.training) ++num_kept[r.image];
+  for (const FeatureResidual& r : result.rejected_features)
+    ++num_rejected[r.image];
+  int num_images = 0;
+  std::pair<std::string, int> worst;
+  for (const auto& [image, count] : num_rejected) {
+    if (count < kLeast || num_kept[image] == 0 ||
+        count < kLeastPart * (num_kept[image] + count))
+      continue;
+    ++num_images;
+    if (count > worst.second) worst = {image, count};
+  }
+  if (num_images == 0) return;
+  if (verdict->word == "pass") verdict->word = "warn";
+  const std::string which = num_images == 1 ? "that image" : "these images";
+  verdict->reasons.push_back(fmt::format(
+      "many features of {} were rejected as outliers ({}: {} of {}): columns "
+      "or rows of the board are misread there, or corners are false; detect "
+      "{} again, or calibrate without {}",
+      num_images == 1 ? "an image" : fmt::format("{} images", num_images),
+      worst.first, worst.second, num_kept[worst.first] + worst.second, which,
+      num_images == 1 ? "it" : "them"));
+}
+
 // Images apart that are alone do not count as such; where most of their worst
 // features are.
 void TellAloneFromApart(const CalibrationResult& result,
@@ -497,6 +527,7 @@ void JudgeResult(int num_threads, CalibrationResult* result) {
     figures.limit = JudgeBudget(*result->budget);
   }
   result->verdict = JudgeCalibration(figures);
+  if (!figures.interrupted) WarnOfMisreadImages(*result, &result->verdict);
 }
 
 bool NeighborsErrAlike(const CalibrationResult& result) {

@@ -46,19 +46,27 @@ void RequireSpread(const ImageConditions& conditions,
     // Nothing changes by less.
     const double least =
         conditions.conditions[k] == CameraCondition::kLensPosition ? 0.01 : 0.1;
-    const bool is_one = std::all_of(
-        values.begin(), values.end(), [&](const ConditionValues& v) {
-          return std::abs(v[k] - values.front()[k]) < least;
+    const auto [low, high] = std::minmax_element(
+        values.begin(), values.end(),
+        [k](const ConditionValues& a, const ConditionValues& b) {
+          return a[k] < b[k];
         });
-    if (is_one)
-      throw Error(ExitCode::kUsage,
-                  fmt::format("all images have one {}: nothing tells how the "
-                              "camera changes with it; calibrate without "
-                              "{}, or add images at others",
-                              name,
-                              conditions.conditions.size() > 1
-                                  ? name
-                                  : std::string("--vary-with")));
+    const double spread = (*high)[k] - (*low)[k];
+    if (spread < least)
+      throw Error(
+          ExitCode::kUsage,
+          fmt::format(
+              "all images have one {}{}: how the camera "
+              "changes with it is not observable; calibrate "
+              "without {}, or add images at others",
+              name,
+              spread > 0 ? fmt::format(" (they differ by {:.2g}, "
+                                       "which is less than {:g} {})",
+                                       spread, least,
+                                       ConditionUnit(conditions.conditions[k]))
+                         : std::string(),
+              conditions.conditions.size() > 1 ? name
+                                               : std::string("--vary-with")));
   }
   if (conditions.conditions.size() < 2) return;
   // Below this, a change is as well one of either condition.
@@ -110,8 +118,10 @@ void RequireConditions(const Dataset& dataset,
     for (const double value : found->second)
       if (std::abs(value) > kMostValue)
         throw Error(ExitCode::kUsage,
-                    fmt::format("image {}: {:g} is no {}; at most {:g}",
-                                image.image, value, names, kMostValue));
+                    fmt::format("image {}: {} is {:g}, and values are at most "
+                                "{:g}; give dioptres or °C, or divide all "
+                                "values by one number",
+                                image.image, names, value, kMostValue));
     values.push_back(found->second);
   }
   RequireSpread(conditions, values);

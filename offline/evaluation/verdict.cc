@@ -83,8 +83,19 @@ void JudgeNumberOfImages(const CalibrationFigures& figures, Verdict* verdict) {
 }
 
 void JudgeArea(const CalibrationFigures& figures, Verdict* verdict) {
-  const double part = PartOfImage(figures.features_area, figures.image_size);
-  if (part < kEnoughArea)
+  // Positions count from the upper left corner: there lies what was measured in
+  // smaller images.
+  constexpr double kHalf = 0.55;
+  const Area& area = figures.features_area;
+  const ImageSize& size = figures.image_size;
+  const double part = PartOfImage(area, size);
+  if (area.x1 < kHalf * size.width && area.y1 < kHalf * size.height)
+    Warn(fmt::format("all features lie in the upper left quarter of the {} x "
+                     "{} image, up to ({:.0f}, {:.0f}); check --image-size, or "
+                     "hold the board into the other corners",
+                     size.width, size.height, area.x1, area.y1),
+         verdict);
+  else if (part < kEnoughArea)
     Warn(fmt::format("features reach only {:.0f} % of the image; hold the "
                      "board into the corners",
                      100 * part),

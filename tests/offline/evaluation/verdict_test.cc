@@ -37,6 +37,17 @@ TEST(Verdict, PassesGoodFigures) {
   EXPECT_TRUE(verdict.reasons.empty());
 }
 
+// Features of images of half the size lie in a quarter of the image.
+TEST(Verdict, DoubtsTheImageSizeOfFeaturesInAQuarter) {
+  CalibrationFigures figures = GoodFigures();
+  figures.features_area = {5, 5, 317, 238};
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "check --image-size"));
+  figures.features_area = {5, 5, 317, 400};
+  const Verdict verdict = JudgeCalibration(figures);
+  EXPECT_FALSE(HasReason(verdict, "check --image-size"));
+  EXPECT_TRUE(HasReason(verdict, "hold the board into the corners"));
+}
+
 TEST(Verdict, TellsAStrangerAmongAFleet) {
   CalibrationFigures figures = GoodFigures();
   figures.fleet_distance = FleetDistance{1.2, 0.3};
