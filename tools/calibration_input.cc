@@ -285,6 +285,24 @@ void RequireTimes(const CalibrateArguments& arguments) {
   if (!arguments.times.empty()) ReadImageTimes(arguments.times);
 }
 
+// Time and memory grow with features, and time with the square of images, while
+// a camera is known no better by more than some hundreds.
+void RequireFewFeatures(const std::string& path,
+                        const FeaturesByCamera& given) {
+  constexpr size_t kMost = 500000;
+  size_t num_features = 0, num_images = 0;
+  for (const auto& [name, dataset] : given) {
+    num_features += dataset.num_features();
+    num_images += dataset.images.size();
+  }
+  if (num_features <= kMost) return;
+  throw InputError(fmt::format(
+      "{}: {} features in {} images, and a calibration takes up to {}; keep "
+      "one image in {}, since hundreds are enough",
+      path, num_features, num_images, kMost,
+      (num_features + kMost - 1) / kMost));
+}
+
 }  // namespace
 
 FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
@@ -303,8 +321,10 @@ FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
                               "--features {}",
                               image, image));
   RequireTimes(arguments);
-  return arguments.features.empty() ? FeaturesByCamera()
-                                    : ReadFeatures(arguments.features);
+  if (arguments.features.empty()) return {};
+  FeaturesByCamera given = ReadFeatures(arguments.features);
+  RequireFewFeatures(arguments.features, given);
+  return given;
 }
 
 void LeaveOutCopies(Measurements* measurements,

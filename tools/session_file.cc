@@ -10,6 +10,7 @@
 
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/text_encoding.h"
 #include "named_camera.h"
 
 namespace raygrid {
@@ -146,6 +147,7 @@ std::string FormatSession(const std::vector<Session>& cameras) {
 std::vector<Session> ReadSession(const std::string& folder) {
   const std::string path = (fs::path(folder) / kSessionFile).string();
   const std::string text = ReadFile(path);
+  RequireSmallTree(path, text);
   try {
     const Json json = Json::parse(text);
     if (json.at("raygrid_session") != 1)

@@ -94,7 +94,9 @@ void RequireSmallTree(const std::string& path, std::string_view text,
   const std::string prefix = path.empty() ? "" : path + ": ";
   if (text.size() > max_bytes)
     throw InputError(fmt::format(
-        "{}{:.0f} MB, and cameras, patterns and lists of keys have up to {}; "
+        "{}{:.0f} MB, and cameras, patterns, sessions and lists of keys have "
+        "up "
+        "to {}; "
         "is it another file?",
         prefix, std::ceil(static_cast<double>(text.size()) / (1 << 20)),
         max_bytes >> 20));
@@ -111,7 +113,8 @@ void RequireSmallTree(const std::string& path, std::string_view text,
   }
   if (count > kMaxTreeMarks)
     throw InputError(fmt::format(
-        "{}about {} values, and cameras, patterns and lists of keys have up to "
+        "{}about {} values, and cameras, patterns, sessions and lists of keys "
+        "have up to "
         "{}; is it another file?",
         prefix, count, kMaxTreeMarks));
 }

@@ -33,8 +33,8 @@ struct LensForm {
   double reach_rad = M_PI;
   /// An export takes it only if it is asked for.
   bool is_only_asked = false;
-  /// Of a form that is a grid: the program's camera that is nearest to one of
-  /// raygrid's; null for grids of puzzlepaint.
+  /// The program's camera that is nearest to one of raygrid's, for forms that
+  /// are grids; null for those of puzzlepaint.
   FormGrid (*fit_grid)(const CameraModel& camera,
                        const TrustMask* trusted) = nullptr;
 

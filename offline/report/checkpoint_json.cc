@@ -17,11 +17,40 @@ constexpr int kVersion = 4;
 
 // A checksum over what the checkpoint is about and what it holds: the result
 // goes by both.
-std::string Checksum(const std::string& inputs, const Json& cameras) {
+std::string Checksum(const std::string& inputs, const std::string& cameras) {
   ContentHash hash;
   hash.Add(inputs);
-  hash.Add(cameras.dump());
+  hash.Add(cameras);
   return hash.Text();
+}
+
+constexpr char kBegin[] = "{\"raygrid_resume\":";
+constexpr char kCameras[] = ",\"cameras\":", kEnd[] = "}\n";
+
+// The text of a checkpoint's cameras, once what stands before it is that of
+// these inputs: nothing is parsed that was not written here, whatever its size.
+std::string CamerasText(const std::string& text, const std::string& inputs) {
+  constexpr size_t kLongestHead = 4096;
+  const size_t begin = text.rfind(kBegin, 0) == 0
+                           ? text.substr(0, kLongestHead).find(kCameras)
+                           : std::string::npos;
+  if (begin == std::string::npos)
+    throw InputError("malformed: does not begin as such a file does");
+  const Json head = Json::parse(text.substr(0, begin) + "}");
+  if (head.at("raygrid_resume") != kVersion)
+    throw InputError("unknown version of resume.json");
+  if (head.at("inputs") != inputs)
+    throw InputError(
+        "is of other features, pattern, options or another version");
+  const size_t first = begin + std::string(kCameras).size();
+  const std::string end = kEnd;
+  if (text.size() < first + end.size() ||
+      text.compare(text.size() - end.size(), end.size(), end) != 0)
+    throw InputError("malformed: is cut off");
+  std::string cameras = text.substr(first, text.size() - end.size() - first);
+  if (head.at("checksum") != Checksum(inputs, cameras))
+    throw InputError("was changed since it was written");
+  return cameras;
 }
 
 Eigen::Vector2d ParsePixel(const Json& x, const Json& y) {
@@ -119,11 +148,13 @@ std::string FormatCheckpoints(const std::vector<Checkpoint>& checkpoints,
   Json cameras = Json::array();
   for (const Checkpoint& checkpoint : checkpoints)
     cameras.push_back(CheckpointJson(checkpoint));
-  Json json = {{"raygrid_resume", kVersion},
-               {"inputs", inputs},
-               {"checksum", Checksum(inputs, cameras)}};
-  json["cameras"] = std::move(cameras);
-  return json.dump() + "\n";
+  const std::string text = cameras.dump();
+  const Json head = {{"raygrid_resume", kVersion},
+                     {"inputs", inputs},
+                     {"checksum", Checksum(inputs, text)}};
+  std::string all = head.dump();
+  all.pop_back();  // the brace
+  return all + kCameras + text + kEnd;
 }
 
 std::vector<Checkpoint> ReadCheckpoints(const std::string& path,
@@ -134,17 +165,9 @@ std::vector<Checkpoint> ReadCheckpoints(const std::string& path,
                      "from; run without --resume");
   const std::string text = ReadFile(path);
   try {
-    const Json json = Json::parse(text);
-    if (json.at("raygrid_resume") != kVersion)
-      throw InputError("unknown version of resume.json");
-    if (json.at("inputs") != inputs)
-      throw InputError(
-          "is of other features, pattern, options or another version");
-    if (json.at("checksum") != Checksum(inputs, json.at("cameras")))
-      throw InputError("was changed since it was written");
+    const Json cameras = Json::parse(CamerasText(text, inputs));
     std::vector<Checkpoint> checkpoints;
-    for (const Json& camera : json.at("cameras"))
-      checkpoints.push_back(Parse(camera));
+    for (const Json& camera : cameras) checkpoints.push_back(Parse(camera));
     if (checkpoints.empty()) throw InputError("holds no camera");
     return checkpoints;
   } catch (const Json::exception& error) {

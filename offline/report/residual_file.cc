@@ -59,6 +59,7 @@ std::map<std::string, ResidualSets> ReadResiduals(const std::string& path) {
   CsvReader table(
       path, text,
       {"set", "image", "board", "column", "row", "x", "y", "dx", "dy"});
+  table.LimitRows(kMaxResidualRows);
   const bool has_camera = table.HasColumn("camera");
   std::map<std::string, ResidualSets> cameras;
   while (table.Next()) {

@@ -9,6 +9,10 @@
 
 namespace raygrid {
 
+/// Rows of residuals.csv: more than a calibration of as many features as may be
+/// given leaves.
+constexpr size_t kMaxResidualRows = 2000000;
+
 /// The residuals of one camera, or those that a rig leaves in it.
 struct ResidualSets {
   std::vector<FeatureResidual> training, held_out, rejected;
@@ -21,7 +25,7 @@ struct ResidualSets {
 std::string FormatResiduals(const RigResult& result);
 
 /// The residuals by camera name, "" where the file has no such column. Throws
-/// InputError.
+/// InputError, also for more than kMaxResidualRows.
 std::map<std::string, ResidualSets> ReadResiduals(const std::string& path);
 
 }  // namespace raygrid

@@ -67,6 +67,30 @@ class LargeFiles(CommandTest):
         self.refuse(pixels, ("line 500002", "500000 rows"), "unproject", self.camera,
                     "--pixels", pixels, "--json")
 
+    def test_features_are_calibrated_up_to_a_number(self):
+        lines = "".join(f"image_{{0:05}}.png,0,{column},{row},{10 + 60 * column},{12 + 70 * row}\n"
+                        for row in range(6) for column in range(9))
+        path = write(self.path("video.csv"),
+                     HEADER + "".join(lines.format(image) for image in range(9300)))
+        self.refuse(path, ("502200 features in 9300 images", "500000", "one image in 2"),
+                    "calibrate", "--features", path, "--image-size", "640x480", "--pattern",
+                    self.pattern, "-o", self.path("video"))
+
+    def test_what_a_run_leaves_for_the_next_one(self):
+        os.makedirs(self.path("session"), exist_ok=True)
+        session = write(self.path("session/session.json"),
+                        '{"raygrid_session": 1, "frames": [' + "1," * MEGABYTE + "1]}\n")
+        self.refuse(session, ("1000000", "values"), "calibrate", self.path("session"))
+        # Nothing is parsed that is not what was written for these inputs.
+        os.makedirs(self.path("killed"), exist_ok=True)
+        resume = write(self.path("killed/resume.json"),
+                       '{"raygrid_resume":4,"inputs":"a","cameras":[' + "1," * (8 * MEGABYTE) + "1]}\n")
+        code, error = self.run_bounded(
+            5, "calibrate", "--features", self.path("sim/features.csv"), "--image-size", "640x480",
+            "--pattern", self.path("sim/pattern.yaml"), "--resume", "-o", self.path("killed"))
+        self.assertEqual(code, 2, error)
+        self.assertIn(f"{resume}: is of other features", error)
+
     def test_trees_with_more_values_than_any_camera_has(self):
         values = "- 1\n" * (2 * MEGABYTE)
         for name, text in (("camera.yaml", "raygrid_camera: 1\nx:\n" + values),

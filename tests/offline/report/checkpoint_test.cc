@@ -1,6 +1,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "report/checkpoint_json.h"
+#include "report/residual_file.h"
 #include "support.h"
 
 namespace raygrid {
@@ -64,6 +65,18 @@ TEST(Checkpoint, ThatWasAlteredIsRefused) {
     ExpectError(ExitCode::kInput, {"resume.json", "changed"},
                 [&] { ReadCheckpoints(path, "cafe"); });
   }
+}
+
+// A table of what a calibration cannot have left is refused by its length.
+TEST(Residuals, OfMoreRowsThanACalibrationLeaves) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "residuals.csv";
+  std::string text = "set,image,board,column,row,x,y,dx,dy\n";
+  for (size_t k = 0; k <= kMaxResidualRows; ++k)
+    text += "rejected,a,0,0,0,1,1,0,0\n";
+  WriteFile(path, text);
+  ExpectError(ExitCode::kInput, {"residuals.csv, line 2000002", "2000000 rows"},
+              [&] { ReadResiduals(path); });
 }
 
 }  // namespace
