@@ -11,6 +11,7 @@
 
 #include "camera_input.h"
 #include "circumstances.h"
+#include "condition_input.h"
 #include "dataset/content_hash.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
