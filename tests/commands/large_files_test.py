@@ -38,8 +38,8 @@ class LargeFiles(CommandTest):
         self.assertLess(usage.ru_utime + usage.ru_stime, factor * (1 + SECONDS_PER_MB * size_mb))
         return process.returncode, error
 
-    def refuse(self, path, words, *arguments):
-        code, error = self.run_bounded(os.path.getsize(path) / MEGABYTE, *arguments)
+    def refuse(self, path, words, *arguments, size_mb=None):
+        code, error = self.run_bounded(size_mb or os.path.getsize(path) / MEGABYTE, *arguments)
         self.assertEqual(code, 2, error)
         self.assertEqual(error.count("\n"), 1, error)
         for word in (os.path.basename(path), *words):
@@ -80,7 +80,8 @@ class LargeFiles(CommandTest):
         os.makedirs(self.path("session"), exist_ok=True)
         session = write(self.path("session/session.json"),
                         '{"raygrid_session": 1, "frames": [' + "1," * MEGABYTE + "1]}\n")
-        self.refuse(session, ("1000000", "values"), "calibrate", self.path("session"))
+        # Values take a hundred bytes each until there are too many.
+        self.refuse(session, ("1000000", "values"), "calibrate", self.path("session"), size_mb=50)
         # Nothing is parsed that is not what was written for these inputs.
         os.makedirs(self.path("killed"), exist_ok=True)
         resume = write(self.path("killed/resume.json"),

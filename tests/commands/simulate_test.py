@@ -171,7 +171,7 @@ class Simulate(CommandTest):
                          "--image-size", "640x480", "--skip-comparison", "-o", out)
             self.assert_done(result)
             # Such a board is 0.357 bends from the nearest plane (RMS).
-            told = re.search(r"board 0 is ([\d.]+) mm from flat", result.stdout)
+            told = re.search(r"board 0: out-of-plane deformation ([\d.]+) mm RMS", result.stdout)
             self.assertAlmostEqual(float(told[1]) / bend_mm, 0.357, delta=0.05)
             result = run("compare", os.path.join(folder, "true_camera.yaml"),
                          os.path.join(out, "camera.yaml"), "--json")
