@@ -87,7 +87,7 @@ class LargeFiles(CommandTest):
         resume = write(self.path("killed/resume.json"),
                        '{"raygrid_resume":4,"inputs":"a","cameras":[' + "1," * (8 * MEGABYTE) + "1]}\n")
         code, error = self.run_bounded(
-            5, "calibrate", "--features", self.path("sim/features.csv"), "--image-size", "640x480",
+            50, "calibrate", "--features", self.path("sim/features.csv"), "--image-size", "640x480",
             "--pattern", self.path("sim/pattern.yaml"), "--resume", "-o", self.path("killed"))
         self.assertEqual(code, 2, error)
         self.assertIn(f"{resume}: is of other features", error)
