@@ -124,7 +124,7 @@ TEST(LowContrast, NoiseTakesLittleTime) {
     EXPECT_FALSE(GuessOtherBoard(found, pattern, "p.yaml", 1));
     EXPECT_TRUE(found.images[0].features.empty());
     EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC,
-              kTimes * (has_lamp ? 8 : 2));
+              kTimes * (has_lamp ? 5 : 1.5));
   }
 }
 
