@@ -44,7 +44,7 @@ void AddHoldOut(CLI::App* command, const std::string& help,
 /// --at, for commands that read a camera.
 void AddAtOption(CLI::App* command, CommonOptions* common);
 
-/// --allow-huge-images, for commands that read images or are told their size.
+/// --allow-huge-images, for commands that read images or are given their size.
 void AddHugeOption(CLI::App* command);
 
 void AddBatch(CLI::App* app, CommonOptions* common);

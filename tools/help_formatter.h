@@ -30,7 +30,7 @@ class HelpFormatter : public CLI::Formatter {
 /// Puts the options that are declared from here on into a group.
 void BeginGroup(CLI::App* command, const char* group);
 
-/// Text in lines of at most 80 characters, each after so many spaces.
+/// Text in lines of at most 80 characters, each indented by spaces.
 std::string WrapText(const std::string& text, size_t indent);
 
 }  // namespace raygrid

@@ -36,7 +36,7 @@ CLI::Validator AboveZero() {
       "POSITIVE");
 }
 
-// An example that is too long for a line goes on in the next one.
+// An example that is too long for a line continues in the next one.
 std::string ExampleLines(const std::string& example) {
   constexpr size_t kMaxWidth = 76;  // without the backslash
   if (example.size() <= kMaxWidth + 2) return "  " + example;

@@ -18,7 +18,7 @@ struct LatticeDerivatives {
   Eigen::MatrixX3d by_rotation;
 };
 
-// False where the camera does not tell.
+// False where the camera is undefined.
 bool AddPixel(const CameraModel& camera, const Eigen::Vector2d& pixel,
               Eigen::Index row, LatticeDerivatives* derivatives) {
   constexpr double kFarM = 1e4;

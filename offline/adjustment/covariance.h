@@ -9,7 +9,7 @@
 namespace raygrid {
 
 /// How well a pixel's ray is known: of where a known direction is seen. Not
-/// numbers where the camera does not tell.
+/// numbers where the camera is undefined.
 struct PixelUncertainty {
   Eigen::Vector2d pixel;
   /// How it would scatter, were the noise drawn anew.
@@ -64,7 +64,7 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
 /// The lattice's pixels, each with the number of observations that are nearest
 /// to it, and how they move with the camera's parameters, two rows each, but
 /// for a rotation that all share: that of least squares over the observations.
-/// No move where the camera does not tell.
+/// No move where the camera is undefined.
 Eigen::MatrixXd MovesOfLattice(const std::vector<View>& views,
                                const AdjustmentState& state, int camera,
                                const UncertaintyOptions& lattice,

@@ -78,7 +78,7 @@ struct LogRatio {
   double mean = 0, variance = 0;
 };
 
-// Of sums of squares of which so many are independent: log chi^2_n / n has a
+// Of sums of n independent squares: log chi^2_n / n has a
 // mean of about -1/n and a variance of about 2/n.
 LogRatio LogRatioOf(double observed, double predicted, double independent) {
   return {std::log(observed / predicted) + 1 / independent, 2 / independent};

@@ -232,8 +232,8 @@ std::string PlaceInImage(const Eigen::Vector2d& pixel, const ImageSize& size) {
   return row == 1 ? side : rows[row] + " " + side;
 }
 
-// Warns of images that lost so many features to rejection that chance, or a
-// corner at the board's edge, does not explain it: what is left of them fits.
+// Warns of images that lost more features to rejection than chance, or a
+// corner at the board's edge, explains: what is left of them fits.
 void WarnOfMisreadImages(const CalibrationResult& result, Verdict* verdict) {
   constexpr int kLeast = 5;
   constexpr double kLeastPart = 0.15;

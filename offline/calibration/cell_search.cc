@@ -32,7 +32,7 @@ bool Try(std::vector<int> resolutions, const CellSearch::Measure& measure,
 double GainOver(const std::vector<FeatureResidual>& others,
                 const std::vector<FeatureResidual>& residuals,
                 double huber_px) {
-  // A feature that cannot be told where it belongs counts as huber_px off.
+  // A feature that only one of both has counts as huber_px off.
   struct Losses {
     double others, ours;
   };

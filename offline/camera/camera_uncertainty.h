@@ -12,7 +12,7 @@ namespace raygrid {
 
 /// Standard deviations of a coordinate of the projection of a far point, the
 /// RMS of both axes: on a lattice from corner to corner of the camera's area,
-/// row by row, bilinear between. Not a number where the camera does not tell.
+/// row by row, bilinear between. NaN where the camera is undefined.
 struct DeviationLattice {
   int columns = 0, rows = 0;
   std::vector<double> deviation_px;

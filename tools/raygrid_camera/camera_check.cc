@@ -11,7 +11,7 @@ std::string DescribeSize(const StreamFormat& format) {
   return std::to_string(format.width) + "x" + std::to_string(format.height);
 }
 
-// The words for raygrid pack --capture-settings of all that the source tells.
+// The words for raygrid pack --capture-settings of all that the source provides.
 std::string DescribeCapture(const FrameInfo& info) {
   char text[160] = "";
   std::string words;
