@@ -9,9 +9,9 @@ import tomllib
 
 # How the heading of a kind's table begins in COST.md.
 HEADINGS = {"text": "| core | .text: rays |", "stack": "| core | stack: open |",
-            "instructions": "| core | un-project |", "points": "| target | un-project |",
-            "frames": "| target | GREY8 |", "conditions": "| core | .text: condition |",
-            "conditions of Linux": "| target | .text: condition |"}
+            "instructions": "| core | unproject |", "points": "| target | unproject |",
+            "frames": "| target | GREY8, 32 |", "conditions": "| core | .text: operating point |",
+            "conditions of Linux": "| target | .text: operating point |"}
 
 
 def find_row(lines, title, name):

@@ -22,8 +22,8 @@ TABLES = {
     "### Uncertainty (": ("RG_UNCERTAINTY_", "RG_UNCERTAINTY_FIELDS_SIZE"),
     "### Inverse grid (": ("RG_INVERSE_", "RG_GRID_FIELDS_SIZE"),
     "### Capture (": ("RG_CAPTURE_", "RG_CAPTURE_SIZE"),
-    "### Stack (": ("RG_STACK_", "RG_STACK_FIELDS_SIZE"),
-    "### Row time (": ("RG_ROW_TIME_", "RG_ROW_TIME_SIZE"),
+    "### Operating points (": ("RG_STACK_", "RG_STACK_FIELDS_SIZE"),
+    "### Line delay (": ("RG_ROW_TIME_", "RG_ROW_TIME_SIZE"),
     "## Slots\n": ("RG_SLOT_", "RG_SLOT_HEADER_SIZE"),
 }
 # What SPEC.md says in words instead: the fields behind each other, and the size of all.
@@ -36,7 +36,7 @@ WORDS = {
     "i32 x, y, z, in q28 m": ("RG_LINE_POINT_", "i32 x, i32 y, i32 z", "RG_LINE_POINT_SIZE"),
     "control points, row by row from the top: i32 a, i32 b": (None, "i32 a, i32 b", "RG_CONTROL_POINT_SIZE"),
     "pairs of residuals i16 a, i16 b": (None, "i16 a, i16 b", "RG_NARROW_POINT_SIZE"),
-    "Behind each knot stands its value: i32, q16": (None, "i32 value", "RG_KNOT_VALUE_SIZE"),
+    "Each sample is followed by its value: i32, q16": (None, "i32 value", "RG_KNOT_VALUE_SIZE"),
     "| 8 | u8[32] | name |": (None, "u8[32] name", "RG_TEXT_SIZE"),
 }
 # Central and inverse grids have the other one's fields in the same places: code serves both.
