@@ -1,5 +1,5 @@
-/* Checks of a blob before its use: SPEC.md, "Duties". All readers check its
- * table and CRCs, and of each section what keeps its use within its bounds.
+/* Checks of a blob before its use: SPEC.md, "Requirements". All readers check
+ * its table and CRCs, and of each section what keeps its use within its bounds.
  * rg_blob_open() checks the rest as well. */
 #ifndef RAYGRID_BLOB_CHECKS_H
 #define RAYGRID_BLOB_CHECKS_H

@@ -3,7 +3,7 @@
 
 Written from SPEC.md alone, for comparison with the implementation in C. Section names in the
 docstrings ("Header", "Central grid", ...) are those of SPEC.md. Everything is plain integers,
-except "Meaning": un-projection in double precision, which the arithmetic of rays rounds.
+except "Meaning": un-projection in double precision, which ray arithmetic rounds.
 """
 
 import argparse
@@ -341,7 +341,7 @@ class Capture:
 
 @dataclass(frozen=True)
 class Knot:
-    """Stack: the camera at one value of the condition."""
+    """Operating points: the camera at one value of the condition."""
 
     grid: CentralGrid
     inverse: InverseGrid | None
@@ -350,7 +350,7 @@ class Knot:
 
 @dataclass(frozen=True)
 class Stack:
-    """Stack (type 12); `values` in q16, of the knots in their order."""
+    """Operating points (type 12); `values` in q16, of the knots in their order."""
 
     condition: int
     values: tuple[int, ...]
@@ -359,8 +359,8 @@ class Stack:
 
 @dataclass(frozen=True)
 class BlendedGrid(CentralGrid):
-    """Stack, "Rays at a condition": a grid of the lower knot, whose values are blended with those of
-    the upper knot's."""
+    """Operating points, "Rays at an operating point": a grid of the lower sample, whose values are
+    blended with those of the upper sample's."""
 
     upper: CentralGrid | None = None
     weight: int = 0  # of the upper one, q14
@@ -368,7 +368,7 @@ class BlendedGrid(CentralGrid):
 
 @dataclass(frozen=True)
 class RowTime:
-    """Row time (type 13), q10 nanoseconds."""
+    """Line delay (type 13), q10 nanoseconds."""
 
     row_time: int
     deviation: int
@@ -424,7 +424,7 @@ def block_count(remap: Remap) -> int:
 
 
 def read_header(data: bytes) -> Header:
-    """Duties, "A reader": from the magic to the section count."""
+    """Requirements, "A reader": from the magic to the section count."""
     require(len(data) >= HEADER.size, "RG_ERR_TRUNCATED", f"{len(data)} bytes hold no header")
     header = Header(*HEADER.unpack_from(data))
     require(header.magic == MAGIC, "RG_ERR_MAGIC", f"magic is {header.magic.hex(' ')}")
@@ -464,7 +464,7 @@ def header_crc(data: bytes, section_count: int) -> int:
 
 
 def read_table(data: bytes, header: Header) -> list[Entry]:
-    """Duties, "A reader": from header_crc to the duplicate and missing sections."""
+    """Requirements, "A reader": from header_crc to the duplicate and missing sections."""
     crc = header_crc(data, header.section_count)
     require(crc == header.header_crc, "RG_ERR_HEADER_CRC",
             f"header_crc is {header.header_crc:08x}, not {crc:08x}")
@@ -534,7 +534,7 @@ def check_occurrence(types: list[int]) -> None:
 
 
 def parse(data: bytes) -> Blob:
-    """Duties, "A reader": check everything in the order given there, then hand out the blob."""
+    """Requirements, "A reader": check everything in the order given there."""
     table = read_table(data, read_header(data))
     camera = read_camera(first_section(data, table, TYPE_CAMERA))
     grid = read_grid(first_section(data, table, TYPE_GRID), camera)
@@ -935,7 +935,7 @@ def read_capture(section: bytes, camera: Camera) -> Capture:
 
 
 def knot_parts(data: bytes, table: list[Entry]) -> list[tuple[int, bytes]]:
-    """Stack: type and bytes of the blob's own sections that a knot has a part for."""
+    """Operating points: type and bytes of the blob's own sections that a knot has a part for."""
     entries = [entry for entry in table if entry.type in (TYPE_GRID, TYPE_INVERSE, TYPE_REMAP)]
     require(entries[0].type == TYPE_GRID and table[-1].type == TYPE_STACK
             and entries == table[-1 - len(entries):-1],
@@ -944,7 +944,7 @@ def knot_parts(data: bytes, table: list[Entry]) -> list[tuple[int, bytes]]:
 
 
 def read_stack(section: bytes, data: bytes, table: list[Entry]) -> Stack:
-    """Stack (type 12)."""
+    """Operating points (type 12)."""
     condition, count = unpack_fields(STACK, section, "stack")
     require(condition in CONDITIONS and count in KNOT_COUNTS
             and not any(sections(data, table, TYPE_LINE_POINTS)), "RG_ERR_STACK",
@@ -975,7 +975,7 @@ def read_stack(section: bytes, data: bytes, table: list[Entry]) -> Stack:
 
 def read_knot_part(kind: int, part: bytes, like: bytes, camera: Camera,
                    sizes: list[Size]) -> CentralGrid | InverseGrid | Remap:
-    """Stack: a grid or a table of a knot, whose fields, and mask, are those of the blob's own."""
+    """Operating points: a grid or a table of a sample, with the blob's own fields and mask."""
     if kind == TYPE_REMAP:
         read = read_remap(part, camera, sizes)
         data_offset = REMAP.unpack_from(part)[24]
@@ -991,13 +991,13 @@ def read_knot_part(kind: int, part: bytes, like: bytes, camera: Camera,
 
 
 def knot_fields(kind: int, section: bytes, data_offset: int) -> bytes:
-    """Stack: the bytes in front of the arrays, but for the tables' max_error_upx."""
+    """Operating points: the bytes in front of the arrays, but for the tables' max_error_upx."""
     fields = section[:data_offset]
     return fields[:72] + fields[76:] if kind == TYPE_REMAP else fields
 
 
 def read_row_time(section: bytes) -> RowTime:
-    """Row time (type 13)."""
+    """Line delay (type 13)."""
     row_time = RowTime(*unpack_fields(ROW_TIME, section, "row time"))
     require(max(abs(row_time.row_time), row_time.deviation) <= ROW_TIME_LIMIT_Q10,
             "RG_ERR_ROW_TIME", f"the row time is {row_time}")
@@ -1015,7 +1015,7 @@ def is_crop(crop: list[int], camera: Camera) -> bool:
 
 
 def weight_at(stack: Stack, value: int) -> Pair:
-    """Stack, "Conditions": the lower knot, and the weight of the next one in q14."""
+    """Operating points, "Selecting samples": the lower sample, and the upper one's weight, q14."""
     values = stack.values
     clamped = min(max(value, values[0]), values[-1])
     lower = max(k for k, knot_value in enumerate(values) if knot_value <= clamped)
@@ -1025,7 +1025,7 @@ def weight_at(stack: Stack, value: int) -> Pair:
 
 
 def at_condition(blob: Blob, value: int) -> Blob:
-    """Stack: the camera at a value of the condition, in q16."""
+    """Operating points: the camera at a value of the condition, in q16."""
     if blob.stack is None:
         raise BlobError("RG_ERR_NO_STACK", "the blob has no stack")
     k, weight = weight_at(blob.stack, value)
@@ -1040,7 +1040,7 @@ def at_condition(blob: Blob, value: int) -> Blob:
 
 
 def blended_grid(lower: CentralGrid, upper: CentralGrid, weight: int) -> CentralGrid:
-    """Stack, "Rays at a condition": two grids as one."""
+    """Operating points, "Rays at an operating point": two grids as one."""
     if weight == 0:
         return lower
     fields = {field.name: getattr(lower, field.name) for field in dataclasses.fields(lower)}
@@ -1048,7 +1048,7 @@ def blended_grid(lower: CentralGrid, upper: CentralGrid, weight: int) -> Central
 
 
 def blended_remap(lower: Remap, upper: Remap, weight: int) -> Remap:
-    """Stack, "A table at a condition": again a table, of blended residuals and bends."""
+    """Operating points, "A table at an operating point": with blended residuals and bends."""
     def blend(pairs: tuple, others: tuple) -> tuple:
         return tuple(tuple(blended(p, q, weight) for p, q in zip(*both))
                      for both in zip(pairs, others))
@@ -1057,7 +1057,7 @@ def blended_remap(lower: Remap, upper: Remap, weight: int) -> Remap:
 
 
 def blended(p: int, q: int, weight: int) -> int:
-    """Stack, "A table at a condition": a residual or a bend."""
+    """Operating points, "A table at an operating point": a residual or a bend."""
     return p + (fit(weight * (q - p) + (1 << WEIGHT_BITS - 1), 32) >> WEIGHT_BITS)
 
 
@@ -1127,7 +1127,7 @@ def direction(a: float, b: float) -> tuple[float, float, float]:
     return 2 * a / (1 + square), 2 * b / (1 + square), (1 - square) / (1 + square)
 
 
-# Arithmetic of rays
+# Ray arithmetic
 
 
 Vector = tuple[int, int, int]
@@ -1142,17 +1142,17 @@ POINT_MAX_BITS = 27
 
 
 def high(a: int, b: int) -> int:
-    """Arithmetic of rays: hi(a, b)."""
+    """Ray arithmetic: hi(a, b)."""
     return a * b + (1 << 31) >> 32
 
 
 def leading_zeros(value: int) -> int:
-    """Arithmetic of rays: zeros(v)."""
+    """Ray arithmetic: zeros(v)."""
     return 32 - value.bit_length()
 
 
 class Place(NamedTuple):
-    """Arithmetic of rays, "Places": cell (i, j), fractions t and s, and the weights of columns
+    """Ray arithmetic, "Cells": cell (i, j), fractions t and s, and the weights of columns
     and of rows."""
 
     i: int
@@ -1164,7 +1164,7 @@ class Place(NamedTuple):
 
 
 def find_place(grid: CentralGrid, x: int, y: int) -> Place | None:
-    """Arithmetic of rays, "Places": None outside."""
+    """Ray arithmetic, "Cells": None outside."""
     if not (grid.x0 <= x <= grid.x1 and grid.y0 <= y <= grid.y1):
         return None
     i, t = cell_of((x - grid.x0) * grid.scale_x, grid.columns)
@@ -1173,13 +1173,13 @@ def find_place(grid: CentralGrid, x: int, y: int) -> Place | None:
 
 
 def cell_of(cells_q48: int, count: int) -> Pair:
-    """Arithmetic of rays, "Places": cell and fraction in q30."""
+    """Ray arithmetic, "Cells": cell and fraction in q30."""
     cell = min(cells_q48 >> 48, count - 4)
     return cell, cells_q48 - (cell << 48) >> 18
 
 
 def weights_q31(t: int) -> tuple[int, int, int, int]:
-    """Arithmetic of rays, "Places": W_0 to W_3."""
+    """Ray arithmetic, "Cells": W_0 to W_3."""
     square = 4 * high(t, t)
     cube = high(square, t)
     even = SIXTH_Q31 + square
@@ -1189,7 +1189,7 @@ def weights_q31(t: int) -> tuple[int, int, int, int]:
 
 
 def spline_sum(points: tuple, columns: int, place: Place) -> tuple[int, ...]:
-    """Arithmetic of rays, "Values": of wide control points, or points of lines."""
+    """Ray arithmetic, "Values": of wide control points, or points of lines."""
     sums = [0] * len(points[0])
     first = place.j * columns + place.i
     for weight_down in place.down:
@@ -1202,7 +1202,7 @@ def spline_sum(points: tuple, columns: int, place: Place) -> tuple[int, ...]:
 
 
 def value_at(grid: CentralGrid, place: Place) -> tuple[int, ...]:
-    """Arithmetic of rays, "Values", and Stack, "Rays at a condition"."""
+    """Ray arithmetic, "Values", and Operating points, "Rays at an operating point"."""
     value = value_of_grid(grid, place)
     if not isinstance(grid, BlendedGrid):
         return value
@@ -1211,7 +1211,7 @@ def value_at(grid: CentralGrid, place: Place) -> tuple[int, ...]:
 
 
 def value_of_grid(grid: CentralGrid, place: Place) -> tuple[int, ...]:
-    """Arithmetic of rays, "Values": both coordinates, in 2 bits less than the control points."""
+    """Ray arithmetic, "Values": both coordinates, in 2 bits less than the control points."""
     if grid.fraction_bits == FRACTION_BITS:
         return spline_sum(grid.control_points, grid.columns, place)
     result = []
@@ -1229,14 +1229,14 @@ def value_of_grid(grid: CentralGrid, place: Place) -> tuple[int, ...]:
 
 
 def plane_value(grid: CentralGrid, place: Place, c: int) -> int:
-    """Arithmetic of rays, "Values": the plane of narrow control points."""
+    """Ray arithmetic, "Values": the plane of narrow control points."""
     origin, column_step, row_step = grid.plane[c], grid.plane[2 + c], grid.plane[4 + c]
     corner = fit(origin + (place.i + 1) * column_step + (place.j + 1) * row_step, 32)
     return (corner + 2 >> 2) + high(column_step, place.t) + high(row_step, place.s)
 
 
 def reciprocal(d: int) -> int:
-    """Arithmetic of rays: 1 / d in q29, d in q31 from 1/2 to 1."""
+    """Ray arithmetic: 1 / d in q29, d in q31 from 1/2 to 1."""
     r = 1515870810 - high(d, 2021161080)
     for _ in range(3):
         excess = fit(16 * high(d, r) - (1 << 32), 32)
@@ -1245,7 +1245,7 @@ def reciprocal(d: int) -> int:
 
 
 def inverse_root(u: int) -> int:
-    """Arithmetic of rays: 1 / sqrt(u) in q29, u in q31 from 1/4 to 1."""
+    """Ray arithmetic: 1 / sqrt(u) in q29, u in q31 from 1/4 to 1."""
     r = 1433893831 - 2 * high(u, 1763812404 - high(u, 1759398850))
     for _ in range(3):
         r += high(r, fit((1 << 31) - 16 * high(u, 4 * high(r, r)), 32))
@@ -1253,7 +1253,7 @@ def inverse_root(u: int) -> int:
 
 
 def chart_direction(a_q27: int, b_q27: int) -> Vector:
-    """Arithmetic of rays, "Directions": q30."""
+    """Ray arithmetic, "Directions": q30."""
     a, b = 4 * a_q27, 4 * b_q27
     total = (1 << 26) + high(a, a) + high(b, b)
     zeros = leading_zeros(total)
@@ -1262,13 +1262,13 @@ def chart_direction(a_q27: int, b_q27: int) -> Vector:
 
 
 def unproject_q16(blob: Blob, x: int, y: int) -> Vector | None:
-    """Arithmetic of rays, "Directions": of a pixel in q16, in q30; None outside the area."""
+    """Ray arithmetic, "Directions": of a pixel in q16, in q30; None outside the area."""
     place = find_place(blob.grid, x, y)
     return None if place is None else chart_direction(*value_at(blob.grid, place))
 
 
 def unproject_line_q16(blob: Blob, x: int, y: int) -> tuple[Vector, Vector] | None:
-    """Arithmetic of rays, "Directions": the point in q28 m and the direction in q30 of a pixel's
+    """Ray arithmetic, "Directions": the point in q28 m and the direction in q30 of a pixel's
     line; the point is 0 without line points."""
     place = find_place(blob.grid, x, y)
     if place is None:
@@ -1281,13 +1281,13 @@ def unproject_line_q16(blob: Blob, x: int, y: int) -> tuple[Vector, Vector] | No
 
 
 def bits_of(vector: Vector) -> int:
-    """Arithmetic of rays: bits(x) | bits(y) | bits(z)."""
+    """Ray arithmetic: bits(x) | bits(y) | bits(z)."""
     x, y, z = (value ^ value >> 31 for value in vector)
     return x | y | z
 
 
 def chart_of_direction(direction_q: Vector, cos_limit: int) -> Pair | None:
-    """Arithmetic of rays, "Chart positions": q27; None for directions that are not seen."""
+    """Ray arithmetic, "Chart coordinates": q27; None for directions that are not seen."""
     if not any(direction_q):
         return None
     shift = leading_zeros(bits_of(direction_q) | 1) - 1
@@ -1306,7 +1306,7 @@ def chart_of_direction(direction_q: Vector, cos_limit: int) -> Pair | None:
 
 
 def square_root(square_q28: int) -> int:
-    """Arithmetic of rays, "Chart positions": q29."""
+    """Ray arithmetic, "Chart coordinates": q29."""
     u, shift = 2 * square_q28, 2
     if u < 1 << 29:
         u, shift = 4 * u, 1
@@ -1314,7 +1314,7 @@ def square_root(square_q28: int) -> int:
 
 
 def slopes_at(grid: CentralGrid, place: Place) -> tuple[Pair, Pair]:
-    """Arithmetic of rays, "Projection": how x and y of an inverse grid change along a, then
+    """Ray arithmetic, "Projection": how x and y of an inverse grid change along a, then
     along b, in q5 px."""
     x, y = place.t >> 23, place.s >> 23
     shift = grid.fraction_bits - NARROW_FRACTION_BITS.start
@@ -1343,14 +1343,14 @@ def slopes_at(grid: CentralGrid, place: Place) -> tuple[Pair, Pair]:
 
 
 def move_inside(grid: CentralGrid, pixel: Pair, tolerance: int) -> Pair | None:
-    """Arithmetic of rays, "Projection": into the area; None from farther outside."""
+    """Ray arithmetic, "Projection": into the area; None from farther outside."""
     x, y = pixel
     inside = min(max(x, grid.x0), grid.x1), min(max(y, grid.y0), grid.y1)
     return inside if max(abs(x - inside[0]), abs(y - inside[1])) <= tolerance else None
 
 
 def project_q16(blob: Blob, direction_q: Vector) -> Pair | None:
-    """Arithmetic of rays, "Projection": the pixel, in q16, that looks along a direction; None if
+    """Ray arithmetic, "Projection": the pixel, in q16, that looks along a direction; None if
     there is none."""
     if blob.inverse is None:
         raise BlobError("RG_ERR_NO_INVERSE", "the blob has no inverse grid")
@@ -1363,7 +1363,7 @@ def project_q16(blob: Blob, direction_q: Vector) -> Pair | None:
 
 
 def solve(grid: CentralGrid, target: Pair, start: Pair, slopes: tuple[Pair, Pair]) -> Pair | None:
-    """Arithmetic of rays, "Projection": Newton's method."""
+    """Ray arithmetic, "Projection": Newton's method."""
     limit = FIRST_STEP
     pixel = move_inside(grid, start, limit)
     while pixel is not None and limit >= LAST_STEP:
@@ -1379,7 +1379,7 @@ def solve(grid: CentralGrid, target: Pair, start: Pair, slopes: tuple[Pair, Pair
 
 
 def project_point_q16(blob: Blob, point: Vector, fraction_bits: int) -> Pair | None:
-    """Arithmetic of rays, "Points": the pixel, in q16, that sees a point; None if there is none."""
+    """Ray arithmetic, "Points": the pixel, in q16, that sees a point; None if there is none."""
     require(0 <= fraction_bits <= POINT_MAX_BITS, "RG_ERR_ARGUMENT",
             f"a point has {fraction_bits} fraction bits")
     if blob.line_points is None:
@@ -1400,13 +1400,13 @@ def project_point_q16(blob: Blob, point: Vector, fraction_bits: int) -> Pair | N
 
 
 def are_near(pixel: Pair, last: Pair | None) -> bool:
-    """Arithmetic of rays, "Points": whether two pixels have the same line."""
+    """Ray arithmetic, "Points": whether two pixels have the same line."""
     return last is not None and all(-SAME_LINE <= here - there < SAME_LINE
                                     for here, there in zip(pixel, last))
 
 
 def look_from(line: tuple[Vector, Vector], point: Vector, shift: int) -> Vector:
-    """Arithmetic of rays, "Points": the direction of a point from where a line is nearest to the
+    """Ray arithmetic, "Points": the direction of a point from where a line is nearest to the
     camera's centre."""
     origin, ray = line
     along = wrap32(4 * sum(high(o, d) for o, d in zip(origin, ray)))
@@ -1492,7 +1492,7 @@ def remap_grey(blob: Blob, source: bytes, border: int) -> bytes:
 
 
 class Lattice(NamedTuple):
-    """Lattices: pixel (i, j) stands at (2^lx i + hx / 2, 2^ly j + hy / 2)."""
+    """Components: pixel (i, j) stands at (2^lx i + hx / 2, 2^ly j + hy / 2)."""
 
     lx: int
     ly: int
@@ -1506,7 +1506,7 @@ Samples = list[list[int | None]]
 
 def remap_lattice(blob: Blob, lattice: Lattice, source: Samples, bits: int,
                   border: int | str | None, nearest: bool = False) -> Samples:
-    """Remap arithmetic, "Lattices": rows of samples to rows of samples.
+    """Remap arithmetic, "Components": rows of samples to rows of samples.
 
     border is a value, BORDER_CLAMP, or None, which stands for pixels left as they are.
     """
@@ -1533,7 +1533,7 @@ def sample_rows(source: bytes, width: int) -> Samples:
 
 def lattice_positions(remap: Remap, lattice: Lattice, positions: list[Pair],
                       block: int) -> Iterator[tuple[Pair, Pair]]:
-    """Lattices: output pixel and source position of each lattice pixel of a block."""
+    """Components: output pixel and source position of each lattice pixel of a block."""
     block_row, block_column = divmod(block, remap.columns - 1)
     logs = part_log2s(remap, lattice)
     width_log2, height_log2 = logs[0] - lattice.lx, logs[1] - lattice.ly
@@ -1552,7 +1552,7 @@ def lattice_positions(remap: Remap, lattice: Lattice, positions: list[Pair],
 
 
 def part_log2s(remap: Remap, lattice: Lattice) -> Pair:
-    """Lattices: log2 of the output pixels that a part is wide and high."""
+    """Components: log2 of the output pixels that a part is wide and high."""
     if remap.part_log2 == 0:
         return remap.block_log2, remap.block_log2
     width, height = (max(remap.part_log2, CHROMA_PART_LOG2) if half == 1 else remap.part_log2
@@ -1590,7 +1590,7 @@ def along_edge(start: int, end: int, bend: int, k: int, log2: int) -> int:
 
 
 def lattice_corners(lattice: Lattice, corners: list[Pair], log2: int) -> list[Pair]:
-    """Lattices: Q00, Q10, Q01, Q11."""
+    """Components: Q00, Q10, Q01, Q11."""
     result = []
     for k, corner in enumerate(corners):
         left, right = corners[k & 2], corners[k | 1]
@@ -1615,7 +1615,7 @@ def row_position(ends: list[Pair], k: int, width_log2: int) -> Pair:
 
 
 def lattice_rectangle(remap: Remap, lattice: Lattice) -> tuple[Pair, Pair]:
-    """Lattices: (min, max) of x and of y."""
+    """Components: (min, max) of x and of y."""
     result = []
     for low, high, log2, half in ((remap.min_x, remap.max_x, lattice.lx, lattice.hx),
                                   (remap.min_y, remap.max_y, lattice.ly, lattice.hy)):
@@ -1626,7 +1626,7 @@ def lattice_rectangle(remap: Remap, lattice: Lattice) -> tuple[Pair, Pair]:
 
 def sample_at(remap: Remap, lattice: Lattice, source: Samples, position: Pair, bits: int,
               border: int | str | None, nearest: bool) -> int | None:
-    """Lattices: the value of one lattice pixel; None where it is left as it is."""
+    """Components: the value of one lattice pixel; None where it is left as it is."""
     moved = []
     for value, (low, high), count in zip(position, lattice_rectangle(remap, lattice),
                                          (len(source[0]), len(source))):
@@ -1703,7 +1703,7 @@ def sample_16(image: Samples, x: int, y: int) -> int:
 
 
 def serialize(blob: Blob) -> bytes:
-    """Duties, "A writer": a blob, opened with the reader before it is returned.
+    """Requirements, "A writer": a blob, opened with the reader before it is returned.
 
     The sequences in the blob must be tuples, as `parse` makes them.
     """
@@ -1730,7 +1730,7 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
 
 
 def packed_parts(blob: Blob) -> Iterator[tuple[int, bytes]]:
-    """Stack: the sections that knots have their like of."""
+    """Operating points: the sections that knots have their like of."""
     yield TYPE_GRID, pack_grid(blob.grid)
     for remap in blob.remaps:
         yield TYPE_REMAP, pack_remap(remap)
@@ -1755,7 +1755,7 @@ def packed_lone_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
 
 
 def minor_version(packed: list[tuple[int, bytes]]) -> int:
-    """Duties, "A writer": the minor version whose fields it uses."""
+    """Requirements, "A writer": the minor version whose fields it uses."""
     if any(kind in (TYPE_CAPTURE, TYPE_STACK, TYPE_ROW_TIME) for kind, _ in packed):
         return 6
     remaps = [REMAP.unpack_from(section) for kind, section in packed if kind == TYPE_REMAP]
@@ -1881,14 +1881,14 @@ def pack_capture(capture: Capture) -> bytes:
 
 
 def pack_stack(stack: Stack) -> bytes:
-    """Stack (type 12)."""
+    """Operating points (type 12)."""
     return STACK.pack(stack.condition, len(stack.values)) + b"".join(
         pack_knot(knot) + KNOT_VALUE.pack(value)
         for knot, value in zip(stack.knots, stack.values))
 
 
 def pack_knot(knot: Knot) -> bytes:
-    """Stack: a knot's grids and tables, in the order of packed_parts()."""
+    """Operating points: a knot's grids and tables, in the order of packed_parts()."""
     inverse = b"" if knot.inverse is None else pack_inverse(knot.inverse)
     return pack_grid(knot.grid) + b"".join(map(pack_remap, knot.remaps)) + inverse
 

@@ -1,4 +1,5 @@
-/* The stack of cameras, as whole readers see it: SPEC.md, "Stack". */
+/* The stack of cameras, as whole readers see it: SPEC.md, "Operating points".
+ */
 #include <string.h>
 
 #include "blob_limits.h"

@@ -1,5 +1,5 @@
 /* Nudges to compilers, each with what it saves on a Cortex-M4: DESIGN.md,
- * "Nudges to compilers". */
+ * "Compiler hints". */
 #ifndef RAYGRID_CODE_SIZE_H
 #define RAYGRID_CODE_SIZE_H
 

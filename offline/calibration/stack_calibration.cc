@@ -81,7 +81,7 @@ void RequireSpread(const ImageConditions& conditions,
                 "of other pairs, or calibrate over one of them");
 }
 
-// The largest value that blobs can have: formats/SPEC.md, "Stack".
+// The largest value that blobs can have: formats/SPEC.md, "Operating points".
 constexpr double kMostValue = 1024;
 
 // An image has been taken at one value.

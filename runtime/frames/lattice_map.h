@@ -1,5 +1,5 @@
 /* The source positions of a lattice's pixels, in the lattice's own pixels:
- * formats/SPEC.md, "Lattices". */
+ * formats/SPEC.md, "Components". */
 #ifndef RAYGRID_LATTICE_MAP_H
 #define RAYGRID_LATTICE_MAP_H
 

@@ -1,4 +1,4 @@
-/* The lattices of each pixel format: formats/SPEC.md, "Lattices". */
+/* The lattices of each pixel format: formats/SPEC.md, "Components". */
 #ifndef RAYGRID_PIXEL_FORMATS_H
 #define RAYGRID_PIXEL_FORMATS_H
 

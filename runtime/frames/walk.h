@@ -1,7 +1,8 @@
 /* The seam between the calls that undistort frames and the walk, which goes
  * over the lattices of a frame part by part. walk_fast.c and walk_small.c each
  * have all functions of the seam, and give the same bytes. RG_FAST_WALK in
- * config.h says which file the build takes. runtime/DESIGN.md, "Two walks".
+ * config.h says which file the build takes. runtime/DESIGN.md, "Two
+ * traversals".
  *
  * The calls have checked everything, so that no function here fails. Those that
  * return a status always return RG_OK: so a call can end with one of them, and

@@ -1,6 +1,7 @@
 /* The samples of a frame, as lattices. A lattice is a regular grid of samples
  * of one kind that is remapped onto itself: the luma of NV12, its chroma pairs,
- * or one of the four colours of a Bayer frame. formats/SPEC.md, "Lattices". */
+ * or one of the four colours of a Bayer frame. formats/SPEC.md, "Components".
+ */
 #ifndef RAYGRID_SAMPLES_H
 #define RAYGRID_SAMPLES_H
 

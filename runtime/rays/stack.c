@@ -1,4 +1,4 @@
-/* Stacks of cameras over a condition: formats/SPEC.md, "Stack". */
+/* Stacks of cameras over a condition: formats/SPEC.md, "Operating points". */
 #include "blob_checks.h"
 #include "bytes.h"
 #include "cortex_m/part_corners.h"
