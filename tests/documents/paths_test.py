@@ -22,6 +22,9 @@ DOCUMENTS = ("README.md", "CONTRIBUTING.md", "tools/README.md", "tools/raygrid_c
              "offline/MEASURED.md", "offline/experiments/README.md", "offline/python/README.md",
              "offline/python/DESIGN.md",
              *(f"offline/{stage}/DESIGN.md" for stage in STAGES))
+DOCUMENTS += ("SECURITY.md", "formats/SPEC.md", "formats/vectors/README.md",
+              *(f"runtime/{folder}/README.md"
+                for folder in ("cortex_m", "frames", "gstreamer", "kernels", "rays")))
 NAMED = re.compile(r"`([\w./*-]+\.(?:c|h|cc|py|js|md|txt|toml|json|\*))`")
 # Files that a command writes.
 MADE = {"SERIAL.failed.json", "raygrid.c", "result.json", "resume.json", "session.json", "thumbnails.json", "unit.json"}
