@@ -29,7 +29,7 @@ struct BatchUnit {
 /// The least and the most that a figure may be; both may be infinite.
 using FigureLimits = std::map<std::string, std::pair<double, double>>;
 
-/// plan.yaml of raygrid batch: README.md, "Many units".
+/// plan.yaml of raygrid batch: offline/fleet/README.md.
 struct BatchPlan {
   std::vector<BatchUnit> units;  ///< in the order of their serials' bytes
   FigureLimits limits;           ///< of names in FigureNames()
