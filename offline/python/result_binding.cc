@@ -176,8 +176,8 @@ Returns:
            R"(Poses of the boards in the images.
 
 Returns:
-    List of (image, board, camera_from_board): name of the image, id of the
-    board, and the homogeneous transformation (4, 4) in metres.)")
+    List of (image, board, camera_from_board), with the name of the image, the
+    id of the board, and the homogeneous transformation (4, 4) in metres.)")
       .def("features", &FeaturesOf, py::arg("camera") = "",
            R"(Features that were calibrated with, refined.
 

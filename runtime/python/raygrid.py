@@ -22,20 +22,20 @@ import sysconfig
 from pathlib import Path
 from typing import NamedTuple
 
-#: Numbers of rg_status that callers may meet in Error.status.
+#: The number of the rg_status of this name, which Error.status may be.
 OK, OUTSIDE_AREA, NO_REMAP, NOT_SEEN, NONCENTRAL, UNKNOWN, NO_INVERSE, EXTRAPOLATED = (
     0, -50, -51, -54, -57, -58, -60, -64)
 #: RG_NO_PIXEL of raygrid.h.
 NO_PIXEL = -2**31
-#: Factors of the fixed-point formats of raygrid.h.
+#: Factor of a fixed-point format of raygrid.h.
 Q12, Q16, Q28, Q30 = 2**12, 2**16, 2**28, 2**30
 #: Factor of q10 nanoseconds, from seconds.
 Q10_NS = 2**10 * 1e9
 #: RG_POINT_MAX_BITS of raygrid.h.
 POINT_MAX_BITS = 27
 
-#: Pixel formats of undistort(), those of rg_format, by name: number, bits per sample, and of each
-#: plane the bytes per row as a multiple of the width and the rows as a multiple of the height.
+#: Pixel formats of undistort(), those of rg_format. By name the number, bits per sample, and of
+#: each plane the bytes per row as a multiple of the width and the rows as a multiple of the height.
 FORMATS = {
     "GREY8": (0, 8, ((1, 1),)), "GREY16": (1, 16, ((2, 1),)),
     "GREY10P": (2, 10, ((1.25, 1),)), "GREY12P": (3, 12, ((1.5, 1),)),
@@ -49,7 +49,7 @@ FORMATS = {
 }
 #: Projections of a View, those of rg_projection.
 PROJECTIONS = ("pinhole", "cylindrical", "equirectangular", "stereographic", "equidistant")
-#: What undistort() fills pixels without a source with, by name: border_values, the nearest
+#: What undistort() fills pixels without a source with. By name border_values, the nearest
 #: calibrated pixel, or the contents of out.
 BORDERS = {"value": 0, "clamp": 1, "keep": 2}
 #: Interpolations of undistort(), by name.
@@ -128,7 +128,7 @@ class Mode(NamedTuple):
     offset: tuple
     #: (x, y) in calibrated pixels per pixel.
     scale: tuple
-    #: (x, y): whether frames are mirrored.
+    #: Whether frames are mirrored in (x, y).
     flips: tuple
 
 

@@ -108,6 +108,9 @@ class PythonReference(unittest.TestCase):
             status, output = build("python", folder, sys.executable, PACKAGES)
             self.assertEqual((status, output), (0, ""))
             inventory = (Path(folder) / "objects.inv").read_bytes().split(b"\n", 4)[4]
+            pages = "".join(path.read_text(encoding="utf-8") for path in Path(folder).glob("*.html"))
+        # Sphinx takes what is before a colon for a type, in an attribute's first line and in Returns.
+        self.assertEqual(re.findall(r">Type<|<p><em>.*</em> –.*", pages), [])
         documented = {line.split()[0] for line in zlib.decompress(inventory).decode().splitlines()}
         sys.path.insert(0, str(PACKAGES))
         sys.dont_write_bytecode = True

@@ -79,8 +79,9 @@ def save(cameras: _raygrid.Camera | Rig, path: str | os.PathLike[str], format: s
         max_fit_error: largest fit error to accept, in pixels; default: any.
 
     Returns:
-        A dict for each camera: model, exact and, if it was fitted, the fit error rms_px and max_px
-        in pixels, and the rotation lens_from_camera (3, 3) from camera axes to those of the file.
+        A dict for each camera of model, exact and, if it was fitted, the fit error rms_px and
+        max_px in pixels, and the rotation lens_from_camera (3, 3) from camera axes to those of the
+        file.
 
     Raises:
         raygrid.Error: max_fit_error is exceeded (code 6), the format cannot hold the cameras, or
