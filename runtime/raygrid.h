@@ -392,8 +392,8 @@ rg_status rg_set_condition(rg_camera* camera, int32_t value_q16);
  * @name Remap tables
  * @{ */
 
-/** Validates a remap table of the blob and selects it, which undistortion of
- * frames and points needs.
+/** Validates a remap table of the blob and selects it for the undistortion of
+ * frames and points.
  *
  * Cost: one pass over the table on Linux and on 64-bit processors, which check
  * for RG_ERR_REMAP_VERTEX. Others do not check for it; such a table is harmless
@@ -443,15 +443,13 @@ typedef struct rg_view {
   uint16_t width;           /**< of the undistorted image, pixels */
   uint16_t height;          /**< of the undistorted image, pixels */
   rg_projection projection; /**< how directions map to pixels */
-  uint32_t fx_q16; /**< K: focal length, q16 pixels (per radian at the centre)
-                    */
-  uint32_t fy_q16; /**< K: focal length, q16 pixels (per radian at the centre)
-                    */
-  int32_t cx_q16;  /**< K: principal point, q16 pixels */
-  int32_t cy_q16;  /**< K: principal point, q16 pixels */
-  int32_t rotation_q30[9]; /**< camera_from_view, 3 x 3, row-major, q30 */
-  uint8_t distorts;        /**< 1: an inverse remap table, which distorts images
-                              of the view into frames of the camera */
+  uint32_t fx_q16;          /**< K: q16 pixels, per radian at the centre */
+  uint32_t fy_q16;          /**< K: q16 pixels, per radian at the centre */
+  int32_t cx_q16;           /**< K: principal point, q16 pixels */
+  int32_t cy_q16;           /**< K: principal point, q16 pixels */
+  int32_t rotation_q30[9];  /**< camera_from_view, 3 x 3, row-major, q30 */
+  uint8_t distorts; /**< 1: an inverse remap table, which distorts images
+                       of the view into frames of the camera */
 } rg_view;
 
 /** Gets the view of the selected table.
@@ -499,7 +497,7 @@ uint32_t rg_undistort_points(const rg_camera* camera, const rg_pixel* pixels,
 
 /** Pixel format of a frame; the undistorted frame has the same one.
  *
- * The comments name V4L2 and libcamera formats. The order of colours does not
+ * The enumerators list V4L2 and libcamera names. The order of colours does not
  * matter: formats in parentheses are handled alike. Samples of more than 8 bits
  * and RGB565 words are little-endian; packed samples are as on CSI-2.
  *
