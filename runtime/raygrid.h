@@ -1,15 +1,25 @@
-/* raygrid on the board: from pixels to rays, and from frames to undistorted
- * frames. C99, integers only, no allocation, no globals, no library calls.
+/** @file
+ * Runtime for cameras calibrated by raygrid: unprojection, projection and
+ * undistortion from a blob. C99, integers only, no allocation, no globals, no
+ * library calls; results are bit-identical on every processor.
  *
- *   rg_camera camera;
- *   if (rg_camera_open(&camera, blob, blob_size) != RG_OK) ...;
- *   rg_pixel pixel = {RG_PIXEL(320), RG_PIXEL(240)};
- *   rg_ray ray;
- *   if (rg_unproject(&camera, pixel, &ray) == RG_OK) ...;
+ *     rg_camera camera;
+ *     if (rg_camera_open(&camera, blob, blob_size) != RG_OK) ...;
+ *     rg_pixel pixel = {RG_PIXEL(320), RG_PIXEL(240)};
+ *     rg_ray ray;
+ *     if (rg_unproject(&camera, pixel, &ray) == RG_OK) ...;
  *
  * Conventions: pixel (0, 0) is the centre of the top-left pixel; camera axes
- * are x right, y down, z forward. A name's suffix _qN says that the integer
- * holds the value times 2^N. */
+ * are x right, y down, z forward; angles are in radians. The suffix _qN of a
+ * name means fixed point with N fraction bits: the integer is the value times
+ * 2^N. Pointers must not be NULL unless stated.
+ *
+ * Thread safety: functions that take a const rg_camera may be called by several
+ * threads and interrupt handlers at a time. Those that take a non-const one
+ * (rg_camera_open(), rg_select_remap(), rg_set_condition(),
+ * rg_choose_ray_kernels()) must not run while others use the camera.
+ *
+ * Cost per core: runtime/COST.md. */
 #ifndef RAYGRID_RAYGRID_H
 #define RAYGRID_RAYGRID_H
 
@@ -25,484 +35,685 @@ extern "C" {
 #pragma GCC visibility push(default)
 #endif
 
+/** Major version of the library. */
 #define RAYGRID_VERSION_MAJOR 0
+/** Minor version of the library. */
 #define RAYGRID_VERSION_MINOR 2
+/** Patch version of the library. */
 #define RAYGRID_VERSION_PATCH 0
 
-/* A whole number of pixels in q16. */
+/** A whole number of pixels in q16. */
 #define RG_PIXEL(n) ((int32_t)((n)*65536))
 
-/* An open camera: at most 64 bytes, owned by the caller, only read after
- * opening, so threads and interrupt handlers may share it. The fields are not
- * for use outside the library. */
+/** An open camera: at most 64 bytes, owned by the caller. The blob must outlive
+ * it. The fields are private. */
 typedef struct rg_camera {
+  /** @cond */
   const uint8_t* blob;
-  const uint8_t* grid;    /* a section, or its like in a knot */
-  const uint8_t* inverse; /* likewise; this and others are NULL where there is
-                             none */
+  const uint8_t* grid;    /* of the own section, or of the sample in use */
+  const uint8_t* inverse; /* likewise; NULL, as those below, if there is none */
   const uint8_t* line_points; /* not the section, but its first point */
-  const uint8_t* remap;       /* the section in use, never its like in a knot */
-  const struct rg_stack_code* stack;  /* NULL: no condition was set */
+  const uint8_t* remap;       /* the own section in use, never a sample's */
+  const struct rg_stack_code* stack;  /* NULL: no operating point was set */
   uint32_t knot_shift;                /* bytes from the blob's own sections to
-                                         their like in the knot in use */
-  uint32_t knot_size;                 /* bytes from one knot to the next */
+                                         those of the sample in use */
+  uint32_t knot_size;                 /* bytes from one sample to the next */
   uint16_t frame_width, frame_height; /* frames that the table takes */
-  uint16_t weight_q14;                /* of the knot above the one in use; 0: it
-                                         does not count */
+  uint16_t weight_q14;                /* of the sample above the one in use */
   uint16_t surface;                   /* the kernels of rays */
+  /** @endcond */
 } rg_camera;
 
+/** A position in an image, in pixels. */
 typedef struct rg_pixel {
-  int32_t x_q16, y_q16;
+  int32_t x_q16; /**< to the right, q16 pixels */
+  int32_t y_q16; /**< down, q16 pixels */
 } rg_pixel;
 
-/* A direction in camera axes. */
+/** A direction in camera axes. */
 typedef struct rg_ray {
-  int32_t x_q30, y_q30, z_q30;
+  int32_t x_q30; /**< right, q30 */
+  int32_t y_q30; /**< down, q30 */
+  int32_t z_q30; /**< forward, q30 */
 } rg_ray;
 
-/* Validates a blob and prepares a camera that reads it in place; no remap table
- * is in use yet.
+/** An observation line of a non-central camera: a point and a direction. */
+typedef struct rg_line {
+  int32_t point_q28[3]; /**< x, y, z in camera axes, q28 metres */
+  rg_ray direction;     /**< unit direction */
+} rg_line;
+
+/** @name Opening a blob
+ * @{ */
+
+/** Validates a blob and opens it in place; no remap table is selected yet.
  *
- * bytes   multiple of 4; must stay where it is while the camera is in use.
- * RG_OK, or the first fault found (rg_status.h); the camera is then untouched.
- * Cost: one pass over the blob for its CRCs. */
+ * Cost: one pass over the blob for its CRCs.
+ *
+ * @param[out] camera written only if RG_OK is returned
+ * @param bytes the blob, aligned to 4 bytes; must stay in place while the
+ *     camera is in use
+ * @param num_bytes size of the blob, or more
+ * @return RG_OK, or the first error found (rg_status.h) */
 rg_status rg_camera_open(rg_camera* camera, const void* bytes,
                          uint32_t num_bytes);
 
-/* Chooses what computes this camera's rays and projections; all gives the same
- * bits. Not while others use the camera.
+/** Selects the kernels that compute rays and projections; all of them give the
+ * same bits.
  *
- * name  NULL, the fastest that the processor has, as rg_camera_open() does;
- *       "portable"; or "avx2", on x86-64
- *
- * RG_OK, or RG_ERR_ARGUMENT for what is not there; then no change. */
+ * @param camera an open camera
+ * @param name NULL: the fastest that the processor supports, the default;
+ *     "portable"; or, on x86-64, "avx2"
+ * @retval RG_OK done
+ * @retval RG_ERR_ARGUMENT no such kernels here; nothing changes */
 rg_status rg_choose_ray_kernels(rg_camera* camera, const char* name);
 
-/* Turns an image position into the direction it looks at: the cubic B-spline
- * surface of the paper's central model (section "Camera Model") in
- * stereographic coordinates.
+/** Gets the size of the calibrated images, in which positions are expressed.
  *
- * ray   unit length within 4e-8; written only when RG_OK is returned.
+ * @param camera an open camera
+ * @param[out] width in pixels
+ * @param[out] height in pixels */
+void rg_calibrated_size(const rg_camera* camera, uint16_t* width,
+                        uint16_t* height);
+
+/** @}
+ * @name Unprojection: pixels to rays
+ * @{ */
+
+/** Unprojects a pixel: the direction that it observes, by the cubic B-spline
+ * surface of the central-generic model in stereographic coordinates (Schoeps et
+ * al., CVPR 2020, section "Camera Model").
  *
- * RG_OK                done
- * RG_ERR_OUTSIDE_AREA  pixel lies outside the calibrated area
- * RG_ERR_NONCENTRAL    the camera has lines, not rays: rg_unproject_line()
+ * Runs in constant time: no loop depends on the data.
  *
- * No loop depends on the data; cost per core in runtime/COST.md. */
+ * @param camera an open camera
+ * @param pixel in calibrated images
+ * @param[out] ray unit direction within 4e-8; written only if RG_OK is returned
+ * @retval RG_OK done
+ * @retval RG_ERR_OUTSIDE_AREA the pixel is outside the calibrated area
+ * @retval RG_ERR_NONCENTRAL the camera is non-central; use rg_unproject_line()
+ */
 rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray);
 
-/* A line in space: from the point, in metres, along the direction. */
-typedef struct rg_line {
-  int32_t point_q28[3]; /* x, y, z in camera axes */
-  rg_ray direction;
-} rg_line;
-
-/* rg_unproject() for any camera: the line that an image position sees. The
- * point of a central camera is (0, 0, 0).
+/** Unprojects a pixel of any camera: the line in space that it observes.
  *
- * line  point within 7e-8 m of the B-spline; written only when RG_OK is
- *       returned. RG_ERR_OUTSIDE_AREA as above. */
+ * @param camera an open camera
+ * @param pixel in calibrated images
+ * @param[out] line its point is within 7e-8 m of the B-spline, and (0, 0, 0)
+ *     for a central camera; written only if RG_OK is returned
+ * @retval RG_OK done
+ * @retval RG_ERR_OUTSIDE_AREA the pixel is outside the calibrated area */
 rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
                             rg_line* line);
 
-/* 1 if the pixel lies in the calibrated area, and in a part of it that the
- * blob's mask, if there is one, calls valid. */
-int rg_is_valid(const rg_camera* camera, rg_pixel pixel);
-
-/* How much later than the row above it a rolling shutter reads a row of frames
- * as calibrated: row r is read row_time (r - (height - 1) / 2) later than the
- * frame's middle. Frames of other modes have rows of their own.
+/** Unprojects an array of pixels by rg_unproject().
  *
- * row_time_ns_q10   q10 nanoseconds, of magnitude at most 2^30, a millisecond;
- *                   negative where the last row is read first, about 0 of a
- *                   global shutter. Written only when RG_OK is returned.
- * deviation_ns_q10  its standard deviation; 0: not known. May be NULL.
- *
- * RG_ERR_UNKNOWN    the blob does not say: raygrid calibrate --rolling-shutter
- * RG_ERR_SECTION_SIZE, RG_ERR_ROW_TIME: a forged one, not checked on opening */
-rg_status rg_row_time(const rg_camera* camera, int32_t* row_time_ns_q10,
-                      uint32_t* deviation_ns_q10);
-
-/* The standard deviation of projection at a pixel, in q12 pixels.
- * RG_ERR_UNKNOWN where the blob does not say, RG_ERR_OUTSIDE_AREA;
- * RG_ERR_UNCERTAINTY where a forged one would be read beyond its values. */
-rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
-                         uint16_t* pixels_q12);
-
-/* rg_unproject() for num_pixels pixels. Rays outside the area become (0, 0, 0).
- * Returns how many pixels lay inside. */
+ * @param camera an open, central camera
+ * @param pixels num_pixels positions in calibrated images
+ * @param[out] rays num_pixels unit directions; (0, 0, 0) for pixels outside the
+ *     calibrated area
+ * @param num_pixels length of both arrays
+ * @return number of pixels inside the calibrated area */
 uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
                             rg_ray* rays, uint32_t num_pixels);
 
-/* rg_unproject_batch() for a row of pixels: first, and those to the right of
- * it, one pixel apart. */
+/** Unprojects a row of pixels, one pixel apart; same results as
+ * rg_unproject_batch().
+ *
+ * @param camera an open, central camera
+ * @param first the leftmost position, in calibrated images
+ * @param[out] rays num_pixels unit directions; (0, 0, 0) for pixels outside the
+ *     calibrated area
+ * @param num_pixels length of the row
+ * @return number of pixels inside the calibrated area */
 uint32_t rg_unproject_row(const rg_camera* camera, rg_pixel first, rg_ray* rays,
                           uint32_t num_pixels);
 
-/* rg_unproject_line() for num_pixels pixels. Lines of those outside the area
- * become zeros. Returns how many pixels lay inside. */
+/** Unprojects an array of pixels by rg_unproject_line().
+ *
+ * @param camera an open camera
+ * @param pixels num_pixels positions in calibrated images
+ * @param[out] lines num_pixels lines; all zeros for pixels outside the
+ *     calibrated area
+ * @param num_pixels length of both arrays
+ * @return number of pixels inside the calibrated area */
 uint32_t rg_unproject_lines(const rg_camera* camera, const rg_pixel* pixels,
                             rg_line* lines, uint32_t num_pixels);
 
-/* Turns a direction into the image position that sees it: rg_unproject() the
- * other way round. The blob's inverse grid says where about that is and how it
- * changes: one step from there is the rule, and five are the most.
+/** @}
+ * @name Projection: points to pixels
+ * @{ */
+
+/** A coordinate of no pixel: x and y of points that are not visible. */
+#define RG_NO_PIXEL INT32_MIN
+
+/** Largest number of fraction bits of rg_project_point(). */
+#define RG_POINT_MAX_BITS 27u
+
+/** Projects a direction, or a point of any distance, into the image: the
+ * inverse of rg_unproject(). The blob's inverse grid gives an initial value and
+ * its Jacobian; usually one step follows, at most five.
  *
- * direction  camera axes, any length but zero: also a 3-D point, in any unit
- *            and number format that its three coordinates share.
- * pixel      within 0.002 px of the surface's exact inverse; written only when
- *            RG_OK is returned.
- *
- * RG_OK                done
- * RG_ERR_NOT_SEEN      no pixel of the calibrated area looks there, or only one
- *                      151 degrees from the z axis or more
- * RG_ERR_NONCENTRAL    the camera has lines, not rays: rg_project_point()
- * RG_ERR_NO_INVERSE    the blob has no inverse grid: it is from before format
- *                      1.3, or of a camera that no such grid leads back to
- *
- * Cost per core in runtime/COST.md. */
+ * @param camera an open camera
+ * @param direction in camera axes, of any length but zero; also a 3-D point
+ *     whose coordinates share any unit and fixed-point format
+ * @param[out] pixel in calibrated images, within 0.002 px of the exact inverse;
+ *     written only if RG_OK is returned
+ * @retval RG_OK done
+ * @retval RG_ERR_NOT_SEEN no pixel of the calibrated area observes the
+ *     direction, or it is 151 degrees or more from the z axis
+ * @retval RG_ERR_NONCENTRAL the camera is non-central; use rg_project_point()
+ * @retval RG_ERR_NO_INVERSE the blob has no inverse grid: its format is older
+ *     than 1.3, or the model has no inverse that such a grid can represent */
 rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
                      rg_pixel* pixel);
 
-/* rg_project() for num_points directions or points. Pixels of those not seen
- * become RG_NO_PIXEL twice. Returns how many are seen. */
+/** Projects an array of directions or points by rg_project().
+ *
+ * @param camera an open, central camera
+ * @param directions num_points directions or points in camera axes
+ * @param[out] pixels num_points positions; both coordinates are RG_NO_PIXEL for
+ *     points that are not visible
+ * @param num_points length of both arrays
+ * @return number of visible points */
 uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
                           rg_pixel* pixels, uint32_t num_points);
 
-/* Turns a 3-D point into the image position that sees it, for any camera: of a
- * camera of lines, the one whose line goes through the point.
+/** Projects a 3-D point into the image of any camera. For a non-central camera
+ * it finds the pixel whose observation line passes through the point.
  *
- * point          x, y, z in camera axes, in metres times 2^fraction_bits, all
- *                less than 2^30 in magnitude: 64 m with 24 bits, 1 km with 20
- * fraction_bits  0 to RG_POINT_MAX_BITS, the more the better
- * pixel          within 0.002 px of the one whose line, by rg_unproject_line(),
- *                goes through a point at most two steps of that format away;
- *                written only when RG_OK is returned
+ * Precondition for non-central cameras: lines whose directions differ by a
+ * radian pass the camera's centre at positions that differ by less than a sixth
+ * of the point's distance, and all lines pass it within a tenth of the distance
+ * times the sine of half the field of view.
  *
- * For that, lines that differ by a radian must pass the camera's centre at
- * places that differ by less than a sixth of the point's distance, and all of
- * them within a tenth of it times the sine of half the field of view.
+ * Cost: one rg_project() for a central camera. For a non-central one three to
+ * four rg_project() and two to three rg_unproject_line() if those positions
+ * differ by hundredths of the distance; near the border of the calibrated area,
+ * or outside it, up to 24 and 12.
  *
- * RG_ERR_ARGUMENT      more fraction_bits
- * RG_OK, or what rg_project() returns instead, but not RG_ERR_NONCENTRAL.
- *
- * Cost: three to four rg_project() and two to three rg_unproject_line() where
- * those places differ by hundredths of the distance; near the edge of the area,
- * or outside of it, up to 24 and 12. One rg_project() of a central camera. */
+ * @param camera an open camera
+ * @param point x, y, z in camera axes, in metres times 2^fraction_bits, each of
+ *     magnitude below 2^30: 64 m with 24 bits, 1 km with 20
+ * @param fraction_bits 0 to RG_POINT_MAX_BITS; more are more accurate
+ * @param[out] pixel in calibrated images, within 0.002 px of one whose line, by
+ *     rg_unproject_line(), passes the point at a distance of at most two units
+ *     in the last place; written only if RG_OK is returned
+ * @retval RG_OK done
+ * @retval RG_ERR_ARGUMENT fraction_bits is too large
+ * @retval RG_ERR_NOT_SEEN as rg_project()
+ * @retval RG_ERR_NO_INVERSE as rg_project() */
 rg_status rg_project_point(const rg_camera* camera, const int32_t point[3],
                            uint32_t fraction_bits, rg_pixel* pixel);
 
-#define RG_POINT_MAX_BITS 27u
+/** @}
+ * @name Quality of the calibration
+ * @{ */
 
-/* A coordinate that no pixel has. */
-#define RG_NO_PIXEL INT32_MIN
+/** Checks whether a pixel is in the valid region: inside the calibrated area
+ * and, if the blob has a validity mask, marked as valid by it.
+ *
+ * @param camera an open camera
+ * @param pixel in calibrated images
+ * @return 1 if valid, else 0 */
+int rg_is_valid(const rg_camera* camera, rg_pixel pixel);
 
-/* A sensor mode: how its frames lie in the frames that were calibrated. Its
- * pixel (i, j), counted from the other side where flipped, covers the
- * calibrated pixels from (offset + scale i) on, scale of them a side: a crop
- * has scale 1, binning by two, or a scaler that halves, has scale 2. */
+/** Gets the predicted uncertainty of projection at a pixel: the standard
+ * deviation of a coordinate, the RMS of both axes.
+ *
+ * @param camera an open camera
+ * @param pixel in calibrated images
+ * @param[out] pixels_q12 in q12 pixels; written only if RG_OK is returned
+ * @retval RG_OK done
+ * @retval RG_ERR_OUTSIDE_AREA the pixel is outside the calibrated area
+ * @retval RG_ERR_UNKNOWN the blob has no uncertainty at this pixel
+ * @retval RG_ERR_UNCERTAINTY the section's counts contradict its size, which
+ *     rg_camera_open() does not check */
+rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
+                         uint16_t* pixels_q12);
+
+/** Gets the line delay of a rolling shutter: the readout time per row of
+ * frames as calibrated. Row r is read line_delay (r - (height - 1) / 2) after
+ * the middle of the frame. Other sensor modes have line delays of their own.
+ *
+ * @param camera an open camera
+ * @param[out] row_time_ns_q10 in q10 nanoseconds, of magnitude at most 2^30 (1
+ *     ms); negative if the last row is read first, about 0 for a global
+ *     shutter; written only if RG_OK is returned
+ * @param[out] deviation_ns_q10 its standard deviation in q10 nanoseconds, 0 if
+ *     unknown; may be NULL
+ * @retval RG_OK done
+ * @retval RG_ERR_UNKNOWN the blob has no line delay, which raygrid calibrate
+ *     --rolling-shutter estimates
+ * @retval RG_ERR_SECTION_SIZE malformed section, which rg_camera_open() does
+ *     not check
+ * @retval RG_ERR_ROW_TIME as RG_ERR_SECTION_SIZE: a value is out of range */
+rg_status rg_row_time(const rg_camera* camera, int32_t* row_time_ns_q10,
+                      uint32_t* deviation_ns_q10);
+
+/** @}
+ * @name Sensor modes
+ * @{ */
+
+/** A sensor mode: how its frames map to the calibrated images. Its pixel (i,
+ * j), counted from the opposite side if flipped, covers the calibrated pixels
+ * from offset + scale i on, scale of them in each direction. Cropping has scale
+ * 1; 2 x 2 binning, or scaling down by two, has scale 2. */
 typedef struct rg_mode {
-  uint16_t width, height;
-  int32_t offset_x_q16, offset_y_q16; /* calibrated pixels */
-  uint32_t scale_x_q16, scale_y_q16;  /* 1/64 to 64 */
-  uint8_t flip_x, flip_y;
+  uint16_t width;       /**< of the mode's frames, pixels */
+  uint16_t height;      /**< of the mode's frames, pixels */
+  int32_t offset_x_q16; /**< q16 calibrated pixels */
+  int32_t offset_y_q16; /**< q16 calibrated pixels */
+  uint32_t scale_x_q16; /**< calibrated pixels per pixel, q16, 1/64 to 64 */
+  uint32_t scale_y_q16; /**< calibrated pixels per pixel, q16, 1/64 to 64 */
+  uint8_t flip_x;       /**< 1: mirrored left to right */
+  uint8_t flip_y;       /**< 1: mirrored top to bottom */
 } rg_mode;
 
-/* A position in the mode's frames to one in calibrated frames, for
- * rg_unproject(), and back from rg_project(); within 0.0001 px.
+/** Converts a position in the mode's frames to calibrated images, for
+ * rg_unproject(); within 0.0001 px.
  *
- * RG_ERR_ARGUMENT  an impossible mode, or a position 16384 px away or more */
+ * @param mode how the frames map to the calibrated images
+ * @param pixel in the mode's frames
+ * @param[out] calibrated in calibrated images; written only if RG_OK is
+ *     returned
+ * @retval RG_OK done
+ * @retval RG_ERR_ARGUMENT an impossible mode, or a position 16384 px or more
+ *     away */
 rg_status rg_mode_to_calibrated(const rg_mode* mode, rg_pixel pixel,
                                 rg_pixel* calibrated);
+
+/** Converts a position in calibrated images, as of rg_project(), to the mode's
+ * frames; within 0.0001 px.
+ *
+ * @param mode how the frames map to the calibrated images
+ * @param calibrated in calibrated images
+ * @param[out] pixel in the mode's frames; written only if RG_OK is returned
+ * @retval RG_OK done
+ * @retval RG_ERR_ARGUMENT an impossible mode, or a position 16384 px or more
+ *     away */
 rg_status rg_mode_from_calibrated(const rg_mode* mode, rg_pixel calibrated,
                                   rg_pixel* pixel);
 
+/** How frames match a blob, from rg_match(). */
 typedef enum rg_match_result {
-  RG_MATCH_EXACT,     /* frames are as calibrated */
-  RG_MATCH_MODE,      /* positions are, through the mode, and the blob has a
-                         table for frames of it */
-  RG_MATCH_DERIVABLE, /* positions are, through the mode; frames can not be
-                         remapped */
-  RG_MATCH_NONE       /* another camera, or not known how the frames lie */
+  RG_MATCH_EXACT,     /**< the frames are as calibrated */
+  RG_MATCH_MODE,      /**< positions map by the sensor mode, and the blob has a
+                         remap table for it */
+  RG_MATCH_DERIVABLE, /**< positions map by the sensor mode, but no remap table
+                         undistorts such frames */
+  RG_MATCH_NONE       /**< another camera, or the mapping is unknown */
 } rg_match_result;
 
-/* Whether a blob is for the frames at hand, and which of its tables is.
+/** Index of no remap table, from rg_match(). */
+#define RG_NO_TABLE UINT32_MAX
+
+/** Checks whether a blob matches the frames at hand, and which remap table
+ * undistorts them.
  *
- * mode    NULL: not known. Sizes alone do not tell crops from binning.
- * width, height  of a frame
- * serial  zero-terminated, or NULL: not known. A blob without a serial is for
- *         any camera.
- * remap   where the index goes of the first table that undistorts such frames,
- *         or RG_NO_TABLE; or NULL. A mode is that of a table if offsets and
- *         scales differ by no more than they are rounded by: 1. */
+ * @param camera an open camera
+ * @param mode the sensor mode, or NULL if unknown: sizes alone do not
+ *     distinguish cropping from binning
+ * @param width of a frame, pixels
+ * @param height of a frame, pixels
+ * @param serial the camera's serial number, zero-terminated, or NULL if
+ *     unknown; a blob without a serial matches any camera
+ * @param[out] remap index of the first table for such frames, or RG_NO_TABLE;
+ *     may be NULL. Offsets and scales of modes match up to rounding, 1 unit of
+ *     q16.
+ * @return how they match */
 rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
                          uint16_t width, uint16_t height, const char* serial,
                          uint32_t* remap);
 
-#define RG_NO_TABLE UINT32_MAX
+/** @}
+ * @name Operating point: focus or temperature
+ * @{ */
 
-/* Validates the index-th remap table of the blob, counted from 0, and makes it
- * the one in use: before the first frame, or point of an undistorted one. Not
- * while others use the camera.
+/** Sets the operating point of a camera that was calibrated over focus or
+ * temperature (the blob's stack). Rays, projections and remap tables, also ones
+ * selected later, are interpolated between the two nearest samples from then
+ * on. rg_camera_open() resets it. Call it between frames.
  *
- * RG_OK, RG_ERR_NO_REMAP if there is none, or the first fault found; then no
- * change. Cost: one pass over the table on Linux and 64-bit processors, which
- * refuse RG_ERR_REMAP_VERTEX; others do not look for it, and do no harm. */
-rg_status rg_select_remap(rg_camera* camera, uint32_t index);
-
-/* Makes the camera that of a condition, of a blob with a stack of cameras: the
- * position of the lens, or the temperature of the sensor, as raygrid inspect
- * tells. Rays, projections and frames are blended between the two knots around
- * it, from then on, also with a table that is chosen later. Before a frame; not
- * while others use the camera. rg_camera_open() undoes it.
+ * The first call validates the grids of all samples, and the selected table as
+ * rg_select_remap() does; later calls only read the samples' values.
  *
- * value_q16  dioptres, or degrees Celsius; the unit is that of the stack
- *
- * RG_OK            done
- * RG_EXTRAPOLATED  done, but the value lies outside the stack's range: the
- *                  camera is that of the nearest end of the range
- * RG_ERR_NO_STACK, or the first fault found; then no change.
- *
- * The first call checks the grids of all knots, and the table in use as
- * rg_select_remap() does. Others only read the knots' values. */
+ * @param camera an open camera
+ * @param value_q16 q16 dioptres or degrees Celsius; raygrid inspect prints
+ *     which
+ * @retval RG_OK done
+ * @retval RG_EXTRAPOLATED done, but the value is outside the calibrated range
+ *     and was clamped to it
+ * @retval RG_ERR_NO_STACK the blob has no stack of operating points
+ * @return any other value is the first error found; nothing changes */
 rg_status rg_set_condition(rg_camera* camera, int32_t value_q16);
 
-/* Size of the undistorted image; RG_ERR_NO_REMAP if no table is in use. */
+/** @}
+ * @name Remap tables
+ * @{ */
+
+/** Validates a remap table of the blob and selects it for the undistortion of
+ * frames and points.
+ *
+ * Cost: one pass over the table on Linux and on 64-bit processors, which check
+ * for RG_ERR_REMAP_VERTEX. Others do not check for it; such a table is harmless
+ * there.
+ *
+ * @param camera an open camera
+ * @param index of the table, from 0
+ * @retval RG_OK done
+ * @retval RG_ERR_NO_REMAP the blob has no such table
+ * @return any other value is the first error found; nothing changes */
+rg_status rg_select_remap(rg_camera* camera, uint32_t index);
+
+/** Gets the size of the undistorted image.
+ *
+ * @param camera an open camera
+ * @param[out] width in pixels; written only if RG_OK is returned
+ * @param[out] height in pixels; written only if RG_OK is returned
+ * @retval RG_OK done
+ * @retval RG_ERR_NO_REMAP no remap table is selected */
 rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
                         uint16_t* height);
 
-/* Size of the frames that rg_remap() takes with the table in use: as
- * calibrated, or of another mode. As calibrated if no table is in use. */
+/** Gets the size of the frames that rg_remap() takes with the selected table:
+ * that of the calibrated images, or of another sensor mode. Without a selected
+ * table it is that of the calibrated images.
+ *
+ * @param camera an open camera
+ * @param[out] width in pixels
+ * @param[out] height in pixels */
 void rg_frame_size(const rg_camera* camera, uint16_t* width, uint16_t* height);
 
-/* Size of the frames that were calibrated, which positions lie in. */
-void rg_calibrated_size(const rg_camera* camera, uint16_t* width,
-                        uint16_t* height);
-
-/* How the camera's frames of the table in use lie in those that were
- * calibrated: the frames that rg_remap() takes or, of a table that distorts,
- * the ones that it makes. width and height are theirs in both cases, and not
- * those of rg_frame_size() if the table distorts: it takes pictures of the
- * view. RG_ERR_NO_REMAP if no table is in use. */
+/** Gets the sensor mode of the selected table: how the camera's frames, which
+ * rg_remap() takes, or makes with an inverse remap table, map to the calibrated
+ * images.
+ *
+ * @param camera an open camera
+ * @param[out] mode its width and height are those of the camera's frames, which
+ *     differ from rg_frame_size() for an inverse remap table; written only if
+ *     RG_OK is returned
+ * @retval RG_OK done
+ * @retval RG_ERR_NO_REMAP no remap table is selected */
 rg_status rg_remap_mode(const rg_camera* camera, rg_mode* mode);
 
-/* The virtual camera that the undistorted image seems to come from: it stands
- * where the real one does. Of a table that distorts, the one that its source is
- * from. */
+/** The virtual camera of the undistorted image; its centre is that of the
+ * camera. For an inverse remap table it is the camera of the source image. */
 typedef struct rg_view {
-  uint16_t width, height;
-  rg_projection projection;
-  uint32_t fx_q16, fy_q16; /* K, in pixels; pixels per radian in the middle */
-  int32_t cx_q16, cy_q16;
-  int32_t rotation_q30[9]; /* a direction in axes of the view to one in camera
-                              axes, row by row */
-  uint8_t
-      distorts; /* 1: the table makes frames of the camera out of the view */
+  uint16_t width;           /**< of the undistorted image, pixels */
+  uint16_t height;          /**< of the undistorted image, pixels */
+  rg_projection projection; /**< how directions map to pixels */
+  uint32_t fx_q16;          /**< K: q16 pixels, per radian at the centre */
+  uint32_t fy_q16;          /**< K: q16 pixels, per radian at the centre */
+  int32_t cx_q16;           /**< K: principal point, q16 pixels */
+  int32_t cy_q16;           /**< K: principal point, q16 pixels */
+  int32_t rotation_q30[9];  /**< camera_from_view, 3 x 3, row-major, q30 */
+  uint8_t distorts; /**< 1: an inverse remap table, which distorts images
+                       of the view into frames of the camera */
 } rg_view;
 
-/* The view of the table in use; RG_ERR_NO_REMAP if there is none. */
+/** Gets the view of the selected table.
+ *
+ * @param camera an open camera
+ * @param[out] view written only if RG_OK is returned
+ * @retval RG_OK done
+ * @retval RG_ERR_NO_REMAP no remap table is selected */
 rg_status rg_remap_view(const rg_camera* camera, rg_view* view);
 
-/* Moves an image position, in calibrated frames, to where it lies in the
- * undistorted image, whether that is inside it or not. Of a camera of lines:
- * where it does if what it sees is far away, as for frames, unless their table
- * is for scenes at a distance.
+/** Undistorts a position: where it appears in the undistorted image, inside
+ * that image or not. For a non-central camera the scene is assumed to be far
+ * away, as for frames, unless the table was made for a finite distance.
  *
- * undistorted  within 6e-6 of the virtual camera's focal length (0.003 px if
- *              that is 500 px): of a pinhole up to 85 degrees from its z axis,
- *              of a cylinder up to 85 degrees above and below, of a
- *              stereographic view up to 140 degrees from its z axis (within
- *              1e-4 up to 170), of others up to 170; written only when RG_OK is
- *              returned.
- *
- * RG_OK                done
- * RG_ERR_NO_REMAP      no remap table is in use, and so no virtual camera
- * RG_ERR_OUTSIDE_AREA  pixel lies outside the calibrated area
- * RG_ERR_NOT_SEEN      it looks where the view shows nothing, as backwards in a
- *                      pinhole's, or comes to lie 16384 px or more away from
- *                      pixel (0, 0) or the virtual camera's centre */
+ * @param camera an open camera with a selected table
+ * @param pixel in calibrated images
+ * @param[out] undistorted within 6e-6 of the view's focal length (0.003 px at
+ *     500 px): pinhole up to 85 degrees from its z axis, cylindrical up to 85
+ *     degrees of elevation, stereographic up to 140 degrees from its z axis
+ *     (within 1e-4 up to 170), others up to 170; written only if RG_OK is
+ *     returned
+ * @retval RG_OK done
+ * @retval RG_ERR_NO_REMAP no remap table is selected
+ * @retval RG_ERR_OUTSIDE_AREA the pixel is outside the calibrated area
+ * @retval RG_ERR_NOT_SEEN the view cannot show the direction, such as one
+ *     behind a pinhole, or its position would be 16384 px or more from pixel
+ *     (0, 0) or from the view's principal point */
 rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
                              rg_pixel* undistorted);
 
-/* rg_undistort_point() for num_points pixels. Points of those that have none
- * become RG_NO_PIXEL twice. Returns how many have one. */
+/** Undistorts an array of positions by rg_undistort_point().
+ *
+ * @param camera an open camera with a selected table
+ * @param pixels num_points positions in calibrated images
+ * @param[out] undistorted num_points positions; both coordinates are
+ *     RG_NO_PIXEL where rg_undistort_point() fails
+ * @param num_points length of both arrays
+ * @return number of positions that were undistorted */
 uint32_t rg_undistort_points(const rg_camera* camera, const rg_pixel* pixels,
                              rg_pixel* undistorted, uint32_t num_points);
 
-/* The contents of frames; the undistorted frame holds the same. The order of
- * colours does not matter: the names in brackets are the same to this library.
- * Samples of more than 8 bits are little-endian, words of RGB565 too. Packed
- * samples are as on CSI-2.
+/** @}
+ * @name Undistortion of frames
+ * @{ */
+
+/** Pixel format of a frame; the undistorted frame has the same one.
  *
- * Widths of formats from YUYV to BAYER12P are even; those of 10-bit packed ones
- * are multiples of 4, of 12-bit packed ones of 2. Heights of NV12, YUV420 and
- * Bayer are even, since their rows come in pairs. */
+ * The enumerators list V4L2 and libcamera names. The order of colours does not
+ * matter: formats in parentheses are handled alike. Samples of more than 8 bits
+ * and RGB565 words are little-endian; packed samples are as on CSI-2.
+ *
+ * Widths from RG_FORMAT_YUYV to RG_FORMAT_BAYER12P are even; those of 10-bit
+ * packed formats are multiples of 4, of 12-bit packed ones of 2. Heights of
+ * NV12, YUV420 and Bayer formats are even, since their rows come in pairs. */
 typedef enum rg_format {
-  RG_FORMAT_GREY8,   /* GREY, R8 */
-  RG_FORMAT_GREY16,  /* Y10, Y12, Y14, Y16: in the low bits of 16 */
-  RG_FORMAT_GREY10P, /* Y10P */
-  RG_FORMAT_GREY12P, /* Y12P */
-  RG_FORMAT_RGB24,   /* RGB888 (BGR888) */
-  RG_FORMAT_RGB32,   /* XRGB8888 (any four interleaved channels) */
-  RG_FORMAT_YUYV,    /* (YVYU) */
-  RG_FORMAT_UYVY,    /* (VYUY) */
-  RG_FORMAT_NV12,    /* (NV21) two planes */
-  RG_FORMAT_YUV420,  /* (YVU420) three planes */
-  RG_FORMAT_BAYER8,  /* (any order), each colour on its own lattice */
-  RG_FORMAT_BAYER16, /* 10, 12, 14 or 16 bits in the low bits of 16 */
-  RG_FORMAT_BAYER10P,
-  RG_FORMAT_BAYER12P,
-  RG_FORMAT_RGB565, /* RGBP: words of 16 bits, red in the high 5, then green in
-                       6, blue in 5 */
-  RG_NUM_FORMATS
+  RG_FORMAT_GREY8,    /**< GREY, R8 */
+  RG_FORMAT_GREY16,   /**< Y10, Y12, Y14, Y16: the low bits of 16 */
+  RG_FORMAT_GREY10P,  /**< Y10P */
+  RG_FORMAT_GREY12P,  /**< Y12P */
+  RG_FORMAT_RGB24,    /**< RGB888 (BGR888) */
+  RG_FORMAT_RGB32,    /**< XRGB8888 (any four interleaved channels) */
+  RG_FORMAT_YUYV,     /**< YUYV (YVYU) */
+  RG_FORMAT_UYVY,     /**< UYVY (VYUY) */
+  RG_FORMAT_NV12,     /**< NV12 (NV21): two planes */
+  RG_FORMAT_YUV420,   /**< YUV420 (YVU420): three planes */
+  RG_FORMAT_BAYER8,   /**< 8-bit Bayer, any order; each colour of the 2 x 2
+                         pattern is remapped by itself */
+  RG_FORMAT_BAYER16,  /**< Bayer of 10, 12, 14 or 16 bits: the low bits of 16 */
+  RG_FORMAT_BAYER10P, /**< 10-bit packed Bayer */
+  RG_FORMAT_BAYER12P, /**< 12-bit packed Bayer */
+  RG_FORMAT_RGB565,   /**< RGBP: 16-bit words, red in the upper 5 bits, then
+                         green in 6 and blue in 5 */
+  RG_NUM_FORMATS      /**< number of formats; not a format */
 } rg_format;
 
-/* A frame, or a part of it in a ring of rows. Row r of a plane of full height
- * lies at data + (r mod ring_rows) stride; a chroma plane of half height has a
- * ring of half the rows. */
+/** A source frame, or the part of it that is in a ring buffer of rows. Row r of
+ * a plane of full height starts at data + (r mod ring_rows) * stride; a chroma
+ * plane of half height has a ring of half the rows. */
 typedef struct rg_image {
-  rg_format format;
-  uint16_t width, height;       /* of the whole frame */
-  uint16_t ring_rows;           /* 0: no ring, the whole frame is there */
-  uint16_t first_row, num_rows; /* in a ring: rows that are there, at most
-                                   ring_rows */
+  rg_format format;   /**< pixel format */
+  uint16_t width;     /**< of the whole frame, pixels */
+  uint16_t height;    /**< of the whole frame, pixels */
+  uint16_t ring_rows; /**< rows of the ring buffer; 0: the whole frame is in
+                         memory */
+  uint16_t first_row; /**< ring buffer: first row that it holds */
+  uint16_t num_rows;  /**< ring buffer: rows that it holds, at most ring_rows */
+  /** A plane of the frame. */
   struct {
-    const uint8_t* data;
-    uint32_t stride; /* bytes from one row to the next, less than 2^31 */
-  } planes[3];
+    const uint8_t* data; /**< row 0 of the plane or of its ring buffer */
+    uint32_t stride;     /**< bytes per row, below 2^31 */
+  } planes[3];           /**< as many as the format has */
 } rg_image;
 
-/* The values of pixels that the camera does not see, or that lie outside the
- * calibrated area. */
+/** What fills pixels that observe nothing or are outside the calibrated area.
+ */
 typedef enum rg_border {
-  RG_BORDER_VALUE, /* border_values */
-  RG_BORDER_CLAMP, /* the nearest pixel of the calibrated area */
-  RG_BORDER_KEEP   /* what the target holds */
+  RG_BORDER_VALUE, /**< border_values */
+  RG_BORDER_CLAMP, /**< the nearest pixel of the calibrated area */
+  RG_BORDER_KEEP   /**< the target keeps its contents */
 } rg_border;
 
+/** Interpolation between source pixels. */
 typedef enum rg_sampling {
-  RG_SAMPLING_BILINEAR,
-  RG_SAMPLING_NEAREST
+  RG_SAMPLING_BILINEAR, /**< of the four nearest pixels */
+  RG_SAMPLING_NEAREST   /**< the nearest pixel */
 } rg_sampling;
 
-/* The inner loops for a kind of processor; all give the same bits. Boards
- * without Linux have them built in, and this is not used: RG_PORTABLE_KERNELS,
- * defined as 1 for all files, then says that they be portable. */
+/** Inner loops for one kind of processor; all of them give the same bits.
+ * Boards without Linux have theirs built in and ignore this;
+ * RG_PORTABLE_KERNELS, defined as 1 for all files, selects the portable ones
+ * there. */
 typedef struct rg_kernels rg_kernels;
 
-/* By name, for measurements and tests: "portable", "sse4", "avx2", "avx512",
- * "neon", "rvv"; the fastest of this processor for NULL, found by instructions
- * that may take a microsecond in a virtual machine. NULL if there is none of
- * that name. */
+/** Finds kernels by name, for measurements and tests.
+ *
+ * @param name "portable", "sse4", "avx2", "avx512", "neon" or "rvv"; NULL: the
+ *     fastest that this processor supports, which takes up to a microsecond in
+ *     a virtual machine
+ * @return static kernels; NULL if there are none of that name here */
 const rg_kernels* rg_find_kernels(const char* name);
 
-/* Rows [first_row, first_row + num_rows) of the undistorted image; even numbers
- * where the format's rows come in pairs (NV12, YUV420, Bayer). */
+/** Rows [first_row, first_row + num_rows) of the undistorted image; even
+ * numbers if the format's rows come in pairs (NV12, YUV420, Bayer). */
 typedef struct rg_target {
+  /** A plane of the undistorted image. */
   struct {
-    uint8_t* data;   /* where first_row goes, or the chroma row of it */
-    uint32_t stride; /* less than 2^31 */
-  } planes[3];
-  uint16_t first_row, num_rows;
-  rg_border border;
-  rg_sampling sampling;
-  uint16_t border_values[4]; /* of each channel: RGB as it lies in memory; of
-                                RGB565 red to 31, green to 63, blue to 31; where
-                                there is chroma, packed or not, Y, then the
-                                chroma that comes first in memory, and the other
-                                one; Bayer as in the top-left 2 x 2 pixels */
-  const rg_kernels* kernels; /* NULL: found anew by each call */
+    uint8_t* data;      /**< where first_row is written, or its chroma row */
+    uint32_t stride;    /**< bytes per row, below 2^31 */
+  } planes[3];          /**< as many as the format has */
+  uint16_t first_row;   /**< first row to write */
+  uint16_t num_rows;    /**< number of rows to write */
+  rg_border border;     /**< what fills pixels without a source */
+  rg_sampling sampling; /**< interpolation */
+  uint16_t border_values[4]; /**< by channel, in units of the samples: RGB in
+                                memory order; RGB565 red to 31, green to 63,
+                                blue to 31; formats with chroma Y, then the
+                                chroma that is first in memory, then the other;
+                                Bayer as in the top-left 2 x 2 pixels */
+  const rg_kernels* kernels; /**< NULL: rg_find_kernels(NULL) on each call */
 } rg_target;
 
-/* Undistorts rows of a frame (formats/SPEC.md, "Remap arithmetic": every target
- * gives the same bits). Bands may be asked for in any order and, into different
- * memory, by several threads. A plane of the target must not overlap another
- * one nor the frame; rows of planes with one stride may lie beside each other.
+/** Undistorts rows of a frame with the selected table; bit-identical on every
+ * processor (formats/SPEC.md, "Remap arithmetic"). Bands of rows may be written
+ * in any order and by several threads. A plane of the target must not overlap
+ * another plane or the frame; rows of planes with one stride may be side by
+ * side.
  *
- * RG_ERR_NO_REMAP      no remap table is in use
- * RG_ERR_FORMAT        unknown format, border or sampling; clamping from a ring
- * RG_ERR_FRAME_SIZE    frame is not of the table's size, a stride is too small
- *                      or 2^31 bytes or more, a size not a multiple of what the
- *                      format wants
- * RG_ERR_MISALIGNED    samples or words of 16 bits at an odd address, or with
- *                      an odd stride
- * RG_ERR_ROWS          the band ends below the output, or cuts a pair of rows
- * RG_ERR_OVERLAP       a plane of the target lies in another plane
- * RG_ERR_ROWS_MISSING  the ring does not hold the rows that the band needs */
+ * @param camera an open camera with a selected table
+ * @param image the frame, of the size that rg_frame_size() returns
+ * @param target rows to write, with border and interpolation
+ * @retval RG_OK done
+ * @retval RG_ERR_NO_REMAP no remap table is selected
+ * @retval RG_ERR_FORMAT unknown format, border or sampling, or
+ *     RG_BORDER_CLAMP with a ring buffer
+ * @retval RG_ERR_FRAME_SIZE the frame's size is not the table's or not a
+ *     multiple of what the format needs, or a stride is too small or 2^31 or
+ *     more
+ * @retval RG_ERR_MISALIGNED 16-bit samples or words at an odd address or with
+ *     an odd stride
+ * @retval RG_ERR_ROWS the rows exceed the output, or split a pair of rows
+ * @retval RG_ERR_OVERLAP a plane of the target overlaps another plane
+ * @retval RG_ERR_ROWS_MISSING the ring buffer lacks source rows of the band;
+ * see rg_remap_source_rows() */
 rg_status rg_remap(const rg_camera* camera, const rg_image* image,
                    const rg_target* target);
 
-/* The source rows that rows [first_row, first_row + num_rows) of the output
- * need, clamped pixels apart: none is missing, and at most one at either end is
- * not needed (a pair where rows come in pairs). *num_source is 0 for a band
- * without any source.
+/** Gets the source rows that a band of the undistorted image needs, except for
+ * clamped pixels: no needed row is missing, and at most one at either end is
+ * not needed (one pair if rows come in pairs).
  *
- * RG_ERR_NO_REMAP, RG_ERR_FORMAT, RG_ERR_ROWS as above; RG_ERR_FRAME_SIZE where
- * rows come in pairs, and the height of the camera's image or that of the
- * undistorted one is odd. */
+ * @param camera an open camera with a selected table
+ * @param format pixel format of the frames
+ * @param first_row first row of the band
+ * @param num_rows number of rows of the band
+ * @param[out] first_source first source row; written only if RG_OK is returned
+ * @param[out] num_source number of source rows, 0 for a band without source
+ *     pixels; written only if RG_OK is returned
+ * @retval RG_OK done
+ * @retval RG_ERR_NO_REMAP no remap table is selected
+ * @retval RG_ERR_FORMAT unknown format
+ * @retval RG_ERR_ROWS the rows exceed the output, or split a pair of rows
+ * @retval RG_ERR_FRAME_SIZE the format's rows come in pairs, and the height of
+ *     the frames or of the undistorted image is odd */
 rg_status rg_remap_source_rows(const rg_camera* camera, rg_format format,
                                uint16_t first_row, uint16_t num_rows,
                                uint16_t* first_source, uint16_t* num_source);
 
-/* An 8-bit grey image (libcamera R8, V4L2 GREY). */
+/** An 8-bit grey frame (libcamera R8, V4L2 GREY), for rg_remap_grey(). */
 typedef struct rg_frame {
-  const uint8_t* data; /* first row */
-  uint32_t stride; /* bytes from one row to the next, at least width and less
-                      than 2^31 */
-  uint16_t width, height;
+  const uint8_t* data; /**< row 0 */
+  uint32_t stride;     /**< bytes per row, at least width and below 2^31 */
+  uint16_t width;      /**< pixels */
+  uint16_t height;     /**< pixels */
 } rg_frame;
 
-/* Rows [first_row, first_row + num_rows) of the undistorted image. */
+/** Rows [first_row, first_row + num_rows) of an undistorted 8-bit grey image,
+ * for rg_remap_grey(). */
 typedef struct rg_band {
-  uint8_t* data;   /* where first_row goes */
-  uint32_t stride; /* likewise, of the undistorted image */
-  uint16_t first_row, num_rows;
-  uint8_t border; /* value where the camera sees nothing, or is uncalibrated */
+  uint8_t* data;      /**< where first_row is written */
+  uint32_t stride;    /**< bytes per row, at least the image's width and below
+                         2^31 */
+  uint16_t first_row; /**< first row to write */
+  uint16_t num_rows;  /**< number of rows to write */
+  uint8_t border;     /**< value of pixels without a source */
 } rg_band;
 
-/* rg_remap() of a grey frame, bilinear; with the same statuses. */
+/** Undistorts rows of a grey frame by rg_remap(), with bilinear interpolation.
+ *
+ * @param camera an open camera with a selected table
+ * @param frame the frame, of the size that rg_frame_size() returns
+ * @param band rows to write, and the border value
+ * @return as rg_remap() */
 rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
                         const rg_band* band);
 
-/* A blob in one of two slots of flash (formats/SPEC.md, "Slots"). */
+/** @}
+ * @name Updates in two flash slots
+ * @{ */
+
+/** A blob in one of two flash slots (formats/SPEC.md, "Slots"). */
 typedef struct rg_slot {
-  const void* blob; /* in place, for rg_camera_open() */
-  uint32_t num_bytes;
-  uint32_t sequence;
-  uint32_t index; /* 0: in the first slot, 1: in the second */
+  const void* blob;   /**< in place, for rg_camera_open() */
+  uint32_t num_bytes; /**< of the blob */
+  uint32_t sequence;  /**< higher in the newer slot, wrapping around */
+  uint32_t index;     /**< 0: in the first slot, 1: in the second */
 } rg_slot;
 
-/* Finds the newest whole blob of two slots, of which one may be erased, damaged
- * or half written. Whether the bytes are a blob of this camera,
- * rg_camera_open() and rg_match() say; if they refuse it, look at the other
- * slot alone. Write the next blob to the slot that is not in use, which may be
- * the newest: else a cut of power leaves none. Who wrote the bytes nothing here
- * says: signatures are for what boots the device.
+/** Finds the newest complete blob in two slots, either of which may be erased,
+ * damaged or partly written. Reads nothing outside the slots, whatever they
+ * contain. rg_camera_open() and rg_match() check that the bytes are a blob of
+ * this camera; if they reject it, pass only the other slot. Write the next blob
+ * to the slot that is not in use, even if it is the newest: otherwise a power
+ * loss leaves none. Nothing here authenticates the bytes: that needs a
+ * signature.
  *
- * first, second  multiples of 4, slot_size bytes each. NULL: not looked at, as
- *                a slot whose blob rg_camera_open() refuses.
- * slot_size      bytes, more than a slot's header has
- * newest         written only when RG_OK is returned; of two with the same
- *                sequence the first
+ * Cost: one pass over both blobs for their CRCs.
  *
- * RG_OK, RG_ERR_MISALIGNED, RG_ERR_ARGUMENT, or RG_ERR_NO_SLOT if neither slot
- * has a whole blob. Nothing outside the slots is read, whatever they hold.
- * Cost: one pass over both blobs for their CRCs. */
+ * @param first slot_size bytes, aligned to 4; NULL: ignored, such as a slot
+ *     whose blob rg_camera_open() rejected
+ * @param second likewise
+ * @param slot_size bytes of a slot, more than the 64 of its header
+ * @param[out] newest of two slots with the same sequence the first; written
+ *     only if RG_OK is returned
+ * @retval RG_OK done
+ * @retval RG_ERR_MISALIGNED a slot is not aligned to 4 bytes
+ * @retval RG_ERR_ARGUMENT newest is NULL, or slot_size too small
+ * @retval RG_ERR_NO_SLOT neither slot contains a complete blob */
 rg_status rg_choose_slot(const void* first, const void* second,
                          uint32_t slot_size, rg_slot* newest);
 
-/* The header of a slot, for devices that write blobs by themselves: erase the
- * slot, its first bytes first, then write the blob from byte 64 on, and the
- * header last. Power may be cut at any moment of that.
+/** Makes the header of a slot, for devices that write blobs themselves: erase
+ * the slot, starting with its first bytes, write the blob from byte 64 on, and
+ * the header last. Power may be lost at any moment.
  *
- * num_bytes  of the blob, at most the slot's size less 64
- * sequence   that of the slot that stays plus 1, which may wrap around
- * header     64 bytes; written only when RG_OK is returned
- *
- * RG_OK, or RG_ERR_ARGUMENT for null pointers or no bytes. */
+ * @param blob the blob
+ * @param num_bytes of the blob, at most the slot's size less 64
+ * @param sequence one more than that of the other slot; may wrap around
+ * @param[out] header 64 bytes; written only if RG_OK is returned
+ * @retval RG_OK done
+ * @retval RG_ERR_ARGUMENT a pointer is NULL, or num_bytes 0 */
 rg_status rg_make_slot_header(const void* blob, uint32_t num_bytes,
                               uint32_t sequence, uint32_t header[16]);
+
+/** @} */
 
 #if defined(__GNUC__)
 #pragma GCC visibility pop

@@ -52,7 +52,9 @@ void RaiseError(const Error& error) {
 void BindErrors(py::module_* module) {
   error_type = PyErr_NewExceptionWithDoc(
       "raygrid.Error",
-      "A refusal, in one line; code is the exit code of the commands.",
+      "An error of the calibrator, in one line: what failed, where, and the "
+      "remedy. The attribute code is the exit code of the commands, 1 to 8 "
+      "(raygrid --help).",
       PyExc_RuntimeError, nullptr);
   module->add_object("Error", error_type);
   py::register_exception_translator([](std::exception_ptr thrown) {
@@ -74,7 +76,7 @@ PYBIND11_MODULE(_raygrid, module) {
   Eigen::setCpuCacheSizes(32 << 10, 512 << 10, 4 << 20);
   py::options options;
   options.disable_function_signatures();
-  module.doc() = "The stages of raygrid, for the package of this name.";
+  module.doc() = "The calibrator's extension; use the package raygrid.";
   raygrid::BindErrors(&module);
   raygrid::BindView(&module);
   raygrid::BindCamera(&module);

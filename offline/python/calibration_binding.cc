@@ -285,14 +285,49 @@ void BindCalibration(py::module_* module) {
       py::arg("name") = "", py::arg("serial") = "",
       py::arg("any_distance") = false, py::arg("threads") = 0,
       py::arg("progress") = py::none(),
-      "Calibrate a camera or a rig.\n\nimages: paths of images or folders, or "
-      "Detections; for a rig a dict of these by camera name, in which images "
-      "of a frame share one name. pattern: as for detect(). The other "
-      "arguments are those of 'raygrid calibrate --help'. progress(stage, "
-      "done, "
-      "seconds_left) is called with done from 0 to 1; seconds_left is None at "
-      "first. Ctrl-C and exceptions raised by progress stop the calibration. "
-      "Files are written by save() only.");
+      R"(Calibrate a camera or a rig; Calibration.save() writes the files.
+
+Ctrl-C and exceptions that progress raises stop the calibration. The calibration
+runs without the GIL.
+
+Args:
+    images: paths of images or folders, or Detections; for a rig a dict of these
+        by camera name, in which images of one frame share a name.
+    pattern: path of a pattern.yaml, or a target specification such as
+        'chessboard:9x6:25mm'.
+    model: 'auto': the one that predicts held-out images best; or
+        'central-generic', 'noncentral-generic', 'central-radial',
+        'thin-prism-fisheye' or 'opencv'.
+    knot_spacing_px: largest knot spacing of the B-spline grid in pixels, 2 to
+        1e5; default: chosen by held-out error.
+    area: calibrated area: 'image', or 'features' for their bounding box.
+    fix_target_geometry: do not estimate target geometry: use the nominal
+        points.
+    rigid_target: do not estimate per-view target deformation.
+    independent_boards: estimate a pose per board, also of boards that are
+        rigidly connected.
+    refine_features: refine features in the images with the estimated camera.
+    compare_models: also calibrate parametric models, for the report.
+    hold_out: names of images to evaluate and not calibrate with; default:
+        cross-validation.
+    duplicate_px: skip images whose features moved less, in pixels, since a kept
+        image; 0: keep all; default: 0.1 % of the longer side, at least 1.
+    image_circle: image circle of a fisheye: 'auto' (detected), None, or (x, y,
+        radius) in pixels.
+    name: name of the camera; for a rig the keys of images are the names.
+    serial: serial number of the camera.
+    any_distance: accept distances of the target above 20 m.
+    threads: number of threads; 0: one per core. Results do not depend on it.
+    progress: called as progress(stage, done, seconds_left), with done from 0 to
+        1; seconds_left is None at first.
+
+Returns:
+    The Calibration. Its verdict may be 'fail', which raises nothing.
+
+Raises:
+    Error: too few images or features (code 3), no initialization (4), no
+        convergence (5), or unreadable input (2).
+    ValueError, TypeError: an argument is invalid.)");
 }
 
 }  // namespace raygrid

@@ -17,6 +17,7 @@
 #include "packing/view_request.h"
 #include "packing/view_sources.h"
 #include "python/bindings.h"
+#include "python/camera_docstrings.h"
 #include "python/camera_points.h"
 
 namespace raygrid {
@@ -311,31 +312,32 @@ py::object CircleOf(const PyCamera& self) {
 
 void BindView(py::module_* module) {
   py::class_<VirtualView>(*module, "View",
-                          "The virtual camera that an undistorted image seems "
-                          "to come from; made by Camera.view().")
+                          "The virtual camera (view) of undistorted images, "
+                          "made by Camera.view(); immutable.")
       .def_property_readonly(
           "size",
           [](const VirtualView& v) {
             return py::make_tuple(v.size.width, v.size.height);
           },
-          "(width, height) in pixels.")
+          "(width, height) of the undistorted images, in pixels.")
       .def_property_readonly(
           "projection",
           [](const VirtualView& v) { return ProjectionName(v.projection); },
-          "pinhole, cylindrical, equirectangular, stereographic or "
-          "equidistant.")
+          "'pinhole', 'cylindrical', 'equirectangular', 'stereographic' or "
+          "'equidistant'.")
       .def_property_readonly(
           "K", [](const VirtualView& v) { return ReadOnly(MatrixOfView(v)); },
-          "The camera matrix, (3, 3), in pixels; (0, 0) is the centre of the "
-          "first pixel.")
+          "Camera matrix (3, 3) in pixels (for other projections than pinhole "
+          "pixels per radian at the centre); (0, 0) is the centre of the "
+          "top-left pixel.")
       .def_property_readonly(
           "camera_from_view",
           [](const VirtualView& v) { return ReadOnly(v.camera_from_view); },
-          "The rotation (3, 3) from axes of the view to those of the camera.")
+          "Rotation (3, 3) from axes of the view to camera axes.")
       .def_property_readonly("hfov_deg", &VirtualView::HorizontalFieldOfViewDeg,
-                             "From left to right, in degrees.")
+                             "Horizontal field of view in degrees.")
       .def_property_readonly("vfov_deg", &VirtualView::VerticalFieldOfViewDeg,
-                             "From top to bottom, in degrees.")
+                             "Vertical field of view in degrees.")
       .def(
           "camera",
           [](const VirtualView& view) {
@@ -364,106 +366,68 @@ void BindCamera(py::module_* module) {
     const Area& area = c.file.camera->area();
     return py::make_tuple(area.x0, area.y0, area.x1, area.y1);
   };
-  py::class_<PyCamera>(
-      *module, "Camera",
-      "A camera in double precision; it does not change.\n\nPixels are (x, y) "
-      "with (0, 0) at the centre of the top-left pixel. Camera axes are x "
-      "right, y down, z forward, in metres. Answers are NaN where the camera "
-      "sees nothing, or is not calibrated. Arrays may have any number of axes "
-      "before the last one, any dtype of real numbers, and any strides; "
-      "doubles without gaps are not copied.")
-      .def_static("load", &Load, py::arg("path"),
-                  "The camera in camera.yaml, or in another program's file "
-                  "with one camera. Warns of what is not taken as it stands.")
-      .def("save", &Save, py::arg("path"),
-           "Writes camera.yaml, whole or not at all.")
+  py::class_<PyCamera>(*module, "Camera", docstring::kCamera)
+      .def_static("load", &Load, py::arg("path"), docstring::kLoad)
+      .def("save", &Save, py::arg("path"), docstring::kSave)
       .def("at", &CameraAt, py::arg("value") = py::none(), py::kw_only(),
            py::arg("lens_position") = py::none(),
-           py::arg("temperature") = py::none(),
-           "Of a camera that was calibrated over a range of lens positions "
-           "(dioptres) or temperatures (degrees Celsius): the camera at a "
-           "value of it. Of one that was over both, the values have names; "
-           "over the one that is not given, it keeps its range. Without, a "
-           "camera is the one in the middle.")
-      .def_property_readonly("range", &OnlyRange,
-                             "('lens_position' or 'temperature', lowest, "
-                             "highest); None of a camera without a range, or "
-                             "with two.")
+           py::arg("temperature") = py::none(), docstring::kAt)
+      .def_property_readonly(
+          "range", &OnlyRange,
+          "Range of operating points, as ('lens_position', lowest, highest) in "
+          "dioptres or ('temperature', lowest, highest) in degrees Celsius. "
+          "None without a range, or with two.")
       .def_property_readonly("ranges", &AllRanges,
-                             "A list of all ranges, each as range has it.")
+                             "List of all ranges, each as range has it.")
       .def("project", &Project, py::arg("points"), py::kw_only(),
            py::arg("jacobians") = false, py::arg("threads") = 0,
-           "Pixels (..., 2) that see points (..., 3), in metres; of central "
-           "cameras also directions of any length.\n\nWith jacobians=True also "
-           "d pixel / d point, (..., 2, 3). threads=0 takes all cores; results "
-           "are the same.")
+           docstring::kProject)
       .def("unproject", &Unproject, py::arg("pixels"), py::kw_only(),
            py::arg("jacobians") = false, py::arg("threads") = 0,
-           "Unit directions (..., 3) that pixels (..., 2) look along.\n\nWith "
-           "jacobians=True also d direction / d pixel, (..., 3, 2), in radians "
-           "a pixel. Rays of a camera that is not central start elsewhere: see "
-           "rays().")
+           docstring::kUnproject)
       .def("rays", &Rays, py::arg("pixels"), py::kw_only(),
-           py::arg("threads") = 0,
-           "(origins, directions) of pixels (..., 2), both (..., 3), in "
-           "metres; the origin of a central camera is (0, 0, 0).")
+           py::arg("threads") = 0, docstring::kRays)
       .def("uncertainty", &UncertaintyAt, py::arg("pixels"),
-           "Standard deviation (...) of a coordinate, in pixels, of the "
-           "projection of a far point that pixels (..., 2) see, the RMS of "
-           "both axes; NaN where it is not known.")
-      .def("is_trusted", &IsTrusted, py::arg("pixels"),
-           "Whether the camera can be trusted at pixels (..., 2).")
-      .def_property_readonly(
-          "uncertainty_figures", &UncertaintyFigures,
-          "median_px, trusted_to_px and trusted_part_of_image, as calibrate "
-          "tells them.")
+           docstring::kUncertainty)
+      .def("is_trusted", &IsTrusted, py::arg("pixels"), docstring::kIsTrusted)
+      .def_property_readonly("uncertainty_figures", &UncertaintyFigures,
+                             docstring::kUncertaintyFigures)
       .def("view", &ViewOf, py::kw_only(), py::arg("size") = py::none(),
            py::arg("hfov") = py::none(), py::arg("vfov") = py::none(),
            py::arg("focal") = py::none(), py::arg("alpha") = py::none(),
            py::arg("center") = py::none(), py::arg("rotate") = py::none(),
-           py::arg("projection") = py::none(),
-           "The view that undistorted images have; the words are those of "
-           "'raygrid undistort --help'.\n\nsize: (width, height) in pixels. "
-           "hfov, vfov: degrees. focal: pixels. alpha: 0 is the largest view "
-           "without border, 1 the smallest that shows every pixel. center: (x, "
-           "y) in pixels. rotate: (yaw, pitch, roll) in degrees. Without any "
-           "of them it is the view that calibrate makes a table of.")
+           py::arg("projection") = py::none(), docstring::kView)
       .def("maps", &Maps, py::arg("view") = py::none(), py::kw_only(),
-           py::arg("reverse") = false, py::arg("threads") = 0,
-           "(map1, map2) of cv2.remap(), float32, (height, width) of the "
-           "view: the pixel of the camera that each pixel of the view "
-           "shows.\n\nPixels that show nothing have -1, which is border. "
-           "reverse=True: the pixel of the view for each of the camera.")
+           py::arg("reverse") = false, py::arg("threads") = 0, docstring::kMaps)
       .def("pack", &Pack, py::arg("views") = std::vector<VirtualView>(),
            py::kw_only(), py::arg("max_error_px") = 0.05,
-           py::arg("threads") = 0,
-           "The bytes of a blob for Blob() and for processor boards, with a "
-           "table for each view; without views, for that of view(). "
-           "max_error_px "
-           "bounds the tables' error, in pixels.")
+           py::arg("threads") = 0, docstring::kPack)
       .def_property_readonly(
           "model", [](const PyCamera& c) { return c.file.camera->Name(); },
-          "The model's name, as central-generic.")
-      .def_property_readonly("size", size_of, "(width, height) of its images.")
-      .def_property_readonly("area", area_of,
-                             "The calibrated rectangle: (x0, y0, x1, y1), in "
-                             "pixels, inclusive.")
+          "Name of the camera model, such as 'central-generic'.")
+      .def_property_readonly("size", size_of,
+                             "(width, height) of the images, in pixels.")
+      .def_property_readonly(
+          "area", area_of,
+          "Calibrated area (x0, y0, x1, y1) in pixels, inclusive.")
       .def_property_readonly(
           "image_circle", &CircleOf,
-          "(x, y, radius_x, radius_y) of what the lens lights, in pixels; None "
-          "if that is all, or not known.")
+          "Image circle of a fisheye, (x, y, radius_x, radius_y) in pixels; "
+          "None if it covers the image or is unknown.")
       .def_property_readonly(
           "is_central",
           [](const PyCamera& c) { return c.file.camera->IsCentral(); },
           "Whether all rays start at the origin.")
       .def_property_readonly(
-          "name", [](const PyCamera& c) { return c.file.name; }, "Its name.")
+          "name", [](const PyCamera& c) { return c.file.name; },
+          "Name of the camera; may be empty.")
       .def_property_readonly(
           "serial", [](const PyCamera& c) { return c.file.serial; },
-          "Its serial number.")
+          "Serial number of the camera; may be empty.")
       .def_property_readonly(
           "verdict", [](const PyCamera& c) { return c.file.verdict; },
-          "The calibration's: pass, warn, fail, or nothing.")
+          "Status of the calibration, 'pass', 'warn' or 'fail'; empty if "
+          "unknown.")
       .def_property_readonly(
           "parameters",
           [](const PyCamera& c) {
@@ -471,10 +435,11 @@ void BindCamera(py::module_* module) {
             return ReadOnlyVector(values.data(),
                                   static_cast<size_t>(values.size()));
           },
-          "All parameters (N,), which cannot be written to.")
-      .def_property_readonly("named_parameters", &NamedParameters,
-                             "Those of a lens that have names: fx, fy, cx, cy "
-                             "and so on.")
+          "All parameters (N,) of the camera model; read-only.")
+      .def_property_readonly(
+          "named_parameters", &NamedParameters,
+          "Parameters of a parametric model by name, such as fx, fy, cx and cy "
+          "in pixels. Empty for a generic model.")
       .def("__repr__", [](const PyCamera& c) {
         const ImageSize& size = c.file.camera->image_size();
         return fmt::format("<raygrid.Camera {} {} x {}>", c.file.camera->Name(),

@@ -280,39 +280,49 @@ void SaveFeatures(const py::object& path, const py::object& given) {
 void BindDetectionClass(py::module_* module) {
   py::class_<PyDetection>(
       *module, "Detection",
-      "The features of a board that an image shows.\n\nDetection(name, size, "
-      "pixels, columns, rows, boards=None): size is (width, height), pixels "
-      "(N, 2) with (0, 0) at the centre of the first pixel, columns, rows and "
-      "boards (N,) are places on the board and the board's id.")
+      R"(Features of a target, detected in one image; immutable.
+
+Args:
+    name: name of the image.
+    size: (width, height) of the image in pixels.
+    pixels: (N, 2) positions in the image; (0, 0) is the centre of the top-left
+        pixel.
+    columns: (N,) integers, column of each feature on its board, from 0.
+    rows: (N,) integers, row of each feature on its board, from 0.
+    boards: (N,) integers, id of each feature's board; default: 0.
+
+Raises:
+    ValueError: the lengths differ, or a position is not finite.)")
       .def(py::init(&MakeDetection), py::arg("name"), py::arg("size"),
            py::arg("pixels"), py::arg("columns"), py::arg("rows"),
            py::arg("boards") = py::none())
       .def_property_readonly(
           "name", [](const PyDetection& d) { return d.features.image; },
-          "The image's name.")
+          "Name of the image.")
       .def_property_readonly(
           "size",
           [](const PyDetection& d) {
             return py::make_tuple(d.size.width, d.size.height);
           },
-          "(width, height) of the image.")
-      .def_property_readonly("pixels", &PixelsOf,
-                             "Places in the image, (N, 2), in pixels.")
+          "(width, height) of the image, in pixels.")
+      .def_property_readonly(
+          "pixels", &PixelsOf,
+          "Positions in the image (N, 2), in pixels; read-only.")
       .def_property_readonly(
           "columns",
           [](const PyDetection& d) { return IntegersOf(d, &Feature::column); },
-          "Columns on the board, (N,).")
+          "Columns on the board (N,), int32; read-only.")
       .def_property_readonly(
           "rows",
           [](const PyDetection& d) { return IntegersOf(d, &Feature::row); },
-          "Rows on the board, (N,).")
+          "Rows on the board (N,), int32; read-only.")
       .def_property_readonly(
           "boards",
           [](const PyDetection& d) { return IntegersOf(d, &Feature::board); },
-          "Ids of the boards, (N,).")
+          "Ids of the boards (N,), int32; read-only.")
       .def_property_readonly(
           "remarks", [](const PyDetection& d) { return d.remarks; },
-          "Lines about the image: mirrored, other tags.")
+          "Remarks on the image, such as a mirrored target or other tags.")
       .def("__len__",
            [](const PyDetection& d) { return d.features.features.size(); })
       .def("__repr__", [](const PyDetection& d) {
@@ -326,22 +336,52 @@ void BindDetectionClass(py::module_* module) {
 
 void BindDetection(py::module_* module) {
   BindDetectionClass(module);
-  module->def(
-      "detect", &Detect, py::arg("image"), py::arg("pattern"), py::kw_only(),
-      py::arg("name") = "", py::arg("refinement") = "intensities",
-      py::arg("window") = 21,
-      "The features of a board in an image.\n\nimage: a path, or an array of "
-      "uint8 or uint16, (height, width) or (height, width, 3) with blue first "
-      "as OpenCV has it. pattern: the path of pattern.yaml, or a board in a "
-      "word, as chessboard:9x6:25mm. name: the image's; a file has one. "
-      "window: the side of the refinement's, in pixels.");
+  module->def("detect", &Detect, py::arg("image"), py::arg("pattern"),
+              py::kw_only(), py::arg("name") = "",
+              py::arg("refinement") = "intensities", py::arg("window") = 21,
+              R"(Detect the features of a target in an image.
+
+Args:
+    image: a path, or an array of uint8 or uint16, (height, width) or (height,
+        width, 3) in BGR order as in OpenCV.
+    pattern: path of a pattern.yaml, or a target specification such as
+        'chessboard:9x6:25mm'.
+    name: name of the image; default: that of the file.
+    refinement: 'intensities', 'gradients-xy', 'gradient-magnitude',
+        'corner-subpix' or 'none'.
+    window: side of the refinement window in pixels, odd, 5 to 101.
+
+Returns:
+    The features; none if the image does not show the target.
+
+Raises:
+    Error: the image or pattern cannot be read.
+    ValueError: an argument is invalid.
+    TypeError: the array's dtype is neither uint8 nor uint16.)");
   module->def("load_features", &LoadFeatures, py::arg("path"), py::arg("size"),
-              "The Detections in features.csv, by the cameras' names if it has "
-              "several; size is (width, height) of the images.");
+              R"(Read a features.csv.
+
+Args:
+    path: the file.
+    size: (width, height) of the images in pixels, which the file does not
+        contain.
+
+Returns:
+    A list with a Detection of each image; for several cameras a dict of such
+    lists by camera name.
+
+Raises:
+    Error: the file cannot be read or is malformed.)");
   module->def("save_features", &SaveFeatures, py::arg("path"),
               py::arg("features"),
-              "Writes features.csv of Detections, or of those of a rig by the "
-              "cameras' names.");
+              R"(Write a features.csv, completely or not at all.
+
+Args:
+    path: the file to write.
+    features: Detections; for a rig a dict of these by camera name.
+
+Raises:
+    Error: the file cannot be written, or image names or sizes conflict.)");
 }
 
 }  // namespace raygrid

@@ -124,54 +124,75 @@ void BindResult(py::module_* module) {
           return Residuals(c.result.cameras[c.IndexOf(camera)].*member);
         };
       };
-  py::class_<PyCalibration>(
-      *module, "Calibration",
-      "What calibrate() found. camera='' is the single one; a rig's have "
-      "names.")
+  py::class_<PyCalibration>(*module, "Calibration",
+                            R"(Result of calibrate().
+
+Methods with the argument camera take the name of a camera of a rig; the default
+is the only camera. An unknown name raises KeyError.)")
       .def_property_readonly("camera", first_camera,
-                             "The camera; a rig's first.")
+                             "The camera; for a rig the first one.")
       .def_property_readonly("cameras", &CamerasOf,
-                             "Cameras by name; '' if it has none.")
+                             "Dict of the cameras by name; '' if it has none.")
       .def_property_readonly(
           "camera_from_rig", &CameraFromRig,
-          "Matrices (4, 4) by name, in metres; the first camera's frame is the "
-          "rig's.")
+          "Dict of the poses (4, 4) by camera name, homogeneous "
+          "transformations in metres from the rig's frame, which is that of "
+          "the first camera, to camera axes.")
       .def_property_readonly(
           "verdict",
           [](const PyCalibration& c) { return c.result.verdict.word; },
-          "pass, warn or fail.")
+          "Status, 'pass', 'warn' or 'fail'.")
       .def_property_readonly(
           "reasons",
           [](const PyCalibration& c) { return c.result.verdict.reasons; },
-          "Why, line by line.")
+          "List of the reasons for the status, one line each.")
       .def_property_readonly(
           "result_json",
           [](const PyCalibration& c) {
             return FormatResultJson(c.result, 0, 0);
           },
-          "The text of result.json, without what packing found.")
+          "Text of result.json, without the results of packing.")
       .def_property_readonly(
           "pattern",
           [](const PyCalibration& c) {
             return FormatPattern(c.result.pattern);
           },
-          "The text of pattern.yaml: the board as it really is.")
+          "Text of pattern.yaml, with the estimated target geometry in metres.")
       .def("training", residuals(&CalibrationResult::training),
            py::arg("camera") = "",
-           "(pixels, errors) of the features calibrated with, both (N, 2): "
-           "observed, and projected less observed, in pixels.")
+           R"(Residuals of the features that were calibrated with.
+
+Returns:
+    Observed pixels and errors (projected minus observed), both (N, 2), in
+    pixels.)")
       .def("held_out", residuals(&CalibrationResult::held_out),
            py::arg("camera") = "",
-           "(pixels, errors) of images in hold_out, or else of "
-           "cross-validation, both (N, 2).")
+           R"(Residuals of held-out images, or else of cross-validation.
+
+Returns:
+    Observed pixels and errors (projected minus observed), both (N, 2), in
+    pixels.)")
       .def("poses", &PosesOf, py::arg("camera") = "",
-           "(image, board, camera_from_board) of each board seen; the matrix "
-           "is (4, 4), in metres.")
+           R"(Poses of the boards in the images.
+
+Returns:
+    List of (image, board, camera_from_board), with the name of the image, the
+    id of the board, and the homogeneous transformation (4, 4) in metres.)")
       .def("features", &FeaturesOf, py::arg("camera") = "",
-           "The Detections that were calibrated with.")
+           R"(Features that were calibrated with, refined.
+
+Returns:
+    List with a Detection of each image.)")
       .def("save", &SaveResult, py::arg("folder"),
-           "Writes the folder that 'raygrid calibrate' writes, without "
-           "pictures of the images, whole or not at all.")
+           R"(Write the folder of 'raygrid calibrate', completely or not at all.
+
+The report has no pictures of the images.
+
+Args:
+    folder: the folder to write or replace.
+
+Raises:
+    Error: the folder cannot be written.)")
       .def("__repr__", [](const PyCalibration& c) {
         return fmt::format("<raygrid.Calibration {}, {} camera{}>",
                            c.result.verdict.word, c.result.cameras.size(),

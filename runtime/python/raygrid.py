@@ -1,13 +1,17 @@
-"""raygrid's runtime from Python: a blob, pixels to rays and back, undistorted frames.
+"""raygrid's runtime for devices: unprojection, projection and undistortion from a blob.
+
+Example::
 
     import raygrid
     camera = raygrid.Camera("camera.raygrid")
     direction = camera.unproject([(320, 240)])[0]
 
-Needs the shared library and nothing else: the one that RAYGRID_LIBRARY names, or that lies beside
-this file, in the installation or the build folder that this file belongs to, or that the system
-finds. With numpy, any array of N x 2 or N x 3 numbers will do, and a frame may be an array;
-results are tuples, which numpy.array() takes.
+Pixels are (x, y), and (0, 0) is the centre of the top-left pixel. Camera axes are x right, y down,
+z forward. Lengths are metres.
+
+The module needs Python 3.7 and the shared library: the one that RAYGRID_LIBRARY names, or one
+beside this file, in its installation or build folder, or known to the system. Points may be numpy
+arrays (N, 2) or (N, 3), and frames arrays; results are lists of tuples, which numpy.array() takes.
 """
 import ctypes
 import ctypes.util
@@ -18,15 +22,20 @@ import sysconfig
 from pathlib import Path
 from typing import NamedTuple
 
+#: The number of the rg_status of this name, which Error.status may be.
 OK, OUTSIDE_AREA, NO_REMAP, NOT_SEEN, NONCENTRAL, UNKNOWN, NO_INVERSE, EXTRAPOLATED = (
     0, -50, -51, -54, -57, -58, -60, -64)
+#: RG_NO_PIXEL of raygrid.h.
 NO_PIXEL = -2**31
+#: Factor of a fixed-point format of raygrid.h.
 Q12, Q16, Q28, Q30 = 2**12, 2**16, 2**28, 2**30
-Q10_NS = 2**10 * 1e9  # of a second
+#: Factor of q10 nanoseconds, from seconds.
+Q10_NS = 2**10 * 1e9
+#: RG_POINT_MAX_BITS of raygrid.h.
 POINT_MAX_BITS = 27
 
-# Each format's number, bits of a sample, then bytes a row of each plane takes, as a fraction of the
-# width, and rows of each plane, as a fraction of the height.
+#: Pixel formats of undistort(), those of rg_format. By name the number, bits per sample, and of
+#: each plane the bytes per row as a multiple of the width and the rows as a multiple of the height.
 FORMATS = {
     "GREY8": (0, 8, ((1, 1),)), "GREY16": (1, 16, ((2, 1),)),
     "GREY10P": (2, 10, ((1.25, 1),)), "GREY12P": (3, 12, ((1.5, 1),)),
@@ -38,13 +47,17 @@ FORMATS = {
     "BAYER10P": (12, 10, ((1.25, 1),)), "BAYER12P": (13, 12, ((1.5, 1),)),
     "RGB565": (14, 16, ((2, 1),)),
 }
+#: Projections of a View, those of rg_projection.
 PROJECTIONS = ("pinhole", "cylindrical", "equirectangular", "stereographic", "equidistant")
+#: What undistort() fills pixels without a source with. By name border_values, the nearest
+#: calibrated pixel, or the contents of out.
 BORDERS = {"value": 0, "clamp": 1, "keep": 2}
+#: Interpolations of undistort(), by name.
 SAMPLINGS = {"bilinear": 0, "nearest": 1}
 
 
 class Error(Exception):
-    """A refusal by the library; status is its number."""
+    """An error of the runtime; its attribute status is the number of the rg_status."""
 
     def __init__(self, status):
         super().__init__(_library.rg_status_text(status).decode())
@@ -102,32 +115,48 @@ class _Mode(ctypes.Structure):
 
 
 class Mode(NamedTuple):
-    """How frames lie in those that were calibrated: pixel i, counted from the other side where
-    flipped, covers calibrated pixels from offset + scale i on, scale of them; for x and for y."""
+    """A sensor mode: how its frames map to the calibrated images.
+
+    Pixel i, counted from the opposite side if flipped, covers the calibrated pixels from
+    offset + scale * i on, scale of them; in x and in y.
+    """
+    #: Of the mode's frames, in pixels.
     width: int
+    #: Of the mode's frames, in pixels.
     height: int
+    #: (x, y) in calibrated pixels.
     offset: tuple
+    #: (x, y) in calibrated pixels per pixel.
     scale: tuple
+    #: Whether frames are mirrored in (x, y).
     flips: tuple
 
 
 class View(NamedTuple):
-    """The virtual camera of an undistorted image, in pixels: one of PROJECTIONS; the rotation turns
-    directions in axes of the view to camera axes, row by row. A table that distorts makes frames of
-    the camera out of the view."""
+    """The virtual camera of undistorted images."""
+    #: One of PROJECTIONS.
     projection: str
+    #: Of the undistorted image, in pixels.
     width: int
+    #: Of the undistorted image, in pixels.
     height: int
+    #: Focal length in pixels (per radian at the centre, if not pinhole).
     fx: float
+    #: Focal length in pixels (per radian at the centre, if not pinhole).
     fy: float
+    #: Principal point in pixels.
     cx: float
+    #: Principal point in pixels.
     cy: float
+    #: camera_from_view, (3, 3), row-major.
     rotation: tuple
+    #: Whether it belongs to an inverse remap table, which distorts images of the view into frames
+    #: of the camera.
     distorts: bool = False
 
     @property
     def K(self):
-        """The camera matrix, row by row."""
+        """Camera matrix (3, 3), row-major, in pixels."""
         return (self.fx, 0.0, self.cx), (0.0, self.fy, self.cy), (0.0, 0.0, 1.0)
 
 
@@ -225,7 +254,20 @@ def _xyz(ray):
 
 
 class Camera:
-    """A blob: the path of a file, or its bytes. Its first remap table is in use, if it has any."""
+    """A blob, whose first remap table is selected, if there is any.
+
+    Attributes:
+        width: of the calibrated images, in pixels.
+        height: of the calibrated images, in pixels.
+        is_central: whether all rays start at the origin.
+        num_remaps: number of remap tables.
+
+    Args:
+        blob: path of a file, or its bytes.
+
+    Raises:
+        Error: the blob is malformed or its version not supported.
+    """
 
     def __init__(self, blob):
         data = blob if isinstance(blob, (bytes, bytearray, memoryview)) else Path(blob).read_bytes()
@@ -262,7 +304,11 @@ class Camera:
         return count
 
     def unproject(self, points):
-        """Directions (x, y, z) of pixels (x, y); None outside the calibrated area."""
+        """Unproject pixels (x, y) to unit directions (x, y, z) in camera axes.
+
+        A list of tuples, with None outside the calibrated area. The rays of a non-central camera
+        do not start at the origin: see unproject_lines().
+        """
         if not self.is_central:
             return [line and line[1] for line in self.unproject_lines(points)]
         rays = (_Ray * len(points))()
@@ -271,7 +317,11 @@ class Camera:
         return [_xyz(ray) if any(_xyz(ray)) else None for ray in rays]
 
     def unproject_lines(self, points):
-        """Lines of pixels: (point in metres, direction); None outside the calibrated area."""
+        """Unproject pixels (x, y) to observation lines, for central and non-central cameras.
+
+        A list of (point, direction), two tuples (x, y, z) in camera axes, in metres and of unit
+        length; None outside the calibrated area.
+        """
         lines = []
         for pixel in _pixels(points):
             line = _Line()
@@ -284,8 +334,12 @@ class Camera:
         return lines
 
     def project(self, points):
-        """Pixels of points (x, y, z), for central cameras in any unit, so directions too, else in
-        metres; None where nothing is seen."""
+        """Project points (x, y, z) in camera axes to pixels (x, y).
+
+        Points are in metres; for a central camera in any unit, so directions too. A list of
+        tuples, with None for points that are not visible. Raises Error if the blob has no inverse
+        grid.
+        """
         if not self._has_inverse:
             raise Error(NO_INVERSE)
         if not self.is_central:
@@ -306,12 +360,15 @@ class Camera:
         return pixel
 
     def is_valid(self, points):
-        """Whether the camera may be trusted at pixels."""
+        """Whether pixels (x, y) are in the valid region: a list of bool."""
         return [bool(_library.rg_is_valid(ctypes.byref(self._camera), pixel))
                 for pixel in _pixels(points)]
 
     def uncertainty(self, points):
-        """Standard deviations of projection at pixels; None where the blob does not say."""
+        """Predicted uncertainty of projection at pixels (x, y).
+
+        A list of standard deviations of a coordinate, in pixels; None where unknown.
+        """
         values = []
         for pixel in _pixels(points):
             sigma = ctypes.c_uint16()
@@ -323,10 +380,12 @@ class Camera:
         return values
 
     def row_time(self):
-        """How much later than the row above it a rolling shutter reads a row of calibrated frames,
-        and its standard deviation (0: not known), both in seconds: row r is read
-        row_time (r - (height - 1) / 2) later than the frame's middle. None where the blob does not
-        say."""
+        """Line delay of a rolling shutter, and its standard deviation, in seconds.
+
+        The readout time per row of calibrated frames: row r is read
+        row_time * (r - (height - 1) / 2) after the middle of the frame. A standard deviation of 0
+        means unknown. None if the blob has no line delay.
+        """
         row_time, deviation = ctypes.c_int32(), ctypes.c_uint32()
         status = _library.rg_row_time(ctypes.byref(self._camera), ctypes.byref(row_time),
                                       ctypes.byref(deviation))
@@ -336,16 +395,27 @@ class Camera:
         return row_time.value / Q10_NS, deviation.value / Q10_NS
 
     def select_remap(self, index):
-        """Takes another one of the blob's num_remaps remap tables, counted from 0, for
-        remap_size(), undistort() and undistort_points(). For two at a time, open two cameras."""
+        """Select a remap table by its index, from 0 to num_remaps - 1.
+
+        It is used by undistort(), undistort_points(), view() and so on. Open two cameras to use
+        two tables at a time. Raises Error if there is no such table, or it is malformed.
+        """
         if not 0 <= index < 2**32:
             raise Error(NO_REMAP)
         _check(_library.rg_select_remap(ctypes.byref(self._camera), ctypes.c_uint32(index)))
 
     def set_condition(self, value):
-        """Makes the camera that of a lens position in dioptres, or of a temperature in degrees
-        Celsius, as the blob's stack has it; from then on, with all tables. False: the value lies
-        outside the stack's range, and the camera is that of the nearest end."""
+        """Set the operating point of a camera that was calibrated over focus or temperature.
+
+        Args:
+            value: focus in dioptres, or temperature in degrees Celsius.
+
+        Returns:
+            False if the value is outside the calibrated range and was clamped to it.
+
+        Raises:
+            Error: the blob has no stack of operating points, or it is malformed.
+        """
         value_q16 = round(max(-32767.0, min(value, 32767.0)) * Q16)
         status = _library.rg_set_condition(ctypes.byref(self._camera), ctypes.c_int32(value_q16))
         if status != EXTRAPOLATED:
@@ -353,11 +423,11 @@ class Camera:
         return status == OK
 
     def frame_size(self):
-        """Width and height of the frames that undistort() takes."""
+        """Width and height of the frames that undistort() takes, in pixels."""
         return self._size(_library.rg_frame_size)[1]
 
     def mode(self):
-        """The Mode of the frames that undistort() takes."""
+        """Sensor mode of the selected remap table, a Mode. Raises Error without a table."""
         mode = _Mode()
         _check(_library.rg_remap_mode(ctypes.byref(self._camera), ctypes.byref(mode)))
         return Mode(mode.width, mode.height, (mode.offset_x_q16 / Q16, mode.offset_y_q16 / Q16),
@@ -365,13 +435,13 @@ class Camera:
                     (bool(mode.flip_x), bool(mode.flip_y)))
 
     def remap_size(self):
-        """Width and height of the undistorted image."""
+        """Width and height of the undistorted image, in pixels. Raises Error without a table."""
         status, size = self._size(_library.rg_remap_size)
         _check(status)
         return size
 
     def view(self):
-        """The View of the undistorted image."""
+        """View of the undistorted image, a View. Raises Error without a table."""
         view = _View()
         _check(_library.rg_remap_view(ctypes.byref(self._camera), ctypes.byref(view)))
         numbers = [value / Q30 for value in view.rotation_q30]
@@ -380,7 +450,11 @@ class Camera:
                     tuple(tuple(numbers[k:k + 3]) for k in (0, 3, 6)), bool(view.distorts))
 
     def undistort_points(self, points):
-        """Positions of pixels in the undistorted image; None for those that have no place there."""
+        """Undistort pixels (x, y) to positions (x, y) in the undistorted image.
+
+        A list of tuples, with None for pixels that the view cannot show. Raises Error without a
+        selected table.
+        """
         self.remap_size()
         result = (_Pixel * len(points))()
         _library.rg_undistort_points(ctypes.byref(self._camera), _pixels(points), result,
@@ -389,10 +463,25 @@ class Camera:
 
     def undistort(self, frame, pixel_format="GREY8", border="value", border_values=(0, 0, 0, 0),
                   sampling="bilinear", out=None):
-        """The undistorted frame, as bytes: planes after each other, rows without gaps, as the
-        frame has them. Up to 4 border values, one of each channel; with chroma in any order: Y,
-        then the chroma that comes first in memory, and the other one. A live loop saves the copy
-        with out, a bytearray or an array other than the frame: it is filled and returned."""
+        """Undistort a frame with the selected remap table.
+
+        Args:
+            frame: bytes or an array: planes after each other, rows without padding.
+            pixel_format: one of FORMATS.
+            border: one of BORDERS, for pixels without a source.
+            border_values: up to 4 integers, by channel, in units of the samples; with chroma Y,
+                then the chroma that is first in memory, then the other.
+            sampling: one of SAMPLINGS.
+            out: memory for the result, such as a bytearray, other than the frame; it saves a copy.
+
+        Returns:
+            The undistorted frame as bytes, laid out like the frame; out, if given.
+
+        Raises:
+            Error: there is no remap table, or the size or alignment does not fit.
+            ValueError: an argument is invalid, or the frame has not the number of bytes of its
+                format.
+        """
         number, bits, planes = _named(pixel_format, FORMATS)
         values = _border_values(border_values, bits)
         width, height = self.remap_size()
@@ -465,5 +554,5 @@ def _planes(address, planes, width, height):
     return result
 
 
-# The name that it has in the host's package: programs that say Blob run with either.
+#: The name of Camera in the host's package: programs that use Blob run with either.
 Blob = Camera

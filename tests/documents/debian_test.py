@@ -13,7 +13,7 @@ ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 HEADERS = ("runtime/raygrid.h", "formats/rg_projection.h", "formats/rg_status.h")
 # Groups of tools/install_packages that packages are built with, but for what Debian need not name
 # or only users of the build folder need.
-GROUPS = ("host", "python", "camera")
+GROUPS = ("host", "python", "camera", "reference")
 # Packages are built with g++, the preset host with clang.
 UNNAMED = {"g++", "clang-14", "python3-numpy"}
 # A function's declaration begins at the left with its type. Macros and comments do not.
@@ -42,8 +42,8 @@ def needed_packages():
     groups = dict(re.findall(r"^ +([\w-]+)\) echo ((?:[^;\\]|\\\n)*);;",
                              read("tools/install_packages"), re.MULTILINE))
     installed = {name for group in GROUPS for name in groups[group].replace("\\\n", " ").split()}
-    depends = re.search(r"^Build-Depends:\n((?: .*\n)+)", read("debian/control"),
-                        re.MULTILINE).group(1)
+    depends = "".join(re.findall(r"^Build-Depends(?:-Indep)?:\n((?: .*\n)+)", read("debian/control"),
+                                 re.MULTILINE))
     return installed - UNNAMED, set(re.findall(r"^ ([\w.+-]+)", depends, re.MULTILINE))
 
 

@@ -1,12 +1,16 @@
-"""raygrid for the host: cameras, views, detection, calibration and blobs, with numpy in and out.
+"""Camera calibration with raygrid: detection, calibration, cameras, views and blobs.
+
+Example::
 
     import raygrid
     camera = raygrid.Camera.load("result/camera.yaml")
     pixels = camera.project([[0.1, 0.2, 1.0]])
     directions = camera.unproject(pixels)
 
-Pixels are (x, y), and (0, 0) is the centre of the top-left pixel. Camera axes are x right, y down,
-z forward. Lengths are metres. Answers are NaN where a camera sees nothing.
+Arrays are numpy's. Pixels are (x, y), and (0, 0) is the centre of the top-left pixel. Camera axes
+are x right, y down, z forward. Lengths are metres; angles are radians, but degrees in names and
+arguments that say so. Results are NaN outside the calibrated area and for points that are not
+visible. Errors raise Error, of blobs BlobError; invalid arguments ValueError or TypeError.
 """
 from . import importers
 from ._blob import Blob, BlobError

@@ -1,4 +1,4 @@
-"""The runtime of processor boards, with numpy in and out."""
+"""The runtime of devices, with numpy arrays."""
 from __future__ import annotations
 
 import os
@@ -9,26 +9,43 @@ import numpy.typing as npt
 
 from . import _runtime
 
+#: An error of the runtime; its attribute status is the number of the rg_status.
 BlobError = _runtime.Error
 
 
 class Blob(_runtime.Camera):
-    """A blob: the path of a file, or its bytes, evaluated by the runtime's own code in fixed point.
+    """A blob, evaluated by the fixed-point code of devices.
 
-    The methods are those of the module for boards. They take arrays, and answer arrays, with NaN
-    for None. Its first remap table is in use, if it has any. Refusals raise BlobError.
+    The methods are those of the module for devices, but take and return numpy arrays, with NaN
+    for None. The first remap table is selected, if there is any. Pixels are (x, y), and (0, 0) is
+    the centre of the top-left pixel; camera axes are x right, y down, z forward.
+
+    Args:
+        blob: path of a file, or its bytes.
+
+    Raises:
+        BlobError: the blob is malformed or its version not supported.
     """
 
     def __init__(self, blob: str | os.PathLike[str] | bytes | bytearray | memoryview) -> None:
         super().__init__(blob)
 
     def unproject(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        """Unit directions (N, 3) of pixels (N, 2); NaN outside the calibrated area."""
+        """Unproject pixels (N, 2) to unit directions (N, 3) in camera axes.
+
+        NaN outside the calibrated area. The rays of a non-central camera do not start at the
+        origin: see rays().
+        """
         return _rows(super().unproject(_vectors(points, 2)), 3)
 
     def rays(self, points: npt.ArrayLike) -> tuple[npt.NDArray[np.float64],
                                                    npt.NDArray[np.float64]]:
-        """(origins, directions) of pixels (N, 2), both (N, 3), in metres."""
+        """Unproject pixels (N, 2) to rays, for central and non-central cameras.
+
+        Returns:
+            Origins and unit directions, both (N, 3), in camera axes and metres. The origin of a
+            central camera is (0, 0, 0). NaN outside the calibrated area.
+        """
         if self.is_central:
             directions = self.unproject(points)
             return np.where(np.isnan(directions), np.nan, 0.0), directions
@@ -37,30 +54,52 @@ class Blob(_runtime.Camera):
                 _rows([line and line[1] for line in lines], 3))
 
     def project(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        """Pixels (N, 2) of points (N, 3), in metres; NaN where nothing is seen."""
+        """Project points (N, 3) in camera axes, in metres, to pixels (N, 2).
+
+        NaN for points that are not visible. Raises BlobError if the blob has no inverse grid.
+        """
         return _rows(super().project(_vectors(points, 3)), 2)
 
     def is_valid(self, points: npt.ArrayLike) -> npt.NDArray[np.bool_]:
-        """Whether the camera may be trusted at pixels (N, 2): (N,)."""
+        """Whether pixels (N, 2) are in the valid region: (N,) bool."""
         return np.array(super().is_valid(_vectors(points, 2)), dtype=bool)
 
     def uncertainty(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        """Standard deviations (N,), in pixels, at pixels (N, 2); NaN where the blob does not say."""
+        """Predicted uncertainty (N,) of projection at pixels (N, 2).
+
+        Standard deviation of a coordinate (RMS of both axes), in pixels; NaN where unknown.
+        """
         values = super().uncertainty(_vectors(points, 2))
         return np.array([np.nan if value is None else value for value in values])
 
     def undistort_points(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        """Places (N, 2) of pixels (N, 2) in the undistorted image; NaN for those without any."""
+        """Undistort pixels (N, 2) to positions (N, 2) in the undistorted image.
+
+        NaN for pixels that the view cannot show. Raises BlobError without a selected table.
+        """
         return _rows(super().undistort_points(_vectors(points, 2)), 2)
 
     def undistort(self, frame: Any, pixel_format: Optional[str] = None, border: str = "value",
                   border_values: Sequence[int] = (0, 0, 0, 0),
                   sampling: str = "bilinear", out: Any = None) -> Any:
-        """The undistorted frame.
+        """Undistort a frame with the selected remap table.
 
-        An array of uint8 or uint16, (height, width) or of uint8 (height, width, 3), becomes an array
-        of its kind. With pixel_format, one of those of the module for boards, bytes become bytes.
-        With out, memory of the result's size other than the frame, that is filled and returned.
+        Args:
+            frame: an array of uint8 or uint16 (height, width), or of uint8 (height, width, 3);
+                with pixel_format bytes.
+            pixel_format: a format of the module for devices (its FORMATS), such as 'NV12'.
+            border: what fills pixels without a source: 'value', 'clamp' (the nearest calibrated
+                pixel) or 'keep' (the contents of out).
+            border_values: value of each channel, in units of the samples.
+            sampling: 'bilinear' or 'nearest'.
+            out: memory for the result, of its size and type and not the frame itself.
+
+        Returns:
+            The undistorted frame, of the type of frame; out, if given.
+
+        Raises:
+            BlobError: there is no remap table, or the size does not match.
+            ValueError: the shape, dtype or an argument is invalid.
         """
         if pixel_format is not None:
             return super().undistort(frame, pixel_format, border, border_values, sampling, out)

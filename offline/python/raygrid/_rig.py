@@ -1,4 +1,4 @@
-"""Several cameras, and how they stand to each other."""
+"""Rigs: several cameras and their relative poses."""
 from __future__ import annotations
 
 import os
@@ -11,8 +11,20 @@ from . import _raygrid
 
 
 class Rig:
-    """Cameras by name, with the pose of each: camera_from_rig, matrices (4, 4), turns homogeneous
-    points in metres of the rig's frame into those of the camera's."""
+    """A rig: cameras by name and their poses.
+
+    Attributes:
+        cameras: dict of Camera by name.
+        camera_from_rig: dict of (4, 4) by name: homogeneous transformation from the rig's frame
+            to camera axes, in metres; read-only.
+
+    Args:
+        cameras: the cameras by name.
+        camera_from_rig: the pose of each.
+
+    Raises:
+        ValueError: the names differ, or a pose is not a finite (4, 4) matrix.
+    """
 
     def __init__(self, cameras: Mapping[str, _raygrid.Camera],
                  camera_from_rig: Mapping[str, npt.ArrayLike]) -> None:
@@ -23,20 +35,34 @@ class Rig:
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Rig:
-        """The rig in rig.yaml, with the cameras beside it."""
+        """Load a rig.yaml and the camera files that it names.
+
+        Raises:
+            Error: a file cannot be read or is malformed.
+        """
         return _rig_of(_raygrid.read_rig(path))
 
     @staticmethod
     def of(calibration: _raygrid.Calibration) -> Rig:
-        """The rig that calibrate() found."""
+        """The rig of a calibration, in the frame of its first camera."""
         return Rig(calibration.cameras, calibration.camera_from_rig)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes rig.yaml, and NAME/camera.yaml of each camera beside it: all of them or none."""
+        """Write a rig.yaml, and beside it NAME/camera.yaml of each camera: all files or none.
+
+        Raises:
+            Error: a file cannot be written.
+            ValueError: a name has other characters than letters, digits, '-' and '_', or a pose
+                is not a rotation and a translation.
+        """
         _raygrid.write_rig(path, _rows(self))
 
     def project(self, points: npt.ArrayLike) -> dict[str, npt.NDArray[np.float64]]:
-        """By camera, the pixels (..., 2) that see points (..., 3) in metres of the rig's frame."""
+        """Project points (..., 3) in the rig's frame, in metres, into all cameras.
+
+        Returns:
+            Dict of pixels (..., 2) by camera name; NaN for points that are not visible.
+        """
         given = np.asarray(points, dtype=np.float64)
         return {name: camera.project(given @ self.camera_from_rig[name][:3, :3].T
                                      + self.camera_from_rig[name][:3, 3])
