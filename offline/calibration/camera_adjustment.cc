@@ -53,7 +53,8 @@ int NumFeatures(const CalibrationProblem& problem, int camera) {
 CameraPrior PriorAround(const CameraModel& camera,
                         const CalibrationProblem& problem, int index) {
   if (const auto* grid = dynamic_cast<const CentralGeneric*>(&camera))
-    return SmoothnessPrior(PolynomialPart(*grid));
+    return SmoothnessPrior(PolynomialPart(*grid),
+                           ObservedPixels(problem, index));
   return DistortionPrior(dynamic_cast<const ParametricModel&>(camera),
                          CalibratedArea(problem, index),
                          NumFeatures(problem, index));
@@ -114,6 +115,7 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
     prior->cameras.push_back(NonCentralPrior(
         ExpectedGrid(problem, *starts.lenses[c], AsGrid(problem, c, starts)),
+        ObservedPixels(problem, static_cast<int>(c)),
         MeanDistance(problem, c, *state), starts.BaseOf(c)));
     state->cameras[c] = NonCentralGeneric(dynamic_cast<const CentralGeneric&>(
                                               *state->cameras[c]))
@@ -202,6 +204,7 @@ AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
     const CentralGeneric base = AsGrid(problem, c, starts);
     prior->cameras.push_back(
         SmoothnessPrior(ExpectedGrid(problem, *starts.lenses[c], base),
+                        ObservedPixels(problem, static_cast<int>(c)),
                         starts.BaseOf(c), spread));
     state->cameras[c] = base.Clone();
   }

@@ -59,13 +59,15 @@ void PutGridsAroundLenses(const std::string& model, const Starts& starts,
   adjusted->prior.points_mean = problem.nominal;
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
     const CentralGeneric grid = AsGrid(problem, c, starts);
+    const std::vector<Eigen::Vector2d> observed_px =
+        ObservedPixels(problem, static_cast<int>(c));
     if (model == "noncentral-generic") {
       adjusted->state.cameras[c] = NonCentralGeneric(grid).Clone();
-      adjusted->prior.cameras.push_back(
-          NonCentralPrior(grid, MeanDistance(problem, c, adjusted->state)));
+      adjusted->prior.cameras.push_back(NonCentralPrior(
+          grid, observed_px, MeanDistance(problem, c, adjusted->state)));
     } else {
       adjusted->state.cameras[c] = grid.Clone();
-      adjusted->prior.cameras.push_back(SmoothnessPrior(grid));
+      adjusted->prior.cameras.push_back(SmoothnessPrior(grid, observed_px));
     }
   }
   adjusted->summary = {};
