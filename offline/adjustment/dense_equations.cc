@@ -360,7 +360,7 @@ int NumDenseUnknowns(const ParameterLayout& layout) {
 }
 
 bool DenseIsFaster(const ParameterLayout& layout, double large_operations) {
-  constexpr double kSmall = 600;  // so few are always solved fast
+  constexpr double kSmall = 1100;  // so few are always solved fast
   if (!layout.has_cameras()) return true;
   const double kept = NumDenseUnknowns(layout);
   const double eliminated =

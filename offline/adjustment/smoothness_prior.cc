@@ -229,20 +229,17 @@ FreeDirections FreePolynomials(const BSplineSurface& surface,
   return freed;
 }
 
-// The rotations of the directions of pixels all over the area, in pixels, as a
-// linear function of the control points. Over the control points themselves the
-// camera could turn while those at its corners, that little is seen of, turned
-// the other way.
-Eigen::MatrixXd RotationOverArea(const BSplineSurface& surface,
-                                 const FieldParameters& field,
-                                 double middle_px) {
-  constexpr int kPerCell = 4;
+// The mean rotation of the directions of pixels, in pixels, as a linear
+// function of the control points.
+Eigen::MatrixXd MeanRotation(const BSplineSurface& surface,
+                             const FieldParameters& field,
+                             const std::vector<Eigen::Vector2d>& pixels,
+                             double middle_px) {
   Eigen::MatrixXd rotation =
       Eigen::MatrixXd::Zero(field.per_point * surface.num_points(), 3);
-  const std::vector<Eigen::Vector2d> pixels = surface.SamplePixels(kPerCell);
   for (const Eigen::Vector2d& pixel : pixels) {
-    // Pixels where the lens folds or is continued count for little: a unit of
-    // the chart is any number of pixels there, and nothing is seen.
+    // Pixels where the lens folds or is extrapolated count for little: a unit
+    // of the chart is any number of pixels there.
     const double scale = PixelsPerChartUnitAt(surface, pixel) / middle_px;
     const Eigen::Matrix<double, 2, 3> by_rotation =
         std::pow(std::min(scale, 1 / scale), 2) *
@@ -305,8 +302,10 @@ Eigen::MatrixXd WithoutTurns(const Eigen::MatrixXd& directions,
 // control point's parameters.
 CameraPrior DirectionsPrior(const BSplineSurface& base,
                             const FieldParameters& field,
+                            const std::vector<Eigen::Vector2d>& observed_px,
                             const BaseLens& lens = {},
                             const std::vector<BSplineSurface>& spread = {}) {
+  constexpr int kPerCell = 4;
   CameraPrior prior;
   prior.base_lens = lens;
   prior.spread = spread;
@@ -317,7 +316,11 @@ CameraPrior DirectionsPrior(const BSplineSurface& base,
   // say in it, are in everything else.
   const double middle_px = PixelsPerChartUnitAt(base, base.area().center());
   prior.orientation =
-      std::sqrt(base.num_points()) * RotationOverArea(base, field, middle_px);
+      std::sqrt(base.num_points()) *
+      MeanRotation(
+          base, field,
+          observed_px.empty() ? base.SamplePixels(kPerCell) : observed_px,
+          middle_px);
   prior.orientation_weight = middle_px * middle_px;
   FreeDirections freed = lens.model ? FreeParameters(base, field, lens)
                                     : FreePolynomials(base, field);
@@ -354,9 +357,12 @@ Eigen::SparseMatrix<double> PlacesAlongLines(const BSplineSurface& directions,
 
 }  // namespace
 
-CameraPrior SmoothnessPrior(const CentralGeneric& base, const BaseLens& lens,
+CameraPrior SmoothnessPrior(const CentralGeneric& base,
+                            const std::vector<Eigen::Vector2d>& observed_px,
+                            const BaseLens& lens,
                             const std::vector<BSplineSurface>& spread) {
-  CameraPrior prior = DirectionsPrior(base.surface(), {2, 0, 2}, lens, spread);
+  CameraPrior prior =
+      DirectionsPrior(base.surface(), {2, 0, 2}, observed_px, lens, spread);
   prior.mean = base.Parameters();
   return prior;
 }
@@ -370,7 +376,7 @@ CameraPrior StackPrior(const CentralGeneric& base, int num_terms) {
   prior.orientation.resize(prior.mean.size(), 3 * num_terms);
   for (int term = 0; term < num_terms; ++term) {
     CameraPrior of_term =
-        DirectionsPrior(surface, {2 * num_terms, 2 * term, 2});
+        DirectionsPrior(surface, {2 * num_terms, 2 * term, 2}, {});
     prior.groups.push_back(std::move(of_term.groups[0]));
     prior.orientation.middleCols<3>(3 * term) = of_term.orientation;
     prior.orientation_weight = of_term.orientation_weight;
@@ -378,11 +384,13 @@ CameraPrior StackPrior(const CentralGeneric& base, int num_terms) {
   return prior;
 }
 
-CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m,
-                            const BaseLens& lens) {
+CameraPrior NonCentralPrior(const CentralGeneric& base,
+                            const std::vector<Eigen::Vector2d>& observed_px,
+                            double distance_m, const BaseLens& lens) {
   constexpr int kPerNode = NonCentralGeneric::kPerNode;
   const BSplineSurface& surface = base.surface();
-  CameraPrior prior = DirectionsPrior(surface, {kPerNode, 0, 2}, lens);
+  CameraPrior prior =
+      DirectionsPrior(surface, {kPerNode, 0, 2}, observed_px, lens);
   prior.mean = NonCentralGeneric(base).Parameters();
   const int middle = surface.num_points() / 2;
   const double chart_per_radian =

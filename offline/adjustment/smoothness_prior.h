@@ -13,7 +13,10 @@ namespace raygrid {
 /// differences, across, down and mixed, of the displacement in pixels that
 /// separates the two. Keeps nodes that few observations determine near where
 /// their neighbours and the parametric lens would have them. Also holds the
-/// camera's orientation, which no observation can see, to base's.
+/// camera's orientation, the gauge, to base's: the mean rotation of the
+/// directions of observed_px, or of pixels all over the area if there are none.
+/// Over the whole area, the camera could rotate while extrapolated corners
+/// rotate the other way: a valley of the cost in which adjustments creep.
 ///
 /// The parameters of the lens are free, as far as its own fit left them: they
 /// make up for what it does not follow, and beyond the outermost features they
@@ -25,6 +28,7 @@ namespace raygrid {
 /// smoothness is about what these and the lens leave, of which no part is to be
 /// a turn.
 CameraPrior SmoothnessPrior(const CentralGeneric& base,
+                            const std::vector<Eigen::Vector2d>& observed_px,
                             const BaseLens& lens = {},
                             const std::vector<BSplineSurface>& spread = {});
 
@@ -44,8 +48,9 @@ CameraPrior StackPrior(const CentralGeneric& base, int num_terms);
 /// undo: the points end where they are smallest and smoothest. Nor do they see
 /// points drift along the lines, o(x) -> o(x) + f(x) d(x): the prior holds each
 /// control point's point in the plane across base's direction.
-CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m,
-                            const BaseLens& lens = {});
+CameraPrior NonCentralPrior(const CentralGeneric& base,
+                            const std::vector<Eigen::Vector2d>& observed_px,
+                            double distance_m, const BaseLens& lens = {});
 
 }  // namespace raygrid
 

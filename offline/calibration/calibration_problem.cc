@@ -95,6 +95,16 @@ void RemoveViews(const std::vector<bool>& remove, CalibrationProblem* problem) {
   problem->num_poses = static_cast<int>(new_pose.size());
 }
 
+std::vector<Eigen::Vector2d> ObservedPixels(const CalibrationProblem& problem,
+                                            int camera) {
+  std::vector<Eigen::Vector2d> pixels;
+  for (const View& view : problem.views)
+    if (view.camera == camera)
+      for (const Observation& observation : view.observations)
+        pixels.push_back(observation.pixel);
+  return pixels;
+}
+
 Area FeatureArea(const CalibrationProblem& problem, int camera) {
   Area area = {1e9, 1e9, -1e9, -1e9};
   for (const View& view : problem.views) {

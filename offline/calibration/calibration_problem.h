@@ -55,6 +55,9 @@ void RemoveViews(const std::vector<bool>& remove, CalibrationProblem* problem);
 /// The rectangle of a camera's features, rounded outwards to what a blob can
 /// say.
 Area FeatureArea(const CalibrationProblem& problem, int camera);
+/// A camera's observations.
+std::vector<Eigen::Vector2d> ObservedPixels(const CalibrationProblem& problem,
+                                            int camera);
 
 /// The area that a camera is calibrated over.
 Area CalibratedArea(const CalibrationProblem& problem, int camera);

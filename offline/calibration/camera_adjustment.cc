@@ -53,7 +53,8 @@ int NumFeatures(const CalibrationProblem& problem, int camera) {
 CameraPrior PriorAround(const CameraModel& camera,
                         const CalibrationProblem& problem, int index) {
   if (const auto* grid = dynamic_cast<const CentralGeneric*>(&camera))
-    return SmoothnessPrior(PolynomialPart(*grid));
+    return SmoothnessPrior(PolynomialPart(*grid),
+                           ObservedPixels(problem, index));
   return DistortionPrior(dynamic_cast<const ParametricModel&>(camera),
                          CalibratedArea(problem, index),
                          NumFeatures(problem, index));
@@ -114,12 +115,50 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
     prior->cameras.push_back(NonCentralPrior(
         ExpectedGrid(problem, *starts.lenses[c], AsGrid(problem, c, starts)),
+        ObservedPixels(problem, static_cast<int>(c)),
         MeanDistance(problem, c, *state), starts.BaseOf(c)));
     state->cameras[c] = NonCentralGeneric(dynamic_cast<const CentralGeneric&>(
                                               *state->cameras[c]))
                             .Clone();
   }
   return AdjustInTwoSteps(problem, options, prior, state);
+}
+
+// Continues from grids of other knot spacings, with as strong a prior: sums of
+// squared second differences of one smooth field are proportional to the
+// squared spacing.
+AdjustmentSummary AdjustFromOtherSpacing(const CalibrationProblem& problem,
+                                         const Starts& starts,
+                                         const AdjustmentOptions& options,
+                                         GaussianPrior* prior,
+                                         AdjustmentState* state) {
+  const Adjusted& other = *starts.adjusted;
+  const double variance = std::pow(other.summary.noise_px, 2);
+  AdjustmentState warm = other.state;
+  for (size_t c = 0; c < warm.cameras.size(); ++c) {
+    const auto& from = dynamic_cast<const CentralGeneric&>(*warm.cameras[c]);
+    const auto& to = dynamic_cast<const CentralGeneric&>(*state->cameras[c]);
+    const double ratio = static_cast<double>(to.surface().columns()) /
+                         static_cast<double>(from.surface().columns());
+    for (size_t g = 0; g < prior->cameras[c].groups.size(); ++g)
+      prior->cameras[c].groups[g].SetWeight(
+          other.prior.cameras[c].groups[g].weight * ratio * ratio, variance);
+    warm.cameras[c] = FitCentralGeneric(from, to.area(), to.surface().columns(),
+                                        to.surface().rows())
+                          .Clone();
+  }
+  prior->points_mean = problem.nominal;
+  prior->points_weight = other.prior.points_weight;
+  prior->flex_weights = other.prior.flex_weights;
+  *state = std::move(warm);
+  return AdjustWithLearnedPrior(problem.views, options, prior, state);
+}
+
+// Whether poses and points are those of the problem: images that were rejected
+// take their poses with them.
+bool IsOfSameImages(const Adjusted* adjusted, const AdjustmentState& state) {
+  return adjusted && adjusted->state.rig_from_pattern.size() ==
+                         state.rig_from_pattern.size();
 }
 
 }  // namespace
@@ -202,10 +241,13 @@ AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
     const CentralGeneric base = AsGrid(problem, c, starts);
     prior->cameras.push_back(
         SmoothnessPrior(ExpectedGrid(problem, *starts.lenses[c], base),
+                        ObservedPixels(problem, static_cast<int>(c)),
                         starts.BaseOf(c), spread));
     state->cameras[c] = base.Clone();
   }
-  return AdjustInTwoSteps(problem, options, prior, state);
+  return IsOfSameImages(starts.adjusted, *state)
+             ? AdjustFromOtherSpacing(problem, starts, options, prior, state)
+             : AdjustInTwoSteps(problem, options, prior, state);
 }
 
 AdjustmentSummary Adjust(const std::string& model,

@@ -29,6 +29,8 @@ struct Starts {
   const Lenses& lenses;
   const std::vector<double>& cells_px;
   const std::vector<BaseLens>& bases;  ///< empty: of no parametric model
+  /// Grids of other knot spacings, adjusted to the same images: a warm start.
+  const Adjusted* adjusted = nullptr;
 
   BaseLens BaseOf(size_t camera) const {
     return bases.empty() ? BaseLens() : bases[camera];

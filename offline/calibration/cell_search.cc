@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 #include <tuple>
 
@@ -25,6 +26,18 @@ bool Try(std::vector<int> resolutions, const CellSearch::Measure& measure,
   for (size_t i = 0; i < resolutions.size(); ++i)
     search->tried[resolutions[i]] = std::move(measured[i]);
   return true;
+}
+
+// The residuals in the images of others.
+std::vector<FeatureResidual> InImagesOf(
+    const std::vector<FeatureResidual>& others,
+    const std::vector<FeatureResidual>& residuals) {
+  std::set<std::string> images;
+  for (const FeatureResidual& other : others) images.insert(other.image);
+  std::vector<FeatureResidual> in_images;
+  for (const FeatureResidual& residual : residuals)
+    if (images.count(residual.image) > 0) in_images.push_back(residual);
+  return in_images;
 }
 
 }  // namespace
@@ -68,10 +81,17 @@ double GainOver(const std::vector<FeatureResidual>& others,
 }
 
 std::optional<CellSearch> CellSearch::Run(int num_resolutions, int medium,
-                                          const Measure& measure) {
+                                          const Measure& measure,
+                                          const Probe& probe) {
   CellSearch search;
   const auto gain = [&search](int to) {
     return GainOver(search.tried.at(search.chosen), search.tried.at(to));
+  };
+  const auto may_gain = [&](int to) {
+    if (!probe || search.tried.count(to) > 0) return true;
+    const std::vector<FeatureResidual> part = probe(to);
+    if (part.empty()) return true;  // after a stop
+    return GainOver(InImagesOf(part, search.tried.at(search.chosen)), part) > 0;
   };
   medium = std::min(medium, num_resolutions - 1);
   search.chosen = medium;
@@ -80,12 +100,14 @@ std::optional<CellSearch> CellSearch::Run(int num_resolutions, int medium,
   if (medium > 0) first.push_back(medium - 1);
   if (!Try(first, measure, &search)) return std::nullopt;
   for (int coarser = medium - 1; coarser >= 0; --coarser) {
+    if (!may_gain(coarser)) break;
     if (!Try({coarser}, measure, &search)) return std::nullopt;
     if (gain(coarser) < kCoarserGain) break;
     search.chosen = coarser;
   }
   if (search.chosen < medium) return search;
   for (int finer = medium + 1; finer < num_resolutions; ++finer) {
+    if (!may_gain(finer)) break;
     if (!Try({finer}, measure, &search)) return std::nullopt;
     if (gain(finer) < kFinerGain) break;
     search.chosen = finer;

@@ -32,10 +32,16 @@ struct CellSearch {
   using Measure = std::function<std::vector<std::vector<FeatureResidual>>(
       const std::vector<int>&)>;
 
+  /// Held-out residuals of some of the images with a resolution.
+  using Probe = std::function<std::vector<FeatureResidual>(int resolution)>;
+
   /// Goes from a medium resolution to coarser or to finer ones as long as the
-  /// held-out loss surely falls. Nothing after a stop.
+  /// held-out loss surely falls. One whose loss does not fall in the images
+  /// that probe is given, if it is, is not measured with all. Nothing after a
+  /// stop.
   static std::optional<CellSearch> Run(int num_resolutions, int medium,
-                                       const Measure& measure);
+                                       const Measure& measure,
+                                       const Probe& probe = {});
 };
 
 }  // namespace raygrid

@@ -180,10 +180,15 @@ std::optional<Adjusted> RigidlyAdjusted(const Folds::Fold& fold,
                                         const std::vector<double>& cells_px,
                                         const AdjustmentOptions& options) {
   const bool is_grid = !IsParametricModel(model);
-  for (const auto& [cells, kept] : fold.rigid)
+  const Adjusted* coarser = nullptr;
+  for (const auto& [cells, kept] : fold.rigid) {
     if (is_grid && cells == cells_px) return kept;
+    if (cells > cells_px) coarser = &kept;
+  }
   std::optional<Adjusted> adjusted = is_grid ? fold.lenses : fold.start;
-  if (adjusted) AdjustRigidly(pattern, model, cells_px, options, &*adjusted);
+  if (adjusted)
+    AdjustRigidly(pattern, model, cells_px, options, &*adjusted,
+                  model == "central-generic" ? coarser : nullptr);
   return adjusted;
 }
 
@@ -249,9 +254,9 @@ void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
   const auto should_stop = [&options] {
     return options.should_stop && options.should_stop();
   };
-  std::vector<Trial> missing =
-      MissingTrials(folds->count(), candidates, options.rigid_boards,
-                    !options.bodies.empty(), *done);
+  std::vector<Trial> missing = MissingTrials(
+      options.num_folds > 0 ? options.num_folds : folds->count(), candidates,
+      options.rigid_boards, !options.bodies.empty(), *done);
   StartFolds(missing, pattern, options, folds);
 
   const int num_trials = static_cast<int>(missing.size());

@@ -67,6 +67,7 @@ struct ValidationOptions {
   /// Whether to keep what is adjusted with rigid boards, for trials of the same
   /// model with boards that bend.
   bool keep_rigid = false;
+  int num_folds = 0;  ///< the first ones; 0: all
   Bodies bodies;
   int num_threads = 0;
   std::function<void(double)> progress;

@@ -17,6 +17,7 @@ constexpr double kStillRad = kMaxFrameTurnRad / 50;
 // The prior of a grid that is turned: around the turned mean, as strong as it
 // was. The lines' points are believed to lie around the origin in any frame.
 CameraPrior TurnedPrior(const CameraPrior& prior, const CameraModel& camera,
+                        const std::vector<Eigen::Vector2d>& observed_px,
                         const Eigen::Quaterniond& turned_from_camera,
                         double residual_variance) {
   const std::unique_ptr<CameraModel> mean = camera.Clone();
@@ -25,12 +26,12 @@ CameraPrior TurnedPrior(const CameraPrior& prior, const CameraModel& camera,
   CameraPrior turned;
   if (const auto* lines = dynamic_cast<const NonCentralGeneric*>(base.get())) {
     constexpr double kAnyDistanceM = 1;
-    turned =
-        NonCentralPrior(lines->CentralPart(), kAnyDistanceM, prior.base_lens);
+    turned = NonCentralPrior(lines->CentralPart(), observed_px, kAnyDistanceM,
+                             prior.base_lens);
     turned.groups.back() = prior.groups.back();
   } else {
     turned = SmoothnessPrior(dynamic_cast<const CentralGeneric&>(*base),
-                             prior.base_lens, prior.spread);
+                             observed_px, prior.base_lens, prior.spread);
   }
   for (size_t g = 0; g < turned.groups.size(); ++g)
     turned.groups[g].SetWeight(prior.groups[g].weight, residual_variance);
@@ -44,8 +45,10 @@ void TurnCamera(size_t camera, const Eigen::Quaterniond& turned_from_camera,
                 Adjusted* adjusted) {
   AdjustmentState& state = adjusted->state;
   CameraPrior& prior = adjusted->prior.cameras[camera];
-  prior = TurnedPrior(prior, *state.cameras[camera], turned_from_camera,
-                      std::pow(adjusted->summary.noise_px, 2));
+  prior =
+      TurnedPrior(prior, *state.cameras[camera],
+                  ObservedPixels(adjusted->problem, static_cast<int>(camera)),
+                  turned_from_camera, std::pow(adjusted->summary.noise_px, 2));
   state.cameras[camera] = Turned(*state.cameras[camera], turned_from_camera);
   prior.orientation_difference =
       prior.OrientationError(state.cameras[camera]->Parameters());

@@ -94,8 +94,17 @@ void ChooseGrid(const Pattern& pattern, const CalibrationOptions& options,
     }
     return measured;
   };
+  const auto probe = [&](int i) {
+    ValidationOptions part = validation;
+    part.num_folds = num_folds / 2;
+    CrossValidate(pattern, part, {{cells[i]}}, &camera->folds, &trials);
+    HeldOut held_out = JoinFolds(trials, part.num_folds, {cells[i]}, true);
+    return held_out.alone.empty() ? std::vector<FeatureResidual>()
+                                  : std::move(held_out.alone.front());
+  };
   const std::optional<CellSearch> search =
-      CellSearch::Run(static_cast<int>(cells.size()), kMedium, measure);
+      CellSearch::Run(static_cast<int>(cells.size()), kMedium, measure,
+                      num_folds > 1 ? probe : CellSearch::Probe());
   if (!search) return;
   result.cell_px = cells[search->chosen];
   for (const auto& [candidate, residuals] : search->tried)

@@ -59,13 +59,15 @@ void PutGridsAroundLenses(const std::string& model, const Starts& starts,
   adjusted->prior.points_mean = problem.nominal;
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
     const CentralGeneric grid = AsGrid(problem, c, starts);
+    const std::vector<Eigen::Vector2d> observed_px =
+        ObservedPixels(problem, static_cast<int>(c));
     if (model == "noncentral-generic") {
       adjusted->state.cameras[c] = NonCentralGeneric(grid).Clone();
-      adjusted->prior.cameras.push_back(
-          NonCentralPrior(grid, MeanDistance(problem, c, adjusted->state)));
+      adjusted->prior.cameras.push_back(NonCentralPrior(
+          grid, observed_px, MeanDistance(problem, c, adjusted->state)));
     } else {
       adjusted->state.cameras[c] = grid.Clone();
-      adjusted->prior.cameras.push_back(SmoothnessPrior(grid));
+      adjusted->prior.cameras.push_back(SmoothnessPrior(grid, observed_px));
     }
   }
   adjusted->summary = {};
@@ -81,13 +83,15 @@ void PutGridsAroundLenses(const std::string& model, const Starts& starts,
 // The steps of AdjustRigidly() from where the state is.
 void AdjustFromLenses(const Pattern& pattern, const std::string& model,
                       const std::vector<double>& cells_px,
-                      const AdjustmentOptions& options, Adjusted* adjusted) {
+                      const AdjustmentOptions& options,
+                      const Adjusted* other_spacing, Adjusted* adjusted) {
   Lenses lenses = CopyCameras(adjusted->state);
   const AdjustmentState start = adjusted->state;
   const auto adjust = [&](const AdjustmentOptions& with) {
-    adjusted->summary = Adjust(model, adjusted->problem,
-                               {lenses, cells_px, adjusted->base_lenses}, with,
-                               &adjusted->prior, &adjusted->state);
+    adjusted->summary =
+        Adjust(model, adjusted->problem,
+               {lenses, cells_px, adjusted->base_lenses, other_spacing}, with,
+               &adjusted->prior, &adjusted->state);
   };
   // Once there are outliers, no more than they are asked for.
   AdjustmentOptions first = options;
@@ -132,7 +136,7 @@ void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
     AdjustLenses(other, from.problem, CopyCameras(start.state),
                  AsStart(options), &from.prior, &from.state);
     if (HasDiverged(from, start)) continue;
-    AdjustFromLenses(pattern, model, cells_px, options, &from);
+    AdjustFromLenses(pattern, model, cells_px, options, nullptr, &from);
     const double error_px = MeanErrorPx(from, start);
     if (error_px >= least_px) continue;
     least_px = error_px;
@@ -159,9 +163,10 @@ bool CanJudge(const AdjustmentState& start, const std::string& model) {
 
 void AdjustRigidly(const Pattern& pattern, const std::string& model,
                    const std::vector<double>& cells_px,
-                   const AdjustmentOptions& options, Adjusted* adjusted) {
+                   const AdjustmentOptions& options, Adjusted* adjusted,
+                   const Adjusted* other_spacing) {
   const Adjusted start = *adjusted;
-  AdjustFromLenses(pattern, model, cells_px, options, adjusted);
+  AdjustFromLenses(pattern, model, cells_px, options, other_spacing, adjusted);
   if (CanJudge(start.state, model) && HasDiverged(*adjusted, start))
     AdjustFromOtherLenses(pattern, model, cells_px, options, start, adjusted);
 }

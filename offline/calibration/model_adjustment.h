@@ -12,10 +12,12 @@ namespace raygrid {
 /// outliers removed, once more. Grids start from the lenses that they lie
 /// around. Where that diverges, other lenses are tried; if all fail, the camera
 /// is as good as the lens that it started from, and has not converged. Cells
-/// for each camera.
+/// for each camera. Central grids start from those of another knot spacing, if
+/// they are given.
 void AdjustRigidly(const Pattern& pattern, const std::string& model,
                    const std::vector<double>& cells_px,
-                   const AdjustmentOptions& options, Adjusted* adjusted);
+                   const AdjustmentOptions& options, Adjusted* adjusted,
+                   const Adjusted* other_spacing = nullptr);
 
 /// Goes on to boards that bend, once outliers are gone: bends would follow
 /// them. With few parameters, as parametric models have, bends would take on

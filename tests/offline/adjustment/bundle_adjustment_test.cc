@@ -316,7 +316,7 @@ struct GridProblem {
   explicit GridProblem(double cell_px) {
     const CentralGeneric grid = FittedGrid(problem.state.camera(), cell_px);
     problem.state.SetCamera(grid);
-    prior.cameras = {SmoothnessPrior(grid)};
+    prior.cameras = {SmoothnessPrior(grid, {})};
     prior.cameras[0].groups[0].weight = 1;
     prior.points_mean = problem.state.points;
     prior.points_weight = 1e5;

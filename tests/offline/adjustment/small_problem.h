@@ -172,7 +172,7 @@ inline SmallProblem MakeExactGridProblem(int num_views, int num_points) {
 /// Hardly any prior around the camera's grid.
 inline CameraPrior WeakGridPrior(const SmallProblem& problem) {
   CameraPrior prior = SmoothnessPrior(
-      dynamic_cast<const CentralGeneric&>(problem.state.camera()));
+      dynamic_cast<const CentralGeneric&>(problem.state.camera()), {});
   prior.groups[0].weight = 1e-6;
   return prior;
 }

@@ -34,7 +34,7 @@ double GroupCost(const CameraPrior& prior, size_t group,
 
 TEST(SmoothnessPrior, LeavesTheLensFree) {
   const CentralGeneric base = Base();
-  const CameraPrior prior = SmoothnessPrior(base);
+  const CameraPrior prior = SmoothnessPrior(base, {});
   const PriorGroup& group = prior.groups[0];
   ASSERT_EQ(group.free.cols(), 7);
   TestRandom random(3);
@@ -46,9 +46,34 @@ TEST(SmoothnessPrior, LeavesTheLensFree) {
             0.2 * bent.dot(group.precision * bent));
 }
 
+// What extrapolated corners do must not move the camera's frame.
+TEST(SmoothnessPrior, HoldsTheOrientationOfObservedPixels) {
+  const CentralGeneric base = Base();
+  const BSplineSurface& grid = base.surface();
+  const std::vector<Eigen::Vector2d> observed_px = {grid.area().center()};
+  const CameraPrior prior = SmoothnessPrior(base, observed_px);
+  const SplineSupport support = grid.Support(observed_px.front());
+  constexpr double kTurn = 1e-3;
+  Eigen::VectorXd observed = prior.mean, others = prior.mean;
+  for (int row = 0; row < grid.rows(); ++row)
+    for (int column = 0; column < grid.columns(); ++column) {
+      const int k = row * grid.columns() + column;
+      const bool is_observed = row >= support.row && row < support.row + 4 &&
+                               column >= support.column &&
+                               column < support.column + 4;
+      (is_observed ? observed : others).segment<2>(2 * k) +=
+          ChartRotationDerivative(grid.points()[k]) *
+          Eigen::Vector3d(kTurn, 0, 0);
+    }
+  EXPECT_EQ(prior.OrientationError(others).norm(), 0);
+  const Eigen::Vector3d turn = prior.OrientationError(observed);
+  EXPECT_GT(std::abs(turn.x()), 0.9 * turn.norm());
+  EXPECT_GT(turn.norm(), 0.1 * kTurn);
+}
+
 // b of covariance K - R R^T, from signs.
 TEST(SmoothnessPrior, ScattersAsItHolds) {
-  const CameraPrior prior = SmoothnessPrior(Base());
+  const CameraPrior prior = SmoothnessPrior(Base(), {});
   const PriorGroup& group = prior.groups[0];
   const Eigen::MatrixXd k = Eigen::MatrixXd(group.precision);
   const Eigen::MatrixXd root = Eigen::LLT<Eigen::MatrixXd>(k).matrixL();
@@ -93,7 +118,7 @@ TEST(SmoothnessPrior, FreesTheParametersOfItsLens) {
   const Eigen::VectorXd tilt = Tilted(1).Parameters() - base.Parameters();
   const auto group_with = [&](double precision) {
     PriorGroup group =
-        SmoothnessPrior(base, WithTiltPrecision(precision)).groups[0];
+        SmoothnessPrior(base, {}, WithTiltPrecision(precision)).groups[0];
     group.SetWeight(kWeight, kVariance);
     return group;
   };
@@ -111,7 +136,7 @@ TEST(SmoothnessPrior, HoldsATiltTheLessTheMoreItWeighs) {
   const CentralGeneric base = Tilted(0);
   const Eigen::VectorXd tilt = Tilted(1).Parameters() - base.Parameters();
   PriorGroup group =
-      SmoothnessPrior(base, WithTiltPrecision(kPrecision)).groups[0];
+      SmoothnessPrior(base, {}, WithTiltPrecision(kPrecision)).groups[0];
   group.SetWeight(1, kVariance);
   const double with_weak = group.SquaredDistance(tilt);
   group.SetWeight(1000, kVariance);
@@ -172,7 +197,7 @@ TEST(SmoothnessPrior, HoldsASpreadByItsDeviation) {
   const CentralGeneric base = Base();
   const BSplineSurface bump = Bump(base.area(), 0.5);
   const auto cost_with = [&](const BSplineSurface& spread, double times) {
-    const CameraPrior prior = SmoothnessPrior(base, {}, {spread});
+    const CameraPrior prior = SmoothnessPrior(base, {}, {}, {spread});
     PriorGroup group = prior.groups[0];
     group.SetWeight(kWeight, kVariance);
     return kWeight / kVariance *
@@ -189,7 +214,7 @@ TEST(SmoothnessPrior, HoldsASpreadByItsDeviation) {
 TEST(SmoothnessPrior, TakesASpreadOfZeros) {
   const CentralGeneric base = Base();
   const PriorGroup with =
-      SmoothnessPrior(base, {}, {Bump(base.area(), 0)}).groups[0];
+      SmoothnessPrior(base, {}, {}, {Bump(base.area(), 0)}).groups[0];
   EXPECT_TRUE(with.free.allFinite());
   EXPECT_TRUE(with.freed.allFinite());
 }
@@ -198,7 +223,7 @@ TEST(SmoothnessPrior, TakesASpreadOfZeros) {
 // through, back by ten times as much: that is a turn all the same.
 TEST(SmoothnessPrior, HoldsTheOrientationOfWhatIsSeen) {
   const CentralGeneric base = Base();
-  const CameraPrior prior = SmoothnessPrior(base);
+  const CameraPrior prior = SmoothnessPrior(base, {});
   const BSplineSurface& surface = base.surface();
   Eigen::VectorXd turned = prior.mean, but_corners = prior.mean;
   for (int k = 0; k < surface.num_points(); ++k) {
@@ -217,14 +242,14 @@ TEST(SmoothnessPrior, HoldsTheOrientationOfWhatIsSeen) {
 }
 
 TEST(NonCentralPrior, CostsNothingAtItsMean) {
-  const CameraPrior prior = NonCentralPrior(Base(), kDistance);
+  const CameraPrior prior = NonCentralPrior(Base(), {}, kDistance);
   ASSERT_EQ(prior.groups.size(), 2u);
   EXPECT_EQ(prior.mean, Start());
   EXPECT_EQ(prior.Cost(Start()), 0);
 }
 
 TEST(NonCentralPrior, EachGroupSeesItsOwnParameters) {
-  const CameraPrior prior = NonCentralPrior(Base(), kDistance);
+  const CameraPrior prior = NonCentralPrior(Base(), {}, kDistance);
   TestRandom random(1);
   Eigen::VectorXd directions = Start(), points = Start();
   for (Eigen::Index k = 0; k < directions.size(); k += 5) {
@@ -240,8 +265,8 @@ TEST(NonCentralPrior, EachGroupSeesItsOwnParameters) {
 
 TEST(NonCentralPrior, HoldsDirectionsAsTheCentralOneDoes) {
   const CentralGeneric base = Base();
-  const CameraPrior central = SmoothnessPrior(base);
-  const CameraPrior lines = NonCentralPrior(base, kDistance);
+  const CameraPrior central = SmoothnessPrior(base, {});
+  const CameraPrior lines = NonCentralPrior(base, {}, kDistance);
   TestRandom random(2);
   Eigen::VectorXd central_parameters = base.Parameters();
   for (Eigen::Index k = 0; k < central_parameters.size(); ++k)
@@ -263,7 +288,7 @@ TEST(NonCentralPrior, HoldsDirectionsAsTheCentralOneDoes) {
 // K has full rank: parameters that observations do not see must be held. Focal
 // lengths and centre, which they do see, are held by little.
 TEST(NonCentralPrior, LeavesNoParameterQuiteFree) {
-  const CameraPrior prior = NonCentralPrior(Base(), kDistance);
+  const CameraPrior prior = NonCentralPrior(Base(), {}, kDistance);
   Eigen::MatrixXd sum =
       Eigen::MatrixXd::Zero(prior.mean.size(), prior.mean.size());
   int rank = 0;
@@ -280,7 +305,7 @@ TEST(NonCentralPrior, LeavesNoParameterQuiteFree) {
 }
 
 TEST(NonCentralPrior, PrefersPointsThatDoNotDrift) {
-  const CameraPrior prior = NonCentralPrior(Base(), kDistance);
+  const CameraPrior prior = NonCentralPrior(Base(), {}, kDistance);
   const auto cost = [&](const auto& point) {
     return GroupCost(prior, 1, WithPoints(point));
   };
@@ -301,7 +326,7 @@ TEST(NonCentralPrior, PrefersPointsThatDoNotDrift) {
 // Points that move by 2 mm from node to node: along the lines they cost far
 // more than across, where they are only rough.
 TEST(NonCentralPrior, HoldsPointsInTheirPlacesAlongLines) {
-  const CameraPrior prior = NonCentralPrior(Base(), kDistance);
+  const CameraPrior prior = NonCentralPrior(Base(), {}, kDistance);
   const auto sign = [](Eigen::Index k) { return k % 2 ? 0.001 : -0.001; };
   const auto along = WithPoints(
       [&](const Eigen::Vector3d& d, Eigen::Index k) -> Eigen::Vector3d {
@@ -318,8 +343,8 @@ TEST(NonCentralPrior, CountsPointsInPixelsAtTheDistance) {
   const auto shifted = WithPoints([](const Eigen::Vector3d&, Eigen::Index) {
     return Eigen::Vector3d(0.001, 0, 0);
   });
-  const double near = GroupCost(NonCentralPrior(Base(), 0.5), 1, shifted);
-  const double far = GroupCost(NonCentralPrior(Base(), 1), 1, shifted);
+  const double near = GroupCost(NonCentralPrior(Base(), {}, 0.5), 1, shifted);
+  const double far = GroupCost(NonCentralPrior(Base(), {}, 1), 1, shifted);
   EXPECT_NEAR(near, 4 * far, 1e-9 * near);
 }
 

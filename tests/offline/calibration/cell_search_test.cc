@@ -105,6 +105,29 @@ TEST(CellSearch, TakesTheOnlyResolution) {
   EXPECT_EQ(found.num_tried, 1);
 }
 
+TEST(CellSearch, DoesNotMeasureWhatLosesInAProbe) {
+  const std::vector<Residuals> of_resolutions = {
+      ErrorsOf(0.3, 0.01), ErrorsOf(0.3, 0.01),  ErrorsOf(0.2, 0.01),
+      ErrorsOf(0.1, 0.01), ErrorsOf(0.15, 0.01), ErrorsOf(0.05, 0.01)};
+  std::vector<int> probed;
+  const auto search = CellSearch::Run(
+      6, 2,
+      [&](const std::vector<int>& which) {
+        std::vector<Residuals> measured;
+        for (const int i : which) measured.push_back(of_resolutions[i]);
+        return measured;
+      },
+      [&](int i) {
+        probed.push_back(i);
+        const Residuals& all = of_resolutions[i];
+        return Residuals(all.begin(), all.begin() + 4 * kFeaturesPerImage);
+      });
+  EXPECT_EQ(search.value().chosen, 3);
+  EXPECT_EQ(probed, (std::vector<int>{3, 4}));
+  EXPECT_EQ(search->tried.count(3), 1u);
+  EXPECT_EQ(search->tried.count(4), 0u);
+}
+
 TEST(CellSearch, EndsWithAStop) {
   int calls = 0;
   const auto search = CellSearch::Run(4, 2, [&](const std::vector<int>& which) {
