@@ -21,7 +21,6 @@ CORNERS = (
     ("raygrid detect", "raygrid"),
 )
 REFERENCE_CORNERS = "sub-pix-5"  # those of which all models are measured
-CORNERS_WITHOUT_TABLE = ("sub-pix-11", "sector")  # of their own
 HELD_OUT = ("04", "08", "13")  # numbers in the photographs' names, as in tools/quickstart
 SIDES = ("left", "right")
 PHOTOGRAPHS_PATTERN = """raygrid_pattern: 1
