@@ -89,6 +89,10 @@ class Data(unittest.TestCase):
         self.assertEqual({name[:-4] for name in os.listdir(FOLDER) if name.endswith(".csv")},
                          files | {"calibrator", "runs"})
 
+    def test_sets_are_described(self):
+        described = [row["set"] for row in page.read_rows(FOLDER, "sets")]
+        self.assertEqual(described, list(dict.fromkeys(row["set"] for row in page.read_rows(FOLDER, "accuracy"))))
+
     def test_both_evaluations_are_stated_for_all_programs(self):
         """With rigid and with deforming targets, and peers' imports are the same cameras."""
         rows = page.read_rows(FOLDER, "target_deformation")
@@ -98,7 +102,8 @@ class Data(unittest.TestCase):
             self.assertEqual({row["program"] for row in compared}, set(page.PROGRAMS))
             for row in compared:
                 with self.subTest(row=list(row.values())[:5]):
-                    rigid, corners, own = float(row["rigid_median_px"]), int(row["rigid_corners"]), row["own_code_median_px"]
+                    rigid, corners = float(row["rigid_median_px"]), int(row["rigid_corners"])
+                    own = row["own_code_median_px"]
                     self.assertGreater(corners, 0)
                     if row["deformed_median_px"]:  # the points of one are far off a plane
                         self.assertLess(abs(int(row["deformed_corners"]) - corners / 2), 0.05 * corners)

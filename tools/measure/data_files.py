@@ -12,6 +12,7 @@ COLUMNS = {
     "accuracy": ("set", "program", "version", "model", "target", "parameters", "train_median_px", "median_px", "rms_px",
                  "p95_px", "corners", "seconds", "failure"),
     "localization": ("set", "raygrid_median_px", "raygrid_corners", "peers_median_px", "peers_corners"),
+    "sets": ("set", "description"),
     "blob": ("command", "value", "unit"),
     "target_deformation": ("set", "program", "version", "model", "target", "rigid_median_px", "rigid_rms_px",
                            "rigid_corners", "deformed_median_px", "deformed_rms_px", "deformed_corners",
@@ -46,6 +47,7 @@ def write_run(folder, names, version):
 
 def accuracy_files(results, blob_bytes):
     return {"accuracy": tables.accuracy_rows(results), "localization": tables.localization_rows(results),
+            "sets": tables.set_rows(results),
             "blob": [{"command": "pack --remap 640x480,hfov=60", "value": f"{blob_bytes / 1000:.1f}", "unit": "kB"}]}
 
 

@@ -154,7 +154,7 @@ def cost_table(_):
 
 
 def runs_table(folder):
-    rows = [row for row in read_rows(folder, "runs") if row["file"] not in ("localization", "remap_ratios")]
+    rows = [row for row in read_rows(folder, "runs") if row["file"] not in ("localization", "remap_ratios", "sets")]
     return markdown(["file", "date", "machine"],
                     [[f"[`{row['file']}.csv`]({row['file']}.csv)", row["date"], row["machine"] or "not recorded"]
                      for row in rows])
@@ -178,14 +178,14 @@ def update(folder=FOLDER):
 
 # ---- README.md -----------------------------------------------------------------
 
-# Rows of its table of results: program, and model by the kind of target and the set.
+# Columns of its table of results: set, and whether the target is estimated; OpenCV's models in them.
 README_SETS = (("left-sub-pix-5", False), ("left-sub-pix-5", True), ("fisheye_190", False), ("fisheye_190", True))
-README_TERMS = {("left-sub-pix-5", False): "calibrateCamera, 5 terms", ("left-sub-pix-5", True): "calibrateCameraRO, 5 terms",
-                ("fisheye_190", False): "fisheye::calibrate"}
+README_TERMS = {("left-sub-pix-5", False): "calibrateCamera, 5 terms",
+                ("left-sub-pix-5", True): "calibrateCameraRO, 5 terms", ("fisheye_190", False): "fisheye::calibrate"}
 README_MODELS = ("thin-prism-fisheye", "central-generic", "noncentral-generic")
 # Figures of its text.
-README_TEXT = (("left-sub-pix-5", "OpenCV", "calibrateCameraRO, 14 terms"), ("left-raygrid", "raygrid", "central-generic"),
-               ("left-raygrid", "OpenCV", "calibrateCameraRO, 5 terms"))
+README_TEXT = (("left-sub-pix-5", "OpenCV", "calibrateCameraRO, 14 terms"),
+               ("left-raygrid", "raygrid", "central-generic"), ("left-raygrid", "OpenCV", "calibrateCameraRO, 5 terms"))
 
 
 def readme_cells(folder=FOLDER):

@@ -105,4 +105,5 @@ def speed_rows(by_width):
             for name in FORMATS:
                 for program, speed in formats[name].items():
                     label = program if is_rival(program) else "raygrid " + program
-                    yield {"width_px": width, "view": view, "format": name, "program": label, "mpx_per_s": f"{speed:.0f}"}
+                    yield {"width_px": width, "view": view, "format": name, "program": label,
+                           "mpx_per_s": f"{speed:.0f}"}

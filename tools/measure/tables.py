@@ -1,4 +1,4 @@
-"""Rows of accuracy.csv and localization.csv."""
+"""Rows of accuracy.csv, localization.csv and sets.csv."""
 
 FIGURES = ("median", "rms", "p95")
 
@@ -59,3 +59,9 @@ def localization_rows(results):
         yield {"set": result["job"]["name"], "raygrid_median_px": f"{by_raygrid['median']:.4f}",
                "raygrid_corners": by_raygrid["count"], "peers_median_px": f"{by_peers['median']:.4f}",
                "peers_corners": by_peers["count"]}
+
+
+def set_rows(results):
+    for result in results:
+        name = result["job"]["name"]
+        yield {"set": name, "description": result["job"]["title"].removeprefix(name + ": ")}
