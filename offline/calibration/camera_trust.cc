@@ -16,7 +16,7 @@ constexpr double kAlwaysTrustedPx = 0.025;  // however little noise there is
 // Beyond the features lenses are less smooth than the prior has it. Of twelve
 // calibrations of four simulated lenses, seen in the middle 60 % of the width,
 // 90 % of the pixels beyond were within twice a deviation so much larger: 1.0
-// to 1.9, by calibration (offline/MEASURED.md).
+// to 1.9, by calibration (benchmarks/README.md).
 constexpr double kBeyondFeatures = 2;
 // A trusted cell also has so many features within so many cells to all sides.
 constexpr int kMinFeatures = 3, kNearCells = 2;

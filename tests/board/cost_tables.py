@@ -4,8 +4,12 @@ budgets.toml, which are gates.
 A kind of figures is a table of both: its figures are a dictionary by name, whole numbers or such
 with one decimal, in the table's order.
 """
+import os
 import sys
 import tomllib
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tools", "measure"))
+import page  # noqa: E402
 
 # How the heading of a kind's table begins in COST.md.
 HEADINGS = {"text": "| core | .text: rays |", "stack": "| core | stack: open |",
@@ -75,8 +79,9 @@ def add_arguments(parser):
 
 
 def settle(arguments, target, kinds):
-    """Writes the figures of each kind, or compares them with their ceilings."""
+    """Writes the figures of each kind, also into the benchmarks' page, or compares them with their ceilings."""
     if arguments.update:
         write_rows(arguments.update, target, kinds)
+        page.update()
     else:
         check_budgets(arguments.budgets, target, kinds)

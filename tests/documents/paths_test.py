@@ -19,7 +19,7 @@ DOCUMENTS = ("README.md", "CONTRIBUTING.md", "offline/GLOSSARY.md", "tools/READM
              "runtime/COST.md", "runtime/libcamera/README.md", "runtime/micropython/README.md",
              "runtime/python/README.md", "runtime/v4l2/README.md",
              "runtime/wasm/README.md", "offline/README.md",
-             "offline/MEASURED.md", "offline/experiments/README.md", "offline/python/README.md",
+             "benchmarks/README.md", "offline/experiments/README.md", "offline/python/README.md",
              "offline/python/DESIGN.md",
              *(f"offline/{stage}/DESIGN.md" for stage in STAGES))
 DOCUMENTS += ("SECURITY.md", "formats/SPEC.md", "formats/vectors/README.md",

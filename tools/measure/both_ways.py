@@ -13,17 +13,6 @@ import tables
 MODELS = ("central-generic", "noncentral-generic", "thin-prism-fisheye", "opencv")
 LIMIT = 0.01  # part of the median by which the peer's own code may differ
 
-RULE = """Held-out corners are told about in two ways, by `raygrid evaluate` for all programs. *Rigid*: all corners of an image tell how
-its board stands, and count. *Flexed*: half of an image's corners, in even places, tell how its board stands and bends; the other half
-counts. All images together tell how far boards bend. So flexed errors have more of the pose's noise in them, and none of a
-bend's. Boards have the points that the program found: `calibrateCameraRO`'s new points, mrcal's warp, raygrid's `pattern.yaml`.
-
-raygrid imports the peers' cameras from OpenCV's FileStorage and mrcal's `.cameramodel`. *Own code* is the rigid median by the code of
-`tools/measure`, which asks the peer's own library: it shows that the import is the same camera. Models that raygrid only takes by a fit,
-with thin prisms or tilts, are left out, and the non-central grid from the two large sets. Boards whose
-points were found far off a plane have no flexed errors. Rows are in the order of the flexed median."""
-
-
 def jobs(options):
     """Of the photographs those with the best corners, and the shared sets."""
     photographs = [job for job in sets.photograph_jobs(options.work) if job["kind"] == "raygrid"]
@@ -74,7 +63,7 @@ def raygrid_rows(job, options):
         camera = os.path.join(output, "camera.yaml")
         arguments = raygrid_peer.calibrate_arguments(job, output) + ["--model", model, "--hold-out", held_out]
         if options.keep and os.path.exists(camera) or raygrid_peer.run(options.raygrid, arguments, output + ".log"):
-            yield {"peer": "raygrid", "version": "", "model": model, "board": "free", "camera": camera,
+            yield {"peer": "raygrid", "version": "", "model": model, "target": "estimated", "camera": camera,
                    "pattern": os.path.join(output, "pattern.yaml")}
 
 
@@ -108,7 +97,7 @@ def steps(options):
     return [step for job in wanted for step in steps_of(job, options)]
 
 
-# ---- Text ----------------------------------------------------------------------
+# ---- Data ----------------------------------------------------------------------
 
 def results(options):
     found = []
@@ -132,46 +121,36 @@ def is_imported(row):
     return abs(row["both"]["rigid"]["median_px"] - median) <= LIMIT * median
 
 
-def cells_of(figures):
-    """Views of too few corners have none of boards that bend."""
-    if not figures:
-        return "– | – | –"
-    return f"{tables.number(figures['median_px'])} | {tables.number(figures['rms_px'])} | {figures['count']}"
-
-
 def order_of(row):
-    flexed = row["both"]["flexed"]
-    return (flexed is None, (flexed or row["both"]["rigid"])["median_px"])
+    deformed = row["both"]["flexed"]
+    return (deformed is None, (deformed or row["both"]["rigid"])["median_px"])
 
 
-def table(rows):
-    lines = ["| program | model | board | rigid median | RMS | corners | flexed median | RMS | corners | own code |",
-             "|---|---|---|---|---|---|---|---|---|---|"]
-    told = [row for row in rows if row.get("both") and is_imported(row)]
-    for row in sorted(told, key=order_of):
-        cells = [cells_of(row["both"][way]) for way in ("rigid", "flexed")]
-        lines.append(f"| {tables.name_of(row)} | {row['model']} | {row['board']} | {cells[0]} | {cells[1]} | "
-                     f"{own_code(row)} |")
-    return lines
+def columns_of(way, figures):
+    """Views of too few corners have no errors with deformed targets."""
+    if not figures:
+        return {}
+    return {f"{way}_median_px": tables.number(figures["median_px"]), f"{way}_rms_px": tables.number(figures["rms_px"]),
+            f"{way}_corners": figures["count"]}
 
 
-def reasons(rows):
-    lines = tables.failures(rows)
-    for row in rows:
-        label = f"Not there: {tables.name_of(row)} {row['model']}, {row.get('board')}:"
-        if "camera" in row and not row["both"]:
-            lines.append(f"{label} raygrid does not take it.")
-        elif "camera" in row and not is_imported(row):
-            lines.append(f"{label} its import has a rigid median of "
-                         f"{tables.number(row['both']['rigid']['median_px'])}, its own code {own_code(row)}.")
-    return lines
+def failure_of(row):
+    if "failed" in row:
+        return row["failed"]
+    if not row.get("both"):
+        return "raygrid does not take it"
+    return (f"its import has a rigid median of {tables.number(row['both']['rigid']['median_px'])}, "
+            f"its own code {own_code(row)}")
 
 
-def text(found, absent):
-    lines = [RULE, ""]
-    lines += [f"Skipped, as it was not there: {name}." for name in absent] + [""] * bool(absent)
+def data_rows(found):
+    """Rows of target_deformation.csv, by set in the order of the median with deformed targets."""
     for result in found:
-        lines += [f"### {result['job']['title']}, both ways", ""] + table(result["rows"])
-        more = reasons(result["rows"])
-        lines += [""] + more + [""] * bool(more)
-    return lines
+        name = result["job"]["name"]
+        compared = [row for row in result["rows"] if row.get("both") and is_imported(row)]
+        for row in sorted(compared, key=order_of):
+            yield {**tables.head_of(name, row), **columns_of("rigid", row["both"]["rigid"]),
+                   **columns_of("deformed", row["both"]["flexed"]), "own_code_median_px": own_code(row)}
+        for row in result["rows"]:
+            if "failed" in row or "camera" in row and row not in compared:
+                yield {**tables.head_of(name, row), "failure": failure_of(row)}

@@ -245,24 +245,13 @@ def results(options):
     return options
 
 
-def text(options):
-    rows = {}
-    for size in SIZES:
-        for name, by_threads in options.paths[size].items():
-            for threads, by_format in by_threads.items():
-                for form, (rate, share) in by_format.items():
-                    rows.setdefault((name, threads), {})[size, form] = f"{rate:.0f} ({100 * share:.0f} %)"
-    columns = [(size, form) for size in SIZES for form in FORMATS]
-    heads = [f"{form} {size[0]} × {size[1]}" for size, form in columns]
-    lines = [f"On {THREADS} processors ({processor()}): frames a second, and in brackets the share of one processor,",
-             f"medians of {ROUNDS} rounds in which all ways take turns. The lens is OpenCV's model, the view is the same for all but",
-             "`cameraundistort`, and pictures of those that can write them are compared first. Frames that are fed come through",
-             "a pipe; other programs have them in memory. Results go nowhere. ffmpeg takes the nearest pixel, all others interpolate;",
-             "neither ffmpeg nor `cameraundistort` takes NV12. Ways in by libcamera and V4L2 ran on emulated cameras only, whose",
-             "speed says nothing. On as many threads as there are processors, `raygrid-camera` has to share them with the program that",
-             "feeds it, and waits for it; its default is one thread fewer.", "",
-             "| way | threads | " + " | ".join(heads) + " |", "|---" * (len(heads) + 2) + "|"]
-    for (name, threads), cells in rows.items():
-        lines.append(f"| {name} | {threads} | " + " | ".join(cells.get(column, "-") for column in columns) + " |")
-    lines += [f"Skipped, as it was not there: {name}." for name in options.absent]
-    return lines
+def data_rows(options):
+    """Rows of frame_rates.csv."""
+    for name in options.absent:
+        print(f"skipped, as it is not there: {name}")
+    for name in dict.fromkeys(name for size in SIZES for name in options.paths[size]):
+        for threads in options.paths[SIZES[0]][name]:
+            for width, height in SIZES:
+                for form, (rate, share) in options.paths[width, height][name][threads].items():
+                    yield {"program": name, "threads": threads, "format": form, "width_px": width, "height_px": height,
+                           "frames_per_s": f"{rate:.0f}", "processor_percent": f"{100 * share:.0f}"}

@@ -2,16 +2,17 @@
 import argparse
 import os
 import shutil
+import subprocess
 import sys
 
 import accuracy
-import benchmarks_file
 import both_ways
+import data_files
 import datasets
 import frame_paths
+import page
 import progress
 import remap
-import sets
 
 
 def parse():
@@ -24,32 +25,35 @@ def parse():
     return parser.parse_args()
 
 
-def accuracy_sections(options):
+def accuracy_files(options):
     blob = datasets.read_json(os.path.join(options.work, "blob", "blob.json"))
-    absent = sets.shared_jobs(options.data, options.work)[1]
-    return benchmarks_file.accuracy_sections(accuracy.results(options), blob["bytes"], absent)
+    return data_files.accuracy_files(accuracy.results(options), blob["bytes"])
 
 
-def both_ways_sections(options):
-    return benchmarks_file.both_ways_sections(both_ways.results(options), both_ways.jobs(options)[1])
+def both_ways_files(options):
+    return data_files.both_ways_files(both_ways.results(options))
 
 
-def remap_sections(options):
-    return benchmarks_file.remap_sections(remap.results(options))
+def remap_files(options):
+    return data_files.remap_files(remap.results(options))
 
 
-def paths_sections(options):
-    return benchmarks_file.paths_sections(frame_paths.results(options))
+def paths_files(options):
+    return data_files.paths_files(frame_paths.results(options))
 
 
-PARTS = {"accuracy": (accuracy.steps, accuracy_sections),
-         "both-ways": (both_ways.steps, both_ways_sections), "remap": (remap.steps, remap_sections),
-         "paths": (frame_paths.steps, paths_sections)}
+PARTS = {"accuracy": (accuracy.steps, accuracy_files),
+         "both-ways": (both_ways.steps, both_ways_files), "remap": (remap.steps, remap_files),
+         "paths": (frame_paths.steps, paths_files)}
+
+
+def version_of(raygrid):
+    return subprocess.run([raygrid, "--version"], capture_output=True, text=True, check=True).stdout.strip()
 
 
 def measure(part, options):
     """One part, whose results have a folder of their own."""
-    steps, sections = PARTS[part]
+    steps, files_of = PARTS[part]
     options = argparse.Namespace(**{**vars(options), "work": os.path.join(options.work, part)})
     if not options.keep:
         shutil.rmtree(options.work, ignore_errors=True)
@@ -59,7 +63,11 @@ def measure(part, options):
     if failed:
         sys.exit(f"measure_readme: {part}: {len(failed)} steps failed, and {options.output} is as it was; "
                  "mend them and go on with --keep")
-    benchmarks_file.write(options.output, sections(options))
+    files = files_of(options)
+    for name, rows in files.items():
+        data_files.write(options.output, name, rows)
+    data_files.write_run(options.output, files, version_of(options.raygrid))
+    page.update(options.output)
 
 
 def main():

@@ -117,7 +117,7 @@ def rows_of(data):
     for lens in lenses(data):
         for is_flat in (False, True):
             label = {"peer": "mrcal", "version": version(), "model": short(lens),
-                     "board": "flat" if is_flat else "warped"}
+                     "target": "nominal" if is_flat else "warp"}
             yield peer.row_of(data, label, lambda m=lens, f=is_flat: calibrate(data, m, f))
 
 

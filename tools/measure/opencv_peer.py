@@ -160,13 +160,13 @@ def rows_of(data):
     if data.both_ways:
         terms = (5, 8)  # which raygrid takes as they are
     for number in terms:
-        yield peer.row_of(data, {**version, "model": f"calibrateCamera, {number} terms", "board": "flat"},
+        yield peer.row_of(data, {**version, "model": f"calibrateCamera, {number} terms", "target": "nominal"},
                           lambda n=number: flat(data, n))
     for number in terms:
         yield peer.row_of(data, {**version, "model": f"calibrateCameraRO, {number} terms",
-                                 "board": "free"}, lambda n=number: released(data, n))
+                                 "target": "estimated"}, lambda n=number: released(data, n))
     if not data.few or data.both_ways:
-        yield peer.row_of(data, {**version, "model": "fisheye::calibrate", "board": "flat"},
+        yield peer.row_of(data, {**version, "model": "fisheye::calibrate", "target": "nominal"},
                           lambda: fisheye(data))
 
 

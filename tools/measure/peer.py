@@ -23,7 +23,7 @@ class NotPossible(Exception):
 
 def write_files(data, label, camera):
     """The camera and its board in files, by the names of the row that has them."""
-    words = "-".join(label[key] for key in ("peer", "version", "model", "board"))
+    words = "-".join(label[key] for key in ("peer", "version", "model", "target"))
     folder = os.path.join(data.work, re.sub(r"[^\w.-]+", "-", words))
     os.makedirs(folder, exist_ok=True)
     files = {"camera": os.path.join(folder, "camera" + camera.suffix),

@@ -54,7 +54,7 @@ def row_of(job, raygrid, model, is_flat):
     held_out = ",".join(image for image, part in parts.items() if part == "test")
     arguments = calibrate_arguments(job, output) + ["--model", model, "--hold-out", held_out]
     begin = time.perf_counter()
-    row = {"peer": "raygrid", "version": "", "model": model, "board": "flat" if is_flat else "free"}
+    row = {"peer": "raygrid", "version": "", "model": model, "target": "nominal" if is_flat else "estimated"}
     if not run(raygrid, arguments + ["--fix-target-geometry"] * is_flat, output + ".log"):
         return {**row, "failed": f"ends in an error, see {output}.log"}
     row["seconds"] = time.perf_counter() - begin

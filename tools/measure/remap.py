@@ -80,37 +80,30 @@ def mean_ratio(by_width, view, name, first, second):
     return math.exp(sum(logs) / len(logs))
 
 
-def ratio_table(by_width, views, rivals, programs):
-    lines = ["| format, kernels | beside | " + " | ".join(views) + " |", "|---" * (len(views) + 2) + "|"]
-    for name in FORMATS:
-        for kernel in programs[name]:
-            for rival in rivals:
-                cells = [f"{mean_ratio(by_width, view, name, kernel, rival):.2f}" for view in views]
-                lines.append(f"| {name}, {kernel} | {rival} | " + " | ".join(cells) + " |")
-    return lines
+def is_rival(program):
+    return program.startswith("cv::remap")
 
 
-def speed_table(by_width, views, rivals):
-    lines = ["| width, view | format | " + " | ".join(rivals) + " | raygrid |", "|---" * (len(rivals) + 3) + "|"]
-    for width, found in by_width.items():
-        for view in views:
-            for name in FORMATS:
-                speeds = found[view][name]
-                own = ", ".join(f"{k} {v:.0f}" for k, v in speeds.items() if k not in rivals)
-                cells = [f"{speeds[rival]:.0f}" for rival in rivals]
-                lines.append(f"| {width}, {view} | {name} | " + " | ".join(cells) + f" | {own} |")
-    return lines
-
-
-def text(by_width):
+def ratio_rows(by_width):
+    """Rows of remap_ratios.csv: how many times faster raygrid's kernels are than each rival."""
     first = next(iter(by_width.values()))
-    views = list(first)
-    rivals = [program for program in first[views[0]]["GREY"] if program.startswith("cv::remap")]
-    kernels = {name: [k for k in first[views[0]][name] if k not in rivals] for name in FORMATS}
-    return [f"On one core of an {processor()}: medians of {ROUNDS} rounds, in each of which `remap_bench` times the "
-            "runtime",
-            "and Debian's `cv::remap` in turn, and then the newest OpenCV is timed on the same maps and frames (the faster of",
-            "fixed-point and float maps). Times faster than each rival, geometric means of frames "
-            f"{', '.join(map(str, WIDTHS))} px wide:", "",
-            *ratio_table(by_width, views, rivals, kernels), "", "Megapixels a second:", "",
-            *speed_table(by_width, views, rivals)]
+    for name in FORMATS:
+        programs = first[next(iter(first))][name]
+        for kernel in programs:
+            for rival in programs:
+                if is_rival(kernel) or not is_rival(rival):
+                    continue
+                for view in first:
+                    yield {"format": name, "kernels": kernel, "rival": rival, "view": view,
+                           "ratio": f"{mean_ratio(by_width, view, name, kernel, rival):.2f}"}
+
+
+def speed_rows(by_width):
+    """Rows of remap.csv."""
+    for width, views in by_width.items():
+        for view, formats in views.items():
+            for name in FORMATS:
+                for program, speed in formats[name].items():
+                    label = program if is_rival(program) else "raygrid " + program
+                    yield {"width_px": width, "view": view, "format": name, "program": label,
+                           "mpx_per_s": f"{speed:.0f}"}

@@ -6,12 +6,14 @@ import datasets
 # Folder, what it is, size, for mrcal a rough focal length and the width of its splines' field of view, and
 # whether a few models do: these are the photographs that others calibrate from.
 SHARED = (
-    ("stereo_left", "stereo_left: OpenCV's photographs again, with corners of the data", (640, 480), 535, 70, True),
-    ("stereo_right", "stereo_right: the other camera's", (640, 480), 535, 70, True),
-    ("picamera_chessboard", "picamera_chessboard: a Raspberry Pi's camera", (640, 480), 535, 70, False),
-    ("webcam_charuco", "webcam_charuco: a webcam, corners interpolated between markers", (1280, 720), 1140, 65,
+    ("stereo_left", "stereo_left: OpenCV's photographs, left camera, with published corners", (640, 480), 535, 70,
+     True),
+    ("stereo_right", "stereo_right: OpenCV's photographs, right camera, with published corners", (640, 480), 535, 70,
+     True),
+    ("picamera_chessboard", "picamera_chessboard: Raspberry Pi camera", (640, 480), 535, 70, False),
+    ("webcam_charuco", "webcam_charuco: webcam, ChArUco corners interpolated between markers", (1280, 720), 1140, 65,
      False),
-    ("fisheye_190", "fisheye_190: a fisheye of 190°, board of deltilles", (1280, 800), 356, 200, False),
+    ("fisheye_190", "fisheye_190: fisheye of 190°, deltille board", (1280, 800), 356, 200, False),
 )
 # Name, what finds it, which is raygrid or a KIND of corner_finders.py.
 CORNERS = (
@@ -21,7 +23,6 @@ CORNERS = (
     ("raygrid detect", "raygrid"),
 )
 REFERENCE_CORNERS = "sub-pix-5"  # those of which all models are measured
-CORNERS_WITHOUT_TABLE = ("sub-pix-11", "sector")  # of their own
 HELD_OUT = ("04", "08", "13")  # numbers in the photographs' names, as in tools/quickstart
 SIDES = ("left", "right")
 PHOTOGRAPHS_PATTERN = """raygrid_pattern: 1

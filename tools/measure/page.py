@@ -1,0 +1,218 @@
+#!/usr/bin/env python3
+"""Writes the tables of benchmarks/README.md between <!-- NAME --> and <!-- end -->, from the CSV files beside it
+and from runtime/COST.md; tools/measure_readme does so, too.
+
+Usage: tools/measure/page.py [FOLDER]
+"""
+import csv
+import os
+import re
+import sys
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+FOLDER = os.path.join(HERE, "..", "..", "benchmarks")
+COST = os.path.join(HERE, "..", "..", "runtime", "COST.md")
+PROGRAMS = ("OpenCV", "mrcal", "raygrid")
+TABLE = re.compile(r"(<!-- (?!end)(\w+) -->\n).*?(?=<!-- end -->)", re.DOTALL)
+# Sets of images, and how the page calls them.
+PHOTOGRAPHS = {"left-sub-pix-5": "left camera, `cornerSubPix`", "left-raygrid": "left camera, `raygrid detect`",
+               "right-sub-pix-5": "right camera, `cornerSubPix`", "right-raygrid": "right camera, `raygrid detect`"}
+SETS = {**PHOTOGRAPHS, "picamera_chessboard": "`picamera_chessboard`", "webcam_charuco": "`webcam_charuco`",
+        "fisheye_190": "`fisheye_190`"}
+CORNERS = {"sub-pix-5": "`cornerSubPix`, 11 px", "sub-pix-11": "`cornerSubPix`, 23 px",
+           "sector": "`findChessboardCornersSB`", "raygrid": "`raygrid detect`"}
+CORNER_ROWS = (("OpenCV", "calibrateCamera, 5 terms", "nominal"), ("raygrid", "central-generic", "nominal"),
+               ("mrcal", "OPENCV8", "warp"), ("OpenCV", "calibrateCameraRO, 5 terms", "estimated"),
+               ("raygrid", "opencv", "estimated"), ("raygrid", "central-generic", "estimated"))
+KERNELS = ("portable", "sse4", "avx2", "avx512")
+CORES = ("cortex-m0plus", "cortex-m4", "cortex-m55", "rv32")
+
+
+def read_text(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
+def read_rows(folder, name):
+    with open(os.path.join(folder, name + ".csv"), encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def markdown(head, rows):
+    """A table's text."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "".join(("|" + "|".join(line) + "|" if line[0] == "---" else "| " + " | ".join(line) + " |") + "\n"
+                   for line in lines)
+
+
+def parse_table(text):
+    """Cells of the Markdown tables of a text, heads among them."""
+    return [[cell.strip() for cell in line.strip("|\n ").split("|")] for line in text.splitlines()
+            if line.startswith("|") and not line.startswith("|-")]
+
+
+# ---- Accuracy ------------------------------------------------------------------
+
+def select(rows, **values):
+    return [row for row in rows if all(row[key] == value for key, value in values.items())]
+
+
+def is_estimated(row):
+    return row["target"] != "nominal"
+
+
+def best_of(rows, column):
+    """The row with the smallest value; None if there is none."""
+    return min((row for row in rows if row[column]), key=lambda row: float(row[column]), default=None)
+
+
+def short(model):
+    """A model without what the page says once."""
+    model = re.sub(r"calibrateCamera(RO)?, ", "", model)
+    return {"fisheye::calibrate": "`cv::fisheye`"}.get(model, model.replace(" × ", "×"))
+
+
+def best_cell(rows, column):
+    row = best_of(rows, column)
+    return f"{row[column]} ({short(row['model'])})" if row else "–"
+
+
+def accuracy_table(folder):
+    found, lines = read_rows(folder, "accuracy"), []
+    for name, title in SETS.items():
+        for estimated in (False, True):
+            rows = [row for row in select(found, set=name) if is_estimated(row) == estimated]
+            default = select(rows, program="raygrid", model="central-generic")
+            lines.append([title, "estimated" if estimated else "nominal",
+                          *(best_cell(select(rows, program=program), "median_px") for program in PROGRAMS),
+                          default[0]["median_px"] if default else "–"])
+    return markdown(["images", "target", *PROGRAMS, "`central-generic`"], lines)
+
+
+def corners_table(folder):
+    found, lines = read_rows(folder, "accuracy"), []
+    for program, model, target in CORNER_ROWS:
+        cells = []
+        for kind in CORNERS:
+            rows = [select(found, set=f"{side}-{kind}", program=program, model=model, target=target)
+                    for side in ("left", "right")]
+            cells.append("/".join(row[0]["median_px"] if row else "–" for row in rows))
+        lines.append([f"{program} {short(model)}", target, *cells])
+    return markdown(["model", "target", *CORNERS.values()], lines)
+
+
+def deformation_table(folder):
+    found, lines = read_rows(folder, "target_deformation"), []
+    for name in dict.fromkeys(row["set"] for row in found):
+        cells = []
+        for program in PROGRAMS:
+            row = best_of(select(found, set=name, program=program), "deformed_median_px")
+            cells.append(f"{row['rigid_median_px']}/{row['deformed_median_px']}" if row else "–")
+        lines.append([SETS[name], *cells])
+    return markdown(["images", *PROGRAMS], lines)
+
+
+# ---- Speed ---------------------------------------------------------------------
+
+def remap_table(folder):
+    found, lines = read_rows(folder, "remap_ratios"), []
+    for name in dict.fromkeys(row["format"] for row in found):
+        for rival in dict.fromkeys(row["rival"] for row in found):
+            cells = []
+            for kernels in KERNELS:
+                ratios = sorted((row["ratio"] for row in select(found, format=name, rival=rival, kernels=kernels)),
+                                key=float)
+                cells.append(f"{ratios[0]}–{ratios[-1]}" if ratios else "–")
+            lines.append([name, rival.split()[-1], *cells])
+    return markdown(["format", "OpenCV", *KERNELS], lines)
+
+
+def frames_table(folder):
+    found, lines = select(read_rows(folder, "frame_rates"), threads="1", width_px="1920"), []
+    formats = list(dict.fromkeys(row["format"] for row in found))
+    for row in found:
+        row["program"] = re.sub(r"(cv::remap .*), \w+ maps", r"\1, faster maps", row["program"])
+    for program in dict.fromkeys(row["program"] for row in found):
+        rates = [[row["frames_per_s"] for row in select(found, program=program, format=name)] for name in formats]
+        lines.append([program, *(max(values, key=float, default="–") for values in rates)])
+    return markdown(["program", *formats], lines)
+
+
+def cost_rows(title):
+    """A table of runtime/COST.md, by core and column."""
+    text = re.search(rf"^## {title}\n(.*?)(?=^## |\Z)", read_text(COST), re.MULTILINE | re.DOTALL).group(1)
+    head, *rows = parse_table(text)
+    return {row[0]: dict(zip(head, row)) for row in rows}
+
+
+def cost_table(_):
+    code, instructions = cost_rows("Code"), cost_rows("Instructions on microcontrollers")
+    columns = ("unproject", "project", "undistort point", "GREY8", "NV12", "RGB24")
+    lines = [[core, code[core][".text: rays"], code[core]["everything"],
+              *(instructions[core][column] for column in columns)] for core in CORES]
+    return markdown(["core", "bytes: rays", "everything", *columns], lines)
+
+
+def runs_table(folder):
+    rows = [row for row in read_rows(folder, "runs") if row["file"] not in ("localization", "remap_ratios", "sets")]
+    return markdown(["file", "date", "machine", "version"],
+                    [[f"[`{row['file']}.csv`]({row['file']}.csv)", row["date"], row["machine"] or "–",
+                      row["raygrid"] or "–"] for row in rows])
+
+
+TABLES = {"accuracy": accuracy_table, "corners": corners_table, "deformation": deformation_table,
+          "remap": remap_table, "frames": frames_table, "cost": cost_table, "runs": runs_table}
+
+
+def with_tables(text, folder=FOLDER):
+    """A page's text with the tables that the data give."""
+    return TABLE.sub(lambda match: match.group(1) + TABLES[match.group(2)](folder), text)
+
+
+def update(folder=FOLDER):
+    path = os.path.join(folder, "README.md")
+    text = with_tables(read_text(path), folder)
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+
+
+# ---- README.md -----------------------------------------------------------------
+
+# Columns of its table of results: set, and whether the target is estimated; OpenCV's models in them.
+README_SETS = (("left-sub-pix-5", False), ("left-sub-pix-5", True), ("fisheye_190", False), ("fisheye_190", True))
+README_TERMS = {("left-sub-pix-5", False): "calibrateCamera, 5 terms",
+                ("left-sub-pix-5", True): "calibrateCameraRO, 5 terms", ("fisheye_190", False): "fisheye::calibrate"}
+README_MODELS = ("thin-prism-fisheye", "central-generic", "noncentral-generic")
+# Figures of its text.
+README_TEXT = (("left-sub-pix-5", "OpenCV", "calibrateCameraRO, 14 terms"),
+               ("left-raygrid", "raygrid", "central-generic"), ("left-raygrid", "OpenCV", "calibrateCameraRO, 5 terms"))
+
+
+def readme_cells(folder=FOLDER):
+    """The medians of README.md's table, by row; None where a program does not calibrate."""
+    found = read_rows(folder, "accuracy")
+
+    def median(column, **values):
+        name, estimated = column
+        rows = [row for row in select(found, set=name, **values) if is_estimated(row) == estimated]
+        row = best_of(rows, "median_px")
+        return row["median_px"] if row else None
+
+    splined = {row["model"] for row in found if row["model"].startswith("splined")}
+    opencv = [median(c, program="OpenCV", model=README_TERMS.get(c)) for c in README_SETS]
+    mrcal = [min(filter(None, (median(c, program="mrcal", model=m) for m in splined)), key=float) for c in README_SETS]
+    return [opencv, mrcal, *([median(c, program="raygrid", model=m) for c in README_SETS] for m in README_MODELS)]
+
+
+def readme_figures(folder=FOLDER):
+    """All figures of README.md, as number and unit."""
+    found = read_rows(folder, "accuracy")
+    figures = {(cell, "px") for row in readme_cells(folder) for cell in row if cell}
+    for name, program, model in README_TEXT:
+        figures |= {(row["median_px"], "px") for row in select(found, set=name, program=program, model=model,
+                                                               target="estimated")}
+    return figures | {(row["value"], row["unit"]) for row in read_rows(folder, "blob")}
+
+
+if __name__ == "__main__":
+    update(*sys.argv[1:2])
