@@ -9,9 +9,9 @@
 
 namespace raygrid {
 
-/// Smoothness of a grid's difference from base: K sums the squared second
-/// differences, across, down and mixed, of the displacement in pixels that
-/// separates the two. Keeps nodes that few observations determine near where
+/// Smoothness of a grid's difference from base: K is the precision of a Matern
+/// field (matern_field.h) of the displacement in pixels that separates the two.
+/// Keeps nodes that few observations determine near where
 /// their neighbours and the parametric lens would have them. Also holds the
 /// camera's orientation, the gauge, to base's: the mean rotation of the
 /// directions of observed_px, or of pixels all over the area if there are none.

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "adjustment/distortion_prior.h"
+#include "adjustment/matern_field.h"
 #include "adjustment/smoothness_prior.h"
 #include "calibration/continued_lens.h"
 #include "calibration/grid_like.h"
@@ -124,9 +125,9 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
   return AdjustInTwoSteps(problem, options, prior, state);
 }
 
-// Continues from grids of other knot spacings, with as strong a prior: sums of
-// squared second differences of one smooth field are proportional to the
-// squared spacing.
+// Continues from grids of other knot spacings, with the same prior on the
+// continuous field: sums of squared differences of order n are proportional to
+// the spacing to the power of 2 n - 2.
 AdjustmentSummary AdjustFromOtherSpacing(const CalibrationProblem& problem,
                                          const Starts& starts,
                                          const AdjustmentOptions& options,
@@ -140,9 +141,10 @@ AdjustmentSummary AdjustFromOtherSpacing(const CalibrationProblem& problem,
     const auto& to = dynamic_cast<const CentralGeneric&>(*state->cameras[c]);
     const double ratio = static_cast<double>(to.surface().columns()) /
                          static_cast<double>(from.surface().columns());
+    const double finer = std::pow(ratio, 2 * kMaternOrder - 2);
     for (size_t g = 0; g < prior->cameras[c].groups.size(); ++g)
       prior->cameras[c].groups[g].SetWeight(
-          other.prior.cameras[c].groups[g].weight * ratio * ratio, variance);
+          other.prior.cameras[c].groups[g].weight * finer, variance);
     warm.cameras[c] = FitCentralGeneric(from, to.area(), to.surface().columns(),
                                         to.surface().rows())
                           .Clone();

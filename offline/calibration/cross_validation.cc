@@ -173,22 +173,37 @@ void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
   });
 }
 
-// The cameras of a fold; nothing if they could not be started.
+// The knot spacing that a grid starts from, if it is not the lens.
+std::optional<double> SpacingBefore(const std::vector<double>& ladder_px,
+                                    const std::vector<double>& cells_px) {
+  if (cells_px.size() != 1) return std::nullopt;
+  const auto found =
+      std::find(ladder_px.begin(), ladder_px.end(), cells_px.front());
+  if (found == ladder_px.begin() || found == ladder_px.end())
+    return std::nullopt;
+  return *(found - 1);
+}
+
+// The cameras of a fold; nothing if they could not be started. What is not kept
+// is adjusted again, so that a resumed calibration has the same result.
 std::optional<Adjusted> RigidlyAdjusted(const Folds::Fold& fold,
+                                        const std::vector<double>& ladder_px,
                                         const Pattern& pattern,
                                         const std::string& model,
                                         const std::vector<double>& cells_px,
                                         const AdjustmentOptions& options) {
   const bool is_grid = !IsParametricModel(model);
-  const Adjusted* coarser = nullptr;
-  for (const auto& [cells, kept] : fold.rigid) {
+  for (const auto& [cells, kept] : fold.rigid)
     if (is_grid && cells == cells_px) return kept;
-    if (cells > cells_px) coarser = &kept;
-  }
   std::optional<Adjusted> adjusted = is_grid ? fold.lenses : fold.start;
-  if (adjusted)
-    AdjustRigidly(pattern, model, cells_px, options, &*adjusted,
-                  model == "central-generic" ? coarser : nullptr);
+  if (!adjusted) return adjusted;
+  std::optional<Adjusted> coarser;
+  if (model == "central-generic")
+    if (const auto before_px = SpacingBefore(ladder_px, cells_px))
+      coarser = RigidlyAdjusted(fold, ladder_px, pattern, model, {*before_px},
+                                options);
+  AdjustRigidly(pattern, model, cells_px, options, &*adjusted,
+                coarser ? &*coarser : nullptr);
   return adjusted;
 }
 
@@ -272,8 +287,9 @@ void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
     const Folds::Fold& fold = folds->folds[trial.fold];
     if (should_stop()) return;
     UnlessRigFallsApart(fold.cameras.size(), [&] {
-      auto adjusted = RigidlyAdjusted(fold, pattern, options.model,
-                                      trial.cells_px, adjustment);
+      auto adjusted =
+          RigidlyAdjusted(fold, folds->ladder_px, pattern, options.model,
+                          trial.cells_px, adjustment);
       if (!adjusted) return;
       if (options.rigid_boards) {
         rigid[i] = *adjusted;

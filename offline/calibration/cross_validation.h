@@ -45,6 +45,9 @@ struct Folds {
   std::vector<std::shared_ptr<const CameraModel>> known;
   /// CalibrationProblem::base_model, found with all training images.
   std::string base_model;
+  /// Knot spacings of one camera's central grid, each of which but the first
+  /// starts from the one before it, in every fold.
+  std::vector<double> ladder_px;
 
   int count() const { return static_cast<int>(folds.size()); }
 };

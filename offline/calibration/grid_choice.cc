@@ -71,6 +71,9 @@ void ChooseGrid(const Pattern& pattern, const CalibrationOptions& options,
   const int num_folds = camera->folds.count();
   if (num_folds == 0) return;
 
+  // Others start from the lens: they are coarser, or measured first.
+  if (kMedium < static_cast<int>(cells.size()))
+    camera->folds.ladder_px.assign(cells.begin() + kMedium, cells.end());
   std::vector<Trial>& trials = camera->checkpoint.trials;
   ValidationOptions validation = ValidationOptionsOf(options);
   validation.keep_rigid = true;
