@@ -3,12 +3,12 @@
 const char* rg_status_text(rg_status status) {
   switch (status) {
     case RG_OK:
-      return "done";
+      return "success";
     case RG_ERR_ARGUMENT:
       return "invalid argument";
     case RG_ERR_MISALIGNED:
-      return "blob does not start at a multiple of 4 bytes, or samples of 16 "
-             "bits at one of 2";
+      return "blob is not aligned to 4 bytes, or 16-bit samples are not "
+             "aligned to 2 bytes";
     case RG_ERR_BUFFER_TOO_SMALL:
       return "buffer too small for the blob";
     case RG_ERR_TRUNCATED:
@@ -20,93 +20,93 @@ const char* rg_status_text(rg_status status) {
     case RG_ERR_HEADER:
       return "header size, total size or section count out of range";
     case RG_ERR_HEADER_CRC:
-      return "header or section table is damaged (CRC)";
+      return "header or section table is corrupt (CRC)";
     case RG_ERR_SECTION_TABLE:
-      return "section table does not tile the blob";
+      return "sections overlap or leave gaps";
     case RG_ERR_SECTION_FLAGS:
-      return "section flags are wrong";
+      return "invalid section flags";
     case RG_ERR_SECTION_CRC:
-      return "a section is damaged (CRC)";
+      return "a section is corrupt (CRC)";
     case RG_ERR_SECTION_UNKNOWN:
       return "unknown critical section";
     case RG_ERR_SECTION_DUPLICATE:
-      return "a section stands twice";
+      return "duplicate section";
     case RG_ERR_SECTION_MISSING:
-      return "camera or grid section is missing";
+      return "camera or grid section missing";
     case RG_ERR_SECTION_SIZE:
-      return "section size contradicts its contents";
+      return "section size does not match its contents";
     case RG_ERR_RESERVED:
-      return "a reserved field is not zero";
+      return "reserved field is not zero";
     case RG_ERR_IMAGE_SIZE:
       return "image size out of range";
     case RG_ERR_TEXT:
       return "name or serial is not zero-padded text";
     case RG_ERR_AREA:
-      return "a grid's area is empty, or outside the image or the chart";
+      return "grid area is empty or outside the image or chart";
     case RG_ERR_GRID_SIZE:
       return "number of control points out of range";
     case RG_ERR_GRID_SCALE:
-      return "grid scale contradicts area and grid size";
+      return "grid scale does not match area and grid size";
     case RG_ERR_GRID_CHART:
-      return "unknown chart or number format of the grid";
+      return "unknown chart or number format of grid";
     case RG_ERR_CONTROL_POINT:
       return "control point out of range";
     case RG_ERR_REMAP_SIZE:
       return "remap size out of range";
     case RG_ERR_REMAP_BLOCK:
-      return "remap block or part size or vertex counts out of range";
+      return "remap block size, tile size or vertex counts out of range";
     case RG_ERR_REMAP_SHIFT:
-      return "remap residual or bend shift out of range";
+      return "remap residual or curvature shift out of range";
     case RG_ERR_REMAP_SOURCE:
       return "remap source rectangle is empty or outside the image";
     case RG_ERR_REMAP_CAMERA:
-      return "focal length of the remap's virtual camera is not positive";
+      return "focal length of the remap view is not positive";
     case RG_ERR_REMAP_VERTEX:
       return "remap vertex out of range";
     case RG_ERR_DATA_OFFSET:
       return "data offset of a section out of range";
     case RG_ERR_LINE_POINT:
-      return "line point or its number format out of range";
+      return "ray origin or its number format out of range";
     case RG_ERR_MASK:
-      return "cells of the validity mask out of range";
+      return "validity mask cells out of range";
     case RG_ERR_UNCERTAINTY:
-      return "values or scale of the uncertainty out of range";
+      return "uncertainty values or scale out of range";
     case RG_ERR_MODE:
-      return "sensor mode out of range, or a table's mode is missing";
+      return "sensor mode out of range or missing";
     case RG_ERR_CAPTURE:
-      return "what calibration recorded of the camera is out of range";
+      return "recorded capture settings out of range";
     case RG_ERR_STACK:
-      return "stack of cameras contradicts the blob's own sections";
+      return "operating-point samples do not match the blob";
     case RG_ERR_ROW_TIME:
-      return "row time or its deviation out of range";
+      return "line delay or its uncertainty out of range";
     case RG_ERR_OUTSIDE_AREA:
-      return "pixel lies outside the calibrated area";
+      return "pixel is outside the calibrated area";
     case RG_ERR_NO_REMAP:
-      return "blob has no such remap table, or none is in use";
+      return "no such remap table, or none selected";
     case RG_ERR_FRAME_SIZE:
-      return "frame size or stride does not fit the blob";
+      return "frame size or stride does not match the blob";
     case RG_ERR_ROWS:
-      return "rows beyond the end of the output, or half a pair of rows";
+      return "rows out of range or not in whole pairs";
     case RG_ERR_NOT_SEEN:
-      return "no pixel of the calibrated area sees this direction";
+      return "direction is outside the calibrated field of view";
     case RG_ERR_FORMAT:
       return "unknown pixel format, border or sampling";
     case RG_ERR_ROWS_MISSING:
-      return "the ring of rows lacks rows that the band needs";
+      return "source rows for this band are missing";
     case RG_ERR_NONCENTRAL:
-      return "the camera is not central: it has lines, not rays";
+      return "camera is non-central: rays have no common origin";
     case RG_ERR_UNKNOWN:
-      return "the blob does not say";
+      return "not recorded in the blob";
     case RG_ERR_OVERLAP:
-      return "a plane of the target overlaps another plane";
+      return "output plane overlaps another plane";
     case RG_ERR_NO_INVERSE:
-      return "blob has no inverse grid, as before format 1.3; pack it anew";
+      return "no inverse grid (format before 1.3); pack the blob again";
     case RG_ERR_NO_STACK:
-      return "blob has no stack of cameras: it is of one condition";
+      return "blob has a single operating point";
     case RG_EXTRAPOLATED:
-      return "condition lies outside the stack: its nearest end is in use";
+      return "operating point out of range: clamped to nearest end";
     case RG_ERR_NO_SLOT:
-      return "neither slot has a whole blob";
+      return "neither slot holds a valid blob";
   }
   return "unknown status";
 }

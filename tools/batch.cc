@@ -156,8 +156,7 @@ void RequireWhole(const std::string& folder, const BatchJson& record) {
   const BatchJson files = record.value("files", BatchJson());
   if (!files.is_array() || files.empty())
     throw InputError(folder + "/" + kUnitFile +
-                     ": says nothing of the result's files; run the batch "
-                     "again");
+                     ": does not list the result's files; run the batch again");
   for (const BatchJson& file : files) {
     const bool is_known = file.is_object() && file.contains("name") &&
                           file["name"].is_string() && file.contains("bytes") &&
@@ -166,16 +165,15 @@ void RequireWhole(const std::string& folder, const BatchJson& record) {
         folder + "/" + (is_known ? file["name"].get<std::string>() : "");
     std::error_code error;
     if (!is_known || !fs::is_regular_file(path, error) || error)
-      throw InputError(path + ": is missing; run the batch again");
+      throw InputError(path + ": missing; run the batch again");
     const auto size = fs::file_size(path, error);
     if (error || file["bytes"] != size)
       throw InputError(
-          fmt::format("{}: has {} bytes of {}; run the batch again", path,
+          fmt::format("{}: {} bytes instead of {}; run the batch again", path,
                       error ? 0 : size, file["bytes"].dump()));
     if (file["crc32"] != Crc32Of(ReadFile(path)))
-      throw InputError(path +
-                       ": does not hold what was written to it (its CRC is "
-                       "another one); run the batch again");
+      throw InputError(
+          path + ": CRC mismatch, the file was modified; run the batch again");
   }
 }
 
@@ -287,11 +285,12 @@ void CalibrateUnit(const UnitJob& job, const std::string& fingerprint,
   const bool is_done =
       code == 0 || code == static_cast<int>(ExitCode::kQuality);
   if (end.signal || !is_done || !fs::exists(job.folder + "/result.json")) {
-    RecordFailure(job, code,
-                  end.signal ? fmt::format("the calibration was ended by "
-                                           "signal {} ({})",
-                                           end.signal, strsignal(end.signal))
-                             : end.last_error);
+    RecordFailure(
+        job, code,
+        end.signal
+            ? fmt::format("the calibration was terminated by signal {} ({})",
+                          end.signal, strsignal(end.signal))
+            : end.last_error);
     return;
   }
   WriteFile(record, BatchJson({{"inputs", fingerprint},
@@ -354,7 +353,7 @@ UnitRow ReadRow(const UnitJob& job, const FigureLimits& limits) {
   std::error_code ignored;
   if (fs::exists(job.failure_file, ignored)) {
     row.status = "error";
-    row.reason = job.failure_file + ": is damaged; run the batch again";
+    row.reason = job.failure_file + ": corrupt; run the batch again";
     row.exit_code = static_cast<int>(ExitCode::kInput);
     return row;
   }
@@ -452,10 +451,11 @@ void RequireResultsApart(const std::vector<UnitJob>& jobs) {
       if (!folder.empty() && std::mismatch(folder.begin(), folder.end(),
                                            result.begin(), result.end())
                                      .first == folder.end())
-        throw Error(ExitCode::kOutput,
-                    fmt::format("{}: the result of unit {} would lie among its "
-                                "images; choose another folder with -o",
-                                job.folder, job.unit.serial));
+        throw Error(
+            ExitCode::kOutput,
+            fmt::format("{}: the result of unit {} would be written into its "
+                        "image folder; use another folder with -o",
+                        job.folder, job.unit.serial));
     }
   }
 }

@@ -102,7 +102,7 @@ void PrintJson(const FleetAnalysis& fleet) {
 void PrintFleet(const FleetAnalysis& fleet) {
   for (const UnitRow& row : fleet.rows)
     if (!row.unusual.empty())
-      fmt::print("{}: unusual in {}\n", row.serial,
+      fmt::print("{}: outlier in {}\n", row.serial,
                  fmt::join(row.unusual, ", "));
   for (const auto& sentences :
        {ChangesTold(fleet), BatchesTold(fleet.batches), GaugeTold(fleet.gauge)})

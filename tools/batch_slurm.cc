@@ -62,21 +62,21 @@ std::string SubmittedJob(const std::vector<std::string>& options) {
   const ProgramEnd end = RunProgram("sbatch", words);
   if (!end.is_found)
     throw Error(ExitCode::kUsage,
-                "--slurm: sbatch is not in the PATH; install slurm-client and "
-                "Slurm's configuration here, or share out the units with GNU "
-                "parallel (offline/fleet/README.md)");
+                "--slurm: sbatch not found in PATH; install and configure "
+                "slurm-client, or distribute the units with GNU parallel "
+                "(offline/fleet/README.md)");
   if (end.exit_code != 0)
     throw Error(
         ExitCode::kOutput,
         fmt::format("--slurm: sbatch refused: {}",
-                    end.lines.empty() ? "it says nothing" : end.lines.back()));
+                    end.lines.empty() ? "no message" : end.lines.back()));
   for (const std::string& line : end.lines) {
     const std::string job = line.substr(0, line.find(';'));
     if (!job.empty() &&
         job.find_first_not_of("0123456789") == std::string::npos)
       return job;
   }
-  throw Error(ExitCode::kOutput, "--slurm: sbatch printed no job ID");
+  throw Error(ExitCode::kOutput, "--slurm: sbatch did not print a job ID");
 }
 
 }  // namespace

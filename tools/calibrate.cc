@@ -35,14 +35,14 @@ void RequireOfSingleCamera(const CalibrateArguments& arguments, bool is_rig) {
   if (is_rig && arguments.image_circle != "auto" &&
       arguments.image_circle != "none")
     throw Error(ExitCode::kUsage,
-                fmt::format("--image-circle {}: a rig's cameras have circles "
-                            "of their own; give auto or none",
+                fmt::format("--image-circle {}: the cameras of a rig have "
+                            "different circles; use auto or none",
                             arguments.image_circle));
   if (is_rig && !(arguments.name.empty() && arguments.serial.empty()))
-    throw Error(ExitCode::kUsage,
-                "--name and --serial are for a single camera; a rig's names "
-                "are those of --camera, and pack --serial gives a blob its "
-                "serial number");
+    throw Error(
+        ExitCode::kUsage,
+        "--name and --serial are for a single camera; for a rig, name cameras "
+        "with --camera and set serial numbers with pack --serial");
   RequireBlobText("--name", arguments.name);
   RequireBlobText("--serial", arguments.serial);
 }
@@ -169,9 +169,8 @@ void SayThatTheLensMoved(const Session& session,
   }
   if (arguments.condition.empty() && high - low > kSameDioptres)
     fmt::print(stderr,
-               "raygrid: the lens moved between frames, from {:.2f} to {:.2f} "
-               "dioptres; --vary-with lens_position calibrates over all of "
-               "it\n",
+               "raygrid: focus changed between frames, from {:.2f} to {:.2f} "
+               "dioptres; use --vary-with lens_position to model this\n",
                low, high);
 }
 
@@ -185,8 +184,8 @@ void UseSession(CalibrateArguments* arguments) {
     for (const Session& session : cameras) {
       if (session.frames.empty())
         throw Error(ExitCode::kTooFew,
-                    fmt::format("{}: {}kept no frame; go on with it by raygrid "
-                                "capture --resume",
+                    fmt::format("{}: {}no frame was kept; continue the session "
+                                "with raygrid capture --resume",
                                 folder.string(),
                                 session.camera.empty()
                                     ? ""
@@ -217,8 +216,8 @@ void UseSession(CalibrateArguments* arguments) {
         std::pair("--output", &arguments->output)})
     if (value->empty())
       throw Error(ExitCode::kUsage,
-                  fmt::format("{} is required, except for the session of a "
-                              "capture; see raygrid calibrate --help",
+                  fmt::format("{} is required, except for a capture session; "
+                              "see raygrid calibrate --help",
                               option));
 }
 
@@ -280,7 +279,7 @@ void RequireSuccess(const Verdict& verdict, bool is_interrupted,
   if (verdict.word == "fail")
     throw Error(ExitCode::kQuality,
                 fmt::format("verdict: fail: {}; do not use the camera in {} "
-                            "before that is mended",
+                            "before this is fixed",
                             verdict.failure, folder));
 }
 
@@ -291,7 +290,7 @@ void RequireBlobs(const RigResult& result, const ResultExtras& extras,
     if (extras.cameras[c].packing && extras.cameras[c].blob.empty())
       throw Error(
           ExitCode::kQuality,
-          fmt::format("{}/{}camera.raygrid {}; the other files are written",
+          fmt::format("{}/{}camera.raygrid {}; all other files were written",
                       folder, CameraFolder(result, c),
                       fmt::join(extras.cameras[c].packing->remarks, "; ")));
 }

@@ -35,10 +35,10 @@ double ParseCellPx(const std::string& text) {
   char* end;
   const double value = std::strtod(text.c_str(), &end);
   if (*end != 0 || !(value >= 2) || value > 1e5)
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("--knot-spacing-px {}: expected auto, or 2 or more pixels",
-                    text));
+    throw Error(ExitCode::kUsage,
+                fmt::format("--knot-spacing-px {}: expected auto or a number "
+                            "of pixels, at least 2",
+                            text));
   return value;
 }
 
@@ -48,8 +48,8 @@ std::optional<double> ParseSameViewPx(const std::string& text) {
   const double value = std::strtod(text.c_str(), &end);
   if (text.empty() || *end != 0 || !(value >= 0) || value > 1e5)
     throw Error(ExitCode::kUsage,
-                fmt::format("--duplicate-px {}: expected auto, pixels, or 0 "
-                            "for none",
+                fmt::format("--duplicate-px {}: expected auto or a number of "
+                            "pixels (0: keep all images)",
                             text));
   return value;
 }
@@ -96,7 +96,7 @@ void RequireUsable(const std::string& source,
   RequireConsistent(source, dataset, pattern);
   if (dataset.num_features() == 0)
     throw Error(ExitCode::kTooFew,
-                fmt::format("{}no board found in any of {} images; {}",
+                fmt::format("{}no target found in any of {} images; {}",
                             arguments.cameras.empty() ? "" : source + ": ",
                             dataset.images.size(),
                             SoughtBoards(pattern, arguments.pattern)));
@@ -115,7 +115,7 @@ ImageCircle ParseImageCircle(const std::string& text) {
       !circle.center.allFinite() || !(radius_px > 0 && radius_px < 1e6))
     throw Error(ExitCode::kUsage,
                 fmt::format("--image-circle {}: expected auto, none, or "
-                            "X,Y,RADIUS in pixels, as 320,240,250",
+                            "X,Y,RADIUS in pixels, such as 320,240,250",
                             text));
   circle.radii_px.setConstant(radius_px);
   return circle;
@@ -144,18 +144,18 @@ std::vector<NamedImages> ParseCameras(const CalibrateArguments& arguments) {
   for (const auto& [name, folder] : folders)
     cameras.push_back({name, {folder}});
   if (cameras.size() == 1)
-    throw Error(ExitCode::kUsage,
-                "a rig needs two cameras or more; give the images of a single "
-                "one without --camera");
+    throw Error(
+        ExitCode::kUsage,
+        "a rig needs at least two cameras; for a single camera, omit --camera");
   return cameras;
 }
 
 ImageSize SizeOfSingleCamera(const CalibrateArguments& arguments) {
   if (arguments.image_sizes.empty())
-    throw Error(ExitCode::kUsage, "--features needs --image-size WxH");
+    throw Error(ExitCode::kUsage, "--features requires --image-size WxH");
   if (arguments.image_sizes.size() > 1)
     throw Error(ExitCode::kUsage,
-                "--image-size is given several times, and the features are of "
+                "--image-size is given several times, but the features are of "
                 "one camera");
   return ParseImageSize("--image-size", arguments.image_sizes.front());
 }
@@ -171,7 +171,7 @@ ImageSize SizeOfCamera(const std::string& camera,
   }
   if (size.empty())
     throw Error(ExitCode::kUsage,
-                fmt::format("--features needs --image-size WxH, or "
+                fmt::format("--features requires --image-size WxH, or "
                             "--image-size {}=WxH for its camera '{}'",
                             camera, camera));
   return ParseImageSize("--image-size", size);
@@ -240,8 +240,8 @@ std::vector<Measurements> MeasureCameras(const CalibrateArguments& arguments,
   const std::vector<NamedImages> named = ParseCameras(arguments);
   if (!arguments.modes.empty() && named.size() > 1)
     throw Error(ExitCode::kUsage,
-                "--mode is for the images of a single camera; calibrate a "
-                "rig's cameras one by one");
+                "--mode supports a single camera only; calibrate the cameras "
+                "of a rig separately");
   for (const NamedImages& camera : named)
     if (!camera.images.empty())
       FindImages(camera.images);  // throws before anything takes long
@@ -268,21 +268,21 @@ namespace {
 // The time of a row is that of one sensor mode, and needs those of images.
 void RequireTimes(const CalibrateArguments& arguments) {
   if (!arguments.rolling_shutter && !arguments.times.empty())
-    throw Error(ExitCode::kUsage, "--timestamps is for --rolling-shutter");
+    throw Error(ExitCode::kUsage, "--timestamps requires --rolling-shutter");
   if (!arguments.rolling_shutter) return;
   if (!arguments.modes.empty())
     throw Error(ExitCode::kUsage,
-                "--rolling-shutter: not with --mode, whose rows take another "
-                "time; calibrate the images of one mode");
+                "--rolling-shutter cannot be combined with --mode, since the "
+                "line delay depends on the sensor mode");
   if (!arguments.condition.empty())
     throw Error(ExitCode::kUsage,
-                "--rolling-shutter: not with --vary-with; calibrate the frames "
-                "of one value without it");
+                "--rolling-shutter cannot be combined with --vary-with; "
+                "calibrate at one operating point");
   if (arguments.times.empty() && arguments.session_times.empty())
     throw Error(ExitCode::kUsage,
-                "--rolling-shutter needs to know when images were taken: give "
-                "--timestamps times.csv with the columns image,time_s, or the "
-                "session of raygrid capture --every-frame");
+                "--rolling-shutter needs time stamps: give --timestamps "
+                "times.csv with the columns image,time_s, or a session of "
+                "raygrid capture --every-frame");
   if (!arguments.times.empty()) ReadImageTimes(arguments.times);
 }
 
@@ -297,11 +297,11 @@ void RequireFewFeatures(const std::string& path,
     num_images += dataset.images.size();
   }
   if (num_features <= kMost) return;
-  throw InputError(fmt::format(
-      "{}: {} features in {} images, and a calibration takes up to {}; keep "
-      "one image in {}, since hundreds are enough",
-      path, num_features, num_images, kMost,
-      (num_features + kMost - 1) / kMost));
+  throw InputError(
+      fmt::format("{}: {} features in {} images exceed the limit of {}; keep "
+                  "one image in {} (a few hundred suffice)",
+                  path, num_features, num_images, kMost,
+                  (num_features + kMost - 1) / kMost));
 }
 
 }  // namespace
@@ -314,13 +314,14 @@ FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
                 "give either images, --camera, --images-at or --features");
   if (!arguments.features.empty() && !arguments.modes.empty())
     throw Error(ExitCode::kUsage,
-                "--mode is for images; features are of calibrated frames");
+                "--mode applies to images, not to --features");
   for (const std::string& image : arguments.images)
     if (std::filesystem::path(image).extension() == ".csv")
-      throw Error(ExitCode::kUsage,
-                  fmt::format("{}: a table, no image; give features as "
-                              "--features {}",
-                              image, image));
+      throw Error(
+          ExitCode::kUsage,
+          fmt::format(
+              "{}: a table, not an image; pass features as --features {}",
+              image, image));
   RequireTimes(arguments);
   if (arguments.features.empty()) return {};
   FeaturesByCamera given = ReadFeatures(arguments.features);
@@ -344,9 +345,7 @@ void LeaveOutCopies(Measurements* measurements,
   for (size_t i = 0; i < repeated.size(); ++i)
     if (repeated[i]) {
       const std::string& original = dataset.images[*repeated[i]].image;
-      copies.push_back(
-          {dataset.images[i].image,
-           "shows the same as " + original + ", which is used once"});
+      copies.push_back({dataset.images[i].image, "duplicate of " + original});
       measurements->copies.push_back({original, dataset.images[i].image});
     }
   for (size_t i = repeated.size(); i-- > 0;) {

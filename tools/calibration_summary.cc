@@ -13,6 +13,7 @@
 #include "dataset/text_encoding.h"
 #include "evaluation/board_shape.h"
 #include "evaluation/budget_verdict.h"
+#include "evaluation/rounded_text.h"
 #include "evaluation/row_time_text.h"
 #include "evaluation/stack_change.h"
 #include "report/result_json.h"
@@ -107,7 +108,7 @@ void PrintModelChoice(const CalibrationResult& result) {
   std::vector<std::string> medians;
   for (const ModelCandidate& candidate : result.model_candidates)
     medians.push_back(
-        fmt::format("{} {:.4f} px", candidate.model, candidate.median_px));
+        fmt::format("{} {:.3g} px", candidate.model, candidate.median_px));
   fmt::print("  model chosen by cross-validation: {}\n",
              fmt::join(medians, ", "));
 }
@@ -146,7 +147,7 @@ void PrintBoards(const Pattern& pattern) {
         1e3 * shape.rms_shift_m);
   }
   if (num_told > kMostLines)
-    fmt::print("  {} more boards are deformed, see the report\n",
+    fmt::print("  {} more boards are deformed; see the report\n",
                num_told - kMostLines);
 }
 
@@ -155,7 +156,7 @@ void PrintLimit(const CalibrationResult& result) {
   if (!result.budget) return;
   const BudgetVerdict verdict = JudgeBudget(*result.budget);
   if (verdict.IsTold())
-    fmt::print("  limited by {}: {}; to do: {}\n", verdict.limit,
+    fmt::print("  limited by {}: {}; remedy: {}\n", verdict.limit,
                verdict.sentence, verdict.advice);
 }
 
@@ -164,7 +165,7 @@ void PrintSingleCamera(const CalibrationResult& result) {
   PrintSize(result);
   if (result.measured_again_rms_px)
     fmt::print(
-        "  features refined with a first camera: moved by {:.2g} px RMS\n",
+        "  features refined with a first calibration: moved by {:.2g} px RMS\n",
         *result.measured_again_rms_px);
   PrintUnusedImages(result);
   PrintErrors(result);
@@ -178,8 +179,9 @@ void PrintSingleCamera(const CalibrationResult& result) {
   if (result.camera.uncertainty)
     PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
   if (result.model_error_px)
-    fmt::print("  model error: {:.3f} px (median), by a richer model\n",
-               *result.model_error_px);
+    fmt::print(
+        "  model error: {:.2g} px (median), estimated with a richer model\n",
+        *result.model_error_px);
   PrintModelChoice(result);
   if (result.camera.stack) {
     PrintKnownOverRanges(result.camera);
@@ -188,20 +190,21 @@ void PrintSingleCamera(const CalibrationResult& result) {
   PrintImageCircle(*result.camera.camera);
   PrintRowTime(result);
   if (result.fleet_distance)
-    fmt::print("  it lies {}\n", result.fleet_distance->Text());
+    fmt::print("  distance from the fleet: {}\n",
+               result.fleet_distance->Text());
   PrintLimit(result);
   if (result.line_spread)
     fmt::print(
-        "  observation lines pass their common point at {:.3f} mm RMS, {:.3f} "
-        "mm max\n",
+        "  distance of observation lines from their common point: {:.3f} mm "
+        "RMS, {:.3f} mm max\n",
         1000 * result.line_spread->rms_m, 1000 * result.line_spread->max_m);
 }
 
-std::string WithDeviation(double value, const std::optional<double>& deviation,
-                          double scale, const char* unit) {
-  return deviation ? fmt::format("{:.4f} +- {:.4f} {}", value * scale,
-                                 *deviation * scale, unit)
-                   : fmt::format("{:.4f} {}", value * scale, unit);
+std::string EstimateText(double value, const std::optional<double>& deviation,
+                         double scale, const char* unit) {
+  return (deviation ? WithDeviation(value * scale, *deviation * scale)
+                    : ThreeDigits(value * scale)) +
+         " " + unit;
 }
 
 void PrintRig(const RigResult& result) {
@@ -222,9 +225,9 @@ void PrintRig(const RigResult& result) {
         "  {} to {}: baseline {}, rotation {}, {} common views\n",
         result.cameras[baseline.first].camera.name,
         result.cameras[baseline.second].camera.name,
-        WithDeviation(baseline.distance_m, baseline.distance_sd_m, 1000, "mm"),
-        WithDeviation(baseline.angle_rad, baseline.rotation_sd_rad, 180 / M_PI,
-                      "degrees"),
+        EstimateText(baseline.distance_m, baseline.distance_sd_m, 1000, "mm"),
+        EstimateText(baseline.angle_rad, baseline.rotation_sd_rad, 180 / M_PI,
+                     "degrees"),
         baseline.num_shared_views);
 }
 
@@ -240,7 +243,7 @@ void PrintSummary(const RigResult& result, const std::string& folder) {
        BodySentences(result.bodies, result.board_pairs))
     fmt::print("  {}\n", told);
   if (!result.bodies.empty())
-    fmt::print("    (--independent-boards: estimate a pose per board)\n");
+    fmt::print("    (use --independent-boards to estimate a pose per board)\n");
   fmt::print("  verdict: {}\n", result.verdict.word);
   for (const std::string& reason : result.verdict.reasons)
     fmt::print("    {}\n", Printable(reason));

@@ -25,9 +25,9 @@ CameraFile ParseForeignCamera(const Format& format, const std::string& path,
       ReadExchangeFile(&format, {path, text, "", std::nullopt});
   RequireCameras(contents, path);
   if (contents.cameras.size() != 1)
-    throw InputError(
-        fmt::format("{}: has {} cameras; 'raygrid import' makes a file of each",
-                    path, contents.cameras.size()));
+    throw InputError(fmt::format(
+        "{}: has {} cameras; use 'raygrid import' to write one file per camera",
+        path, contents.cameras.size()));
   for (const std::string& remark : contents.remarks)
     fmt::print(stderr, "raygrid: {}: {}\n", Printable(path), remark);
   return CameraFileOf(contents.cameras.front());
@@ -37,8 +37,8 @@ CameraFile ParseForeignCamera(const Format& format, const std::string& path,
 void SayTheMiddle(const std::string& path,
                   const std::vector<ConditionRange>& ranges) {
   fmt::print(stderr,
-             "raygrid: {}: was calibrated over {}, and is taken in the "
-             "middle; --at says where else\n",
+             "raygrid: {}: calibrated over {}; using the centre of the range "
+             "(select another operating point with --at)\n",
              Printable(path), TextOf(ranges));
 }
 
@@ -73,8 +73,8 @@ std::vector<ConditionRange> TakeAt(const std::string& path,
 Error NoStack(const std::string& path) {
   return Error(ExitCode::kUsage,
                path +
-                   ": --at: the camera was not calibrated over lens "
-                   "positions or temperatures; leave the option out");
+                   ": --at: the camera was not calibrated over focus or "
+                   "temperature; omit the option");
 }
 
 CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
@@ -143,15 +143,15 @@ std::array<CameraInput, 2> ReadTwoCameras(const std::string& first,
   if (OfRanges(at, ranges).named.size() < at.named.size())
     throw Error(
         ExitCode::kUsage,
-        fmt::format("{}, {}: {}: they change with {} alone", first, second,
+        fmt::format("{}, {}: {}: both cameras vary with {} only", first, second,
                     at.Text(), ConditionName(ranges[0].condition)));
   for (size_t c = 0; c < 2; ++c) {
     const std::vector<ConditionRange>& own = cameras[c].ranges;
     if (own.empty() || OfRanges(at, own).named.size() == at.named.size())
       continue;
     fmt::print(stderr,
-               "raygrid: {}: {}: changes with {} alone; the rest is for the "
-               "other camera\n",
+               "raygrid: {}: {}: varies with {} only; the other value applies "
+               "to the other camera\n",
                Printable(c == 0 ? first : second), at.Text(),
                ConditionName(own[0].condition));
   }
@@ -171,16 +171,15 @@ std::optional<TrustMask> ShownWith(const std::string& outside,
   if (auto trusted = TrustOf(input)) return trusted;
   throw Error(ExitCode::kUsage,
               path +
-                  ": --outside trusted: does not say where it can be "
-                  "trusted; leave the option out, or give a camera.yaml "
-                  "that raygrid calibrate wrote");
+                  ": --outside trusted: the file has no valid region; omit the "
+                  "option, or use a camera.yaml written by raygrid calibrate");
 }
 
 void WarnOfFailedCalibration(const std::string& path, const CameraFile& file) {
   if (file.verdict == "fail")
     fmt::print(stderr,
-               "raygrid: {}: its calibration failed; see the report, and "
-               "calibrate again before it is relied on\n",
+               "raygrid: {}: its calibration has verdict fail; see the report "
+               "and calibrate again before using it\n",
                Printable(path));
 }
 
@@ -190,11 +189,12 @@ void RequireApart(const std::vector<std::string>& images,
     const auto among = std::filesystem::absolute(image).parent_path();
     std::error_code ignored;
     if (std::filesystem::equivalent(among, folder, ignored))
-      throw Error(ExitCode::kOutput,
-                  fmt::format("{}: holds the image {}, and what is written "
-                              "would be taken for images the next time; "
-                              "choose another folder",
-                              folder, image));
+      throw Error(
+          ExitCode::kOutput,
+          fmt::format(
+              "{}: contains the input image {}; use another output folder, so "
+              "that outputs are not read as images next time",
+              folder, image));
   }
 }
 

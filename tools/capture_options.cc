@@ -20,10 +20,10 @@ const char kCaptureSyntaxHelp[] =
     "  temperature=C, exposure=US, gain=FACTOR\n";
 
 const char kCaptureWordsHelp[] =
-    "crop=X,Y,W,H (the pixels of the sensor that frames showed), lens=DIOPTRES "
-    "(libcamera's LensPosition), tolerance=DIOPTRES (0.1 if it is not there), "
-    "zoom=FACTOR (over the widest), orientation=1 to 8 (as EXIF and libcamera "
-    "have it), temperature=CELSIUS, exposure=MICROSECONDS, gain=FACTOR";
+    "crop=X,Y,W,H (read-out region of the sensor), lens=DIOPTRES (LensPosition "
+    "of libcamera), tolerance=DIOPTRES (default: 0.1), zoom=FACTOR (relative "
+    "to the widest), orientation=1..8 (as in EXIF), temperature=CELSIUS, "
+    "exposure=MICROSECONDS, gain=FACTOR";
 
 namespace {
 
@@ -87,14 +87,14 @@ std::optional<Capture> ParseCaptureWords(const std::vector<std::string>& texts,
       const size_t equals = part.find('=');
       const std::string word = part.substr(0, equals);
       if (equals == std::string::npos || !kKnown.count(word))
-        RefuseCapture(fmt::format("expected {}, or none, not '{}'",
+        RefuseCapture(fmt::format("expected none or {}, not '{}'",
                                   kCaptureWordsHelp, Printable(part)));
       if (!taken.insert(word).second) RefuseCapture(word + " is given twice");
       TakeWord(word, part.substr(equals + 1), &capture);
     }
   }
   if (!capture.lens_position && taken.count("tolerance"))
-    RefuseCapture("tolerance needs lens");
+    RefuseCapture("tolerance requires lens");
   if (const char* const impossible = FindImpossible(capture, size))
     RefuseCapture(impossible);
   return capture;

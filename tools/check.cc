@@ -11,6 +11,7 @@
 #include "dataset/error.h"
 #include "dataset/image_files.h"
 #include "dataset/text_encoding.h"
+#include "evaluation/rounded_text.h"
 #include "help_formatter.h"
 #include "pattern_input.h"
 #include "session_file.h"
@@ -29,8 +30,8 @@ std::string PatternPath(const CheckArguments& arguments) {
       std::filesystem::path(arguments.camera).parent_path() / "pattern.yaml";
   if (!std::filesystem::exists(beside))
     throw Error(ExitCode::kUsage,
-                "check: no pattern.yaml beside the camera; name one with "
-                "--pattern, best that which calibrate wrote");
+                "check: no pattern.yaml beside the camera; pass one with "
+                "--pattern, preferably the one written by calibrate");
   return beside.string();
 }
 
@@ -43,17 +44,18 @@ std::vector<std::string> UseSession(const CameraFile& file,
   const std::string folder = arguments->images[0];
   const std::vector<Session> cameras = ReadSession(folder);
   if (cameras.size() > 1)
-    throw Error(ExitCode::kUsage,
-                fmt::format("{}: is the session of a rig; check a camera with "
-                            "{}/{}/NAME",
-                            folder, folder, kSessionFrames));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "{}: is the session of a rig; check one camera with {}/{}/NAME",
+            folder, folder, kSessionFrames));
   arguments->images.clear();
   for (const SessionFrame& frame : cameras[0].frames)
     arguments->images.push_back(SessionFramePath(folder, "", frame.image));
   if (arguments->images.empty())
     throw Error(ExitCode::kTooFew, folder +
-                                       ": kept no frame; go on with it by "
-                                       "raygrid capture --resume");
+                                       ": no frame was kept; continue the "
+                                       "session with raygrid capture --resume");
   return file.capture ? DifferencesOf(*file.capture, CaptureOf(cameras[0]))
                       : std::vector<std::string>();
 }
@@ -67,7 +69,7 @@ Dataset Gather(const CheckArguments& arguments, const CommonOptions& common,
     auto cameras = ReadFeatures(arguments.features);
     if (cameras.size() > 1)
       throw InputError(arguments.features +
-                       ": holds several cameras; split it by camera");
+                       ": contains several cameras; split it by camera");
     Dataset dataset = cameras.begin()->second;
     dataset.image_size = size;
     RequireConsistent(arguments.features, dataset, pattern);
@@ -79,13 +81,13 @@ Dataset Gather(const CheckArguments& arguments, const CommonOptions& common,
     rejected->insert(rejected->end(), images.begin(), images.end());
   Dataset dataset = std::move(measurements.dataset);
   if (dataset.num_features() == 0)
-    throw Error(ExitCode::kTooFew, "no board found in the images");
+    throw Error(ExitCode::kTooFew, "no target found in the images");
   if (dataset.image_size != size)
-    throw InputError(fmt::format(
-        "the images have {} x {} pixels, the camera {} x {}; check with images "
-        "of the mode that was calibrated",
-        dataset.image_size.width, dataset.image_size.height, size.width,
-        size.height));
+    throw InputError(
+        fmt::format("the images have {} x {} pixels, the camera {} x {}; use "
+                    "images of the calibrated sensor mode",
+                    dataset.image_size.width, dataset.image_size.height,
+                    size.width, size.height));
   return dataset;
 }
 
@@ -131,20 +133,20 @@ nlohmann::ordered_json ToJson(const CameraCheck& check,
 std::string Amount(const CameraChange& change, const Movement& movement) {
   const auto pair = [&movement](double unit, const char* name) {
     return fmt::format(
-        "({:.3f} +- {:.3f}, {:.3f} +- {:.3f}) {}; found from "
-        "{:.3f} on",
-        unit * movement.values[0], unit * movement.deviations[0],
-        unit * movement.values[1], unit * movement.deviations[1], name,
-        unit * movement.found_from);
+        "({}, {}) {}; detectable from {:.2g}",
+        WithDeviation(unit * movement.values[0], unit * movement.deviations[0]),
+        WithDeviation(unit * movement.values[1], unit * movement.deviations[1]),
+        name, unit * movement.found_from);
   };
   if (movement.name == "scale")
-    return fmt::format("{:.4f} +- {:.4f} %; found from {:.4f} on",
-                       100 * movement.values[0], 100 * movement.deviations[0],
-                       100 * movement.found_from);
+    return fmt::format(
+        "{} %; detectable from {:.2g}",
+        WithDeviation(100 * movement.values[0], 100 * movement.deviations[0]),
+        100 * movement.found_from);
   if (movement.name == "shift") return pair(1, "px");
   if (movement.name == "tilt") return pair(180 / M_PI, "degrees");
   if (change.largest_local_px <= 0) return "";
-  return fmt::format("largest {:.3f} px near ({:.0f}, {:.0f})",
+  return fmt::format("max {:.2g} px near ({:.0f}, {:.0f})",
                      change.largest_local_px, change.largest_local_pixel.x(),
                      change.largest_local_pixel.y());
 }
@@ -155,16 +157,15 @@ void Print(const CameraCheck& check, const std::vector<std::string>& stands) {
   if (change.is_degraded)
     fmt::print(": moved {}", fmt::join(change.moved, " and "));
   fmt::print(
-      "\n  {} images, {} features, noise {:.4f} px in an axis; change {:.4f} "
-      "px "
-      "RMS beyond poses\n",
+      "\n  {} images, {} features, noise {:.2g} px per axis; change {:.2g} px "
+      "RMS after pose estimation\n",
       check.num_images, change.num_features, change.noise_px, change.rms_px);
   for (const Movement& movement : change.movements)
     fmt::print("  {:<6} {:>7.1f} sigma  {}\n", movement.name, movement.sigmas,
                Amount(change, movement));
   fmt::print(
-      "  each movement tested alone, at 99 % power; shift and tilt are hardly "
-      "distinguishable\n");
+      "  each change tested separately, at 99 % power; shift and tilt are "
+      "hardly distinguishable\n");
   for (const std::string& difference : stands)
     fmt::print("  capture settings differ: {}\n", difference);
   for (const RejectedImage& image : check.rejected_images)
@@ -194,10 +195,9 @@ void Run(CheckArguments arguments, const CommonOptions& common) {
                             fmt::join(check.change.moved, ", ")));
   if (!check.change.can_tell)
     throw Error(ExitCode::kTooFew,
-                "nothing is found, but the images could not show a shift or a "
-                "change of scale by 1 % of the image; take more of them, or "
-                "sharper ones, in which the board fills the image and is "
-                "tilted");
+                "no change detected, but a shift or scale change of 1 % of the "
+                "image would go undetected; take more or sharper images, with "
+                "the target tilted and filling the image");
 }
 
 }  // namespace

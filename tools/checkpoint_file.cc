@@ -29,9 +29,8 @@ void CheckpointFile::Read() {
   if (!std::filesystem::exists(path_, ignored)) return;
   std::vector<Checkpoint> read = ReadCheckpoints(path_, inputs_);
   if (read.size() != checkpoints_.size())
-    throw InputError(path_ +
-                     ": is of a rig of other cameras; run without "
-                     "--resume");
+    throw InputError(
+        path_ + ": belongs to a rig with other cameras; run without --resume");
   checkpoints_ = std::move(read);
 }
 
@@ -68,8 +67,8 @@ void KeepFinishedResult(const std::string& folder,
             FormatCheckpoints(checkpoints, inputs), Links::kReplace);
   files.Commit();
   throw Error(ExitCode::kNotConverged,
-              fmt::format("interrupted; {} keeps its earlier finished result, "
-                          "continue this one with --resume",
+              fmt::format("interrupted; {} still holds the previous result, "
+                          "continue this calibration with --resume",
                           folder));
 }
 

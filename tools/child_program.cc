@@ -18,10 +18,10 @@ namespace raygrid {
 namespace {
 
 [[noreturn]] void FailToStart(int error) {
-  throw Error(ExitCode::kOutput,
-              fmt::format("no program can be started ({}); end others, or "
-                          "run this again later",
-                          std::strerror(error)));
+  throw Error(
+      ExitCode::kOutput,
+      fmt::format("cannot start a process ({}); end others, or try again later",
+                  std::strerror(error)));
 }
 
 std::vector<char*> TextsOf(std::string* name,
@@ -48,7 +48,7 @@ std::vector<char*> TextsOf(std::string* name,
   dup2(null, STDOUT_FILENO);
   dup2(errors, STDERR_FILENO);
   execv("/proc/self/exe", texts.data());
-  std::fprintf(stderr, "raygrid: cannot be started (%s)\n",
+  std::fprintf(stderr, "raygrid: cannot start the program (%s)\n",
                std::strerror(errno));
   _exit(static_cast<int>(ExitCode::kUsage));
 }

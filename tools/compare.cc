@@ -48,7 +48,7 @@ PredictionComparison Predict(const CompareArguments& arguments,
   auto cameras = ReadFeatures(arguments.features);
   if (cameras.size() > 1)
     throw InputError(arguments.features +
-                     ": holds several cameras; split it by camera");
+                     ": contains several cameras; split it by camera");
   Dataset dataset = cameras.begin()->second;
   dataset.image_size = first.image_size();
   RequireConsistent(arguments.features, dataset, pattern);
@@ -60,8 +60,8 @@ PredictionComparison Predict(const CompareArguments& arguments,
   if (prediction.images.empty())
     throw Error(ExitCode::kTooFew,
                 arguments.features +
-                    ": no image could be localised with both cameras; are "
-                    "features and pattern theirs?");
+                    ": no pose could be estimated with both cameras; check "
+                    "that features and pattern belong to them");
   return prediction;
 }
 
@@ -94,8 +94,8 @@ Comparison Compare(const CompareArguments& arguments,
   const ImageSize other = second.file.camera->image_size();
   if (comparison.size != other)
     throw InputError(fmt::format(
-        "{} is for images of {} x {} pixels, {} for {} x {}; compare cameras "
-        "of one mode",
+        "image sizes differ: {} has {} x {} pixels, {} has {} x {}; compare "
+        "cameras of the same sensor mode",
         arguments.first, comparison.size.width, comparison.size.height,
         arguments.second, other.width, other.height));
   comparison.area = second.file.camera->area();
@@ -106,7 +106,7 @@ Comparison Compare(const CompareArguments& arguments,
                                         step_px, arguments.distance_m);
   if (comparison.difference.pixels.empty())
     throw InputError(
-        fmt::format("{} and {}: no pixel that both are calibrated for",
+        fmt::format("{} and {}: the calibrated areas do not overlap",
                     arguments.first, arguments.second));
   comparison.trusted = WhereTrusted(comparison.difference, first, second);
   comparison.angle_rad =
@@ -206,7 +206,7 @@ void Print(const CompareArguments& arguments,
            const PredictionComparison& prediction) {
   const auto print = [](const std::string& camera, const ErrorFigures& figures,
                         int num_better) {
-    fmt::print("{}: median {:.4f} px, RMS {:.4f} px, better in {} images\n",
+    fmt::print("{}: median {:.3g} px, RMS {:.3g} px, better in {} images\n",
                camera, figures.median_px, figures.rms_px, num_better);
   };
   fmt::print("{} features of {} images, poses estimated with each camera:\n",
@@ -232,7 +232,7 @@ void Print(const CompareArguments& arguments,
 void Run(const CompareArguments& arguments, const CommonOptions& common) {
   if (arguments.features.empty() != arguments.pattern.empty())
     throw Error(ExitCode::kUsage,
-                "compare: --features and --pattern need each other");
+                "compare: --features and --pattern must be given together");
   if (!arguments.output.empty()) {
     const std::filesystem::path folder = arguments.output;
     RequireNoInputReplaced({arguments.first, arguments.second,
@@ -251,26 +251,26 @@ void Run(const CompareArguments& arguments, const CommonOptions& common) {
   }
   if (common.quiet) return;
   fmt::print(
-      "median {:.4f} px, RMS {:.4f} px, 99 % below {:.4f} px, largest {:.4f} "
-      "px at {} places, after a rotation of {:.5f} rad",
+      "median {:.3g} px, RMS {:.3g} px, 99th percentile {:.3g} px, max {:.3g} "
+      "px at {} pixels, after a rotation of {:.2g} rad",
       d.median_px, d.rms_px, d.p99_px, d.max_px, d.pixels.size(),
       comparison.angle_rad);
   if (!d.inverse_distances.empty())
     fmt::print(
-        " and a translation of {:.2f} mm, {:g} m and infinitely far away",
+        " and a translation of {:.2f} mm; compared at {:g} m and at infinity",
         1000 * d.first_from_second.translation.norm(), arguments.distance_m);
   fmt::print("\n");
   if (comparison.trusted)
     fmt::print(
-        "where both can be trusted: median {:.4f} px, RMS {:.4f} px, largest "
-        "{:.4f} px at {} places\n",
+        "in both valid regions: median {:.3g} px, RMS {:.3g} px, max {:.3g} px "
+        "at {} pixels\n",
         comparison.trusted->median_px, comparison.trusted->rms_px,
         comparison.trusted->max_px, comparison.trusted->count);
   if (comparison.prediction) Print(arguments, *comparison.prediction);
   if (!arguments.output.empty())
     fmt::print(
-        "magnitude.png (dark 0, bright {:.4f} px), direction.png, "
-        "difference.csv{} and difference.json in {}\n",
+        "magnitude.png (scale 0 to {:.2g} px), direction.png, difference.csv{} "
+        "and difference.json in {}\n",
         d.p99_px, comparison.prediction ? ", predictions.csv" : "",
         arguments.output);
 }

@@ -39,10 +39,11 @@ std::vector<FolderAt> ParseFolders(const std::vector<std::string>& texts) {
     const double value = std::strtod(given.name.c_str(), &end);
     if (given.name.empty() || *end != 0 || !std::isfinite(value) ||
         given.value.empty())
-      throw Error(ExitCode::kUsage,
-                  fmt::format("--images-at {}: expected VALUE=FOLDER, as "
-                              "2.5=photos/near",
-                              text));
+      throw Error(
+          ExitCode::kUsage,
+          fmt::format(
+              "--images-at {}: expected VALUE=FOLDER, such as 2.5=photos/near",
+              text));
     folders.push_back({given.name, value, given.value});
     // A session of capture has its frames in a folder of its own.
     if (IsSession(given.value))
@@ -100,8 +101,8 @@ void ReadValues(const std::string& path,
     for (const std::string& column : columns)
       of_image.push_back(table.Number(column));
     if (!values->emplace(table.Text("image"), of_image).second)
-      throw InputError(fmt::format("{}: {} has a value already", table.Place(),
-                                   table.Text("image")));
+      throw InputError(fmt::format("{}: duplicate value of image {}",
+                                   table.Place(), table.Text("image")));
   }
 }
 
@@ -121,7 +122,7 @@ ConditionValues ExifValues(const std::string& path, const std::string& bytes,
     const auto value = ExifCondition(path, bytes, condition);
     if (!value)
       throw InputError(fmt::format(
-          "{}: EXIF has no {} ({}); give {}", path, ConditionName(condition),
+          "{}: no {} in EXIF ({}); give {}", path, ConditionName(condition),
           ExifTagName(condition), WaysToTell(conditions)));
     values.push_back(*value);
   }
@@ -175,20 +176,19 @@ void RequireConditionOptions(const CalibrateArguments& arguments, bool is_rig) {
   const bool has_values =
       !arguments.cameras_at.empty() || !arguments.conditions.empty();
   if (arguments.condition.empty() && has_values)
-    throw Error(
-        ExitCode::kUsage,
-        "--images-at and --operating-points need --vary-with lens_position or "
-        "--vary-with temperature");
+    throw Error(ExitCode::kUsage,
+                "--images-at and --operating-points require --vary-with "
+                "lens_position or --vary-with temperature");
   if (arguments.condition.empty()) return;
   if (is_rig)
     throw Error(ExitCode::kUsage,
-                "--vary-with is for a single camera; calibrate a rig's cameras "
-                "one by one");
+                "--vary-with supports a single camera only; calibrate the "
+                "cameras of a rig separately");
   const std::vector<CameraCondition> conditions = ConditionsIn(arguments);
   if (conditions.size() > 1 && !arguments.cameras_at.empty())
     throw Error(
         ExitCode::kUsage,
-        "--images-at has one value per folder; for two quantities give " +
+        "--images-at takes one value per folder; for two quantities give " +
             WaysToTell(conditions));
   if (!arguments.cameras_at.empty() && !arguments.conditions.empty())
     throw Error(ExitCode::kUsage,
@@ -232,11 +232,10 @@ Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
   std::set<double> values;
   for (const FolderAt& folder : folders)
     if (!values.insert(folder.value).second)
-      throw Error(
-          ExitCode::kUsage,
-          fmt::format("--images-at {}={}: the value is given twice; put "
-                      "its images into one folder",
-                      folder.text, folder.folder));
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--images-at {}={}: duplicate value; put its "
+                              "images into one folder",
+                              folder.text, folder.folder));
   std::vector<NamedValue> places;
   for (const FolderAt& folder : folders)
     places.push_back({folder.text, folder.folder});
@@ -254,13 +253,12 @@ Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
       more.condition_values[image.image] = {folders[k].value};
     }
     if (k > 0 && more.dataset.image_size != measurements.dataset.image_size)
-      throw InputError(
-          fmt::format("{}: images of {} x {} pixels, but those of "
-                      "{} are {} x {}",
-                      folders[k].folder, more.dataset.image_size.width,
-                      more.dataset.image_size.height, folders[0].folder,
-                      measurements.dataset.image_size.width,
-                      measurements.dataset.image_size.height));
+      throw InputError(fmt::format(
+          "{}: images have {} x {} pixels, but those of {} have {} x {}",
+          folders[k].folder, more.dataset.image_size.width,
+          more.dataset.image_size.height, folders[0].folder,
+          measurements.dataset.image_size.width,
+          measurements.dataset.image_size.height));
     Append(std::move(more), &measurements);
   }
   return measurements;
@@ -311,8 +309,8 @@ std::string RowsOfNoImage(const CalibrateArguments& arguments,
     if (images.count(image) == 0 && count++ == 0) first = image;
   if (count == 0) return "";
   return fmt::format(
-      "{}: {} of its {} rows name no image of the calibration, such as {}; "
-      "check the names",
+      "{}: {} of {} rows match no image of the calibration, such as {}; check "
+      "the names",
       arguments.conditions, count, conditions.values.size(), Printable(first));
 }
 
@@ -324,8 +322,8 @@ std::string ValuesOfOtherUnits(const ImageConditions& conditions) {
       const double low = is_lens ? 0 : -100, high = is_lens ? 50 : 150;
       if (values[k] >= low && values[k] <= high) continue;
       return fmt::format(
-          "{}: {} {:g} is none in {}, which are from {} to {}; the camera is "
-          "right only for values in the same unit",
+          "{}: {} {:g} is not plausible in {} (expected {} to {}); use the "
+          "same unit whenever the camera is applied",
           Printable(image), ConditionName(condition), values[k],
           is_lens ? "dioptres (1 / metres)" : "°C", low, high);
     }

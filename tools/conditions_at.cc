@@ -66,16 +66,16 @@ HeldConditions HeldOf(const ConditionsAt& at,
                       const std::string& name) {
   HeldConditions held(ranges.size());
   if (at.alone && ranges.size() > 1)
-    RefuseAt(at, name,
-             "varies with two quantities; give both by name, such as " +
-                 ExampleAt(ranges));
+    RefuseAt(
+        at, name,
+        "varies with two quantities; name both, such as " + ExampleAt(ranges));
   if (at.alone) held[0] = at.alone;
   for (const auto& [condition, value] : at.named) {
     size_t r = 0;
     while (r < ranges.size() && ranges[r].condition != condition) ++r;
     if (r == ranges.size())
       RefuseAt(at, name,
-               fmt::format("changes with {} alone",
+               fmt::format("varies with {} only",
                            ConditionName(ranges[0].condition)));
     held[r] = value;
   }
@@ -98,7 +98,7 @@ HeldConditions HeldInRange(const ConditionsAt& at,
   HeldConditions held = HeldOf(at, ranges, name);
   for (size_t r = 0; r < ranges.size(); ++r)
     if (held[r] && !ranges[r].Contains(*held[r]))
-      RefuseAt(at, name, "was calibrated over " + ranges[r].Text());
+      RefuseAt(at, name, "outside the calibrated range, " + ranges[r].Text());
   return held;
 }
 

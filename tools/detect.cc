@@ -106,11 +106,11 @@ void NameThoseWithoutFeatures(const FolderDetection& found) {
   if (names.empty()) return;
   const size_t num_others = names.size() - std::min(names.size(), kMaxNames);
   names.resize(names.size() - num_others);
-  fmt::print(stderr, "raygrid: no board found in {}{}\n",
+  fmt::print(stderr, "raygrid: no target found in {}{}\n",
              Printable(fmt::format("{}", fmt::join(names, ", "))),
              num_others == 0
                  ? std::string()
-                 : fmt::format(" and {} others; --json names all", num_others));
+                 : fmt::format(" and {} more (--json lists all)", num_others));
 }
 
 int NumWithFeatures(const FolderDetection& found) {
@@ -134,7 +134,7 @@ void RequireFeatures(const FolderDetection& found, const Pattern& pattern,
   for (const std::string& remark : SummarizeRemarks(found))
     seen += "; " + remark;
   throw Error(ExitCode::kTooFew,
-              fmt::format("no board found in any of {} images{}; {}",
+              fmt::format("no target found in any of {} images{}; {}",
                           found.images.size(), seen,
                           SoughtBoards(pattern, arguments.pattern)));
 }

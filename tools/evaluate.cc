@@ -37,8 +37,8 @@ Pattern PatternOf(const EvaluateArguments& arguments) {
 std::string BodiesInWords(const Pattern& pattern) {
   std::string words;
   for (const BoardBody& body : pattern.bodies)
-    words += fmt::format("{}boards {} as one body", words.empty() ? "" : ", ",
-                         Enumerated(body.boards));
+    words += fmt::format("{}boards {} as a rigid body",
+                         words.empty() ? "" : ", ", Enumerated(body.boards));
   return words;
 }
 
@@ -46,10 +46,12 @@ std::string BodiesInWords(const Pattern& pattern) {
 void PrintHowLocalized(const Pattern& pattern) {
   if (pattern.boards.size() < 2) return;
   if (pattern.bodies.empty())
-    fmt::print("each board localised by itself\n");
+    fmt::print("one pose estimated per board\n");
   else
-    fmt::print("localised: {} (--independent-boards: each by itself)\n",
-               BodiesInWords(pattern));
+    fmt::print(
+        "poses estimated for {} (use --independent-boards for a pose per "
+        "board)\n",
+        BodiesInWords(pattern));
 }
 
 nlohmann::ordered_json BodiesJson(const Pattern& pattern) {
@@ -61,7 +63,7 @@ nlohmann::ordered_json BodiesJson(const Pattern& pattern) {
 Dataset ReadSingleCamera(const std::string& path) {
   const auto datasets = ReadFeatures(path);
   if (datasets.size() > 1)
-    throw InputError(path + ": holds several cameras; split it by camera");
+    throw InputError(path + ": contains several cameras; split it by camera");
   return datasets.begin()->second;
 }
 
@@ -88,10 +90,8 @@ nlohmann::ordered_json ToJson(const Evaluation& evaluation,
 }
 
 void Print(const ErrorFigures& figures) {
-  fmt::print(
-      "median {:.4f} px, RMS {:.4f} px, largest {:.3f} px over {} "
-      "features",
-      figures.median_px, figures.rms_px, figures.max_px, figures.count);
+  fmt::print("median {:.3g} px, RMS {:.3g} px, max {:.3g} px over {} features",
+             figures.median_px, figures.rms_px, figures.max_px, figures.count);
 }
 
 void Print(const Evaluation& evaluation, const Residuals& flexed) {
@@ -100,9 +100,9 @@ void Print(const Evaluation& evaluation, const Residuals& flexed) {
     fmt::print("; {} outside the calibrated area", evaluation.outside_area);
   fmt::print("\n");
   if (!flexed.empty()) {
-    fmt::print("if boards may bend from view to view: ");
+    fmt::print("with per-view target deformation: ");
     Print(ComputeErrorFigures(flexed));
-    fmt::print(", predicted from the others\n");
+    fmt::print(", each predicted from the other half of the features\n");
   }
   for (const RejectedImage& image : evaluation.rejected_images)
     fmt::print("rejected: {} ({})\n", Printable(image.image),
@@ -120,8 +120,8 @@ Evaluation EvaluateAsBodies(const RigModel& camera, const Dataset& dataset,
 void RequireResiduals(size_t count) {
   if (count == 0)
     throw Error(ExitCode::kTooFew,
-                "no image could be localised; are features and pattern those "
-                "of this camera?");
+                "no pose could be estimated; check that features and pattern "
+                "belong to this camera");
 }
 
 void RunCamera(const EvaluateArguments& arguments, const std::string& bytes,
@@ -150,7 +150,7 @@ void RunCamera(const EvaluateArguments& arguments, const std::string& bytes,
     fmt::print("{}\n", json.dump(2));
     return;
   }
-  if (pattern.boards.size() > 1) fmt::print("each board localised by itself: ");
+  if (pattern.boards.size() > 1) fmt::print("one pose per board: ");
   Print(evaluation, flexed);
   if (!as_bodies) return;
   fmt::print("{}: ", BodiesInWords(pattern));

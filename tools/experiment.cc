@@ -50,7 +50,7 @@ const Experiment& FindExperiment(const std::string& name) {
     if (experiment.name == name) return experiment;
   throw Error(
       ExitCode::kUsage,
-      fmt::format("experiment {}: not known; see raygrid experiment --list",
+      fmt::format("experiment {}: unknown; see raygrid experiment --list",
                   name));
 }
 
@@ -61,23 +61,23 @@ void RequireUse(const Experiment& experiment,
     if (is_given &&
         std::find(known.begin(), known.end(), option) == known.end())
       throw Error(ExitCode::kUsage,
-                  fmt::format("experiment {}: has no use for {}",
-                              experiment.name, option));
+                  fmt::format("experiment {}: does not use {}", experiment.name,
+                              option));
   };
   if (arguments.options.fine && experiment.name != "model-validation")
-    throw Error(ExitCode::kUsage, fmt::format("experiment {}: has no use for "
-                                              "--fine-distortion",
-                                              experiment.name));
+    throw Error(ExitCode::kUsage,
+                fmt::format("experiment {}: does not use --fine-distortion",
+                            experiment.name));
   if (arguments.options.fine && !arguments.features.empty())
-    throw Error(
-        ExitCode::kUsage,
-        "--fine-distortion simulates its features; give it or --features");
+    throw Error(ExitCode::kUsage,
+                "--fine-distortion simulates features and cannot be combined "
+                "with --features");
   if (!arguments.bump_widths_px.empty() && !arguments.options.fine)
-    throw Error(ExitCode::kUsage, "--bump-px is for --fine-distortion");
+    throw Error(ExitCode::kUsage, "--bump-px requires --fine-distortion");
   constexpr size_t kMostWidths = 6;  // in a chart
   if (arguments.bump_widths_px.size() > kMostWidths)
     throw Error(ExitCode::kUsage,
-                fmt::format("--bump-px: {} of them; give {} at most",
+                fmt::format("--bump-px: {} values, at most {} are supported",
                             arguments.bump_widths_px.size(), kMostWidths));
   require("--features", !arguments.features.empty());
   require("--result", !arguments.result.empty());
@@ -89,7 +89,7 @@ void RequireUse(const Experiment& experiment,
   if (!arguments.features.empty() &&
       (arguments.pattern.empty() || arguments.image_size.empty()))
     throw Error(ExitCode::kUsage,
-                "--features needs --pattern and --image-size WxH");
+                "--features requires --pattern and --image-size WxH");
 }
 
 // A file, or that file of a folder that calibrate wrote.
@@ -109,8 +109,8 @@ NamedStereo ReadStereo(const std::string& given_path) {
   const std::string path = FileOrIn(given_path, "rig.yaml");
   const std::vector<RigFileCamera> cameras = ReadRigFile(path);
   if (cameras.size() != 2)
-    throw InputError(
-        fmt::format("{}: {} cameras; stereo needs two", path, cameras.size()));
+    throw InputError(fmt::format("{}: has {} cameras; stereo needs two", path,
+                                 cameras.size()));
   const auto read = [&path](const RigFileCamera& camera) {
     const auto folder = std::filesystem::path(path).parent_path();
     return ReadNamedCamera((folder / camera.file).string());
@@ -131,11 +131,11 @@ void ReadUsersFeatures(const ExperimentArguments& arguments,
   const size_t num_cameras = arguments.name == "stereo-depth" ? 2 : 1;
   if (num_cameras == 1 && cameras.size() > 1)
     throw InputError(arguments.features +
-                     ": holds several cameras; split it by camera");
+                     ": contains several cameras; split it by camera");
   if (cameras.size() != num_cameras)
     throw InputError(fmt::format(
-        "{}: holds features of {} camera{}; stereo "
-        "needs two, in a column 'camera'",
+        "{}: has features of {} camera{}; stereo needs two, named in the "
+        "column 'camera'",
         arguments.features, cameras.size(), cameras.size() == 1 ? "" : "s"));
   data->pattern = GivenPattern(arguments.pattern);
   for (auto& [name, dataset] : cameras) {
@@ -153,8 +153,8 @@ CalibrationResult ReadSingleResult(const std::string& folder) {
   RigResult result = ReadResultFolder(folder).result;
   if (result.cameras.size() > 1)
     throw InputError(folder +
-                     ": the result of a rig; the report of each of its cameras "
-                     "has its own");
+                     ": is the result of a rig; the report of each camera has "
+                     "its own residual budget");
   return std::move(result.cameras.front());
 }
 

@@ -88,13 +88,14 @@ void RequireNoCsv(const std::string& path, const std::string& bytes) {
   const std::string header = bytes.substr(0, bytes.find('\n'));
   if (header.find(",qw,qx,qy,qz,") != std::string::npos)
     throw InputError(
-        fmt::format("{}: has poses, and no camera; export the camera with "
-                    "--poses, or the poses alone --to tum",
+        fmt::format("{}: has poses but no camera; export the camera with "
+                    "--poses, or the poses alone with --to tum",
                     path));
   if (header.find(",board,column,row,") != std::string::npos)
-    throw InputError(fmt::format(
-        "{}: has features, and no camera; export them --to puzzlepaint-dataset",
-        path));
+    throw InputError(
+        fmt::format("{}: has features but no camera; export them with --to "
+                    "puzzlepaint-dataset",
+                    path));
 }
 
 // The cameras of a rig, or the one camera.
@@ -139,11 +140,11 @@ std::string ViewAdvice(const CameraModel& camera) {
   try {
     const VirtualView view = MakeViewOfArea(camera);
     return fmt::format(
-        "undistorted images have none: --rectified exports their view, a "
-        "pinhole that sees {:.0f} x {:.0f} degrees",
+        "or export the pinhole camera of undistorted images with --rectified "
+        "({:.0f} x {:.0f} degrees)",
         view.HorizontalFieldOfViewDeg(), view.VerticalFieldOfViewDeg());
   } catch (const Error&) {
-    return "choose another format or model";
+    return "use another format or model";
   }
 }
 
@@ -154,9 +155,10 @@ void RequireSmallError(const Exported& camera, const ChosenLens& chosen,
   if (fit.num_beyond == 0 && fit.max_px <= *max_fit_error_px) return;
   throw Error(
       ExitCode::kQuality,
-      fmt::format("{}: {} leaves more than --max-fit-error-px {:g}: {}; {}",
-                  camera.path, chosen.lens.form->name, *max_fit_error_px,
-                  LensFitText(fit), ViewAdvice(*camera.input.file.camera)));
+      fmt::format(
+          "{}: the fit error of {} exceeds --max-fit-error-px {:g}: {}; {}",
+          camera.path, chosen.lens.form->name, *max_fit_error_px,
+          LensFitText(fit), ViewAdvice(*camera.input.file.camera)));
 }
 
 // Lenses of a rig whose frame is that of its first camera; it is that of the
@@ -229,7 +231,7 @@ void RectifyPair(const Format& format, std::vector<WrittenLens>* lenses) {
           RectifiedProjection{rectification.R(k), rectification.P(k)};
   } catch (const Error& error) {
     fmt::print(stderr,
-               "raygrid: the files have no R and P of a rectified pair: {}\n",
+               "raygrid: R and P of a rectified pair are not written: {}\n",
                error.what());
   }
 }
@@ -241,7 +243,7 @@ void AddPoses(const ExportArguments& arguments, const Format& format,
   if (arguments.poses.empty()) return;
   if (!format.holds_poses)
     throw Error(ExitCode::kUsage,
-                fmt::format("--poses: {} has none", format.name));
+                fmt::format("--poses: not supported by {}", format.name));
   auto poses = ReadPoses(arguments.poses);
   for (size_t c = 0; c < lenses->size(); ++c) {
     WrittenLens& lens = (*lenses)[c];
@@ -260,7 +262,7 @@ void AddPoses(const ExportArguments& arguments, const Format& format,
   }
   if (!poses.empty())
     throw InputError(fmt::format(
-        "{}: has poses of camera '{}', which {} has not", arguments.poses,
+        "{}: has poses of camera '{}', which is not in {}", arguments.poses,
         Printable(poses.begin()->first), arguments.input));
 }
 
@@ -316,7 +318,7 @@ void PrintExport(const Format& format, const std::vector<WrittenLens>& lenses,
     const WrittenLens& lens = lenses[c];
     fmt::print("{}{}: {}, {}\n", files[format.holds_rigs ? 0 : c].first,
                lens.name.empty() ? "" : " " + lens.name, lens.lens.form->name,
-               lens.fit ? LensFitText(*lens.fit) : "exactly the camera");
+               lens.fit ? LensFitText(*lens.fit) : "exact");
   }
 }
 
@@ -340,15 +342,15 @@ std::vector<std::string> GivenOptions(const ExportArguments& arguments) {
 // Throws for options that only formats of the other kind take.
 void RequireTaken(const ExportArguments& arguments, const TableFormat* table) {
   const auto refuse = [&](const std::string& option) {
-    throw Error(ExitCode::kUsage, fmt::format("--{}: --to {} does not take it",
+    throw Error(ExitCode::kUsage, fmt::format("--{}: not supported by --to {}",
                                               option, arguments.format));
   };
   static const std::set<std::string> of_lenses = {"model", "max-fit-error-px",
                                                   "rectified", "poses"};
   if (table && table->write_poses && !arguments.poses.empty())
     throw Error(ExitCode::kUsage,
-                fmt::format("--poses: {} is made of poses.csv alone: raygrid "
-                            "export poses.csv --to {}",
+                fmt::format("--poses: {} is written from poses.csv alone: "
+                            "raygrid export poses.csv --to {}",
                             table->name, table->name));
   for (const std::string& option : GivenOptions(arguments))
     if (table ? !table->Takes(option) : of_lenses.count(option) == 0)
@@ -392,7 +394,7 @@ void ListTables(bool json, nlohmann::ordered_json* all) {
                     {"options", format.options},
                     {"models", format.models}});
     if (!json)
-      fmt::print("{}: {} ({})\n  of: {}{}{}\n", format.name, format.holds,
+      fmt::print("{}: {} ({})\n  source: {}{}{}\n", format.name, format.holds,
                  format.IsImported() ? "export, import" : "export",
                  format.Source(), format.models.empty() ? "" : "; models: ",
                  fmt::join(format.models, ", "));
@@ -409,7 +411,7 @@ void List(bool json) {
 const Format& FindWrittenFormat(const std::string& name) {
   for (const Format& format : Formats())
     if (format.name == name && format.write) return format;
-  throw Error(ExitCode::kUsage, fmt::format("--to {}: not a format; use {}",
+  throw Error(ExitCode::kUsage, fmt::format("--to {}: unknown format; use {}",
                                             name, WrittenFormatNames()));
 }
 
@@ -422,9 +424,9 @@ void TellRegions(const std::vector<WrittenLens>& lenses) {
     const double cell_part = std::pow(lens.trusted->cell_px, 2) /
                              lens.lens.size.width / lens.lens.size.height;
     fmt::print(stderr,
-               "raygrid: the region of trusted pixels{} has one part and no "
-               "holes: {:.1f} % of the image, which is trusted, is left out, "
-               "and {:.1f} %, which is not, is in\n",
+               "raygrid: the format stores the valid region{} as one polygon "
+               "without holes: it omits {:.1f} % of the image that is valid "
+               "and includes {:.1f} % that is not\n",
                lens.name.empty() ? "" : " of " + Printable(lens.name),
                100 * cell_part * loss.num_left_out,
                100 * cell_part * loss.num_held);
@@ -446,7 +448,7 @@ void ExportLenses(const ExportArguments& arguments, const Format& format,
   const std::string word = FirstWord(arguments.view);
   if (!word.empty() && !arguments.rectified)
     throw Error(ExitCode::kUsage,
-                fmt::format("--{}: is for a view; add --rectified", word));
+                fmt::format("--{}: requires --rectified", word));
   bool is_rig = false;
   std::vector<Exported> cameras =
       ReadExported(arguments.input, common.at, &is_rig);
@@ -473,8 +475,8 @@ void ExportLenses(const ExportArguments& arguments, const Format& format,
   for (const WrittenLens& lens : lenses)
     if (lens.fit && lens.fit->num_beyond > 0)
       fmt::print(stderr,
-                 "raygrid: {} has no place for {} of {} pixels{}, which look "
-                 "up to {:.0f} degrees off the axis\n",
+                 "raygrid: {} cannot represent {} of {} pixels{}, up to {:.0f} "
+                 "degrees off axis\n",
                  lens.lens.form->name, lens.fit->num_beyond,
                  lens.fit->num_beyond + lens.fit->num_pixels,
                  lens.name.empty() ? "" : " of " + Printable(lens.name),
@@ -482,10 +484,10 @@ void ExportLenses(const ExportArguments& arguments, const Format& format,
   if (format.holds_region) TellRegions(lenses);
   if (is_rig && DropsPoses(format, lenses))
     fmt::print(stderr,
-               "raygrid: the files are cameras alone: {} has no place for {}"
-               "poses in the rig; --to opencv and --to kalibr write them\n",
+               "raygrid: camera poses are not written: {} cannot store {}poses "
+               "of a rig; use --to opencv or --to kalibr\n",
                format.name,
-               format.holds_pairs ? "more than a pair's " : "their ");
+               format.holds_pairs ? "more than a stereo pair's " : "");
   PrintExport(format, lenses, files, common);
 }
 

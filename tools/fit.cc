@@ -63,8 +63,8 @@ SplinedStereographic::Grid ParseSplineGrid(const std::string& text) {
       return grid;
   }
   throw Error(ExitCode::kUsage,
-              fmt::format("--spline {}: expected COLUMNSxROWS of control "
-                          "points, {} to {} each, or COLUMNSxROWS,fov=1 to {}",
+              fmt::format("--spline {}: expected COLUMNSxROWS control points, "
+                          "{} to {} each, optionally with ,fov=DEG of 1 to {}",
                           text, kFewest, kMost, kMostDeg));
 }
 
@@ -98,11 +98,11 @@ Fit FitCamera(const FitArguments& arguments, const ConditionsAt& at,
   const CameraInput input = ReadCamera(arguments.camera, at);
   const CameraModel& camera = *input.file.camera;
   if (!camera.IsCentral())
-    throw Error(ExitCode::kUsage,
-                fmt::format("{}: the lines of a {} camera do not meet in a "
-                            "point; calibrate central-generic from the "
-                            "features, and fit {} to that",
-                            arguments.camera, camera.Name(), arguments.model));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("{}: a {} camera is non-central; calibrate central-generic "
+                    "from the same features, and fit {} to that",
+                    arguments.camera, camera.Name(), arguments.model));
   const Area& area = camera.area();
   Fit fit;
   fit.file.name = input.file.name;
@@ -123,7 +123,8 @@ Fit FitCamera(const FitArguments& arguments, const ConditionsAt& at,
   }
   if (fit.difference.pixels.empty())
     throw Error(ExitCode::kNotConverged,
-                fmt::format("{}: {} fits it nowhere; use another model",
+                fmt::format("{}: {} cannot represent any pixel of this camera; "
+                            "use another model",
                             arguments.camera, arguments.model));
   if (trusted) fit.trusted = ErrorsWhereTrusted(fit.difference, *trusted);
   return fit;
@@ -154,19 +155,18 @@ std::string FullName(const CameraModel& camera) {
   const auto* spline = dynamic_cast<const SplinedStereographic*>(&camera);
   if (!spline) return camera.Name();
   const SplinedStereographic::Grid& grid = spline->grid();
-  return fmt::format("{} of {} x {} control points over {} degrees",
+  return fmt::format("{} with {} x {} control points over {} degrees",
                      camera.Name(), grid.columns, grid.rows, grid.fov_x_deg);
 }
 
 void Run(const FitArguments& arguments, const CommonOptions& common) {
   if (!IsParametricModel(arguments.model) && arguments.model != kSplined)
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("--model {}: not a model that can be fitted; use {}",
-                    arguments.model, NamesOfModels()));
+    throw Error(ExitCode::kUsage,
+                fmt::format("--model {}: cannot be fitted; use {}",
+                            arguments.model, NamesOfModels()));
   if (!arguments.spline.empty() && arguments.model != kSplined)
     throw Error(ExitCode::kUsage,
-                fmt::format("--spline: is for --model {}", kSplined));
+                fmt::format("--spline requires --model {}", kSplined));
   std::optional<SplinedStereographic::Grid> grid;
   if (!arguments.spline.empty()) grid = ParseSplineGrid(arguments.spline);
   RequireNoInputReplaced({arguments.camera}, {arguments.output});
@@ -179,20 +179,20 @@ void Run(const FitArguments& arguments, const CommonOptions& common) {
   if (common.quiet) return;
   const ModelDifference& d = fit.difference;
   fmt::print(
-      "{}: median {:.4f} px, RMS {:.4f} px, 99 % below {:.4f} px, largest "
-      "{:.4f} px at {} places, after a rotation of {:.5f} rad\n",
+      "{}: median {:.3g} px, RMS {:.3g} px, 99th percentile {:.3g} px, max "
+      "{:.3g} px at {} pixels, after a rotation of {:.2g} rad\n",
       FullName(*fit.file.camera), d.median_px, d.rms_px, d.p99_px, d.max_px,
       d.pixels.size(),
       d.first_from_second.rotation.angularDistance(
           Eigen::Quaterniond::Identity()));
   if (fit.trusted)
     fmt::print(
-        "where the camera can be trusted: RMS {:.4f} px, 99 % below {:.4f} px, "
-        "largest {:.4f} px at {} places\n",
+        "in the valid region: RMS {:.3g} px, 99th percentile {:.3g} px, max "
+        "{:.3g} px at {} pixels\n",
         fit.trusted->rms_px, fit.trusted->p99_px, fit.trusted->max_px,
         fit.trusted->num_places);
   if (fit.num_places > d.pixels.size())
-    fmt::print("no direction at {} of {} places\n",
+    fmt::print("{} of {} pixels cannot be represented\n",
                fit.num_places - d.pixels.size(), fit.num_places);
 }
 

@@ -18,9 +18,9 @@ ImageSize ParseImageSize(const std::string& option, const std::string& text) {
   if (at_x.ec == std::errc() && at_x.ptr != end && *at_x.ptr == 'x')
     at_end = std::from_chars(at_x.ptr + 1, end, height);
   if (at_end.ec != std::errc() || at_end.ptr != end || width < 1 || height < 1)
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("{} {}: expected WIDTHxHEIGHT, as 640x480", option, text));
+    throw Error(ExitCode::kUsage,
+                fmt::format("{} {}: expected WIDTHxHEIGHT, such as 640x480",
+                            option, text));
   const std::string why = WhySizeIsRefused(width, height);
   if (!why.empty())
     throw Error(ExitCode::kUsage, fmt::format("{}: {}", option, why));

@@ -39,11 +39,10 @@ ImageSize ParseBoardSize(const std::string& text) {
         std::min(columns, rows) >= 2 && std::max(columns, rows) <= kMostCorners)
       return {columns, rows};
   }
-  throw Error(
-      ExitCode::kUsage,
-      fmt::format("--board-size {}: expected COLUMNSxROWS of corners, 2 to "
-                  "{} each, as 10x10",
-                  text, kMostCorners));
+  throw Error(ExitCode::kUsage,
+              fmt::format("--board-size {}: expected COLUMNSxROWS corners, 2 "
+                          "to {} each, such as 10x10",
+                          text, kMostCorners));
 }
 
 ExchangeContents ReadForeignFile(const ImportArguments& arguments,
@@ -57,11 +56,10 @@ ExchangeContents ReadForeignFile(const ImportArguments& arguments,
       arguments.from.empty() ? nullptr : &FindFormat("--from", arguments.from);
   if (format && !format->read)
     throw Error(ExitCode::kUsage,
-                fmt::format("--from {}: is only exported", format->name));
+                fmt::format("--from {}: export only", format->name));
   for (const char* own : {"raygrid_camera:", "raygrid_rig:"})
     if (request.text.find(own) != std::string::npos)
-      throw InputError(path +
-                       ": is raygrid's own already; every command takes it");
+      throw InputError(path + ": is a raygrid file already; no import needed");
   const Format* const found = format ? format : RecognizeFormat(request.text);
   if (found) request.beside = ReadBeside(*found, path);
   return ReadExchangeFile(format, request);
@@ -80,14 +78,16 @@ bool ImportBoards(const ImportArguments& arguments,
                                       {"--board-size", arguments.board}})
     if (!value.empty())
       throw Error(ExitCode::kUsage,
-                  fmt::format("{}: {} has a board alone", option, path));
+                  fmt::format("{}: {} contains only a target", option, path));
   if (arguments.files.size() > 1)
-    throw Error(ExitCode::kUsage,
-                arguments.files[1] + ": a file of a board is imported alone");
+    throw Error(
+        ExitCode::kUsage,
+        arguments.files[1] + ": a target file must be imported separately");
   if (std::filesystem::path(arguments.output).extension() == ".csv")
-    throw Error(ExitCode::kUsage,
-                fmt::format("-o {}: {} has a board, which becomes pattern.yaml",
-                            arguments.output, path));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("-o {}: {} contains a target; name the output pattern.yaml",
+                    arguments.output, path));
   RequireNoInputReplaced(arguments.files, {arguments.output});
   OutputFiles outputs;
   outputs.Add(arguments.output, PatternText(path, contents.boards));
@@ -113,12 +113,14 @@ void RequireUsed(const ImportArguments& arguments,
   if (!contents.cameras.empty()) {
     if (!arguments.board.empty() &&
         std::filesystem::path(arguments.output).extension() != ".csv")
-      refuse("--board-size", "is for corners, which become features.csv");
+      refuse("--board-size",
+             "is for corner files only (imported as features.csv)");
     return;
   }
   if (arguments.files.size() > 1)
-    refuse(arguments.files[1], "a file of corners is imported alone");
-  if (!arguments.model.empty()) refuse("--model", "corners have no camera");
+    refuse(arguments.files[1], "a corner file must be imported separately");
+  if (!arguments.model.empty())
+    refuse("--model", "a corner file has no camera");
   if (!arguments.image_size.empty())
     refuse("--image-size",
            "features.csv does not store it; pass it to calibrate");
@@ -133,7 +135,7 @@ std::optional<ExchangeContents> ReadCorners(
   if (!format || !format->takes_board) {
     if (!arguments.board.empty() && !(format && format->may_take_board))
       throw Error(ExitCode::kUsage,
-                  "--board-size: only for corner files without a board size");
+                  "--board-size is only for corner files without a board size");
     return std::nullopt;
   }
   RequireUsed(arguments, {});
@@ -146,10 +148,11 @@ void ImportCorners(const ExchangeContents& contents,
                    const ImportArguments& arguments,
                    const CommonOptions& common) {
   if (std::filesystem::path(arguments.output).extension() != ".csv")
-    throw Error(ExitCode::kUsage,
-                fmt::format("-o {}: {} has corners, and no camera; they become "
-                            "features.csv",
-                            arguments.output, arguments.files[0]));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "-o {}: {} has corners but no camera; name the output features.csv",
+            arguments.output, arguments.files[0]));
   const Dataset dataset = {{}, contents.corners};
   RequireNoInputReplaced(arguments.files, {arguments.output});
   OutputFiles outputs;
@@ -201,17 +204,15 @@ ExchangeContents ReadForeign(const ImportArguments& arguments,
   if (arguments.files.size() == 1) {
     const auto& rectified = all.cameras.front().rectified;
     if (all.cameras.size() == 1 && rectified && rectified->IsBeside())
-      all.remarks.push_back(
-          arguments.files.front() +
-          ": its R and P are of rectified images and not taken; import both "
-          "files of a pair to have a rig");
+      all.remarks.push_back(arguments.files.front() +
+                            ": R and P of the rectified pair are ignored; "
+                            "import both files of the pair to get a rig");
     const auto& pose = all.cameras.front().camera_from_rig;
     if (all.cameras.size() == 1 && pose &&
         !(pose->rotation.vec().norm() + pose->translation.norm() < 1e-12))
-      all.remarks.push_back(
-          arguments.files.front() +
-          ": its pose is not taken; import the files of all cameras of its rig "
-          "to have the rig");
+      all.remarks.push_back(arguments.files.front() +
+                            ": its pose is ignored; import the files of all "
+                            "cameras to get the rig");
     return all;
   }
   if (names.size() < all.cameras.size() || names.count("") > 0)
@@ -235,10 +236,10 @@ std::vector<std::string> FolderNames(const ImportArguments& arguments,
   for (const ReadLens& camera : contents.cameras) {
     const std::string name = NameOfFile(camera.name);
     if (name.empty() || !taken.insert(name).second)
-      throw InputError(fmt::format(
-          "{}: camera '{}': names of several cameras are different in their "
-          "letters, digits and '_'",
-          arguments.files.back(), Printable(camera.name)));
+      throw InputError(
+          fmt::format("{}: camera '{}': camera names must be unique in their "
+                      "letters, digits and '_'",
+                      arguments.files.back(), Printable(camera.name)));
     names.push_back(name);
   }
   return names;
@@ -251,10 +252,10 @@ std::string CsvOf(const ImportArguments& arguments,
       std::filesystem::path(arguments.output).stem().string();
   const bool wants_features = EndsWith(stem, "features");
   if (!wants_features && !EndsWith(stem, "poses"))
-    throw Error(ExitCode::kUsage,
-                fmt::format("-o {}: call it features.csv or poses.csv, or let "
-                            "its name end so",
-                            arguments.output));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("-o {}: the name must end in features.csv or poses.csv",
+                    arguments.output));
   std::vector<NamedDataset> features;
   std::vector<NamedPoses> poses;
   bool has_any = false;
@@ -269,7 +270,7 @@ std::string CsvOf(const ImportArguments& arguments,
       throw InputError(fmt::format("{}: {}", arguments.files.front(),
                                    camera.why_no_features));
   if (!has_any)
-    throw InputError(fmt::format("{}: has no {}", arguments.files.front(),
+    throw InputError(fmt::format("{}: contains no {}", arguments.files.front(),
                                  wants_features ? "features" : "poses"));
   if (features.size() == 1)
     return wants_features ? FormatFeatures(features.front().dataset)
@@ -339,8 +340,8 @@ std::vector<std::string> FilesIn(const std::filesystem::path& folder) {
   std::vector<std::string> files = CamerasOfState(folder);
   if (files.empty())
     throw InputError(folder.string() +
-                     ": a folder without COLMAP's cameras.bin or cameras.txt, "
-                     "and without puzzlepaint's intrinsics0.yaml; name a file");
+                     ": folder has neither cameras.bin or cameras.txt (COLMAP) "
+                     "nor intrinsics0.yaml (puzzlepaint); name a file");
   return files;
 }
 
@@ -418,12 +419,12 @@ void RunImport(ImportArguments arguments, const CommonOptions& common) {
   }
   for (size_t c = 0; c < contents.cameras.size(); ++c) {
     const LensInForm& lens = contents.cameras[c].lens;
-    fmt::print("{}: {} of {} x {} px, in raygrid {}\n",
+    fmt::print("{}: {} of {} x {} px, imported as {}\n",
                paths[std::min(c, paths.size() - 1)], lens.form->name,
                lens.size.width, lens.size.height, lens.form->model);
   }
   if (contents.IsRig() && paths.size() > 1)
-    fmt::print("{}: the rig\n", arguments.output);
+    fmt::print("{}: rig\n", arguments.output);
 }
 
 }  // namespace

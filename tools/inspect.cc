@@ -357,8 +357,8 @@ Json ForeignFacts(const Format& format, const std::string& path,
 
 Json SlotFacts(const std::string& path, const BlobSlot& slot) {
   if (!slot.is_whole)
-    return {{"state", slot.is_erased ? "erased" : "not whole"}};
-  Json json = {{"state", slot.IsUsable() ? "whole" : "does not open"},
+    return {{"state", slot.is_erased ? "erased" : "incomplete"}};
+  Json json = {{"state", slot.IsUsable() ? "valid" : "invalid"},
                {"sequence", slot.sequence},
                {"bytes", slot.blob.size()}};
   if (!slot.IsUsable()) {
@@ -378,8 +378,8 @@ Json SlotsFacts(const std::string& path, const std::string& bytes) {
   const auto place = FindMisplacedSlot(bytes);
   if (place || bytes.size() % 8 != 0)
     throw InputError(fmt::format(
-        "{}: has {} bytes, of which half are no slot{}; name a copy of both "
-        "slots, whole and with nothing behind them",
+        "{}: has {} bytes, not two equal slots{}; use an exact copy of both "
+        "slots",
         path, bytes.size(),
         place ? fmt::format(": one begins at byte {}", *place) : ""));
   const BlobSlots read = ReadSlots(bytes);
@@ -394,15 +394,15 @@ Json SlotsFacts(const std::string& path, const std::string& bytes) {
 std::string ReadSlotsOfDevice(const std::string& path,
                               const std::optional<uint64_t>& slot_size) {
   if (!slot_size)
-    throw Error(ExitCode::kUsage, path +
-                                      ": is a device; say with --slot-size how "
-                                      "large its two slots are");
+    throw Error(
+        ExitCode::kUsage,
+        path + ": is a device; give the size of a slot with --slot-size");
   std::string bytes(2 * *slot_size, '\0');
   std::ifstream device(path, std::ios::binary);
   if (!device.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
     throw InputError(
-        fmt::format("{}: has no {} bytes that can be read; name "
-                    "a smaller --slot-size, or see its rights",
+        fmt::format("{}: cannot read {} bytes; use a smaller --slot-size, or "
+                    "check its permissions",
                     path, bytes.size()));
   return bytes;
 }
@@ -421,8 +421,8 @@ Json FactsOf(const std::string& path,
     return SlotsFacts(path, ReadSlotsOfDevice(path, slot_size));
   if (slot_size)
     throw Error(ExitCode::kUsage,
-                "--slot-size is for block devices; the slots of a file are "
-                "its halves");
+                "--slot-size is for block devices only; a file consists of two "
+                "equal slots");
   const std::string bytes = ReadFile(path);
   if (IsSlotFile(bytes)) return SlotsFacts(path, bytes);
   if (IsBlob(path, bytes)) return BlobFacts(BlobCamera(path, bytes));
@@ -440,7 +440,7 @@ Json FactsOf(const std::string& path,
     return FeaturesFacts(ParseFeatures(path, bytes));
   throw InputError(path +
                    ": not a blob, camera, rig, pattern or features file, nor "
-                   "a file of " +
+                   "one of these formats: " +
                    FormatNames());
 }
 
@@ -477,12 +477,17 @@ std::pair<std::string, std::string> NameAndUnit(std::string key) {
   return {key, unit};
 }
 
+// Errors and uncertainties, of which three digits are significant.
+bool IsStatistic(const std::string& name) {
+  return name == "median" || name == "rms" || name == "max" || name == "error";
+}
+
 std::string ObjectText(const Json& object, int digits = 6) {
   std::string text;
   for (const auto& [key, value] : object.items()) {
     const auto [name, unit] = NameAndUnit(key);
-    text += (text.empty() ? "" : ", ") + name + " " + ValueText(value, digits) +
-            unit;
+    text += (text.empty() ? "" : ", ") + name + " " +
+            ValueText(value, IsStatistic(name) ? 3 : digits) + unit;
   }
   return text;
 }
@@ -510,10 +515,10 @@ void Inspect(const std::string& path, const std::optional<uint64_t>& slot_size,
   else
     PrintText(facts);
   if (facts["kind"] == "slots" && !facts.contains("newest"))
-    throw Error(ExitCode::kBlob,
-                path +
-                    ": neither slot has a blob that opens; write one with "
-                    "raygrid update");
+    throw Error(
+        ExitCode::kBlob,
+        path +
+            ": neither slot holds a valid blob; write one with raygrid update");
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ CLI::Validator AboveZero() {
         double value = 0;
         const bool is_above = CLI::detail::lexical_cast(text, value) &&
                               value > 0 && std::isfinite(value);
-        return is_above ? std::string() : text + " is not a number above 0";
+        return is_above ? std::string() : text + " is not a positive number";
       },
       "POSITIVE");
 }
@@ -131,7 +131,7 @@ std::string WhyNegative(const std::string& text) {
 // Why an option refuses an empty text, which a script's variable gives that was
 // never set.
 std::string WhyEmpty(const std::string& text) {
-  return text.empty() ? "an empty value; omit the option or give a value"
+  return text.empty() ? "empty value; give a value or omit the option"
                       : std::string();
 }
 
@@ -189,14 +189,12 @@ void RequireCommand(const CLI::App& app, const std::string& word) {
   }
   if (word == "capture")
     throw Error(ExitCode::kUsage,
-                "capture: this build has no live capture; build it with "
-                "libmicrohttpd and libjpeg, or install Debian's package "
-                "raygrid-capture");
+                "capture: not in this build; build with libmicrohttpd and "
+                "libjpeg, or install the Debian package raygrid-capture");
   if (word == "simulate" || word == "experiment")
-    throw Error(ExitCode::kUsage,
-                word +
-                    ": this build does not have this command; configure it "
-                    "with -DRAYGRID_EXPERIMENTS=ON");
+    throw Error(
+        ExitCode::kUsage,
+        word + ": not in this build; configure with -DRAYGRID_EXPERIMENTS=ON");
   throw Error(
       ExitCode::kUsage,
       fmt::format("{}: unknown command; {}", word,
@@ -210,8 +208,8 @@ bool IsOutputLost() {
 
 int FailToPrint() {
   return Fail(ExitCode::kOutput,
-              "standard output cannot be written; what the command found is "
-              "in its files alone, if anywhere");
+              "standard output cannot be written; results are in the output "
+              "files only, if there are any");
 }
 
 int Run(int argc, char** argv) {

@@ -58,7 +58,7 @@ void RequireOtherNames(const Measurements& measurements,
   for (const ImageFeatures& image : more.dataset.images)
     if (names.count(image.image))
       throw InputError(fmt::format(
-          "{}: {} is the name of an image of another mode, too; rename one",
+          "{}: image name {} is also used in another sensor mode; rename one",
           folder, image.image));
 }
 
@@ -74,16 +74,16 @@ FoldersByMode SortByMode(const std::vector<std::string>& images,
         [&](const std::string& path) { return IsSamePath(path, folder); });
     if (found == folders.calibrated.end())
       throw Error(ExitCode::kUsage,
-                  fmt::format("--mode {}: {} is none of the images; expected "
-                              "FOLDER:WORDS, with a folder that is given once",
+                  fmt::format("--mode {}: {} is not one of the image folders; "
+                              "expected FOLDER:SETTINGS, each folder once",
                               text, folder));
     folders.calibrated.erase(found);
     folders.modes.emplace_back(folder, text);
   }
   if (folders.calibrated.empty() && !modes.empty())
     throw Error(ExitCode::kUsage,
-                "--mode: all images are of other modes; give some of the mode "
-                "to calibrate without it");
+                "--mode: all images are of other sensor modes; some images "
+                "must be of the mode to calibrate");
   return folders;
 }
 
@@ -92,7 +92,7 @@ void AppendOfMode(const SensorMode& mode, const std::string& folder,
   const ImageSize& size = more.dataset.image_size;
   if (size != mode.size)
     throw InputError(fmt::format(
-        "{}: images have {} x {} pixels, the sensor mode {} x {}; correct "
+        "{}: images have {} x {} pixels, but the sensor mode {} x {}; correct "
         "--mode",
         folder, size.width, size.height, mode.size.width, mode.size.height));
   RequireOtherNames(*measurements, more, folder);

@@ -22,9 +22,9 @@ const char kModeSyntaxHelp[] =
     "  flip=h|v|hv, rotate=180\n";
 
 const char kModeWordsHelp[] =
-    "NAME:WORDS, with commas between: crop=X,Y,W,H (the calibrated pixels that "
-    "its frames show), bin=N (N x N of them in one), scale=S (0.5: half as "
-    "wide and high), size=WxH (of its frames, instead of bin and scale), "
+    "NAME: and a comma-separated list of crop=X,Y,W,H (read-out region in "
+    "calibrated pixels), bin=N (N x N binning), scale=S (0.5: half "
+    "resolution), size=WxH (frame size, instead of bin and scale), "
     "flip=h|v|hv, rotate=180";
 
 namespace {
@@ -69,8 +69,8 @@ Area ShownArea(const std::string& mode, const Words& words,
   if (!(n[0] >= 0 && n[1] >= 0 && n[2] >= 2 && n[3] >= 2 &&
         n[0] + n[2] <= calibrated.width && n[1] + n[3] <= calibrated.height))
     Refuse(mode,
-           fmt::format("crop={} lies outside the {} x {} pixels that "
-                       "were calibrated; keep X + W and Y + H within them",
+           fmt::format("crop={} must be within the calibrated {} x {} pixels, "
+                       "and at least 2 x 2",
                        crop->second, calibrated.width, calibrated.height));
   return {n[0], n[1], n[0] + n[2], n[1] + n[3]};
 }
@@ -79,36 +79,38 @@ Area ShownArea(const std::string& mode, const Words& words,
 void SetSize(const Words& words, const Area& shown, SensorMode* mode) {
   const Eigen::Vector2d span(shown.width(), shown.height());
   if (words.count("size") + words.count("bin") + words.count("scale") > 1)
-    Refuse(mode->name, "size, bin and scale say the same; give one of them");
+    Refuse(mode->name,
+           "size, bin and scale exclude each other; give one of them");
   Eigen::Vector2d size = span.array().floor();
   std::optional<double> exact_scale;
   if (words.count("bin")) {
     const double bin = Numbers(mode->name, words, "bin", 1, "2")[0];
     if (!(bin >= 1 && bin <= 64 && bin == std::floor(bin)))
-      Refuse(mode->name, "bin is a whole number from 1 to 64");
+      Refuse(mode->name, "bin must be an integer from 1 to 64");
     size = (span / bin).array().floor();
     exact_scale = bin;
   } else if (words.count("scale")) {
     const double scale = Numbers(mode->name, words, "scale", 1, "0.5")[0];
     if (!(scale >= 1.0 / 64 && scale <= 64))
-      Refuse(mode->name, "scale is 1/64 to 64; 0.5 makes frames half as wide");
+      Refuse(mode->name, "scale must be 1/64 to 64 (0.5: half resolution)");
     size = (span * scale).array().round();
   } else if (words.count("size")) {
     const ImageSize wanted =
         ParseImageSize("--mode " + mode->name + ": size", words.at("size"));
     size = Eigen::Vector2d(wanted.width, wanted.height);
   } else if (size != span) {
-    Refuse(mode->name, "crop is of whole pixels, unless size says of how many");
+    Refuse(mode->name, "crop must be in whole pixels unless size is given");
   }
   if (!(size.minCoeff() >= 2 && size.maxCoeff() <= 8192))
-    Refuse(mode->name, fmt::format("frames of {} x {} pixels; sizes are 2 to "
-                                   "8192",
-                                   size.x(), size.y()));
+    Refuse(mode->name,
+           fmt::format(
+               "frames of {} x {} pixels; width and height must be 2 to 8192",
+               size.x(), size.y()));
   mode->size = {static_cast<int>(size.x()), static_cast<int>(size.y())};
   mode->scale = exact_scale ? Eigen::Vector2d::Constant(*exact_scale)
                             : Eigen::Vector2d(span.cwiseQuotient(size));
   if (!(mode->scale.minCoeff() >= 1.0 / 64 && mode->scale.maxCoeff() <= 64))
-    Refuse(mode->name, "its pixels are 1/64 to 64 calibrated ones wide");
+    Refuse(mode->name, "its scale must be 1/64 to 64");
 }
 
 void SetFlips(const Words& words, SensorMode* mode) {
@@ -122,8 +124,8 @@ void SetFlips(const Words& words, SensorMode* mode) {
   }
   if (const auto rotate = words.find("rotate"); rotate != words.end()) {
     if (rotate->second != "180" && rotate->second != "0")
-      Refuse(mode->name, fmt::format("rotate: expected 180, not '{}'; other "
-                                     "turns change rows to columns",
+      Refuse(mode->name, fmt::format("rotate: expected 180, not '{}'; 90 and "
+                                     "270 degrees are not supported",
                                      rotate->second));
     if (rotate->second == "180") {
       mode->flip_x = !mode->flip_x;
@@ -157,7 +159,7 @@ std::vector<SensorMode> ParseModes(const std::vector<std::string>& texts,
     modes.push_back(ParseMode(text, calibrated_size));
     RequireBlobText("--mode", modes.back().name);
     if (!names.insert(modes.back().name).second)
-      Refuse(modes.back().name, "named twice; give each mode its own name");
+      Refuse(modes.back().name, "duplicate name; give each mode a unique name");
   }
   return modes;
 }

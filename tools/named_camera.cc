@@ -19,10 +19,10 @@ NamedValue ParseNamedValue(const std::string& text) {
 
 void RequireCameraName(const std::string& name) {
   if (!IsRigCameraName(name))
-    throw Error(ExitCode::kUsage,
-                fmt::format("camera name '{}': give it one of letters, digits, "
-                            "'-' and '_'",
-                            name));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("camera name '{}': use only letters, digits, '-' and '_'",
+                    name));
 }
 
 std::vector<NamedValue> ParseNamedCameras(
@@ -37,9 +37,8 @@ std::vector<NamedValue> ParseNamedCameras(
                                                 option, text, value_name));
     RequireCameraName(camera.name);
     if (!names.insert(camera.name).second)
-      throw Error(
-          ExitCode::kUsage,
-          fmt::format("{} {}: two cameras of one name", option, camera.name));
+      throw Error(ExitCode::kUsage, fmt::format("{} {}: duplicate camera name",
+                                                option, camera.name));
   }
   return cameras;
 }
@@ -52,8 +51,8 @@ void RequireDifferentFolders(const std::string& option,
       if (std::filesystem::equivalent(folders[before].value, folders[k].value,
                                       ignored))
         throw Error(ExitCode::kUsage,
-                    fmt::format("{} {}={}: the folder of {} again; give each "
-                                "its own images",
+                    fmt::format("{} {}={}: same folder as camera {}; give each "
+                                "camera its own images",
                                 option, folders[k].name, folders[k].value,
                                 folders[before].name));
     }

@@ -24,8 +24,8 @@ int BecomeNeighbour(const std::string& program,
   execvp(program.c_str(), texts.data());
   constexpr int kUsage = 1;
   std::fprintf(stderr,
-               "raygrid: the program %s is neither beside this one nor in the "
-               "PATH; install Debian's package raygrid, or build it\n",
+               "raygrid: program %s not found beside this one or in PATH; "
+               "install the Debian package raygrid, or build it\n",
                program.c_str());
   return kUsage;
 }

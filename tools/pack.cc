@@ -51,10 +51,10 @@ nlohmann::ordered_json FoundJson(const FoundPixels& pixels) {
 
 std::string ProjectionText(const ProjectionError& error) {
   std::string text =
-      fmt::format("; projection within {:.2g} px", error.trusted.worst_px);
+      fmt::format("; projection error {:.2g} px", error.trusted.worst_px);
   if (error.others.num_pixels > 0)
     text +=
-        fmt::format(" where it is trusted, finds {} % elsewhere",
+        fmt::format(" in the valid region, converges for {} % elsewhere",
                     std::floor(1e4 * (1 - error.others.MissedPart())) / 100);
   return text;
 }
@@ -89,21 +89,22 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
     fmt::print("{}\n", result.dump(2));
     return;
   }
-  fmt::print("{}: {} bytes; un-projection within {:.2g} px, {:.2g} rad of {}",
-             arguments.output, packed.blob.size(), packed.unproject_error_px,
-             packed.unproject_error_rad, arguments.camera);
+  fmt::print(
+      "{}: {} bytes; unprojection error {:.2g} px, {:.2g} rad relative to {}",
+      arguments.output, packed.blob.size(), packed.unproject_error_px,
+      packed.unproject_error_rad, arguments.camera);
   if (packed.projection) fmt::print("{}", ProjectionText(*packed.projection));
   for (size_t k = 0; k < packed.remaps.size(); ++k) {
     const PackedRemap& remap = packed.remaps[k];
     fmt::print(
-        "; remap {}{} {} {}x{} within {:.3f} px, chroma {:.3f} of its own, in "
-        "blocks of {} px, parts of {} px",
+        "; remap table {}{} {} {}x{}: error {:.2g} px, chroma {:.2g} chroma "
+        "px, blocks of {} px, tiles of {} px",
         k, remap.mode.empty() ? "" : fmt::format(" of mode {}", remap.mode),
-        remap.distorts ? "that distorts from" : "to", remap.view.size.width,
+        remap.distorts ? "inverse, from" : "to", remap.view.size.width,
         remap.view.size.height, remap.error_px, remap.chroma_error_px,
         remap.block_size, remap.part_size);
     if (remap.far_error_px)
-      fmt::print(", off by up to {:.2g} px for what is far away",
+      fmt::print(", error up to {:.2g} px for distant scenes",
                  *remap.far_error_px);
   }
   fmt::print("\n");
@@ -113,10 +114,10 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
 
 std::string TurnRemark(const Eigen::Quaterniond& q) {
   return fmt::format(
-      "its frame is turned by {:.2f} degrees against its lens's, as "
-      "earlier calibrations left it; the blob has the lens's frame: "
-      "multiply poses by the quaternion ({:.9f}, {:.9f}, {:.9f}, {:.9f}) "
-      "(w, x, y, z) from the left, or calibrate anew",
+      "its camera frame is rotated by {:.2f} degrees from the optical axis "
+      "(calibrated by an earlier version), and the blob uses the optical axis: "
+      "left-multiply poses by the quaternion ({:.9f}, {:.9f}, {:.9f}, {:.9f}) "
+      "(w, x, y, z), or calibrate again",
       q.angularDistance(Eigen::Quaterniond::Identity()) * 180 / M_PI, q.w(),
       q.x(), q.y(), q.z());
 }
@@ -133,13 +134,13 @@ std::vector<RemapWords> ParseViews(const PackArguments& arguments) {
 // Words that a camera has no table for.
 void RequirePossible(const CameraModel& camera, const RemapWords& words) {
   if (words.scene && camera.IsCentral())
-    throw Error(ExitCode::kUsage,
-                "--remap: at and plane are for cameras of lines; this one is "
-                "central, and its tables suit every distance; leave them out");
+    throw Error(
+        ExitCode::kUsage,
+        "--remap: at and plane are for non-central cameras only; omit them");
   if (words.distorts && !camera.IsCentral() && !words.scene)
     throw Error(ExitCode::kUsage,
-                "--remap: direction=distort of a camera of lines is for a "
-                "scene; say with at=METRES how far away it is");
+                "--remap: direction=distort of a non-central camera needs the "
+                "distance of the scene, at=METRES");
 }
 
 RemapRequest MakeRemap(const CameraModel& camera, const RemapWords& words,
@@ -185,7 +186,7 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
   if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
   if (input.blob)
     throw Error(ExitCode::kUsage,
-                arguments.camera + ": is a blob already; pack a camera.yaml");
+                arguments.camera + ": is already a blob; pack a camera.yaml");
   if (!arguments.name.empty()) input.file.name = arguments.name;
   if (!arguments.serial.empty()) input.file.serial = arguments.serial;
   input.file.capture = ParseCaptureWords(arguments.capture, input.file.capture,
@@ -193,10 +194,11 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
   const auto blob_from_camera = TurnIntoCameraFrame(&input.file.camera);
   // Its other cameras would have to turn, too.
   if (blob_from_camera && input.file.stack)
-    throw Error(ExitCode::kUsage,
-                arguments.camera +
-                    ": looks elsewhere than along its z axis, and was "
-                    "calibrated over a range; pack it at one value, by --at");
+    throw Error(
+        ExitCode::kUsage,
+        arguments.camera +
+            ": its optical axis is not the z axis and it was calibrated over a "
+            "range; pack one operating point with --at");
   PackOptions options;
   options.remaps =
       MakeRemaps(*RegularPartOf(*input.file.camera, common.threads), views,

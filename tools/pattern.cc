@@ -47,8 +47,9 @@ ImageSize ParseScreen(const std::string& text) {
       length == static_cast<int>(text.size()) && size.width > 0 &&
       size.height > 0)
     return size;
-  throw Error(ExitCode::kUsage,
-              fmt::format("--screen {}: use WIDTHxHEIGHT in pixels", text));
+  throw Error(
+      ExitCode::kUsage,
+      fmt::format("--screen {}: expected WIDTHxHEIGHT in pixels", text));
 }
 
 // The boards as pattern.yaml has them, and whatever else there is to tell.
@@ -84,8 +85,8 @@ std::string HowToMeasure(const ScreenBoards& plan,
   const bool is_largest = !options.dpi && options.square_px == 0;
   return fmt::format(
       "measure {:g} squares on the screen, from the first {} of a {} to the "
-      "last: {:.2f} mm in pattern.yaml; if it is L mm, do this again with {}"
-      "{} L/{:g}{}",
+      "last: {:.2f} mm in pattern.yaml; if it is L mm, run this again with "
+      "{}{} L/{:g}{}",
       length.squares,
       board.kind == "star"        ? "star's centre"
       : board.kind == "aprilgrid" ? "tag's edge"
@@ -114,8 +115,8 @@ void WriteForScreen(const std::vector<Board>& boards,
                                   LengthToMeasure(boards[0]).squares}}));
   else if (!common.quiet)
     fmt::print(
-        "pattern.yaml and {} picture(s) in {}; show one pixel for pixel: "
-        "squares are {} pixels wide, {:.4f} mm in pattern.yaml\n{}\n",
+        "pattern.yaml and {} image(s) in {}; display without scaling: squares "
+        "are {} pixels wide, {:.4f} mm in pattern.yaml\n{}\n",
         plan.boards.size(), options.output, plan.square_px,
         1000 * plan.boards[0].square_m, HowToMeasure(plan, options));
 }
@@ -141,10 +142,10 @@ void WriteForPrint(const std::vector<Board>& boards,
   if (common.json)
     fmt::print("{}\n", FormatJson(yaml, {{"ruler_mm", sheets.ruler_mm}}));
   else if (!common.quiet)
-    fmt::print("pattern.yaml, and {} page(s) as PDF, SVG and PNG, in {}; {}\n",
+    fmt::print("pattern.yaml and {} page(s) as PDF, SVG and PNG in {}; {}\n",
                sheets.boards.size(), options.output,
                options.measured_x_mm != 0
-                   ? "pattern.yaml holds the board as measured on the print"
+                   ? "pattern.yaml has the measured size of the print"
                    : fmt::format("print at 100 % and check that both rulers "
                                  "are {} mm long",
                                  sheets.ruler_mm));
@@ -271,12 +272,12 @@ void AddStar(CLI::App* pattern, CommonOptions* common) {
 // corners is the first.
 void SayIfSymmetric(const Board& board) {
   if (board.NumTurns() < 2) return;
-  fmt::print(stderr,
-             "raygrid: a chessboard of {} x {} corners looks alike after {} "
-             "turn, so that a single view does not tell which way it is held; "
-             "--rows {} would\n",
-             board.columns, board.rows,
-             board.NumTurns() == 2 ? "half a" : "a quarter", board.rows + 1);
+  fmt::print(
+      stderr,
+      "raygrid: a chessboard of {} x {} corners is symmetric under {} turn, so "
+      "its orientation is ambiguous in a single view; use --rows {}\n",
+      board.columns, board.rows, board.NumTurns() == 2 ? "half a" : "a quarter",
+      board.rows + 1);
 }
 
 void AddChessboard(CLI::App* pattern, CommonOptions* common) {

@@ -45,7 +45,7 @@ std::string Question(const Board& board, const std::string& mm_option) {
   const bool has_squares = board.kind != "points";
   if (has_squares && !IsLikelySquare(board.square_m))
     return fmt::format(
-        "{}{} makes squares of {:g} {}", Suggestion(board.square_m, mm_option),
+        "{}{} gives squares of {:g} {}", Suggestion(board.square_m, mm_option),
         Given(board.square_m, mm_option),
         board.square_m < 1 ? 1000 * board.square_m : board.square_m,
         board.square_m < 1 ? "mm" : "m");
@@ -54,11 +54,11 @@ std::string Question(const Board& board, const std::string& mm_option) {
       has_squares ? board.square_m * (std::max(board.columns, board.rows) - 1)
                   : 0);
   if (widest_m > kLargestBoardM)
-    return fmt::format("a board of {:.3g} m? {}", widest_m,
+    return fmt::format("a board of {:.3g} m is implausible: {}", widest_m,
                        has_squares ? Given(board.square_m, mm_option) +
                                          fmt::format(" with {} x {} features",
                                                      board.columns, board.rows)
-                                   : "its xyz are metres");
+                                   : "its xyz must be in metres");
   return "";
 }
 

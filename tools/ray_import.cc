@@ -15,8 +15,7 @@ namespace {
 std::vector<std::string> RemarksOn(const RayGrid& grid) {
   if (grid.part_without_rays == 0) return {};
   return {
-      fmt::format("{:.1f} % of the pixels have no ray; those between others "
-                  "get one that goes on smoothly",
+      fmt::format("{:.1f} % of the pixels have no ray; gaps are interpolated",
                   100 * grid.part_without_rays)};
 }
 
@@ -45,9 +44,9 @@ void ImportRays(const RayTable& rays, const std::string& format,
   const std::vector<std::string> remarks = RemarksOn(grid);
   const nlohmann::ordered_json told = GridJson(grid, format);
   const std::string text = fmt::format(
-      "{}: {} of {} x {} px, {} x {} control points, RMS {:.4g} px, largest "
-      "{:.4g} px at {} pixels; fitted to half of these, RMS {:.4g} px at the "
-      "others\n",
+      "{}: {} of {} x {} px, {} x {} control points; fit error {:.2g} px RMS, "
+      "{:.2g} px max at {} pixels; cross-validation (fitted to half of the "
+      "pixels) {:.2g} px RMS\n",
       Printable(output), grid.camera->Name(), rays.image_size.width,
       rays.image_size.height, grid.columns, grid.rows, grid.rms_px, grid.max_px,
       grid.num_pixels, grid.left_out_rms_px);

@@ -19,20 +19,14 @@
 enum { DONE = 0, USAGE = 1, INPUT = 2, OUTPUT = 7, BLOB = 8 };
 
 static const char kHelp[] =
-    "Undistort a grey frame with a remap table of a raygrid blob.\n"
-    "\n"
-    "Usage: raygrid-undistort BLOB IN OUT\n"
-    "  BLOB  packed with --remap\n"
-    "  IN    raw frame of the size the blob is for, 8 bits a pixel or 16\n"
-    "        (little-endian); or PGM of 8 bits\n"
-    "  OUT   raw frame of as many bits; PGM if the name ends in .pgm; neither\n"
-    "        BLOB nor IN\n"
-    "Prints the size and CRC-32 of the output.\n"
-    "Exit codes: 0 done, 1 usage, 2 blob or frame cannot be read, 7 output, "
-    "8 blob.\n"
-    "\n"
-    "Example:\n"
-    "  raygrid-undistort camera.raygrid frame.raw flat.pgm\n";
+    "Undistort a grey frame with a remap table of a raygrid blob.\n\nUsage: "
+    "raygrid-undistort BLOB IN OUT\n  BLOB  packed with --remap\n  IN    raw "
+    "frame of the blob's image size, 8 bits a pixel or 16\n        "
+    "(little-endian); or PGM of 8 bits\n  OUT   raw frame of as many bits; PGM "
+    "if the name ends in .pgm; neither\n        BLOB nor IN\nPrints the size "
+    "and CRC-32 of the output.\nExit codes: 0 done, 1 usage, 2 blob or frame "
+    "cannot be read, 7 output, 8 blob.\n\nExample:\n  raygrid-undistort "
+    "camera.raygrid frame.raw flat.pgm\n";
 
 static int fail(int code, const char* where, const char* what) {
   fprintf(stderr, "raygrid-undistort: %s: %s\n", where, what);
@@ -232,7 +226,7 @@ static int undistort(const rg_camera* camera, const uint8_t* pixels,
   if (status != RG_OK)
     code = fail(BLOB, "blob", rg_status_text(status));
   else if (!write_frame(out_path, &picture))
-    code = fail(OUTPUT, out_path, "cannot be written; choose another place");
+    code = fail(OUTPUT, out_path, "cannot be written; use another path");
   else if (printf("%lu x %lu, CRC %08lx\n", (unsigned long)width,
                   (unsigned long)height, (unsigned long)crc) < 0 ||
            fflush(stdout) != 0)
@@ -252,7 +246,7 @@ int main(int argc, char** argv) {
   for (int i = 1; i <= 2; ++i)
     if (are_one_file(argv[i], argv[3]))
       return fail(OUTPUT, argv[3],
-                  "would replace an input; choose another place");
+                  "would overwrite an input; use another path");
 #if defined(__unix__)
   signal(SIGXFSZ, SIG_IGN); /* writing fails instead */
 #endif
@@ -279,8 +273,7 @@ int main(int argc, char** argv) {
         find_pixels(frame, frame_size, width, height, &pixel_bytes);
     code = pixels ? undistort(&camera, pixels, pixel_bytes, argv[3])
                   : fail(INPUT, argv[2],
-                         "is not a grey frame of the size that the blob is "
-                         "for");
+                         "is not a grey frame of the blob's image size");
   }
   free(frame);
   free(blob);

@@ -53,9 +53,9 @@ const RigFileCamera& FindInRig(const std::string& path,
     if (camera.name == name) return camera;
     names += (names.empty() ? "" : ", ") + camera.name;
   }
-  throw Error(ExitCode::kUsage, fmt::format("{} {}: no camera of {}, which has "
-                                            "{}",
-                                            option, name, path, names));
+  throw Error(ExitCode::kUsage,
+              fmt::format("{} {}: no such camera in {}, which has {}", option,
+                          name, path, names));
 }
 
 PairCamera ReadPairCamera(const std::string& rig_path,
@@ -80,25 +80,27 @@ void SetDistance(const std::optional<double>& distance_m,
     if (camera.input.file.camera->IsCentral()) continue;
     has_lines = true;
     if (!distance_m)
-      throw Error(ExitCode::kUsage,
-                  fmt::format("{}: its lines do not meet in a point, so that "
-                              "images are rectified for one distance; add "
-                              "--distance METRES, as far as the scene is",
-                              camera.path));
+      throw Error(
+          ExitCode::kUsage,
+          fmt::format(
+              "{}: is non-central, so images can be rectified for one distance "
+              "only; give the distance of the scene with --distance METRES",
+              camera.path));
     camera.at_distance =
         std::make_unique<CameraOfScene>(*camera.input.file.camera, *distance_m);
   }
   if (distance_m && !has_lines)
     throw Error(ExitCode::kUsage,
-                "--distance: both cameras are central, and rectified for every "
-                "distance; leave it out");
+                "--distance is for non-central cameras only; omit it");
 }
 
 std::array<PairCamera, 2> ReadPair(const RectifyArguments& arguments) {
   if (arguments.left == arguments.right)
-    throw Error(ExitCode::kUsage,
-                fmt::format("--left and --right are both {}; name two cameras",
-                            arguments.left));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "--left and --right are both {}; give two different cameras",
+            arguments.left));
   const auto cameras = ReadRigFile(arguments.rig);
   std::array<PairCamera, 2> pair = {
       ReadPairCamera(arguments.rig, FindInRig(arguments.rig, cameras, "--left",
@@ -167,15 +169,15 @@ std::string FormatPair(const Rectification& rectified,
   std::string text =
       fmt::format("left: \"{}\"\nright: \"{}\"\n", pair[0].name, pair[1].name);
   text += rectified.is_vertical
-              ? "orientation: vertical  # left is the upper camera; points "
-                "keep their column\n"
-              : "orientation: horizontal  # points keep their row\n";
+              ? "orientation: vertical  # left is the upper camera; epipolar "
+                "lines are columns\n"
+              : "orientation: horizontal  # epipolar lines are rows\n";
   text += fmt::format("baseline: {}  # metres\n", rectified.baseline_m);
   if (arguments.distance_m)
-    text += fmt::format("distance: {}  # metres, of the scene\n",
+    text += fmt::format("distance: {}  # metres, distance of the scene\n",
                         *arguments.distance_m);
   text += fmt::format("image_size: [{}, {}]\n", size.width, size.height);
-  text += "# As OpenCV's stereoRectify has them; lengths are metres.\n";
+  text += "# As in OpenCV's stereoRectify; lengths in metres.\n";
   for (const int c : {0, 1})
     text +=
         MatrixText(c == 0 ? "R1" : "R2", RotationOfPair(rectified, pair, c));
@@ -226,16 +228,16 @@ void PrintPair(const Rectification& rectified,
                const std::array<PackedCamera, 2>& packed,
                const RectifyArguments& arguments) {
   fmt::print(
-      "{} in {}: baseline {:.6g} m, points keep their {}; {:.0f} % of {}'s "
-      "image is seen by {} too, far away\n",
+      "{} in {}: baseline {:.6g} m, epipolar lines are {}s; {:.0f} % of {}'s "
+      "image overlaps with {} at infinity\n",
       kPairFile, arguments.output, rectified.baseline_m,
       rectified.is_vertical ? "column" : "row", 100 * rectified.overlap,
       pair[0].name, pair[1].name);
   for (const int c : {0, 1})
-    fmt::print("{}.raygrid: {} bytes, within {:.3f} px; {}.camera.yaml: {}\n",
-               pair[c].name, packed[c].blob.size(),
-               packed[c].remaps[0].error_px, pair[c].name,
-               ViewText(rectified.views[c]));
+    fmt::print(
+        "{}.raygrid: {} bytes, remap error {:.2g} px; {}.camera.yaml: {}\n",
+        pair[c].name, packed[c].blob.size(), packed[c].remaps[0].error_px,
+        pair[c].name, ViewText(rectified.views[c]));
 }
 
 void Run(const RectifyArguments& arguments, const CommonOptions& common) {

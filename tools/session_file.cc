@@ -54,7 +54,7 @@ SessionFrame ParseFrame(const Json& json) {
   frame.image = json.at("image").get<std::string>();
   if (frame.image.empty() || frame.image == "." || frame.image == ".." ||
       frame.image.find('/') != std::string::npos)
-    throw InputError("the name of an image leads out of the folder");
+    throw InputError("an image name points outside the folder");
   for (const SessionNumber& number : kNumbers)
     if (json.contains(number.key))
       frame.*number.value = json.at(number.key).get<double>();
@@ -151,7 +151,7 @@ std::vector<Session> ReadSession(const std::string& folder) {
   try {
     const Json json = Json::parse(text);
     if (json.at("raygrid_session") != 1)
-      throw InputError("is of a newer raygrid");
+      throw InputError("was written by a newer version of raygrid");
     if (!json.contains("cameras")) return {ParseCamera(json)};
     std::vector<Session> cameras;
     for (const Json& camera : json.at("cameras")) {
@@ -159,11 +159,12 @@ std::vector<Session> ReadSession(const std::string& folder) {
       cameras.back().camera = camera.at("camera").get<std::string>();
       RequireCameraName(cameras.back().camera);
     }
-    if (cameras.empty()) throw InputError("has no camera");
+    if (cameras.empty()) throw InputError("contains no camera");
     return cameras;
   } catch (const Json::exception& error) {
-    throw InputError(fmt::format(
-        "{}: not a capture session ({}); capture again", path, error.what()));
+    throw InputError(
+        fmt::format("{}: not a valid capture session ({}); capture again", path,
+                    error.what()));
   } catch (const Error& error) {
     throw InputError(fmt::format("{}: {}", path, error.what()));
   }
@@ -211,7 +212,7 @@ std::vector<std::string> DifferencesOf(const Capture& calibrated,
       differences.push_back(fmt::format("{} {:.4g}{}, calibrated at {:.4g}{}",
                                         what, *current, unit, *then, unit));
   };
-  compare("lens at", calibrated.lens_position, now.lens_position,
+  compare("lens position", calibrated.lens_position, now.lens_position,
           calibrated.lens_tolerance, " dioptres");
   if (calibrated.crop && now.crop && *calibrated.crop != *now.crop)
     differences.push_back(fmt::format("crop {}, calibrated with {}",
@@ -224,7 +225,7 @@ std::vector<std::string> DifferencesOf(const Capture& calibrated,
                                       *now.orientation,
                                       *calibrated.orientation));
   constexpr double kOtherC = 20;
-  compare("sensor at", calibrated.sensor_temperature_c,
+  compare("sensor temperature", calibrated.sensor_temperature_c,
           now.sensor_temperature_c, kOtherC, " degrees Celsius");
   return differences;
 }

@@ -52,20 +52,21 @@ std::unique_ptr<CameraModel> LensNamed(const std::string& name,
                                        const ImageSize& size) {
   const std::vector<ConditionRange> ranges = RangesOfLens(name);
   if (at.IsGiven() && ranges.empty())
-    throw Error(ExitCode::kUsage,
-                fmt::format("--at is for --lens focusing (dioptres), warming "
-                            "(°C) and focusing-warming, not for {}",
-                            name));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--at: --lens {} has no operating point; use --lens "
+                    "focusing (dioptres), warming (°C) or focusing-warming",
+                    name));
   if (ranges.empty()) return SimulatedLens(name, size);
   LensState state;
   const HeldConditions held = HeldOf(at, ranges, "--lens " + name);
   for (size_t r = 0; r < ranges.size(); ++r) {
     const double width = ranges[r].high - ranges[r].low;
     if (held[r] && !(std::abs(*held[r] - ranges[r].Middle()) <= 1.5 * width))
-      throw Error(ExitCode::kUsage,
-                  fmt::format("--at: --lens {} changes over {}, and takes no "
-                              "value farther than that beside it",
-                              name, ranges[r].Text()));
+      throw Error(
+          ExitCode::kUsage,
+          fmt::format("--at: too far outside the range of --lens {}, {}", name,
+                      ranges[r].Text()));
   }
   for (size_t r = 0; r < ranges.size(); ++r) {
     if (!held[r]) continue;
@@ -328,9 +329,9 @@ SimulatedObservations Observe(const SimulateArguments& arguments,
   options.features_per_image = arguments.features_per_image.value_or(
       std::min(options.features_per_image, num_features));
   if (options.features_per_image > num_features)
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("--features-per-image: the board has {}", num_features));
+    throw Error(ExitCode::kUsage,
+                fmt::format("--features-per-image: the board has only {}",
+                            num_features));
   OutputFiles files;
   const SimulatedObservations observations =
       arguments.moving
@@ -375,29 +376,28 @@ void Run(SimulateArguments arguments, const CommonOptions& common) {
   if (arguments.poses.min_square_px > arguments.poses.max_square_px)
     throw Error(ExitCode::kUsage, "--min-square-px exceeds --max-square-px");
   if (arguments.render && arguments.board_flex_mm > 0)
-    throw Error(
-        ExitCode::kUsage,
-        "--per-view-deformation-mm: not with --render, whose boards are "
-        "paraboloids; --target-deformation-mm bends these");
+    throw Error(ExitCode::kUsage,
+                "--per-view-deformation-mm cannot be combined with --render; "
+                "use --target-deformation-mm");
   if (arguments.render && arguments.simulation.shared_noise_px > 0)
-    throw Error(
-        ExitCode::kUsage,
-        "--correlated-noise-px: not with --render, whose noise is that of "
-        "pixels");
+    throw Error(ExitCode::kUsage,
+                "--correlated-noise-px cannot be combined with --render, which "
+                "simulates pixel noise");
   if (arguments.moving &&
       (arguments.render || arguments.cameras > 1 || arguments.fixed_boards ||
        arguments.simulation.num_shots > 1 || arguments.board_flex_mm > 0))
     throw Error(ExitCode::kUsage,
-                "--moving: not with --render, --cameras, --fixed-boards, "
-                "--repeats or --per-view-deformation-mm");
+                "--moving cannot be combined with --render, --cameras, "
+                "--fixed-boards, --repeats or --per-view-deformation-mm");
   if (arguments.render && arguments.cameras > 1)
-    throw Error(ExitCode::kUsage, "--render: with one camera only");
+    throw Error(ExitCode::kUsage, "--render supports a single camera only");
   if (arguments.render && arguments.fixed_boards)
     throw Error(ExitCode::kUsage,
-                "--fixed-boards: not with --render, whose boards always are");
+                "--fixed-boards is redundant with --render, where boards are "
+                "always fixed");
   if (arguments.fixed_boards && MakePattern(arguments).boards.size() < 2)
     throw Error(ExitCode::kUsage,
-                "--fixed-boards: the pattern has one board only");
+                "--fixed-boards requires a pattern with at least two boards");
   arguments.fixed.turn_rad = arguments.board_turn_deg * M_PI / 180;
   arguments.fixed.move_m = arguments.move_board_mm / 1000;
   RequireInputsStay(arguments);

@@ -33,10 +33,11 @@ uint32_t ParseAddress(const std::string& text) {
   const auto [next, fault] =
       std::from_chars(begin, end, address, is_hex ? 16 : 10);
   if (fault != std::errc() || next != end)
-    throw Error(ExitCode::kUsage,
-                fmt::format("--address {}: expected a number of 32 bits, as "
-                            "0x08080000",
-                            text));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "--address {}: expected a 32-bit number, such as 0x08080000",
+            text));
   return address;
 }
 
@@ -47,17 +48,16 @@ BlobTable TableOfBlob(const TableFormat& format,
     table.address = ParseAddress(arguments.address);
   else if (format.Takes("address"))
     throw Error(ExitCode::kUsage,
-                fmt::format("--to {}: say where in flash the blob is to lie, "
+                fmt::format("--to {}: give the flash address of the blob, such "
                             "as --address 0x08080000",
                             format.name));
   table.path = arguments.output;
   table.bytes = ReadFile(arguments.input);
   const CameraInput camera = ParseCamera(arguments.input, table.bytes);
   if (!camera.blob)
-    throw InputError(
-        fmt::format("{}: is no blob, which {} is made of; "
-                    "'raygrid pack' makes one",
-                    arguments.input, format.name));
+    throw InputError(fmt::format(
+        "{}: not a blob, which {} requires; create one with 'raygrid pack'",
+        arguments.input, format.name));
   table.camera = camera.file.name;
   table.serial = camera.file.serial;
   table.image_size = camera.blob->image_size();
@@ -134,7 +134,7 @@ int ParseEvery(const std::string& text) {
   if (fault != std::errc() || next != end || every < 1)
     throw Error(
         ExitCode::kUsage,
-        fmt::format("--stride {}: expected a number of pixels from 1 on",
+        fmt::format("--stride {}: expected a number of pixels, at least 1",
                     text));
   return every;
 }
@@ -213,8 +213,8 @@ TableOutput MakeCameraTable(const TableFormat& format,
   const double offset_m = LargestOffsetM(*input.file.camera);
   (*json)["offset_m"] = offset_m;
   output.told += fmt::format(
-      "; rays begin in one point, up to {:.3g} mm beside the camera's lines, "
-      "and show far scenes",
+      "; rays share one origin, up to {:.2g} mm from those of the camera, so "
+      "they hold for distant scenes",
       offset_m * 1000);
   return output;
 }
@@ -282,10 +282,10 @@ void RequireSmallMeshError(const TableFormat& format,
                                          : unit.max_error_px;
   if (!most || error.max_px <= *most) return;
   std::string text =
-      fmt::format("{}: {} leaves more than {:g} px: {}", arguments.input,
+      fmt::format("{}: the error of {} exceeds {:g} px: {}", arguments.input,
                   format.name, *most, MeshErrorText(error));
   if (!unit.reason.empty()) text += "; " + unit.reason;
-  if (!arguments.max_fit_error_px) text += ", or say --max-fit-error-px";
+  if (!arguments.max_fit_error_px) text += ", or set --max-fit-error-px";
   throw Error(ExitCode::kQuality, text);
 }
 
@@ -307,7 +307,7 @@ MeshErrors ErrorsOfMesh(const TableFormat& format, const MeshTable& mesh,
     errors.json[SpanName(span)] = {{"max_px", own.max_px},
                                    {"rms_px", own.rms_px},
                                    {"farthest_pixel", {own.x, own.y}}};
-    errors.text += fmt::format("{} {:.4f} px by {}",
+    errors.text += fmt::format("{} {:.2g} px with {}",
                                errors.text.empty() ? "; at most" : ",",
                                own.max_px, SpanName(span));
   }
@@ -345,14 +345,14 @@ PoseTable TableOfPoses(const TableFormat& format,
   const std::string& path = arguments.input;
   if (std::filesystem::path(path).extension() != ".csv")
     throw InputError(
-        fmt::format("{}: {} is made of poses.csv, which calibrate writes", path,
+        fmt::format("{}: {} requires poses.csv, which calibrate writes", path,
                     format.name));
   const auto cameras = ReadPoses(path);
-  if (cameras.empty()) throw InputError(path + ": has no poses");
+  if (cameras.empty()) throw InputError(path + ": contains no poses");
   if (cameras.size() > 1)
     throw InputError(
-        fmt::format("{}: has poses of {} cameras, while {} has one trajectory; "
-                    "give the rows of one camera",
+        fmt::format("{}: has poses of {} cameras, but {} holds one trajectory; "
+                    "keep the rows of one camera",
                     path, cameras.size(), format.name));
   const std::vector<BoardPose>& poses = cameras.begin()->second;
   return {path, arguments.output, poses};
@@ -369,10 +369,11 @@ ImageSize SizeOfFeatures(const TableArguments& arguments,
       size = at == std::string::npos ? text : text.substr(at + 1);
   }
   if (size.empty())
-    throw Error(ExitCode::kUsage,
-                fmt::format("--image-size WxH is required: features.csv does "
-                            "not tell how large the images{} are",
-                            camera.empty() ? "" : " of '" + camera + "'"));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "--image-size WxH is required: features.csv has no image size{}",
+            camera.empty() ? "" : " for camera '" + camera + "'"));
   return ParseImageSize("--image-size", size);
 }
 
@@ -390,13 +391,14 @@ void RequireKnownCameras(const TableArguments& arguments,
 FeatureTable TableOfFeatures(const TableFormat& format,
                              const TableArguments& arguments) {
   if (std::filesystem::path(arguments.input).extension() != ".csv")
-    throw InputError(fmt::format("{}: {} is made of features.csv",
+    throw InputError(fmt::format("{}: {} requires features.csv",
                                  arguments.input, format.name));
   if (arguments.pattern.empty())
-    throw Error(ExitCode::kUsage,
-                fmt::format("--pattern is required: {} has the boards of the "
-                            "features",
-                            format.name));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "--pattern is required: {} contains the geometry of the target",
+            format.name));
   const Pattern pattern = GivenPattern(arguments.pattern);
   auto cameras = ReadFeatures(arguments.input);
   RequireKnownCameras(arguments, cameras);
@@ -440,9 +442,9 @@ TableOutput MakeTable(const TableFormat& format,
             ? MakeMesh(format, arguments, seen, common.threads, json)
             : format.write_view(
                   TableOfView(format, arguments, seen, common.threads));
-    output.told += (arguments.is_reverse ? "; from pictures of the view: "
-                                         : "; the view: ") +
-                   ViewText(seen.view);
+    output.told +=
+        (arguments.is_reverse ? "; from images of the view: " : "; view: ") +
+        ViewText(seen.view);
     return output;
   }
   const BlobTable table = TableOfBlob(format, arguments);

@@ -23,8 +23,9 @@ void RequireNoLens(const ImportArguments& arguments, const std::string& what) {
   for (const auto& [option, value] : {std::pair("--model", arguments.model),
                                       {"--image-size", arguments.image_size}})
     if (!value.empty())
-      throw Error(ExitCode::kUsage, fmt::format("{}: {} has {} alone", option,
-                                                arguments.files[0], what));
+      throw Error(ExitCode::kUsage,
+                  fmt::format("{}: {} contains only {}", option,
+                              arguments.files[0], what));
 }
 
 // The features of all cameras, or the boards, as the output's name says.
@@ -33,18 +34,20 @@ std::string TextOfFeatures(const FeatureTable& features,
   const std::filesystem::path output = arguments.output;
   if (output.extension() == ".yaml") {
     if (features.boards.empty())
-      throw InputError(arguments.files[0] + ": has no boards");
+      throw InputError(arguments.files[0] + ": contains no boards");
     return PatternText(arguments.files[0], features.boards);
   }
   if (output.extension() != ".csv" || EndsWith(output.stem(), "poses"))
-    throw Error(ExitCode::kUsage,
-                fmt::format("-o {}: {} has features and boards, which become "
-                            "features.csv and pattern.yaml",
-                            arguments.output, arguments.files[0]));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("-o {}: {} has features and boards; name the output "
+                    "features.csv (pattern.yaml is written beside it)",
+                    arguments.output, arguments.files[0]));
   size_t count = 0;
   for (const NamedDataset& camera : features.cameras)
     count += camera.dataset.num_features();
-  if (count == 0) throw InputError(arguments.files[0] + ": has no features");
+  if (count == 0)
+    throw InputError(arguments.files[0] + ": contains no features");
   return features.cameras.size() == 1
              ? FormatFeatures(features.cameras.front().dataset)
              : FormatFeatures(features.cameras);
@@ -90,7 +93,7 @@ void ImportPoses(const TableFormat& table, const ImportArguments& arguments,
   RequireNoLens(arguments, "poses");
   if (std::filesystem::path(arguments.output).extension() != ".csv")
     throw Error(ExitCode::kUsage,
-                fmt::format("-o {}: {} has poses, which become poses.csv",
+                fmt::format("-o {}: {} has poses; name the output poses.csv",
                             arguments.output, path));
   const std::vector<BoardPose> poses = table.read_poses(path, bytes);
   RequireNoInputReplaced(arguments.files, {arguments.output});
@@ -109,17 +112,18 @@ const TableFormat* FindTable(const ImportArguments& arguments,
   const TableFormat* table = RecognizeTable(texts[0]);
   if (!table) return nullptr;
   if (!arguments.from.empty() && arguments.from != table->name)
-    throw InputError(fmt::format("{}: is of the format {}, not {}",
+    throw InputError(fmt::format("{}: has the format {}, not {}",
                                  arguments.files[0], table->name,
                                  arguments.from));
   if (!arguments.image_size.empty() && table->read_rays)
-    throw Error(ExitCode::kUsage,
-                fmt::format("--image-size: files of format {} have their own "
-                            "image_size",
-                            table->name));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "--image-size: {} files store the image size; omit the option",
+            table->name));
   if (arguments.files.size() > 1)
     throw Error(ExitCode::kUsage,
-                fmt::format("{}: a file of {} is imported alone",
+                fmt::format("{}: {} files must be imported separately",
                             arguments.files[1], table->name));
   return table;
 }
@@ -129,7 +133,7 @@ void RequireNoView(const ImportArguments& arguments) {
       arguments.is_reverse ? "inverse" : FirstWord(arguments.view);
   if (!word.empty())
     throw Error(ExitCode::kUsage,
-                fmt::format("--{}: is for an STMap, which {} is not", word,
+                fmt::format("--{}: for STMaps only, and {} is none", word,
                             arguments.files[0]));
 }
 
@@ -138,7 +142,7 @@ void ImportTable(const TableFormat& table, const ImportArguments& arguments,
   const std::string& path = arguments.files[0];
   if (!arguments.board.empty())
     throw Error(ExitCode::kUsage,
-                fmt::format("--board-size: {} has no corners", path));
+                fmt::format("--board-size: {} contains no corners", path));
   if (!table.read_view) RequireNoView(arguments);
   if (table.read_poses) {
     ImportPoses(table, arguments, bytes, common);

@@ -70,10 +70,10 @@ ImageMapper ByTable(BlobCamera blob, const VirtualView& view,
   const auto camera = std::make_shared<BlobCamera>(std::move(blob));
   return {view, [=](const std::string& path, const Image& image) {
             RequireSize(path, image.size, camera->FrameSize(remap_index),
-                        "the table takes",
+                        "the remap table requires",
                         camera->Distorts(remap_index)
-                            ? "use pictures of its view"
-                            : "use images of that size, or define their sensor "
+                            ? "use images of its view"
+                            : "use images of this size, or define their sensor "
                               "mode with --mode");
             return camera->Undistort(image, 0, remap_index);
           }};
@@ -86,8 +86,8 @@ ImageMapper Distortion(const CameraModel& camera, const VirtualView& view,
       std::make_shared<SourceMap>(MapOfDistortion(camera, view, num_threads));
   return {view, [=](const std::string& path, const Image& picture) {
             RequireSize(path, picture.size, view.size, "the view has",
-                        "use pictures of that view, or say which view they "
-                        "are of, as with --size or --view");
+                        "use images of this view, or specify their view, such "
+                        "as with --size or --view");
             return DistortedImage(*map, picture, num_threads);
           }};
 }
@@ -110,10 +110,10 @@ ImageMapper TrustedAlone(ImageMapper mapper, const std::string& path,
                          const TrustMask& trusted, const SensorMode& mode) {
   const std::vector<bool> pixels = TrustedPixels(trusted, mode);
   if (std::find(pixels.begin(), pixels.end(), true) == pixels.end())
-    throw Error(ExitCode::kUsage,
-                path +
-                    ": --outside trusted: no pixel of its images is "
-                    "trusted; leave the option out");
+    throw Error(
+        ExitCode::kUsage,
+        path +
+            ": --outside trusted: the valid region is empty; omit the option");
   const auto map = mapper.map;
   mapper.map = [=](const std::string& image_path, const Image& picture) {
     Image image = map(image_path, picture);
@@ -128,18 +128,15 @@ ImageMapper TrustedAlone(ImageMapper mapper, const std::string& path,
 
 void RequireNoFrames(const UndistortArguments& arguments) {
   if (!arguments.frames.empty())
-    throw Error(ExitCode::kUsage,
-                "--frames: raw frames are those of the camera, which --inverse "
-                "makes; leave one of them out");
+    throw Error(ExitCode::kUsage, "--frames cannot be combined with --inverse");
 }
 
 void RequireCentral(const UndistortArguments& arguments,
                     const CameraModel& camera) {
   if (!camera.IsCentral())
     throw Error(ExitCode::kUsage,
-                fmt::format("{}: --inverse: its pixels look along lines that "
-                            "do not meet, so no view has a place for each; "
-                            "make a central camera of it with raygrid fit",
+                fmt::format("{}: --inverse is not defined for a non-central "
+                            "camera; fit a central camera with raygrid fit",
                             arguments.camera));
 }
 
@@ -155,10 +152,10 @@ std::optional<SensorMode> FindMode(const UndistortArguments& arguments,
     names.push_back(mode.name);
   }
   throw Error(ExitCode::kBlob,
-              fmt::format("{}: has no table of mode '{}' ({}); raygrid pack "
-                          "--mode adds one, or give its camera.yaml",
+              fmt::format("{}: no remap table for sensor mode '{}' ({}); add "
+                          "one with raygrid pack --mode, or use camera.yaml",
                           arguments.camera, arguments.mode,
-                          names.empty() ? "it has no modes"
+                          names.empty() ? "it has no sensor modes"
                                         : fmt::format("it has {}",
                                                       fmt::join(names, ", "))));
 }
@@ -177,9 +174,8 @@ void RequireDirection(const UndistortArguments& arguments, uint32_t table,
                       bool distorts) {
   if (distorts && !arguments.is_reverse)
     throw Error(ExitCode::kUsage,
-                fmt::format("{}: table {} distorts pictures of its view; add "
-                            "--inverse for those, or choose another with "
-                            "--remap-index",
+                fmt::format("{}: table {} is an inverse remap (distort); add "
+                            "--inverse, or select another with --remap-index",
                             arguments.camera, table));
 }
 
@@ -251,8 +247,8 @@ ImageMapper PrepareUndistortion(const UndistortArguments& arguments,
   const PackedCamera packed = PackCamera(input.file, options);
   if (packed.remaps[0].error_px > arguments.max_error_px)
     fmt::print(stderr,
-               "raygrid: {}: positions are off by up to {:.2g} px; a smaller "
-               "field of view is more exact\n",
+               "raygrid: {}: remap error up to {:.2g} px; reduce the field of "
+               "view for a smaller error\n",
                arguments.camera, packed.remaps[0].error_px);
   return ByTable(BlobCamera("packed camera", packed.blob), view, 0);
 }
@@ -301,10 +297,10 @@ std::vector<Targets> TargetsOf(const UndistortArguments& arguments,
     const std::string& target = targets.back().image;
     const auto [place, is_new] = path_of_target.emplace(target, path);
     if (!is_new)
-      throw InputError(fmt::format(
-          "{} and {} would both become {}; rename one, or undistort "
-          "to two folders",
-          place->second, path, target));
+      throw InputError(
+          fmt::format("{} and {} would both be written to {}; rename one, or "
+                      "use two output folders",
+                      place->second, path, target));
   }
   std::vector<std::string> inputs = paths, outputs;
   inputs.push_back(arguments.camera);
@@ -334,7 +330,7 @@ std::string RawFrame(const std::string& path) {
 
 void Run(const UndistortArguments& arguments, const CommonOptions& common) {
   if (arguments.rectify != "pinhole")
-    throw Error(ExitCode::kUsage, "--rectify: this version knows pinhole");
+    throw Error(ExitCode::kUsage, "--rectify: only pinhole is supported");
   const FoundImages found = FindImages(arguments.images);
   const std::vector<std::string>& paths = found.paths;
   const std::vector<Targets> targets = TargetsOf(arguments, paths);
@@ -370,7 +366,7 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
     fmt::print("{}\n", written.dump(2, ' ', false,
                                     nlohmann::json::error_handler_t::replace));
   else if (!common.quiet)
-    fmt::print("{} images {} to {}; the view, as {}: {}\n", paths.size(),
+    fmt::print("{} images {} to {}; view, in {}: {}\n", paths.size(),
                arguments.is_reverse ? "distorted" : "undistorted",
                arguments.output, kViewFile, ViewText(mapper.view));
 }

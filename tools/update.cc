@@ -48,8 +48,8 @@ class SlotStore {
       close(file_);
       throw Error(ExitCode::kOutput,
                   path_ +
-                      ": is not a file or block device; for MTD use "
-                      "/dev/mtdblock, or flash the file that update writes");
+                      ": not a file or block device; for MTD use "
+                      "/dev/mtdblock, or flash the file written by update");
     }
     is_device_ = S_ISBLK(status.st_mode);
     while (flock(file_, LOCK_EX) != 0 && errno == EINTR) {
@@ -74,9 +74,9 @@ class SlotStore {
                                  bytes.size() - done, static_cast<off_t>(done));
       if (size < 0 && errno == EINTR) continue;
       if (size <= 0)
-        throw InputError(fmt::format(
-            "{}: cannot be read ({})", path_,
-            size == 0 ? "it became shorter" : std::strerror(errno)));
+        throw InputError(
+            fmt::format("{}: cannot be read ({})", path_,
+                        size == 0 ? "it was truncated" : std::strerror(errno)));
       done += static_cast<size_t>(size);
     }
     return bytes;
@@ -111,8 +111,8 @@ void RequireSlotSize(uint64_t slot_size, const UpdateArguments& arguments,
   if (SlotSizeFor(blob) > slot_size)
     throw Error(
         ExitCode::kOutput,
-        fmt::format("{}: needs {} bytes with its header, and slots have {}; "
-                    "pack it smaller, or make larger slots with --slot-size",
+        fmt::format("{}: needs {} bytes with its header, but a slot has {}; "
+                    "reduce the blob, or use a larger --slot-size",
                     arguments.blob, SlotSizeFor(blob), slot_size));
 }
 
@@ -128,7 +128,7 @@ uint64_t SizeOfSlots(const SlotStore& store, const UpdateArguments& arguments) {
   if (store.is_device() ? 2 * slot_size > size
                         : 2 * slot_size != size || size % 8 != 0)
     throw InputError(
-        fmt::format("{}: has {} bytes, not two slots{}; name another file",
+        fmt::format("{}: has {} bytes, not two slots{}; use another file",
                     arguments.slots, size,
                     arguments.slot_size ? fmt::format(" of {}", slot_size)
                                         : " of a multiple of 4"));
@@ -157,7 +157,7 @@ void Tell(const UpdateArguments& arguments, const CommonOptions& common,
   else
     fmt::print("{}: slot {} {}, sequence {}, {} of {} bytes\n", arguments.slots,
                index,
-               is_written ? "written" : "has this blob already, and is newest",
+               is_written ? "written" : "already holds this blob as the newest",
                sequence, num_bytes, slot_size - SlotSizeFor(""));
 }
 
@@ -181,10 +181,10 @@ void UpdateSlots(const UpdateArguments& arguments, const CommonOptions& common,
   RequireSlotSize(slot_size, arguments, blob);
   const std::string bytes = store.Read(2 * slot_size);
   if (const auto place = FindMisplacedSlot(bytes); place && !arguments.is_new)
-    throw InputError(fmt::format(
-        "{}: a slot begins at byte {}, and the second one ought to at {}; name "
-        "a copy of both slots, whole and with nothing behind them",
-        arguments.slots, *place, slot_size));
+    throw InputError(
+        fmt::format("{}: found a slot at byte {}, but the second slot should "
+                    "begin at {}; use an exact copy of both slots",
+                    arguments.slots, *place, slot_size));
   const BlobSlots read = ReadSlots(bytes);
   RequireSlots(read, arguments);
   if (read.newest && read.slots[*read.newest].blob == blob) {

@@ -62,11 +62,12 @@ std::string ShownName(const std::string& path) {
 Image ReadPhotograph(const std::string& path, const ImageSize& expected) {
   Image image = ReadImage(path, false);
   if (image.size != expected)
-    throw Error(ExitCode::kBlob,
-                fmt::format("{}: {} x {} pixels, but the camera is calibrated "
-                            "for {} x {}; use an image of that mode",
-                            path, image.size.width, image.size.height,
-                            expected.width, expected.height));
+    throw Error(
+        ExitCode::kBlob,
+        fmt::format("{}: {} x {} pixels, but the camera is calibrated for {} x "
+                    "{}; use an image of the calibrated sensor mode",
+                    path, image.size.width, image.size.height, expected.width,
+                    expected.height));
   return image;
 }
 
@@ -80,7 +81,8 @@ ViewTables TablesOf(ViewedCamera* viewed, const ViewArguments& arguments,
     for (const uint32_t k : tables.indices)
       tables.views.push_back(blob->ViewOfRemap(k));
     if (tables.views.empty())
-      tables.why_none = "all tables are of other sensor modes, or distort";
+      tables.why_none =
+          "all tables are for other sensor modes or inverse remaps";
     tables.blob = std::move(blob);
     return tables;
   }
@@ -110,21 +112,20 @@ ViewTables TablesOf(ViewedCamera* viewed, const ViewArguments& arguments,
 
 std::vector<std::string> ViewCaption(const VirtualView& view) {
   std::vector<std::string> lines = {
-      fmt::format("{} x {} px, {}, sees {:.1f}° x {:.1f}°", view.size.width,
-                  view.size.height, ProjectionName(view.projection),
-                  view.HorizontalFieldOfViewDeg(),
-                  view.VerticalFieldOfViewDeg()),
+      fmt::format(
+          "{} x {} px, {}, field of view {:.1f}° x {:.1f}°", view.size.width,
+          view.size.height, ProjectionName(view.projection),
+          view.HorizontalFieldOfViewDeg(), view.VerticalFieldOfViewDeg()),
       fmt::format("K: fx {:.6g}, fy {:.6g}, cx {:.6g}, cy {:.6g}",
                   view.focal_px.x(), view.focal_px.y(), view.center_px.x(),
                   view.center_px.y())};
   if (view.IsTurned()) {
     const Eigen::Vector3d angles = ViewAnglesDeg(view.camera_from_view);
     lines.push_back(
-        fmt::format("turned {:.4g}° right, {:.4g}° up, {:.4g}° "
-                    "clockwise",
+        fmt::format("rotated {:.4g}° right, {:.4g}° up, {:.4g}° clockwise",
                     angles[0], angles[1], angles[2]));
   } else {
-    lines.push_back("not turned");
+    lines.push_back("not rotated");
   }
   return lines;
 }
@@ -163,15 +164,15 @@ SheetTile TileBefore(const ViewedCamera& viewed,
   tile.title = viewed.name + ": before";
   const CameraFile& file = viewed.input.file;
   tile.caption = {
-      fmt::format("{} x {} px, {}, sees {:.1f}° x {:.1f}°{}",
+      fmt::format("{} x {} px, {}, field of view {:.1f}° x {:.1f}°{}",
                   camera.image_size().width, camera.image_size().height,
                   camera.Name(), SeenAngleDeg(camera, 0),
                   SeenAngleDeg(camera, 1),
                   file.name.empty() ? "" : ", " + Printable(file.name)),
-      viewed.mask ? fmt::format("trusted in {:.0f} % of the image",
+      viewed.mask ? fmt::format("valid region: {:.0f} % of the image",
                                 100 * TrustedPart(*viewed.mask, camera))
-                  : "the file does not say where it is trusted",
-      viewed.image.empty() ? "a checkered room, as this camera sees it"
+                  : "no valid region in the file",
+      viewed.image.empty() ? "a rendered checkered room, seen by this camera"
                            : ShownName(viewed.image)};
   tile.picture = viewed.before;
   for (size_t k = 0; k < views.size(); ++k) {
@@ -235,7 +236,7 @@ ViewedRow RowOfView(const VirtualView& view, ViewedCamera viewed,
   tile.title = viewed.name + ": a view";
   tile.caption = ViewCaption(view);
   tile.caption.push_back(viewed.image.empty()
-                             ? "a checkered room, as this view shows it"
+                             ? "a rendered checkered room, in this view"
                              : ShownName(viewed.image));
   tile.curves = {StraightCurves(viewed, view)};
   return {{{std::move(tile)}}, {{"views", {ViewJson(view)}}}};
@@ -293,10 +294,10 @@ ViewedRow RowOfFile(const std::string& path, const std::string& image,
 // The marks that a sheet has, and what they mean.
 std::vector<SheetMark> MarksOf(const std::vector<SheetRow>& rows) {
   const SheetMark all[] = {
-      {kTrustedColor, false, "where the camera can be trusted"},
-      {kAreaColor, false, "the calibrated area"},
-      {kStraightColor, false, "straight in the world"},
-      {ColorOfView(0), true, "edge of a view, in its frame's colour"}};
+      {kTrustedColor, false, "valid region"},
+      {kAreaColor, false, "calibrated area"},
+      {kStraightColor, false, "straight line in the world"},
+      {ColorOfView(0), true, "boundary of a view, in the colour of its frame"}};
   std::vector<SheetMark> marks;
   for (const SheetMark& mark : all) {
     bool is_used = false;
@@ -306,7 +307,7 @@ std::vector<SheetMark> MarksOf(const std::vector<SheetRow>& rows) {
           is_used |= curves.color == mark.color && !curves.curves.empty();
     if (is_used) marks.push_back(mark);
   }
-  marks.push_back({kEmptyColor, false, "not calibrated, or not seen"});
+  marks.push_back({kEmptyColor, false, "not calibrated or not visible"});
   return marks;
 }
 
@@ -314,8 +315,8 @@ void RequireImageForEach(const ViewArguments& arguments) {
   const size_t images = arguments.images.size();
   if (images > 1 && images != arguments.files.size())
     throw Error(ExitCode::kUsage,
-                fmt::format("{} images for {} files; give one --image for "
-                            "all, or one for each",
+                fmt::format("{} images for {} files; give one --image for all "
+                            "files, or one per file",
                             images, arguments.files.size()));
 }
 

@@ -23,11 +23,12 @@ VirtualView ViewOfWords(const TableFormat& format, const ViewImport& import,
   try {
     return MakeViewWithoutCamera(size, request);
   } catch (const Error& error) {
-    throw Error(error.code(),
-                fmt::format("{}: a table of {} is imported with the words that "
-                            "it was exported with, as --view view.camera.yaml "
-                            "or --hfov 90: {}",
-                            import.path, format.name, error.what()));
+    throw Error(
+        error.code(),
+        fmt::format(
+            "{}: a {} table must be imported with the view it was exported "
+            "with, such as --view view.camera.yaml or --hfov 90: {}",
+            import.path, format.name, error.what()));
   }
 }
 
@@ -98,11 +99,11 @@ RayTable RaysOfViewTable(const TableFormat& format, const ViewImport& import) {
   if (!import.image_size.empty())
     image_size = ParseImageSize("--image-size", import.image_size);
   if (!import.is_reverse && !image_size)
-    ThrowMissing("--image-size",
-                 fmt::format("say WxH of the camera's images, which {} does "
-                             "not hold; or --inverse, if its pixels are those "
-                             "of the camera",
-                             import.path));
+    ThrowMissing(
+        "--image-size",
+        fmt::format("give the size of the camera's images, which {} does not "
+                    "store; or --inverse if its pixels are those of the camera",
+                    import.path));
   const ViewTable table = format.read_view(
       import.path, import.bytes, import.is_reverse ? view_size : image_size);
   const ImageSize size =

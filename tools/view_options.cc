@@ -42,8 +42,8 @@ VirtualView ReadView(const std::string& place, const std::string& path) {
   auto view = ViewOfCamera(*input.file.camera);
   if (!view)
     throw Error(ExitCode::kUsage,
-                fmt::format("{}: {} is no view: a camera of the model opencv "
-                            "without distortion, or of a projection",
+                fmt::format("{}: {} is not a view (an undistorted opencv "
+                            "camera, or one with a projection)",
                             place, path));
   if (input.file.camera_from_view)
     view->camera_from_view =
@@ -109,11 +109,11 @@ const char kViewSyntaxHelp[] =
     "  at=M or plane=NX,NY,NZ,M       scene of a non-central camera\n";
 
 const char kViewWordsHelp[] =
-    "hfov=DEGREES, vfov=DEGREES, focal=PX, alpha=0..1 (0: the largest view "
-    "without border; 1: the smallest that shows every pixel), center=X,Y (its "
-    "principal point), rotate=YAW,PITCH,ROLL (degrees to the right, up, "
-    "clockwise), projection=pinhole|cylindrical|equirectangular|stereographic|"
-    "equidistant, view=FILE (a view's camera file)";
+    "hfov=DEG, vfov=DEG, focal=PX, alpha=0..1 (0: valid pixels only; 1: all "
+    "pixels), center=X,Y (principal point), rotate=YAW,PITCH,ROLL (degrees "
+    "right, up, clockwise), "
+    "projection=pinhole|cylindrical|equirectangular|stereographic|equidistant, "
+    "view=FILE (another view's camera file)";
 
 ViewRequest ParseView(const std::string& option, const std::string& text) {
   ViewRequest request;
@@ -142,10 +142,9 @@ ViewRequest ParseView(const std::string& option, const std::string& text) {
 }
 
 const char kTableWordsHelp[] =
-    "direction=distort (the other way: pictures of the view become frames of "
-    "the camera), and of cameras of lines at=METRES (the distance of the "
-    "scene) "
-    "or plane=NX,NY,NZ,METRES (the plane that it lies on, in camera axes)";
+    "direction=distort (inverse remap, from the view to frames), and for "
+    "non-central cameras at=METRES (distance of the scene) or "
+    "plane=NX,NY,NZ,METRES (plane of the scene, in camera axes)";
 
 namespace {
 
@@ -161,15 +160,15 @@ SceneSurface ParseScene(const std::string& place, const std::string& name,
     scene.normal = normal.normalized();
     scene.distance_m = numbers[3] / normal.norm();
     if (!(normal.norm() > 0 && scene.normal->allFinite()))
-      throw Error(ExitCode::kUsage,
-                  fmt::format("{}: expected a direction that is not 0 and the "
-                              "plane's distance along it, not '{}'",
-                              place, value));
+      throw Error(
+          ExitCode::kUsage,
+          fmt::format("{}: expected a non-zero normal and a distance, not '{}'",
+                      place, value));
   }
   if (!(scene.distance_m > 0 && std::isfinite(scene.distance_m)))
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("{}: expected a distance above 0, not '{}'", place, value));
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}: expected a positive distance, not '{}'", place,
+                            value));
   return scene;
 }
 
@@ -191,10 +190,11 @@ bool AddTableWord(const std::string& option, const std::string& text,
   }
   if (name != "at" && name != "plane") return false;
   if (words->scene)
-    throw Error(ExitCode::kUsage,
-                fmt::format("{} {}: at and plane say where the scene is; give "
-                            "one of them, once",
-                            option, text));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "{} {}: at and plane exclude each other; give one of them, once",
+            option, text));
   words->scene = ParseScene(place, name, value);
   return true;
 }
@@ -272,8 +272,8 @@ Eigen::Vector3d ViewAnglesDeg(const Eigen::Matrix3d& camera_from_view) {
 
 std::string ViewText(const VirtualView& view) {
   std::string text = fmt::format(
-      "{} x {} px, fx {:.6g}, fy {:.6g}, cx {:.6g}, cy {:.6g}, sees {:.1f} x "
-      "{:.1f} degrees",
+      "{} x {} px, fx {:.6g}, fy {:.6g}, cx {:.6g}, cy {:.6g}, field of view "
+      "{:.1f} x {:.1f} degrees",
       view.size.width, view.size.height, view.focal_px.x(), view.focal_px.y(),
       view.center_px.x(), view.center_px.y(), view.HorizontalFieldOfViewDeg(),
       view.VerticalFieldOfViewDeg());
@@ -282,8 +282,7 @@ std::string ViewText(const VirtualView& view) {
   if (view.IsTurned()) {
     const Eigen::Vector3d angles = ViewAnglesDeg(view.camera_from_view);
     text += fmt::format(
-        ", turned {:.6g} degrees to the right, {:.6g} up, "
-        "{:.6g} clockwise",
+        ", rotated {:.6g} degrees right, {:.6g} up, {:.6g} clockwise",
         angles[0], angles[1], angles[2]);
   }
   return text;

@@ -40,10 +40,10 @@ std::vector<double> ParseNumbers(const std::string& place,
   }
   if (numbers.size() == count && at == end && text.back() != ',')
     return numbers;
-  static const char* const kCounts[] = {"no number", "a number", "two numbers",
+  static const char* const kCounts[] = {"no numbers", "a number", "two numbers",
                                         "three numbers", "four numbers"};
   throw Error(ExitCode::kUsage,
-              fmt::format("{}: expected {}, as {}, not '{}'", place,
+              fmt::format("{}: expected {}, such as {}, not '{}'", place,
                           kCounts[count], example, text));
 }
 

@@ -171,9 +171,8 @@ BoardAppearance::BoardAppearance(const Board& board) : board_(board) {
     markers_ = AprilGridTags(board);
   } else if (board.kind != "chessboard") {
     throw InputError(
-        fmt::format("board {}: a board of kind '{}' has no known "
-                    "appearance; use star, chessboard, charuco or "
-                    "aprilgrid",
+        fmt::format("board {}: cannot draw a target of kind '{}'; use star, "
+                    "chessboard, charuco or aprilgrid",
                     board.id, board.kind));
   }
   if (board.kind == "aprilgrid") {

@@ -23,7 +23,7 @@ FamilyPointer MakeAprilTagFamily(const std::string& name) {
   if (name == "tag25h9") return {tag25h9_create(), tag25h9_destroy};
   if (name == "tag16h5") return {tag16h5_create(), tag16h5_destroy};
   throw InputError(fmt::format(
-      "tag family '{}' is not known; use tag36h11, tag25h9 or tag16h5", name));
+      "unknown tag family '{}'; use tag36h11, tag25h9 or tag16h5", name));
 }
 
 }  // namespace
@@ -31,8 +31,9 @@ FamilyPointer MakeAprilTagFamily(const std::string& name) {
 MarkerBits AprilTagBits(const std::string& family_name, int id) {
   const FamilyPointer family = MakeAprilTagFamily(family_name);
   if (id < 0 || id >= static_cast<int>(family->ncodes))
-    throw InputError(fmt::format("tag {}: family {} has 0 to {}", id,
-                                 family_name, family->ncodes - 1));
+    throw InputError(
+        fmt::format("tag {}: out of range, family {} has tags 0 to {}", id,
+                    family_name, family->ncodes - 1));
   const std::unique_ptr<image_u8_t, decltype(&image_u8_destroy)> image(
       apriltag_to_image(family.get(), id), &image_u8_destroy);
   MarkerBits bits;
@@ -59,9 +60,8 @@ int DictionaryNumber(const std::string& name) {
     ++number;
   }
   throw InputError(fmt::format(
-      "dictionary '{}' is not known; OpenCV's names are DICT_4X4_50 to "
-      "DICT_7X7_1000 and DICT_ARUCO_ORIGINAL (DICT_APRILTAG_36h11 is the tag "
-      "family tag36h11)",
+      "unknown dictionary '{}'; use OpenCV's DICT_4X4_50 to DICT_7X7_1000 or "
+      "DICT_ARUCO_ORIGINAL (for DICT_APRILTAG_36h11 use tag family tag36h11)",
       name));
 }
 
@@ -71,8 +71,9 @@ MarkerBits ArucoBits(const std::string& dictionary, int id) {
   const cv::Ptr<cv::aruco::Dictionary> markers =
       cv::aruco::getPredefinedDictionary(DictionaryNumber(dictionary));
   if (id < 0 || id >= markers->bytesList.rows)
-    throw InputError(fmt::format("marker {}: {} has 0 to {}", id, dictionary,
-                                 markers->bytesList.rows - 1));
+    throw InputError(
+        fmt::format("marker {}: out of range, {} has markers 0 to {}", id,
+                    dictionary, markers->bytesList.rows - 1));
   const cv::Mat inner = cv::aruco::Dictionary::getBitsFromByteList(
       markers->bytesList.row(id), markers->markerSize);
   MarkerBits bits;

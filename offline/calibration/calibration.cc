@@ -292,21 +292,22 @@ void Calibration::StartFromImages(CameraInProgress* camera) const {
     const size_t num_others = NumOthers(camera->result.same_views);
     if (error.code() != ExitCode::kTooFew || num_others == 0) throw;
     throw Error(error.code(),
-                fmt::format("{}; {} more show the same views as others: move "
-                            "and tilt the board between images",
+                fmt::format("{}; {} more are near-duplicate views: move and "
+                            "tilt the target between images",
                             error.what(), num_others));
   }
 }
 
 void Calibration::Start() {
   const Stopwatch stopwatch(&result_.seconds["start"]);
-  ForEachCamera({"start", 0, 0.05}, [&](CameraInProgress* camera, auto) {
-    StartFromImages(camera);
-    if (!IsParametricModel(options_.model))
-      camera->lens.problem.base_model =
-          ChooseBaseModel(AdjustmentOptionsOf(options_), camera->lens);
-    if (!options_.any_distance) RequireLikelyDistances(camera->lens);
-  });
+  ForEachCamera(
+      {"initialization", 0, 0.05}, [&](CameraInProgress* camera, auto) {
+        StartFromImages(camera);
+        if (!IsParametricModel(options_.model))
+          camera->lens.problem.base_model =
+              ChooseBaseModel(AdjustmentOptionsOf(options_), camera->lens);
+        if (!options_.any_distance) RequireLikelyDistances(camera->lens);
+      });
 }
 
 // ---- Measure again ---------------------------------------------------------
@@ -317,8 +318,8 @@ void Calibration::MeasureAgain() {
       }))
     return;
   const Stopwatch stopwatch(&result_.seconds["measuring_again"]);
-  ForEachCamera({"measuring again", 0.05, 0.1}, [&](CameraInProgress* camera,
-                                                    auto) {
+  ForEachCamera({"refining features", 0.05, 0.1}, [&](CameraInProgress* camera,
+                                                      auto) {
     if (!camera->input->measure_again || options_.ShouldStop()) return;
     std::optional<Dataset>& again = camera->checkpoint.measured_again;
     if (!again) again = MeasureFeaturesAgain(pattern_, options_, *camera);
@@ -457,7 +458,7 @@ void Calibration::TakeRowMotionOut(CameraInProgress* camera) const {
 void Calibration::TakeRowMotionOut() {
   if (!AreRowTimesAsked()) return;
   const Stopwatch stopwatch(&result_.seconds["row_time"]);
-  ForEachCamera({"row time", 0.1, 0.12}, [&](CameraInProgress* camera, auto) {
+  ForEachCamera({"line delay", 0.1, 0.12}, [&](CameraInProgress* camera, auto) {
     if (!camera->input->times || options_.ShouldStop()) return;
     TakeRowMotionOut(camera);
   });
@@ -516,7 +517,7 @@ Adjusted Calibration::AdjustTogether(
     lenses.push_back(cameras_[c].lens);
     cells_px.push_back(cameras_[c].result.cell_px);
   }
-  if (IsRig()) Report("putting the rig together", 0.6);
+  if (IsRig()) Report("rig initialization", 0.6);
   rejected->clear();
   Adjusted adjusted = PutTogether(names, lenses, bodies_,
                                   AdjustmentOptionsOf(options_), rejected);

@@ -20,7 +20,7 @@ double FocalPx(const CameraModel& camera) {
   const auto left = camera.Unproject(middle - Eigen::Vector2d(kStepPx, 0));
   const auto right = camera.Unproject(middle + Eigen::Vector2d(kStepPx, 0));
   if (!left || !right)
-    throw InputError("the camera does not tell the middle of its area");
+    throw InputError("the camera model is undefined at the centre of its area");
   return 2 * kStepPx / std::acos(std::min(1.0, left->dot(*right)));
 }
 
@@ -32,8 +32,8 @@ bool IsKnown(const CameraFile& file) {
 KnownCamera Known(const CameraFile& file) {
   if (!IsKnown(file))
     throw InputError(
-        "the camera file does not say how well the camera is known; check "
-        "needs a camera.yaml that this version of calibrate wrote");
+        "the camera file has no uncertainty; use a camera.yaml written by this "
+        "version of raygrid calibrate");
   KnownCamera known;
   known.size = file.camera->image_size();
   known.area = file.camera->area();
@@ -97,8 +97,7 @@ CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
   const std::vector<SameViews> copies = FindSameViews({dataset}, {}, kCopyPx);
   for (const SameViews& group : copies)
     for (const std::string& copy : group.others)
-      check.rejected_images.push_back(
-          {copy, "shows the same as " + group.image + ", which is used once"});
+      check.rejected_images.push_back({copy, "duplicate of " + group.image});
   const CalibrationProblem problem = BuildProblem(
       {WithoutOthers(dataset, copies)}, pattern, &check.rejected_images);
   const std::vector<std::optional<Pose>> poses =
@@ -110,7 +109,7 @@ CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
     PlacedView view;
     if (poses[v]) view = Place(*file.camera, *poses[v], problem, v, pattern);
     if (view.size() < kMinViewFeatures) {
-      check.rejected_images.push_back({image, "could not be localised"});
+      check.rejected_images.push_back({image, "pose estimation failed"});
       continue;
     }
     views.push_back(std::move(view));
@@ -118,8 +117,8 @@ CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
   }
   if (views.empty())
     throw Error(ExitCode::kTooFew,
-                "no image could be localised; are features and pattern those "
-                "of this camera?");
+                "no pose could be estimated; check that features and pattern "
+                "belong to this camera");
   check.num_images = static_cast<int>(images.size());
   check.change = TestForChange(known, views);
   return check;

@@ -35,7 +35,7 @@ Evaluation EvaluateCamera(const CameraModel& camera, const Dataset& dataset,
       AddResiduals(camera, *poses[v], pattern, problem, v, &evaluation);
     else
       evaluation.rejected_images.push_back(
-          {problem.images[v], "could not be localised"});
+          {problem.images[v], "pose estimation failed"});
   }
   return evaluation;
 }

@@ -503,7 +503,7 @@ void NameUnusedImages(const Dataset& measured,
     rejected.push_back(
         {image.image,
          is_few ? fmt::format("only {} features", image.features.size())
-                : "could not be localised",
+                : "pose estimation failed",
          is_few});
   }
   rejected.insert(rejected.end(), skipped.begin(), skipped.end());

@@ -179,17 +179,17 @@ std::vector<DoubtfulCondition> PredictValues(
 }  // namespace
 
 std::string DoubtfulCondition::Text() const {
-  return fmt::format("{} is stated at {:g} {}, but its features fit {:.{}f}",
-                     image, stated, ConditionUnit(condition), predicted,
-                     num_decimals);
+  return fmt::format(
+      "{} is given as {:g} {}, but its features indicate {:.{}f}", image,
+      stated, ConditionUnit(condition), predicted, num_decimals);
 }
 
 std::string UnexplainedCondition::Text() const {
   const std::string name = ConditionName(condition);
   return fmt::format(
-      "the values of {} do not explain how the images differ: check that each "
-      "value belongs to its image and that all have one unit, or calibrate "
-      "without {}",
+      "the given {} does not explain the differences between images: check "
+      "that each value belongs to its image and that all use the same unit, or "
+      "calibrate without {}",
       name, name);
 }
 

@@ -23,15 +23,17 @@ void RequireKnownModel(const std::string& model) {
                                        "thin-prism-fisheye", "opencv"};
   if (known.count(model) > 0) return;
   if (IsParametricModel(model))
-    throw Error(ExitCode::kUsage,
-                fmt::format("'{}' is not calibrated but fitted: calibrate "
-                            "central-generic, then use raygrid fit or export",
-                            model));
-  throw Error(ExitCode::kUsage,
-              fmt::format("unknown model '{}'; this version calibrates "
-                          "auto, central-generic, noncentral-generic, "
-                          "central-radial, thin-prism-fisheye and opencv",
-                          model));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("model '{}' cannot be calibrated directly: calibrate "
+                    "central-generic, then use raygrid fit or export",
+                    model));
+  throw Error(
+      ExitCode::kUsage,
+      fmt::format(
+          "unknown model '{}'; use auto, central-generic, noncentral-generic, "
+          "central-radial, thin-prism-fisheye or opencv",
+          model));
 }
 
 void RequireImagesExist(const std::vector<CalibrationInput>& cameras,
@@ -43,8 +45,8 @@ void RequireImagesExist(const std::vector<CalibrationInput>& cameras,
   for (const std::string& name : hold_out)
     if (images.count(name) == 0)
       throw Error(ExitCode::kUsage,
-                  fmt::format("--hold-out {}: no features of such an {}", name,
-                              cameras.size() > 1 ? "instant" : "image"));
+                  fmt::format("--hold-out {}: no features in such {}", name,
+                              cameras.size() > 1 ? "a frame" : "an image"));
 }
 
 // By boards that both see at one instant or, if boards may be fixed to each
@@ -58,7 +60,8 @@ void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
     datasets.push_back(camera.dataset);
   }
   if (std::set<std::string>(names.begin(), names.end()).size() < names.size())
-    throw Error(ExitCode::kUsage, "two cameras of one name; give them two");
+    throw Error(ExitCode::kUsage,
+                "duplicate camera name; give each camera a unique name");
   std::vector<RejectedImage> rejected;
   CalibrationProblem problem = BuildProblem(datasets, pattern, &rejected);
   std::vector<Pose> unknown_places;
@@ -75,7 +78,7 @@ void RequireImagesOfTheirOwn(const std::vector<CalibrationInput>& cameras) {
           FindSharedImage(cameras[other].dataset, cameras[c].dataset);
       if (!shared) continue;
       throw InputError(fmt::format(
-          "cameras '{}' and '{}' have the same image: {} and {} show the same "
+          "cameras '{}' and '{}' share an image: {} and {} have the same "
           "features; give each camera its own images",
           cameras[other].name, cameras[c].name, shared->first, shared->second));
     }
@@ -87,17 +90,17 @@ void RequireLikeCameraFits(const std::vector<CalibrationInput>& cameras,
   if ((options.model != "central-generic" && options.model != kAutoModel) ||
       cameras.size() > 1)
     throw Error(ExitCode::kUsage,
-                "--prior: for a single camera and --model central-generic");
+                "--prior requires a single camera and --model central-generic");
   const ImageSize size = options.like->image_size(),
                   own = cameras.front().dataset.image_size;
   if (size != own)
     throw Error(
         ExitCode::kUsage,
-        fmt::format("--prior: its images are {}x{} px, those given {}x{}"
-                    " px; give a camera of the same sensor mode",
+        fmt::format("--prior: calibrated for {}x{} px, but the images have "
+                    "{}x{} px; use a camera of the same sensor mode",
                     size.width, size.height, own.width, own.height));
   if (!options.like->IsCentral())
-    throw Error(ExitCode::kUsage, "--prior: give a central camera");
+    throw Error(ExitCode::kUsage, "--prior: the camera must be central");
 }
 
 }  // namespace
@@ -105,7 +108,7 @@ void RequireLikeCameraFits(const std::vector<CalibrationInput>& cameras,
 void RequireSoundInput(const std::vector<CalibrationInput>& cameras,
                        const Pattern& pattern,
                        const CalibrationOptions& options) {
-  if (cameras.empty()) throw Error(ExitCode::kUsage, "no camera is given");
+  if (cameras.empty()) throw Error(ExitCode::kUsage, "no camera given");
   RequireKnownModel(options.model);
   RequireImagesExist(cameras, options.hold_out);
   RequireLikeCameraFits(cameras, options);
@@ -122,11 +125,11 @@ void RequireLikelyDistances(const Adjusted& adjusted) {
         adjusted.state.CameraFromPattern(view).translation.norm());
   const double median_m = Quantile(distances_m, 0.5);
   if (median_m > kFarM)
-    throw Error(ExitCode::kUsage,
-                fmt::format("boards {:.3g} m away (median)? the pattern's "
-                            "square_m, in metres, makes them so; correct it, "
-                            "or --yes if that is meant",
-                            median_m));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("median distance of the boards is {:.3g} m: check square_m "
+                    "of the pattern (in metres), or accept with --yes",
+                    median_m));
 }
 
 }  // namespace raygrid

@@ -109,7 +109,7 @@ std::vector<Evaluation> EvaluateRig(const RigModel& rig,
     Evaluation& evaluation = evaluations[view.camera];
     if (!poses[view.pose]) {
       evaluation.rejected_images.push_back(
-          {problem.images[v], "could not be localised"});
+          {problem.images[v], "pose estimation failed"});
       continue;
     }
     AddResiduals(

@@ -273,10 +273,9 @@ void RequireAgreement(const std::vector<std::string>& names, int first,
   if (best.error_px <= kMaxDisagreementPart * size.width) return;
   throw Error(
       ExitCode::kInitialization,
-      fmt::format("cameras {} and {}: no relative pose explains the {} views "
-                  "of a board that they share (the best is off by {:.0f} px in "
-                  "half of them); images of one name must show one instant, "
-                  "and the cameras must not move against each other",
+      fmt::format("cameras {} and {}: no relative pose fits their {} common "
+                  "views (best median error {:.0f} px); images of the same "
+                  "name must be synchronized, and the cameras rigidly mounted",
                   names[first], names[second], num_shared, best.error_px));
 }
 
@@ -474,11 +473,11 @@ void RequireConnected(const std::vector<std::string>& names,
   if (groups.size() < 2) return;
   throw Error(
       ExitCode::kInitialization,
-      fmt::format("the cameras are not connected: no board is seen at one "
-                  "instant, with {} features or more, from two of the groups "
-                  "{}; take images in which it is, and give those of one "
-                  "instant one name (or use --sync-by number)",
-                  kMinViewFeatures, fmt::join(groups, ", ")));
+      fmt::format(
+          "the cameras are not connected: no frame shows a board with at least "
+          "{} features in two of the groups {}; take such frames, and give "
+          "synchronized images the same name (or use --sync-by number)",
+          kMinViewFeatures, fmt::join(groups, ", ")));
 }
 
 Adjusted PutTogether(const std::vector<std::string>& names,
@@ -510,9 +509,9 @@ Adjusted PutTogether(const std::vector<std::string>& names,
       (*rejected)[rig.problem.views[v].camera].push_back(
           {rig.problem.images[v],
            cameras.size() == 1
-               ? "the board is not where the boards are that it is fixed to"
-               : "the other cameras see the board elsewhere; were they "
-                 "triggered together?"});
+               ? "the pose disagrees with the rigid multi-board target"
+               : "the pose disagrees with the other cameras; check that they "
+                 "are synchronized"});
   if (std::count(remove.begin(), remove.end(), true) == 0) return rig;
   RemoveViewsAndPoses(remove, &rig);
   RequireConnected(names, rig.problem);

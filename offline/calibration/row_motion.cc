@@ -66,10 +66,9 @@ void NameImagesLeftOut(const CameraInProgress& camera, const Pattern& pattern,
       ImagesLeftOut(AllFeatures(camera, pattern), *camera.still);
   for (RejectedImage& image : *rejected)
     if (left_out.count(image.image) > 0)
-      image = {
-          image.image,
-          "its motion is not known: it has no time, no neighbours in time, "
-          "or no board that could be localised"};
+      image = {image.image,
+               "unknown motion: no time stamp, no adjacent frames, or pose "
+               "estimation failed"};
 }
 
 }  // namespace raygrid

@@ -56,15 +56,13 @@ void RequireSpread(const ImageConditions& conditions,
       throw Error(
           ExitCode::kUsage,
           fmt::format(
-              "all images have one {}{}: how the camera "
-              "changes with it is not observable; calibrate "
-              "without {}, or add images at others",
+              "all images have the same {}{}: its effect on the camera is not "
+              "observable; calibrate without {}, or add images at other values",
               name,
-              spread > 0 ? fmt::format(" (they differ by {:.2g}, "
-                                       "which is less than {:g} {})",
-                                       spread, least,
-                                       ConditionUnit(conditions.conditions[k]))
-                         : std::string(),
+              spread > 0
+                  ? fmt::format(" (range {:.2g}, required {:g} {})", spread,
+                                least, ConditionUnit(conditions.conditions[k]))
+                  : std::string(),
               conditions.conditions.size() > 1 ? name
                                                : std::string("--vary-with")));
   }
@@ -76,9 +74,9 @@ void RequireSpread(const ImageConditions& conditions,
     both.row(static_cast<Eigen::Index>(i)) << values[i][0], values[i][1];
   if (PartBeside(both) < kLeastPart)
     throw Error(ExitCode::kUsage,
-                "the images' lens_position and temperature go together: "
-                "nothing tells which of the two changes the camera; add images "
-                "of other pairs, or calibrate over one of them");
+                "lens_position and temperature of the images are correlated, "
+                "so their effects cannot be separated; add images at other "
+                "combinations, or calibrate over one of them");
 }
 
 // The largest value that blobs can have: formats/SPEC.md, "Operating points".
@@ -101,10 +99,10 @@ void RequireConditions(const Dataset& dataset,
   for (const CameraCondition condition : conditions.conditions)
     names += (names.empty() ? "" : ",") + ConditionName(condition);
   if (options.model != "central-generic")
-    throw Error(ExitCode::kUsage,
-                fmt::format("--vary-with {}: the model is central-generic, not "
-                            "{}",
-                            names, options.model));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--vary-with {}: requires model central-generic, not {}",
+                    names, options.model));
   std::vector<ConditionValues> values;
   for (const ImageFeatures& image : dataset.images) {
     const auto found = conditions.values.find(image.image);
@@ -112,16 +110,17 @@ void RequireConditions(const Dataset& dataset,
         !std::all_of(found->second.begin(), found->second.end(),
                      [](double value) { return std::isfinite(value); }))
       throw Error(ExitCode::kUsage,
-                  fmt::format("image {} has no {}: give each image one, or "
-                              "leave it out",
+                  fmt::format("image {} has no {}: give each image a value, or "
+                              "remove the image",
                               image.image, names));
     for (const double value : found->second)
       if (std::abs(value) > kMostValue)
-        throw Error(ExitCode::kUsage,
-                    fmt::format("image {}: {} is {:g}, and values are at most "
-                                "{:g}; give dioptres or °C, or divide all "
-                                "values by one number",
-                                image.image, names, value, kMostValue));
+        throw Error(
+            ExitCode::kUsage,
+            fmt::format(
+                "image {}: {} is {:g}, above the limit of {:g}; use dioptres "
+                "or °C, or divide all values by the same factor",
+                image.image, names, value, kMostValue));
     values.push_back(found->second);
   }
   RequireSpread(conditions, values);
@@ -287,9 +286,9 @@ std::vector<std::string> FindUntestedConditions(const CameraStack& stack,
     const Eigen::ArrayXd even = Eigen::ArrayXd::LinSpaced(101, -1, 1);
     if (RmsBeyondOrder(t, order) < kLeastPart * RmsBeyondOrder(even, order))
       untested.push_back(fmt::format(
-          "any polynomial of order {} fits these values of {}, and no image "
-          "shows the error between them, which is not in what is stated: add "
-          "images elsewhere, as at {:.3g} {}",
+          "a polynomial of order {} interpolates these values of {} exactly, "
+          "so its error between them is untested and not in the predicted "
+          "uncertainty: add images in between, such as at {:.3g} {}",
           order, ConditionName(range.condition), MiddleOfGap(values),
           ConditionUnit(range.condition)));
   }
@@ -312,7 +311,7 @@ void WarnOf(const ConditionCheck& check, Verdict* verdict) {
     names += (k == 0 ? "" : "; ") + doubtful[k].Text();
   if (doubtful.size() > kMostNamed)
     names += fmt::format("; and {} more", doubtful.size() - kMostNamed);
-  Warn(names + ": correct the values, or leave these images out", verdict);
+  Warn(names + ": correct the values, or remove these images", verdict);
 }
 
 // Adjusts a stack to the images of a problem from their features alone: what it
@@ -396,8 +395,8 @@ void RequireOneValue(const ImageConditions& conditions,
   const auto end = conditions.values.end();
   if (first == end || second == end || first->second == second->second) return;
   throw InputError(fmt::format(
-      "images {} and {} show the same features, and were taken at {:g} and "
-      "{:g}; give each value its own images",
+      "images {} and {} have the same features but different operating points, "
+      "{:g} and {:g}; give each value its own images",
       image, copy, fmt::join(first->second, ","),
       fmt::join(second->second, ",")));
 }
@@ -414,7 +413,7 @@ RigResult CalibrateStack(const CalibrationInput& input,
   const auto report = [&](const char* stage, double done) {
     if (options.progress) options.progress(stage, done);
   };
-  report("start over the condition", 0);
+  report("initialization over the range", 0);
   std::map<std::string, double> seconds;
   std::optional<CameraStack> start;
   {
@@ -439,7 +438,7 @@ RigResult CalibrateStack(const CalibrationInput& input,
     camera.features = UsedOf(turned, camera);
     return result;
   }
-  report("adjustment over the condition", 0.8);
+  report("bundle adjustment over the range", 0.8);
   const CameraStack stack = ChangesOnGrid(
       *start, dynamic_cast<const CentralGeneric&>(*camera.camera.camera));
   Adjusted adjusted =

@@ -53,7 +53,7 @@ Adjusted Localized(const CameraModel& lens, const Adjusted& all,
                                kMaxMedianPart * problem.image_sizes[0].width);
     if (remove[v])
       localized.rejected_images.push_back(
-          {problem.images[v], "no pose explains its features"});
+          {problem.images[v], "pose estimation failed"});
     else
       kept.push_back(*poses[v]);
   }
@@ -255,14 +255,15 @@ class StartTrials {
   const Adjusted& Best() const {
     if (IsEnough()) return *best_;
     if (!best_)
-      throw Error(ExitCode::kInitialization,
-                  "no starting camera fits these features; check the pattern's "
-                  "columns and rows, and take tilted views of it");
+      throw Error(
+          ExitCode::kInitialization,
+          "initialization failed: no initial camera fits these features; check "
+          "columns and rows of the pattern, and add tilted views");
     throw Error(
         ExitCode::kInitialization,
-        fmt::format("the starting lens explains only {:.0f} % of {} "
-                    "features; check the pattern, and take more views, "
-                    "tilted and all over the image",
+        fmt::format("initialization failed: the initial camera fits only "
+                    "{:.0f} % of {} features; check the pattern, and add "
+                    "tilted views that cover the image",
                     100 * (1 - least_.unexplained_part), num_features_));
   }
 
@@ -295,8 +296,8 @@ void RequireImages(const CalibrationProblem& problem) {
   if (NumImages(problem) < kMinImages)
     throw Error(
         ExitCode::kTooFew,
-        fmt::format("only {} images with {} features or more of one "
-                    "board; at least {} are needed, {} are better",
+        fmt::format("only {} images have at least {} features of a board; need "
+                    "{}, better {}",
                     NumImages(problem), kMinViewFeatures, kMinImages, 20));
 }
 

@@ -20,10 +20,10 @@ constexpr WordAndRemedy kWords[] = {
     {"kept", ""},
     {"absent", "show the board"},
     {"few", "show more of the board"},
-    {"dark", "more light, or a longer exposure"},
-    {"bright", "less light, or a shorter exposure"},
+    {"dark", "add light, or increase the exposure time"},
+    {"bright", "reduce light, or the exposure time"},
     {"moving", "hold the board still"},
-    {"blurred", "focus, or hold the board where it is sharp"},
+    {"blurred", "focus, or move the board into focus"},
     {"known", ""}};
 
 bool IsDark(const FrameQuality& quality) {

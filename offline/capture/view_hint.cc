@@ -72,7 +72,7 @@ std::vector<Move> MovesBetween(const CameraModel& camera, const Board& board,
   constexpr double kWorthTurn_rad = 0.5;
   const double turn = std::remainder(TurnOf(then) - TurnOf(now), M_PI);
   moves.push_back({std::abs(turn) / kWorthTurn_rad,
-                   turn > 0 ? "turn it clockwise" : "turn it anticlockwise"});
+                   turn > 0 ? "rotate clockwise" : "rotate anticlockwise"});
   std::stable_sort(
       moves.begin(), moves.end(),
       [](const Move& a, const Move& b) { return a.size > b.size; });
@@ -88,7 +88,7 @@ std::string DescribeMove(const CameraModel& camera, const Board& board,
   constexpr size_t kMostMoves = 3;
   for (size_t k = 0; k < kMostMoves && moves[k].size >= 1; ++k)
     text += (k == 0 ? "" : ", ") + moves[k].words;
-  return text.empty() ? "hold it there" : text;
+  return text.empty() ? "hold still" : text;
 }
 
 bool IsThere(const CameraModel& camera, const Board& board, const Pose& from,

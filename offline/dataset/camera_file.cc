@@ -34,18 +34,18 @@ BSplineSurface ParseGrid(const YAML::Node& root, const Area& area,
   const int columns = grid["columns"].as<int>();
   const int rows = grid["rows"].as<int>();
   if (grid["chart"].as<std::string>() != "stereographic")
-    throw InputError("grid: unknown chart");
+    throw InputError("grid: unsupported chart, expected stereographic");
   if (columns < 4 || rows < 4 || columns > 1027 || rows > 1027)
     throw InputError("grid: columns and rows must be 4 to 1027");
   const YAML::Node points = root["control_points"];
   if (static_cast<int>(points.size()) != columns * rows)
-    throw InputError(fmt::format("control_points: {} where {} x {} are needed",
+    throw InputError(fmt::format("control_points: {} given, {} x {} expected",
                                  points.size(), columns, rows));
   BSplineSurface surface(area, columns, rows);
   int index = 0;
   for (const YAML::Node& point : points) {
     if (!point.IsSequence() || point.size() != numbers_per_point)
-      throw InputError(fmt::format("control_points: not {} numbers each",
+      throw InputError(fmt::format("control_points: expected {} numbers each",
                                    numbers_per_point));
     std::vector<double> value;
     for (const YAML::Node& number : point)
@@ -104,7 +104,7 @@ std::shared_ptr<CameraModel> ParseView(const YAML::Node& root,
       root, ViewCamera(projection, size, area, parameters).ParameterNames(),
       parameters.data());
   if (!(parameters.head<2>().minCoeff() > 0))
-    throw InputError("parameters: fx and fy must be above 0");
+    throw InputError("parameters: fx and fy must be positive");
   return std::make_shared<ViewCamera>(projection, size, area, parameters);
 }
 
@@ -146,7 +146,7 @@ std::shared_ptr<CameraModel> ParseSplinedStereographic(const YAML::Node& root,
   const int count = 2 * grid.columns * grid.rows;
   if (!points.IsSequence() || static_cast<int>(points.size()) != count)
     throw InputError(
-        fmt::format("spline: control_points are not {} numbers", count));
+        fmt::format("spline: expected {} numbers in control_points", count));
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(count + 4);
   int index = 0;
   for (const YAML::Node& number : points)
@@ -155,7 +155,7 @@ std::shared_ptr<CameraModel> ParseSplinedStereographic(const YAML::Node& root,
       root, SplinedStereographic(size, area, grid, parameters).ParameterNames(),
       parameters.data() + count);
   if (!(parameters.segment<2>(count).minCoeff() > 0))
-    throw InputError("parameters: fx and fy must be above 0");
+    throw InputError("parameters: fx and fy must be positive");
   return std::make_shared<SplinedStereographic>(size, area, grid, parameters);
 }
 
@@ -176,7 +176,7 @@ MovementErrors ParseBeyond(const YAML::Node& node) {
   for (const double deviation :
        {beyond.scale, beyond.shift_px, beyond.tilt_rad, beyond.local_px})
     if (!(deviation >= 0 && std::isfinite(deviation)))
-      throw InputError("modes: beyond is negative or not finite");
+      throw InputError("modes: beyond must be finite and not negative");
   return beyond;
 }
 
@@ -188,7 +188,8 @@ ErrorModes ParseModes(const YAML::Node& node) {
   modes.columns = size.columns;
   modes.rows = size.rows;
   modes.rest_px = node["rest_px"].as<double>();
-  if (!(modes.rest_px >= 0)) throw InputError("modes: rest_px is negative");
+  if (!(modes.rest_px >= 0))
+    throw InputError("modes: rest_px must not be negative");
   modes.beyond = ParseBeyond(node["beyond"]);
   modes.displacements_px = ParseDisplacements(node["displacements_px"], "modes",
                                               modes.columns * modes.rows);
@@ -239,7 +240,7 @@ std::optional<ImageCircle> ParseImageCircle(const YAML::Node& node) {
   RequireYamlList(node, "image_circle", 3);
   const double radius_px = YamlNumber(node[2], "image_circle");
   if (!(radius_px > 0))
-    throw InputError("image_circle: not x, y and a positive radius");
+    throw InputError("image_circle: expected x, y and a positive radius");
   return ImageCircle{{YamlNumber(node[0], "image_circle"),
                       YamlNumber(node[1], "image_circle")},
                      Eigen::Vector2d::Constant(radius_px)};
@@ -249,16 +250,16 @@ std::optional<RowTime> ParseRowTime(const YAML::Node& root) {
   const YAML::Node row_time = root["row_time_us"];
   const YAML::Node deviation = root["row_time_deviation_us"];
   if (deviation && !row_time)
-    throw InputError("row_time_deviation_us needs row_time_us");
+    throw InputError("row_time_deviation_us requires row_time_us");
   if (!row_time) return std::nullopt;
   RowTime value;
   value.seconds = YamlNumber(row_time, "row_time_us") * 1e-6;
   if (deviation)
     value.deviation_s = YamlNumber(deviation, "row_time_deviation_us") * 1e-6;
   if (!(std::abs(value.seconds) <= kLongestRowTimeS))
-    throw InputError("row_time_us: microseconds from -1000 to 1000");
+    throw InputError("row_time_us: must be -1000 to 1000 microseconds");
   if (!(value.deviation_s >= 0 && value.deviation_s <= kLongestRowTimeS))
-    throw InputError("row_time_deviation_us: microseconds from 0 to 1000");
+    throw InputError("row_time_deviation_us: must be 0 to 1000 microseconds");
   return value;
 }
 
@@ -266,20 +267,20 @@ std::optional<RowTime> ParseRowTime(const YAML::Node& root) {
 CameraFile Parse(const YAML::Node& root) {
   RequireKind(root, "camera");
   if (root["raygrid_camera"].as<int>() != 1)
-    throw InputError("unknown version of camera.yaml");
+    throw InputError("unsupported version of camera.yaml");
   const auto size = root["image_size"].as<std::vector<int>>();
   const auto rectangle = root["area"].as<std::vector<double>>();
   if (size.size() != 2 || size[0] < 1 || size[1] < 1)
-    throw InputError("image_size: not two positive integers");
+    throw InputError("image_size: expected two positive integers");
   if (std::max(size[0], size[1]) > kMaxHugeSidePx)
-    throw InputError(
-        fmt::format("image_size: no camera has more than {} pixels a side",
-                    kMaxHugeSidePx));
+    throw InputError(fmt::format(
+        "image_size: at most {} pixels a side are supported", kMaxHugeSidePx));
   if (rectangle.size() != 4 || !(rectangle[0] < rectangle[2]) ||
       !(rectangle[1] < rectangle[3]) || !(rectangle[0] >= -0.5) ||
       !(rectangle[1] >= -0.5) || !(rectangle[2] <= size[0] - 0.5) ||
       !(rectangle[3] <= size[1] - 0.5))
-    throw InputError("area: not x0, y0, x1, y1 of a rectangle in the image");
+    throw InputError(
+        "area: expected x0, y0, x1, y1 of a rectangle within the image");
   const Area area = {rectangle[0], rectangle[1], rectangle[2], rectangle[3]};
   const ImageSize image_size = {size[0], size[1]};
 

@@ -25,29 +25,29 @@ const char* FindImpossible(const Capture& capture, const ImageSize& size) {
   const auto& crop = capture.crop;
   if (capture.lens_position &&
       !(std::abs(*capture.lens_position) <= kLargestDioptres))
-    return "lens position: dioptres from -1024 to 1024";
+    return "lens position: must be -1024 to 1024 dioptres";
   if (!(capture.lens_tolerance >= 0 &&
         capture.lens_tolerance <= kLargestDioptres))
-    return "lens tolerance: dioptres from 0 to 1024";
+    return "lens tolerance: must be 0 to 1024 dioptres";
   if (crop && !(IsPossible((*crop)[0], (*crop)[2], size.width) &&
                 IsPossible((*crop)[1], (*crop)[3], size.height)))
-    return "crop: X, Y, width and height in pixels of the sensor, up to 65536; "
-           "1/64 to 64 of them are as wide and high as one of the image";
+    return "crop: X, Y, width and height must be at most 65536 sensor pixels, "
+           "and 1/64 to 64 times the image size";
   if (capture.zoom && !(*capture.zoom >= 1 && *capture.zoom <= kLargestZoom))
-    return "zoom: from 1, which is the widest, to 1024";
+    return "zoom: must be 1 (widest) to 1024";
   if (capture.orientation &&
       !(*capture.orientation >= 1 && *capture.orientation <= 8))
-    return "orientation: from 1 to 8, as EXIF and libcamera number them";
+    return "orientation: must be 1 to 8, as in EXIF";
   const auto is_in = [](const std::optional<double>& value, double least,
                         double most) {
     return !value || (*value >= least && *value <= most);
   };
   if (!is_in(capture.sensor_temperature_c, -kHottestC, kHottestC))
-    return "temperature: degrees Celsius from -1024 to 1024";
+    return "temperature: must be -1024 to 1024 degrees Celsius";
   if (!is_in(capture.exposure_us, 1, kLongestUs))
-    return "exposure: microseconds, from 1 to 2^30";
+    return "exposure: must be 1 to 2^30 microseconds";
   if (!is_in(capture.analogue_gain, kSmallestGain, kLargestGain))
-    return "gain: a factor from 1/65536 to 1024";
+    return "gain: must be a factor of 1/65536 to 1024";
   return nullptr;
 }
 

@@ -30,7 +30,7 @@ void RequireCaptureKeys(const YAML::Node& node) {
   if (!node.IsMap()) throw InputError("capture: not a mapping");
   for (const auto& entry : node)
     if (const auto key = entry.first.as<std::string>(); !kKnown.count(key))
-      throw InputError(fmt::format("capture: unknown key '{}'; {} are known",
+      throw InputError(fmt::format("capture: unknown key '{}'; expected {}",
                                    Printable(key), fmt::join(kKnown, ", ")));
 }
 
@@ -46,7 +46,7 @@ std::optional<Capture> ParseCapture(const YAML::Node& node,
         YamlNumber(node["lens_position"], "capture: lens_position");
   if (node["lens_tolerance"]) {
     if (!capture.lens_position)
-      throw InputError("capture: lens_tolerance needs lens_position");
+      throw InputError("capture: lens_tolerance requires lens_position");
     capture.lens_tolerance =
         YamlNumber(node["lens_tolerance"], "capture: lens_tolerance");
   }
@@ -60,7 +60,7 @@ std::optional<Capture> ParseCapture(const YAML::Node& node,
     if (node[number.key])
       capture.*number.value =
           YamlNumber(node[number.key], std::string("capture: ") + number.key);
-  if (!capture.KnowsAny()) throw InputError("capture: says nothing");
+  if (!capture.KnowsAny()) throw InputError("capture: empty");
   if (const char* const impossible = FindImpossible(capture, size))
     throw InputError(std::string("capture: ") + impossible);
   return capture;

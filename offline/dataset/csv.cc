@@ -57,8 +57,7 @@ class RecordReader {
     fields->clear();
     for (;;) {
       place_ = std::min(text_.find_first_not_of(" \t", place_), text_.size());
-      if (fields->size() == kMaxFields)
-        Fail("more than 1000 fields; no table here has as many");
+      if (fields->size() == kMaxFields) Fail("more than 1000 fields");
       fields->push_back(Now() == '"' ? QuotedField() : PlainField());
       if (Now() != ',') break;
       ++place_;
@@ -74,8 +73,8 @@ class RecordReader {
     place_ = end;
     if (Now() == '"')
       Fail(
-          "a quote within a field; put the whole field in quotes, and write "
-          "its own twice");
+          "quote within an unquoted field; quote the field and double the "
+          "quotes in it");
     return field;
   }
 
@@ -83,8 +82,7 @@ class RecordReader {
     std::string field;
     for (++place_;; ++place_) {
       const size_t quote = text_.find('"', place_);
-      if (quote == std::string::npos)
-        Fail("a quote is opened and not closed; close it");
+      if (quote == std::string::npos) Fail("unterminated quote");
       field.append(text_, place_, quote - place_);
       line_ += static_cast<int>(std::count(
           text_.begin() + Offset(place_), text_.begin() + Offset(quote), '\n'));
@@ -94,7 +92,7 @@ class RecordReader {
     }
     place_ = std::min(text_.find_first_not_of(" \t\r", place_), text_.size());
     if (place_ < text_.size() && Now() != ',' && Now() != '\n')
-      Fail("more after a closing quote; write a quote within a field twice");
+      Fail("text after a closing quote; double quotes within a field");
     return field;
   }
 
@@ -142,12 +140,12 @@ CsvReader::CsvReader(const std::string& name, const std::string& text,
   for (const std::string& column : required_columns)
     if (!HasColumn(column))
       throw InputError(
-          fmt::format("{}: no column '{}' in the header; expected {}", name_,
-                      column, fmt::join(required_columns, ",")));
+          fmt::format("{}: missing column '{}' in the header; expected {}",
+                      name_, column, fmt::join(required_columns, ",")));
   for (const std::string& column : header_)
     if (!column.empty() &&
         std::count(header_.begin(), header_.end(), column) > 1)
-      throw InputError(fmt::format("{}: the header has '{}' twice; keep one",
+      throw InputError(fmt::format("{}: duplicate column '{}' in the header",
                                    name_, column));
 }
 
@@ -157,13 +155,14 @@ CsvReader::~CsvReader() = default;
 bool CsvReader::Next() {
   if (!records_->Read(&fields_)) return false;
   if (fields_.size() != header_.size())
-    throw InputError(fmt::format(
-        "{}: {} fields where the header has {}; mend the line, or put names "
-        "with commas in quotes",
-        Place(), fields_.size(), header_.size()));
+    throw InputError(
+        fmt::format("{}: {} fields, but the header has {}; fix the line, or "
+                    "quote names that contain commas",
+                    Place(), fields_.size(), header_.size()));
   if (++num_rows_ > max_rows_)
-    throw InputError(fmt::format("{}: more than {} rows; split the file",
-                                 Place(), max_rows_));
+    throw InputError(
+        fmt::format("{}: exceeds the limit of {} rows; split the file", Place(),
+                    max_rows_));
   return true;
 }
 
@@ -184,10 +183,9 @@ const std::string& CsvReader::Text(const std::string& column) const {
 double CsvReader::Number(const std::string& column) const {
   double value;
   if (!ParseNumber(Text(column), &value) || !std::isfinite(value))
-    throw InputError(
-        fmt::format("{}, column {}: '{}' is not a finite number; mend or "
-                    "remove the line",
-                    Place(), column, Text(column)));
+    throw InputError(fmt::format(
+        "{}, column {}: '{}' is not a finite number; fix or remove the line",
+        Place(), column, Text(column)));
   return value;
 }
 
@@ -195,7 +193,7 @@ int CsvReader::Integer(const std::string& column) const {
   int value;
   if (!ParseNumber(Text(column), &value))
     throw InputError(fmt::format(
-        "{}, column {}: '{}' is not an integer; mend or remove the line",
+        "{}, column {}: '{}' is not an integer; fix or remove the line",
         Place(), column, Text(column)));
   return value;
 }
@@ -209,9 +207,8 @@ std::vector<std::string> ParseCsvRecord(const std::string& name,
   RecordReader reader(name, text);
   std::vector<std::string> fields;
   if (!reader.ReadLast(&fields))
-    throw InputError(name +
-                     ": more than one line; put names with line ends in "
-                     "quotes");
+    throw InputError(
+        name + ": more than one line; quote names that contain line breaks");
   return fields;
 }
 

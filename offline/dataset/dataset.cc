@@ -35,7 +35,7 @@ class FeatureCollector {
     std::vector<Feature>& features = image_->features;
     if (features.size() == kMaxPatternPoints)
       throw InputError(fmt::format(
-          "{}: image {} has more than {} features, and no pattern has as many",
+          "{}: image {} has more than {} features, the limit of a pattern",
           table.Place(), Printable(image), kMaxPatternPoints));
     if (!features.empty() && KeyOf(features.back()) == KeyOf(feature))
       ThrowOnSecond(table);
@@ -43,9 +43,9 @@ class FeatureCollector {
   }
 
   [[noreturn]] static void ThrowOnSecond(const CsvReader& table) {
-    throw InputError(table.Place() +
-                     ": this feature was given before for the same image; "
-                     "remove one of the lines");
+    throw InputError(
+        table.Place() +
+        ": duplicate feature of this image; remove one of the lines");
   }
 
  private:
@@ -56,10 +56,9 @@ class FeatureCollector {
         index_[camera].try_emplace(image, dataset.images.size());
     if (is_new) dataset.images.push_back({image, {}});
     if (is_new && ++num_images_ > kMaxTableImages)
-      throw InputError(
-          fmt::format("{}: more than {} images; calibrations need hundreds, so "
-                      "leave most of them out",
-                      table.Place(), kMaxTableImages));
+      throw InputError(fmt::format(
+          "{}: more than {} images; a few hundred suffice for a calibration",
+          table.Place(), kMaxTableImages));
     camera_ = camera;
     image_ = &dataset.images[entry->second];
   }
@@ -179,7 +178,7 @@ std::map<std::string, Dataset> ParseFeatures(const std::string& path,
       if (const auto repeated = FindRepeated(image))
         RefuseSecond(path, text, camera, image.image, *repeated);
   if (datasets.empty())
-    throw InputError(path + ": holds no features; detect some first");
+    throw InputError(path + ": contains no features; run raygrid detect first");
   return datasets;
 }
 
@@ -199,14 +198,13 @@ void NameImagesByNumber(const std::string& source, Dataset* dataset) {
   for (ImageFeatures& image : dataset->images) {
     const std::string number = LastNumber(image.image);
     if (number.empty())
-      throw InputError(fmt::format(
-          "{}, image {}: no number in its name to tell the instant by", source,
-          image.image));
+      throw InputError(fmt::format("{}, image {}: no frame number in its name",
+                                   source, image.image));
     const auto [entry, is_new] = names.emplace(number, image.image);
     if (!is_new)
       throw InputError(fmt::format(
-          "{}: images {} and {} have the same number {}; rename one", source,
-          entry->second, image.image, number));
+          "{}: images {} and {} have the same frame number {}; rename one",
+          source, entry->second, image.image, number));
     image.image = number;
   }
 }
@@ -222,19 +220,19 @@ void RequireConsistent(const std::string& name, const Dataset& dataset,
                       feature.column, feature.row);
       const Board* board = pattern.FindBoard(feature.board);
       if (!board)
-        throw InputError(fmt::format(
-            "{}: board {} is not in the pattern; pass the pattern that was "
-            "detected with",
-            place, feature.board));
+        throw InputError(
+            fmt::format("{}: board {} is not in the pattern; use the pattern "
+                        "that the features were detected with",
+                        place, feature.board));
       if (feature.column < 0 || feature.column >= board->columns ||
           feature.row < 0 || feature.row >= board->rows)
-        throw InputError(fmt::format(
-            "{}: the board has only {} x {} features; pass the pattern that "
-            "was detected with",
-            place, board->columns, board->rows));
+        throw InputError(
+            fmt::format("{}: the board has only {} x {} features; use the "
+                        "pattern that the features were detected with",
+                        place, board->columns, board->rows));
       if (!image.Contains(feature.pixel))
         throw InputError(fmt::format(
-            "{}: ({}, {}) lies outside the {} x {} image; check --image-size",
+            "{}: ({}, {}) is outside the {} x {} image; check --image-size",
             place, feature.pixel.x(), feature.pixel.y(),
             dataset.image_size.width, dataset.image_size.height));
     }
@@ -267,7 +265,8 @@ std::map<std::string, std::vector<BoardPose>> ReadPoses(
     const Eigen::Quaterniond rotation(number("qw"), number("qx"), number("qy"),
                                       number("qz"));
     if (!(rotation.norm() > 0.5))
-      throw InputError(table.Place() + ": qw, qx, qy, qz are no rotation");
+      throw InputError(table.Place() +
+                       ": qw, qx, qy, qz are not a unit quaternion");
     poses[CameraIn(table, has_camera)].push_back(
         {table.Text("image"),
          table.Integer("board"),

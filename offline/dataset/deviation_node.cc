@@ -16,7 +16,7 @@ LatticeSize ParseLatticeSize(const YAML::Node& node, const std::string& name,
     if (!node.IsMap() || !node[key] ||
         !YAML::convert<int>::decode(node[key], value) || value < least ||
         value > most)
-      throw InputError(fmt::format("{}: {} is not a whole number from {} to {}",
+      throw InputError(fmt::format("{}: {} must be an integer from {} to {}",
                                    name, key, least, most));
     return value;
   };
@@ -34,7 +34,8 @@ DeviationLattice ParseDeviations(const YAML::Node& node) {
     for (const YAML::Node& value : row) {
       lattice.deviation_px.push_back(value.IsNull() ? NAN : value.as<double>());
       if (!value.IsNull() && !(lattice.deviation_px.back() >= 0))
-        throw InputError("uncertainty: deviation_px is negative or none");
+        throw InputError(
+            "uncertainty: deviation_px must be a number and not negative");
     }
   }
   return lattice;

@@ -30,8 +30,8 @@ void RequireFolderName(const fs::path& folder) {
         ".txt", ".xml", ".yaml", ".yml"})
     if (extension == known && !fs::exists(folder))
       throw Error(ExitCode::kUsage,
-                  fmt::format("{}: the output is a folder, and this is the "
-                              "name of a {} file; name a folder, such as {}",
+                  fmt::format("{}: the output is a folder, but this names a {} "
+                              "file; give a folder such as {}",
                               folder.string(), extension.substr(1),
                               folder.stem().string()));
 }
@@ -166,24 +166,24 @@ int Rename(const std::string& from, const std::string& to) {
 
 void FailToWrite(const std::string& path, int error) {
   throw Error(ExitCode::kOutput,
-              fmt::format("{}: cannot be written ({}); choose another place "
-                          "with -o, or make room there",
+              fmt::format("{}: cannot be written ({}); free disk space, or use "
+                          "another path with -o",
                           path, std::strerror(error)));
 }
 
 std::string ReadFile(const std::string& path) {
   std::error_code error;
   if (fs::is_directory(path, error))
-    throw InputError(path + ": is a folder, where a file was expected");
+    throw InputError(path + ": is a folder, expected a file");
   if (fs::is_character_file(path, error) || fs::is_block_file(path, error))
-    throw InputError(path + ": is a device, where a file was expected");
+    throw InputError(path + ": is a device, expected a file");
   const OpenFile file(path);
   std::string contents;
   if (file.number() >= 0 && fs::is_fifo(path, error) &&
       !WaitFor([&] { return HasWriter(file.number(), &contents); }))
     throw InputError(path +
-                     ": a pipe that nobody writes to; name a file, or start "
-                     "what writes to it first");
+                     ": no process writes to this pipe; start the writer "
+                     "first, or use a file");
   int failure = file.number() < 0 ? errno : 0;
   if (failure == 0) {
     fcntl(file.number(), F_SETFL, 0);  // a slow writer is waited for
@@ -191,8 +191,8 @@ std::string ReadFile(const std::string& path) {
   }
   if (failure != 0)
     throw InputError(
-        fmt::format("{}: cannot be read ({}); check the name and permissions",
-                    path, std::strerror(failure)));
+        fmt::format("{}: cannot be read ({}); check name and permissions", path,
+                    std::strerror(failure)));
   return contents;
 }
 
@@ -253,10 +253,11 @@ void RequireNoInputReplaced(const std::vector<std::string>& inputs,
   for (const std::string& path : outputs) {
     const auto identity = identify(path);
     if (identity && input_of.count(*identity))
-      throw Error(ExitCode::kOutput,
-                  fmt::format("{}: would replace the input {}; choose another "
-                              "place for what is written",
-                              path, input_of[*identity]));
+      throw Error(
+          ExitCode::kOutput,
+          fmt::format(
+              "{}: would overwrite the input {}; use another output path", path,
+              input_of[*identity]));
   }
 }
 

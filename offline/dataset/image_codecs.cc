@@ -37,12 +37,12 @@ void* OpenModule() {
     if (void* module = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL))
       return module;
     throw InputError(std::string(dlerror()) +
-                     ": images need this file; install raygrid again");
+                     ": cannot load the image codecs; reinstall raygrid");
   }
   throw InputError((folder / "../lib/raygrid/raygrid_image_codecs.so")
                        .lexically_normal()
                        .string() +
-                   ": missing, and images need it; install raygrid again");
+                   ": missing image codecs; reinstall raygrid");
 }
 
 const ImageCodecs& Loaded() {
@@ -50,7 +50,7 @@ const ImageCodecs& Loaded() {
     void* entry = dlsym(OpenModule(), kImageCodecsEntry);
     if (!entry)
       throw InputError(
-          "raygrid_image_codecs.so: of another version; install raygrid again");
+          "raygrid_image_codecs.so: version mismatch; reinstall raygrid");
     return reinterpret_cast<const ImageCodecs* (*)()>(entry)();
   }();
   return *codecs;

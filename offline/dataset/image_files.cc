@@ -137,17 +137,15 @@ void AddImagesInFolder(const std::string& folder, FoundImages* found) {
     const std::string extension = LowerExtension(path);
     if (kOwnPictures.count(fs::path(path).filename().string()))
       found->left_out.push_back(
-          {path, "a picture that raygrid writes, no photograph"});
+          {path, "an output image of raygrid, not a photograph"});
     else if (kReadKinds.count(extension))
       found->paths.push_back(path);
     else if (kOtherKinds.count(extension))
       found->left_out.push_back(
-          {path, "a kind of image that is not read; convert it to PNG"});
+          {path, "unsupported image format; convert it to PNG"});
   }
   if (found->paths.size() == num_before)
-    throw InputError(folder +
-                     ": no images in this folder (png, jpg, tif, bmp, pgm); "
-                     "name another");
+    throw InputError(folder + ": contains no images (png, jpg, tif, bmp, pgm)");
 }
 
 // OpenCV turns TIFF images whatever its flags say, unless their tag asks for
@@ -184,8 +182,7 @@ cv::Mat Decode(const std::string& name, const std::string& file, int flags) {
     is_damaged = messages.Stop();
   }
   if (decoded.empty() || is_damaged)
-    throw InputError(name +
-                     ": not an image, or damaged; remove it or replace it");
+    throw InputError(name + ": not an image, or corrupt; remove or replace it");
   return decoded;
 }
 
@@ -209,8 +206,9 @@ cv::Mat DecodeIntegers(const std::string& name, const std::string& bytes,
                        int flags) {
   const cv::Mat decoded = Decode(name, bytes, flags);
   if (decoded.depth() != CV_8U && decoded.depth() != CV_16U)
-    throw InputError(name +
-                     ": pixels of neither 8 nor 16 bits; convert it to PNG");
+    throw InputError(
+        name +
+        ": unsupported pixel depth, expected 8 or 16 bits; convert it to PNG");
   return decoded;
 }
 
@@ -232,10 +230,11 @@ std::string ReadImageFile(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (fs::exists(status) && !fs::is_regular_file(status))
-    throw InputError(path + ": no regular file; images are read from those");
+    throw InputError(path + ": not a regular file");
   const uintmax_t size = fs::file_size(path, error);
   if (!error && size > INT_MAX)
-    throw InputError(path + ": 2 GiB or more; make the image smaller");
+    throw InputError(path +
+                     ": exceeds the limit of 2 GiB; reduce the image size");
   return ReadFile(path);
 }
 
@@ -299,8 +298,8 @@ FoundImages FindImages(const std::vector<std::string>& paths) {
 std::string RemarkOnTurned(const std::vector<std::string>& names) {
   if (names.empty()) return "";
   return fmt::format(
-      "{}: tagged to be shown turned or mirrored (EXIF); used as stored, in "
-      "the sensor's rows and columns",
+      "{}: EXIF orientation ignored; the image is used as stored, in sensor "
+      "rows and columns",
       fmt::join(names, ", "));
 }
 

@@ -264,14 +264,13 @@ void RequireLikelyContents(const std::string& name, const RawHeader& header,
       });
   if (huge_is_allowed || is_likely) return;
   throw InputError(
-      fmt::format("{}: {} x {} pixels in {} bytes are no photograph; if they "
-                  "are meant, they need --allow-huge-images",
+      fmt::format("{}: {} x {} pixels in {} bytes is implausible for a "
+                  "photograph; accept with --allow-huge-images",
                   name, header.width, header.height, num_bytes));
 }
 
 [[noreturn]] void RefuseDamaged(const std::string& name) {
-  throw InputError(name +
-                   ": not an image, or damaged; remove it or replace it");
+  throw InputError(name + ": not an image, or corrupt; remove or replace it");
 }
 
 }  // namespace
@@ -282,13 +281,14 @@ std::string WhySizeIsRefused(uint64_t width, uint64_t height) {
   const uint64_t side = std::max(width, height);
   if (!huge_is_allowed && side > kMaxSidePx)
     return fmt::format(
-        "{} x {} pixels; more than {} a side need --allow-huge-images", width,
-        height, kMaxSidePx);
+        "{} x {} pixels exceeds the limit of {} a side; accept with "
+        "--allow-huge-images",
+        width, height, kMaxSidePx);
   if (side > kMaxHugeSidePx ||
       width * height > static_cast<uint64_t>(kMaxHugePixels))
     return fmt::format(
-        "{} x {} pixels; even --allow-huge-images allows {} a side and {} in "
-        "all at most",
+        "{} x {} pixels exceeds the limit of {} a side and {} in total, even "
+        "with --allow-huge-images",
         width, height, kMaxHugeSidePx, kMaxHugePixels);
   return "";
 }

@@ -23,17 +23,17 @@ ImageTimes ParseImageTimes(const std::string& path, const std::string& text) {
     const std::string& image = table.Text("image");
     const double time_s = table.Number("time_s");
     if (!times.insert({image, time_s}).second)
-      throw InputError(fmt::format("{}: image {} stands there twice",
-                                   table.Place(), Printable(image)));
+      throw InputError(fmt::format("{}: duplicate image {}", table.Place(),
+                                   Printable(image)));
     const auto next = images.lower_bound(time_s - kLeastApartS);
     if (next != images.end() && next->first <= time_s + kLeastApartS)
       throw InputError(fmt::format(
-          "{}: {} was taken when {} was; give each image the time of its own "
-          "frame, to 0.1 ms or better",
+          "{}: {} and {} have the same time stamp; give each image its own, to "
+          "0.1 ms or better",
           table.Place(), Printable(image), Printable(next->second)));
     images[time_s] = image;
   }
-  if (times.empty()) throw InputError(path + ": has no image");
+  if (times.empty()) throw InputError(path + ": contains no images");
   return times;
 }
 

@@ -27,12 +27,12 @@ constexpr double kMaxCoordinateM = kMaxFeaturesAlongSide * kMaxSquareM;
 template <typename T>
 T Value(const std::string& place, const YAML::Node& node, const char* key) {
   if (!node[key])
-    throw InputError(fmt::format("{}: no '{}'; add it", place, key));
+    throw InputError(fmt::format("{}: missing key '{}'", place, key));
   try {
     return node[key].as<T>();
   } catch (const YAML::Exception&) {
     throw InputError(
-        fmt::format("{}: '{}' has a value of the wrong kind", place, key));
+        fmt::format("{}: '{}' has a value of the wrong type", place, key));
   }
 }
 
@@ -50,26 +50,26 @@ BoardTag ParseTag(const std::string& place, const YAML::Node& node) {
   tag.row = Value<int>(place, node, "row");
   tag.squares = Value<int>(place, node, "squares");
   if (tag.family != "tag36h11")
-    throw InputError(
-        fmt::format("{}: tag family '{}'; use tag36h11", place, tag.family));
+    throw InputError(fmt::format(
+        "{}: unsupported tag family '{}'; use tag36h11", place, tag.family));
   return tag;
 }
 
 void ParseStar(const std::string& place, const YAML::Node& node, Board* board) {
   board->segments = OptionalValue<int>(place, node, "segments", 16);
   if (board->segments < 4 || board->segments > 64 || board->segments % 2 != 0)
-    throw InputError(
-        fmt::format("{}: 'segments' must be an even number, 4 to 64", place));
+    throw InputError(fmt::format(
+        "{}: 'segments' must be an even number from 4 to 64", place));
   if (!node["tags"].IsSequence() || node["tags"].size() == 0)
     throw InputError(fmt::format(
-        "{}: 'tags' is no list with a tag; a star board needs one", place));
+        "{}: 'tags' must list at least one tag for a star board", place));
   for (const YAML::Node& item : node["tags"]) {
     const BoardTag tag = ParseTag(place, item);
     if (tag.squares < 1 || tag.column < -1 || tag.row < -1 ||
         tag.column + tag.squares > board->columns ||
         tag.row + tag.squares > board->rows)
       throw InputError(
-          fmt::format("{}: tag {} lies outside the board", place, tag.id));
+          fmt::format("{}: tag {} is outside the board", place, tag.id));
     board->tags.push_back(tag);
   }
 }
@@ -82,7 +82,7 @@ void ParseCharuco(const std::string& place, const YAML::Node& node,
   board->first_marker = OptionalValue<int>(place, node, "first_marker", 0);
   if (!(board->marker_m > 0 && board->marker_m < board->square_m))
     throw InputError(
-        fmt::format("{}: 'marker_m' must lie between 0 and square_m", place));
+        fmt::format("{}: 'marker_m' must be between 0 and square_m", place));
 }
 
 void RequireTagFamily(const std::string& place, const Board& board) {
@@ -91,13 +91,13 @@ void RequireTagFamily(const std::string& place, const Board& board) {
     return;
   if (family.compare(0, 5, "DICT_") != 0)
     throw InputError(
-        fmt::format("{}: tag family '{}'; use tag36h11, tag25h9, "
-                    "tag16h5 or a dictionary, as DICT_4X4_50",
+        fmt::format("{}: unsupported tag family '{}'; use tag36h11, tag25h9, "
+                    "tag16h5 or a dictionary such as DICT_4X4_50",
                     place, family));
   if (board.has_corner_squares)
     throw InputError(fmt::format(
-        "{}: tag family '{}': markers of a dictionary are read without squares "
-        "at their corners only; add 'corner_squares: false' if there are none",
+        "{}: tag family '{}': dictionary markers are supported without corner "
+        "squares only; set 'corner_squares: false' if there are none",
         place, family));
 }
 
@@ -117,18 +117,19 @@ void ParseAprilGrid(const std::string& place, const YAML::Node& node,
   board->is_numbered_from_top = numbered_from == "top";
   RequireTagFamily(place, *board);
   if (numbered_from != "top" && numbered_from != "bottom")
-    throw InputError(fmt::format("{}: numbered_from '{}'; use top or bottom",
-                                 place, numbered_from));
+    throw InputError(
+        fmt::format("{}: numbered_from must be top or bottom, not '{}'", place,
+                    numbered_from));
   if (board->border_cells != 1 && board->border_cells != 2)
     throw InputError(fmt::format("{}: 'border_cells' must be 1 or 2", place));
   if (!(board->spacing_ratio > 0 && board->spacing_ratio < 10))
     throw InputError(
         fmt::format("{}: 'spacing_ratio' must be positive", place));
   if (board->columns % 2 != 0 || board->rows % 2 != 0)
-    throw InputError(fmt::format(
-        "{}: an AprilGrid has two features across and two down for each tag; "
-        "columns and rows must be even",
-        place));
+    throw InputError(
+        fmt::format("{}: columns and rows of an AprilGrid must be even, with 2 "
+                    "x 2 features per tag",
+                    place));
 }
 
 // Two boards with one tag could not be told apart.
@@ -138,10 +139,10 @@ void RequireDistinctTags(const std::string& name, const Pattern& pattern) {
     for (const BoardTag& tag : board.tags) {
       const auto [place, is_new] = board_of_tag.emplace(tag.id, board.id);
       if (!is_new)
-        throw InputError(fmt::format(
-            "{}: tag {} is on board {} and on board {}; give each board tags "
-            "of its own",
-            name, tag.id, place->second, board.id));
+        throw InputError(
+            fmt::format("{}: tag {} is on both board {} and board {}; tag ids "
+                        "must be unique",
+                        name, tag.id, place->second, board.id));
     }
   }
 }
@@ -156,7 +157,7 @@ std::vector<Eigen::Vector3d> ParsePoints(const std::string& place,
     };
     if (xyz.size() != 3 || std::any_of(xyz.begin(), xyz.end(), is_far))
       throw InputError(fmt::format(
-          "{}: a point is not three numbers of metres, at most {:g}", place,
+          "{}: each point must be three numbers in metres, at most {:g}", place,
           kMaxCoordinateM));
     points.emplace_back(xyz[0], xyz[1], xyz[2]);
   }
@@ -166,8 +167,8 @@ std::vector<Eigen::Vector3d> ParsePoints(const std::string& place,
 void RequireFewPoints(const std::string& place, size_t count) {
   if (count > kMaxPatternPoints)
     throw InputError(
-        fmt::format("{}: {} feature points, and a pattern may have {} in all; "
-                    "give columns and rows as they are",
+        fmt::format("{}: {} feature points exceed the limit of {} per pattern; "
+                    "check columns and rows",
                     place, count, kMaxPatternPoints));
 }
 
@@ -184,8 +185,8 @@ Board ParseBoard(const std::string& place, const YAML::Node& node) {
     board.rows = node["rows"] ? Value<int>(place, node, "rows") : 1;
     if (std::min(board.columns, board.rows) < 0 ||
         static_cast<int64_t>(board.columns) * board.rows != count)
-      throw InputError(fmt::format("{}: {} points where {} x {} were expected",
-                                   place, count, board.columns, board.rows));
+      throw InputError(fmt::format("{}: {} points, expected {} x {}", place,
+                                   count, board.columns, board.rows));
   } else {
     board.columns = Value<int>(place, node, "columns");
     board.rows = Value<int>(place, node, "rows");
@@ -196,10 +197,9 @@ Board ParseBoard(const std::string& place, const YAML::Node& node) {
                                    place, kMaxFeaturesAlongSide));
     RequireFewPoints(place, board.num_points());
     if (!(board.square_m >= kMinSquareM && board.square_m <= kMaxSquareM))
-      throw InputError(
-          fmt::format("{}: square_m is {:g}; in metres, it must be 1e-6 (1 µm) "
-                      "to {:g}",
-                      place, board.square_m, kMaxSquareM));
+      throw InputError(fmt::format(
+          "{}: square_m is {:g}, but must be 1e-6 (1 µm) to {:g} metres", place,
+          board.square_m, kMaxSquareM));
     if (board.kind == "star") ParseStar(place, node, &board);
     if (board.kind == "charuco") ParseCharuco(place, node, &board);
     if (board.kind == "aprilgrid") ParseAprilGrid(place, node, &board);
@@ -207,8 +207,8 @@ Board ParseBoard(const std::string& place, const YAML::Node& node) {
   }
   if (node[points_key]) board.points = ParsePoints(place, node[points_key]);
   if (static_cast<int>(board.points.size()) != board.num_points())
-    throw InputError(fmt::format("{}: {} points where {} x {} were expected",
-                                 place, board.points.size(), board.columns,
+    throw InputError(fmt::format("{}: {} points, expected {} x {}", place,
+                                 board.points.size(), board.columns,
                                  board.rows));
   return board;
 }
@@ -218,7 +218,7 @@ std::vector<BoardBody> ParseBodies(const std::string& name,
                                    const YAML::Node& list,
                                    const Pattern& pattern) {
   if (!list.IsSequence())
-    throw InputError(name + ": 'board_bodies' is no list");
+    throw InputError(name + ": 'board_bodies' is not a list");
   std::vector<BoardBody> bodies;
   std::set<int> used;
   for (const YAML::Node& item : list) {
@@ -227,17 +227,17 @@ std::vector<BoardBody> ParseBodies(const std::string& name,
     for (const int id : body.boards)
       if (!pattern.FindBoard(id) || !used.insert(id).second)
         throw InputError(fmt::format(
-            "{}: board_bodies: board {} is in two bodies, or none of 'boards'",
+            "{}: board_bodies: board {} is in two bodies, or not in 'boards'",
             name, id));
     for (const YAML::Node& pose : item["first_from_board"])
       body.first_from_board.push_back(
           ParsePose(name + ": first_from_board", pose));
     if (body.boards.size() < 2 ||
         body.first_from_board.size() != body.boards.size())
-      throw InputError(fmt::format(
-          "{}: board_bodies: {} boards with {} poses; a body has two boards or "
-          "more, and a pose of each",
-          name, body.boards.size(), body.first_from_board.size()));
+      throw InputError(
+          fmt::format("{}: board_bodies: {} boards with {} poses; a body needs "
+                      "at least two boards and one pose per board",
+                      name, body.boards.size(), body.first_from_board.size()));
   }
   return bodies;
 }
@@ -307,14 +307,16 @@ Pattern ParsePattern(const std::string& name, const std::string& yaml) {
   try {
     root = YAML::Load(yaml);
   } catch (const YAML::Exception& error) {
-    throw InputError(fmt::format("{}, line {}: not YAML ({})", name,
+    throw InputError(fmt::format("{}, line {}: invalid YAML ({})", name,
                                  error.mark.line + 1, error.msg));
   }
   ReadNamingFile(name, [&root] { RequireKind(root, "pattern"); });
   if (Value<int>(name, root, "raygrid_pattern") != 1)
-    throw InputError(fmt::format("{}: unknown version of pattern.yaml", name));
+    throw InputError(
+        fmt::format("{}: unsupported version of pattern.yaml", name));
   if (!root["boards"].IsSequence() || root["boards"].size() == 0)
-    throw InputError(fmt::format("{}: 'boards' is no list with a board", name));
+    throw InputError(
+        fmt::format("{}: 'boards' must list at least one board", name));
   size_t num_points = 0;
   try {
     for (size_t i = 0; i < root["boards"].size(); ++i) {
@@ -323,8 +325,7 @@ Pattern ParsePattern(const std::string& name, const std::string& yaml) {
         throw InputError(fmt::format("{}: not a mapping", place));
       Board board = ParseBoard(place, root["boards"][i]);
       if (pattern.FindBoard(board.id))
-        throw InputError(
-            fmt::format("{}: id {} stands twice", place, board.id));
+        throw InputError(fmt::format("{}: duplicate id {}", place, board.id));
       num_points += board.points.size();
       RequireFewPoints(place, num_points);
       pattern.boards.push_back(std::move(board));

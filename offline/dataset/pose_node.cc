@@ -27,7 +27,7 @@ Pose ParsePose(const std::string& key, const YAML::Node& node) {
   const Eigen::Quaterniond rotation(number(q, "w"), number(q, "x"),
                                     number(q, "y"), number(q, "z"));
   if (std::abs(rotation.norm() - 1) > 1e-3)
-    throw InputError(key + ": rotation is no unit quaternion");
+    throw InputError(key + ": rotation is not a unit quaternion");
   return {rotation.normalized(),
           {number(t, "x"), number(t, "y"), number(t, "z")}};
 }

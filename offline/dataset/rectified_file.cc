@@ -23,7 +23,7 @@ Eigen::Matrix<double, 3, 4> ParseProjection(const YAML::Node& rows,
     for (int column = 0; column < 4; ++column) p(row, column) = numbers[column];
   }
   if (!p.allFinite() || !(p(0, 0) > 0) || !(p(1, 1) > 0))
-    throw InputError(name + ": no projection");
+    throw InputError(name + ": not a projection matrix");
   return p;
 }
 
@@ -38,7 +38,7 @@ RectifiedFile ParsePair(const YAML::Node& root) {
   const auto size = root["image_size"].as<std::vector<int>>();
   if (size.size() != 2 || size[0] < 1 || size[1] < 1 ||
       std::max(size[0], size[1]) > kMaxHugeSidePx)
-    throw InputError("image_size: not two positive integers");
+    throw InputError("image_size: expected two positive integers");
   file.size = {size[0], size[1]};
   file.p = {ParseProjection(root["P1"], "P1"),
             ParseProjection(root["P2"], "P2")};

@@ -20,17 +20,17 @@ namespace {
 std::vector<RigFileCamera> ParseCameras(const YAML::Node& root) {
   RequireKind(root, "rig");
   if (root["raygrid_rig"].as<int>() != 1)
-    throw InputError("unknown version of rig.yaml");
+    throw InputError("unsupported version of rig.yaml");
   std::vector<RigFileCamera> cameras;
   std::set<std::string> names;
   for (const auto& entry : root["cameras"]) {
     const std::string name = entry.first.as<std::string>();
     if (!IsRigCameraName(name))
       throw InputError(fmt::format(
-          "camera '{}': a name has letters, digits, '-' and '_' alone",
+          "camera '{}': use only letters, digits, '-' and '_' in names",
           Printable(name)));
     if (!names.insert(name).second)
-      throw InputError(fmt::format("two cameras of the name '{}'", name));
+      throw InputError(fmt::format("duplicate camera name '{}'", name));
     cameras.push_back(
         {name, entry.second["file"].as<std::string>(),
          ParsePose("camera_from_rig", entry.second["camera_from_rig"])});

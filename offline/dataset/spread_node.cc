@@ -13,12 +13,12 @@ LensSpread SpreadOf(const YAML::Node& node) {
   constexpr int kLeast = 4, kMost = 65;
   constexpr size_t kMostDisplacements = 64;
   if (!node.IsMap())
-    throw InputError("spread: no columns, rows and displacements_px");
+    throw InputError("spread: expected columns, rows and displacements_px");
   const LatticeSize size = ParseLatticeSize(node, "spread", kLeast, kMost);
   const YAML::Node fields = node["displacements_px"];
   if (!fields || !fields.IsSequence() || fields.size() == 0 ||
       fields.size() > kMostDisplacements)
-    throw InputError("spread: displacements_px are not 1 to 64 lists");
+    throw InputError("spread: displacements_px must be 1 to 64 lists");
   return {size.columns, size.rows,
           ParseDisplacements(fields, "spread", size.columns * size.rows)};
 }
@@ -30,9 +30,9 @@ std::optional<LensSpread> ParseSpread(const YAML::Node& node) {
   try {
     return SpreadOf(node);
   } catch (const InputError& error) {
-    throw InputError(std::string(error.what()) +
-                     "; take the file as raygrid batch wrote it, or remove "
-                     "'spread'");
+    throw InputError(
+        std::string(error.what()) +
+        "; use the file as written by raygrid batch, or remove 'spread'");
   }
 }
 

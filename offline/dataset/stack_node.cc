@@ -31,20 +31,20 @@ ConditionRange ParseRange(const YAML::Node& node) {
   const YAML::Node range = node["range"], name = node["condition"];
   if (!name || !name.IsScalar())
     throw InputError(
-        "stack: no condition; give condition: lens_position or condition: "
-        "temperature");
+        "stack: missing condition; expected condition: lens_position or "
+        "condition: temperature");
   const CameraCondition condition = ParseCondition(name.Scalar());
   const std::string what = fmt::format("stack: range of {}", name.Scalar());
   if (!range || !range.IsSequence() || range.size() != 2)
-    throw InputError(what +
-                     ": not two values; give range: [lowest, highest], as "
-                     "calibrated");
+    throw InputError(
+        what +
+        ": expected two values, range: [lowest, highest], as calibrated");
   const ConditionRange parsed = {condition, YamlNumber(range[0], what),
                                  YamlNumber(range[1], what)};
   if (!(parsed.low < parsed.high))
-    throw InputError(
-        fmt::format("{}: {:g} is not below {:g}; give the lower value first",
-                    what, parsed.low, parsed.high));
+    throw InputError(fmt::format(
+        "{}: {:g} is not less than {:g}; give the lower value first", what,
+        parsed.low, parsed.high));
   return parsed;
 }
 
@@ -52,14 +52,14 @@ int ParseOrder(const YAML::Node& node) {
   const YAML::Node changes = node["changes"];
   const size_t count = changes && changes.IsSequence() ? changes.size() : 0;
   if (count < 1 || count > CameraStack::kMaxOrder)
-    throw InputError(fmt::format(
-        "stack: changes with {}: {}, where 1 to {} lists of numbers are "
-        "expected; take the file as raygrid calibrate wrote it",
-        node["condition"].Scalar(),
-        !changes               ? std::string("none")
-        : changes.IsSequence() ? fmt::format("a list of {}", count)
-                               : "no list",
-        CameraStack::kMaxOrder));
+    throw InputError(
+        fmt::format("stack: changes with {}: {}, expected 1 to {} lists of "
+                    "numbers; use the file as written by raygrid calibrate",
+                    node["condition"].Scalar(),
+                    !changes               ? std::string("none")
+                    : changes.IsSequence() ? fmt::format("a list of {}", count)
+                                           : "not a list",
+                    CameraStack::kMaxOrder));
   return static_cast<int>(count);
 }
 
@@ -68,13 +68,13 @@ void ParseTerm(const YAML::Node& node, const std::string& what,
                BSplineSurface* term) {
   const size_t expected = 2 * term->points().size();
   if (!node.IsSequence() || node.size() != expected)
-    throw InputError(fmt::format(
-        "{}: {}, where a pair for each control point, {} numbers, is expected; "
-        "take the file as raygrid calibrate wrote it",
-        what,
-        node.IsSequence() ? fmt::format("a list of {}", node.size())
-                          : std::string("no list"),
-        expected));
+    throw InputError(
+        fmt::format("{}: {}, expected a pair per control point, {} numbers; "
+                    "use the file as written by raygrid calibrate",
+                    what,
+                    node.IsSequence() ? fmt::format("a list of {}", node.size())
+                                      : std::string("not a list"),
+                    expected));
   int index = 0;
   for (Eigen::Vector2d& point : term->points()) {
     point.x() = YamlNumber(node[index++], what);
@@ -101,7 +101,7 @@ std::vector<StackDeviation> ParseStackDeviations(const YAML::Node& node,
         {ParseValues(entry["at"], num_conditions), ParseDeviations(entry)});
     if (deviations.size() > 1 &&
         !(deviations.back().values > deviations[deviations.size() - 2].values))
-      throw InputError("stack: deviations are not in ascending order");
+      throw InputError("stack: deviations must be in ascending order");
   }
   return deviations;
 }
@@ -139,8 +139,7 @@ std::optional<StackOfCameras> ParseStack(const YAML::Node& node,
                                          const CameraModel& camera) {
   if (!node) return std::nullopt;
   const auto* grid = dynamic_cast<const CentralGeneric*>(&camera);
-  if (!grid)
-    throw InputError("stack: only a central-generic camera can have one");
+  if (!grid) throw InputError("stack: requires a central-generic camera");
   const std::vector<YAML::Node> nodes = ConditionNodes(node);
   std::vector<ConditionRange> ranges;
   std::vector<int> orders;
@@ -150,7 +149,7 @@ std::optional<StackOfCameras> ParseStack(const YAML::Node& node,
   }
   if (ranges.size() > 1 && !(ranges[0].condition < ranges[1].condition))
     throw InputError(
-        "stack: conditions are not lens_position and then temperature");
+        "stack: conditions must be lens_position, then temperature");
   StackOfCameras stack = {CameraStack(ranges, orders, *grid), {}};
   int term = 1;
   for (const YAML::Node& condition : nodes) {

@@ -76,9 +76,9 @@ std::string Printable(std::string_view text) {
 void RequireTextFile(const std::string& path, std::string_view contents) {
   for (const char* mark : {"\xef\xbb\xbf", "\xff\xfe", "\xfe\xff"})
     if (contents.substr(0, std::string_view(mark).size()) == mark)
-      throw InputError(path +
-                       ": begins with a byte order mark; save it as UTF-8 "
-                       "without one");
+      throw InputError(
+          path +
+          ": begins with a byte order mark; save it as UTF-8 without BOM");
   const size_t place = FindNoUtf8(contents);
   if (place == std::string_view::npos) return;
   const auto line =
@@ -86,7 +86,7 @@ void RequireTextFile(const std::string& path, std::string_view contents) {
                      contents.begin() + static_cast<std::ptrdiff_t>(place),
                      '\n');
   throw InputError(fmt::format(
-      "{}, line {}: not UTF-8 text; save it in this encoding", path, line));
+      "{}, line {}: not UTF-8; save the file in this encoding", path, line));
 }
 
 void RequireSmallTree(const std::string& path, std::string_view text,
@@ -94,10 +94,8 @@ void RequireSmallTree(const std::string& path, std::string_view text,
   const std::string prefix = path.empty() ? "" : path + ": ";
   if (text.size() > max_bytes)
     throw InputError(fmt::format(
-        "{}{:.0f} MB, and cameras, patterns, sessions and lists of keys have "
-        "up "
-        "to {}; "
-        "is it another file?",
+        "{}{:.0f} MB exceed the limit of {} MB for cameras, patterns and "
+        "sessions; check that this is the right file",
         prefix, std::ceil(static_cast<double>(text.size()) / (1 << 20)),
         max_bytes >> 20));
   std::array<bool, 256> is_mark = {};
@@ -112,18 +110,16 @@ void RequireSmallTree(const std::string& path, std::string_view text,
       ++count;
   }
   if (count > kMaxTreeMarks)
-    throw InputError(fmt::format(
-        "{}about {} values, and cameras, patterns, sessions and lists of keys "
-        "have up to "
-        "{}; is it another file?",
-        prefix, count, kMaxTreeMarks));
+    throw InputError(
+        fmt::format("{}about {} values exceed the limit of {} for cameras, "
+                    "patterns and sessions; check that this is the right file",
+                    prefix, count, kMaxTreeMarks));
 }
 
 void RequireStorableName(const std::string& what, const std::string& name) {
   if (FindNoUtf8(name) != std::string::npos)
     throw InputError(fmt::format(
-        "{} '{}': a name that is not UTF-8 fits in no file of results; "
-        "rename it",
+        "{} '{}': the name is not UTF-8, as result files require; rename it",
         what, Printable(name)));
 }
 

@@ -26,7 +26,7 @@ bool WordLines::NextWithWords() {
 }
 
 const std::string& WordLines::Text(size_t index) const {
-  if (index >= words_.size()) Refuse("too few words");
+  if (index >= words_.size()) Refuse("too few fields");
   return words_[index];
 }
 

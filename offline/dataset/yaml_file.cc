@@ -69,9 +69,8 @@ class DuplicateKeyFinder : public YAML::EventHandler {
     if (open_.empty() || !open_.back().is_map) return;
     Collection& map = open_.back();
     if (!map.is_value_next && !key.empty() && !map.keys.insert(key).second)
-      throw InputError(
-          fmt::format("{}, line {}: the key '{}' stands twice; keep one", path_,
-                      mark.line + 1, Printable(key)));
+      throw InputError(fmt::format("{}, line {}: duplicate key '{}'", path_,
+                                   mark.line + 1, Printable(key)));
     map.is_value_next = !map.is_value_next;
   }
 
@@ -85,9 +84,9 @@ class DuplicateKeyFinder : public YAML::EventHandler {
 void RequireWholeLastLine(const std::string& path, const std::string& text) {
   const size_t last = text.find_last_not_of(" \t\r");
   if (last == std::string::npos || std::strchr("\n}]", text[last])) return;
-  throw InputError(path +
-                   ": ends within a line, as if it was cut; take the whole "
-                   "file, or end the line");
+  throw InputError(
+      path +
+      ": truncated within a line; use the complete file, or end the last line");
 }
 
 // The parser takes a quote that nothing follows for an empty text.
@@ -99,14 +98,13 @@ void RequireClosedQuote(const std::string& path, const std::string& text) {
                  text[last]) %
           2 !=
       0)
-    throw InputError(path +
-                     ": ends with a quote that is not closed, as if it was "
-                     "cut; take the whole file");
+    throw InputError(
+        path + ": truncated within a quoted string; use the complete file");
 }
 
 // Parsers of one document do not look at what follows it.
 void RequireNothingMore(const std::string& path, YAML::Parser* parser) {
-  const char* const what = "more behind the end of the file's contents";
+  const char* const what = "unexpected content after the end of the document";
   DuplicateKeyFinder ignored(path);
   try {
     if (!parser->HandleNextDocument(ignored)) return;
@@ -147,12 +145,12 @@ void RequireYamlFile(const std::string& path, const std::string& text,
 void RequireKind(const YAML::Node& root, const std::string& kind) {
   if (root.IsMap() && root["raygrid_" + kind]) return;
   const std::string is_none =
-      fmt::format("not a {0} (no 'raygrid_{0}: 1')", kind);
+      fmt::format("not a {0} file (no 'raygrid_{0}: 1')", kind);
   static const std::vector<std::pair<std::string, std::string>> kOthers = {
       {"camera", "a camera"},
       {"pattern", "a pattern"},
       {"rectified", "a rectified pair"},
-      {"rig", "a rig; name the camera.yaml of one of its cameras"}};
+      {"rig", "a rig; use the camera.yaml of one of its cameras"}};
   for (const auto& [other, what] : kOthers)
     if (root.IsMap() && root["raygrid_" + other])
       throw InputError(is_none + ", but " + what);
@@ -163,14 +161,14 @@ double YamlNumber(const YAML::Node& node, const std::string& name) {
   double number = NAN;
   if (!node.IsDefined() || !YAML::convert<double>::decode(node, number) ||
       !(std::abs(number) <= kLargestNumber))
-    throw InputError(fmt::format("{}{}: not a number, or beyond {:g}", name,
-                                 InLine(node), kLargestNumber));
+    throw InputError(fmt::format("{}{}: not a number, or larger than {:g}",
+                                 name, InLine(node), kLargestNumber));
   return number;
 }
 
 void RequireYamlList(const YAML::Node& node, const char* name, int size) {
   if (!node.IsSequence() || static_cast<int>(node.size()) != size)
-    throw InputError(fmt::format("{}: not a list of {}", name, size));
+    throw InputError(fmt::format("{}: expected a list of {}", name, size));
 }
 
 InputError YamlError(const std::string& path, const YAML::Exception& error) {

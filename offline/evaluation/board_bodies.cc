@@ -28,8 +28,8 @@ struct PairDeviation {
     const double count = std::max(1, num_instants);
     constexpr double kDegrees = 180 / M_PI;
     return fmt::format(
-        "{:.3f} mm and {:.3f} degrees (RMS of {} pairs of views; {:.3f} mm and "
-        "{:.3f} degrees would be noise)",
+        "{:.3f} mm and {:.3f} degrees RMS ({} pairs of views; expected from "
+        "noise: {:.3f} mm and {:.3f} degrees)",
         1e3 * std::sqrt(square_m2 / count),
         kDegrees * std::sqrt(square_rad2 / count), num_instants,
         1e3 * std::sqrt(expected_m2 / count),
@@ -54,8 +54,8 @@ std::vector<std::string> BodySentences(const std::vector<BoardBody>& bodies,
       if (pair.fixed && ids.count(pair.first) > 0 && ids.count(pair.second) > 0)
         deviation.Add(pair);
     sentences.push_back(
-        fmt::format("boards {} are fixed to each other to {}, and were "
-                    "adjusted as one body",
+        fmt::format("boards {} are a rigid multi-board target, estimated as "
+                    "one body; relative poses repeat to {}",
                     Enumerated(body.boards), deviation.Text()));
   }
   std::set<int> moving;
@@ -69,8 +69,8 @@ std::vector<std::string> BodySentences(const std::vector<BoardBody>& bodies,
     sentences.push_back(fmt::format(
         "boards {} {} by {}",
         Enumerated(std::vector<int>(moving.begin(), moving.end())),
-        moving.size() > 2 ? "or some of them move against each other"
-                          : "move against each other",
+        moving.size() > 2 ? "or some of them move relative to each other"
+                          : "move relative to each other",
         deviation.Text()));
   return sentences;
 }

@@ -13,25 +13,23 @@ namespace {
 constexpr double kWorthwhile = 0.1;  // part of the squared residuals
 
 std::string BetterModelAdvice(const BudgetFacts& facts) {
-  return fmt::format(
-      "calibrate with --model {}, which predicts held-out images better",
-      facts.better_model);
+  return fmt::format("use --model {}, which has a lower held-out error",
+                     facts.better_model);
 }
 
 std::string ImagePlaceAdvice(const BudgetFacts& facts) {
   if (!facts.better_model.empty()) return BetterModelAdvice(facts);
   if (!facts.IsGrid() && !facts.generic_tried)
-    return "calibrate with --model central-generic";
+    return "use --model central-generic";
   if (!facts.IsGrid())
-    return "take more images: central-generic was tried, and these are too few "
-           "for it";
+    return "add images: central-generic was tried, but needs more of them";
   if (facts.tried_finer)
-    return "take more images: a finer grid was tried, and these are too few "
-           "for it";
+    return "add images: a smaller knot spacing was tried, but needs more of "
+           "them";
   if (facts.cell_px > 0)
-    return fmt::format("calibrate with a finer grid: --knot-spacing-px {:.3g}",
+    return fmt::format("reduce the knot spacing: --knot-spacing-px {:.3g}",
                        facts.cell_px / 2);
-  return "calibrate with a finer grid: a smaller --knot-spacing-px";
+  return "reduce --knot-spacing-px";
 }
 
 // The thing to do against a cause, if it was not done yet.
@@ -41,48 +39,42 @@ std::string AdviceFor(ErrorCause cause, const BudgetFacts& facts) {
       return ImagePlaceAdvice(facts);
     case ErrorCause::kBoardPlace:
       if (!facts.points_free)
-        return "calibrate without --fix-target-geometry, so that the board's "
-               "points are "
-               "estimated, too";
-      return "print the board anew, on a better printer, or take more images "
-             "of it";
+        return "calibrate without --fix-target-geometry, to estimate the "
+               "target geometry";
+      return "print the target on a better printer, or add images of it";
     case ErrorCause::kBend:
       if (!facts.bends_tried && facts.IsGrid())
-        return "calibrate without --rigid-target and --fix-target-geometry, so "
-               "that "
-               "bends are estimated, too";
-      return "glue the pattern onto a stiffer board, of glass or aluminium, "
-             "and hold it by its edges";
+        return "calibrate without --rigid-target and --fix-target-geometry, to "
+               "estimate per-view deformation";
+      return "mount the pattern on a stiffer board, of glass or aluminium, and "
+             "hold it by its edges";
     case ErrorCause::kInPlane:
-      return "use a board that keeps its size, of glass or aluminium instead "
+      return "use a dimensionally stable target, of glass or aluminium instead "
              "of paper";
     case ErrorCause::kImageAffine:
-      return "lock focus and zoom, and let the camera warm up before the first "
+      return "fix focus and zoom, and let the camera warm up before the first "
              "image";
     default:
-      return "keep camera and board still in each image, use a global "
-             "shutter, or record consecutive frames, and calibrate them with "
-             "--rolling-shutter";
+      return "keep camera and target still in each image, use a global "
+             "shutter, or calibrate consecutive frames with --rolling-shutter";
   }
 }
 
 const char* InWords(ErrorCause cause) {
   switch (cause) {
     case ErrorCause::kImagePlace:
-      return "the model does not follow the lens: errors belong to places of "
-             "the image";
+      return "model error: residuals depend on the position in the image";
     case ErrorCause::kBoardPlace:
-      return "the board is not as it was taken to be: errors belong to its "
-             "points";
+      return "target geometry: residuals depend on the target point";
     case ErrorCause::kBend:
-      return "the board bends from image to image";
+      return "out-of-plane target deformation that differs between images";
     case ErrorCause::kInPlane:
-      return "the board is stretched in its plane from image to image";
+      return "in-plane target deformation that differs between images";
     case ErrorCause::kImageAffine:
-      return "the image's scale or place changes from image to image, as by "
+      return "image scale or shift that differs between images, such as from "
              "focus or temperature";
     default:
-      return "errors grow from row to row, as of a rolling shutter in motion";
+      return "rolling shutter with motion: residuals grow along the rows";
   }
 }
 
@@ -116,24 +108,23 @@ std::vector<std::string> AlikeCauses(const ResidualBudget& budget) {
 std::string AdviceOnViewsAlike(const BudgetFacts& facts) {
   if (!facts.better_model.empty()) return BetterModelAdvice(facts);
   if (!facts.IsGrid() && !facts.generic_tried)
-    return "calibrate with --model central-generic first, since a model that "
-           "does not follow the lens leaves such errors, too";
+    return "first use --model central-generic, since a model error causes such "
+           "residuals, too";
   if (facts.IsGrid() && !facts.points_free)
-    return "calibrate without --fix-target-geometry first, since a board that "
-           "is not as "
-           "told leaves such errors, too";
+    return "first calibrate without --fix-target-geometry, since a wrong "
+           "target geometry causes such residuals, too";
   if (facts.model == "central-generic" && !facts.noncentral_tried)
-    return "calibrate with --model noncentral-generic first, since lines that "
-           "do not meet in a point, as behind glass, leave such errors, too";
-  return "take the images anew with camera and board still, a stiff board and "
-         "focus locked; tilted boards tell these causes apart";
+    return "first use --model noncentral-generic, since a non-central camera, "
+           "such as behind glass, causes such residuals, too";
+  return "retake the images with camera and target still, a stiff target and "
+         "fixed focus; tilted views separate these causes";
 }
 
 BudgetVerdict OfViewsAlike(const std::vector<std::string>& causes,
                            const ResidualBudget& budget) {
   return {"views",
-          fmt::format("each image has errors of its own ({} % of the squared "
-                      "residuals); these explain them alike: {}",
+          fmt::format("effects specific to single images ({} % of the squared "
+                      "residuals), which the data cannot separate: {}",
                       Percent(budget.OfViews()), fmt::join(causes, ", ")),
           AdviceOnViewsAlike(budget.facts)};
 }
@@ -150,11 +141,11 @@ BudgetVerdict OfCause(ErrorCause cause, const ResidualBudget& budget) {
 
 BudgetVerdict OfLargeErrors(const ResidualBudget& budget) {
   return {"large errors",
-          fmt::format("few features are far off ({} % of the squared residuals "
-                      "are beyond five deviations)",
+          fmt::format("outliers ({} % of the squared residuals are beyond 5 "
+                      "standard deviations)",
                       Percent(budget.large)),
-          "look at the images of the largest errors, and leave out what is "
-          "measured wrongly there"};
+          "inspect the images with the largest errors, and remove wrong "
+          "features there"};
 }
 
 // "; image place and ... cannot be told", or nothing.
@@ -164,22 +155,22 @@ std::string UntoldCauses(const ResidualBudget& budget) {
     if (!budget.causes[static_cast<size_t>(k)].can_be_told)
       names.emplace_back(NameOf(static_cast<ErrorCause>(k)));
   if (names.empty()) return "";
-  return fmt::format("; it cannot be told of {}", fmt::join(names, ", "));
+  return fmt::format("; not observable: {}", fmt::join(names, ", "));
 }
 
 BudgetVerdict OfNoise(const ResidualBudget& budget) {
   return {"noise",
-          fmt::format("noise of single features, {:.3f} px in x and {:.3f} px "
-                      "in y ({} % of the squared residuals){}",
+          fmt::format("feature noise, {:.2g} px in x and {:.2g} px in y ({} % "
+                      "of the squared residuals){}",
                       budget.noise_px.x(), budget.noise_px.y(),
                       Percent(budget.noise), UntoldCauses(budget)),
-          "take more images, or sharper ones: more light, better focus"};
+          "add images, or improve their sharpness: more light, better focus"};
 }
 
 BudgetVerdict OfRest(const ResidualBudget& budget) {
   return {"rest",
-          fmt::format("errors that neighbours share, and that none of these "
-                      "causes explains ({} % of the squared residuals){}",
+          fmt::format("spatially correlated residuals of unknown cause ({} % "
+                      "of the squared residuals){}",
                       Percent(budget.rest), UntoldCauses(budget)),
           AdviceAgainstSharedErrors(budget.facts)};
 }
@@ -197,38 +188,37 @@ BudgetVerdict JudgeToldBudget(const ResidualBudget& budget) {
 
 std::string AdviceAgainstSharedErrors(const BudgetFacts& facts) {
   constexpr char kLook[] =
-      "look for blur, glare, motion and single images that stand out in the "
-      "report";
+      "look for blur, glare, motion and outlier images in the report";
   if (!facts.better_model.empty()) return BetterModelAdvice(facts);
   if (!facts.IsGrid())
     return facts.generic_tried ? fmt::format(
-                                     "central-generic was tried and is "
-                                     "not shown to be better; {}",
+                                     "central-generic was tried and is not "
+                                     "significantly better; {}",
                                      kLook)
                                : "try --model central-generic";
   std::vector<std::string> advice;
   if (!facts.cells_chosen)
-    advice.emplace_back(
-        "try --knot-spacing-px auto, which looks for better cells");
+    advice.emplace_back("try --knot-spacing-px auto");
   else if (!facts.tried_finer && facts.cell_px > 0)
-    advice.push_back(fmt::format("try smaller cells, --knot-spacing-px {:.0f}",
+    advice.push_back(fmt::format("try a smaller --knot-spacing-px {:.0f}",
                                  facts.cell_px / 2));
   if (facts.model == "central-generic" && !facts.noncentral_tried)
     advice.emplace_back(
-        "try --model noncentral-generic if lines may not meet in a point, as "
-        "behind glass");
+        "try --model noncentral-generic if the camera may be non-central, such "
+        "as behind glass");
   if (advice.empty())
-    return fmt::format("other grids were tried and are no better; {}", kLook);
+    return fmt::format("other knot spacings were tried and are no better; {}",
+                       kLook);
   return fmt::to_string(fmt::join(advice, ", or "));
 }
 
 BudgetVerdict JudgeBudget(const ResidualBudget& budget) {
   if (!budget.untold.empty())
-    return {"", "it cannot be told: " + budget.untold,
-            "take more images of the whole board"};
+    return {"", "not observable: " + budget.untold,
+            "add images of the whole target"};
   BudgetVerdict verdict = JudgeToldBudget(budget);
   if (budget.facts.two_cameras && verdict.limit != "noise")
-    verdict.advice = "calibrate the images of each of the two cameras alone";
+    verdict.advice = "calibrate the images of the two cameras separately";
   return verdict;
 }
 

@@ -89,16 +89,16 @@ std::string FleetDistance::Text() const {
     return px < 99.5 ? fmt::format("{:.2g}", px) : fmt::format("{:.0f}", px);
   };
   return fmt::format(
-      "{} px from the fleet's middle where features are (RMS), units of the "
-      "fleet {} px",
+      "{} px RMS from the population mean where features are, compared to {} "
+      "px of the fleet's units",
       digits(rms_px), digits(units_px));
 }
 
 std::string FleetDistance::Warning() const {
   return fmt::format(
-      "this camera lies {}: is its lens of another kind or focus? The fleet "
-      "may "
-      "harm such a lens where it has no features; calibrate it without 'prior'",
+      "this camera is an outlier of its fleet ({}): if its lens type or focus "
+      "differs, calibrate it without 'prior', which biases it where it has no "
+      "features",
       Text());
 }
 

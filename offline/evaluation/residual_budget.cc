@@ -72,7 +72,7 @@ Eigen::VectorXd ExplainByPlaces(const BudgetInput& input, double squares,
                                 ResidualBudget* budget) {
   if (budget->num_views < kMinBudgetViews) {
     CannotTell({ErrorCause::kImagePlace, ErrorCause::kBoardPlace},
-               fmt::format("{} views; {} are needed", budget->num_views,
+               fmt::format("{} views, at least {} required", budget->num_views,
                            kMinBudgetViews),
                budget);
     return errors;
@@ -110,7 +110,7 @@ void ExplainByViews(const BudgetInput& input, double squares,
     if (auto linear = ViewCause(cause, input, pose))
       fits.push_back({cause, CrossFit(std::move(*linear))});
     else
-      CannotTell({cause}, "the board is not flat, or too small", budget);
+      CannotTell({cause}, "the target is not planar, or too small", budget);
   }
   const CauseGroup group(std::move(fits), &pose, squares);
   group.Explain(errors, budget);
@@ -195,14 +195,14 @@ ResidualBudget MeasureResidualBudget(const BudgetInput& input) {
   budget.num_views = static_cast<int>(CountByView(input).size());
   const double squares = SquaresOf(input);
   if (budget.num_features < kMinBudgetFeatures) {
-    budget.untold = fmt::format("{} features; {} are needed",
+    budget.untold = fmt::format("{} features, at least {} required",
                                 budget.num_features, kMinBudgetFeatures);
     return budget;
   }
   budget.rms_px = std::sqrt(squares / (2.0 * budget.num_features));
   const Eigen::VectorXd errors = ErrorsWithin(input);
   if (!(errors.squaredNorm() > 0) || !std::isfinite(squares)) {
-    budget.untold = "there are no errors";
+    budget.untold = "all residuals are zero";
     return budget;
   }
   budget.large = 1 - errors.squaredNorm() / squares;

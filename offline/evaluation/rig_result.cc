@@ -79,29 +79,26 @@ Verdict JudgeRig(const RigResult& result) {
       verdict.reasons.push_back(camera.camera.name + ": " + reason);
     const int num_shared = NumSharedViews(result, c);
     if (num_shared < kEnoughSharedViews)
-      warn(
-          fmt::format("{}: sees a board together with another camera only {} "
-                      "times; take {} or more such images",
-                      camera.camera.name, num_shared, kEnoughSharedViews));
+      warn(fmt::format(
+          "{}: only {} views in common with other cameras; take {} or more",
+          camera.camera.name, num_shared, kEnoughSharedViews));
     alone.push_back(camera.held_out);
   }
   for (const AmbiguousPair& pair : result.ambiguous_pairs)
     warn(fmt::format(
-        "{} and {}: the board looks alike after a turn, and the views that "
-        "both see ({}) do not tell which way it was held, so their relative "
-        "pose may be a turn of the board off; tilt it in other ways, or print "
-        "one row of squares more",
+        "{} and {}: their relative pose is ambiguous by a rotation of the "
+        "symmetric board, which their {} common views do not resolve; tilt the "
+        "board in other ways, or use a board with one more row of squares",
         result.cameras[pair.first].camera.name,
         result.cameras[pair.second].camera.name, pair.num_shared_views));
   const auto together = HeldOutFigures(result);
   const ErrorFigures apart = FiguresOfAll(alone);
   if (together && apart.count > 0 &&
       together->median_px > kMaxTogetherRatio * apart.median_px)
-    warn(
-        fmt::format("the held-out error of the cameras together is {:.1f} "
-                    "times that of each alone; are they mounted rigidly and "
-                    "triggered together?",
-                    together->median_px / apart.median_px));
+    warn(fmt::format(
+        "the held-out error of the rig is {:.1f} times that of single cameras; "
+        "check that they are rigidly mounted and synchronized",
+        together->median_px / apart.median_px));
   return verdict;
 }
 

@@ -61,8 +61,8 @@ const LensForm& BasaltFormNamed(const std::string& type) {
     if (form.name == type) return form;
     names += (names.empty() ? "" : ", ") + form.name;
   }
-  throw InputError(fmt::format("{} '{}' is none that raygrid has; those are {}",
-                               kType, Printable(type), names));
+  throw InputError(fmt::format("unsupported {} '{}'; supported are {}", kType,
+                               Printable(type), names));
 }
 
 LensInForm ReadBasaltLens(const YAML::Node& camera,
@@ -83,7 +83,7 @@ LensInForm ReadBasaltLens(const YAML::Node& camera,
 }
 
 Pose ReadBasaltPose(const YAML::Node& node) {
-  if (!node.IsMap()) throw InputError("no pose");
+  if (!node.IsMap()) throw InputError("expected a pose");
   std::array<double, 7> numbers;
   const std::array<const char*, 7> keys = {"qw", "qx", "qy", "qz",
                                            "px", "py", "pz"};
@@ -98,8 +98,9 @@ std::vector<YAML::Node> ListOf(const YAML::Node& root, const std::string& name,
   const YAML::Node list = root[name];
   if (!list) return {};
   if (!list.IsSequence() || list.size() != num_cameras)
-    throw InputError(fmt::format("{}: no list of {} entries, one a camera",
-                                 name, num_cameras));
+    throw InputError(
+        fmt::format("{}: expected a list of {} entries, one per camera", name,
+                    num_cameras));
   return {list.begin(), list.end()};
 }
 
@@ -145,12 +146,12 @@ void AddRemarksOnOthers(const YAML::Node& root, ExchangeContents* contents) {
         !IsDefault(key, entry.second))
       others += (others.empty() ? "" : ", ") + Printable(key);
   }
-  if (!others.empty()) contents->remarks.push_back("not taken: " + others);
+  if (!others.empty()) contents->remarks.push_back("ignored: " + others);
   for (const YAML::Node& camera : root[kLenses]) {
     const YAML::Node radius = camera[kLenses][kRadius];
     if (!radius || FiniteNumber(radius, kRadius) == 0) continue;
     contents->remarks.push_back(fmt::format(
-        "not taken: {}, since a lens ends where its distortion folds",
+        "ignored: {} (the calibrated area ends where the distortion folds)",
         kRadius));
     break;
   }
@@ -161,7 +162,7 @@ ExchangeContents ReadBasalt(const ReadRequest& request) {
   const YAML::Node root = file[kRoot];
   if (!root || !root.IsMap() || !root[kLenses] || !root[kLenses].IsSequence())
     throw InputError(
-        fmt::format("no calibration: {} has no list '{}'", kRoot, kLenses));
+        fmt::format("not a calibration: {} has no list '{}'", kRoot, kLenses));
   const size_t count = root[kLenses].size();
   const auto sizes = ListOf(root, kSizes, count);
   const auto poses = ListOf(root, kPoses, count);
@@ -187,12 +188,12 @@ ExchangeContents ReadBasalt(const ReadRequest& request) {
   if (imu_from_first.translation.norm() + imu_from_first.rotation.vec().norm() >
       0)
     contents.remarks.push_back(
-        fmt::format("the IMU's place is not taken: poses are those in the "
-                    "first camera's frame, not in that of {}",
+        fmt::format("the IMU pose is ignored: poses are relative to the first "
+                    "camera, not as in {}",
                     kPoses));
   if (poses.empty() && count > 1)
     contents.remarks.push_back(
-        fmt::format("{} is missing: the cameras are not a rig", kPoses));
+        fmt::format("{} is missing: importing cameras without a rig", kPoses));
   return contents;
 }
 
@@ -246,7 +247,7 @@ Format BasaltFormat() {
   Format format;
   format.name = "basalt";
   format.holds =
-      "calibration.json: a camera or a rig of pinhole, radtan8, kb4, ds, eucm "
+      "calibration.json: a camera or rig of pinhole, radtan8, kb4, ds, eucm "
       "and ucm cameras";
   format.forms = BasaltForms();
   format.ending = ".json";

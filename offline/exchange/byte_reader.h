@@ -43,8 +43,8 @@ class ByteReader {
   Number GetFinite() {
     const auto number = Get<Number>();
     if (!std::isfinite(number))
-      throw InputError(
-          fmt::format("no finite number at byte {}", at_ - sizeof(number)));
+      throw InputError(fmt::format("expected a finite number at byte {}",
+                                   at_ - sizeof(number)));
     return number;
   }
   /// Up to the byte 0, which is passed over.
@@ -66,13 +66,12 @@ class ByteReader {
   /// So many things of a size are still to come.
   void Require(uint64_t count, size_t size) const {
     if (count > (bytes_.size() - at_) / size)
-      throw InputError(fmt::format(
-          "ends after {} bytes, where more were to come; copy it again",
-          bytes_.size()));
+      throw InputError(fmt::format("truncated after {} bytes; copy it again",
+                                   bytes_.size()));
   }
   void RequireEnd() const {
     if (at_ != bytes_.size())
-      throw InputError(fmt::format("has {} behind its end",
+      throw InputError(fmt::format("has {} after its end",
                                    CountText(bytes_.size() - at_, "byte")));
   }
 

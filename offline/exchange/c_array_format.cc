@@ -41,14 +41,14 @@ std::string ForComment(std::string text) {
 
 std::string BlobComment(const BlobTable& blob) {
   std::string text =
-      fmt::format("/* The camera {}, {} x {} px, as a blob of raygrid.",
+      fmt::format("/* Camera {}, {} x {} px, as a raygrid blob.",
                   blob.camera.empty() ? "without a name"
                                       : '"' + ForComment(blob.camera) + '"',
                   blob.image_size.width, blob.image_size.height);
   if (!blob.serial.empty())
     text += fmt::format("\n * Serial number: {}", ForComment(blob.serial));
   return text +
-         "\n * For rg_camera_open(). CRC-32 of all bytes as in zlib. */\n";
+         "\n * For rg_camera_open(). CRC-32 as in zlib, over all bytes. */\n";
 }
 
 std::string Constants(const std::string& capitals, const BlobTable& blob) {
@@ -108,7 +108,7 @@ TableOutput WriteCArray(const BlobTable& blob) {
                    Declarator(name) + ";\n#ifdef __cplusplus\n}\n#endif\n"));
   }
   output.told =
-      fmt::format("{}, {} bytes at a multiple of {}, CRC-32 {:08X}", name,
+      fmt::format("{}, {} bytes, alignment {}, CRC-32 {:08X}", name,
                   blob.bytes.size(), BlobTable::kAlignment, blob.crc32);
   return output;
 }
@@ -120,7 +120,7 @@ TableFormat CArrayFormat() {
   format.name = "c";
   format.holds =
       "C and C++: a blob as a constant array in NAME.h, or in NAME.c with "
-      "NAME.h beside it";
+      "NAME.h";
   format.endings = {".h", ".c"};
   format.write_blob = WriteCArray;
   return format;

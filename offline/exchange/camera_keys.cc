@@ -186,15 +186,15 @@ const char* TextOf(LensFamily family) {
     case LensFamily::kOmni:
       return "an omnidirectional camera";
     default:
-      return "a camera of another model";
+      return "another camera model";
   }
 }
 
 CameraKeys::CameraKeys(const YAML::Node& map, std::string name)
     : map_(map), name_(std::move(name)) {
   if (!map_.IsDefined() || !map_.IsMap())
-    throw InputError((name_.empty() ? "no camera" : name_) +
-                     ": no map of keys");
+    throw InputError((name_.empty() ? "not a camera" : name_) +
+                     ": expected a mapping");
 }
 
 YAML::Node CameraKeys::operator[](const std::string& path) const {
@@ -282,8 +282,8 @@ void CameraKeys::Finish(const LensForm& form, std::vector<std::string>* remarks,
                is_nothing = IsNothing(value);
     if (is_selector ? !Agrees(plain, value, form) : is_parameter && !is_nothing)
       throw InputError(fmt::format(
-          "{}'{}'{} is of another camera model than {}, which the other keys "
-          "say; remove the key if it is none of the lens",
+          "{}'{}'{} contradicts the camera model {} of the other keys; remove "
+          "the key if it is not an intrinsic parameter",
           of_camera, Printable(path),
           value.IsScalar()
               ? fmt::format(", '{}',", Printable(value.as<std::string>()))
@@ -296,8 +296,7 @@ void CameraKeys::Finish(const LensForm& form, std::vector<std::string>* remarks,
   if (count > kMostNames)
     names += fmt::format(" and {} more", count - kMostNames);
   if (count > 0)
-    remarks->push_back(of_camera +
-                       "keys that are not known are not read: " + names);
+    remarks->push_back(of_camera + "unknown keys ignored: " + names);
 }
 
 }  // namespace raygrid

@@ -13,7 +13,7 @@ constexpr uint64_t kMostCameras = 1000000, kLongestSidePx = 1000000;
 
 int SideOf(uint64_t side) {
   if (side < 1 || side > kLongestSidePx)
-    throw InputError(fmt::format("{}: no size of an image", side));
+    throw InputError(fmt::format("{}: invalid image size", side));
   return static_cast<int>(side);
 }
 

@@ -66,9 +66,9 @@ const LensForm& ColmapFormNamed(const ColmapCamera& camera) {
   const bool is_known =
       std::find(known.begin(), known.end(), camera.model) != known.end();
   throw InputError(fmt::format(
-      "camera {}: {} {}; models that are: {}", camera.id,
-      Printable(camera.model),
-      is_known ? "is a model that raygrid has not" : "is no model of COLMAP",
+      "camera {}: {} {}; supported are {}", camera.id, Printable(camera.model),
+      is_known ? "is a COLMAP model that is not supported"
+               : "is not a COLMAP model",
       names));
 }
 
@@ -118,11 +118,10 @@ LensInForm ReadAriaFisheye(const ColmapCamera& camera,
                            std::vector<std::string>* remarks) {
   const std::vector<double>& values = camera.parameters;
   if (values.size() != 16)
-    throw InputError(
-        fmt::format("camera {}: {}: {} numbers where 16 are needed", camera.id,
-                    kAriaFisheye, values.size()));
+    throw InputError(fmt::format("camera {}: {}: {} numbers, expected 16",
+                                 camera.id, kAriaFisheye, values.size()));
   if (!(values[0] > 0 && values[1] > 0))
-    throw InputError("a focal length is not above 0");
+    throw InputError("focal lengths must be positive");
   return NearestGrid(
       camera.size,
       [&](const Eigen::Vector2d& pixel) {
@@ -132,7 +131,7 @@ LensInForm ReadAriaFisheye(const ColmapCamera& camera,
                               (at.y() - values[3]) / values[1]},
                              values.data() + 4);
       },
-      fmt::format("camera {} is a {}, which no lens of raygrid is", camera.id,
+      fmt::format("camera {} is a {}, which has no equivalent model", camera.id,
                   kAriaFisheye),
       remarks);
 }
@@ -168,8 +167,7 @@ ColmapRig RigOf(const std::vector<ColmapRig>& rigs, size_t num_cameras,
   if (wide.size() == 1 && wide.front().size() == num_cameras && has_poses)
     return wide.front();
   remarks->push_back(
-      "the poses in its rigs are not taken, since they are not those of all "
-      "cameras in one rig");
+      "rig poses are ignored, since they do not cover all cameras in one rig");
   return {};
 }
 
@@ -178,7 +176,7 @@ size_t IndexOf(uint32_t id, const std::vector<ColmapCamera>& cameras,
   for (size_t c = 0; c < cameras.size(); ++c)
     if (cameras[c].id == id) return c;
   throw InputError(
-      fmt::format("{} has camera {}, which is not there", owner, id));
+      fmt::format("{} refers to camera {}, which does not exist", owner, id));
 }
 
 void SetPoses(const ColmapRig& rig, const std::vector<ColmapCamera>& cameras,
@@ -244,12 +242,12 @@ ExchangeContents ReadColmap(const ReadRequest& request) {
   const std::vector<ColmapCamera> cameras =
       is_text ? ParseColmapCameras(request.path, request.text)
               : DecodeColmapCameras(request.text);
-  if (cameras.empty()) throw InputError("no camera in it");
+  if (cameras.empty()) throw InputError("contains no camera");
   ExchangeContents contents;
   std::set<uint32_t> ids;
   for (const ColmapCamera& camera : cameras) {
     if (!ids.insert(camera.id).second)
-      throw InputError(fmt::format("camera {} is there twice", camera.id));
+      throw InputError(fmt::format("duplicate camera {}", camera.id));
     ReadLens read;
     read.name = camera.name.empty() && cameras.size() > 1
                     ? fmt::format("camera{}", camera.id)
@@ -351,10 +349,8 @@ Format ColmapFormat() {
   Format format;
   format.name = "colmap";
   format.holds =
-      "cameras.txt or, by its ending, cameras.bin; of a rig rigs.txt or "
-      "rigs.bin beside it; poses of one board as images.txt or images.bin, "
-      "with "
-      "frames of a rig and a file of no points";
+      "cameras.txt or cameras.bin; rigs with rigs.txt or rigs.bin; poses of a "
+      "board as images.txt or images.bin";
   format.forms = ColmapForms();
   format.holds_rigs = true;
   format.recognizes = [](const std::string& text) {

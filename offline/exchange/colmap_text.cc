@@ -112,7 +112,7 @@ ColmapRig RigOfWords(const WordLines& lines) {
     at += has_pose ? 10 : 3;
     if (is_camera) rig.push_back(sensor);
   }
-  if (count > 0 && at != lines.size()) lines.Refuse("too many words");
+  if (count > 0 && at != lines.size()) lines.Refuse("too many fields");
   return rig;
 }
 
@@ -134,7 +134,7 @@ bool IsColmapText(const std::string& text) {
 
 std::vector<ColmapCamera> ParseColmapCameras(const std::string& path,
                                              const std::string& text) {
-  WordLines lines(path, text, "cameras.txt as COLMAP writes it");
+  WordLines lines(path, text, "COLMAP's cameras.txt");
   const auto names = Comments(text, kNameComment);
   const auto serials = Comments(text, kSerialComment);
   std::vector<ColmapCamera> cameras;
@@ -156,7 +156,7 @@ std::vector<ColmapCamera> ParseColmapCameras(const std::string& path,
 
 std::vector<ColmapRig> ParseColmapRigs(const std::string& path,
                                        const std::string& text) {
-  WordLines lines(path, text, "rigs.txt as COLMAP writes it");
+  WordLines lines(path, text, "COLMAP's rigs.txt");
   std::vector<ColmapRig> rigs;
   while (lines.NextWithWords()) rigs.push_back(RigOfWords(lines));
   return rigs;
@@ -164,7 +164,7 @@ std::vector<ColmapRig> ParseColmapRigs(const std::string& path,
 
 std::vector<ColmapImage> ParseColmapImages(const std::string& path,
                                            const std::string& text) {
-  WordLines lines(path, text, "images.txt as COLMAP writes it");
+  WordLines lines(path, text, "COLMAP's images.txt");
   std::vector<ColmapImage> images;
   while (lines.NextWithWords()) {
     ColmapImage image;
@@ -177,7 +177,7 @@ std::vector<ColmapImage> ParseColmapImages(const std::string& path,
     images.push_back(std::move(image));
     // The points, of which there may be none.
     if (lines.Next() && lines.size() % 3 != 0)
-      lines.Refuse("points are not three words each");
+      lines.Refuse("points must have three fields each");
   }
   return images;
 }
@@ -215,10 +215,10 @@ std::string FormatColmapImages(const std::vector<ColmapImage>& images) {
                   images.size());
   for (const ColmapImage& image : images) {
     if (image.name.find_first_of(" \t\r\n") != std::string::npos)
-      throw InputError(fmt::format(
-          "image '{}': COLMAP reads no text with a space in a name; write "
-          "cameras.bin",
-          Printable(image.name)));
+      throw InputError(
+          fmt::format("image '{}': COLMAP text files do not support spaces in "
+                      "names; write cameras.bin",
+                      Printable(image.name)));
     text += fmt::format("{}{} {} {}\n\n", image.id,
                         PoseWords(image.camera_from_world), image.camera,
                         image.name);

@@ -47,8 +47,8 @@ const LensForm& DepthAiForm(bool is_fisheye, size_t num_coefficients) {
     if ((form.name == kDevFisheye) == is_fisheye &&
         form.parameters.size() >= 4 + num_coefficients)
       return form;
-  throw InputError(fmt::format("{}: too many coefficients that are not 0",
-                               kDevCoefficients));
+  throw InputError(
+      fmt::format("{}: too many non-zero coefficients", kDevCoefficients));
 }
 
 // ---- Reading ---------------------------------------------------------------
@@ -76,7 +76,7 @@ std::vector<double> RowsOfMatrix(const YAML::Node& node,
 int WholeNumber(const YAML::Node& node, const std::string& name) {
   const double number = FiniteNumber(node, name);
   if (number != std::floor(number) || std::abs(number) > 1e6)
-    throw InputError(fmt::format("{}: expected a whole number", name));
+    throw InputError(fmt::format("{}: expected an integer", name));
   return static_cast<int>(number);
 }
 
@@ -86,7 +86,8 @@ LensInForm ReadDevLens(const CameraKeys& camera) {
                        : kDevPerspectiveType;
   if (type != kDevPerspectiveType && type != kDevFisheyeType)
     throw InputError(fmt::format(
-        "cameraType {}: raygrid has 0, perspective, and 1, fisheye", type));
+        "cameraType {}: unsupported, expected 0 (perspective) or 1 (fisheye)",
+        type));
   LensInForm lens;
   TakeCameraMatrix(RowsOfMatrix(camera[kDevMatrix], kDevMatrix), kDevMatrix,
                    &lens);
@@ -110,8 +111,9 @@ void ReadDevLink(const YAML::Node& node, DevCamera* camera) {
   const int unit =
       node[kDevUnit] ? WholeNumber(node[kDevUnit], kDevUnit) : kDevCentimetres;
   if (unit < 0 || unit >= static_cast<int>(kDevUnitM.size()))
-    throw InputError(fmt::format(
-        "{} {}: raygrid takes 0, 1 and 2: m, cm and mm", kDevUnit, unit));
+    throw InputError(
+        fmt::format("{} {}: unsupported, expected 0 (m), 1 (cm) or 2 (mm)",
+                    kDevUnit, unit));
   const std::vector<double> r = RowsOfMatrix(node[kDevRotation], kDevRotation);
   const YAML::Node t = node[kDevTranslation];
   if (!t || !t.IsMap())
@@ -128,12 +130,12 @@ void ReadDevLink(const YAML::Node& node, DevCamera* camera) {
 DevCamera ReadDevCamera(const YAML::Node& entry,
                         std::vector<std::string>* remarks) {
   if (!entry.IsSequence() || entry.size() != 2 || !entry[1].IsMap())
-    throw InputError("expected a socket and a camera");
+    throw InputError("expected pairs of socket and camera");
   DevCamera camera;
   camera.socket = WholeNumber(entry[0], "socket");
   if (camera.socket < 0 || camera.socket >= kDevNumSockets)
-    throw InputError(fmt::format("socket {}: those are 0 to {}", camera.socket,
-                                 kDevNumSockets - 1));
+    throw InputError(fmt::format("socket {}: out of range, 0 to {}",
+                                 camera.socket, kDevNumSockets - 1));
   const CameraKeys keys(entry[1], fmt::format("socket {}", camera.socket));
   camera.lens.lens = ReadDevLens(keys);
   ReadDevLink(keys[kDevExtrinsics], &camera);
@@ -168,8 +170,8 @@ void TakeDevPoses(const std::vector<DevCamera>& cameras,
   for (const DevCamera& camera : cameras)
     if (poses.count(camera.socket) == 0) {
       contents->remarks.push_back(
-          fmt::format("the cameras are not a rig: no {} leads from the first "
-                      "one to socket {}",
+          fmt::format("importing cameras without a rig: no {} connects the "
+                      "first camera to socket {}",
                       kDevExtrinsics, camera.socket));
       return;
     }
@@ -196,7 +198,7 @@ ExchangeContents ReadDepthAi(const ReadRequest& request) {
   if (!root[kDevCameras] || !root[kDevCameras].IsSequence() ||
       root[kDevCameras].size() == 0)
     throw InputError(
-        fmt::format("no calibration: '{}' has no camera", kDevCameras));
+        fmt::format("not a calibration: '{}' has no camera", kDevCameras));
   ExchangeContents contents;
   std::vector<DevCamera> cameras;
   for (const YAML::Node& entry : root[kDevCameras]) {
@@ -208,8 +210,8 @@ ExchangeContents ReadDepthAi(const ReadRequest& request) {
     }
     for (size_t c = 0; c + 1 < cameras.size(); ++c)
       if (cameras[c].socket == cameras.back().socket)
-        throw InputError(fmt::format("{}: socket {} stands there twice",
-                                     kDevCameras, cameras[c].socket));
+        throw InputError(fmt::format("{}: duplicate socket {}", kDevCameras,
+                                     cameras[c].socket));
     contents.cameras.push_back(cameras.back().lens);
   }
   TakeDevPoses(cameras, &contents);
@@ -242,8 +244,8 @@ int SocketOfName(const std::string& name) {
 std::vector<int> SocketsOf(const std::vector<WrittenLens>& cameras) {
   if (cameras.size() > static_cast<size_t>(kDevNumSockets))
     throw Error(ExitCode::kUsage,
-                fmt::format("--to depthai: a device has {} sockets; the rig "
-                            "has {} cameras",
+                fmt::format("--to depthai: the rig has {1} cameras, but a "
+                            "device has {0} sockets",
                             kDevNumSockets, cameras.size()));
   std::vector<int> sockets;
   for (const WrittenLens& camera : cameras) {
@@ -344,8 +346,8 @@ Format DepthAiFormat() {
   Format format;
   format.name = "depthai";
   format.holds =
-      "Luxonis: calibration.json of a camera or a rig; names such as left or "
-      "CAM_B say sockets";
+      "Luxonis: calibration.json of a camera or rig; the socket follows from "
+      "the name, such as left or CAM_B";
   format.forms = DepthAiForms();
   format.ending = ".json";
   format.holds_rigs = true;

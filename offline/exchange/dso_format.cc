@@ -66,7 +66,7 @@ LensInForm ReadFov(const ImageSize& size, const std::vector<double>& values,
   const double omega = values[4];
   if (!(omega > 0 && omega < M_PI))
     throw InputError(
-        fmt::format("{}: {:g} is no field of view", kDsoFov, omega));
+        fmt::format("{}: {:g} is not a valid field of view", kDsoFov, omega));
   return NearestGrid(
       size,
       [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
@@ -79,16 +79,16 @@ LensInForm ReadFov(const ImageSize& size, const std::vector<double>& values,
                      : 1;
         return Eigen::Vector3d(xy.x() * straight, xy.y() * straight, 1);
       },
-      "its lens is of the FOV model, which no lens of raygrid is", remarks);
+      "the FOV model has no equivalent", remarks);
 }
 
 ExchangeContents ReadDso(const ReadRequest& request) {
   if (FindNoUtf8(request.text) != std::string::npos)
-    throw InputError("not a text file");
+    throw InputError("not UTF-8 text");
   auto [lens, sides] = FirstLines(request.text);
   if (lens.empty() || sides.size() != 2)
     throw InputError(
-        "the first two lines are not a lens, and width and height");
+        "the first two lines must be the intrinsics and the image size");
   std::string model = lens.size() == 5 ? kDsoFov : "";
   if (std::isalpha(static_cast<unsigned char>(lens[0][0]))) {
     model = lens[0];
@@ -100,7 +100,8 @@ ExchangeContents ReadDso(const ReadRequest& request) {
   const ImageSize size = {SidePx(YAML::Node(sides[0]), "width"),
                           SidePx(YAML::Node(sides[1]), "height")};
   if (values.size() < 4)
-    throw InputError(fmt::format("{} numbers of a lens", values.size()));
+    throw InputError(
+        fmt::format("{} intrinsics, expected 4 or more", values.size()));
   // Parts of the image, whose first pixel begins at 0.
   if (values[2] < 1 && values[3] < 1)
     values = [&, parts = values]() mutable {
@@ -111,7 +112,7 @@ ExchangeContents ReadDso(const ReadRequest& request) {
       return parts;
     }();
   if (!(values[0] > 0 && values[1] > 0))
-    throw InputError("a focal length is not above 0");
+    throw InputError("focal lengths must be positive");
   ExchangeContents contents;
   LensInForm& read = contents.cameras.emplace_back().lens;
   if (model == kDsoFov && values.size() == 5 && values[4] != 0) {
@@ -122,7 +123,7 @@ ExchangeContents ReadDso(const ReadRequest& request) {
   for (const LensForm& form : DsoForms())
     if (form.name == name) read.form = &form;
   if (!read.form)
-    throw InputError(fmt::format("'{}' is none of DSO's models", model));
+    throw InputError(fmt::format("'{}' is not a DSO model", model));
   if (name == "Pinhole") TrimCoefficients(4, &values);
   read.size = size;
   read.values = values;
@@ -152,8 +153,8 @@ Format DsoFormat() {
   Format format;
   format.name = "dso";
   format.holds =
-      "camera.txt of DSO, LSD-SLAM and TUM's monocular data set; FOV as the "
-      "nearest grid";
+      "camera.txt of DSO, LSD-SLAM and the TUM monocular dataset; FOV "
+      "converted to central-generic";
   format.forms = DsoForms();
   format.ending = ".txt";
   format.drops_rigs = true;

@@ -51,10 +51,10 @@ TableOutput WriteFfmpeg(const ViewTable& view) {
     }
   const std::string x_path = PathOfAxis(view.path, 'x'),
                     y_path = PathOfAxis(view.path, 'y');
-  return {{{x_path, x_map}, {y_path, y_map}},
-          fmt::format("{} and {}, nearest pixels: up to 0.5 px off along an "
-                      "axis",
-                      x_path, y_path)};
+  return {
+      {{x_path, x_map}, {y_path, y_map}},
+      fmt::format("{} and {}, rounded to pixels: error up to 0.5 px per axis",
+                  x_path, y_path)};
 }
 
 }  // namespace
@@ -63,8 +63,8 @@ TableFormat FfmpegFormat() {
   TableFormat format;
   format.name = "ffmpeg";
   format.holds =
-      "ffmpeg's filter remap: NAME_x.pgm and NAME_y.pgm of a view, or with "
-      "--inverse of the camera; whole pixels";
+      "remap filter of ffmpeg: NAME_x.pgm and NAME_y.pgm, rounded to pixels "
+      "(--inverse: inverse remap)";
   format.endings = {".pgm"};
   format.options = {"rectified", "inverse"};
   format.write_view = WriteFfmpeg;

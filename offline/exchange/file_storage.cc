@@ -70,8 +70,8 @@ YAML::Node NodeOf(const XmlElement& element) {
       continue;
     }
     if (!names.insert(child.name).second)
-      throw InputError(fmt::format("line {}: '{}' stands twice; keep one",
-                                   child.line, Printable(child.name)));
+      throw InputError(fmt::format("line {}: duplicate key '{}'", child.line,
+                                   Printable(child.name)));
     node.force_insert(child.name, NodeOf(child));
   }
   return node;
@@ -119,7 +119,7 @@ StoredMatrix MatrixOfLists(const YAML::Node& node, const std::string& name) {
   matrix.columns = static_cast<int>(has_rows ? node[0].size() : node.size());
   if (matrix.data.size() !=
       static_cast<size_t>(matrix.rows) * static_cast<size_t>(matrix.columns))
-    throw InputError(fmt::format("{}: rows of different lengths", name));
+    throw InputError(fmt::format("{}: rows have different lengths", name));
   return matrix;
 }
 
@@ -162,13 +162,13 @@ StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
   if (node.IsDefined() && node.IsSequence() && num_channels == 1)
     return MatrixOfLists(node, name);
   if (!node.IsMap() || !node["rows"] || !node["cols"] || !node["data"])
-    throw InputError(fmt::format("{}: no matrix", name));
+    throw InputError(fmt::format("{}: expected a matrix", name));
   // "d", or "2f" of two channels.
   const std::string type = node["dt"] ? node["dt"].as<std::string>() : "d";
   if (type.substr(0, type.size() - 1) !=
       (num_channels == 1 ? "" : std::to_string(num_channels)))
-    throw InputError(fmt::format("{}: not of {} channel{}", name, num_channels,
-                                 num_channels == 1 ? "" : "s"));
+    throw InputError(fmt::format("{}: expected {} channel{}", name,
+                                 num_channels, num_channels == 1 ? "" : "s"));
   StoredMatrix matrix;
   matrix.rows = SidePx(node["rows"], name + ": rows");
   matrix.columns = SidePx(node["cols"], name + ": cols");
@@ -176,8 +176,8 @@ StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
   if (matrix.data.size() != static_cast<size_t>(matrix.rows) *
                                 static_cast<size_t>(matrix.columns) *
                                 static_cast<size_t>(num_channels))
-    throw InputError(fmt::format("{}: {} numbers where {} x {} are said", name,
-                                 matrix.data.size(), matrix.rows,
+    throw InputError(fmt::format("{}: {} numbers, but its size is {} x {}",
+                                 name, matrix.data.size(), matrix.rows,
                                  matrix.columns * num_channels));
   return matrix;
 }
@@ -199,11 +199,11 @@ StoredMatrix ParseStoredPoints(const YAML::Node& node,
   }
   if (sizes.size() != 2 || sizes[1] != 2)
     throw InputError(
-        fmt::format("{}: not of images, points and 2 numbers", name));
+        fmt::format("{}: expected images x points x 2 numbers", name));
   points.columns = sizes[0];
   if (points.data.size() != 2 * static_cast<size_t>(points.rows) *
                                 static_cast<size_t>(points.columns))
-    throw InputError(fmt::format("{}: {} numbers where {} x {} x 2 are said",
+    throw InputError(fmt::format("{}: {} numbers, but its size is {} x {} x 2",
                                  name, points.data.size(), points.rows,
                                  points.columns));
   return points;

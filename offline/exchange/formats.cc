@@ -52,18 +52,18 @@ void AddRemarksOnLenses(ExchangeContents* contents) {
     const double part = PartWithoutRays(*MakeLens(camera.lens));
     if (part > 0)
       contents->remarks.push_back(fmt::format(
-          "{}{:.1f} % of the image looks nowhere: there the distortion folds, "
-          "or ends",
+          "{}no valid rays in {:.1f} % of the image, where the distortion "
+          "folds or ends",
           contents->cameras.size() > 1 ? camera.name + ": " : "", 100 * part));
     if (camera.camera_from_rig)
       farthest_m =
           std::max(farthest_m, camera.camera_from_rig->translation.norm());
   }
   if (farthest_m > kFarM)
-    contents->remarks.push_back(fmt::format(
-        "its cameras stand {:g} m apart, if lengths are metres, as they are "
-        "taken here",
-        farthest_m));
+    contents->remarks.push_back(
+        fmt::format("the cameras are {:g} m apart, assuming lengths in metres; "
+                    "check the unit",
+                    farthest_m));
 }
 
 // Completes cameras by what the user says of the file. An option never replaces
@@ -73,14 +73,12 @@ void TakeOptions(const Format& format, const ReadRequest& request,
   for (ReadLens& camera : contents->cameras) {
     ImageSize& size = camera.lens.size;
     if (size == ImageSize{} && !request.size)
-      throw InputError(
-          "the size of the images is missing; import it with --image-size WxH");
+      throw InputError("missing image size; give --image-size WxH");
     if (size == ImageSize{}) size = *request.size;
     if (request.size && *request.size != size)
       throw InputError(fmt::format(
-          "--image-size {}x{}: the file says {}x{}; leave the option out, and "
-          "if images are scaled or cut, say so to 'raygrid pack --mode "
-          "NAME:scale={:g}'",
+          "--image-size {}x{}: the file has {}x{}; omit the option, and for "
+          "scaled or cropped images use 'raygrid pack --mode NAME:scale={:g}'",
           request.size->width, request.size->height, size.width, size.height,
           static_cast<double>(request.size->width) / size.width));
     if (!format.takes_model) RequireModelOfFile(request, *camera.lens.form);
@@ -103,16 +101,14 @@ void AddRemarkOnEnd(const std::string& text, ExchangeContents* contents) {
   if (!text.empty() && std::isdigit(static_cast<unsigned char>(text.back())) &&
       FindNoUtf8(text) == std::string::npos)
     contents->remarks.push_back(
-        "ends within a line: its last number may be cut");
+        "the last line is not terminated: its last number may be truncated");
 }
 
 // Throws for a file whose loss would be one: that of a reconstruction.
 void RequireNoOther(const BesideFile& file) {
   if (std::filesystem::exists(file.path) && ReadFile(file.path) != file.text)
     throw Error(ExitCode::kOutput,
-                file.path +
-                    ": is there, and of something else; write into another "
-                    "folder");
+                file.path + ": exists with other contents; use another folder");
 }
 
 void AddFiles(const std::vector<BesideFile>& written,
@@ -125,8 +121,8 @@ void AddFiles(const std::vector<BesideFile>& written,
 
 [[noreturn]] void ThrowOnCorners(const std::string& path) {
   throw InputError(
-      fmt::format("{}: has corners, and no camera; 'raygrid import' makes "
-                  "features.csv of them, for calibrate --features",
+      fmt::format("{}: has corners but contains no camera; convert it with "
+                  "'raygrid import' to features.csv for calibrate --features",
                   path));
 }
 
@@ -170,14 +166,15 @@ std::vector<const LensForm*> Format::FindForms(const std::string& model) const {
       chosen.push_back(&form);
   if (chosen.empty())
     throw Error(ExitCode::kUsage,
-                fmt::format("--model {}: {} has {}", model, name, names));
+                fmt::format("--model {}: not available in {}; use {}", model,
+                            name, names));
   return chosen;
 }
 
 const Format& FindFormat(const std::string& option, const std::string& name) {
   for (const Format& format : Formats())
     if (format.name == name) return format;
-  throw Error(ExitCode::kUsage, fmt::format("{} {}: not a format; use {}",
+  throw Error(ExitCode::kUsage, fmt::format("{} {}: unknown format; use {}",
                                             option, name, FormatNames()));
 }
 
@@ -195,10 +192,10 @@ const Format* RecognizeCamera(const std::string& path,
                               const std::string& text) {
   const Format* const format = RecognizeFormat(text);
   if (!format && text.find("raygrid_") == std::string::npos)
-    throw InputError(fmt::format(
-        "{}: not a camera (no 'raygrid_camera: 1'), and of no format that is "
-        "known: {}",
-        path, FormatNames()));
+    throw InputError(
+        fmt::format("{}: not a camera file (no 'raygrid_camera: 1'), nor of a "
+                    "supported format: {}",
+                    path, FormatNames()));
   return format;
 }
 
@@ -219,17 +216,18 @@ ExchangeContents ReadExchangeFile(const Format* format,
   }
   const Format* found = RecognizeFormat(request.text);
   if (!format && !found)
-    throw InputError(fmt::format("{}: of no format that is known: {}",
+    throw InputError(fmt::format("{}: not of a supported format: {}",
                                  request.path, FormatNames()));
   if (format && found && format != found && !format->recognizes(request.text))
-    throw InputError(fmt::format("{}: is of the format {}, not {}",
-                                 request.path, found->name, format->name));
+    throw InputError(fmt::format("{}: has the format {}, not {}", request.path,
+                                 found->name, format->name));
   return ReadNamingFile(request.path, [&] {
     ExchangeContents contents = (format ? format : found)->read(request);
     const Format& own = *(format ? format : found);
     if (contents.cameras.empty() && contents.corners.empty() &&
         contents.boards.empty() && !contents.second_from_first)
-      throw InputError(own.takes_board ? "no corners" : "no camera");
+      throw InputError(own.takes_board ? "contains no corners"
+                                       : "contains no camera");
     TakeOptions(own, request, &contents);
     AddRemarkOnEnd(request.text, &contents);
     AddRemarksOnLenses(&contents);
@@ -242,8 +240,8 @@ void RequireCameraFormat(const Format& format, const std::string& path) {
   if (!format.forms.empty()) return;
   if (format.takes_board) ThrowOnCorners(path);
   throw InputError(
-      fmt::format("{}: has a board, and no camera; 'raygrid import' makes "
-                  "pattern.yaml of it, for --pattern",
+      fmt::format("{}: has a target but no camera; convert it with 'raygrid "
+                  "import' to pattern.yaml for --pattern",
                   path));
 }
 
@@ -322,7 +320,7 @@ void RequireModelOfFile(const ReadRequest& request, const LensForm& form) {
       request.form == form.model)
     return;
   throw InputError(fmt::format(
-      "--model {}: the file says its model itself, {}; leave the option out",
+      "--model {}: the file specifies its model, {}; omit the option",
       request.form, form.name));
 }
 
@@ -335,10 +333,10 @@ void TakePoseOfPair(const std::optional<Pose>& second_from_first,
                                       return camera.camera_from_rig.has_value();
                                     });
   if (!is_pair)
-    throw InputError(fmt::format(
-        "{}: R and T are the pose of a pair; 'raygrid import' takes this file "
-        "together with that of its two cameras, and makes the rig",
-        files));
+    throw InputError(
+        fmt::format("{}: has R and T of a stereo pair; import it together with "
+                    "the file of its two cameras to get the rig",
+                    files));
   cameras->front().camera_from_rig = Pose{};
   cameras->back().camera_from_rig = *second_from_first;
 }
@@ -350,10 +348,10 @@ void RequireOneBoard(const std::string& program,
     for (const BoardPose& pose : camera.poses) {
       if (!first) first = &pose;
       if (pose.board != first->board)
-        throw InputError(fmt::format(
-            "--poses: those of board {} and board {}, while images of {} stand "
-            "in one world; give those of one board",
-            first->board, pose.board, program));
+        throw InputError(
+            fmt::format("--poses: has poses of boards {} and {}, but {} has a "
+                        "single world frame; keep the poses of one board",
+                        first->board, pose.board, program));
     }
 }
 

@@ -38,14 +38,13 @@ void RequirePlace(const BlobTable& blob) {
   const std::string place = fmt::format("--address 0x{:08X}: ", blob.address);
   if (blob.address % BlobTable::kAlignment != 0)
     throw Error(ExitCode::kUsage,
-                place + fmt::format("the runtime reads blobs at multiples of "
-                                    "{} alone",
+                place + fmt::format("blobs must be aligned to {} bytes",
                                     BlobTable::kAlignment));
   constexpr uint64_t kEnd = uint64_t{1} << 32;
   if (blob.address + uint64_t{blob.bytes.size()} > kEnd)
-    throw Error(
-        ExitCode::kUsage,
-        place + fmt::format("{} bytes end beyond 32 bits", blob.bytes.size()));
+    throw Error(ExitCode::kUsage,
+                place + fmt::format("{} bytes exceed the 32-bit address space",
+                                    blob.bytes.size()));
 }
 
 TableOutput WriteIntelHex(const BlobTable& blob) {
@@ -64,8 +63,8 @@ TableOutput WriteIntelHex(const BlobTable& blob) {
   }
   text += Line(Record::kEnd, 0, {});
   return {{{blob.path, text}},
-          fmt::format("{} bytes from 0x{:08X} on, CRC-32 {:08X}",
-                      blob.bytes.size(), blob.address, blob.crc32)};
+          fmt::format("{} bytes at 0x{:08X}, CRC-32 {:08X}", blob.bytes.size(),
+                      blob.address, blob.crc32)};
 }
 
 }  // namespace
@@ -73,7 +72,7 @@ TableOutput WriteIntelHex(const BlobTable& blob) {
 TableFormat IntelHexFormat() {
   TableFormat format;
   format.name = "hex";
-  format.holds = "Intel HEX: a blob for its place in flash, --address";
+  format.holds = "Intel HEX: a blob at a flash address, --address";
   format.options = {"address"};
   format.write_blob = WriteIntelHex;
   return format;

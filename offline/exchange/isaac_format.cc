@@ -87,8 +87,8 @@ struct LookupError {
     return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
   }
   std::string Text() const {
-    return fmt::format("at most {:.4f} px (at {:g}, {:g}), {:.4f} px (RMS)",
-                       max_px, at.x(), at.y(), rms_px());
+    return fmt::format("{:.2g} px max (at {:g}, {:g}), {:.2g} px RMS", max_px,
+                       at.x(), at.y(), rms_px());
   }
 };
 
@@ -489,7 +489,7 @@ std::string ExitText(const ExitChoice& choice) {
   std::string text = choice.error.Text();
   if (choice.error.num_lost > 0)
     text +=
-        fmt::format("; {} pixels have no place there", choice.error.num_lost);
+        fmt::format("; {} pixels cannot be represented", choice.error.num_lost);
   return text;
 }
 
@@ -498,8 +498,8 @@ void RequireSmallExitError(const CameraTable& table, const ExitChoice& choice) {
                               choice.error.num_lost == 0))
     return;
   throw Error(ExitCode::kQuality,
-              fmt::format("isaac leaves more than {:g} px with {} x {} "
-                          "directions, the most it writes: {}",
+              fmt::format("the error of isaac exceeds {:g} px with {} x {} "
+                          "directions, the maximum: {}",
                           *table.max_error_px, choice.side, choice.side,
                           ExitText(choice)));
 }
@@ -517,8 +517,8 @@ TableOutput WriteIsaac(const CameraTable& table) {
       {enter_path, WriteExr(size, {"R", "G", "B"}, enter)},
       {exit_path, WriteExr({exit.side, exit.side}, {"R", "G"}, exit.numbers)}};
   output.told = fmt::format(
-      "{}, {} x {} rays, between pixels {} off; {}, {} x {} directions, {} "
-      "off; omni:lensdistortion:lut: nominalWidth {}, nominalHeight {}, "
+      "{}: {} x {} rays, interpolation error {}; {}: {} x {} directions, error "
+      "{}; set omni:lensdistortion:lut: nominalWidth {}, nominalHeight {}, "
       "opticalCenter ({:g}, {:g})",
       enter_path, size.width, size.height, enter_error.Text(), exit_path,
       exit.side, exit.side, ExitText(exit), size.width, size.height,
@@ -539,9 +539,8 @@ TableFormat IsaacFormat() {
   TableFormat format;
   format.name = "isaac";
   format.holds =
-      "Isaac Sim: NAME_enter.exr, the rays of pixels, and NAME_exit.exr, the "
-      "places of directions; what lies ahead is in its middle, or what lies "
-      "behind";
+      "Isaac Sim: NAME_enter.exr (pixels to rays) and NAME_exit.exr "
+      "(directions to pixels)";
   format.endings = {".exr"};
   format.options = {"model", "max-fit-error-px"};
   format.models = {kAhead, kBehind};

@@ -67,9 +67,10 @@ const LensForm& FindKalibrForm(const std::string& camera,
       return form;
     names += (names.empty() ? "" : ", ") + form.name;
   }
-  throw InputError(fmt::format(
-      "camera_model '{}' with distortion_model '{}' is not known; known are {}",
-      Printable(camera), Printable(distortion), names));
+  throw InputError(
+      fmt::format("unsupported camera_model '{}' with distortion_model '{}'; "
+                  "supported are {}",
+                  Printable(camera), Printable(distortion), names));
 }
 
 // ---- Reading ---------------------------------------------------------------
@@ -121,14 +122,13 @@ LensInForm ReadKalibrLens(const CameraKeys& camera) {
     coefficients = FiniteNumbers(camera[kKey], kKey);
     TrimCoefficients(0, &coefficients);
     if (!coefficients.empty())
-      throw InputError(fmt::format(
-          "{}: has numbers that are not 0, and distortion_model is none",
-          kKey));
+      throw InputError(
+          fmt::format("{}: must be zero with distortion_model none", kKey));
   }
   const size_t num_intrinsics =
       lens.form->parameters.size() - coefficients.size();
   if (lens.values.size() != num_intrinsics)
-    throw InputError(fmt::format("intrinsics: {} numbers where {} has {}",
+    throw InputError(fmt::format("intrinsics: {} numbers, but {} has {}",
                                  lens.values.size(), lens.form->name,
                                  num_intrinsics));
   lens.values.insert(lens.values.end(), coefficients.begin(),
@@ -161,7 +161,7 @@ std::optional<Pose> PoseFromImu(const CameraKeys& camera) {
 
 ExchangeContents ReadKalibr(const ReadRequest& request) {
   const YAML::Node root = LoadForeignMap(request.path, request.text);
-  if (!root["cam0"]) throw InputError("no camchain: 'cam0' is missing");
+  if (!root["cam0"]) throw InputError("not a camchain: 'cam0' is missing");
   ExchangeContents contents;
   std::optional<Pose> first_from_imu;
   for (size_t c = 0; root[fmt::format("cam{}", c)]; ++c) {
@@ -193,16 +193,15 @@ ExchangeContents ReadKalibr(const ReadRequest& request) {
   }
   if (contents.cameras.size() != root.size())
     throw InputError(fmt::format(
-        "{} keys where cam0 to cam{} are expected; a camchain has cameras "
-        "alone, numbered without gaps",
+        "{} keys, but expected only cam0 to cam{}, numbered without gaps",
         root.size(), root.size() - 1));
   NameCameras(root, &contents.cameras);
   if (first_from_imu)
     contents.remarks.push_back(
-        "its IMU is not taken: the cameras' poses in it, and time shifts");
+        "the IMU is ignored: camera poses relative to it, and time shifts");
   if (contents.cameras.size() > 1 && !contents.IsRig())
     contents.remarks.push_back(
-        "neither T_cn_cnm1 nor poses in the IMU: the cameras are not a rig");
+        "importing cameras without a rig: neither T_cn_cnm1 nor T_cam_imu");
   return contents;
 }
 
@@ -239,7 +238,7 @@ std::string WriteKalibr(const WriteRequest& request) {
       if (other != c)
         overlaps += fmt::format("{}{}", overlaps.empty() ? "" : ", ", other);
     if (camera.fit)
-      text += fmt::format("# The nearest {}: {}\n", lens.form->name,
+      text += fmt::format("# Fitted {}: {}\n", lens.form->name,
                           LensFitText(*camera.fit));
     text += fmt::format(
         "{}:\n  camera_model: {}\n  intrinsics: [{}]\n  distortion_model: {}\n"
@@ -263,7 +262,7 @@ Format KalibrFormat() {
   Format format;
   format.name = "kalibr";
   format.holds =
-      "camchain .yaml: a camera or a rig of pinhole, omni, ds and eucm cameras "
+      "camchain .yaml: a camera or rig of pinhole, omni, ds and eucm cameras "
       "with radtan, equidistant or no distortion";
   format.forms = KalibrForms();
   format.holds_rigs = true;

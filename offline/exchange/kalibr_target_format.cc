@@ -26,14 +26,14 @@ int CountOf(const YAML::Node& root, const char* key, int features) {
   const double count = FiniteNumber(root[key], key);
   if (!(count >= 1 && count * features <= kMostAlongSide) ||
       count != std::floor(count))
-    throw InputError(
-        fmt::format("{}: no count of 1 to {}", key, kMostAlongSide / features));
+    throw InputError(fmt::format("{}: expected an integer from 1 to {}", key,
+                                 kMostAlongSide / features));
   return static_cast<int>(count);
 }
 
 double LengthOf(const YAML::Node& root, const char* key) {
   const double length = FiniteNumber(root[key], key);
-  if (!(length > 0)) throw InputError(fmt::format("{}: not above 0", key));
+  if (!(length > 0)) throw InputError(fmt::format("{}: must be positive", key));
   return length;
 }
 
@@ -68,7 +68,7 @@ Board ReadCheckerboard(const YAML::Node& root) {
 ExchangeContents ReadKalibrTarget(const ReadRequest& request) {
   RequireYamlFile(request.path, request.text);
   const YAML::Node root = YAML::Load(request.text);
-  if (!root.IsMap()) throw InputError("no target: no map of keys");
+  if (!root.IsMap()) throw InputError("not a target: expected a mapping");
   const std::string type =
       root[kTargetType].IsScalar() ? root[kTargetType].as<std::string>() : "";
   ExchangeContents contents;
@@ -78,8 +78,7 @@ ExchangeContents ReadKalibrTarget(const ReadRequest& request) {
     contents.boards.push_back(ReadCheckerboard(root));
   else
     throw InputError(fmt::format(
-        "{} '{}' is none that raygrid finds in images; those are aprilgrid and "
-        "checkerboard",
+        "unsupported {} '{}'; supported are aprilgrid and checkerboard",
         kTargetType, Printable(type)));
   return contents;
 }
@@ -90,8 +89,8 @@ Format KalibrTargetFormat() {
   Format format;
   format.name = "kalibr-target";
   format.holds =
-      "the target.yaml of Kalibr: an aprilgrid or a checkerboard, which "
-      "becomes pattern.yaml; no camera";
+      "target.yaml of Kalibr: an aprilgrid or a checkerboard, imported as "
+      "pattern.yaml";
   format.recognizes = IsKalibrTarget;
   format.read = ReadKalibrTarget;
   format.write = nullptr;

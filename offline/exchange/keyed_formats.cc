@@ -83,8 +83,8 @@ const KeyedModel& FindKeyedModel(const KeyedFormat& format,
                           Printable(keys.Word(key)));
     }
   }
-  throw InputError(fmt::format(
-      "{}: of no model that raygrid reads there; those are {}", said, names));
+  throw InputError(
+      fmt::format("{}: unsupported model; supported are {}", said, names));
 }
 
 // The first key of "KEY|KEY" that is there, or the first one.
@@ -134,7 +134,7 @@ void TakeKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
        std::any_of(numbers.begin() + parameters.size(), numbers.end(),
                    [](double number) { return number != 0; })))
     throw InputError(fmt::format(
-        "{}: {} numbers where {} of {} has {}", part.key, numbers.size(),
+        "{}: {} numbers, but {} of {} has {}", part.key, numbers.size(),
         camera->lens.form->name, format.name, parameters.size()));
   for (size_t k = 0; k < std::min(numbers.size(), parameters.size()); ++k)
     (*values)[parameters[k]] = numbers[k];
@@ -159,7 +159,7 @@ std::optional<Pose> KeyedPoseOf(const KeyedPose& pose, const CameraKeys& keys,
   }
   const std::string name = WithWord(pose.keys, word);
   const auto require = [&](bool is_right) {
-    if (!is_right) throw InputError(fmt::format("{}: no pose", name));
+    if (!is_right) throw InputError(fmt::format("{}: expected a pose", name));
   };
   if (pose.kind == PoseKind::kVectors) {
     require(numbers[0].size() == 3 && numbers[1].size() == 3 &&
@@ -189,8 +189,7 @@ void TakeRadialLens(const std::map<std::string, double>& values,
                     std::vector<std::string>* remarks, ReadLens* camera) {
   if (camera->lens.skew_px != 0)
     throw InputError(
-        fmt::format("camera matrix: a skew of {:g} px, which {} "
-                    "does not have",
+        fmt::format("camera matrix: a skew of {:g} px is not supported by {}",
                     camera->lens.skew_px, camera->lens.form->name));
   if (camera->lens.size == ImageSize{} && request.size)
     camera->lens.size = *request.size;
@@ -232,9 +231,9 @@ ReadLens ReadKeyedCamera(const KeyedFormat& format, const CameraKeys& keys,
   for (const std::string& key : PartsOf(format.ones))
     if (keys.Has(key) && !keys[key].IsNull() &&
         FiniteNumber(keys[key], key) != 1)
-      throw InputError(fmt::format(
-          "{}: {:g}; images are stretched before this lens, which is not read",
-          key, FiniteNumber(keys[key], key)));
+      throw InputError(
+          fmt::format("{}: {:g}; anamorphic stretch is not supported", key,
+                      FiniteNumber(keys[key], key)));
   if (format.camera_name[0] != 0 && keys.Has(format.camera_name)) {
     camera.name = keys.Word(format.camera_name);
     keys.Skip({format.camera_name});
@@ -263,7 +262,7 @@ void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
         "{}{}", std::isdigit(static_cast<unsigned char>(word[0])) ? "cam" : "",
         word);
   }
-  if (contents->cameras.size() == first) throw InputError("no camera");
+  if (contents->cameras.size() == first) throw InputError("contains no camera");
   if (!format.words.empty() && contents->cameras.size() == first + 1)
     contents->cameras.back().name = name;
   // A pose that only the second camera has is that in the first one.
@@ -314,7 +313,7 @@ ExchangeContents ReadKeyed(const KeyedFormat& format,
     root.reset(root[0]);
   if (format.is_normalized && root.IsMap() && root["cameras"].IsDefined())
     root.reset(root["cameras"]);
-  if (!root.IsMap()) throw InputError("no camera: no map of keys");
+  if (!root.IsMap()) throw InputError("contains no camera: expected a mapping");
   const std::string place = format.place;
   ExchangeContents contents;
   if (place.empty()) {

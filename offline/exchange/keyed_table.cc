@@ -370,8 +370,8 @@ const std::vector<KeyedFormat>& KeyedTable() {
        {"Tr*", "R0_rect", "R_rect", "calib_time", "corner_dist"},
        ".txt"},
       {"calib-line",
-       "calib.txt of one line, as DROID-SLAM has TUM's: fx fy cx cy, and "
-       "k1 k2 p1 p2 k3",
+       "calib.txt of one line, as in DROID-SLAM: fx fy cx cy [k1 k2 p1 p2 "
+       "[k3]]",
        KeyedSyntax::kNumbers,
        IsLineOfNumbers,
        "",

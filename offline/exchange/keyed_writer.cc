@@ -109,9 +109,9 @@ Eigen::MatrixXd ProjectionOf(const WrittenLens& camera,
   const Pose pose = camera.camera_from_rig.value_or(Pose{});
   if (pose.rotation.angularDistance(Eigen::Quaterniond::Identity()) > kTurned)
     throw InputError(
-        "its cameras are turned against each other, and projection matrices "
-        "are of a rectified pair: export the rectified.yaml of raygrid "
-        "rectify");
+        "the cameras are rotated relative to each other, but projection "
+        "matrices require a rectified pair: export the rectified.yaml of "
+        "raygrid rectify");
   Eigen::Matrix<double, 3, 4> p;
   p << k, k * pose.translation;
   return p;
@@ -203,7 +203,7 @@ Json FileTree(const KeyedFormat& format, const WriteRequest& request) {
   const std::string place = format.place;
   if (!format.words.empty() &&
       request.cameras.size() > (format.HoldsRigs() ? format.words.size() : 1))
-    throw InputError(fmt::format("{} cameras, while {} has up to {}",
+    throw InputError(fmt::format("{} cameras, but {} supports up to {}",
                                  request.cameras.size(), format.name,
                                  format.words.size()));
   for (size_t k = 0; k < request.cameras.size(); ++k) {

@@ -143,11 +143,12 @@ ChosenLens ChooseLens(const std::vector<const LensForm*>& forms,
     if (auto held = InForm(*form, camera))
       return {*held, MakeLens(*held), std::nullopt};
   if (sorted.empty())
-    throw Error(ExitCode::kUsage,
-                fmt::format("the lines of a {} camera do not meet in a point, "
-                            "and other programs' models have one; export a "
-                            "view of it, or calibrate another model",
-                            camera.Name()));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "a {} camera is non-central, but models of other programs are "
+            "central; export a view of it, or calibrate another model",
+            camera.Name()));
   std::vector<ChosenLens> fits(sorted.size());
   // Forms of many parameters take longest, and so begin.
   const int last = static_cast<int>(sorted.size()) - 1;
@@ -163,26 +164,27 @@ ChosenLens ChooseLens(const std::vector<const LensForm*>& forms,
         return ChoiceRmsPx(*lens.fit) <= enough_px;
       });
   if (chosen == fits.end() || chosen->fit->num_pixels == 0)
-    throw Error(ExitCode::kQuality,
-                fmt::format("{} has a place for no trusted pixel of this "
-                            "camera; export a view of it",
-                            sorted.front()->name));
+    throw Error(
+        ExitCode::kQuality,
+        fmt::format(
+            "{} cannot represent any pixel of this camera; export a view of it",
+            sorted.front()->name));
   return std::move(*chosen);
 }
 
 std::string LensFitText(const LensFit& fit) {
   std::string text = fmt::format(
-      "RMS {:.4f} px, 99 % below {:.4f} px, largest {:.4f} px at {} {}pixels",
+      "RMS {:.2g} px, 99th percentile {:.2g} px, max {:.2g} px at {} {}pixels",
       fit.rms_px, fit.p99_px, fit.max_px, fit.num_pixels,
-      fit.is_of_trusted ? "trusted " : "");
+      fit.is_of_trusted ? "valid " : "");
   if (fit.num_beyond > 0)
-    text +=
-        fmt::format("; none at {} pixels, up to {:.0f} degrees off the axis",
-                    fit.num_beyond, fit.widest_rad * 180 / M_PI);
-  if (!fit.IsTurned()) return text + "; not turned";
+    text += fmt::format(
+        "; {} pixels cannot be represented, up to {:.0f} degrees off axis",
+        fit.num_beyond, fit.widest_rad * 180 / M_PI);
+  if (!fit.IsTurned()) return text + "; not rotated";
   const Eigen::Quaterniond& q = fit.lens_from_camera;
   return text + fmt::format(
-                    "; turned by {:.5f} rad, lens_from_camera (w, x, y, z) "
+                    "; rotated by {:.2g} rad, lens_from_camera (w, x, y, z) "
                     "{:.9f}, {:.9f}, {:.9f}, {:.9f}",
                     q.angularDistance(Eigen::Quaterniond::Identity()), q.w(),
                     q.x(), q.y(), q.z());

@@ -31,31 +31,29 @@ constexpr double kLargestNumber = 1e12;
 void RequireNumbers(const LensForm& form, const std::vector<double>& values) {
   for (size_t k = 0; k < values.size(); ++k)
     if (!(std::abs(values[k]) <= kLargestNumber))
-      throw InputError(fmt::format("{}: not a number, or beyond {:g}",
+      throw InputError(fmt::format("{}: not a number, or larger than {:g}",
                                    form.parameters[k], kLargestNumber));
 }
 
 void RequireSize(const ImageSize& size) {
   if (size.width < 1 || size.height < 1)
-    throw InputError("the image size is not two positive numbers");
+    throw InputError("the image size must be two positive numbers");
   if (std::max(size.width, size.height) > kMaxHugeSidePx)
-    throw InputError(
-        fmt::format("image size: no camera has more than {} pixels a side",
-                    kMaxHugeSidePx));
+    throw InputError(fmt::format(
+        "image size: at most {} pixels a side are supported", kMaxHugeSidePx));
 }
 
 void RequireFocalLengths(const Eigen::Vector2d& focal_px) {
   if (!(focal_px.minCoeff() > 0))
-    throw InputError("a focal length is not above 0");
+    throw InputError("focal lengths must be positive");
 }
 
 std::unique_ptr<ParametricModel> MakeNamedLens(const LensInForm& lens) {
   const LensForm& form = *lens.form;
   const LensModel& model = *FindLensModel(form.model);
   if (lens.values.size() != form.parameters.size())
-    throw InputError(fmt::format("{}: {} numbers where {} are needed",
-                                 form.name, lens.values.size(),
-                                 form.parameters.size()));
+    throw InputError(fmt::format("{}: {} numbers, expected {}", form.name,
+                                 lens.values.size(), form.parameters.size()));
   RequireNumbers(form, lens.values);
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(model.parameters.size());
   for (size_t k = 0; k < lens.values.size(); ++k) {
@@ -72,16 +70,18 @@ std::unique_ptr<ParametricModel> MakeNamedLens(const LensInForm& lens) {
 std::unique_ptr<ParametricModel> MakeSpline(const LensInForm& lens) {
   const Eigen::VectorXd parameters = lens.spline->Parameters();
   if (!(parameters.cwiseAbs().maxCoeff() <= kLargestNumber))
-    throw InputError(fmt::format("{}: a number is none, or beyond {:g}",
-                                 lens.form->name, kLargestNumber));
+    throw InputError(
+        fmt::format("{}: a parameter is not a number, or larger than {:g}",
+                    lens.form->name, kLargestNumber));
   RequireFocalLengths(parameters.tail<4>().head<2>());
   return lens.spline->OverArea(WholeImage(lens.size));
 }
 
 std::unique_ptr<CameraModel> MakeGrid(const LensInForm& lens) {
   if (!(lens.grid->Parameters().cwiseAbs().maxCoeff() <= kLargestNumber))
-    throw InputError(fmt::format("{}: a number is none, or beyond {:g}",
-                                 lens.form->name, kLargestNumber));
+    throw InputError(
+        fmt::format("{}: a parameter is not a number, or larger than {:g}",
+                    lens.form->name, kLargestNumber));
   return lens.grid->Clone();
 }
 
@@ -167,10 +167,10 @@ std::unique_ptr<CameraModel> MakeLens(const LensInForm& lens) {
   else
     made = MakeNamedLens(lens);
   if (PartWithoutRays(*made) == 1)
-    throw InputError(fmt::format(
-        "{}: no pixel of {} x {} looks anywhere with these numbers; are they "
-        "those of this model and this size?",
-        form.name, lens.size.width, lens.size.height));
+    throw InputError(
+        fmt::format("{}: no pixel of the {} x {} image has a valid ray; check "
+                    "model, parameters and image size",
+                    form.name, lens.size.width, lens.size.height));
   return made;
 }
 

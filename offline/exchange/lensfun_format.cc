@@ -70,10 +70,9 @@ double AspectRatio(const std::string& text) {
           : LensfunNumber(text.substr(0, colon), "aspect-ratio") /
                 LensfunNumber(text.substr(colon + 1), "aspect-ratio");
   if (!(ratio >= 1 && ratio < 100))
-    throw InputError(
-        fmt::format("aspect-ratio: '{}' is no ratio of the longer side to the "
-                    "shorter one",
-                    Printable(text)));
+    throw InputError(fmt::format(
+        "aspect-ratio: '{}' is not a ratio of the longer to the shorter side",
+        Printable(text)));
   return ratio;
 }
 
@@ -82,7 +81,7 @@ double CropFactor(const XmlElement& element) {
   if (text.empty()) throw InputError("'cropfactor' is missing");
   const double crop = LensfunNumber(text, "cropfactor");
   if (!(crop > 0.01 && crop < 1000))
-    throw InputError(fmt::format("cropfactor: {:g} is none", crop));
+    throw InputError(fmt::format("cropfactor: {:g} is out of range", crop));
   return crop;
 }
 
@@ -98,9 +97,8 @@ RadialProjection ProjectionOf(const std::string& type) {
   const auto found = projections.find(type);
   if (found == projections.end())
     throw InputError(fmt::format(
-        "type '{}': not the projection of a lens that raygrid reads there; "
-        "those are rectilinear, fisheye, equisolid, stereographic, "
-        "orthographic and fisheye_thoby",
+        "unsupported projection type '{}'; supported are rectilinear, fisheye, "
+        "equisolid, stereographic, orthographic and fisheye_thoby",
         Printable(type)));
   return found->second;
 }
@@ -127,8 +125,8 @@ Polynomial PolynomialOf(const XmlElement& distortion) {
     return {1 - a - b - c, {c, b, a, 0}};
   }
   throw InputError(
-      fmt::format("line {}: distortion model '{}'; raygrid reads poly3, poly5 "
-                  "and ptlens there",
+      fmt::format("line {}: unsupported distortion model '{}'; supported are "
+                  "poly3, poly5 and ptlens",
                   distortion.line, Printable(model)));
 }
 
@@ -149,13 +147,13 @@ RadialLens RadialLensOf(const XmlElement& lens, const XmlElement& calibration,
                         const ImageSize& size) {
   const double focal_mm = LensfunAttribute(distortion, "focal", NAN);
   if (!(focal_mm > 0))
-    throw InputError(fmt::format("line {}: a distortion without a focal length",
-                                 distortion.line));
+    throw InputError(fmt::format(
+        "line {}: missing focal length of the distortion", distortion.line));
   const Polynomial polynomial = PolynomialOf(distortion);
   if (!(polynomial.d > 0))
-    throw InputError(fmt::format(
-        "line {}: the distortion leaves nothing of the image's middle",
-        distortion.line));
+    throw InputError(
+        fmt::format("line {}: the distortion is degenerate at the image centre",
+                    distortion.line));
   const Eigen::Vector2d sides_px = SidesPx(size);
   const double pixels_per_mm = sides_px.norm() * crop / kDiagonalMm;
   const double unit_mm =
@@ -225,8 +223,7 @@ ExchangeContents ReadLensfun(const ReadRequest& request) {
       root.name == "lens" ? std::vector<XmlElement>{root} : root.children;
   const std::optional<double> crop_of_camera = CropOfCamera(elements);
   if (!request.size)
-    throw InputError(
-        "the size of the images is missing; import it with --image-size WxH");
+    throw InputError("missing image size; give --image-size WxH");
   ExchangeContents contents;
   for (const XmlElement& lens : elements) {
     const XmlElement* calibration = lens.Child("calibration");
@@ -235,10 +232,10 @@ ExchangeContents ReadLensfun(const ReadRequest& request) {
     for (const XmlElement& distortion : calibration->children) {
       if (distortion.name != "distortion") continue;
       if (contents.cameras.size() == kMost)
-        throw InputError(fmt::format(
-            "more than {} distortions; copy the one of your lens and focal "
-            "length into a file of its own",
-            kMost));
+        throw InputError(
+            fmt::format("more than {} distortions; copy the one of your lens "
+                        "and focal length into a separate file",
+                        kMost));
       const RadialLens radial = RadialLensOf(
           lens, *calibration, distortion,
           crop_of_camera.value_or(CropFactor(lens)), *request.size);
@@ -281,7 +278,7 @@ std::string WriteLensfun(const WriteRequest& request) {
   const double scale = smaller_px / 2 / focal_px;
   std::string text = "<lensdatabase version=\"1\">\n";
   if (camera.fit)
-    text += fmt::format("    <!-- The nearest {}: {} -->\n", lens.form->name,
+    text += fmt::format("    <!-- Fitted {}: {} -->\n", lens.form->name,
                         LensFitText(*camera.fit));
   return text +
          fmt::format(
@@ -314,9 +311,8 @@ Format LensfunFormat() {
   Format format;
   format.name = "lensfun";
   format.holds =
-      "a lens of Lensfun's database .xml: poly3, poly5 and ptlens, the last "
-      "and other projections than rectilinear and fisheye as the nearest grid; "
-      "written as poly5";
+      "Lensfun database .xml: poly3, poly5 and ptlens (ptlens and rare "
+      "projections converted to central-generic); written as poly5";
   format.forms = LensfunForms();
   format.ending = ".xml";
   format.drops_rigs = true;

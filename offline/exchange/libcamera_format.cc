@@ -33,8 +33,8 @@ YAML::Node DewarpNode(const YAML::Node& root) {
   if (modules && modules.IsSequence())
     for (const YAML::Node& module : modules)
       if (module.IsMap() && module[kTuningDewarp]) return module[kTuningDewarp];
-  throw InputError(fmt::format("{}: there is no module '{}'", kTuningModules,
-                               kTuningDewarp));
+  throw InputError(
+      fmt::format("{}: missing module '{}'", kTuningModules, kTuningDewarp));
 }
 
 LensInForm ReadDewarp(const CameraKeys& dewarp,
@@ -48,8 +48,7 @@ LensInForm ReadDewarp(const CameraKeys& dewarp,
     if (form.parameters.size() == 4 + coefficients.size()) lens.form = &form;
   if (!lens.form)
     throw InputError(
-        fmt::format("{}: {} numbers; libcamera takes 4, 5, 8 and "
-                    "12",
+        fmt::format("{}: {} numbers; libcamera supports 4, 5, 8 and 12",
                     kTuningCoefficients, coefficients.size()));
   lens.values.insert(lens.values.end(), coefficients.begin(),
                      coefficients.end());
@@ -105,8 +104,8 @@ Format LibcameraFormat() {
   Format format;
   format.name = "libcamera";
   format.holds =
-      "libcamera's tuning file of the i.MX 8M Plus: the lens of the module "
-      "Dewarp";
+      "libcamera tuning file of the i.MX 8M Plus: intrinsics of the Dewarp "
+      "module";
   format.forms = LibcameraForms();
   format.drops_rigs = true;
   format.recognizes = IsLibcamera;

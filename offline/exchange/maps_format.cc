@@ -106,8 +106,8 @@ TableFormat MapsFormat() {
   TableFormat format;
   format.name = "maps";
   format.holds =
-      "OpenCV and numpy: map1 and map2 of a view, or with --inverse of the "
-      "camera, for cv2.remap(), in .npz, .yaml, .xml or .json";
+      "OpenCV and numpy: map1 and map2 for cv2.remap(), as .npz, .yaml, .xml "
+      "or .json (--inverse: inverse remap)";
   format.endings = {kNpz, ".yaml", ".yml", ".xml", ".json"};
   format.options = {"model", "rectified", "inverse"};
   format.models = {"float", kFixed};

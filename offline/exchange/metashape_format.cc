@@ -56,8 +56,8 @@ const LensForm& FormOfProjection(const std::string& name) {
   if (name.empty() || name == "frame") return forms[0];
   if (name == "fisheye" || name == "equidistant_fisheye") return forms[1];
   throw InputError(
-      fmt::format("projection '{}' is none that raygrid has; those are frame, "
-                  "fisheye and equidistant_fisheye",
+      fmt::format("unsupported projection '{}'; supported are frame, fisheye "
+                  "and equidistant_fisheye",
                   Printable(name)));
 }
 
@@ -67,18 +67,20 @@ void RequireNothingElse(const CameraKeys& keys, const LensForm& form) {
   if (!form.Has("k4")) others.push_back("k4");
   for (const std::string& name : others)
     if (NumberOf(keys, name) != 0)
-      throw InputError(fmt::format(
-          "{} of a {} is not 0, and no lens of raygrid has it; optimize the "
-          "cameras in Metashape without it",
-          name, form.name));
+      throw InputError(
+          fmt::format("non-zero {} of a {} is not supported; optimize the "
+                      "cameras in Metashape without it",
+                      name, form.name));
   for (const char* name : {"fx", "fy", "skew"})
     if (keys.Has(name))
-      throw InputError(fmt::format(
-          "'{}' is of PhotoScan before 1.2; export it from a newer one", name));
+      throw InputError(
+          fmt::format("'{}' is a format of PhotoScan before 1.2; export it "
+                      "from a newer version",
+                      name));
   if (keys.Has("corrections"))
     throw InputError(
-        "'corrections' bend the lens, and no lens of raygrid has them; "
-        "optimize the cameras in Metashape without them");
+        "'corrections' are not supported; optimize the cameras in Metashape "
+        "without them");
 }
 
 // The children of a calibration as a map. A size may stand in attributes.
@@ -87,7 +89,7 @@ CameraKeys KeysOfCalibration(const XmlElement& calibration,
   YAML::Node map(YAML::NodeType::Map);
   for (const XmlElement& child : calibration.children) {
     if (calibration.Child(child.name) != &child)
-      throw InputError(fmt::format("line {}: '{}' stands twice; keep one",
+      throw InputError(fmt::format("line {}: duplicate element '{}'",
                                    child.line, Printable(child.name)));
     if (child.name == "resolution") {
       for (const auto& [key, value] : child.attributes) map[key] = value;
@@ -160,11 +162,10 @@ void ReadSensors(const XmlElement& root, ExchangeContents* contents) {
         type.empty() ? AttributeOf(*sensor, "type") : type, &contents->remarks);
     if (AttributeOf(*calibration, "class") == "initial")
       contents->remarks.push_back(fmt::format(
-          "sensor '{}' has the calibration alone that Metashape began with",
-          Printable(label)));
+          "sensor '{}' has only its initial calibration", Printable(label)));
     contents->cameras.push_back(std::move(camera));
   }
-  contents->remarks.push_back("the places of its cameras are not taken");
+  contents->remarks.push_back("camera poses are ignored");
 }
 
 ExchangeContents ReadMetashape(const ReadRequest& request) {
@@ -198,7 +199,7 @@ std::string WriteMetashape(const WriteRequest& request) {
   const LensInForm& lens = camera.lens;
   std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
   if (camera.fit)
-    text += fmt::format("<!-- The nearest {}: {} -->\n", lens.form->name,
+    text += fmt::format("<!-- Fitted {}: {} -->\n", lens.form->name,
                         LensFitText(*camera.fit));
   text += fmt::format("<{}>\n", kRoot);
   const auto add = [&](const std::string& name, const std::string& value) {
@@ -225,8 +226,8 @@ Format MetashapeFormat() {
   Format format;
   format.name = "metashape";
   format.holds =
-      "Agisoft Metashape's calibration .xml of a frame or fisheye camera; of a "
-      "rig a file for each camera";
+      "Agisoft Metashape calibration .xml of a frame or fisheye camera; one "
+      "file per camera of a rig";
   format.forms = MetashapeForms();
   format.ending = ".xml";
   format.drops_rigs = true;

@@ -49,16 +49,17 @@ CornerColumns ColumnsOf(const std::string& text) {
   const std::vector<std::string> legend = LegendOf(text);
   if (!IsMrcalCorners(text) || legend.size() > 4)
     throw InputError(
-        "its columns are not '# filename x y', with 'level' or 'weight' behind "
-        "them or nothing");
+        "its columns must be '# filename x y', optionally followed by 'level' "
+        "or 'weight'");
   CornerColumns columns;
   columns.count = legend.size();
   if (columns.count == 3) return columns;
   columns.has_level = legend[3] == "level";
   columns.has_weight = legend[3] == "weight";
   if (!columns.has_level && !columns.has_weight)
-    throw InputError(fmt::format("column '{}' is neither 'level' nor 'weight'",
-                                 Printable(legend[3])));
+    throw InputError(
+        fmt::format("unknown column '{}', expected 'level' or 'weight'",
+                    Printable(legend[3])));
   return columns;
 }
 
@@ -98,14 +99,14 @@ std::optional<Eigen::Vector2d> CornerOf(const WordLines& line,
 void RequireColumns(const WordLines& line, const CornerColumns& columns) {
   const bool is_short = line.size() == 3 && line.Text(1) == kNoValue;
   if (line.size() != columns.count && !is_short)
-    line.Refuse(fmt::format("has {} words, and the legend has {}", line.size(),
+    line.Refuse(fmt::format("has {} fields, but the legend has {}", line.size(),
                             columns.count));
 }
 
 std::vector<CornerRows> RowsOf(const ReadRequest& request,
                                const CornerColumns& columns,
                                CornerCounts* counts) {
-  WordLines line(request.path, request.text, "corners as mrcal writes them");
+  WordLines line(request.path, request.text, "corners in mrcal's format");
   std::vector<CornerRows> images;
   std::set<std::string> names;
   while (line.NextWithWords()) {
@@ -113,7 +114,7 @@ std::vector<CornerRows> RowsOf(const ReadRequest& request,
     const std::string& name = line.Text(0);
     if (images.empty() || images.back().image != name) {
       if (!names.insert(name).second)
-        line.Refuse(fmt::format("the rows of image '{}' are not in one piece",
+        line.Refuse(fmt::format("the rows of image '{}' are not contiguous",
                                 Printable(name)));
       images.push_back({name, {}});
     }
@@ -148,18 +149,16 @@ void RequireThisWayRound(const std::vector<CornerRows>& images,
     turned += BendOf(image, board.height) / (board.height - 2) / board.width;
   }
   if (told > 3 * turned)
-    throw InputError(
-        fmt::format("its corners lie as on a board of --board-size {}x{}, "
-                    "columns first, not "
-                    "{}x{}",
-                    board.height, board.width, board.width, board.height));
+    throw InputError(fmt::format(
+        "the corners match --board-size {}x{} (columns first), not {}x{}",
+        board.height, board.width, board.width, board.height));
 }
 
 ImageFeatures FeaturesOfRows(const CornerRows& image, const ImageSize& board) {
   const size_t expected = static_cast<size_t>(board.width) * board.height;
   if (image.corners.size() != expected)
     throw InputError(fmt::format(
-        "image '{}' has {}; a board of --board-size {}x{} has {}",
+        "image '{}' has {}, but --board-size {}x{} implies {}",
         Printable(image.image), CountText(image.corners.size(), "corner"),
         board.width, board.height, expected));
   ImageFeatures features = {image.image, {}};
@@ -179,17 +178,17 @@ void AddRemarksOnCorners(const CornerCounts& counts,
           fmt::format("{}: {}", what, CountText(count, noun)));
   };
   add(counts.without_board, "image", "without a board");
-  add(counts.rejected, "corner", "rejected by the program and left out");
+  add(counts.rejected, "corner", "rejected by the program and omitted");
   add(counts.blurred, "corner",
-      "found in reduced images, and counted as much as others");
+      "found at reduced resolution and weighted equally");
 }
 
 ExchangeContents ReadMrcalCorners(const ReadRequest& request) {
   const CornerColumns columns = ColumnsOf(request.text);
   if (!request.board)
     throw InputError(
-        "does not tell the board's width; import it with --board-size "
-        "COLUMNSxROWS, counting corners, as --board-size 10x10");
+        "missing board size; give it in corners with --board-size "
+        "COLUMNSxROWS, such as --board-size 10x10");
   CornerCounts counts;
   const std::vector<CornerRows> images = RowsOf(request, columns, &counts);
   ExchangeContents contents;
@@ -214,8 +213,8 @@ Format MrcalCornersFormat() {
   Format format;
   format.name = "mrcal-corners";
   format.holds =
-      "corners.vnl of mrcal and mrgingham: corners of a board, no camera; "
-      "import them with --board-size COLUMNSxROWS";
+      "corners.vnl of mrcal and mrgingham: corners of a board, imported with "
+      "--board-size COLUMNSxROWS";
   format.takes_board = true;
   format.recognizes = IsMrcalCorners;
   format.read = ReadMrcalCorners;

@@ -75,9 +75,8 @@ const LensForm& MrcalFormNamed(const std::string& name) {
     if (form.name == name) return form;
     names += (names.empty() ? "" : ", ") + form.name;
   }
-  throw InputError(
-      fmt::format("lensmodel '{}' is none that raygrid has; those are {}",
-                  Printable(name), names));
+  throw InputError(fmt::format("unsupported lensmodel '{}'; supported are {}",
+                               Printable(name), names));
 }
 
 // LENSMODEL_SPLINED_STEREOGRAPHIC_order=3_Nx=30_Ny=20_fov_x_deg=170.
@@ -89,11 +88,11 @@ SplinedStereographic::Grid GridOfName(const std::string& name) {
   std::smatch found;
   if (!std::regex_match(name, found, words))
     throw InputError(
-        fmt::format("lensmodel '{}': not {}_order=3_Nx=30_Ny=20_"
-                    "fov_x_deg=170 or other numbers there",
+        fmt::format("lensmodel '{}': expected the form "
+                    "{}_order=3_Nx=30_Ny=20_fov_x_deg=170",
                     Printable(name), kSplined));
   if (std::stoi(found[1]) != 3)
-    throw InputError("lensmodel: splines of order 3 alone are taken");
+    throw InputError("lensmodel: only splines of order 3 are supported");
   const SplinedStereographic::Grid grid = {
       std::stoi(found[2]), std::stoi(found[3]), std::stoi(found[4])};
   constexpr int kMost = 1027;
@@ -112,7 +111,7 @@ std::shared_ptr<const SplinedStereographic> SplineOf(
   const SplinedStereographic::Grid grid = GridOfName(name);
   const int count = 2 * grid.columns * grid.rows;
   if (static_cast<int>(intrinsics.size()) != 4 + count)
-    throw InputError(fmt::format("intrinsics: {} numbers where {} are needed",
+    throw InputError(fmt::format("intrinsics: {} numbers, expected {}",
                                  intrinsics.size(), 4 + count));
   const Eigen::Map<const Eigen::VectorXd> all(intrinsics.data(), 4 + count);
   Eigen::VectorXd parameters(4 + count);
@@ -167,7 +166,7 @@ std::optional<TrustMask> TrustIn(const CameraKeys& root,
   const YAML::Node node = root[kKey];
   if (!node.IsDefined() || node.IsNull()) return std::nullopt;
   if (!node.IsSequence())
-    throw InputError(fmt::format("{}: not a list of points", kKey));
+    throw InputError(fmt::format("{}: expected a list of points", kKey));
   ValidRegion region;
   for (const YAML::Node& point : node) {
     const std::vector<double> xy = FiniteNumbers(point, kKey, 2);
@@ -231,7 +230,7 @@ std::string WriteMrcal(const WriteRequest& request) {
   const Eigen::AngleAxisd turn(pose.rotation);
   const Eigen::Vector3d r = turn.angle() * turn.axis(), t = pose.translation;
   const std::string rt = RealTexts({r.x(), r.y(), r.z(), t.x(), t.y(), t.z()});
-  std::string text = Comment("raygrid's camera ", camera.name);
+  std::string text = Comment("raygrid camera ", camera.name);
   text += Comment("serial ", camera.serial);
   if (camera.fit) text += Comment("fit: ", LensFitText(*camera.fit));
   text += fmt::format("{{\n    'lensmodel': '{}',\n\n", model);
@@ -259,8 +258,8 @@ Format MrcalFormat() {
   Format format;
   format.name = "mrcal";
   format.holds =
-      "a .cameramodel: a pinhole with 4, 5, 8 or 12 coefficients of OpenCV, or "
-      "the splined stereographic model; of a rig a file for each camera";
+      ".cameramodel: pinhole with 4, 5, 8 or 12 OpenCV coefficients, or the "
+      "splined stereographic model; one file per camera of a rig";
   format.forms = MrcalForms();
   format.ending = ".cameramodel";
   format.holds_region = true;

@@ -62,10 +62,10 @@ LensInForm NearestGrid(const ImageSize& size, const DirectionAtPixel& direction,
   constexpr int kFewest = 12, kMost = 96;
   const DirectionCamera camera(size, direction);
   if (PartWithoutRays(camera) > kMostWithout)
-    throw InputError(fmt::format(
-        "hardly a pixel of {} x {} looks anywhere with these numbers; are they "
-        "of this size?",
-        size.width, size.height));
+    throw InputError(
+        fmt::format("hardly any pixel of the {} x {} image has a valid ray; "
+                    "check parameters and image size",
+                    size.width, size.height));
   LensInForm lens = {&NearestGridForm(), size, {}};
   LensFit fit;
   const Area image = WholeImage(size);
@@ -82,7 +82,7 @@ LensInForm NearestGrid(const ImageSize& size, const DirectionAtPixel& direction,
     if (fit.rms_px < kNearEnoughPx || along + along / 2 > kMost) break;
   }
   remarks->push_back(
-      fmt::format("{}: it is read as the nearest grid, which leaves {}", why,
+      fmt::format("{}: converted to central-generic with fit error {}", why,
                   LensFitText(fit)));
   return lens;
 }
@@ -96,8 +96,7 @@ LensInForm GridOfSkewedLens(const LensInForm& lens,
   const double widest = std::abs(shear) * (lens.size.height + std::abs(cy)) + 1;
   if (!(widest < lens.size.width))
     throw InputError(fmt::format(
-        "camera matrix: a skew of {:g} px leaves nothing of the image",
-        lens.skew_px));
+        "camera matrix: a skew of {:g} px is out of range", lens.skew_px));
   LensInForm straight = lens;
   straight.skew_px = 0;
   const auto made = MakeLens(straight);
@@ -110,8 +109,7 @@ LensInForm GridOfSkewedLens(const LensInForm& lens,
         return wide->Unproject(
             {pixel.x() - shear * (pixel.y() - cy), pixel.y()});
       },
-      fmt::format("its camera matrix has a skew of {:g} px, which no lens of "
-                  "raygrid has",
+      fmt::format("a skew of {:g} px in the camera matrix is not supported",
                   lens.skew_px),
       remarks);
 }

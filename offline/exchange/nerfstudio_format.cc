@@ -91,15 +91,15 @@ YAML::Node CameraNode(const YAML::Node& root) {
   const YAML::Node frames = root[kFrames];
   if (!frames || !frames.IsSequence() || frames.size() == 0 ||
       !frames[0].IsMap() || !frames[0]["fl_x"])
-    throw InputError("no camera: 'fl_x' is missing");
+    throw InputError("contains no camera: 'fl_x' is missing");
   for (const char* key :
        {"fl_x", "fl_y", "cx", "cy", "w", "h", "k1", "k2", "k3", "k4", "p1",
         "p2", "distortion_params", kNerfModel, kNgpFisheye})
     for (size_t k = 1; k < frames.size(); ++k)
       if (YAML::Dump(frames[k][key]) != YAML::Dump(frames[0][key]))
         throw InputError(
-            fmt::format("frames[{}]: {} differs from that of frames[0]; files "
-                        "of one camera are taken",
+            fmt::format("frames[{}]: {} differs from frames[0]; only files of "
+                        "a single camera are supported",
                         k, key));
   return frames[0];
 }
@@ -126,7 +126,7 @@ std::string NerfModelOf(const CameraKeys& camera, const YAML::Node& root) {
                       : root[kNerfModel] ? root[kNerfModel].as<std::string>()
                                          : "";
   if (is_fisheye && !model.empty() && model != kNerfFisheye)
-    throw InputError(fmt::format("'{}' says a fisheye, and '{}' {}",
+    throw InputError(fmt::format("'{}' indicates a fisheye, but '{}' is {}",
                                  kNgpFisheye, kNerfModel, Printable(model)));
   if (is_fisheye) return kNerfFisheye;
   return model.empty() ? "OPENCV" : model;
@@ -140,8 +140,8 @@ void RequireZero(const std::vector<double>& coefficients,
   for (const size_t k : indices)
     if (coefficients[k] != 0)
       throw InputError(
-          fmt::format("{} of {} must be 0: nerfstudio makes rays with it, but "
-                      "undistorts images without it",
+          fmt::format("{} of {} must be 0: nerfstudio uses it for rays, but "
+                      "not for undistortion",
                       kCoefficients[k], model));
 }
 
@@ -162,8 +162,7 @@ const LensForm& FormOfModel(const std::string& model,
     return forms[is_plain ? 0 : 1];
   }
   throw InputError(
-      fmt::format("{} '{}' is none that raygrid has; those are PINHOLE, OPENCV "
-                  "and {}",
+      fmt::format("unsupported {} '{}'; supported are PINHOLE, OPENCV and {}",
                   kNerfModel, Printable(model), kNerfFisheye));
 }
 
@@ -207,9 +206,8 @@ void ReadFrames(const YAML::Node& frames, ExchangeContents* contents) {
     try {
       poses.push_back(ReadFrame(frames[k]));
     } catch (const InputError& error) {
-      contents->remarks.push_back(
-          fmt::format("the places of its frames are not taken: frames[{}]: {}",
-                      k, error.what()));
+      contents->remarks.push_back(fmt::format(
+          "frame poses are ignored: frames[{}]: {}", k, error.what()));
       return;
     }
   }
@@ -224,7 +222,7 @@ ExchangeContents ReadNerfstudio(const ReadRequest& request) {
   TakeOwnJson(root[kOwnKey], &camera);
   contents.cameras.push_back(std::move(camera));
   if (root["fisheye_crop_radius"])
-    contents.remarks.push_back("not taken: fisheye_crop_radius");
+    contents.remarks.push_back("ignored: fisheye_crop_radius");
   ReadFrames(root[kFrames], &contents);
   return contents;
 }
@@ -270,10 +268,8 @@ Format NerfstudioFormat() {
   Format format;
   format.name = "nerfstudio";
   format.holds =
-      "transforms.json: a pinhole with or without k1, k2, k3, p1 and p2, or "
-      "OpenCV's fisheye; of a rig a file for each camera; poses of one board "
-      "as "
-      "frames";
+      "transforms.json: pinhole with optional k1, k2, k3, p1, p2, or OpenCV "
+      "fisheye; one file per camera of a rig; poses of a board as frames";
   format.forms = NerfstudioForms();
   format.ending = ".json";
   format.holds_poses = true;

@@ -36,7 +36,7 @@ std::string NpyHeader(const NpyArray& array) {
 
 [[noreturn]] void FailToZip(const char* why) {
   throw Error(ExitCode::kOutput,
-              fmt::format("the archive cannot be made in memory: {}", why));
+              fmt::format("cannot create the archive: {}", why));
 }
 
 struct DiscardZip {
@@ -72,7 +72,8 @@ std::string ReadWhole(zip_source_t* source) {
   std::string bytes(facts.size, '\0');
   const zip_int64_t count = zip_source_read(source, bytes.data(), bytes.size());
   zip_source_close(source);
-  if (count != static_cast<zip_int64_t>(bytes.size())) FailToZip("it was cut");
+  if (count != static_cast<zip_int64_t>(bytes.size()))
+    FailToZip("incomplete write");
   return bytes;
 }
 
@@ -114,7 +115,7 @@ std::vector<size_t> ParseShape(const std::string& name,
     const auto result =
         std::from_chars(digits.data(), digits.data() + digits.size(), length);
     if (result.ec != std::errc())
-      throw InputError(name + ": its shape is no shape of an array");
+      throw InputError(name + ": invalid array shape");
     shape.push_back(length);
   }
   return shape;
@@ -131,8 +132,9 @@ void RequireWhole(const NpyArray& array) {
   size_t left = array.bytes.size();
   const size_t size = SizeOfType(array.type);
   if (size == 0)
-    throw InputError(fmt::format("{}: is of the type '{}'; save it as float64",
-                                 array.name, array.type));
+    throw InputError(
+        fmt::format("{}: unsupported dtype '{}'; save it as float64",
+                    array.name, array.type));
   bool is_whole = left % size == 0;
   left /= size;
   for (const size_t length : array.shape) {
@@ -141,8 +143,7 @@ void RequireWhole(const NpyArray& array) {
   }
   if (!is_whole || left != 1)
     throw InputError(array.name +
-                     ": its numbers are not as many as its shape "
-                     "says");
+                     ": the amount of data does not match its shape");
 }
 
 NpyArray ParseNpy(const std::string& name, const std::string& file,
@@ -152,13 +153,13 @@ NpyArray ParseNpy(const std::string& name, const std::string& file,
   const size_t num_length_bytes = file.size() > 6 && file[6] == 1 ? 2 : 4;
   const size_t begin = 8 + num_length_bytes;
   if (file.rfind("\x93NUMPY", 0) != 0 || file.size() < begin)
-    throw InputError(name + ": is no array of numpy");
+    throw InputError(name + ": not a numpy array");
   size_t length = 0;
   for (size_t k = 0; k < num_length_bytes; ++k)
     length |= static_cast<size_t>(static_cast<uint8_t>(file[8 + k])) << 8 * k;
   constexpr size_t kLongest = 4096;
   if (length > kLongest || length > file.size() - begin)
-    throw InputError(name + ": its header is cut or too long");
+    throw InputError(name + ": its header is truncated or too long");
   const std::string header = file.substr(begin, length);
   static const std::regex type("'descr': *'([^']*)'"),
       order("'fortran_order': *(True|False)"), shape("'shape': *\\(([^)]*)\\)");
@@ -169,14 +170,12 @@ NpyArray ParseNpy(const std::string& name, const std::string& file,
   if (!std::regex_search(header, found_type, type) ||
       !std::regex_search(header, found_order, order) ||
       !std::regex_search(header, found_shape, shape))
-    throw InputError(name +
-                     ": its header does not say type and shape of plain "
-                     "numbers");
+    throw InputError(name + ": its header has no numeric dtype and shape");
   NpyArray array = {name, found_type[1], ParseShape(name, found_shape[1]),
                     file.substr(begin + length)};
   if (found_order[1] == "True" && array.shape.size() > 1)
     throw InputError(name +
-                     ": is in the order of Fortran; save "
+                     ": Fortran order is not supported; save "
                      "numpy.ascontiguousarray() of it");
   RequireWhole(array);
   return array;
@@ -228,7 +227,7 @@ std::vector<NpyArray> ReadNpz(const std::string& bytes, bool may_have_others) {
       zip_open_from_source(source, ZIP_RDONLY | ZIP_CHECKCONS, &error));
   if (!archive) {
     zip_source_free(source);
-    throw InputError(fmt::format("is no whole archive of numpy.savez(): {}",
+    throw InputError(fmt::format("not a complete archive of numpy.savez(): {}",
                                  zip_error_strerror(&error)));
   }
   const std::string ending = ".npy";
@@ -255,7 +254,7 @@ std::vector<double> NpyNumbers(const NpyArray& array) {
       {"<i8", Converted<int64_t>}};
   for (const auto& [type, convert] : kinds)
     if (array.type == type) return convert(array);
-  throw InputError(array.name + ": is of a type that is not read");
+  throw InputError(array.name + ": unsupported dtype");
 }
 
 }  // namespace raygrid

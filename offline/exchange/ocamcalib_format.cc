@@ -22,7 +22,7 @@ class OcamReader {
  public:
   explicit OcamReader(const std::string& text) {
     if (FindNoUtf8(text) != std::string::npos)
-      throw InputError("not a text file");
+      throw InputError("not UTF-8 text");
     RequireSmallTree("", text, " \t\n");
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);) {
@@ -34,7 +34,7 @@ class OcamReader {
 
   double Next(const char* what) {
     if (at_ == numbers_.size())
-      throw InputError(fmt::format("ends before its {}", what));
+      throw InputError(fmt::format("truncated before {}", what));
     return numbers_[at_++];
   }
 
@@ -43,7 +43,7 @@ class OcamReader {
     const double count = Next(what);
     if (!(count >= 1 && count <= kMost) || count != std::floor(count))
       throw InputError(
-          fmt::format("{}: {:g} is no count of numbers", what, count));
+          fmt::format("{}: {:g} is not a valid count", what, count));
     std::vector<double> list;
     while (list.size() < count) list.push_back(Next(what));
     return list;
@@ -73,12 +73,12 @@ ExchangeContents ReadOcamCalib(const ReadRequest& request) {
   const OcamNumbers lens = {direct, row, column, c, d, e};
   const double determinant = c - d * e;
   if (!(std::abs(determinant) > 1e-3 && std::abs(determinant) < 1e3))
-    throw InputError("affine parameters: no stretch of an image");
+    throw InputError(
+        "affine parameters: the matrix is singular or out of range");
   ExchangeContents contents;
   contents.cameras.emplace_back().lens = NearestGrid(
       size, [&](const Eigen::Vector2d& pixel) { return lens.Direction(pixel); },
-      "its lens is a polynomial of the radius, which no lens of raygrid is",
-      &contents.remarks);
+      "the radial polynomial has no equivalent model", &contents.remarks);
   return contents;
 }
 
@@ -103,14 +103,14 @@ std::string WriteOcamCalib(const WriteRequest& request) {
       CountedReals(n.polynomial));
   add("polynomial coefficients for the inverse mapping function (world2cam)",
       CountedReals(InverseOcamPolynomial(camera)));
-  add("center: row and column, from 0 on",
+  add("center: row and column, 0-based",
       fmt::format("{} {}", RealText(n.row), RealText(n.column)));
   add("affine parameters c, d, e",
       fmt::format("{} {} {}", RealText(n.c), RealText(n.d), RealText(n.e)));
   add("image size: height and width",
       fmt::format("{} {}", written.lens.size.height, written.lens.size.width));
   if (written.fit)
-    text += fmt::format("#nearest polynomial: {}\n", LensFitText(*written.fit));
+    text += fmt::format("#fitted polynomial: {}\n", LensFitText(*written.fit));
   return text;
 }
 
@@ -129,8 +129,7 @@ Format OcamCalibFormat() {
   Format format;
   format.name = "ocamcalib";
   format.holds =
-      "calib_results.txt of OCamCalib; its polynomial and raygrid's lenses are "
-      "fitted to each other";
+      "calib_results.txt of OCamCalib; its polynomial is converted by fitting";
   format.ending = ".txt";
   format.drops_rigs = true;
   format.forms = OcamForms();

@@ -31,17 +31,17 @@ ImageSize BoardOf(const YAML::Node& root, const ReadRequest& request,
                            : num_points / width;
     if (request.board && *request.board != ImageSize{width, height})
       throw InputError(fmt::format(
-          "image_points: its board is {} x {}, not that of --board-size", width,
-          height));
+          "image_points: the board size {} x {} contradicts --board-size",
+          width, height));
     board = {width, height};
   }
   if (board.width == 0)
     throw InputError(
-        "image_points: 'board_width' is missing; import them with --board-size "
-        "COLUMNSxROWS, counting corners, as --board-size 9x6");
+        "image_points: 'board_width' is missing; give the board size in "
+        "corners, such as --board-size 9x6");
   if (int64_t{board.width} * board.height != num_points)
     throw InputError(fmt::format(
-        "image_points: {} corners of an image, while its board has {} x {}",
+        "image_points: {} corners in an image, but the board has {} x {}",
         num_points, board.width, board.height));
   return board;
 }
@@ -95,7 +95,7 @@ std::vector<BoardPose> PosesInFile(const YAML::Node& root) {
   const StoredMatrix rows =
       ParseStoredMatrix(root["extrinsic_parameters"], "extrinsic_parameters");
   if (rows.columns != 6)
-    throw InputError("extrinsic_parameters: not 6 numbers a row");
+    throw InputError("extrinsic_parameters: expected 6 numbers per row");
   std::vector<double> boards(rows.rows, 0);
   if (root["board_ids"]) {
     boards = ParseStoredMatrix(root["board_ids"], "board_ids").data;
@@ -105,7 +105,7 @@ std::vector<BoardPose> PosesInFile(const YAML::Node& root) {
     const Eigen::Map<const Eigen::Matrix<double, 6, 1>> pose(rows.data.data() +
                                                              6 * row);
     if (!(std::abs(boards[row]) < 1e6 && pose.head<3>().norm() < 1e3))
-      throw InputError("extrinsic_parameters, board_ids: no pose");
+      throw InputError("extrinsic_parameters, board_ids: invalid pose");
     poses.push_back({ImageName(root["image_names"], row),
                      static_cast<int>(boards[row]),
                      {RotationFromVector(pose.head<3>()), pose.tail<3>()}});

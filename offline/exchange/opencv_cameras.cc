@@ -22,7 +22,7 @@ std::optional<Pose> PoseInFile(const CameraKeys& keys) {
   const StoredMatrix r = ParseStoredMatrix(keys[r_key], r_key),
                      t = ParseStoredMatrix(keys[t_key], t_key);
   if (r.rows != 3 || r.columns != 3 || t.data.size() != 3)
-    throw InputError("R, T: not 3 x 3 and 3 x 1");
+    throw InputError("R, T: expected 3 x 3 and 3 x 1");
   std::vector<double> rows;
   for (int row = 0; row < 3; ++row) {
     rows.insert(rows.end(), r.data.begin() + 3 * row,
@@ -48,7 +48,7 @@ ReadLens ReadCamera(const CameraKeys& keys, const Affixes& affixes,
     const std::string xi = affixes.before + "xi" + affixes.behind;
     const std::vector<double> numbers = AllNumbers(keys[xi], xi);
     if (numbers.size() != 1)
-      throw InputError(fmt::format("{}: not one number", xi));
+      throw InputError(fmt::format("{}: expected one number", xi));
     lens.values.push_back(numbers[0]);
     RequireModelOfFile(request, *lens.form);
   }
@@ -129,7 +129,7 @@ ExchangeContents ReadTree(const YAML::Node& root, const ReadRequest& request) {
   }
   ReadNamed(root, request, 0, &contents);
   if (contents.cameras.empty())
-    throw InputError("no camera: 'camera_matrix' is missing");
+    throw InputError("contains no camera: 'camera_matrix' is missing");
   return contents;
 }
 

@@ -17,7 +17,7 @@ using opencv_file::kOmnidir;
 
 ExchangeContents ReadOpenCv(const ReadRequest& request) {
   const YAML::Node root = ParseFileStorage(request.path, request.text);
-  if (!root.IsMap()) throw InputError("no camera: no map of keys");
+  if (!root.IsMap()) throw InputError("contains no camera: expected a mapping");
   return opencv_file::ReadTree(root, request);
 }
 
@@ -78,10 +78,10 @@ Format OpenCvFormat() {
   Format format;
   format.name = "opencv";
   format.holds =
-      "FileStorage .yaml, .xml or .json: a pinhole with 4, 5, 8, 12 or 14 "
-      "coefficients, cv::fisheye or cv::omnidir; of a rig a file for each "
-      "camera, with R and T of its pose, or both of a pair as stereo_calib "
-      "has them; poses and corners of boards, also corners alone";
+      "FileStorage .yaml, .xml or .json: pinhole with 4, 5, 8, 12 or 14 "
+      "coefficients, cv::fisheye or cv::omnidir; stereo pairs as in "
+      "stereo_calib; one file per camera of a rig, with R and T; poses and "
+      "corners of boards";
   format.forms = opencv_file::OpenCvForms();
   format.holds_poses = true;
   format.takes_model = true;

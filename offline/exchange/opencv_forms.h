@@ -40,7 +40,8 @@ inline void TakeCameraMatrix(const std::vector<double>& k,
                              const std::string& name, LensInForm* lens) {
   if (k.size() != 9) throw InputError(fmt::format("{}: not 3 x 3", name));
   if (k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1)
-    throw InputError(fmt::format("{}: not fx s cx, 0 fy cy, 0 0 1", name));
+    throw InputError(
+        fmt::format("{}: expected the form fx s cx, 0 fy cy, 0 0 1", name));
   lens->values = {k[0], k[4], k[2], k[5]};
   lens->skew_px = k[1];
 }

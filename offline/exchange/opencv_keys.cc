@@ -225,7 +225,7 @@ ImageSize SizeInFile(const CameraKeys& keys, const Affixes& affixes) {
     if (!shape.empty()) {
       const YAML::Node sides = keys[shape];
       if (!sides.IsSequence() || sides.size() < 2)
-        throw InputError(fmt::format("{}: not height and width", shape));
+        throw InputError(fmt::format("{}: expected height and width", shape));
       return {SidePx(sides[1], shape), SidePx(sides[0], shape)};
     }
   }
@@ -242,7 +242,7 @@ void TakeIntrinsics(const CameraKeys& keys, const Affixes& affixes,
   for (const KeyList& names : kScalarKeys) {
     const std::string scalar = FindKey(keys, names, affixes);
     if (scalar.empty())
-      throw InputError("no camera: 'camera_matrix' is missing");
+      throw InputError("contains no camera: 'camera_matrix' is missing");
     lens->values.push_back(FiniteNumber(keys[scalar], scalar));
   }
 }
@@ -275,13 +275,12 @@ CoefficientsInFile Coefficients(const CameraKeys& keys,
     return {ScalarCoefficients(keys, affixes), false};
   if (key.empty())
     throw InputError(
-        "'distortion_coefficients' is missing; write 5 zeros if "
-        "there is no distortion");
+        "'distortion_coefficients' is missing; use 5 zeros for no distortion");
   const YAML::Node node = keys[key];
   if (node.IsNull()) return {};
   const StoredMatrix matrix = ParseStoredMatrix(node, key);
   if (std::min(matrix.rows, matrix.columns) > 1)
-    throw InputError(fmt::format("{}: neither a row nor a column", key));
+    throw InputError(fmt::format("{}: expected a row or column vector", key));
   return {matrix.data,
           node.IsSequence() && matrix.rows == 4 && matrix.columns == 1};
 }

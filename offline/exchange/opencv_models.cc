@@ -43,9 +43,8 @@ const LensForm& FormNamed(const std::string& name) {
   for (const LensForm& form : OpenCvForms())
     if (form.name == name) return form;
   throw InputError(
-      fmt::format("unknown distortion model '{}'; OpenCV's are "
-                  "opencv4, opencv5, opencv8, opencv12, opencv14, "
-                  "fisheye and omnidir",
+      fmt::format("unknown distortion model '{}'; supported are opencv4, "
+                  "opencv5, opencv8, opencv12, opencv14, fisheye and omnidir",
                   Printable(name)));
 }
 
@@ -57,7 +56,7 @@ const LensForm& FormOfCount(size_t count) {
   const auto name = names.find(count);
   if (name == names.end())
     throw InputError(fmt::format(
-        "{} distortion coefficients; OpenCV has 4, 5, 8, 12 or 14", count));
+        "{} distortion coefficients, expected 4, 5, 8, 12 or 14", count));
   return FormNamed(name->second);
 }
 
@@ -75,8 +74,9 @@ std::optional<SaidModel> ModelInFile(const CameraKeys& keys,
     const bool is_vague = said && said->word == "pinhole";
     if (said && !is_vague && said->family != family &&
         keys.Word(key) != "pinhole")
-      throw InputError(fmt::format("'{}' says {}, and '{}' {}", said->key,
-                                   TextOf(said->family), key, TextOf(family)));
+      throw InputError(fmt::format("'{}' indicates {}, but '{}' indicates {}",
+                                   said->key, TextOf(said->family), key,
+                                   TextOf(family)));
     if (!said || is_vague) said = SaidModel{family, key, keys.Word(key)};
   };
   const std::string xi = affixes.before + "xi" + affixes.behind;
@@ -114,39 +114,36 @@ const LensForm& FormSaid(const CameraKeys& keys, const Affixes& affixes,
       d.begin(), d.end(), [](double number) { return number == 0; });
   if (said && said->family == LensFamily::kOther && !is_nothing)
     throw InputError(fmt::format(
-        "'{}' is {}, which is none of OpenCV's: a pinhole, fisheye and omnidir",
+        "'{}' is {}, but only pinhole, fisheye and omnidir are supported",
         said->key, Printable(said->word)));
   if (said && said->family == LensFamily::kOmni) {
     if (!keys.Has(affixes.before + "xi" + affixes.behind))
-      throw InputError("'xi' of the omnidirectional camera is missing");
+      throw InputError("missing 'xi' of the omnidirectional camera");
     return FormNamed(kOmnidir);
   }
   const LensForm* const wanted =
       request.form.empty() ? nullptr : &FormNamed(request.form);
   if (said && wanted && (wanted->name == kFisheye) != is_fisheye)
     throw InputError(fmt::format(
-        "--model {}: the file says its model itself, '{}' {}; leave the option "
-        "out",
+        "--model {}: the file specifies its model, '{}' {}; omit the option",
         request.form, said->key, Printable(said->word)));
   if (wanted && wanted->name != kFisheye) {
     TrimCoefficients(wanted->parameters.size() - 4, &d);
     if (d.size() + 4 != wanted->parameters.size())
-      throw InputError(fmt::format(
-          "--model {}: the file has {} distortion coefficients; leave the "
-          "option out",
-          request.form, d.size()));
+      throw InputError(
+          fmt::format("--model {}: the file has {} distortion coefficients; "
+                      "omit the option",
+                      request.form, d.size()));
   }
   is_fisheye = is_fisheye || (wanted && wanted->name == kFisheye);
   if (!said && !wanted && d.size() == 4) {
     is_fisheye = coefficients->is_fisheye_column || skew_px != 0;
     remarks->push_back(
         is_fisheye
-            ? "its 4 coefficients are assumed to be k1, k2, k3, k4 of "
-              "cv::fisheye, which writes such a column, or a skew; if they are "
-              "those of a pinhole, import with --model opencv4"
-            : "its 4 coefficients are assumed to be k1, k2, p1, p2 of a "
-              "pinhole; if they are those of cv::fisheye, import with --model "
-              "fisheye");
+            ? "assuming k1, k2, k3, k4 of cv::fisheye, because of the column "
+              "vector or the skew; for a pinhole camera use --model opencv4"
+            : "assuming k1, k2, p1, p2 of a pinhole camera; for cv::fisheye "
+              "use --model fisheye");
   }
   if (is_fisheye) {
     TrimCoefficients(4, &d);

@@ -49,9 +49,9 @@ Json ParsePhotonJson(const std::string& text) {
   try {
     return Json::parse(text, keeps);
   } catch (const Json::parse_error& error) {
-    throw InputError(fmt::format("no JSON at byte {}", error.byte));
+    throw InputError(fmt::format("invalid JSON at byte {}", error.byte));
   } catch (const Json::out_of_range&) {
-    throw InputError("has a number that is too large");
+    throw InputError("number too large");
   }
 }
 
@@ -64,13 +64,14 @@ const Json& ValueAt(const Json& map, const std::string& key) {
 
 double FiniteJson(const Json& node, const std::string& name) {
   if (!node.is_number() || !std::isfinite(node.get<double>()))
-    throw InputError(fmt::format("{}: no finite number", name));
+    throw InputError(fmt::format("{}: expected a finite number", name));
   return node.get<double>();
 }
 
 const Json& ListAt(const Json& map, const std::string& key) {
   const Json& list = ValueAt(map, key);
-  if (!list.is_array()) throw InputError(fmt::format("{}: no list", key));
+  if (!list.is_array())
+    throw InputError(fmt::format("{}: expected a list", key));
   return list;
 }
 
@@ -81,7 +82,7 @@ int PhotonSidePx(const Json& root, const char* key) {
   const double side =
       FiniteJson(ValueAt(ValueAt(root, kPhotonSize), key), name);
   if (!(side >= 1 && side <= 1e6) || side != std::floor(side))
-    throw InputError(fmt::format("{}: no size of an image", name));
+    throw InputError(fmt::format("{}: invalid image size", name));
   return static_cast<int>(side);
 }
 
@@ -102,7 +103,7 @@ void RequireOpenCvLens(const Json& root) {
   const Json& model = ValueAt(root, kLensModel);
   if (model.is_null() || model == kOpenCvLens) return;
   throw InputError(
-      fmt::format("{}: '{}' is none that raygrid has; {} is", kLensModel,
+      fmt::format("{}: unsupported model '{}'; supported is {}", kLensModel,
                   model.is_string() ? Printable(model.get<std::string>()) : "",
                   kOpenCvLens));
 }
@@ -115,9 +116,8 @@ LensInForm ReadPhotonLens(const Json& root) {
   std::vector<double> coefficients = PhotonCoefficients(root);
   if (coefficients.size() == 4) coefficients.push_back(0);
   if (coefficients.size() != 5 && coefficients.size() != 8)
-    throw InputError(
-        fmt::format("{} distortion coefficients; PhotonVision has 5 or 8",
-                    coefficients.size()));
+    throw InputError(fmt::format("{} distortion coefficients, expected 5 or 8",
+                                 coefficients.size()));
   lens.form = &PhotonVisionForms()[coefficients.size() == 8];
   lens.values.insert(lens.values.end(), coefficients.begin(),
                      coefficients.end());
@@ -171,7 +171,7 @@ std::vector<PhotonCorner> CornersOf(const Json& view, PhotonCounts* counts) {
   const Json &places = ListAt(view, kObjectPoints),
              &pixels = ListAt(view, kImagePoints);
   if (places.size() != pixels.size())
-    throw InputError(fmt::format("{} has {} points, and {} has {}",
+    throw InputError(fmt::format("{} has {} points, but {} has {}",
                                  kObjectPoints, places.size(), kImagePoints,
                                  pixels.size()));
   std::vector<PhotonCorner> corners;
@@ -265,9 +265,10 @@ Eigen::Vector2i PlaceOf(const PhotonCorner& corner, double spacing) {
   const Eigen::Vector2d whole = exact.array().round();
   if (!((exact - whole).cwiseAbs().maxCoeff() < kMostOff) ||
       !(whole.cwiseAbs().maxCoeff() <= kFarthestCorner))
-    throw InputError(fmt::format(
-        "{}: ({:g}, {:g}) is no corner of a board with {} {:g}", kObjectPoints,
-        corner.on_board.x(), corner.on_board.y(), kSpacing, spacing));
+    throw InputError(
+        fmt::format("{}: ({:g}, {:g}) is not a corner of a board with {} {:g}",
+                    kObjectPoints, corner.on_board.x(), corner.on_board.y(),
+                    kSpacing, spacing));
   return whole.cast<int>();
 }
 
@@ -289,8 +290,7 @@ void RequireDistinct(const std::vector<Feature>& features,
     if (std::min(feature.column, feature.row) < 0 ||
         !places.insert({feature.column, feature.row}).second)
       throw InputError(fmt::format(
-          "{} of '{}': corner ({}, {}) of the board "
-          "stands there twice, or is none",
+          "{} of '{}': corner ({}, {}) is a duplicate or not on the board",
           kObservations, Printable(image), feature.column, feature.row));
 }
 
@@ -316,13 +316,13 @@ void AddPhotonViews(const Json& root, ExchangeContents* contents) {
   const auto remark = [&](size_t count, const char* what) {
     if (count > 0)
       contents->remarks.push_back(fmt::format(
-          "{} that its solver left out: not taken", CountText(count, what)));
+          "ignored {} that its solver had rejected", CountText(count, what)));
   };
   remark(counts.left_out, "corner");
   remark(counts.skipped, "image");
   if (!first.isZero())
     contents->remarks.push_back(
-        "its boards' poses are not taken: corners begin a square from the "
+        "board poses are ignored: the first corner is one square from the "
         "board's origin");
 }
 
@@ -380,8 +380,8 @@ Format PhotonVisionFormat() {
   Format format;
   format.name = "photonvision";
   format.holds =
-      "calibration .json: a pinhole with 5 or 8 of OpenCV's coefficients; of "
-      "a rig a file for each camera; corners and poses of boards come in";
+      "calibration .json: pinhole with 5 or 8 OpenCV coefficients; one file "
+      "per camera of a rig; corners and poses of boards are imported";
   format.forms = PhotonVisionForms();
   format.ending = ".json";
   format.drops_rigs = true;

@@ -26,8 +26,7 @@ std::string WithoutSpaces(const std::string& text) {
 
 void RequireText(const std::string& text) {
   RequireSmallTree("", text, "\n,:[{? \t");
-  if (FindNoUtf8(text) != std::string::npos)
-    throw InputError("not a text file");
+  if (FindNoUtf8(text) != std::string::npos) throw InputError("not UTF-8 text");
 }
 
 // A line without its comment, and how many brackets it leaves open.
@@ -73,10 +72,9 @@ class TreeMap {
   TreeMap& operator=(const TreeMap&) = delete;
 
   void Add(const std::string& key, const YAML::Node& value, int line) {
-    if (key.empty()) RefuseLine(line, "a key is missing");
+    if (key.empty()) RefuseLine(line, "missing key");
     if (!keys_.insert(key).second)
-      RefuseLine(line,
-                 fmt::format("'{}' stands twice; keep one", Printable(key)));
+      RefuseLine(line, fmt::format("duplicate key '{}'", Printable(key)));
     node_.force_insert(key, value);
   }
   bool Has(const std::string& key) const { return keys_.count(key) > 0; }
@@ -103,19 +101,21 @@ YAML::Node ParseToml(const std::string& text) {
     const size_t equals = statement.find('=');
     if (statement[0] == '[') {
       if (statement.back() != ']' || statement[1] == '[')
-        RefuseLine(number, "no table; arrays of tables are not taken");
+        RefuseLine(number,
+                   "expected a table; arrays of tables are not supported");
       table.emplace();
       root.Add(
           Unquoted(WithoutSpaces(statement.substr(1, statement.size() - 2))),
           table->node(), number);
       continue;
     }
-    if (equals == std::string::npos) RefuseLine(number, "no 'KEY = VALUE'");
+    if (equals == std::string::npos)
+      RefuseLine(number, "expected 'KEY = VALUE'");
     while (depth > 0 && std::getline(lines, line)) {
       statement += " " + WithoutSpaces(WithoutComment(line, &depth));
       ++number;
     }
-    if (depth != 0) RefuseLine(first, "a bracket is not closed");
+    if (depth != 0) RefuseLine(first, "unclosed bracket");
     (table ? *table : root)
         .Add(Unquoted(WithoutSpaces(statement.substr(0, equals))),
              TomlValue(statement.substr(equals + 1), first), first);
@@ -132,7 +132,8 @@ YAML::Node ParseKeyLines(const std::string& text) {
     const std::string words_of_line = WithoutSpaces(line);
     if (words_of_line.empty() || words_of_line[0] == '#') continue;
     const size_t colon = line.find(':');
-    if (colon == std::string::npos) RefuseLine(number, "no 'KEY: NUMBERS'");
+    if (colon == std::string::npos)
+      RefuseLine(number, "expected 'KEY: NUMBERS'");
     YAML::Node list(YAML::NodeType::Sequence);
     std::istringstream words(line.substr(colon + 1));
     for (std::string word; words >> word;) list.push_back(word);

@@ -70,10 +70,10 @@ FeatureTable ReadPuzzlepaintDataset(const std::string& path,
 double CellOf(const Board& board) {
   constexpr double kRounding = 1e-6;  // of the points of pattern.yaml
   if (board.kind == "aprilgrid")
-    throw InputError(fmt::format(
-        "board {}: the features of an aprilgrid lie in no lattice of equal "
-        "cells, which puzzlepaint has",
-        board.id));
+    throw InputError(
+        fmt::format("board {}: puzzlepaint requires a regular lattice of "
+                    "features, which an AprilGrid does not have",
+                    board.id));
   if (board.kind != "points") return board.square_m;
   const double cell =
       board.columns > 1 && !board.points.empty() ? board.points[1].x() : 0;
@@ -83,10 +83,10 @@ double CellOf(const Board& board) {
              cell * Eigen::Vector3d(column, row, 0))
                 .norm() <= kRounding) ||
           !(cell > 0))
-        throw InputError(fmt::format(
-            "board {}: its points lie in no lattice of equal cells, which "
-            "puzzlepaint has; give the board as it was drawn",
-            board.id));
+        throw InputError(
+            fmt::format("board {}: puzzlepaint requires a regular lattice of "
+                        "features; use the nominal target geometry",
+                        board.id));
   return cell;
 }
 
@@ -119,8 +119,8 @@ std::vector<PuzzlepaintFeature> FeaturesOfImage(const FeatureIds& ids,
     const auto id = ids.find({feature.board, feature.column, feature.row});
     if (id == ids.end())
       throw InputError(fmt::format(
-          "image '{}': feature ({}, {}) of board {} is on a tag; give the "
-          "pattern that was detected with",
+          "image '{}': feature ({}, {}) of board {} is on a tag; use the "
+          "pattern that the features were detected with",
           Printable(image.image), feature.column, feature.row, feature.board));
     features.push_back(
         {ToProgram(kPuzzlepaintOrigin, size, feature.pixel).cast<float>(),
@@ -195,9 +195,8 @@ TableFormat PuzzlepaintDatasetFormat() {
   TableFormat format;
   format.name = "puzzlepaint-dataset";
   format.holds =
-      "dataset.bin of the generic model's authors (puzzlepaint's "
-      "camera_calibration): features of boards, and the boards' lattices; a "
-      "rig's cameras together";
+      "dataset.bin of puzzlepaint's camera_calibration: features and target "
+      "geometry of all cameras";
   format.options = {"pattern", "image-size"};
   format.write_features = WritePuzzlepaintDataset;
   format.recognizes = IsPuzzlepaintDataset;

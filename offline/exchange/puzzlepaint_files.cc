@@ -41,8 +41,7 @@ ImageSize GetImageSize(ByteReader* reader) {
   const auto width = GetWhole<uint32_t>(reader),
              height = GetWhole<uint32_t>(reader);
   if (width < 1 || height < 1 || width > kLongestPx || height > kLongestPx)
-    throw InputError(
-        fmt::format("images of {} x {} pixels are none", width, height));
+    throw InputError(fmt::format("invalid image size {} x {}", width, height));
   return {static_cast<int>(width), static_cast<int>(height)};
 }
 
@@ -54,7 +53,7 @@ PuzzlepaintFeature GetFeature(ByteReader* reader, const ImageSize& size) {
   if (feature.pixel.minCoeff() < 0 || feature.pixel.x() > size.width ||
       feature.pixel.y() > size.height)
     throw InputError(fmt::format(
-        "feature {} at ({:g}, {:g}) lies outside the {} x {} image", feature.id,
+        "feature {} at ({:g}, {:g}) is outside the {} x {} image", feature.id,
         feature.pixel.x(), feature.pixel.y(), size.width, size.height));
   return feature;
 }
@@ -75,13 +74,14 @@ PuzzlepaintImageset GetImageset(ByteReader* reader,
 void AddPlace(int32_t id, int32_t column, int32_t row,
               PuzzlepaintGeometry* geometry) {
   if (id < 0)
-    throw InputError(fmt::format("feature {} of a board: below 0", id));
+    throw InputError(
+        fmt::format("feature {} of a board: must not be negative", id));
   if (std::min(column, row) < 0 || std::max(column, row) >= kMostAlongBoard)
     throw InputError(
-        fmt::format("feature {}: column {} and row {} are not 0 to {}", id,
+        fmt::format("feature {}: column {} and row {} must be 0 to {}", id,
                     column, row, kMostAlongBoard - 1));
   if (!geometry->places.emplace(id, Eigen::Vector2i(column, row)).second)
-    throw InputError(fmt::format("feature {} stands twice on its board", id));
+    throw InputError(fmt::format("duplicate feature {} on its board", id));
 }
 
 PuzzlepaintGeometry GetGeometry(ByteReader* reader) {
@@ -90,8 +90,9 @@ PuzzlepaintGeometry GetGeometry(ByteReader* reader) {
   PuzzlepaintGeometry geometry;
   geometry.cell_m = reader->GetFinite<float>();
   if (!(geometry.cell_m >= kLeastM && geometry.cell_m <= kMostM))
-    throw InputError(fmt::format("cells of {:g} m are none: {:g} to {:g} m are",
-                                 geometry.cell_m, kLeastM, kMostM));
+    throw InputError(
+        fmt::format("cell size {:g} m is out of range, {:g} to {:g} m",
+                    geometry.cell_m, kLeastM, kMostM));
   for (auto count = GetCount(reader, kPlaceBytes); count > 0; --count) {
     const auto id = GetWhole<int32_t>(reader),
                column = GetWhole<int32_t>(reader),
@@ -114,16 +115,16 @@ void RequireBoards(const std::vector<PuzzlepaintGeometry>& geometries) {
         throw InputError(fmt::format("feature {} is on two boards", id));
       if (!places.insert({place.x(), place.y()}).second)
         throw InputError(
-            fmt::format("board {}: column {} and row {} have two features", k,
+            fmt::format("board {}: duplicate feature at column {}, row {}", k,
                         place.x(), place.y()));
       size = size.cwiseMax(place + Eigen::Vector2i(1, 1));
     }
     if (places.empty())
-      throw InputError(fmt::format("board {}: has no feature", k));
+      throw InputError(fmt::format("board {}: has no features", k));
     num_points += size.prod();
     if (num_points > kMostBoardPoints)
-      throw InputError(fmt::format(
-          "its boards have more than {} columns times rows", kMostBoardPoints));
+      throw InputError(fmt::format("its boards have more than {} features",
+                                   kMostBoardPoints));
   }
 }
 
@@ -144,9 +145,10 @@ void RequireKnownFeatures(const PuzzlepaintDataset& dataset) {
       for (const PuzzlepaintFeature& feature : cameras[c]) {
         if (known.count(feature.id) == 0)
           throw InputError(PlaceOfFeature(i, c, feature.id) +
-                           " is on none of its known geometries");
+                           " is not in its known geometries");
         if (!seen.insert(feature.id).second)
-          throw InputError(PlaceOfFeature(i, c, feature.id) + " stands twice");
+          throw InputError(PlaceOfFeature(i, c, feature.id) +
+                           " is a duplicate");
       }
     }
   }
@@ -166,20 +168,21 @@ void AppendCount(size_t count, std::string* bytes) {
 int WholeNumber(const YAML::Node& node, const std::string& name, int most) {
   const double number = FiniteNumber(node, name);
   if (!(number >= 0 && number <= most) || number != std::floor(number))
-    throw InputError(fmt::format("{}: no whole number of 0 to {}", name, most));
+    throw InputError(
+        fmt::format("{}: expected an integer from 0 to {}", name, most));
   return static_cast<int>(number);
 }
 
 YAML::Node LoadMap(const std::string& path, const std::string& text) {
   RequireYamlFile(path, text);
   YAML::Node root = YAML::Load(text);
-  if (!root.IsMap()) throw InputError("no map of keys");
+  if (!root.IsMap()) throw InputError("expected a mapping");
   return root;
 }
 
 void RequireList(const YAML::Node& node, const std::string& name) {
   if (!node.IsDefined() || !(node.IsSequence() || node.IsNull()))
-    throw InputError(fmt::format("{}: no list", name));
+    throw InputError(fmt::format("{}: expected a list", name));
 }
 
 Pose PoseOfNode(const YAML::Node& node, const std::string& name) {
@@ -217,14 +220,15 @@ PuzzlepaintDataset DecodePuzzlepaintDataset(const std::string& bytes) {
   constexpr size_t kSizeBytes = 8, kCountBytes = 4;
   ByteReader reader(bytes);
   if (reader.GetText(sizeof(kDatasetMagic) - 1) != kDatasetMagic)
-    throw InputError(fmt::format("does not begin with {}", kDatasetMagic));
+    throw InputError(
+        fmt::format("wrong signature, expected {}", kDatasetMagic));
   if (const auto version = GetWhole<uint32_t>(&reader); version != 0)
     throw InputError(
-        fmt::format("is of version {}; version 0 is taken", version));
+        fmt::format("unsupported version {}, expected 0", version));
   PuzzlepaintDataset dataset;
   for (auto count = GetCount(&reader, kSizeBytes); count > 0; --count)
     dataset.image_sizes.push_back(GetImageSize(&reader));
-  if (dataset.image_sizes.empty()) throw InputError("has no camera");
+  if (dataset.image_sizes.empty()) throw InputError("contains no camera");
   for (auto count = GetCount(&reader, kCountBytes); count > 0; --count)
     dataset.imagesets.push_back(GetImageset(&reader, dataset.image_sizes));
   for (auto count = GetCount(&reader, kCountBytes); count > 0; --count)
@@ -289,13 +293,13 @@ PuzzlepaintPoses ParsePuzzlepaintPoses(const std::string& path,
   int k = 0;
   for (const YAML::Node& node : root["poses"]) {
     const std::string name = fmt::format("poses[{}]", k++);
-    if (!node.IsMap()) throw InputError(name + ": no map of keys");
+    if (!node.IsMap()) throw InputError(name + ": expected a mapping");
     const int index = WholeNumber(node["index"], name + ": index", kMostPoses);
     if (index >= poses.count)
-      throw InputError(fmt::format("{}: index {}, and pose_count is {}", name,
+      throw InputError(fmt::format("{}: index {} exceeds pose_count {}", name,
                                    index, poses.count));
     if (!poses.poses.emplace(index, PoseOfNode(node, name)).second)
-      throw InputError(fmt::format("{}: index {} stands twice", name, index));
+      throw InputError(fmt::format("{}: index {} is a duplicate", name, index));
   }
   return poses;
 }
@@ -328,19 +332,19 @@ std::map<int, Eigen::Vector3d> ParsePuzzlepaintPoints(const std::string& path,
   const YAML::Node root = LoadMap(path, text);
   const std::vector<double> numbers = FiniteNumbers(root["points"], "points");
   if (numbers.size() % 3 != 0)
-    throw InputError("points: numbers that are not x, y, z of each");
+    throw InputError("points: expected x, y, z of each");
   const YAML::Node list = root["feature_id_to_point_index"];
   RequireList(list, "feature_id_to_point_index");
   constexpr int kMostIds = 1 << 30;
   std::map<int, Eigen::Vector3d> points;
   for (const YAML::Node& item : list) {
     if (!item.IsMap())
-      throw InputError("feature_id_to_point_index: no map of keys");
+      throw InputError("feature_id_to_point_index: expected a mapping");
     const int id = WholeNumber(item["feature_id"], "feature_id", kMostIds),
               index = WholeNumber(item["point_index"], "point_index", kMostIds);
     if (static_cast<size_t>(index) >= numbers.size() / 3)
-      throw InputError(fmt::format("point_index {}: there are {} points", index,
-                                   numbers.size() / 3));
+      throw InputError(fmt::format("point_index {}: out of range, {} points",
+                                   index, numbers.size() / 3));
     points[id] = {numbers[3 * index], numbers[3 * index + 1],
                   numbers[3 * index + 2]};
   }

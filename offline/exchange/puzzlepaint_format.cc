@@ -41,14 +41,14 @@ const LensForm& FormOfType(const YAML::Node& root) {
     name.replace(at, std::string::npos, "Model");
   for (const LensForm& form : PuzzlepaintForms())
     if (form.name == name) return form;
-  throw InputError(fmt::format("type '{}' is not taken; {} and {} are",
+  throw InputError(fmt::format("unsupported type '{}'; supported are {} and {}",
                                Printable(type), kCentral, kLines));
 }
 
 int PixelNumber(const YAML::Node& root, const std::string& name, int side) {
   const double number = FiniteNumber(root[name], name);
   if (!(number >= 0 && number < side) || number != std::floor(number))
-    throw InputError(fmt::format("{}: no pixel of the image", name));
+    throw InputError(fmt::format("{}: not a pixel of the image", name));
   return static_cast<int>(number);
 }
 
@@ -59,7 +59,7 @@ UnitGrid::Bounds BoundsInFile(const YAML::Node& root, const ImageSize& size) {
       PixelNumber(root, "calibration_max_x", size.width),
       PixelNumber(root, "calibration_max_y", size.height)};
   if (bounds.min_x >= bounds.max_x || bounds.min_y >= bounds.max_y)
-    throw InputError("calibration_min and calibration_max: no area");
+    throw InputError("calibration_min and calibration_max: empty area");
   return bounds;
 }
 
@@ -67,7 +67,7 @@ int GridSide(const YAML::Node& root, const std::string& name) {
   constexpr int kLeast = 4, kMost = 1027;
   const double side = FiniteNumber(root[name], name);
   if (!(side >= kLeast && side <= kMost) || side != std::floor(side))
-    throw InputError(fmt::format("{}: not {} to {}", name, kLeast, kMost));
+    throw InputError(fmt::format("{}: must be {} to {}", name, kLeast, kMost));
   return static_cast<int>(side);
 }
 
@@ -88,7 +88,7 @@ std::vector<Eigen::Vector3d> DirectionsOf(const YAML::Node& root,
   std::vector<Eigen::Vector3d> directions = VectorsOf(root, name, count);
   for (Eigen::Vector3d& direction : directions) {
     if (!(direction.norm() > 1e-6))
-      throw InputError(fmt::format("{}: a direction of length 0", name));
+      throw InputError(fmt::format("{}: zero-length direction", name));
     direction.normalize();
   }
   return directions;
@@ -133,8 +133,8 @@ LensInForm ReadPuzzlepaintLens(const YAML::Node& root,
   const LensFit fit = MeasureLens(grid, nullptr, *lens.grid, *lens.form,
                                   Eigen::Quaterniond::Identity());
   remarks->push_back(
-      "its grid is of unit vectors, raygrid's of stereographic coordinates; "
-      "the nearest of these leaves " +
+      "converted from a grid of unit vectors to stereographic coordinates with "
+      "fit error " +
       LensFitText(fit));
   return lens;
 }
@@ -169,7 +169,7 @@ std::string WritePuzzlepaint(const WriteRequest& request) {
     if (!words.empty())
       text += fmt::format("# raygrid's {} {}\n", what, Printable(words));
   if (camera.fit)
-    text += fmt::format("# The nearest {}: {}\n", camera.lens.form->name,
+    text += fmt::format("# Fitted {}: {}\n", camera.lens.form->name,
                         LensFitText(*camera.fit));
   text += fmt::format(
       "type : {}\nwidth : {}\nheight : {}\n{} : {}\ncalibration_min_y : {}\n"
@@ -190,8 +190,8 @@ std::vector<BesideFile> WriteStateOfOne(const WriteRequest& request) {
   if (request.cameras.front().poses.empty()) return {};
   if (IndexOfCameraFile(request.path) != 0)
     throw Error(ExitCode::kUsage,
-                fmt::format("-o {}: with --poses the camera's file is "
-                            "intrinsics0.yaml, which the program looks for",
+                fmt::format("-o {}: with --poses the camera file must be named "
+                            "intrinsics0.yaml",
                             request.path));
   return WriteState(request.path, request.cameras, request.beside);
 }
@@ -226,10 +226,9 @@ Format PuzzlepaintFormat() {
   Format format;
   format.name = "puzzlepaint";
   format.holds =
-      "intrinsics0.yaml of the generic model's authors (puzzlepaint's "
-      "camera_calibration): central and noncentral grids; of a rig the folder "
-      "of a state, with a file for each camera and camera_tr_rig.yaml; poses "
-      "of one board as rig_tr_global.yaml";
+      "intrinsics0.yaml of puzzlepaint's camera_calibration: central and "
+      "noncentral generic models; a rig as a state folder with "
+      "camera_tr_rig.yaml; poses of a board as rig_tr_global.yaml";
   format.forms = PuzzlepaintForms();
   format.holds_poses = true;
   format.recognizes = [](const std::string& text) {

@@ -18,7 +18,7 @@ int CountIn(const YAML::Node& node, const std::string& name, int least,
             int most) {
   const double count = FiniteNumber(node, name);
   if (!(count >= least && count <= most) || count != std::floor(count))
-    throw InputError(fmt::format("{}: not {} to {}", name, least, most));
+    throw InputError(fmt::format("{}: must be {} to {}", name, least, most));
   return static_cast<int>(count);
 }
 
@@ -26,7 +26,7 @@ int CountIn(const YAML::Node& node, const std::string& name, int least,
 // the pattern's edge, which tags count from.
 BoardTag ReadPatternTag(const YAML::Node& node, const std::string& name) {
   constexpr int kMostSquares = 1001, kMostId = 586;
-  if (!node.IsMap()) throw InputError(name + ": no map of keys");
+  if (!node.IsMap()) throw InputError(name + ": expected a mapping");
   const auto number = [&](const char* key, int most) {
     return CountIn(node[key], fmt::format("{}: {}", name, key), 0, most);
   };
@@ -36,7 +36,7 @@ BoardTag ReadPatternTag(const YAML::Node& node, const std::string& name) {
   tag.row = number("tag_y", kMostSquares) - 1;
   tag.squares = number("width", kMostSquares);
   if (number("height", kMostSquares) != tag.squares)
-    throw InputError(name + ": width and height differ; tags are squares");
+    throw InputError(name + ": width and height of a tag must be equal");
   return tag;
 }
 
@@ -44,7 +44,7 @@ ExchangeContents ReadPuzzlepaintPattern(const ReadRequest& request) {
   constexpr int kLeastSquares = 3, kMostSquares = 1001;
   RequireYamlFile(request.path, request.text);
   const YAML::Node root = YAML::Load(request.text);
-  if (!root.IsMap()) throw InputError("no pattern: no map of keys");
+  if (!root.IsMap()) throw InputError("not a pattern: expected a mapping");
   Board board;
   board.kind = "star";
   const auto features = [&](const char* key) {
@@ -57,8 +57,7 @@ ExchangeContents ReadPuzzlepaintPattern(const ReadRequest& request) {
       FiniteNumber(root["square_length_in_meters"], "square_length_in_meters");
   const YAML::Node tags = root["apriltags"];
   if (!tags || !tags.IsSequence() || tags.size() == 0)
-    throw InputError(
-        "apriltags: no list with a tag, by which boards are found");
+    throw InputError("apriltags: must list at least one tag");
   for (const YAML::Node& tag : tags)
     board.tags.push_back(
         ReadPatternTag(tag, fmt::format("apriltags[{}]", board.tags.size())));
@@ -73,8 +72,8 @@ Format PuzzlepaintPatternFormat() {
   Format format;
   format.name = "puzzlepaint-pattern";
   format.holds =
-      "the file beside a printed pattern of puzzlepaint's "
-      "camera_calibration: a star board, which becomes pattern.yaml; no camera";
+      "pattern description of puzzlepaint's camera_calibration: a star board, "
+      "imported as pattern.yaml";
   format.recognizes = [](const std::string& text) {
     return text.find(fmt::format("{}:", kStarSegments)) != std::string::npos;
   };

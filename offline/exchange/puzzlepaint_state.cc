@@ -81,8 +81,8 @@ std::optional<Pose> WorldFromBoard(
       std::sqrt(static_cast<double>(count));
   if (!(off_m < geometry.cell_m))
     throw InputError(fmt::format(
-        "points.yaml: its points are {:g} m off the board of dataset.bin, "
-        "whose cells are {:g} m; give both of one calibration",
+        "points.yaml: its points deviate by {:g} m from the board in "
+        "dataset.bin (cell size {:g} m); both must be of the same calibration",
         off_m, geometry.cell_m));
   return Pose{Eigen::Quaterniond(Eigen::Matrix3d(pose.topLeftCorner<3, 3>()))
                   .normalized(),
@@ -205,8 +205,8 @@ std::string RigPosesText(const std::vector<WrittenLens>& cameras,
       const auto number = images.numbers.find(pose.image);
       if (number == images.numbers.end())
         throw InputError(
-            fmt::format("--poses: image '{}' is not in {}; write into another "
-                        "folder, or export the features there first",
+            fmt::format("--poses: image '{}' is not in {}; use another folder, "
+                        "or export the features there first",
                         Printable(pose.image), dataset_path));
       poses.poses.emplace(number->second,
                           camera.camera_from_rig.value_or(Pose{}).Inverse() *
@@ -280,26 +280,24 @@ void TakeState(const ReadRequest& request, ReadLens* camera,
   if (!state.camera_from_rig) {
     if (state.rig_from_world)
       remarks->push_back(
-          "rig_tr_global.yaml is not taken without camera_tr_rig.yaml");
+          "rig_tr_global.yaml is ignored without camera_tr_rig.yaml");
     return;
   }
   const auto own = state.camera_from_rig->poses.find(index);
   if (own == state.camera_from_rig->poses.end()) {
     remarks->push_back(
-        fmt::format("camera_tr_rig.yaml has no pose of camera {}", index));
+        fmt::format("missing pose of camera {} in camera_tr_rig.yaml", index));
     return;
   }
   camera->camera_from_rig = own->second;
   if (!state.rig_from_world) return;
   if (state.dataset && !IsDatasetOf(state, index))
     remarks->push_back(
-        "dataset.bin has other images or cameras than the poses; images are "
-        "named by their numbers");
+        "dataset.bin does not match the poses; images are named by number");
   if (state.dataset && state.dataset->geometries.size() > 1 &&
       state.points.empty())
     remarks->push_back(
-        "its world has several boards; without points.yaml its poses are "
-        "assumed to be those of board 0");
+        "several boards but no points.yaml: assuming poses of board 0");
   camera->poses = PosesOfCamera(state, index, own->second);
 }
 

@@ -116,9 +116,9 @@ Format PythonFormat() {
   Format format;
   format.name = "python";
   format.holds =
-      "a dictionary of Python as .json, .yaml, .toml or .npz: K, mtx or "
-      "camera_matrix, and D, dist or dist_coeffs of OpenCV's models, of one "
-      "camera or by the names of several";
+      "Python dictionary as .json, .yaml, .toml or .npz: K, mtx or "
+      "camera_matrix, and D, dist or dist_coeffs of OpenCV models, for one "
+      "camera or by camera name";
   format.forms = opencv_file::OpenCvForms();
   format.takes_model = true;
   format.recognizes = [](const std::string& text) {

@@ -85,10 +85,9 @@ LensInForm LensOfRadial(const std::string& name, const ImageSize& size,
                         const RadialLens& lens,
                         std::vector<std::string>* remarks) {
   if (size == ImageSize{})
-    throw InputError(
-        "the size of the images is missing; import it with --image-size WxH");
+    throw InputError("missing image size; give --image-size WxH");
   if (!(lens.focal_px.minCoeff() > 0))
-    throw InputError("a focal length is not above 0");
+    throw InputError("focal lengths must be positive");
   const std::array<double, 4>& c = lens.coefficients;
   const bool is_named = lens.projection == RadialProjection::kRectilinear ||
                         lens.projection == RadialProjection::kEquidistant;
@@ -107,7 +106,7 @@ LensInForm LensOfRadial(const std::string& name, const ImageSize& size,
         const Eigen::Vector2d side = seen * (std::sin(*angle) / radius);
         return Eigen::Vector3d(side.x(), side.y(), std::cos(*angle));
       },
-      fmt::format("its lens, {}, is none of raygrid's", name), remarks);
+      fmt::format("{} has no equivalent model", name), remarks);
 }
 
 }  // namespace raygrid

@@ -60,14 +60,12 @@ void RequireCameraAxes(const RayTable& rays,
     lowest = std::min(lowest, sample.direction.z());
   }
   if (samples.size() < kFewest)
-    throw InputError(
-        fmt::format("{}: has directions of {} pixels, too few for "
-                    "a camera",
-                    rays.path, samples.size()));
+    throw InputError(fmt::format("{}: too few directions ({}) for a camera",
+                                 rays.path, samples.size()));
   if (!(mean.z() > 0) || lowest < kBackwards)
     throw InputError(
-        fmt::format("{}: directions look backwards; axes are x to "
-                    "the right, y down, z forward",
+        fmt::format("{}: directions point backwards; axes must be x right, y "
+                    "down, z forward",
                     rays.path));
 }
 
@@ -85,8 +83,8 @@ std::string ModelOfTable(const std::string& model,
     return IsCentralTable(samples) ? kCentralModel : kNonCentralModel;
   if (model == kCentralModel || model == kNonCentralModel) return model;
   throw Error(ExitCode::kUsage,
-              fmt::format("--model {}: rays become {} or {}; 'raygrid fit' "
-                          "makes other models of these",
+              fmt::format("--model {}: rays can be imported as {} or {} only; "
+                          "convert with 'raygrid fit'",
                           model, kCentralModel, kNonCentralModel));
 }
 
@@ -111,8 +109,8 @@ std::unique_ptr<CameraModel> FitGridTo(const RayTable& rays,
       surface([](const RaySample& ray) { return ToChart(ray.direction); });
   if (MostlyHandedness(directions) < 0)
     throw InputError(
-        fmt::format("{}: its image is mirrored; axes are x to the right, y "
-                    "down, z forward, and t of an STMap counts from below",
+        fmt::format("{}: the image is mirrored; axes must be x right, y down, "
+                    "z forward, and t of an STMap increases upwards",
                     rays.path));
   if (is_central)
     return std::make_unique<CentralGeneric>(rays.image_size, directions);

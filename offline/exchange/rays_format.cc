@@ -57,8 +57,8 @@ const NpyArray* FindArray(const std::vector<NpyArray>& arrays,
 
 std::vector<double> NumbersOf(const NpyArray& array, size_t num_axes) {
   if (array.shape.size() != num_axes)
-    throw InputError(fmt::format("{}: has {} axes instead of {}", array.name,
-                                 array.shape.size(), num_axes));
+    throw InputError(fmt::format("{}: has {} dimensions instead of {}",
+                                 array.name, array.shape.size(), num_axes));
   return NpyNumbers(array);
 }
 
@@ -67,9 +67,9 @@ std::vector<Eigen::Vector3d> VectorsOf(const NpyArray& array, size_t rows,
                                        size_t columns) {
   const std::vector<double> numbers = NumbersOf(array, 3);
   if (array.shape != std::vector<size_t>{rows, columns, 3})
-    throw InputError(fmt::format("{}: is {} x {} x {} instead of {} x {} x 3",
-                                 array.name, array.shape[0], array.shape[1],
-                                 array.shape[2], rows, columns));
+    throw InputError(fmt::format(
+        "{}: has shape {} x {} x {} instead of {} x {} x 3", array.name,
+        array.shape[0], array.shape[1], array.shape[2], rows, columns));
   std::vector<Eigen::Vector3d> vectors(rows * columns);
   for (size_t k = 0; k < vectors.size(); ++k)
     vectors[k] = {numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]};
@@ -84,16 +84,16 @@ std::vector<double> PlacesOf(const std::vector<NpyArray>& arrays,
   const NpyArray* array = FindArray(arrays, name);
   if (array) places = NumbersOf(*array, 1);
   if (places.size() != count)
-    throw InputError(fmt::format("{}: has {} places for {} of directions", name,
-                                 places.size(), count));
+    throw InputError(fmt::format("{}: has {} entries, but directions have {}",
+                                 name, places.size(), count));
   for (double& place : places) {
     if (!std::isfinite(place))
-      throw InputError(fmt::format("{}: a place is no number", name));
+      throw InputError(fmt::format("{}: expected finite numbers", name));
     place = FromProgram(PixelOrigin::kFirstPixelCenter, {}, {place, 0}).x();
   }
   for (size_t k = 1; k < count; ++k)
     if (!(places[k] > places[k - 1]))
-      throw InputError(fmt::format("{}: places do not grow", name));
+      throw InputError(fmt::format("{}: must be in ascending order", name));
   return places;
 }
 
@@ -105,15 +105,15 @@ ImageSize SizeOf(const std::vector<NpyArray>& arrays, const RayTable& rays) {
     const std::vector<double> size = NumbersOf(*array, 1);
     if (size.size() != 2 || !(size[0] >= width) || !(size[1] >= height))
       throw InputError(
-          "image_size: is not width and height of an image that "
-          "has the pixels x, y");
+          "image_size: expected width and height of an image that contains the "
+          "pixels x, y");
     width = size[0];
     height = size[1];
   }
   constexpr double kFarAway = 1e9;
   const std::string why =
       rays.x.front() < 0 || rays.y.front() < 0
-          ? "x, y: places before the first pixel, (0, 0)"
+          ? "x, y: must not be negative"
           : WhySizeIsRefused(static_cast<uint64_t>(std::min(width, kFarAway)),
                              static_cast<uint64_t>(std::min(height, kFarAway)));
   if (!why.empty()) throw InputError(why);
@@ -134,7 +134,7 @@ void TakeUnitVectors(RayTable* rays) {
 RayTable RaysOf(const std::vector<NpyArray>& arrays) {
   const NpyArray* directions = FindArray(arrays, "directions");
   if (!directions)
-    throw InputError("has no array 'directions' of rows x columns x 3");
+    throw InputError("missing array 'directions' of rows x columns x 3");
   if (directions->shape.size() != 3 || directions->shape[0] < 2 ||
       directions->shape[1] < 2)
     throw InputError("directions: expected rows x columns x 3 numbers");
@@ -165,8 +165,8 @@ TableFormat RaysFormat() {
   TableFormat format;
   format.name = "rays";
   format.holds =
-      "numpy: directions of pixels, and points of the lines of a non-central "
-      "camera, in .npz";
+      "numpy: ray directions per pixel, and ray origins of a non-central "
+      "camera, as .npz";
   format.endings = {".npz"};
   format.options = {"stride"};
   format.write_rays = WriteRays;

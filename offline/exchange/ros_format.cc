@@ -37,8 +37,8 @@ const LensForm& FormOfDistortion(const std::string& model,
     TrimCoefficients(0, d);
     if (!d->empty())
       throw InputError(fmt::format(
-          "distortion model '{}', while there are coefficients that are not 0; "
-          "ROS has plumb_bob, rational_polynomial and equidistant",
+          "unsupported distortion model '{}' with non-zero coefficients; use "
+          "plumb_bob, rational_polynomial or equidistant",
           Printable(model)));
     return none;
   }
@@ -54,10 +54,10 @@ const LensForm& FormOfDistortion(const std::string& model,
     TrimCoefficients(4, d);
     return forms[2];
   }
-  throw InputError(fmt::format(
-      "unknown distortion model '{}'; ROS has plumb_bob, rational_polynomial "
-      "and equidistant",
-      Printable(model)));
+  throw InputError(
+      fmt::format("unknown distortion model '{}'; use plumb_bob, "
+                  "rational_polynomial or equidistant",
+                  Printable(model)));
 }
 
 // The distortion model, under the name that early files have for it, too.
@@ -85,7 +85,8 @@ std::optional<std::vector<double>> MatrixIn(const CameraKeys& keys,
     if (!matrix.IsDefined()) continue;
     const std::vector<double> numbers = AllNumbers(matrix, key);
     if (count >= 0 && static_cast<int>(numbers.size()) != count)
-      throw InputError(fmt::format("{}: no list of {} numbers", key, count));
+      throw InputError(
+          fmt::format("{}: expected a list of {} numbers", key, count));
     return numbers;
   }
   return std::nullopt;
@@ -133,7 +134,7 @@ std::optional<RectifiedProjection> RectifiedIn(const CameraKeys& keys,
   PoseOfMatrix({r[0], r[1], r[2], 0, r[3], r[4], r[5], 0, r[6], r[7], r[8], 0},
                "rectification_matrix");
   if (!(p[0] > 0 && p[5] > 0))
-    throw InputError("projection_matrix: a focal length is not above 0");
+    throw InputError("projection_matrix: focal lengths must be positive");
   return rectified;
 }
 
@@ -149,8 +150,8 @@ void AddRemarks(const CameraKeys& keys, ExchangeContents* contents) {
     is_part = is_set(key) || is_part;
   if (is_part)
     contents->remarks.push_back(
-        "its binning and region of interest are not taken: the camera is that "
-        "of the whole frame");
+        "binning and region of interest are ignored: the camera is that of the "
+        "full frame");
   keys.Skip({"header", "roi", "camera_info_url"});
 }
 
@@ -233,7 +234,7 @@ std::string WriteRos(const WriteRequest& request) {
   const RosMatrices matrices = RosMatricesOf(camera);
   std::string text;
   if (camera.fit)
-    text += fmt::format("# The nearest {}: {}\n", lens.form->name,
+    text += fmt::format("# Fitted {}: {}\n", lens.form->name,
                         LensFitText(*camera.fit));
   text += fmt::format("image_width: {}\nimage_height: {}\n", lens.size.width,
                       lens.size.height);
@@ -253,8 +254,8 @@ Format RosFormat() {
   Format format;
   format.name = "ros";
   format.holds =
-      "camera_info .yaml: plumb_bob, rational_polynomial or equidistant; of a "
-      "rig a file for each camera, of a pair with R and P";
+      "camera_info .yaml: plumb_bob, rational_polynomial or equidistant; one "
+      "file per camera of a rig, with R and P for a rectified pair";
   format.forms = RosForms();
   format.holds_pairs = true;
   format.takes_model = true;

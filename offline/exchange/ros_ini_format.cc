@@ -60,7 +60,7 @@ std::string WriteRosIni(const WriteRequest& request) {
     if (c != '[' && c != ']') name += c;
   std::string text = "# Camera intrinsics\n\n";
   if (camera.fit)
-    text += fmt::format("# The nearest {}: {}\n\n", camera.lens.form->name,
+    text += fmt::format("# Fitted {}: {}\n\n", camera.lens.form->name,
                         LensFitText(*camera.fit));
   return text +
          fmt::format("[image]\n\nwidth\n{}\n\nheight\n{}\n\n[{}]\n\n",
@@ -78,8 +78,8 @@ Format RosIniFormat() {
   Format format;
   format.name = "ros-ini";
   format.holds =
-      "camera_calibration's .ini of ROS: plumb_bob or rational_polynomial; of "
-      "a rig a file for each camera, of a pair with R and P";
+      ".ini of ROS camera_calibration: plumb_bob or rational_polynomial; one "
+      "file per camera of a rig, with R and P for a rectified pair";
   format.forms = {OpenCvForm("plumb_bob", 5),
                   OpenCvForm("rational_polynomial", 8)};
   format.ending = ".ini";

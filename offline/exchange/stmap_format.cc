@@ -42,7 +42,7 @@ TableOutput WriteStMap(const ViewTable& view) {
       for (const float number : PixelOf(view, x, y)) numbers.push_back(number);
   return {{{view.path, WriteExr(view.size, {kChannels.begin(), kChannels.end()},
                                 numbers)}},
-          "s from the left, t from below, alpha where there is a source"};
+          "s from the left, t from the bottom, alpha: valid pixels"};
 }
 
 // ---- Reading ---------------------------------------------------------------
@@ -61,7 +61,7 @@ class ExrInput : public Imf::IStream {
   bool read(char into[], int count) override {
     if (count < 0 || at_ > bytes_.size() ||
         static_cast<size_t>(count) > bytes_.size() - at_)
-      throw InputError("the file ends too early");
+      throw InputError("the file is truncated");
     std::memcpy(into, bytes_.data() + at_, count);
     at_ += count;
     return at_ < bytes_.size();
@@ -80,12 +80,12 @@ ImageSize SizeOfWindow(const Imath::Box2i& window, size_t num_bytes) {
   constexpr int64_t kMostPixelsPerByte = 1024;
   const int64_t width = int64_t{window.max.x} - window.min.x + 1,
                 height = int64_t{window.max.y} - window.min.y + 1;
-  if (width < 1 || height < 1) throw InputError("has no pixels");
+  if (width < 1 || height < 1) throw InputError("image size is zero");
   const std::string why = WhySizeIsRefused(static_cast<uint64_t>(width),
                                            static_cast<uint64_t>(height));
   if (!why.empty()) throw InputError(why);
   if (width * height > kMostPixelsPerByte * static_cast<int64_t>(num_bytes))
-    throw InputError(fmt::format("has {} bytes, too few for its {} x {} pixels",
+    throw InputError(fmt::format("{} bytes are too few for {} x {} pixels",
                                  num_bytes, width, height));
   return {static_cast<int>(width), static_cast<int>(height)};
 }
@@ -95,9 +95,10 @@ void RequireStChannels(const Imf::ChannelList& channels) {
     const Imf::Channel* channel = channels.findChannel(name);
     if (!channel)
       throw InputError(fmt::format(
-          "has no channel {}; an STMap has s in R and t in G", name));
+          "missing channel {}; an STMap has s in R and t in G", name));
     if (channel->xSampling != 1 || channel->ySampling != 1)
-      throw InputError(fmt::format("channel {}: not of all pixels", name));
+      throw InputError(
+          fmt::format("channel {}: subsampling is not supported", name));
   }
 }
 
@@ -171,7 +172,7 @@ ViewTable ReadStMap(const std::string& path, const std::string& bytes,
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", path, error.what()));
   } catch (const std::exception& error) {  // of OpenEXR
-    throw InputError(fmt::format("{}: OpenEXR does not read it: {}", path,
+    throw InputError(fmt::format("{}: OpenEXR cannot read it: {}", path,
                                  Printable(error.what())));
   }
 }
@@ -181,9 +182,7 @@ ViewTable ReadStMap(const std::string& path, const std::string& bytes,
 TableFormat StMapFormat() {
   TableFormat format;
   format.name = "stmap";
-  format.holds =
-      "compositing: the STMap of a view, or with --inverse of the camera, in "
-      ".exr";
+  format.holds = "compositing: STMap as .exr (--inverse: inverse remap)";
   format.endings = {".exr"};
   format.options = {"rectified", "inverse"};
   format.write_view = WriteStMap;

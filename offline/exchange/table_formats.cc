@@ -73,15 +73,13 @@ std::string TableFormat::Source() const {
          : IsOfView()     ? "a view of a camera"
          : write_rays     ? "the rays of a camera's pixels"
          : write_camera   ? "a camera"
-         : write_features ? "the features of boards, features.csv"
-                          : "the poses of a board, poses.csv";
+         : write_features ? "features.csv"
+                          : "poses.csv";
 }
 
 std::string TableFormat::WhyNoCamera() const {
   return fmt::format(
-      "is a table of the format {}; 'raygrid import' makes {} "
-      "of it",
-      name,
+      "has the format {}; convert it with 'raygrid import' to {}", name,
       read_poses      ? "poses.csv"
       : read_features ? "features.csv and pattern.yaml"
                       : "a camera");

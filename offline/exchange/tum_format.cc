@@ -49,10 +49,10 @@ bool AreStamps(const std::vector<BoardPose>& poses) {
 void RequireOneBoardOf(const PoseTable& table) {
   for (const BoardPose& pose : table.poses)
     if (pose.board != table.poses.front().board)
-      throw InputError(fmt::format(
-          "{}: has poses of board {} and board {}, while a trajectory stands "
-          "in the frame of one; give those of one board",
-          table.path, table.poses.front().board, pose.board));
+      throw InputError(
+          fmt::format("{}: has poses of boards {} and {}, but a trajectory has "
+                      "a single reference frame; keep the poses of one board",
+                      table.path, table.poses.front().board, pose.board));
 }
 
 std::vector<TumRow> RowsOfPoses(const PoseTable& table) {
@@ -70,16 +70,15 @@ std::vector<TumRow> RowsOfPoses(const PoseTable& table) {
       [](const TumRow& a, const TumRow& b) { return a.seconds < b.seconds; });
   for (size_t k = 1; k < rows.size(); ++k)
     if (rows[k].seconds == rows[k - 1].seconds)
-      throw InputError(fmt::format("{}: two images have the time stamp {}",
-                                   table.path, rows[k].stamp));
+      throw InputError(fmt::format("{}: duplicate time stamp {}", table.path,
+                                   rows[k].stamp));
   return rows;
 }
 
 TableOutput WriteTum(const PoseTable& table) {
   RequireOneBoardOf(table);
   std::string text =
-      "# timestamp tx ty tz qx qy qz qw: the camera in the board's frame, "
-      "metres\n";
+      "# timestamp tx ty tz qx qy qz qw: camera in the board's frame, metres\n";
   for (const TumRow& row : RowsOfPoses(table)) {
     const Eigen::Vector3d& t = row.board_from_camera.translation;
     const Eigen::Quaterniond& q = row.board_from_camera.rotation;
@@ -92,8 +91,8 @@ TableOutput WriteTum(const PoseTable& table) {
                       "stamps {}",
                       table.poses.size(),
                       AreStamps(table.poses)
-                          ? "are the images' names"
-                          : "count the images from 0, in the file's order")};
+                          ? "from the image names"
+                          : "numbered from 0 in the order of the file")};
 }
 
 // ---- Reading ---------------------------------------------------------------
@@ -129,22 +128,21 @@ std::string NameOfStamp(const std::string& word, double stamp) {
 std::vector<BoardPose> ReadTum(const std::string& path,
                                const std::string& bytes) {
   constexpr double kRounding = 1e-2;
-  WordLines line(path, bytes, "a trajectory as TUM's tools read it");
+  WordLines line(path, bytes, "a TUM trajectory");
   std::vector<BoardPose> poses;
   std::set<double> stamps;
   while (line.NextWithWords()) {
     if (line.size() != kTumWords)
       line.Refuse(
-          fmt::format("has {} words instead of timestamp tx ty tz qx "
-                      "qy qz qw",
+          fmt::format("has {} fields, expected timestamp tx ty tz qx qy qz qw",
                       line.size()));
     const auto number = [&](size_t k) { return line.Get<double>(k); };
     if (!stamps.insert(number(0)).second)
-      line.Refuse(fmt::format("the time stamp {} stands twice", line.Text(0)));
+      line.Refuse(fmt::format("duplicate time stamp {}", line.Text(0)));
     const Eigen::Quaterniond rotation(number(7), number(4), number(5),
                                       number(6));
     if (!(std::abs(rotation.norm() - 1) < kRounding))
-      line.Refuse("qx qy qz qw are no rotation, whose length is 1");
+      line.Refuse("qx qy qz qw must be a unit quaternion");
     const Pose board_from_camera = {rotation.normalized(),
                                     {number(1), number(2), number(3)}};
     poses.push_back(
@@ -159,8 +157,8 @@ TableFormat TumFormat() {
   TableFormat format;
   format.name = "tum";
   format.holds =
-      "trajectories: a time stamp, the camera in the board's frame, and its "
-      "quaternion, line by line, as text";
+      "TUM trajectory: time stamp, position and quaternion of the camera in "
+      "the board's frame, per line";
   format.write_poses = WriteTum;
   format.recognizes = IsTum;
   format.read_poses = ReadTum;

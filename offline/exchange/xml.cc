@@ -32,7 +32,7 @@ class XmlTree {
 
   XmlElement Parse(const std::string& text) {
     if (text.size() > std::numeric_limits<int>::max())
-      throw InputError("not XML: longer than 2 GiB");
+      throw InputError("not XML: larger than 2 GiB");
     if (XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()),
                   XML_TRUE) != XML_STATUS_OK)
       throw InputError(fmt::format("line {}: not XML: {}",
@@ -62,7 +62,7 @@ class XmlTree {
     constexpr size_t kDeepest = 100;
     XmlTree& tree = *static_cast<XmlTree*>(data);
     if (tree.open_.size() > kDeepest) {
-      tree.Refuse("elements are too deep");
+      tree.Refuse("elements are nested too deeply");
       return;
     }
     // Elements that are open do not move: siblings follow when they are closed.
@@ -93,7 +93,7 @@ class XmlTree {
                          const XML_Char* /*public_id*/, int has_subset) {
     if (has_subset)
       static_cast<XmlTree*>(data)->Refuse(
-          "a document type with declarations, which are not read");
+          "document type declarations are not supported");
   }
 
   std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser_;
@@ -112,8 +112,7 @@ const XmlElement* XmlElement::Child(const std::string& child) const {
 
 XmlElement ParseXml(const std::string& text) {
   RequireSmallTree("", text, kXmlMarks);
-  if (FindNoUtf8(text) != std::string::npos)
-    throw InputError("not a text file");
+  if (FindNoUtf8(text) != std::string::npos) throw InputError("not UTF-8 text");
   return XmlTree().Parse(text);
 }
 

@@ -15,7 +15,7 @@ namespace raygrid {
 YAML::Node LoadForeignMap(const std::string& path, const std::string& text) {
   RequireYamlFile(path, text, LastLine::kMayLackEnd);
   const YAML::Node root = YAML::Load(text);
-  if (!root.IsMap()) throw InputError("no camera: no map of keys");
+  if (!root.IsMap()) throw InputError("contains no camera: expected a mapping");
   return root;
 }
 
@@ -23,7 +23,7 @@ double FiniteNumber(const YAML::Node& node, const std::string& name) {
   double number = NAN;
   if (!node.IsDefined() || !node.IsScalar() ||
       !YAML::convert<double>::decode(node, number) || !std::isfinite(number))
-    throw InputError(fmt::format("{}: no finite number", name));
+    throw InputError(fmt::format("{}: expected a finite number", name));
   return number;
 }
 
@@ -32,8 +32,9 @@ std::vector<double> FiniteNumbers(const YAML::Node& node,
   if (!node.IsDefined() || !node.IsSequence() ||
       (count >= 0 && static_cast<int>(node.size()) != count))
     throw InputError(
-        count < 0 ? fmt::format("{}: no list of numbers", name)
-                  : fmt::format("{}: no list of {} numbers", name, count));
+        count < 0
+            ? fmt::format("{}: expected a list of numbers", name)
+            : fmt::format("{}: expected a list of {} numbers", name, count));
   std::vector<double> numbers;
   for (const YAML::Node& number : node)
     numbers.push_back(FiniteNumber(number, name));
@@ -57,13 +58,13 @@ std::vector<double> AllNumbers(const YAML::Node& node,
 int SidePx(const YAML::Node& node, const std::string& name) {
   const double side = FiniteNumber(node, name);
   if (!(side >= 1 && side <= 1e6) || side != std::floor(side))
-    throw InputError(fmt::format("{}: no size of an image", name));
+    throw InputError(fmt::format("{}: invalid image size", name));
   return static_cast<int>(side);
 }
 
 ImageSize SizeOfList(const YAML::Node& node, const std::string& name) {
   if (!node.IsSequence() || node.size() != 2)
-    throw InputError(fmt::format("{}: not width and height", name));
+    throw InputError(fmt::format("{}: expected width and height", name));
   return {SidePx(node[0], name), SidePx(node[1], name)};
 }
 
@@ -86,7 +87,7 @@ Pose PoseOfMatrix(const std::vector<double>& rows, const std::string& name) {
             .cwiseAbs()
             .maxCoeff() < 1e-3) ||
       !(rotation.determinant() > 0))
-    throw InputError(fmt::format("{}: no rotation", name));
+    throw InputError(fmt::format("{}: not a rotation matrix", name));
   return {Eigen::Quaterniond(rotation).normalized(), translation};
 }
 
@@ -94,7 +95,7 @@ Pose PoseOfQuaternion(const std::array<double, 7>& numbers) {
   const Eigen::Quaterniond rotation(numbers[0], numbers[1], numbers[2],
                                     numbers[3]);
   if (!(rotation.norm() > 0.5) || !(rotation.norm() < 2))
-    throw InputError("a quaternion that is no rotation");
+    throw InputError("not a unit quaternion");
   Pose pose;
   // A quaternion of length 1 is not touched, so that it comes out as it was.
   pose.rotation =

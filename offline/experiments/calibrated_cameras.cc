@@ -36,31 +36,32 @@ std::vector<Condition> ConditionsOf(const ExperimentFeatures& features,
 }
 
 constexpr char kHowCalibrated[] =
-    "the board's points free, cells by held-out error, as calibrate does";
+    "target geometry estimated, knot spacing by cross-validation, as in "
+    "calibrate";
 
 // Says so in the conditions (paper, "Camera Pose Estimation").
 void TakeLastForTruth(const std::string& others, ComparedCameras* compared) {
   NamedCamera& truth = compared->cameras.back();
   compared->conditions.push_back(
       {"truth",
-       fmt::format("not known; {} is taken for it, {}; where its deviation is "
-                   "{:g} px at most, or half of the image",
+       fmt::format("unknown; {} is the reference, {}; evaluated where its "
+                   "uncertainty is below {:g} px, or in half of the image",
                    truth.name, others, kKnownPx)});
-  truth.name += " (the truth here)";
+  truth.name += " (reference)";
 }
 
 ComparedCameras UsersCameras(const std::vector<NamedCamera>& users) {
   constexpr size_t kMaxCameras = 6;  // in a chart
   if (users.size() > kMaxCameras)
     throw Error(ExitCode::kUsage,
-                fmt::format("--camera: {} of them; give {} at most",
+                fmt::format("--camera: {} cameras, at most {} are supported",
                             users.size(), kMaxCameras));
   for (const NamedCamera& camera : users)
     if (camera.model->image_size() != users[0].model->image_size())
-      throw InputError(fmt::format(
-          "{}: calibrated for another image size than {}; take cameras of one "
-          "mode",
-          camera.name, users[0].name));
+      throw InputError(
+          fmt::format("{}: its image size differs from that of {}; use cameras "
+                      "of the same sensor mode",
+                      camera.name, users[0].name));
   ComparedCameras compared;
   if (users.size() == 1)
     for (FittedCamera& fit : FitModels(users[0]))
@@ -68,10 +69,9 @@ ComparedCameras UsersCameras(const std::vector<NamedCamera>& users) {
   else
     compared.cameras.assign(users.begin(), users.end() - 1);
   compared.cameras.push_back(users.back());
-  TakeLastForTruth(users.size() == 1
-                       ? "the others are fitted to it, where it is known"
-                       : "the others are as they were given",
-                   &compared);
+  TakeLastForTruth(
+      users.size() == 1 ? "the others are fitted to it" : "the others as given",
+      &compared);
   return compared;
 }
 
@@ -86,7 +86,7 @@ ExperimentFeatures FeaturesFor(const ExperimentOptions& options,
     features.hold_out = options.data.hold_out;
     if (features.hold_out.empty())
       features.hold_out = EveryFifth(features.dataset);
-    features.conditions = ConditionsOf(features, "of the user's");
+    features.conditions = ConditionsOf(features, "(own data)");
     return features;
   }
   SimulationOptions simulation;
@@ -101,7 +101,7 @@ ExperimentFeatures FeaturesFor(const ExperimentOptions& options,
   features.conditions = ConditionsOf(features, "simulated");
   features.conditions.push_back({"lens", lens});
   features.conditions.push_back(
-      {"noise", fmt::format("{:g} px in an axis", simulation.noise_px)});
+      {"noise", fmt::format("{:g} px per axis", simulation.noise_px)});
   features.conditions.push_back({"seed", std::to_string(options.seed)});
   return features;
 }
@@ -115,7 +115,7 @@ CalibrationResult CalibrateModel(const ExperimentFeatures& features,
                                  const ExperimentOptions& options) {
   if (features.hold_out.empty())
     throw Error(ExitCode::kTooFew,
-                "too few images to hold some out; take five or more");
+                "too few images to hold some out; use at least five");
   const ImageSize& size = features.dataset.image_size;
   CalibrationOptions calibration;
   calibration.model = choice.model;
@@ -154,7 +154,7 @@ std::vector<FittedCamera> FitModels(const NamedCamera& camera) {
   }
   if (fits.empty())
     throw Error(ExitCode::kInitialization,
-                camera.name + ": no parametric model can follow this camera");
+                camera.name + ": no parametric model fits this camera");
   return fits;
 }
 
@@ -181,8 +181,7 @@ ComparedCameras CamerasToCompare(const ExperimentOptions& options,
   if (features.truth)
     compared.cameras.push_back({"truth", features.truth, std::nullopt});
   else
-    TakeLastForTruth("the others are calibrated from the same features",
-                     &compared);
+    TakeLastForTruth("the others calibrated from the same features", &compared);
   return compared;
 }
 

@@ -275,32 +275,29 @@ constexpr const char* kOperatorNames[] = {"next view", "ROS's bars", "nothing"};
 constexpr int kNumOperators = 3;
 
 std::vector<Condition> GuidanceConditions(const ExperimentOptions& options) {
-  return {
-      {"lenses", fmt::format("{}, equidistant with distortion, 50 to 140 "
-                             "degrees across {} x {} px",
-                             options.num_images, options.size.width,
-                             options.size.height)},
-      {"board", "11 x 8 features, 25 mm apart"},
-      {"features", "11 px or more from the image's edge"},
-      {"noise", fmt::format("{:g} px in an axis", kFeatureNoisePx)},
-      {"operator",
-       fmt::format("holds the board 3 cm and 5 degrees off (standard "
-                   "deviations in an axis) from where it is to be")},
-      {"next view",
-       "that of raygrid: what would take most from the mean "
-       "variance"},
-      {"ROS's bars",
-       "of 30 views of the whole board the one that fills them "
-       "most, or is new to ROS"},
-      {"nothing",
-       "anywhere in the image, 0.3 to 1.1 times as wide, tilted by "
-       "up to 50 degrees; boards may be cut off, as with the next "
-       "view"},
-      {"camera", "of a grid of 16 cells along the longer side"},
-      {"until", fmt::format("95 % of the rays are within {:g} px of the true "
-                            "ones; {} images at most, which then count",
-                            kTargetPx, kMostImages)},
-      {"seed", std::to_string(options.seed)}};
+  return {{"lenses", fmt::format("{}, equidistant with distortion, 50 to 140 "
+                                 "degrees across {} x {} px",
+                                 options.num_images, options.size.width,
+                                 options.size.height)},
+          {"board", "11 x 8 features, 25 mm apart"},
+          {"features", "at least 11 px from the image border"},
+          {"noise", fmt::format("{:g} px per axis", kFeatureNoisePx)},
+          {"operator",
+           fmt::format(
+               "misplaces the board by 3 cm and 5 degrees (1 sigma per axis)")},
+          {"next view",
+           "as in raygrid: largest expected reduction of the mean variance"},
+          {"ROS's bars",
+           "of 30 views of the whole board, the one that fills the bars most "
+           "or is new to ROS"},
+          {"nothing",
+           "random position, 0.3 to 1.1 times the image width, tilt up to 50 "
+           "degrees; boards may be partly visible, as with the next view"},
+          {"camera", "16 knots along the longer side"},
+          {"until", fmt::format("95 % of the rays are within {:g} px of ground "
+                                "truth; at most {} images",
+                                kTargetPx, kMostImages)},
+          {"seed", std::to_string(options.seed)}};
 }
 
 // The sums of a column of rows, over the first column's.
@@ -338,9 +335,9 @@ ExperimentResult CompareCaptureGuidance(const ExperimentOptions& options) {
          fmt::format("{:.2f}", PartOf(captures, k))});
   table.columns = {"lens", "operator_follows", "images", "is_known",
                    "predicted_px"};
-  table.chart.title = "Images until a camera is known";
+  table.chart.title = "Images until convergence";
   table.chart.note = fmt::format(
-      "95 % of its rays to {:g} px; at the top: not with so many", kTargetPx);
+      "95 % of the rays within {:g} px; at the top: not converged", kTargetPx);
   table.chart.x_label = "lens";
   table.chart.y_label = "images";
   for (const char* name : kOperatorNames)

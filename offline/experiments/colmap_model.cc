@@ -14,7 +14,7 @@
 namespace raygrid {
 namespace {
 
-constexpr char kExpected[] = "a text model as COLMAP writes it";
+constexpr char kExpected[] = "a COLMAP text model";
 
 ImageSize ReadSize(const std::string& path) {
   WordLines lines(path, ReadFile(path), kExpected);
@@ -23,12 +23,12 @@ ImageSize ReadSize(const std::string& path) {
     const ImageSize own = {lines.Get<int>(2), lines.Get<int>(3)};
     if (size.width > 0 && own != size)
       lines.Refuse(
-          "cameras have images of several sizes, which is not for "
-          "this experiment");
+          "cameras have different image sizes, which this experiment does not "
+          "support");
     size = own;
   }
   if (size.width < 1 || size.height < 1)
-    throw InputError(path + ": no camera in it");
+    throw InputError(path + ": contains no camera");
   return size;
 }
 
@@ -40,7 +40,7 @@ std::vector<Eigen::Vector3d> ReadPoints(const std::string& path,
   while (lines.NextWithWords()) {
     const bool is_new =
         indices->emplace(lines.Get<int64_t>(0), points.size()).second;
-    if (!is_new) lines.Refuse("this point is there twice");
+    if (!is_new) lines.Refuse("duplicate point");
     points.emplace_back(lines.Get<double>(1), lines.Get<double>(2),
                         lines.Get<double>(3));
   }
@@ -62,7 +62,7 @@ ColmapModel::Image ReadHead(const WordLines& lines) {
 std::vector<ColmapModel::Observation> ReadObservations(
     const WordLines& lines, const std::map<int64_t, int>& indices) {
   std::vector<ColmapModel::Observation> observations;
-  if (lines.size() % 3 != 0) lines.Refuse("not x, y and a point each");
+  if (lines.size() % 3 != 0) lines.Refuse("expected x, y and a point id each");
   for (size_t i = 0; i < lines.size(); i += 3) {
     const auto point = lines.Get<int64_t>(i + 2);
     if (point == -1) continue;

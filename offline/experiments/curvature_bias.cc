@@ -128,8 +128,9 @@ std::vector<Pose> ChoosePoses(const CameraModel& camera, const Board& board,
         VisibleFeatures(camera, board, pose).size() >= kMinFeatures)
       chosen.push_back(pose);
   if (chosen.size() < 5)
-    throw Error(ExitCode::kUsage,
-                "--size: the board hardly fits; use larger images, as 640x480");
+    throw Error(
+        ExitCode::kUsage,
+        "--size: images are too small for the board; use at least 640x480");
   return chosen;
 }
 
@@ -204,8 +205,8 @@ std::vector<Photograph> FindPhotographs(const ExperimentOptions& options) {
     if (!photograph.poses.empty()) photographs.push_back(std::move(photograph));
   if (photographs.empty())
     throw Error(ExitCode::kTooFew,
-                "--image: none of the images could be localised by their "
-                "features; are they named as in the features?");
+                "--image: no pose could be estimated; check that the image "
+                "names match those of the features");
   return photographs;
 }
 
@@ -283,37 +284,38 @@ ExperimentResult MeasureUsersShift(const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
   if (!data.features || data.images.empty() || data.cameras.size() != 1)
     throw Error(ExitCode::kUsage,
-                "curvature-bias: a user's own needs --image, --features of the "
-                "images, --pattern and one --camera");
+                "curvature-bias: own data requires --image, --features, "
+                "--pattern and one --camera");
   const CameraModel& camera = *data.cameras.front().model;
   if (camera.image_size() != data.features->image_size)
     throw InputError(data.cameras.front().name +
-                     ": is for images of another size than --image-size");
+                     ": its image size differs from --image-size");
   const std::vector<Photograph> photographs = FindPhotographs(options);
   ExperimentResult table;
   table.conditions = {
       {"images",
-       fmt::format("{} of the user's, {} x {} px", photographs.size(),
+       fmt::format("{} own images, {} x {} px", photographs.size(),
                    camera.image_size().width, camera.image_size().height)},
       {"camera", data.cameras.front().name + ", " + camera.Name()},
       {"shift",
-       "of features measured through the camera's mapping, from those measured "
-       "as if it had no curvature within the window"},
-      {"residuals", "of the images localised with the camera by either"}};
+       "of features refined with the camera model, relative to those refined "
+       "with a homography per window"},
+      {"residuals", "after pose estimation with the camera, for both"}};
   table.columns = {"window_px",
                    "features",
                    "shift_rms_px",
                    "shift_max_px",
                    "residual_rms_homography_px",
                    "residual_rms_curved_px"};
-  table.chart.title = "What curvature within the window does to features";
+  table.chart.title = "Feature bias from distortion within the window";
   table.chart.note = fmt::format(
-      "{} images, RMS; a camera calibrated from shifted features hides them",
+      "{} images, RMS; residuals of a camera calibrated from biased features "
+      "do not show the bias",
       photographs.size());
   table.chart.x_label = "window, px";
-  table.chart.y_label = "shift and residual, px";
+  table.chart.y_label = "bias and residual, px";
   table.chart.is_logarithmic = true;
-  ChartSeries shift = {"shift by curvature", {}, true},
+  ChartSeries shift = {"feature bias", {}, true},
               without = {"residual, homography", {}, true},
               with = {"residual, curved", {}, true};
   for (int w = 0; w < kNumWindows; ++w) {
@@ -366,17 +368,15 @@ ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options) {
       {"lens", fmt::format("{}, 145 degrees", kBiasLens)},
       {"board", fmt::format("{} x {} stars, squares of 22 to 34 px",
                             kBiasColumns, kBiasRows)},
-      {"blur", fmt::format("{:g} px, standard deviation", options.blur_px)},
-      {"noise",
-       fmt::format("{:g} grey levels, standard deviation", options.read_noise)},
-      {"camera", "central-generic, 12 cells along the longer side"},
+      {"blur", fmt::format("{:g} px (1 sigma)", options.blur_px)},
+      {"noise", fmt::format("{:g} grey levels (1 sigma)", options.read_noise)},
+      {"camera", "central-generic, 12 knots along the longer side"},
       {"seed", std::to_string(options.seed)}};
   table.columns = {"mapping", "window_px", "feature_error_rms_px",
                    "residual_rms_px", "ray_error_rms_px"};
-  table.chart.title = "What refinement by symmetry leaves behind a fisheye";
-  table.chart.note = fmt::format(
-      "{} images, RMS; the calibration's residuals do not show the rays' error",
-      count);
+  table.chart.title = "Bias of symmetry refinement for a fisheye camera";
+  table.chart.note =
+      fmt::format("{} images, RMS; residuals do not show the ray error", count);
   table.chart.x_label = "window, px";
   table.chart.y_label = "ray error and residual, px";
   table.chart.is_logarithmic = true;

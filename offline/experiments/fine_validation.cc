@@ -130,7 +130,7 @@ FineImages SimulateFineImages(const CameraModel& camera, const Board& board,
         .images.push_back(std::move(images[i]));
   if (split.test.images.empty())
     throw Error(ExitCode::kTooFew,
-                "too few images to hold some out; take five or more");
+                "too few images to hold some out; use at least five");
   return split;
 }
 
@@ -201,22 +201,23 @@ std::string CaptionOf(const FineModel& model, const FineFigures& figures) {
   if (generic != std::string::npos) label.erase(generic, 8);
   const std::string bias =
       figures.bias ? fmt::format(", bias {:.3f}", *figures.bias) : "";
-  return fmt::format("{}: test {:.4f} px{}", label, figures.test_px, bias);
+  return fmt::format("{}: test {:.3g} px{}", label, figures.test_px, bias);
 }
 
 std::vector<Condition> FineConditions(const ExperimentOptions& options) {
   return {
-      {"images", fmt::format("{} of {} x {} px, of which every fifth is held "
-                             "out; of a star board, up to {} features each",
+      {"images", fmt::format("{} of {} x {} px, every fifth held out; a star "
+                             "board, up to {} features each",
                              options.num_images, options.size.width,
                              options.size.height, kMostFeatures)},
       {"features", "simulated, not detected in rendered images"},
-      {"noise", fmt::format("{:g} px in an axis", kFineNoisePx)},
-      {"lens", fmt::format("62 degrees, bumps of {:g} px, as wide as the table "
-                           "says at half their height; the pupil moves {:g} mm "
-                           "at one radian",
-                           kBumpHeightPx, 1e3 * kFinePupilShiftM)},
-      {"calibrated", "the board's points free, cells as the table says"},
+      {"noise", fmt::format("{:g} px per axis", kFineNoisePx)},
+      {"lens",
+       fmt::format(
+           "62 degrees, with local distortion of {:g} px, width (at half "
+           "height) as in the table; the pupil moves by {:g} mm at one radian",
+           kBumpHeightPx, 1e3 * kFinePupilShiftM)},
+      {"calibrated", "target geometry estimated, knot spacing as in the table"},
       {"seed", std::to_string(options.seed)}};
 }
 
@@ -234,10 +235,10 @@ ExperimentResult EmptyFineTable(const ExperimentOptions& options) {
                    "fewest_in_a_cell",
                    "ray_error_px",
                    "ray_rms_px"};
-  table.chart.title = "Held-out error by model and width of the lens's bumps";
+  table.chart.title = "Held-out error by model and width of local distortion";
   table.chart.note =
       "median over features; c: central-generic, n: noncentral-generic, with "
-      "their cells in px";
+      "knot spacing in px";
   table.chart.x_label = "model";
   table.chart.y_label = "median error, px";
   table.chart.is_logarithmic = true;
@@ -262,8 +263,8 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
     const FineImages images =
         SimulateFineImages(truth, pattern.boards.front(), options);
     table.conditions.push_back(
-        {fmt::format("features, bumps {:g} px", width_px),
-         fmt::format("{} to calibrate with, {} to test with",
+        {fmt::format("features, local distortion {:g} px", width_px),
+         fmt::format("{} for calibration, {} for testing",
                      images.training.num_features(),
                      images.test.num_features())});
     AdjustmentOptions adjustment;
@@ -271,7 +272,7 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
     const Adjusted start =
         AdjustStartingLens(images.training, pattern, adjustment);
     ChartSeries series = {
-        fmt::format("bumps {:g} px wide", width_px), {}, false};
+        fmt::format("local distortion {:g} px wide", width_px), {}, false};
     std::vector<SheetPicture> pictures;
     for (size_t i = 0; i < std::size(kFineModels); ++i) {
       const FineModel& model = kFineModels[i];
@@ -283,9 +284,9 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
                             DirectionPicture(figures.training, options.size,
                                              WholeImage(options.size))});
       } catch (const Error& error) {
-        table.conditions.push_back(
-            {fmt::format("{}, bumps {:g} px", model.Label(), width_px),
-             error.what()});
+        table.conditions.push_back({fmt::format("{}, local distortion {:g} px",
+                                                model.Label(), width_px),
+                                    error.what()});
       }
       if (options.progress)
         options.progress(
@@ -299,10 +300,11 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
         {fmt::format("directions-{:g}px", width_px),
          PictureSheet(
              pictures,
-             {fmt::format("Bumps {:g} px wide. Direction of the nearest",
-                          width_px),
+             {fmt::format(
+                  "Local distortion {:g} px wide. Direction of the nearest",
+                  width_px),
               "training residual (projected - observed), by the",
-              "colours of the wheel. Patches: the model's error."},
+              "colours of the wheel. Patches: model error."},
              &wheel)});
   }
   return table;

@@ -36,8 +36,8 @@ std::vector<PointOnPixel> MakeScene(const ComparedCameras& compared,
   for (int tries = 0; static_cast<int>(scene.size()) < kPoints; ++tries) {
     if (tries == kMaxTries)
       throw Error(ExitCode::kTooFew,
-                  "localization: the cameras have hardly a pixel in common "
-                  "that all of them know; calibrate from more images");
+                  "localization: the valid regions of the cameras hardly "
+                  "overlap; calibrate from more images");
     const double x = random->Uniform(area.x0 + 1, area.x1 - 1);
     const Eigen::Vector2d pixel(x, random->Uniform(area.y0 + 1, area.y1 - 1));
     const double distance_m = random->Uniform(kNearM, kFarM);
@@ -131,19 +131,19 @@ ExperimentResult LocalizeByModels(const ExperimentOptions& options) {
   ExperimentResult table;
   table.conditions = compared.conditions;
   table.conditions.push_back(
-      {"scenes", fmt::format("{} of {} points at random pixels that all "
-                             "cameras know, {:g} to {:g} m away, noise {:g} px "
-                             "in an axis; medians",
-                             kScenes, kPoints, kNearM, kFarM, kNoisePx)});
+      {"scenes",
+       fmt::format(
+           "{} of {} points at random pixels in the valid region of all "
+           "cameras, {:g} to {:g} m away, noise {:g} px per axis; medians",
+           kScenes, kPoints, kNearM, kFarM, kNoisePx)});
   table.conditions.push_back(
-      {"shared", fmt::format("an offset of the place, in the camera's frame, "
-                             "that all scenes have in common; rest: the mean "
-                             "of {} without it",
+      {"shared", fmt::format("position offset in the camera frame common to "
+                             "all scenes; rest: mean of {} without it",
                              kMaxFrames)});
   table.columns = {"camera"};
-  table.chart.title = "Error of the camera's place";
+  table.chart.title = "Camera position error";
   table.chart.note =
-      "median over scenes; noise averages out, a wrong camera does not";
+      "median over scenes; noise averages out, calibration error does not";
   table.chart.x_label = "images averaged";
   table.chart.y_label = "error, mm";
   table.chart.is_logarithmic = true;

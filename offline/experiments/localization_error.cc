@@ -64,9 +64,8 @@ std::vector<Pose> ChoosePoses(const CameraModel& camera,
   if (static_cast<int>(chosen.size()) < options.num_images)
     throw Error(
         ExitCode::kUsage,
-        fmt::format("--size {}x{}: a board of {} x {} features with "
-                    "squares of {:g} to {:g} px hardly fits; use "
-                    "larger images, as 640x480",
+        fmt::format("--size {}x{}: too small for a board of {} x {} features "
+                    "with squares of {:g} to {:g} px; use at least 640x480",
                     options.size.width, options.size.height, kBoardColumns,
                     kBoardRows, kMinSquarePx, kMaxSquarePx));
   return chosen;
@@ -187,8 +186,8 @@ LocalizationError Summarize(
   summary.num_compared = static_cast<int>(absolute[0].size());
   if (summary.num_compared == 0)
     throw Error(ExitCode::kTooFew,
-                "no feature was found in every board in every way; use less "
-                "--blur-px or --read-noise, or more --images");
+                "no feature was found in all variants; reduce --blur-px or "
+                "--read-noise, or use more --images");
   summary.rms_px = (squares / summary.num_compared).sqrt();
   for (int k = 0; k < 2; ++k) summary.median_px[k] = Quantile(absolute[k], 0.5);
   return summary;
@@ -229,24 +228,23 @@ std::vector<Condition> LocalizationConditions(
     const ExperimentOptions& options) {
   const ImagingOptions imaging = Imaging(options, 0);
   return {
-      {"images", fmt::format("{} of {} x {} px, rendered, the same poses for "
-                             "all",
-                             options.num_images, options.size.width,
-                             options.size.height)},
+      {"images",
+       fmt::format(
+           "{} of {} x {} px, rendered with the same poses for all variants",
+           options.num_images, options.size.width, options.size.height)},
       {"lens", fmt::format("{}, 65 degrees", kBoardLens)},
-      {"board",
-       fmt::format("{} x {} features, wholly seen", kBoardColumns, kBoardRows)},
-      {"squares", fmt::format("{:g} to {:g} px before a tilt of 0 to {:g} "
-                              "degrees",
+      {"board", fmt::format("{} x {} features, fully visible", kBoardColumns,
+                            kBoardRows)},
+      {"squares", fmt::format("{:g} to {:g} px, tilted by 0 to {:g} degrees",
                               kMinSquarePx, kMaxSquarePx, kMaxTiltDeg)},
-      {"blur", fmt::format("{:g} px, standard deviation, and the pixel's box",
-                           imaging.blur_px)},
-      {"noise", fmt::format("{:g} grey levels, standard deviation; ink {:g}, "
-                            "paper {:g} of 255",
-                            imaging.read_noise, imaging.black_level,
-                            imaging.white_level)},
+      {"blur",
+       fmt::format("{:g} px (1 sigma), plus the pixel area", imaging.blur_px)},
+      {"noise",
+       fmt::format("{:g} grey levels (1 sigma); black {:g}, white {:g} of 255",
+                   imaging.read_noise, imaging.black_level,
+                   imaging.white_level)},
       {"window", fmt::format("{0} x {0} px", DetectionOptions().window_px)},
-      {"compared", "features found in every board in every way"},
+      {"compared", "features found in all variants"},
       {"seed", std::to_string(options.seed)}};
 }
 

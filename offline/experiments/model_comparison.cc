@@ -44,8 +44,8 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options) {
   const auto camera = GenericCamera(options, &table.conditions);
   table.columns = {"model",  "parameters", "median_px",   "rms_px",
                    "p99_px", "max_px",     "rotation_rad"};
-  table.chart.title = "What parametric models leave of a generic camera";
-  table.chart.note = "all pixels, after the best rotation";
+  table.chart.title = "Fit error of parametric models to a generic camera";
+  table.chart.note = "all pixels, after the optimal rotation";
   table.chart.x_label = "model";
   table.chart.y_label = "difference, px";
   ChartSeries median = {"median", {}, false}, rms = {"RMS", {}, false},
@@ -63,7 +63,7 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options) {
     const ModelDifference& d = differences.back();
     if (d.pixels.empty()) {
       differences.pop_back();
-      table.conditions.push_back({name, "cannot follow this lens"});
+      table.conditions.push_back({name, "cannot represent this camera"});
       continue;
     }
     names.push_back(name);
@@ -94,10 +94,11 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options) {
               bar = ColorLegend(ColorScale::kMagnitude, "0",
                                 fmt::format("{:.3g} px +", full_scale_px));
   table.pictures = {
-      {"magnitude", PictureSheet(magnitudes,
-                                 {"How far the generic camera's rays are seen",
-                                  "from their pixels by the fitted model."},
-                                 &bar)},
+      {"magnitude",
+       PictureSheet(magnitudes,
+                    {"Pixel distance between rays of the generic camera",
+                     "projected by the fitted model and their pixels."},
+                    &bar)},
       {"direction", PictureSheet(directions,
                                  {"Direction of the difference, by the",
                                   "colours of the wheel."},

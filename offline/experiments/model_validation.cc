@@ -65,7 +65,7 @@ SheetPicture Directions(const ModelChoice& choice,
                         const CalibrationResult& result) {
   const CameraModel& camera = *result.camera.camera;
   return {
-      fmt::format("{}: test {:.4f} px, bias {:.3f}", choice.Label(),
+      fmt::format("{}: test {:.3g} px, bias {:.3f}", choice.Label(),
                   result.camera.held_out->median_px,
                   result.bias_kl.value_or(0)),
       DirectionPicture(result.training, camera.image_size(), camera.area())};
@@ -83,9 +83,8 @@ ExperimentResult ValidateModels(const ExperimentOptions& options) {
       "test_median_px", "bias_kl", "noise_bias_kl", "ray_error_px"};
   table.chart.title = "Reprojection error by model";
   table.chart.note =
-      "median over features; after the slash, cells of the generic models "
-      "along "
-      "the longer side";
+      "median over features; after the slash: knots of the generic models "
+      "along the longer side";
   table.chart.x_label = "model";
   table.chart.y_label = "median error, px";
   table.chart.is_logarithmic = true;
@@ -113,7 +112,7 @@ ExperimentResult ValidateModels(const ExperimentOptions& options) {
        PictureSheet(pictures,
                     {"Direction of the nearest training residual",
                      "(projected - observed), by the colours of the wheel.",
-                     "Patches of one colour: the model's error, not noise."},
+                     "Patches of one colour: model error, not noise."},
                     &wheel)});
   return table;
 }

@@ -29,7 +29,7 @@ Camera CalibrateLines(const ExperimentOptions& options) {
     const CalibrationResult result =
         CalibrateModel(features, {model, kCells}, options);
     camera.conditions.push_back(
-        {model, fmt::format("held-out median {:.4f} px, RMS {:.4f} px",
+        {model, fmt::format("held-out median {:.3g} px, RMS {:.3g} px",
                             result.camera.held_out->median_px,
                             result.camera.held_out->rms_px)});
     camera.model = result.camera.camera;
@@ -42,8 +42,8 @@ Camera GetCamera(const ExperimentOptions& options) {
   const auto& camera = options.data.cameras.front().model;
   if (camera->IsCentral())
     throw InputError(
-        "the camera is central, its lines meet in a point; calibrate with "
-        "--model noncentral-generic, or give its features");
+        "the camera is central; calibrate with --model noncentral-generic, or "
+        "give --features");
   return {camera, {{"camera", "the user's, " + camera->Name()}}};
 }
 
@@ -112,20 +112,20 @@ ExperimentResult MeasureNoncentrality(const ExperimentOptions& options) {
   ExperimentResult table;
   table.conditions = camera.conditions;
   table.conditions.push_back(
-      {"lines", fmt::format("pass the point nearest to all by {:.3f} mm (RMS), "
-                            "{:.3f} mm (largest)",
-                            1000 * spread.rms_m, 1000 * spread.max_m)});
+      {"lines",
+       fmt::format(
+           "distance from their common point {:.3f} mm RMS, {:.3f} mm max",
+           1000 * spread.rms_m, 1000 * spread.max_m)});
   table.columns = {"distance_m", "right_far_rms_px", "right_far_max_px",
                    "right_at_half_metre_rms_px", "right_at_half_metre_max_px"};
-  table.chart.title = "What a central camera misses, by distance";
+  table.chart.title = "Error of a central model, by distance";
   table.chart.note =
-      "RMS over the image, of a central camera that is right far away, or at "
-      "0.5 m";
+      "RMS over the image, of a central camera exact at infinity or at 0.5 m";
   table.chart.x_label = "distance, m";
   table.chart.y_label = "error, px";
   table.chart.is_logarithmic = true;
-  ChartSeries far = {"right far away", {}, true},
-              near = {"right at 0.5 m", {}, true};
+  ChartSeries far = {"exact at infinity", {}, true},
+              near = {"exact at 0.5 m", {}, true};
   for (const double distance_m : kDistancesM) {
     const Effect if_far = EffectAt(*camera.model, spread.nearest_point,
                                    kInfinitelyFarM, distance_m);
@@ -147,11 +147,10 @@ ExperimentResult MeasureNoncentrality(const ExperimentOptions& options) {
                                 fmt::format("{:.3g} mm", 1000 * spread.max_m));
   table.pictures.push_back(
       {"offsets",
-       PictureSheet(
-           {{"Distance of each pixel's line from the point nearest to all",
-             HeatMap(offsets, kColumns, 0, 1000 * spread.max_m, kCellPx,
-                     ColorScale::kMagnitude)}},
-           {"over the calibrated area"}, &bar)});
+       PictureSheet({{"Distance of each observation line from the common point",
+                      HeatMap(offsets, kColumns, 0, 1000 * spread.max_m,
+                              kCellPx, ColorScale::kMagnitude)}},
+                    {"over the calibrated area"}, &bar)});
   return table;
 }
 

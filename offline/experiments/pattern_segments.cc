@@ -34,10 +34,10 @@ std::string Name(const Board& board) {
 
 Chart EmptySegmentChart(const ExperimentOptions& options) {
   Chart chart;
-  chart.title = "Error of localisation by the number of star segments";
+  chart.title = "Feature localization error by number of star segments";
   chart.note = LocalizationNote(options);
   chart.x_label = "star segments, black and white";
-  chart.y_label = "error in an axis, mean of both, px";
+  chart.y_label = "error per axis, px";
   for (const int segments : kSegmentCounts)
     chart.ticks.push_back({double(segments), std::to_string(segments)});
   chart.series = {{"RMS, stars", {}, true},
@@ -69,9 +69,9 @@ ExperimentResult ComparePatternSegments(const ExperimentOptions& options) {
   ExperimentResult result;
   result.conditions = LocalizationConditions(options);
   result.conditions.push_back(
-      {"chessboard", "squares as wide as a star's: twice those of 4 segments"});
+      {"chessboard", "squares as wide as the spacing of stars"});
   result.conditions.push_back(
-      {kDeltille, "the corners of a triangular lattice, but not its places"});
+      {kDeltille, "the corners of a triangular lattice, at other positions"});
   result.columns = LocalizationColumns({"pattern", "segments"});
   result.chart = EmptySegmentChart(options);
   for (size_t i = 0; i < boards.size(); ++i) {

@@ -30,10 +30,10 @@ std::vector<DetectedBoard> BoardsToRefine() {
 
 Chart EmptyChart(const ExperimentOptions& options) {
   Chart chart;
-  chart.title = "Error of localisation by refinement";
+  chart.title = "Feature localization error by refinement";
   chart.note = LocalizationNote(options);
   chart.x_label = "refinement";
-  chart.y_label = "error in an axis, mean of both, px";
+  chart.y_label = "error per axis, px";
   chart.is_logarithmic = true;
   for (const NamedRefinement& refinement : kRefinements)
     chart.ticks.push_back({double(chart.ticks.size()), refinement.name});

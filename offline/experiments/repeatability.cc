@@ -50,8 +50,8 @@ std::vector<ImageSet> SetsFor(const ExperimentOptions& options) {
   if (options.data.features)
     return {{"the user's", *options.data.features, options.data.pattern}};
   return {Simulated("white noise", options, 0, 0),
-          Simulated("board that bends", options, 3e-4, 0),
-          Simulated("shared noise", options, 0, 0.05)};
+          Simulated("target deformation", options, 3e-4, 0),
+          Simulated("correlated noise", options, 0, 0.05)};
 }
 
 // The names of the images in two random halves.
@@ -338,11 +338,10 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
                    "known_median_scatter_ratio",
                    "chance_least",
                    "chance_most"};
-  table.chart.title = "Cameras of two halves of the images";
+  table.chart.title = "Calibrations of random halves of the images";
   table.chart.note =
-      "their difference by what the stated noise does, RMS over pixels that "
-      "both have features around and state to know to 3 px; 1 where statements "
-      "hold";
+      "difference divided by the predicted uncertainty (1: exact prediction), "
+      "RMS over pixels near features, predicted below 3 px";
   table.chart.x_label = "pair of halves";
   table.chart.y_label = "ratio";
   for (int k = 1; k <= kPairs; ++k)
@@ -361,9 +360,9 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
       all.known.Add(own.known);
     }
     if (all.known.count() == 0)
-      throw Error(ExitCode::kTooFew,
-                  "no two halves of the images give cameras that see the same "
-                  "places; take more images");
+      throw Error(
+          ExitCode::kTooFew,
+          "no two halves give overlapping valid regions; use more images");
     table.rows.push_back(
         RowOf(sets[i].name, "all", all, IndependentNumbers(repetitions)));
     table.chart.series.push_back(ratios);
@@ -373,20 +372,19 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
   }
   table.conditions = {
       {"halves",
-       fmt::format("{} pairs, each camera from half of the images", kPairs)},
+       fmt::format("{} pairs of calibrations, each from one half of the images",
+                   kPairs)},
       {"ratio",
-       "difference in an axis by the stated deviations, "
-       "with what smoothing does: of the RMS over places that "
-       "both trust; RMS, and by the median, over all that both have features "
-       "around and state to know to 3 px"},
+       "difference per axis relative to the predicted standard deviation, "
+       "smoothing bias included: RMS over the common valid region; RMS and "
+       "median over all pixels near features and predicted below 3 px in both"},
       {"scatter ratio",
-       "by what noise alone does, in the mean of both axes: smoothing moves "
-       "both cameras alike"},
+       "relative to the effect of noise alone, mean of both axes: smoothing "
+       "bias is common to both cameras"},
       {"chance",
-       "the scatter ratio of all known places that nine of ten repetitions "
-       "have "
-       "if it ought to be 1: places move together, so pairs differ in a few "
-       "numbers, which are counted by how alike two pairs' differences are"}};
+       "90 % interval of the scatter ratio if the prediction is exact, with "
+       "the effective number of degrees of freedom estimated from the "
+       "similarity of pairs"}};
   return table;
 }
 

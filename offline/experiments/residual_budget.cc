@@ -36,28 +36,28 @@ void AddCauseRow(ErrorCause cause, const CauseShare& share,
   if (!share.can_be_told) {
     table->rows.push_back({std::string(NameOf(cause)), 0.0, std::string("-"),
                            std::string("-"),
-                           "cannot be told: " + share.untold});
+                           "not observable: " + share.untold});
     return;
   }
   table->rows.push_back(
       {std::string(NameOf(cause)), InPercent(share.in_turn),
        fmt::format("{:.2f}", 100 * share.alone),
        fmt::format("{:.2f}", 100 * share.chance_high),
-       std::string(share.is_alike   ? "as well as the largest"
-                   : share.IsTold() ? "told"
-                                    : "as chance or others")});
+       std::string(share.is_alike   ? "not separable from the largest"
+                   : share.IsTold() ? "significant"
+                                    : "not significant")});
 }
 
 Chart ChartOfBudget(const ResidualBudget& budget) {
   Chart chart;
-  chart.title = "What the residuals are made of";
+  chart.title = "Residual budget";
   chart.note =
-      fmt::format("{} features in {} views, RMS {:.4f} px in an axis",
+      fmt::format("{} features in {} views, RMS {:.3g} px per axis",
                   budget.num_features, budget.num_views, budget.rms_px);
   chart.x_label = "cause";
-  chart.y_label = "part of the squared residuals, %";
+  chart.y_label = "share of the squared residuals, %";
   ChartSeries parts = {"part", {}, false}, alone = {"alone", {}, false},
-              chance = {"chance, at most", {}, false};
+              chance = {"chance level (upper bound)", {}, false};
   const auto tick = [&chart](const std::string& name) {
     chart.ticks.push_back({static_cast<double>(chart.ticks.size()), name});
     return chart.ticks.back().x;
@@ -82,23 +82,23 @@ Chart ChartOfBudget(const ResidualBudget& budget) {
 BudgetInput InputOfUser(const ExperimentData& data, int num_threads) {
   if (data.result && (data.features || !data.cameras.empty()))
     throw Error(ExitCode::kUsage,
-                "residual-budget: --result has features and a camera of its "
-                "own; leave out --features and --camera");
+                "residual-budget: --result includes features and a camera; "
+                "omit --features and --camera");
   if (data.result) {
     if (!data.result->budget)
       throw InputError(
-          "--result: interrupted, or of another version of raygrid; calibrate "
-          "to the end, with this one");
+          "--result: interrupted, or written by another version of raygrid; "
+          "calibrate again");
     return BudgetInputOf(*data.result, data.result->budget->facts);
   }
   if (!data.features || data.cameras.size() != 1)
     throw Error(ExitCode::kUsage,
-                "residual-budget: give the folder of one --result, or "
-                "--features, --pattern, --image-size and one --camera");
+                "residual-budget: give one --result folder, or --features, "
+                "--pattern, --image-size and one --camera");
   const CameraModel& camera = *data.cameras.front().model;
   if (camera.image_size() != data.features->image_size)
     throw InputError(data.cameras.front().name +
-                     ": is for images of another size than --image-size");
+                     ": its image size differs from --image-size");
   return BudgetInputOf(camera, *data.features, data.pattern, num_threads);
 }
 
@@ -107,15 +107,15 @@ ExperimentResult BudgetOfUser(const ExperimentOptions& options) {
   const ResidualBudget budget = MeasureResidualBudget(input);
   if (!budget.untold.empty())
     throw Error(ExitCode::kTooFew,
-                "residual-budget: it cannot be told: " + budget.untold);
+                "residual-budget: not observable: " + budget.untold);
   ExperimentResult table;
   table.conditions = {
       {"residuals",
        fmt::format("{} features in {} views, {} x {} px", budget.num_features,
                    budget.num_views, input.image_size.width,
                    input.image_size.height)},
-      {"rms", fmt::format("{:.4f} px in an axis", budget.rms_px)},
-      {"noise", fmt::format("{:.4f} px in x, {:.4f} px in y",
+      {"rms", fmt::format("{:.3g} px per axis", budget.rms_px)},
+      {"noise", fmt::format("{:.2g} px in x, {:.2g} px in y",
                             budget.noise_px.x(), budget.noise_px.y())}};
   AddVerdict(budget, "", &table);
   table.columns = {"cause", "part_percent", "alone_percent",
@@ -128,7 +128,8 @@ ExperimentResult BudgetOfUser(const ExperimentOptions& options) {
   if (budget.OfViews() > 0)
     table.rows.push_back({std::string("column time"), 0.0,
                           fmt::format("{:.2f}", 100 * budget.column_time),
-                          std::string("-"), std::string("no camera has it")});
+                          std::string("-"),
+                          std::string("not physical, as a reference")});
   AddPart("rest", budget.rest, &table);
   table.chart = ChartOfBudget(budget);
   return table;
@@ -150,14 +151,14 @@ ExperimentResult BudgetsOfFaults(const ExperimentOptions& options) {
        fmt::format("simulated, {} images of {} x {} px", options.num_images,
                    options.size.width, options.size.height)},
       {"lens", kLens},
-      {"camera", "the true one, which localises each image"},
-      {"noise", fmt::format("{:g} px in an axis", simulation.noise_px)},
+      {"camera", "ground truth, with estimated poses"},
+      {"noise", fmt::format("{:g} px per axis", simulation.noise_px)},
       {"seed", std::to_string(options.seed)}};
   table.columns = {"fault", "limited_by", "rms_px", "noise_px", "noise"};
-  table.chart.title = "Simulated faults, and what their residuals tell";
-  table.chart.note = "a fault a place; each series is a cause";
+  table.chart.title = "Residual budget of simulated effects";
+  table.chart.note = "one effect per group; each series is an estimated cause";
   table.chart.x_label = "fault";
-  table.chart.y_label = "part of the squared residuals, %";
+  table.chart.y_label = "share of the squared residuals, %";
   for (int k = 0; k < kNumErrorCauses; ++k) {
     const char* name = NameOf(static_cast<ErrorCause>(k));
     table.columns.push_back(name);

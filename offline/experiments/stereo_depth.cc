@@ -134,9 +134,10 @@ void CalibratePairs(const Dataset& left, const Dataset& right,
   }
   compared->conditions.push_back(
       {"calibrated",
-       fmt::format("each model from the same {} and {} images; the board's "
-                   "points free, cells by held-out error, as calibrate does",
-                   left.images.size(), right.images.size())});
+       fmt::format(
+           "each model from the same {} and {} images; target geometry "
+           "estimated, knot spacing by cross-validation, as in calibrate",
+           left.images.size(), right.images.size())});
 }
 
 ComparedPairs SimulatedPairs(const ExperimentOptions& options) {
@@ -155,8 +156,8 @@ ComparedPairs SimulatedPairs(const ExperimentOptions& options) {
       {"truth", rig.cameras[0], rig.cameras[1],
        rig.camera_from_rig[1] * rig.camera_from_rig[0].Inverse()});
   compared.conditions.push_back(
-      {"cameras",
-       fmt::format("two alike, lens example, {:g} m apart", kBaselineM)});
+      {"cameras", fmt::format("two identical ones, lens example, {:g} m apart",
+                              kBaselineM)});
   return compared;
 }
 
@@ -164,13 +165,13 @@ ComparedPairs SimulatedPairs(const ExperimentOptions& options) {
 ComparedPairs UsersPairs(const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
   ComparedPairs compared;
-  std::string others = "the others are as they were given";
+  std::string others = "the others as given";
   if (data.pair_features) {
     const auto& [left, right] = *data.pair_features;
     std::vector<std::string> hold_out = data.hold_out;
     if (hold_out.empty()) hold_out = {left.images.back().image};
     CalibratePairs(left, right, data.pattern, hold_out, options, &compared);
-    others = "the others are calibrated from the same features";
+    others = "the others calibrated from the same features";
   } else if (data.rigs.size() == 1) {
     const NamedStereo& rig = data.rigs[0];
     const auto left = FitModels({rig.name, rig.left, rig.left_known});
@@ -183,14 +184,14 @@ ComparedPairs UsersPairs(const ExperimentOptions& options) {
                Pose{r.fitted_from_camera, {0, 0, 0}} * rig.right_from_left *
                    Pose{l.fitted_from_camera, {0, 0, 0}}.Inverse()});
     compared.pairs.push_back(rig);
-    others = "the others are fitted to its cameras, where they are known";
+    others = "the others are fitted to its cameras";
   } else {
     compared.pairs = data.rigs;
   }
   compared.conditions.push_back(
       {"truth",
-       fmt::format("not known; {} is taken for it, {}; where its deviation is "
-                   "{:g} px at most, or half of the image",
+       fmt::format("unknown; {} is the reference, {}; evaluated where its "
+                   "uncertainty is below {:g} px, or in half of the image",
                    compared.truth().name, others, kKnownPx)});
   return compared;
 }
@@ -209,7 +210,7 @@ double MiddleFocalPx(const CameraModel& camera) {
   const auto left = camera.Unproject(middle - step);
   const auto right = camera.Unproject(middle + step);
   if (!left || !right)
-    throw InputError("--rig: the left camera does not tell its middle");
+    throw InputError("--rig: the left camera model is undefined at its centre");
   return 2 * kStepPx / left->cross(*right).norm();
 }
 
@@ -254,14 +255,14 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
   const std::vector<Condition> conditions = {
       {"images", data.images[0] + ", " + data.images[1]},
       {"matching",
-       fmt::format("rectified, f = {:.0f} px; exhaustive along rows by "
-                   "zero-mean normalised cross-correlation, {} px windows, "
-                   "parabola; disparities of 1 to {} px, from {:.3g} m on",
-                   matching.focal_px, 2 * Matching::kHalfWindowPx + 1,
-                   matching.max_disparity, nearest_m)},
-      {"aligned", "clouds to that with " + reference.name +
-                      " by a similarity (Umeyama) without wrong "
-                      "matches"},
+       fmt::format(
+           "rectified, f = {:.0f} px; exhaustive along rows by zero-mean "
+           "normalised cross-correlation, {} px windows, parabola; disparities "
+           "of 1 to {} px, depth at least {:.3g} m",
+           matching.focal_px, 2 * Matching::kHalfWindowPx + 1,
+           matching.max_disparity, nearest_m)},
+      {"aligned", "point clouds aligned to that with " + reference.name +
+                      " by a similarity (Umeyama) without outliers"},
       {"blocks", "of 8 x 8 matches"}};
   table.conditions.insert(table.conditions.end(), conditions.begin(),
                           conditions.end());
@@ -269,10 +270,10 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
                    "matches",         "median_mm",
                    "blocks_rms_mm",   "blocks_rms_disparity_px",
                    "similarity_scale"};
-  table.chart.title = "Differences of depth by stereo";
-  table.chart.note = "from the last calibration, after a similarity";
+  table.chart.title = "Stereo depth differences";
+  table.chart.note = "from the last calibration, after a similarity transform";
   table.chart.x_label = "calibration";
-  table.chart.y_label = "difference of depth, mm";
+  table.chart.y_label = "depth difference, mm";
   ChartSeries median = {"median", {}, false},
               blocks = {"RMS of medians over blocks", {}, false};
   std::vector<SheetPicture> maps;
@@ -300,11 +301,12 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
   table.chart.series = {median, blocks};
   const Image bar = DepthLegend(limit_mm);
   table.pictures.push_back(
-      {"bias", PictureSheet(maps,
-                            {"Depth less that with " + reference.name +
-                                 " over the left rectified image:",
-                             "below 0 nearer, above farther, white no match."},
-                            &bar)});
+      {"bias",
+       PictureSheet(maps,
+                    {"Depth difference from " + reference.name +
+                         ", in the left rectified image:",
+                     "negative: nearer, positive: farther, white: no match."},
+                    &bar)});
   return table;
 }
 
@@ -349,20 +351,21 @@ ExperimentResult CompareOnWall(const ComparedPairs& compared,
       1000 * std::pow(wall.distance_m(), 2) / (baseline_m * matching.focal_px);
   table.conditions = compared.conditions;
   const std::vector<Condition> conditions = {
-      {"scene", fmt::format("a painted wall, {:.3g} m away, inclined by {:g}, "
-                            "rendered through the true cameras",
+      {"scene", fmt::format("a textured wall, {:.3g} m away, slope {:g}, "
+                            "rendered with the true cameras",
                             wall.distance_m(), PaintedWall::kSlope)},
       {"matching",
-       fmt::format("rectified, f = {:.0f} px; exhaustive along rows by "
-                   "zero-mean normalised cross-correlation, {} px windows, "
-                   "parabola; then the nearest point of both pixels' lines",
-                   matching.focal_px, 2 * Matching::kHalfWindowPx + 1)},
+       fmt::format(
+           "rectified, f = {:.0f} px; exhaustive along rows by zero-mean "
+           "normalised cross-correlation, {} px windows, parabola; then "
+           "triangulation with the observation lines of both pixels",
+           matching.focal_px, 2 * Matching::kHalfWindowPx + 1)},
       {"d = b f / x",
        fmt::format("1 px of disparity is {:.1f} mm of depth", mm_per_px)},
       {"aligned",
-       "clouds to the wall by a similarity (Umeyama) without wrong "
-       "matches"},
-      {"blocks", "of 8 x 8 matches, in the mean of the images"},
+       "point clouds aligned to the wall by a similarity (Umeyama) without "
+       "outliers"},
+      {"blocks", "of 8 x 8 matches, mean over images"},
       {"noise", fmt::format("{:g} grey levels", options.read_noise)},
       {"seed", std::to_string(options.seed)}};
   table.conditions.insert(table.conditions.end(), conditions.begin(),
@@ -373,11 +376,10 @@ ExperimentResult CompareOnWall(const ComparedPairs& compared,
                    "blocks_rms_mm",
                    "blocks_rms_disparity_px",
                    "similarity_scale"};
-  table.chart.title = "Error of depth by stereo";
-  table.chart.note =
-      "noise and errors of single windows average out, a bias does not";
+  table.chart.title = "Stereo depth error";
+  table.chart.note = "noise and matching errors average out, bias does not";
   table.chart.x_label = "calibration";
-  table.chart.y_label = "error of depth, mm";
+  table.chart.y_label = "depth error, mm";
   table.chart.is_logarithmic = true;
   ChartSeries one = {"median, one image", {}, false},
               mean = {fmt::format("median, mean of {}", kDepthFrames),
@@ -410,10 +412,10 @@ ExperimentResult CompareOnWall(const ComparedPairs& compared,
   table.pictures.push_back(
       {"bias",
        PictureSheet(maps,
-                    {fmt::format("Depth less true depth, mean of {} image "
-                                 "pairs, over the left rectified image:",
+                    {fmt::format("Depth error, mean of {} image pairs, in the "
+                                 "left rectified image:",
                                  kDepthFrames),
-                     "below 0 too near, above too far, white no match."},
+                     "negative: too near, positive: too far, white: no match."},
                     &bar)});
   return table;
 }
@@ -425,8 +427,8 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
   const bool is_users = data.pair_features || !data.rigs.empty();
   if (!data.images.empty() && (data.images.size() != 2 || !is_users))
     throw Error(ExitCode::kUsage,
-                "stereo-depth: --image needs a --rig, or --features of a pair, "
-                "and two images: the left camera's, then the right one's");
+                "stereo-depth: --image requires two images (left, then right) "
+                "and a --rig, or --features of a stereo pair");
   const ComparedPairs compared =
       is_users ? UsersPairs(options) : SimulatedPairs(options);
   return data.images.empty() ? CompareOnWall(compared, options)

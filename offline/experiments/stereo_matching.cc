@@ -284,7 +284,7 @@ DepthErrorMap CompareToSurface(const StereoCloud& cloud,
     seen.push_back(*point);
   }
   if (matched.size() < kMinMatches)
-    throw Error(ExitCode::kTooFew, "stereo-depth: hardly anything matched");
+    throw Error(ExitCode::kTooFew, "stereo-depth: too few stereo matches");
   const Eigen::Matrix4d similarity = SimilarityOfMost(cloud, matched, seen);
   DepthErrorMap map;
   map.columns = cloud.columns;

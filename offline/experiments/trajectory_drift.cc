@@ -110,8 +110,8 @@ Walk MakeWalk(const ComparedCameras& compared, uint64_t seed) {
     }
     if (view.observations.size() < kMinSeen)
       throw Error(ExitCode::kTooFew,
-                  "trajectory-drift: too little of the image is known by all "
-                  "cameras; calibrate from more images");
+                  "trajectory-drift: the common valid region of the cameras is "
+                  "too small; calibrate from more images");
     walk.views.push_back(std::move(view));
   }
   return walk;
@@ -136,11 +136,10 @@ Walk WalkOf(const ColmapModel& model, const Area& area) {
     walk.views.push_back(std::move(view));
   }
   if (static_cast<int>(walk.views.size()) < 2 * kFirstFrames)
-    throw Error(
-        ExitCode::kTooFew,
-        fmt::format("--colmap-model: {} images see {} points or more where the "
-                    "cameras are calibrated; take {} or more",
-                    walk.views.size(), kMinSeen, 2 * kFirstFrames));
+    throw Error(ExitCode::kTooFew,
+                fmt::format("--colmap-model: only {} images have at least {} "
+                            "points in the calibrated area; need {}",
+                            walk.views.size(), kMinSeen, 2 * kFirstFrames));
   return walk;
 }
 
@@ -310,8 +309,8 @@ ExperimentResult EmptyTable(const std::vector<NamedCamera>& cameras) {
                    "start_error_percent",
                    "end_error_percent",
                    "from_other_start_percent"};
-  table.chart.title = "Error at the end of a walk";
-  table.chart.note = "intrinsics fixed at those of each calibration";
+  table.chart.title = "Drift at the end of a walk";
+  table.chart.note = "intrinsics fixed to each calibration";
   table.chart.is_logarithmic = true;
   for (const NamedCamera& camera : cameras)
     table.chart.series.push_back({camera.name, {}, false});
@@ -321,14 +320,14 @@ ExperimentResult EmptyTable(const std::vector<NamedCamera>& cameras) {
 void AddStartConditions(ExperimentResult* table) {
   table->conditions.push_back(
       {"start",
-       fmt::format("in each step, turned by {:g} degrees about each axis, off "
-                   "by {:g} % of it, and the scale by {:g} % from there on; "
-                   "points by {:g} % of their depth (standard deviations); "
-                   "start_error is its end's",
+       fmt::format("perturbed per step by {:g} degrees about each axis, {:g} % "
+                   "of the step and {:g} % of the scale; points by {:g} % of "
+                   "their depth (1 sigma); start_error is that of its end",
                    kTurnDeg, 100 * kStepPart, 100 * kScalePart,
                    100 * kDepthPart)});
-  table->conditions.push_back(
-      {"other start", "drawn alike; end errors from both should be the same"});
+  table->conditions.push_back({"other start",
+                               "another random initialization; both should "
+                               "converge to the same error"});
 }
 
 // The errors of the end by start, before the adjustment of the first, and after
@@ -356,17 +355,17 @@ ExperimentResult AdjustSimulatedWalks(const ExperimentOptions& options) {
   ExperimentResult table = EmptyTable(cameras);
   table.conditions = compared.conditions;
   table.conditions.push_back(
-      {"walk", fmt::format("{} images, {:g} m apart, {} points, {:g} px of "
-                           "noise in an axis; bundle adjustment, intrinsics "
-                           "fixed",
+      {"walk", fmt::format("{} images, {:g} m apart, {} points, {:g} px noise "
+                           "per axis; bundle adjustment with fixed intrinsics",
                            kWalkFrames, kStepM, kPoints, kNoisePx)});
   AddStartConditions(&table);
   table.conditions.push_back(
-      {"error", fmt::format("of the last place, of the path's length, with the "
-                            "first {} brought together by a similarity",
-                            kFirstFrames)});
+      {"error",
+       fmt::format("of the last position, relative to the path length, after "
+                   "aligning the first {} by a similarity",
+                   kFirstFrames)});
   table.chart.x_label = "walk (its noise and points)";
-  table.chart.y_label = "error of the last place, % of the path";
+  table.chart.y_label = "final position error, % of the path length";
   for (int k = 0; k < options.num_walks; ++k) {
     table.chart.ticks.push_back({double(k), std::to_string(k + 1)});
     const Walk walk = MakeWalk(compared, options.seed * 31 + k + 1);
@@ -392,12 +391,11 @@ void RequireSize(const ColmapModel& model,
   for (const NamedCamera& camera : cameras) {
     const ImageSize& size = camera.model->image_size();
     if (model.size != size)
-      throw InputError(
-          fmt::format("--colmap-model: its images have {} x {} pixels, those "
-                      "of {} {} x {}; take "
-                      "images of the mode that was calibrated",
-                      model.size.width, model.size.height, camera.name,
-                      size.width, size.height));
+      throw InputError(fmt::format(
+          "--colmap-model: its images have {} x {} pixels, those of {} have {} "
+          "x {}; use images of the calibrated sensor mode",
+          model.size.width, model.size.height, camera.name, size.width,
+          size.height));
   }
 }
 
@@ -407,10 +405,9 @@ ComparedCameras CamerasForWalk(const ExperimentOptions& options) {
   ComparedCameras given;
   given.cameras = options.data.cameras;
   if (given.cameras.size() < 2 || given.cameras.size() > 6)
-    throw Error(
-        ExitCode::kUsage,
-        "--colmap-model: needs --camera two to six times, or --features to "
-        "calibrate cameras from");
+    throw Error(ExitCode::kUsage,
+                "--colmap-model requires two to six --camera options, or "
+                "--features to calibrate from");
   return given;
 }
 
@@ -433,19 +430,18 @@ ExperimentResult AdjustUsersWalk(const ExperimentOptions& options) {
   table.conditions = compared.conditions;
   table.conditions.push_back(
       {"walk", fmt::format("the user's, {} of {} images, {} points; bundle "
-                           "adjustment, intrinsics fixed",
+                           "adjustment with fixed intrinsics",
                            walk.views.size(), model.images.size(),
                            model.points.size())});
   AddStartConditions(&table);
   table.conditions.push_back(
-      {"error",
-       fmt::format("of the last place, of the path's length, from where {} has "
-                   "it, with the points of the first {} images brought "
-                   "together by a similarity",
-                   cameras.back().name, kFirstFrames)});
-  table.chart.title = "Differences at the end of a walk";
+      {"error", fmt::format("of the last position, relative to the path "
+                            "length, from that with {}, after aligning the "
+                            "points of the first {} images by a similarity",
+                            cameras.back().name, kFirstFrames)});
+  table.chart.title = "Difference at the end of a walk";
   table.chart.x_label = "walk";
-  table.chart.y_label = "% of the path, from " + cameras.back().name;
+  table.chart.y_label = "% of the path length, from " + cameras.back().name;
   table.chart.is_logarithmic = false;
   table.chart.ticks = {{0, "the user's"}};
   for (size_t c = 0; c < cameras.size(); ++c)

@@ -151,20 +151,19 @@ std::vector<int> ImagesToLookAt(const FolderDetection& found,
 std::string Remedy(const Guess& guess, const Board& asked,
                    const std::string& pattern_name) {
   if (guess.is_mirrored)
-    return "mirror the images back, or print the board the right way round";
-  if (guess.is_negative) return "print the board dark on white";
+    return "mirror the images, or print the board unmirrored";
+  if (guess.is_negative) return "print the board in black on white";
   if (guess.kind == "aprilgrid" && !guess.has_corner_squares)
     return fmt::format(
-        "pass --pattern aprilgrid:{}x{}:LENGTH:no-squares:family={}{}{}, "
-        "LENGTH "
-        "being the side of a tag",
+        "use --pattern aprilgrid:{}x{}:LENGTH:no-squares:family={}{}{}, where "
+        "LENGTH is the side of a tag",
         guess.columns / 2, guess.rows / 2,
         DictionaryName(guess.dictionary, guess.max_marker),
         guess.border_cells == 1 ? "" : ":border-cells=2",
         guess.is_numbered_from_top ? "" : ":numbered-from=bottom");
   std::string what = "columns and rows";
   if (guess.kind != asked.kind)
-    what = "the kind of board";
+    what = "the target kind";
   else if (!HasMarkersAsAsked(guess, asked))
     what = guess.kind == "aprilgrid" ? "the tag family" : "the dictionary";
   return fmt::format("correct {} in {}", what, pattern_name);
@@ -175,7 +174,7 @@ std::string DescribeSought(const Board& board) {
   const std::string size = Describe(board.kind, board.columns, board.rows,
                                     MarkersOf(board), board.has_corner_squares);
   if (board.kind == "charuco")
-    return fmt::format("a ChArUco board of {}, dark on white", size);
+    return fmt::format("a ChArUco board of {}, black on white", size);
   if (board.kind == "aprilgrid")
     return size +
            (board.border_cells == 2 ? ", with a border of two cells"
@@ -206,9 +205,8 @@ std::optional<std::string> RemarkOnNegatives(const FolderDetection& found,
   const int count = CountNegatives(found, pattern, chosen, num_threads);
   if (2 * count <= static_cast<int>(chosen.size())) return std::nullopt;
   return fmt::format(
-      "this looks like the board of {} printed white on black ({} of {} images "
-      "looked at); print the board dark on white, or exchange black and white "
-      "in the images",
+      "the board of {} appears in inverted colours ({} of {} inspected "
+      "images); print the board in black on white, or invert the images",
       pattern_name, count, chosen.size());
 }
 
@@ -218,7 +216,7 @@ std::string SoughtBoards(const Pattern& pattern,
                          const std::string& pattern_name) {
   const size_t num_others = pattern.boards.size() - 1;
   return fmt::format(
-      "searched for {}{}; check that {} says what they show",
+      "searched for {}{}; check that {} describes the target in the images",
       DescribeSought(pattern.boards.front()),
       num_others > 0 ? fmt::format(" and {} more", num_others) : std::string(),
       pattern_name);
@@ -249,9 +247,9 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
   TurnAs(asked, &*guess);
   if (IsAsAsked(*guess, asked)) return negative();
   return fmt::format(
-      "this looks like {}{} ({} of {} images looked at), not {}; {}",
+      "the images show {}{} ({} of {} inspected images), not {}; {}",
       guess->is_mirrored   ? "a mirrored board of "
-      : guess->is_negative ? "a board printed white on black of "
+      : guess->is_negative ? "an inverted (white on black) board of "
                            : "",
       Describe(guess->kind, guess->columns, guess->rows,
                DictionaryName(guess->dictionary, guess->max_marker),

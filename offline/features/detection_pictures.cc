@@ -176,9 +176,9 @@ Image DrawCoverage(const Dataset& dataset) {
   cv::Mat body, picture;
   cv::hconcat(heat, Scale(heat.rows, most), body);
   cv::vconcat(
-      Title(body.cols, fmt::format("Features per {0:.0f} x {0:.0f} px, all {1} "
-                                   "images together",
-                                   side_px, dataset.images.size())),
+      Title(body.cols,
+            fmt::format("Features per {0:.0f} x {0:.0f} px, sum of {1} images",
+                        side_px, dataset.images.size())),
       body, picture);
   return FromMat(picture);
 }

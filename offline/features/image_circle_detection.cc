@@ -260,9 +260,9 @@ std::optional<ImageCircle> DetectImageCircle(
     const std::string& path = image_paths[i * step];
     const GreyLevels image = ReadGreyLevels(path);
     if (image.size != size)
-      throw InputError(path +
-                       ": is of another size than it was; leave the "
-                       "images as they are while raygrid runs");
+      throw InputError(
+          path +
+          ": the image was modified while raygrid was running; run it again");
     cells[i].Add(image);
   });
   for (int i = 1; i < count; ++i) cells[0].Add(cells[i]);

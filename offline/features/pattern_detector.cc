@@ -41,10 +41,10 @@ Locate MakeLocate(const Board& board) {
   if (board.kind == "aprilgrid")
     return [locator = std::make_shared<AprilGridLocator>(board)](
                const GreyImage& image) { return locator->Locate(image); };
-  throw InputError(fmt::format(
-      "board {}: boards of kind '{}' cannot be detected; pass --features with "
-      "features found elsewhere",
-      board.id, board.kind));
+  throw InputError(
+      fmt::format("board {}: detection of kind '{}' is not supported; pass "
+                  "features of another detector with --features",
+                  board.id, board.kind));
 }
 
 void Append(ImageDetection part, ImageDetection* whole) {
@@ -65,7 +65,7 @@ void RequireInRange(const DetectionOptions& options) {
   if (options.window_px < 5 || options.window_px > 101 ||
       options.window_px % 2 == 0)
     throw InputError(
-        fmt::format("a window of {} px; use an odd number from 5 to 101",
+        fmt::format("window of {} px: must be an odd number from 5 to 101",
                     options.window_px));
 }
 
@@ -127,11 +127,11 @@ ImageDetection PatternDetector::Detect(const GreyImage& image) const {
   }
   if (detection.features.empty() && HasHardlyAnyContrast(image))
     detection.remarks.push_back(
-        "hardly any contrast: less than 8 grey levels, or lost in noise; check "
-        "light, exposure and the lens cap");
+        "too little contrast (below 8 grey levels, or below the noise); check "
+        "light, exposure and lens cap");
   if (image.was_mosaic)
     detection.remarks.push_back(
-        "a raw colour mosaic (Bayer): used as grey, with its colours balanced");
+        "raw Bayer image: used as grey after white balancing");
   return detection;
 }
 
@@ -159,16 +159,16 @@ class ImageReader {
       const ImageHeader header = ParseImageHeader(path, bytes);
       if (!CanShowBoard(header.size))
         throw InputError(
-            fmt::format("{}: {} x {} pixels; too small for a board", path,
+            fmt::format("{}: {} x {} pixels, too small to show a board", path,
                         header.size.width, header.size.height));
       return {See(path, bytes, header.size), "", header.orientation != 1};
     } catch (const InputError& error) {
       return {std::nullopt, error.what(), false};
     } catch (const std::bad_alloc&) {
-      return {std::nullopt, path + ": needs more memory than there is", false};
+      return {std::nullopt, path + ": out of memory", false};
     } catch (const cv::Exception& error) {
       return {std::nullopt,
-              fmt::format("{}: cannot be worked on ({})", path, error.err),
+              fmt::format("{}: cannot be processed ({})", path, error.err),
               false};
     }
   }
@@ -206,7 +206,7 @@ void RequireDistinctNames(const std::vector<std::string>& paths) {
     const auto [place, is_new] = path_of_name.emplace(FileName(path), path);
     if (!is_new)
       throw InputError(
-          fmt::format("{} and {} have one name; rename one, or give only one",
+          fmt::format("{} and {} have the same name; rename or remove one",
                       place->second, path));
   }
 }
@@ -222,11 +222,11 @@ ImageSize CommonSize(const std::vector<std::string>& paths,
     if (first < 0) first = static_cast<int>(i);
   }
   if (first < 0)
-    throw InputError(paths.size() == 1
-                         ? outcomes[0].failure
-                         : fmt::format("{} (nor can any of the other {} images "
-                                       "be read)",
-                                       outcomes[0].failure, paths.size() - 1));
+    throw InputError(
+        paths.size() == 1
+            ? outcomes[0].failure
+            : fmt::format("{} (and none of the other {} images can be read)",
+                          outcomes[0].failure, paths.size() - 1));
   const auto most = std::max_element(
       count.begin(), count.end(),
       [](const auto& a, const auto& b) { return a.second < b.second; });
@@ -236,8 +236,8 @@ ImageSize CommonSize(const std::vector<std::string>& paths,
     for (size_t i = first; i < paths.size(); ++i)
       if (outcomes[i].seen && outcomes[i].seen->size != here)
         throw InputError(fmt::format(
-            "these images look like two cameras: {} has {} x {} pixels, {} has "
-            "{} x {}; calibrate one camera, and one mode of it, at a time",
+            "image sizes differ: {} has {} x {} pixels, {} has {} x {}; "
+            "calibrate each camera and sensor mode separately",
             paths[i], outcomes[i].seen->size.width,
             outcomes[i].seen->size.height, paths[first], here.width,
             here.height));
@@ -266,10 +266,9 @@ FolderDetection Collect(const std::vector<std::string>& paths,
           {paths[i], WithoutPath(outcomes[i].failure, paths[i])});
     } else if (seen->size != size) {
       folder.skipped.push_back(
-          {paths[i],
-           fmt::format("{} x {} pixels where most images have {} x {}",
-                       seen->size.width, seen->size.height, size.width,
-                       size.height)});
+          {paths[i], fmt::format("{} x {} pixels, but most images have {} x {}",
+                                 seen->size.width, seen->size.height,
+                                 size.width, size.height)});
     } else {
       folder.dataset.images.push_back(
           {FileName(paths[i]), seen->detection.features});

@@ -68,9 +68,9 @@ YAML::Node WithCurrentKeys(const YAML::Node& map, const std::string& what) {
     const std::string& name =
         former == kFormerKeys.end() ? key : former->second;
     if (current[name])
-      throw InputError(fmt::format(
-          "{}: key '{}' occurs twice, or beside its former name; keep one",
-          what, Printable(name)));
+      throw InputError(
+          fmt::format("{}: duplicate key '{}' (former names included)", what,
+                      Printable(name)));
     current[name] = entry.second;
   }
   return current;
@@ -85,9 +85,8 @@ void RequireKnownKeys(const YAML::Node& map, const std::string& what,
   for (const auto& entry : map) {
     const std::string key = entry.first.as<std::string>();
     if (known.count(key) == 0)
-      throw InputError(fmt::format("{}: key '{}' is not known; there are {}",
-                                   what, Printable(key),
-                                   fmt::join(known, ", ")));
+      throw InputError(fmt::format("{}: unknown key '{}'; expected {}", what,
+                                   Printable(key), fmt::join(known, ", ")));
   }
 }
 
@@ -101,8 +100,8 @@ std::string ConditionText(const YAML::Node& value) {
     const std::string name = node.IsScalar() ? node.Scalar() : "";
     if (!FindCondition(name))
       throw InputError(fmt::format(
-          "vary_with: '{}' is unknown; expected lens_position, temperature or "
-          "[lens_position, temperature]",
+          "vary_with: unknown quantity '{}'; expected lens_position, "
+          "temperature or [lens_position, temperature]",
           Printable(name)));
     names.push_back(name);
   }
@@ -117,14 +116,14 @@ std::string OptionText(const YAML::Node& value, const std::string& key) {
   }
   if (key == kVaryWith) return ConditionText(value);
   if (!value.IsScalar())
-    throw InputError(fmt::format("key '{}' has no single value", key));
+    throw InputError(fmt::format("key '{}': expected a single value", key));
   return value.as<std::string>();
 }
 
 bool IsTrue(const YAML::Node& value, const std::string& key) {
   bool is_true = false;
   if (!value.IsScalar() || !YAML::convert<bool>::decode(value, is_true))
-    throw InputError(fmt::format("line {}: key '{}' is neither true nor false",
+    throw InputError(fmt::format("line {}: key '{}': expected true or false",
                                  value.Mark().line + 1, key));
   return is_true;
 }
@@ -153,7 +152,8 @@ std::map<std::string, std::string> ReadFolders(const YAML::Node& node,
   std::map<std::string, std::string> folders;
   if (!node) return folders;
   if (!node.IsMap())
-    throw InputError(fmt::format("key '{}' has no folder for each", key));
+    throw InputError(
+        fmt::format("key '{}': expected a mapping of folders", key));
   for (const auto& entry : node)
     folders[entry.first.as<std::string>()] = entry.second.as<std::string>();
   return folders;
@@ -175,7 +175,8 @@ void RequireOptionsFit(const BatchUnit& unit, const YAML::Node& node,
   if (!has_condition &&
       (files.count(kOperatingPoints) || !unit.cameras_at.empty()))
     throw InputError(fmt::format(
-        "unit {}: {} needs vary_with: lens_position or vary_with: temperature",
+        "unit {}: {} requires vary_with: lens_position or vary_with: "
+        "temperature",
         unit.serial, unit.cameras_at.empty() ? kOperatingPoints : kImagesAt));
   if (has_shutter && has_condition)
     throw InputError(fmt::format(
@@ -183,10 +184,10 @@ void RequireOptionsFit(const BatchUnit& unit, const YAML::Node& node,
         "remove one of them",
         unit.serial));
   if (has_condition && !unit.features.empty() && !files.count(kOperatingPoints))
-    throw InputError(fmt::format(
-        "unit {}: vary_with needs the operating point of each image in "
-        "features; give operating_points: FILE.csv",
-        unit.serial));
+    throw InputError(
+        fmt::format("unit {}: vary_with requires the operating point of each "
+                    "image in features; give operating_points: FILE.csv",
+                    unit.serial));
   for (const auto& [value, folder] : unit.cameras_at)
     if (!IsNumber(value))
       throw InputError(fmt::format("unit {}: images_at: '{}' is not a number",
@@ -198,13 +199,13 @@ void RequireOptionsFit(const BatchUnit& unit, const YAML::Node& node,
         "operating_points: FILE.csv",
         unit.serial));
   if (has_shutter && !unit.features.empty() && !files.count(kTimestamps))
-    throw InputError(fmt::format(
-        "unit {}: rolling_shutter needs the time of each image in features; "
-        "give timestamps: FILE.csv",
-        unit.serial));
+    throw InputError(
+        fmt::format("unit {}: rolling_shutter requires the time stamp of each "
+                    "image in features; give timestamps: FILE.csv",
+                    unit.serial));
   if (!has_shutter && files.count(kTimestamps))
     throw InputError(fmt::format(
-        "unit {}: timestamps needs rolling_shutter: true", unit.serial));
+        "unit {}: timestamps requires rolling_shutter: true", unit.serial));
 }
 
 void RequireSerial(const std::string& serial) {
@@ -214,16 +215,14 @@ void RequireSerial(const std::string& serial) {
       serial.find_first_not_of(kLetters) != std::string::npos ||
       serial[0] == '.' || serial[0] == '-')
     throw InputError(
-        fmt::format("serial '{}': names a folder, so it has 1 to {} letters, "
-                    "digits or . _ - +, a letter or digit first",
+        fmt::format("serial '{}': must have 1 to {} letters, digits or . _ - "
+                    "+, and not begin with . or -",
                     Printable(serial), kMaxSerialSize));
   if (serial == "fleet.csv" || serial == "fleet.html" ||
       serial == "fleet_camera.yaml" ||
       serial.find(".failed") != std::string::npos)
     throw InputError(
-        fmt::format("serial '{}': the batch has a file of that name; choose "
-                    "another one",
-                    serial));
+        fmt::format("serial '{}': reserved for a file of the batch", serial));
 }
 
 // The single value of a key; empty if the key is missing.
@@ -233,7 +232,7 @@ std::string ReadText(const YAML::Node& map, const std::string& key) {
 
 BatchUnit ReadUnit(const YAML::Node& given, const YAML::Node& plan) {
   if (!given.IsMap() || !given["serial"])
-    throw InputError("units: one has no serial");
+    throw InputError("units: missing serial");
   BatchUnit unit;
   unit.serial = ReadText(given, "serial");
   RequireSerial(unit.serial);
@@ -250,12 +249,12 @@ BatchUnit ReadUnit(const YAML::Node& given, const YAML::Node& plan) {
   if (!unit.images.empty() + !unit.features.empty() + !unit.cameras.empty() +
           !unit.cameras_at.empty() !=
       1)
-    throw InputError(what +
-                     ": needs exactly one of images (a folder), features (a "
-                     "file), cameras (folders by camera) and images_at "
-                     "(folders by value of vary_with)");
+    throw InputError(
+        what +
+        ": requires exactly one of images (folder), features (file), cameras "
+        "(folders by camera) and images_at (folders by value of vary_with)");
   if (unit.pattern.empty())
-    throw InputError(what + ": has no pattern, nor has the plan");
+    throw InputError(what + ": missing pattern, in the unit or the plan");
   unit.options = ReadOptions(node, plan);
   for (const std::string& key : kFileOptions)
     if (const YAML::Node value = Find(node, plan, key))
@@ -275,7 +274,7 @@ FigureLimits ReadLimits(const YAML::Node& node) {
   for (const auto& entry : node) {
     const std::string name = entry.first.as<std::string>();
     if (std::find(names.begin(), names.end(), name) == names.end())
-      throw InputError(fmt::format("limits: '{}' is not known; there are {}",
+      throw InputError(fmt::format("limits: unknown '{}'; expected {}",
                                    Printable(name), fmt::join(names, ", ")));
     if (entry.second.IsSequence()) {
       RequireYamlList(entry.second, name.c_str(), 2);
@@ -286,7 +285,8 @@ FigureLimits ReadLimits(const YAML::Node& node) {
                       YamlNumber(entry.second, name)};
     }
     if (limits[name].first > limits[name].second)
-      throw InputError(fmt::format("limits: {} has the lower one last", name));
+      throw InputError(
+          fmt::format("limits: {}: the lower limit must come first", name));
   }
   return limits;
 }
@@ -304,16 +304,16 @@ void RequireRepeatsFit(const std::vector<BatchUnit>& units) {
   for (const BatchUnit& unit : units) serials.insert(unit.serial);
   for (const BatchUnit& unit : units)
     if (!unit.repeats.empty() && serials.count(unit.repeats) == 0)
-      throw InputError(fmt::format(
-          "unit {}: repeats {}, and the plan has no unit of that serial",
-          unit.serial, unit.repeats));
+      throw InputError(
+          fmt::format("unit {}: repeats {}, which is not in the plan",
+                      unit.serial, unit.repeats));
   const BatchUnit* first = nullptr;
   for (const BatchUnit& unit : units) {
     const bool is_golden = goldens.count(unit.serial) > 0;
     if (repeats.count(unit.serial) > 0 && is_golden)
       throw InputError(
-          fmt::format("unit {0}: repeats {1}, and is repeated itself; let all "
-                      "of them repeat {1}",
+          fmt::format("unit {0}: a golden unit cannot itself repeat another "
+                      "unit, {1}; let all repetitions refer to {1}",
                       unit.serial, unit.repeats));
     if (!is_golden && unit.repeats.empty()) continue;
     if (!first) first = &unit;
@@ -321,10 +321,10 @@ void RequireRepeatsFit(const std::vector<BatchUnit>& units) {
          {std::tuple("operator", &unit.person, &first->person),
           std::tuple("station", &unit.station, &first->station)})
       if (text->empty() != of_first->empty())
-        throw InputError(fmt::format(
-            "unit {}: of units {} and {}, which are of golden units, one has "
-            "no {}; say it of all of them, or of none",
-            unit.serial, first->serial, unit.serial, key));
+        throw InputError(
+            fmt::format("unit {}: of the golden units {} and {}, one has no "
+                        "{}; give it for all of them or for none",
+                        unit.serial, first->serial, unit.serial, key));
   }
 }
 
@@ -332,14 +332,14 @@ BatchPlan ReadPlan(const YAML::Node& given) {
   RequireKind(given, "batch");
   const YAML::Node root = WithCurrentKeys(given, "plan");
   if (root["raygrid_batch"].as<int>() != 1)
-    throw InputError("raygrid_batch: only version 1 is known");
+    throw InputError("raygrid_batch: only version 1 is supported");
   RequireKnownKeys(root, "plan",
                    {"raygrid_batch", "pattern", "limits", "units"});
   BatchPlan plan;
   if (root["limits"]) plan.limits = ReadLimits(root["limits"]);
   if (!root["units"] || !root["units"].IsSequence() ||
       root["units"].size() == 0)
-    throw InputError("units: no list of units");
+    throw InputError("units: expected a list");
   for (const YAML::Node& node : root["units"])
     plan.units.push_back(ReadUnit(node, root));
   std::sort(plan.units.begin(), plan.units.end(),
@@ -349,8 +349,7 @@ BatchPlan ReadPlan(const YAML::Node& given) {
   for (size_t k = 1; k < plan.units.size(); ++k)
     if (plan.units[k].serial == plan.units[k - 1].serial)
       throw InputError(
-          fmt::format("serial '{}' stands twice; units share no folder",
-                      plan.units[k].serial));
+          fmt::format("duplicate serial '{}'", plan.units[k].serial));
   RequireRepeatsFit(plan.units);
   return plan;
 }

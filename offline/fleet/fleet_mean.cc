@@ -224,7 +224,7 @@ std::optional<CameraFile> MeanCamera(const std::vector<CameraFile>& cameras) {
   for (size_t u = 0; u < cameras.size(); ++u)
     if (is_usual[u]) usual.push_back(cameras[u]);
   file.spread = SpreadAround(*file.camera, usual);
-  file.name = fmt::format("middle of {} units", cameras.size());
+  file.name = fmt::format("mean of {} units", cameras.size());
   return file;
 }
 

@@ -59,12 +59,13 @@ std::string SummarySection(const FleetAnalysis& fleet) {
                           !statistics.drifts.empty();
   std::vector<std::string> told = {CountsTold(fleet.rows)};
   if (statistics.charts.empty())
-    told.push_back(fmt::format(
-        "{} units can be compared; from {} on, charts say which are unusual",
-        fleet.compared.size(), kFewestFleetUnits));
+    told.push_back(
+        fmt::format("{} units can be compared; outliers are determined from {} "
+                    "units upwards",
+                    fleet.compared.size(), kFewestFleetUnits));
   else
     told.push_back(
-        fmt::format("{} of {} units are unusual, means change {} times",
+        fmt::format("{} of {} units are outliers, the mean changes {} times",
                     statistics.unusual.size(), fleet.compared.size(),
                     statistics.jumps.size() + statistics.drifts.size()));
   if (const std::string seconds = SecondsTold(fleet.rows); !seconds.empty())
@@ -89,8 +90,8 @@ std::string UnusualSection(const FleetAnalysis& fleet) {
     const UnitRow& row = fleet.rows[fleet.compared[unusual.unit]];
     rows.push_back({UnitLink(row), what});
   }
-  return "<h2>Unusual units</h2>\n<div class=\"told\">" +
-         HtmlTable({"unit", "what is unusual"}, rows) + "</div>\n";
+  return "<h2>Outliers</h2>\n<div class=\"told\">" +
+         HtmlTable({"unit", "outlying quantities"}, rows) + "</div>\n";
 }
 
 std::string ChangesSection(const FleetAnalysis& fleet) {
@@ -112,31 +113,31 @@ std::string LimitsTold(const ControlChart& chart, const FleetAnalysis& fleet,
                        UnitOfFigure(chart.name));
   };
   if (!std::isfinite(chart.upper))
-    return "No limits: most neighbours are alike.";
+    return "No limits: most consecutive units are equal.";
   if (!std::isfinite(chart.lower))
     return fmt::format("Limit: {}{}.", ChartFigure(chart.upper),
                        UnitOfFigure(chart.name));
   const size_t last = chart.values.size() - 1;
   if (has_drift)
-    return fmt::format("Limits: {} at first, {} at last.", range(0),
+    return fmt::format("Limits: {} at the beginning, {} at the end.", range(0),
                        range(last));
   std::string text = "Limits: " + range(0);
   for (const int jump : jumps)
-    text += fmt::format(", from {} on {}",
-                        fleet.rows[fleet.compared[jump]].serial, range(jump));
+    text += fmt::format(", from {} {}", fleet.rows[fleet.compared[jump]].serial,
+                        range(jump));
   return text + ".";
 }
 
 std::string MeaningOfChart(const std::string& name, int num_directions) {
   if (name == "lens")
     return fmt::format(
-        " (Hotelling's T²): how far a lens is from the mean along the {} "
-        "directions in which lenses of this fleet vary, such as centre, focal "
-        "length and distortion. Changes of the mean are taken out.",
+        " (Hotelling's T²): distance from the mean along the {} principal "
+        "components of this fleet's intrinsics, such as principal point, focal "
+        "length and distortion. Changes of the mean are compensated.",
         num_directions);
   if (name == "shape")
-    return ": the squared distance from these directions. A tilted sensor, or "
-           "a lens of another kind, is far off.";
+    return ": squared distance from the subspace of these components. It is "
+           "large for a tilted sensor or another lens type.";
   return fmt::format(" ({}).", name);
 }
 
@@ -158,15 +159,15 @@ ChartSurroundings SurroundingsOf(const FleetAnalysis& fleet) {
 std::string ChartSection(const FleetAnalysis& fleet) {
   if (fleet.statistics.charts.empty()) return "";
   std::string html = fmt::format(
-      "<h2>Control charts</h2>\n<p>A point is a unit, in the order of serials. "
-      "Units beyond the dashed limits are triangles with their serials. The "
-      "solid line is the middle; dotted lines are where it jumps{}. In a fleet "
-      "in which nothing is unusual, a unit leaves any limit of any chart with "
-      "a "
-      "chance of {:.0f} %. Usual units alone set the limits.</p>\n",
+      "<h2>Control charts</h2>\n<p>Each point is a unit, in the order of "
+      "serial numbers. Units beyond the dashed limits are marked by triangles "
+      "and serial numbers. The solid line is the mean; dotted lines mark "
+      "changes of the mean{}. In a fleet without outliers, the probability "
+      "that any unit exceeds any limit is {:.0f} %. Outliers are excluded from "
+      "the limits.</p>\n",
       fleet.batches.batches.empty()
           ? ""
-          : "; the strip below has the colours of the batches of lenses",
+          : "; the strip below shows the lens batches by colour",
       100 * kFleetChance);
   ChartSurroundings surroundings = SurroundingsOf(fleet);
   for (const ControlChart& chart : fleet.statistics.charts) {
@@ -197,7 +198,7 @@ std::string BatchesSection(const BatchComparison& batches) {
         "<i class=\"part\" style=\"background: {}\"></i>{} ({} units)",
         ColorOfBatch(static_cast<int>(b)), EscapeHtml(batches.batches[b]),
         batches.num_units[b]));
-  for (const char* column : {"deviation within", "by chance", ""})
+  for (const char* column : {"standard deviation within", "p value", ""})
     head.emplace_back(column);
   std::vector<HtmlRow> rows;
   for (const BatchedFigure& figure : batches.figures) {
@@ -214,16 +215,16 @@ std::string BatchesSection(const BatchComparison& batches) {
   }
   return "<h2>Batches of lenses</h2>\n" +
          (BatchesTold(batches).empty()
-              ? "<p>No figure differs between batches.</p>\n"
+              ? "<p>No significant difference between batches.</p>\n"
               : HtmlList(BatchesTold(batches))) +
          HtmlTable(head, rows) +
          fmt::format(
-             "<p>Analysis of variance; of the lens, Pillai's trace along the "
-             "directions in which lenses vary. Equal batches differ in any "
-             "figure with a chance of {:.0f} %. Unusual units and batches of "
-             "fewer than {} units are left out. Deviations of errors are parts "
-             "of them. A batch that was calibrated apart may differ by what "
-             "else was different then.</p>\n",
+             "<p>Analysis of variance; for the intrinsics, Pillai's trace "
+             "along the principal components. The probability of any false "
+             "difference is {:.0f} %. Outliers and batches of fewer than {} "
+             "units are excluded. Standard deviations of errors are relative. "
+             "Batches calibrated at different times may differ for other "
+             "reasons.</p>\n",
              100 * kFleetChance, kFewestBatchUnits);
 }
 
@@ -242,7 +243,7 @@ HtmlRow GaugeRow(const GaugeFigure& figure) {
                  DeviationCell(figure, figure.repeatability)};
   for (const GaugeFactor& factor : figure.factors)
     row.push_back(DeviationCell(figure, factor.deviation) +
-                  (factor.chance ? fmt::format(" (by chance: {})",
+                  (factor.chance ? fmt::format(" (p value {})",
                                                ChanceText(*factor.chance))
                                  : ""));
   row.push_back(DeviationCell(figure, figure.gauge));
@@ -256,16 +257,16 @@ HtmlRow GaugeRow(const GaugeFigure& figure) {
 std::string GaugeSection(const GaugeStudy& gauge) {
   if (gauge.num_repeats == 0) return "";
   std::string html = fmt::format(
-      "<h2>Gauge repeatability and reproducibility</h2>\n<p>{} calibrations of "
-      "{} golden unit{}, {} degrees of freedom of the repeatability.</p>\n",
+      "<h2>Gauge repeatability and reproducibility</h2>\n<p>{} repeated "
+      "calibrations of {} golden unit{}, {} degrees of freedom.</p>\n",
       gauge.num_repeats, gauge.num_goldens, gauge.num_goldens == 1 ? "" : "s",
       gauge.freedoms);
   if (!gauge.figures.empty()) {
-    HtmlRow head = {"deviation of", "repeats"};
+    HtmlRow head = {"standard deviation", "repeats"};
     for (const GaugeFactor& factor : gauge.figures[0].factors)
       head.push_back(factor.name + "s");
-    for (const char* column : {"gauge in all", "of the fleet's spread",
-                               "classes told apart", "of the limits' width"})
+    for (const char* column : {"total gauge", "of the fleet's variation",
+                               "distinct categories", "of the tolerance"})
       head.emplace_back(column);
     std::vector<HtmlRow> rows;
     for (const GaugeFigure& figure : gauge.figures)
@@ -274,14 +275,12 @@ std::string GaugeSection(const GaugeStudy& gauge) {
   }
   if (!gauge.untold.empty()) html += HtmlList(gauge.untold);
   return html +
-         "<p>One standard deviation, by analysis of variance. Pixels are the "
-         "root mean square over the image, the other rows single figures; of "
-         "errors it is a part of them. Of the fleet's spread, a gauge should "
-         "take less than 30 %, and tell 5 classes of units apart; six of its "
-         "deviations should take less than 30 % of the limits' width (AIAG, "
-         "Measurement Systems Analysis). The fewer degrees of freedom, the "
-         "less "
-         "sure: 10 are good to about 22 %.</p>\n";
+         "<p>Standard deviations (1 sigma) by analysis of variance. Pixels are "
+         "RMS over the image; errors are relative. According to AIAG, "
+         "Measurement Systems Analysis, the gauge should contribute less than "
+         "30 % of the fleet's variation and distinguish at least 5 categories, "
+         "and 6 sigma should be below 30 % of the tolerance. With 10 degrees "
+         "of freedom, the estimates are accurate to about 22 %.</p>\n";
 }
 
 // ---- All units -------------------------------------------------------------
@@ -309,7 +308,7 @@ std::string UnitsSection(const std::vector<UnitRow>& units) {
   return "<h2>All units</h2>\n<div class=\"told\">" +
          HtmlTable({"unit", "status", "focal px", "centre x", "centre y",
                     "held-out median px", "worst deviation px", "batch", "s",
-                    "unusual in, or remark"},
+                    "outlier in, or remark"},
                    rows) +
          "</div>\n";
 }

@@ -92,7 +92,7 @@ void AddCamera(const CameraFile& file, UnitRow* row) {
 std::string WhyBeyond(const UnitRow& row, const FigureLimits& limits) {
   for (const auto& [name, range] : limits) {
     const auto figure = row.figures.find(name);
-    if (figure == row.figures.end()) return name + " is not known";
+    if (figure == row.figures.end()) return name + " is unknown";
     if (figure->second > range.second)
       return fmt::format("{} is {:.6g}, above {:.6g}", name, figure->second,
                          range.second);
@@ -125,9 +125,8 @@ UnitRow ReadUnitRow(const std::string& serial, const std::string& folder,
     RequireSmallTree(path, text);
     AddResult(Json::parse(text), &row);
   } catch (const Json::exception&) {
-    throw InputError(path +
-                     ": is no result of raygrid calibrate; run the batch "
-                     "again");
+    throw InputError(
+        path + ": not a result of raygrid calibrate; run the batch again");
   }
   if (std::filesystem::exists(folder + "/camera.yaml"))
     AddCamera(ReadCameraFile(folder + "/camera.yaml"), &row);

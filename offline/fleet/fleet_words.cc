@@ -32,20 +32,18 @@ std::string BatchRemark(const FleetAnalysis& fleet, int unit) {
   if (batch.empty()) return "";
   for (int u = 0; u < unit; ++u)
     if (fleet.rows[fleet.compared[u]].lens_batch == batch) return "";
-  return fmt::format(", which has the first lens of batch {},", batch);
+  return fmt::format(" (first lens of batch {})", batch);
 }
 
 std::string JumpTold(const FleetAnalysis& fleet, const MeanJump& jump) {
   const std::string values =
       jump.name == "lens"
           ? ""
-          : fmt::format(": {}, before {}", WithUnit(jump.name, jump.after),
-                        WithUnit(jump.name, jump.before));
-  return fmt::format(
-      "from {}{} on, the mean of {} ({}) is another one{} "
-      "({:.1f} standard deviations of it)",
-      SerialOf(fleet, jump.unit), BatchRemark(fleet, jump.unit),
-      TitleOfFigure(jump.name), jump.name, values, jump.sigmas);
+          : fmt::format(" from {} to {}", WithUnit(jump.name, jump.before),
+                        WithUnit(jump.name, jump.after));
+  return fmt::format("from {}{}, the mean of {} ({}) changes{} ({:.1f} sigma)",
+                     SerialOf(fleet, jump.unit), BatchRemark(fleet, jump.unit),
+                     TitleOfFigure(jump.name), jump.name, values, jump.sigmas);
 }
 
 std::string DriftTold(const FleetAnalysis& fleet, const MeanDrift& drift) {
@@ -55,8 +53,7 @@ std::string DriftTold(const FleetAnalysis& fleet, const MeanDrift& drift) {
           : fmt::format(": from {} to {}", WithUnit(drift.name, drift.first),
                         WithUnit(drift.name, drift.last));
   return fmt::format(
-      "the mean of {} ({}) drifts from {} to {}{} ({:.1f} "
-      "standard deviations of its slope)",
+      "the mean of {} ({}) drifts from {} to {}{} (slope: {:.1f} sigma)",
       TitleOfFigure(drift.name), drift.name, SerialOf(fleet, 0),
       SerialOf(fleet, static_cast<int>(fleet.compared.size()) - 1), values,
       drift.sigmas);
@@ -66,15 +63,15 @@ std::string DriftTold(const FleetAnalysis& fleet, const MeanDrift& drift) {
 
 std::string TitleOfFigure(const std::string& name) {
   static const std::map<std::string, std::string> kTitles = {
-      {"lens", "the lens as a whole"},
-      {"shape", "the shape that no usual lens has"},
-      {"focal_px", "the focal length"},
-      {"center_x_px", "the centre's x"},
-      {"center_y_px", "the centre's y"},
-      {"held_out_median_px", "the held-out error"},
-      {"worst_deviation_px", "the worst stated deviation"},
-      {"sensor_temperature_c", "the sensor's temperature"},
-      {"pixels", "pixels over the whole image"}};
+      {"lens", "intrinsics as a whole"},
+      {"shape", "deviation from the fleet's subspace"},
+      {"focal_px", "focal length"},
+      {"center_x_px", "principal point x"},
+      {"center_y_px", "principal point y"},
+      {"held_out_median_px", "held-out error"},
+      {"worst_deviation_px", "maximum predicted uncertainty"},
+      {"sensor_temperature_c", "sensor temperature"},
+      {"pixels", "projection over the whole image"}};
   const auto found = kTitles.find(name);
   return found == kTitles.end() ? name : found->second;
 }
@@ -98,7 +95,8 @@ std::vector<std::string> WhatIsUnusual(const FleetStatistics& statistics,
       const double middle = chart.middle[unit];
       const std::string usual =
           std::isfinite(chart.lower)
-              ? fmt::format("usual are {} to {}", figure(middle + chart.lower),
+              ? fmt::format("normal range {} to {}",
+                            figure(middle + chart.lower),
                             figure(middle + chart.upper))
               : fmt::format("the limit is {}", figure(chart.upper));
       told.push_back(fmt::format("{} ({}) is {}, {}{}", TitleOfFigure(name),
@@ -131,10 +129,9 @@ std::vector<std::string> BatchesTold(const BatchComparison& batches) {
                           WithUnit(figure.name, *most),
                           batches.batches[most - figure.means.begin()]);
     }
-    told.push_back(
-        fmt::format("batches of lenses differ in {} ({}){} (by chance: {})",
-                    TitleOfFigure(figure.name), figure.name, means,
-                    ChanceText(figure.chance)));
+    told.push_back(fmt::format("lens batches differ in {} ({}){} (p value {})",
+                               TitleOfFigure(figure.name), figure.name, means,
+                               ChanceText(figure.chance)));
   }
   return told;
 }
@@ -143,16 +140,16 @@ std::vector<std::string> GaugeTold(const GaugeStudy& gauge) {
   std::vector<std::string> told;
   for (const GaugeFigure& figure : gauge.figures) {
     std::string sentence =
-        fmt::format("{} ({}) repeats to {}", TitleOfFigure(figure.name),
+        fmt::format("repeatability of {} ({}): {}", TitleOfFigure(figure.name),
                     figure.name, GaugeDeviation(figure, figure.repeatability));
     for (const GaugeFactor& factor : figure.factors)
       sentence += fmt::format(", {}s add {}", factor.name,
                               GaugeDeviation(figure, factor.deviation));
     if (figure.part_of_fleet)
-      sentence += fmt::format("; that is {:.1f} % of the fleet's spread",
+      sentence += fmt::format(", {:.1f} % of the fleet's variation",
                               100 * *figure.part_of_fleet);
     if (figure.part_of_limits)
-      sentence += fmt::format(", and six of it {:.1f} % of the limits' width",
+      sentence += fmt::format("; 6 sigma is {:.1f} % of the tolerance",
                               100 * *figure.part_of_limits);
     told.push_back(sentence);
   }
@@ -171,8 +168,7 @@ std::string SecondsTold(const std::vector<UnitRow>& rows) {
   if (seconds.empty()) return "";
   std::sort(seconds.begin(), seconds.end());
   return fmt::format(
-      "a unit took {:.1f} s in the median, {:.1f} s at most, "
-      "all {} together {:.0f} s",
+      "run time per unit {:.1f} s (median), {:.1f} s (max); all {}: {:.0f} s",
       seconds[seconds.size() / 2], seconds.back(), seconds.size(), sum);
 }
 

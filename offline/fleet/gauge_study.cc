@@ -97,10 +97,11 @@ GaugeModel MakeModel(const std::vector<GaugeRepeat>& repeats,
     if (term.freedoms > 0)
       model.terms.push_back(std::move(term));
     else
-      untold->push_back(fmt::format(
-          "what each {0} adds cannot be told from what differs beside it; "
-          "let one golden unit pass more than one {0}, all else being equal",
-          names[k]));
+      untold->push_back(
+          fmt::format("the effect of {0}s is not separable from other "
+                      "differences; calibrate one golden unit at more than one "
+                      "{0}, all else being equal",
+                      names[k]));
   }
   return model;
 }
@@ -191,8 +192,8 @@ GaugeStudy StudyGauge(const FleetInput& input,
   study.freedoms = static_cast<int>(model.freedoms);
   if (study.freedoms == 0) {
     study.untold = {
-        "no golden unit has a second result by one operator at one station; "
-        "calibrate one again without changing anything"};
+        "no golden unit was repeated by the same operator at the same station; "
+        "repeat one calibration without changes"};
     return study;
   }
   const bool has_fleet = fleet.pixels.rows() >= kFewestFleetUnits;

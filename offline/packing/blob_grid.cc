@@ -266,11 +266,11 @@ BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
                         [&](const Area& cell) { DistrustCells(cell, &valid); });
   if (valid.is_trusted != before) made.valid = valid;
   if (!valid.TrustsAny())
-    throw Error(ExitCode::kQuality,
-                fmt::format("no grid follows this {} camera anywhere to {} px; "
-                            "are its numbers those of this model and image "
-                            "size?",
-                            camera.Name(), max_error_px));
+    throw Error(
+        ExitCode::kQuality,
+        fmt::format("no grid represents this {} camera within {} px anywhere; "
+                    "check that its parameters match the model and image size",
+                    camera.Name(), max_error_px));
   return made;
 }
 
@@ -288,7 +288,7 @@ GridSection QuantizeGrid(const CentralGeneric& camera) {
   grid.control_points.rows = s.rows;
   if (camera.surface().cell_width() <= 1.01 ||
       camera.surface().cell_height() <= 1.01)
-    ThrowDoesNotFitBlob("its cells are not larger than a pixel");
+    ThrowDoesNotFitBlob("its knot spacing is below one pixel");
   s.scale_x_q32 = rg_grid_scale_q32(s.columns - 3u, s.x1_q16 - s.x0_q16);
   s.scale_y_q32 = rg_grid_scale_q32(s.rows - 3u, s.y1_q16 - s.y0_q16);
   for (const Eigen::Vector2d& point : camera.surface().points()) {
@@ -316,7 +316,8 @@ std::vector<int32_t> QuantizeLinePoints(const NonCentralGeneric& camera,
     for (int c = 0; c < 3; ++c) {
       const double value = std::ldexp(point[c], RG_LINE_POINT_BITS);
       if (!(std::abs(value) <= RG_LINE_POINT_LIMIT))
-        ThrowDoesNotFitBlob("its lines lie farther than 7.9 m from its centre");
+        ThrowDoesNotFitBlob(
+            "its ray origins are more than 7.9 m from its centre");
       quantized.push_back(static_cast<int32_t>(std::lround(value)));
     }
   }

@@ -14,7 +14,8 @@ constexpr double kMaxNarrowErrorRad = 1e-6;
 
 /// Throws Error(kQuality): the format cannot hold the camera; what says why.
 [[noreturn]] inline void ThrowDoesNotFitBlob(const std::string& what) {
-  throw Error(ExitCode::kQuality, "this camera does not fit a blob: " + what);
+  throw Error(ExitCode::kQuality,
+              "this camera cannot be stored in a blob: " + what);
 }
 
 }  // namespace raygrid

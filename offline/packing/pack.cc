@@ -40,8 +40,8 @@ std::string PaddedText(const char* what, const std::string& text) {
 std::optional<std::string> RemarkOnProjection(
     const std::optional<ProjectionError>& error, bool has_mask) {
   if (!error)
-    return "no inverse grid of 16 bits leads back to its pixels: the blob does "
-           "not project";
+    return "no 16-bit inverse grid is accurate enough: the blob does not "
+           "support projection";
   const FoundPixels& pixels = error->trusted;
   const int64_t num_all = pixels.num_pixels + pixels.num_unfindable;
   std::string faults;
@@ -50,29 +50,30 @@ std::optional<std::string> RemarkOnProjection(
       faults += fmt::format("{}{:.2g} % {}", faults.empty() ? "" : ", ",
                             100.0 * count / num_all, what);
   };
-  add(pixels.num_lost, "are not found");
-  add(pixels.num_off, fmt::format("are off by more than {} px, up to {:.2g} px",
+  add(pixels.num_lost, "do not converge");
+  add(pixels.num_off, fmt::format("have errors above {} px, up to {:.2g} px",
                                   kMaxProjectionErrorPx, pixels.worst_px));
   add(pixels.num_unfindable,
-      "cannot be found, because others look where they do, or they look 151 "
-      "degrees from the axis");
+      "are ambiguous (folds of the distortion) or more than 151 degrees off "
+      "axis");
   if (faults.empty()) return std::nullopt;
   return fmt::format(
-      "projection does not lead back to all {} pixels: {}; images with the "
-      "board there, or a larger --knot-spacing-px, make the camera smoother",
-      has_mask ? "trusted" : "of the area's", faults);
+      "projection is not accurate for all {} pixels: {}; add images with the "
+      "target there, or increase --knot-spacing-px, for a smoother camera",
+      has_mask ? "valid" : "calibrated", faults);
 }
 
 void RequirePackable(const CameraModel& camera) {
   if (!camera.IsCentral() && !dynamic_cast<const NonCentralGeneric*>(&camera))
-    throw Error(ExitCode::kQuality,
-                fmt::format("a {} camera cannot be packed; fit it with "
-                            "noncentral-generic first",
-                            camera.Name()));
+    throw Error(
+        ExitCode::kQuality,
+        fmt::format(
+            "a {} camera cannot be packed; fit noncentral-generic to it first",
+            camera.Name()));
   if (camera.image_size().width > static_cast<int>(RG_MAX_IMAGE_SIZE) ||
       camera.image_size().height > static_cast<int>(RG_MAX_IMAGE_SIZE))
-    ThrowDoesNotFitBlob(fmt::format("images are at most {} px wide and high",
-                                    RG_MAX_IMAGE_SIZE));
+    ThrowDoesNotFitBlob(fmt::format(
+        "the image exceeds {} px in width or height", RG_MAX_IMAGE_SIZE));
 }
 
 // Before tables are fitted, which takes time. A blob's other sections are
@@ -90,16 +91,16 @@ void RequireFewTables(const CameraFile& file, const PackOptions& options) {
   const size_t max_tables = RG_MAX_SECTIONS - num_others;
   if (options.remaps.size() > max_tables)
     throw Error(ExitCode::kUsage,
-                fmt::format("{} tables, where this camera's blob has room for "
-                            "{}; pack several blobs",
+                fmt::format("{} remap tables exceed the limit of {} for this "
+                            "camera; pack several blobs",
                             options.remaps.size(), max_tables));
 }
 
 void ThrowIfStopped(const PackOptions& options) {
   if (options.should_stop && options.should_stop())
     throw Error(ExitCode::kNotConverged,
-                "interrupted before the camera was packed; pack makes the blob "
-                "of camera.yaml");
+                "interrupted before packing; create the blob from camera.yaml "
+                "with raygrid pack");
 }
 
 // Tables of the view that is as sharp as the first camera's image, or else of
@@ -122,13 +123,13 @@ std::vector<RemapTable> FitDefaultTables(
     std::vector<RemapTable> tables = FitRemapTables(
         cameras, MakeViewOfArea(camera), max_error_px, num_threads, go_on);
     remarks->push_back(
-        "its undistortion table shows the calibrated area alone, which lies "
-        "far from where the camera looks, or too close to the side");
+        "its undistortion table is limited to the calibrated area, which is "
+        "far off the optical axis");
     return tables;
   } catch (const Error&) {
     remarks->push_back(
-        "has no undistortion table, which raygrid pack --remap may make of "
-        "another view: " +
+        "has no undistortion table; try another view with raygrid pack "
+        "--remap: " +
         fault);
     return {};
   }
@@ -211,11 +212,11 @@ class RemapSections {
       packed->remaps.back().distorts = request.distorts;
       RemarkOnReach(packed);
       if (packed->remaps.back().error_px > options.max_error_px)
-        packed->remarks.push_back(fmt::format(
-            "table {} is off by up to {:.2g} px, more than {} px, which blocks "
-            "of 8 px do not keep; a smaller field of view is more exact",
-            tables_.size() - 1, packed->remaps.back().error_px,
-            options.max_error_px));
+        packed->remarks.push_back(
+            fmt::format("table {}: error up to {:.2g} px exceeds {} px even "
+                        "with blocks of 8 px; reduce the field of view",
+                        tables_.size() - 1, packed->remaps.back().error_px,
+                        options.max_error_px));
       if (lines && request.scene)
         packed->remaps.back().far_error_px = FarError(
             *sources[0], *CameraOfRequest(*cameras[0], nullptr, request),
@@ -269,18 +270,17 @@ class RemapSections {
   void RemarkOnReach(PackedCamera* packed) const {
     const RemapTable& table = tables_.back().front();
     if (table.num_out_of_reach > 0)
-      packed->remarks.push_back(fmt::format(
-          "table {} has border in {} blocks of {} px at the far edge of the "
-          "image: corners of theirs lie beyond 8192 px, which no table holds; "
-          "a table for smaller frames (--mode) shows all",
-          tables_.size() - 1, table.num_out_of_reach,
-          1 << table.section.block_log2));
+      packed->remarks.push_back(
+          fmt::format("table {}: {} blocks of {} px at the image edge are left "
+                      "as border, since their corners exceed the limit of 8192 "
+                      "px; use a table for smaller frames (--mode)",
+                      tables_.size() - 1, table.num_out_of_reach,
+                      1 << table.section.block_log2));
     if (table.num_rough > 0)
       packed->remarks.push_back(fmt::format(
-          "table {} has border in {} blocks of {} px ({:.2g} % of its "
-          "picture), "
-          "where the distortion bends more than a table follows within {} px; "
-          "--max-error-px allows more",
+          "table {}: {} blocks of {} px ({:.2g} % of the view) are left as "
+          "border, since their distortion cannot be represented within {} px; "
+          "increase --max-error-px",
           tables_.size() - 1, table.num_rough, 1 << table.section.block_log2,
           PercentOfPicture(table), table.section.bound_upx * 1e-6));
   }
@@ -366,22 +366,24 @@ void RequireAlikeKnots(const StackKnots& stack, const CameraModel& camera) {
     if (!is_good) ThrowDoesNotFitBlob(what);
   };
   const size_t num = stack.values.size();
-  require(camera.IsCentral(), "a stack is of central cameras");
+  require(camera.IsCentral(),
+          "samples over the operating point must be central cameras");
   require(
       num == stack.cameras.size() && num >= RG_MIN_KNOTS && num <= RG_MAX_KNOTS,
-      "a stack has 2 to 64 knots");
+      "a blob has 2 to 64 samples over the operating point");
   for (size_t k = 0; k < num; ++k) {
     const BSplineSurface& a = stack.cameras[0].surface();
     const BSplineSurface& b = stack.cameras[k].surface();
     require(std::abs(stack.values[k]) <= 1024 &&
                 (k == 0 || std::lround(stack.values[k] * 65536) >
                                std::lround(stack.values[k - 1] * 65536)),
-            "the values of a stack's knots ascend, and are 1024 at most");
+            "operating points must be ascending and at most 1024");
     require(a.columns() == b.columns() && a.rows() == b.rows() &&
                 a.area().x0 == b.area().x0 && a.area().y0 == b.area().y0 &&
                 a.area().x1 == b.area().x1 && a.area().y1 == b.area().y1 &&
                 stack.cameras[k].image_size() == camera.image_size(),
-            "a stack's knots have grids of one size over one area");
+            "samples over the operating point must have grids of equal size "
+            "and area");
   }
 }
 
@@ -432,7 +434,8 @@ MadeGrids MakeGrids(const GridTask& task, double max_error_px) {
     const BSplineSurface& surface = made.models.back().surface();
     if (surface.columns() != like.columns() || surface.rows() != like.rows())
       ThrowDoesNotFitBlob(
-          "the area of a stack's knots is finer than 1/65536 px");
+          "the areas of samples over the operating point differ by less than "
+          "1/65536 px");
   }
   return made;
 }
@@ -456,11 +459,10 @@ class BlobGrids {
                      max_error_px, task.num_threads, contents);
       if (points->error().px <= max_error_px) return;
     }
-    throw Error(
-        ExitCode::kQuality,
-        fmt::format("packing would add {:.4f} px to un-projection, more "
-                    "than {}",
-                    points->error().px, max_error_px));
+    throw Error(ExitCode::kQuality,
+                fmt::format("unprojection error of packing would be {:.2g} px, "
+                            "above the limit of {}",
+                            points->error().px, max_error_px));
   }
   BlobGrids(const BlobGrids&) = delete;
   BlobGrids& operator=(const BlobGrids&) = delete;
@@ -528,16 +530,16 @@ std::optional<std::string> RemarkOnLeftOut(const GridTask& task,
   std::string why;
   if (task.region && !task.region->IsWhole())
     why = fmt::format(
-        "its distortion folds or ends there, or it looks back by more than 151 "
-        "degrees ({:.2g} % of the calibrated area)",
+        "the distortion folds or ends there, or rays are more than 151 degrees "
+        "off axis ({:.2g} % of the calibrated area)",
         100 * (1 - task.region->Part()));
   if (!made.follows_all)
     why += fmt::format(
-        "{}no grid follows it within {} px there (--max-error-px allows more)",
+        "{}no grid represents it within {} px there (increase --max-error-px)",
         why.empty() ? "" : ", or ", max_error_px);
   return fmt::format(
-      "{:.2g} % of the image is left out, in whole cells of the blob's mask: "
-      "{}; tables show border where the distortion is not regular",
+      "{:.2g} % of the image is excluded by the validity mask: {}; remap "
+      "tables show border there",
       100 * left_out_part, why);
 }
 
@@ -546,10 +548,10 @@ std::optional<std::string> RemarkOnLeftOut(const GridTask& task,
 void RequireBlobText(const char* what, const std::string& text) {
   const std::string place = fmt::format("{} '{}'", what, Printable(text));
   if (FindNoUtf8(text) != std::string::npos)
-    throw Error(ExitCode::kUsage, place + ": not UTF-8 text; give another");
+    throw Error(ExitCode::kUsage, place + ": must be UTF-8 text");
   if (text.size() >= RG_TEXT_SIZE)
-    throw Error(ExitCode::kUsage,
-                fmt::format("{}: at most {} bytes", place, RG_TEXT_SIZE - 1));
+    throw Error(ExitCode::kUsage, fmt::format("{}: must have at most {} bytes",
+                                              place, RG_TEXT_SIZE - 1));
 }
 
 namespace {
@@ -563,8 +565,8 @@ PackedCamera PackOverFirst(const CameraFile& file, const PackOptions& options) {
   const std::vector<ConditionRange>& ranges = file.stack->cameras.ranges();
   const std::string other = ConditionName(ranges[1].condition);
   packed.remarks.push_back(fmt::format(
-      "a blob's range is of one condition: it goes over {}, at {} {:g}, the "
-      "middle; pack --at {}=VALUE packs it at another one",
+      "a blob supports a range of one quantity: packed over {}, at the centre "
+      "{} {:g}; select another value with pack --at {}=VALUE",
       ConditionName(ranges[0].condition), other, ranges[1].Middle(), other));
   return packed;
 }
@@ -704,12 +706,13 @@ PackedCamera PackWhatCanBe(const CameraFile& file, int num_threads,
       CameraFile alone = file;
       alone.stack.reset();
       PackedCamera packed = PackWhatCanBe(alone, num_threads, should_stop);
-      packed.remarks.push_back(fmt::format(
-          "has the camera in the middle of the range alone: {}", error.what()));
+      packed.remarks.push_back(
+          fmt::format("contains only the camera at the centre of the range: {}",
+                      error.what()));
       return packed;
     }
     PackedCamera none;
-    none.remarks = {fmt::format("is left out: {}", error.what())};
+    none.remarks = {fmt::format("is omitted: {}", error.what())};
     return none;
   }
 }

@@ -84,35 +84,32 @@ void RequireRectifiable(const StereoCamera& first, const StereoCamera& second,
   constexpr double kLeastFromAxisDeg = 30;
   if (!(baseline.in_first.norm() > kLeastBaselineM))
     FailToRectify(first, second,
-                  "stand at one place, so that nothing moves between their "
-                  "images; choose cameras that stand apart");
+                  "have no baseline; choose cameras at different positions");
   if (pair.overlap == 0 || mean_z.norm() < 1e-9)
     FailToRectify(first, second,
-                  fmt::format("no overlap: their axes are {:.0f} degrees "
-                              "apart, and nothing far away is seen by both; "
-                              "choose cameras that look the same way",
+                  fmt::format("their fields of view do not overlap at infinity "
+                              "(optical axes {:.0f} degrees apart); choose "
+                              "cameras with similar viewing directions",
                               pair.angle_deg));
   const double from_axis_deg =
       std::acos(std::min(1.0, std::abs(mean_z.normalized().dot(
                                   baseline.in_first.normalized())))) *
       180 / M_PI;
   if (from_axis_deg < kLeastFromAxisDeg)
-    FailToRectify(
-        first, second,
-        fmt::format("one stands behind the other, {:.0f} degrees off their "
-                    "mean viewing direction, which no two images with common "
-                    "rows show; choose cameras side by side",
-                    from_axis_deg));
+    FailToRectify(first, second,
+                  fmt::format("the baseline is only {:.0f} degrees from their "
+                              "mean viewing direction, so the epipoles lie in "
+                              "the image; choose cameras side by side",
+                              from_axis_deg));
   if (baseline.direction < 0)
     FailToRectify(
         first, second,
         baseline.is_vertical
-            ? fmt::format("{0} stands below {1}, so that disparities would be "
-                          "negative; ask for --left {1} --right {0}, the upper "
-                          "one first",
+            ? fmt::format("{0} is below {1}, so disparities would be negative; "
+                          "use --left {1} --right {0}, the upper camera first",
                           first.name, second.name)
-            : fmt::format("{0} stands to the right of {1}, so that disparities "
-                          "would be negative; ask for --left {1} --right {0}",
+            : fmt::format("{0} is to the right of {1}, so disparities would be "
+                          "negative; use --left {1} --right {0}",
                           first.name, second.name));
 }
 
@@ -144,8 +141,8 @@ VirtualView SharedView(const StereoCamera& first, const StereoCamera& second,
     largest = LargestWithoutBorder(cameras, size);
     if (!largest)
       FailToRectify(first, second,
-                    "no image without border is seen by both; hfov asks for "
-                    "one with border");
+                    "no common view without border exists; set hfov for a view "
+                    "with border");
     if (!request.alpha) return NarrowedToUse(*largest);
     if (alpha == 0) return *largest;
   }
@@ -153,9 +150,8 @@ VirtualView SharedView(const StereoCamera& first, const StereoCamera& second,
   if (!all.view)
     FailToRectify(
         first, second,
-        fmt::format("alpha of {}: no pinhole image shows all of cameras that "
-                    "see {:.0f} degrees off the views' axis; alpha 0 or hfov "
-                    "works",
+        fmt::format("alpha {}: a pinhole view cannot contain all pixels, up to "
+                    "{:.0f} degrees off axis; use alpha 0 or hfov",
                     alpha, all.most_stretch_rad * 180 / M_PI));
   return alpha == 1 ? *all.view : BetweenViews(*largest, *all.view, alpha);
 }

@@ -66,9 +66,11 @@ void RequireFormatLimits(const ImageSize& source, const ImageSize& output) {
   for (const ImageSize& size : {source, output})
     if (size.width < 1 || size.height < 1 || size.width > limit ||
         size.height > limit)
-      throw Error(ExitCode::kUsage,
-                  fmt::format("remap of {} x {} pixels: sizes are 1 to {}",
-                              size.width, size.height, limit));
+      throw Error(
+          ExitCode::kUsage,
+          fmt::format(
+              "remap of {} x {} pixels: width and height must be 1 to {}",
+              size.width, size.height, limit));
 }
 
 // The pixels of a camera's frames that are shown: those that are asked for, and
@@ -342,10 +344,9 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
       own.push_back(CutBlocks(input->map, layout));
     Blocks all = UnionOf(own);
     if (std::count(all.used.begin(), all.used.end(), true) == 0)
-      throw Error(
-          ExitCode::kUsage,
-          "the view sees nothing of the calibrated area; turn it there, or "
-          "ask for a larger field of view");
+      throw Error(ExitCode::kUsage,
+                  "the view does not overlap the calibrated area; rotate it, "
+                  "or increase the field of view");
     std::optional<std::vector<RemapTable>> tables =
         FitWithLayout(inputs, max_error_px, view, &own, &all);
     go_on();
@@ -365,15 +366,14 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
   }
   // More is no picture that anybody means.
   constexpr double kUsefulErrorPx = 1;
-  throw Error(ExitCode::kQuality,
-              fmt::format("the remap's geometric error is {:.3f} px with the "
-                          "smallest blocks; {}",
-                          worst_px,
-                          worst_px <= kUsefulErrorPx
-                              ? "allow that with --max-error-px, or ask for a "
-                                "smaller field of view"
-                              : "ask for a smaller field of view, or calibrate "
-                                "again if the camera is no good there"));
+  throw Error(
+      ExitCode::kQuality,
+      fmt::format("the remap error is {:.2g} px with the smallest blocks; {}",
+                  worst_px,
+                  worst_px <= kUsefulErrorPx
+                      ? "increase --max-error-px, or reduce the field of view"
+                      : "reduce the field of view, or calibrate again if the "
+                        "camera is inaccurate there"));
 }
 
 }  // namespace

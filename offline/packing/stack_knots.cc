@@ -79,8 +79,8 @@ StackKnots ChooseKnots(rg_condition condition, double low, double high,
     return *std::move(stack);
   }
   throw Error(ExitCode::kQuality,
-              fmt::format("{} knots do not follow the camera from {} to {} to "
-                          "{} px; ask for a smaller range",
+              fmt::format("{} samples do not represent the camera from {} to "
+                          "{} within {} px; reduce the range",
                           RG_MAX_KNOTS, low, high, max_error_px));
 }
 

@@ -74,10 +74,9 @@ double FocalOf(ViewProjection projection, int axis, double field_deg,
                double center_px, int pixels) {
   const double from_middle = center_px - (pixels - 1) / 2.0;
   if (std::abs(from_middle) >= pixels / 2.0)
-    ThrowUsage(
-        fmt::format("{} with a center outside the image; ask for a "
-                    "focal length",
-                    axis == 0 ? "hfov" : "vfov"));
+    ThrowUsage(fmt::format(
+        "{} cannot be used with a center outside the image; use a focal length",
+        axis == 0 ? "hfov" : "vfov"));
   if (from_middle == 0 && projection == ViewProjection::kPinhole)
     return pixels / 2.0 / std::tan(field_deg * M_PI / 360);
   double low = 1e-3, high = 1e9;
@@ -95,13 +94,13 @@ VirtualView SmallestOrThrow(const CameraAndPlane& seen, const ImageSize& size) {
   if (all.view) return *all.view;
   const ViewProjection projection = seen.plane.projection;
   ThrowUsage(fmt::format(
-      "alpha above 0: a {} image does not show all of a camera that sees "
-      "{:.0f} degrees off its {}; {}",
+      "alpha above 0: a {} view cannot contain all pixels, up to {:.0f} "
+      "degrees off its {}; {}",
       ProjectionName(projection),
       (projection == ViewProjection::kStereographic ? 2 : 1) *
           all.most_stretch_rad * 180 / M_PI,
       projection == ViewProjection::kCylindrical ? "horizon" : "axis",
-      "alpha=0, a field of view or projection=equidistant works"));
+      "use alpha=0, a field of view or projection=equidistant"));
 }
 
 VirtualView ViewOfAlpha(const CameraModel& camera, const VirtualView& plane,
@@ -111,8 +110,8 @@ VirtualView ViewOfAlpha(const CameraModel& camera, const VirtualView& plane,
   const auto largest = LargestWithoutBorder({seen}, size);
   if (!largest)
     ThrowUsage(
-        "alpha below 1: the view does not show the middle of the camera's "
-        "area; ask for a field of view, or rotate it there");
+        "alpha below 1: the view does not contain the centre of the calibrated "
+        "area; set a field of view, or rotate the view");
   if (alpha == 0) return *largest;
   return BetweenViews(*largest, SmallestOrThrow(seen, size), alpha);
 }
@@ -167,8 +166,8 @@ void RequireField(const char* name, ViewProjection projection,
                   const std::optional<double>& field_deg, double most_deg) {
   if (!field_deg || (*field_deg > 0 && *field_deg <= most_deg)) return;
   ThrowUsage(
-      fmt::format("{} of {} degrees: a {} image has a field of view of more "
-                  "than 0 and at most {}",
+      fmt::format("{0} of {1} degrees: the field of view of a {2} view must be "
+                  "above 0 and at most {3}",
                   name, *field_deg, ProjectionName(projection), most_deg));
 }
 
@@ -180,14 +179,11 @@ void RequireSensible(const ViewRequest& request) {
                        request.alpha.has_value() + request.like.has_value();
   if (num_ways > 1)
     ThrowUsage(
-        "a view by several of hfov and vfov, focal, alpha, view; give one");
+        "hfov or vfov, focal, alpha and view exclude each other; give one");
   if (request.center_px && (request.alpha || request.like))
-    ThrowUsage(
-        "a view by center and by alpha or view, which have their own; "
-        "give one");
+    ThrowUsage("center cannot be combined with alpha or view");
   if (request.like && (request.projection || request.rotate_deg))
-    ThrowUsage(
-        "a view by view and by projection or rotate, which it has; give one");
+    ThrowUsage("view cannot be combined with projection or rotate");
   const ViewProjection projection =
       request.projection.value_or(ViewProjection::kPinhole);
   const Eigen::Vector2d most_deg = LargestFieldDeg(projection);
@@ -195,28 +191,26 @@ void RequireSensible(const ViewRequest& request) {
   RequireField("vfov", projection, request.vfov_deg, most_deg.y());
   if (request.focal_px && !(*request.focal_px > 0))
     ThrowUsage(
-        fmt::format("a focal length of {}: it is above 0", *request.focal_px));
+        fmt::format("focal length of {}: must be positive", *request.focal_px));
   if (request.alpha && (!(*request.alpha >= 0) || !(*request.alpha <= 1)))
-    ThrowUsage(fmt::format(
-        "alpha of {}: 0 is the largest view without border, 1 the smallest "
-        "that shows all, and others are between",
-        *request.alpha));
+    ThrowUsage(
+        fmt::format("alpha {}: must be 0 (largest view without border) to 1 "
+                    "(smallest view of all pixels)",
+                    *request.alpha));
 }
 
 void RequireThatBlobsHold(const VirtualView& view) {
   const double focal_px = view.focal_px.maxCoeff();
   if (!(focal_px <= kMaxFocalPx))
     ThrowUsage(fmt::format(
-        "a focal length of {:.0f} px for {} px of width: a blob holds at most "
-        "{}; ask for a field of view of at least {:.3g} degrees, or for fewer "
-        "pixels",
+        "a focal length of {:.0f} px for {} px of width exceeds the limit of "
+        "{}; use a field of view of at least {:.3g} degrees, or a smaller size",
         focal_px, view.size.width, kMaxFocalPx,
         std::atan(view.size.width / 2.0 / kMaxFocalPx) * 360 / M_PI + 0.001));
   if (!(view.center_px.cwiseAbs().maxCoeff() <= kMaxCenterPx))
-    ThrowUsage(fmt::format(
-        "a center at ({:.0f}, {:.0f}): a blob holds at most {} px; ask for one "
-        "nearer to the image",
-        view.center_px.x(), view.center_px.y(), kMaxCenterPx));
+    ThrowUsage(
+        fmt::format("a center at ({:.0f}, {:.0f}) exceeds the limit of {} px",
+                    view.center_px.x(), view.center_px.y(), kMaxCenterPx));
 }
 
 VirtualView MakeView(const CameraModel& camera, const ViewRequest& request) {
@@ -236,13 +230,12 @@ VirtualView MakeView(const CameraModel& camera, const ViewRequest& request) {
 VirtualView MakeViewWithoutCamera(const ImageSize& size,
                                   const ViewRequest& request) {
   RequireSensible(request);
-  if (request.alpha)
-    ThrowUsage("a view by alpha, which needs the camera; say it by like");
+  if (request.alpha) ThrowUsage("alpha requires the camera; use view instead");
   const VirtualView view = request.like
                                ? Scaled(*request.like, size)
                                : ViewAround(Plane(request), request, size);
   if (view.focal_px.x() == 0)
-    ThrowUsage("a view of no field of view; say hfov, vfov, focal or like");
+    ThrowUsage("missing field of view; give hfov, vfov, focal or view");
   RequireThatBlobsHold(view);
   return view;
 }
@@ -286,7 +279,8 @@ VirtualView MakeViewOfArea(const CameraModel& camera) {
         view.center_px.cwiseAbs().maxCoeff() <= kMaxCenterPx)
       return view;
   }
-  throw Error(ExitCode::kQuality, "no pinhole image shows the calibrated area");
+  throw Error(ExitCode::kQuality,
+              "no pinhole view contains the calibrated area");
 }
 
 }  // namespace raygrid

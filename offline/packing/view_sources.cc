@@ -50,8 +50,8 @@ std::unique_ptr<CameraModel> CentralCamera(const CameraModel& camera) {
   const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);
   if (!lines)
     throw Error(ExitCode::kUsage,
-                "its pixels look along lines that do not meet; make a camera "
-                "of the model noncentral-generic or a central one of it first");
+                "its model is non-central; convert it to noncentral-generic or "
+                "a central model first");
   return std::make_unique<CentralGeneric>(lines->CentralPart());
 }
 

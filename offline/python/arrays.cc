@@ -31,9 +31,10 @@ void RequireFinite(const GivenVectors& vectors, const std::string& name) {
   if (AreFinite(begin, end)) return;
   const double* const odd =
       std::find_if_not(begin, end, [](double x) { return std::isfinite(x); });
-  throw py::value_error(fmt::format(
-      "{}: number {} is {}; leave out what is not finite, by numpy.isfinite()",
-      name, (odd - begin) / vectors.length, *odd));
+  throw py::value_error(
+      fmt::format("{}: entry {} is {}; remove non-finite entries, for example "
+                  "with numpy.isfinite()",
+                  name, (odd - begin) / vectors.length, *odd));
 }
 
 }  // namespace

@@ -43,9 +43,8 @@ void LeaveOutCopies(MeasuredCamera* camera) {
   for (size_t i = repeated.size(); i-- > 0;) {
     if (!repeated[i]) continue;
     camera->left_out.push_back(
-        {dataset.images[i].image, "shows the same as " +
-                                      dataset.images[*repeated[i]].image +
-                                      ", which is used once"});
+        {dataset.images[i].image,
+         "duplicate of " + dataset.images[*repeated[i]].image});
     const auto index = static_cast<std::ptrdiff_t>(i);
     dataset.images.erase(dataset.images.begin() + index);
     if (!camera->paths.empty())
@@ -87,7 +86,7 @@ void RequireUsable(const GivenCamera& given, const MeasuredCamera& camera,
   RequireConsistent(source, camera.dataset, pattern);
   if (camera.dataset.num_features() == 0)
     throw Error(ExitCode::kTooFew,
-                fmt::format("{}: no board found in any of {} images; {}",
+                fmt::format("{}: no target found in any of {} images; {}",
                             source, camera.dataset.images.size(),
                             SoughtBoards(pattern, pattern_name)));
 }
@@ -181,7 +180,7 @@ void TakeCircle(const py::object& given, Wishes* wishes) {
   }
   const GivenVectors numbers = TakeVectors(given, 3, "image_circle");
   if (numbers.count != 1 || !(numbers[0][2] > 0))
-    throw py::value_error("image_circle: expected a radius above 0");
+    throw py::value_error("image_circle: expected a positive radius");
   wishes->circle.emplace();
   wishes->circle->center = {numbers[0][0], numbers[0][1]};
   wishes->circle->radii_px.setConstant(numbers[0][2]);
@@ -253,14 +252,16 @@ PyCalibration CalibrateGiven(
   options.same_view_px = duplicate_px;
   if (duplicate_px && !(*duplicate_px >= 0 && *duplicate_px <= 1e5))
     throw py::value_error(
-        "duplicate_px: expected None, pixels, or 0 to keep every image");
+        "duplicate_px: expected None or a number of pixels (0: keep all "
+        "images)");
   options.any_distance = any_distance;
   options.num_threads = threads;
   RequireBlobText("name", name);
   RequireBlobText("serial", serial);
   const std::vector<GivenCamera> cameras = TakeCameras(images);
   if (cameras.size() > 1 && !name.empty())
-    throw py::value_error("name: a rig's names are the keys of images");
+    throw py::value_error(
+        "name: for a rig, camera names are the keys of images");
   const std::string board = PathOf(pattern);
   PyCalibration calibration;
   calibration.num_threads = threads;

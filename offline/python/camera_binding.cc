@@ -26,8 +26,8 @@ namespace {
 const CameraUncertainty& UncertaintyOf(const PyCamera& self) {
   if (self.file.uncertainty) return *self.file.uncertainty;
   throw Error(ExitCode::kUsage,
-              "the camera does not say how well it is known; take the "
-              "camera.yaml that raygrid calibrate wrote");
+              "the camera has no uncertainty; use a camera.yaml written by "
+              "raygrid calibrate");
 }
 
 DoubleArray UncertaintyAt(const PyCamera& self, const py::object& given) {
@@ -80,7 +80,7 @@ CameraFile ParseForeign(const std::string& path, const std::string& text,
   RequireCameras(contents, path);
   if (contents.cameras.size() != 1)
     throw InputError(fmt::format(
-        "{}: has {} cameras; raygrid.importers.load() takes them all", path,
+        "{}: has {} cameras; load them with raygrid.importers.load()", path,
         contents.cameras.size()));
   for (const std::string& remark : contents.remarks)
     Warn(fmt::format("{}: {}", path, remark));
@@ -92,8 +92,7 @@ PyCamera Load(const py::object& file) {
   const std::string bytes = ReadFile(path);
   if (IsBlob(path, bytes))
     throw InputError(path +
-                     ": is a blob, which the runtime evaluates in fixed "
-                     "point; take raygrid.Blob");
+                     ": is a blob; use raygrid.Blob, the fixed-point runtime");
   if (const TableFormat* table = RecognizeTable(bytes))
     throw InputError(fmt::format("{}: {}", path, table->WhyNoCamera()));
   const Format* format = RecognizeCamera(path, bytes);
@@ -136,13 +135,13 @@ HeldConditions ValuesOfRanges(const std::vector<ConditionRange>& ranges,
   }
   if (lens_position || temperature)
     throw py::value_error(
-        fmt::format("the camera does not change with {}",
+        fmt::format("the camera does not vary with {}",
                     lens_position ? "lens_position" : "temperature"));
   if (value && ranges.size() > 1)
     throw py::value_error(
-        "the camera changes with two conditions: give lens_position= and "
+        "the camera varies with two quantities: give lens_position= and "
         "temperature=");
-  if (value && held[0]) throw py::value_error("give one value");
+  if (value && held[0]) throw py::value_error("expected a single value");
   if (value) held[0] = value;
   return held;
 }
@@ -153,14 +152,14 @@ PyCamera CameraAt(const PyCamera& self, std::optional<double> value,
   const std::vector<ConditionRange> ranges = RangesOf(self);
   if (ranges.empty())
     throw py::value_error(
-        "the camera was not calibrated over lens positions or temperatures: "
-        "it has no range");
+        "the camera was not calibrated over focus or temperature");
   const HeldConditions held =
       ValuesOfRanges(ranges, value, lens_position, temperature);
   for (size_t r = 0; r < ranges.size(); ++r)
     if (held[r] && !ranges[r].Contains(*held[r]))
-      throw py::value_error(fmt::format("{:g} is not in the range, {}",
-                                        *held[r], ranges[r].Text()));
+      throw py::value_error(
+          fmt::format("{:g} is outside the calibrated range, {}", *held[r],
+                      ranges[r].Text()));
   return {FileAt(self.file, held)};
 }
 
@@ -173,7 +172,7 @@ void Save(const PyCamera& self, const py::object& path) {
 ImageSize SizeOf(const std::pair<int, int>& size) {
   if (size.first < 1 || size.second < 1)
     throw py::value_error(
-        fmt::format("size: expected (width, height) from 1 on, not ({}, {})",
+        fmt::format("size: expected positive (width, height), not ({}, {})",
                     size.first, size.second));
   return {size.first, size.second};
 }

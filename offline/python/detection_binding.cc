@@ -28,7 +28,7 @@ IntArray TakeIntegers(const py::object& given, size_t count,
   if ((kind != 'i' && kind != 'u') || array.ndim() != 1 ||
       static_cast<size_t>(array.size()) != count)
     throw py::value_error(fmt::format(
-        "{}: expected an array of {} integers, one for each of pixels", name,
+        "{}: expected an array of {} integers, one per pixel position", name,
         count));
   return IntArray::ensure(array);
 }
@@ -192,14 +192,13 @@ GivenCamera TakeCamera(const std::string& name, const py::object& given) {
       camera.detections.push_back(item.cast<PyDetection>());
     else
       throw py::type_error(
-          "images: expected paths of images and folders, or what detect() "
-          "returned");
+          "images: expected paths of images and folders, or Detections");
   }
   if (camera.images.empty() == camera.detections.empty())
     throw py::value_error(
         camera.images.empty()
-            ? "images: there are none"
-            : "images: expected paths or detections, not some of each");
+            ? "images: empty"
+            : "images: expected either paths or Detections, not both");
   return camera;
 }
 
@@ -213,13 +212,12 @@ std::vector<GivenCamera> TakeCameras(const py::object& given) {
         TakeCamera(py::str(name), py::reinterpret_borrow<py::object>(images)));
   if (cameras.size() < 2)
     throw py::value_error(
-        "images: a rig has two cameras or more; give the images of a single "
-        "one without its name");
+        "images: a rig needs at least two cameras; for a single camera, pass "
+        "its images without a name");
   for (const GivenCamera& camera : cameras)
     if (!IsRigCameraName(camera.name))
       throw py::value_error(
-          fmt::format("camera name '{}': give it one of letters, digits, '-' "
-                      "and '_'",
+          fmt::format("camera name '{}': use only letters, digits, '-' and '_'",
                       camera.name));
   return cameras;
 }
@@ -230,18 +228,15 @@ Dataset DatasetOf(const GivenCamera& given) {
   for (const PyDetection& detection : given.detections) {
     if (detection.size != dataset.image_size)
       throw InputError(fmt::format(
-          "image '{}' has {} x {} pixels, and image '{}' has {} x {}; "
-          "calibrate "
-          "with images of one size",
+          "image sizes differ: '{}' has {} x {} pixels, '{}' has {} x {}",
           detection.features.image, detection.size.width, detection.size.height,
           given.detections.front().features.image, dataset.image_size.width,
           dataset.image_size.height));
     for (const ImageFeatures& other : dataset.images)
       if (other.image == detection.features.image)
-        throw InputError(
-            fmt::format("two images of the name '{}'; give detect() a name for "
-                        "each",
-                        other.image));
+        throw InputError(fmt::format(
+            "duplicate image name '{}'; pass a unique name to detect()",
+            other.image));
     dataset.images.push_back(detection.features);
   }
   return dataset;
@@ -269,7 +264,7 @@ void SaveFeatures(const py::object& path, const py::object& given) {
   std::vector<NamedDataset> cameras;
   for (const GivenCamera& camera : TakeCameras(given)) {
     if (camera.detections.empty())
-      throw py::type_error("features: expected what detect() returned");
+      throw py::type_error("features: expected Detections");
     cameras.push_back({camera.name, DatasetOf(camera)});
   }
   WriteFile(PathOf(path), cameras.size() == 1

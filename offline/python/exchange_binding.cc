@@ -91,12 +91,12 @@ py::list Import(const std::vector<py::object>& files, const std::string& format,
                 const std::optional<std::pair<int, int>>& size) {
   std::vector<std::string> paths;
   for (const py::object& file : files) paths.push_back(PathOf(file));
-  if (paths.empty()) throw py::value_error("paths: there are none");
+  if (paths.empty()) throw py::value_error("paths: empty");
   const Format* const known =
       format.empty() ? nullptr : &FindFormat("format", format);
   if (known && !known->read)
     throw Error(ExitCode::kUsage,
-                fmt::format("format {}: is only exported", known->name));
+                fmt::format("format {}: export only", known->name));
   std::optional<ImageSize> image_size;
   if (size) image_size = ImageSize{size->first, size->second};
   const ExchangeContents contents = ReadAll(paths, known, model, image_size);
@@ -121,10 +121,11 @@ WrittenLens ChooseFor(const PyCamera& camera, const std::string& name,
                                  mask && mask->TrustsAny() ? mask : nullptr);
   if (max_fit_error_px && chosen.fit &&
       (chosen.fit->num_beyond > 0 || chosen.fit->max_px > *max_fit_error_px))
-    throw Error(ExitCode::kQuality,
-                fmt::format("{} leaves more than max_fit_error {:g}: {}",
-                            chosen.lens.form->name, *max_fit_error_px,
-                            LensFitText(*chosen.fit)));
+    throw Error(
+        ExitCode::kQuality,
+        fmt::format("the fit error of {} exceeds max_fit_error {:g}: {}",
+                    chosen.lens.form->name, *max_fit_error_px,
+                    LensFitText(*chosen.fit)));
   WrittenLens lens;
   lens.name = name;
   lens.serial = camera.file.serial;
@@ -158,11 +159,11 @@ py::list Export(const std::vector<py::tuple>& cameras, const py::object& file,
   const Format& format = FindFormat("format", to);
   if (!format.write)
     throw Error(ExitCode::kUsage,
-                fmt::format("format {}: is only imported", format.name));
+                fmt::format("format {}: import only", format.name));
   if (cameras.size() > 1 && !format.holds_rigs)
     throw Error(ExitCode::kUsage,
-                fmt::format("format {}: has one camera a file; save those of "
-                            "the rig one by one",
+                fmt::format("format {}: supports one camera per file; save the "
+                            "cameras of a rig separately",
                             format.name));
   const std::vector<const LensForm*> forms = format.FindForms(model);
   WriteRequest request;
@@ -217,10 +218,8 @@ void WriteRig(const py::object& file, const std::vector<py::tuple>& cameras) {
   for (const py::tuple& camera : cameras) {
     const std::string name = camera[0].cast<std::string>();
     if (!IsRigCameraName(name))
-      throw py::value_error(
-          fmt::format("camera name '{}': give it one of letters, digits, '-' "
-                      "and '_'",
-                      name));
+      throw py::value_error(fmt::format(
+          "camera name '{}': use only letters, digits, '-' and '_'", name));
     rig.push_back({name, name + "/camera.yaml",
                    PoseOfMatrix(camera[2], "camera_from_rig")});
     files.Add((folder / rig.back().file).string(),

@@ -13,7 +13,7 @@ size_t PyCalibration::IndexOf(const std::string& name) const {
   if (name.empty() && !result.IsRig()) return 0;
   for (size_t c = 0; c < result.cameras.size(); ++c)
     if (result.cameras[c].camera.name == name) return c;
-  throw py::key_error("camera: there is none of the name '" + name + "'");
+  throw py::key_error("unknown camera '" + name + "'");
 }
 
 namespace {

@@ -22,21 +22,18 @@ struct BudgetPart {
 const char* MeaningOf(ErrorCause cause) {
   switch (cause) {
     case ErrorCause::kImagePlace:
-      return "shared by features in one place of the image: the model does "
-             "not follow the lens";
+      return "model error: residuals depend on the position in the image";
     case ErrorCause::kBoardPlace:
-      return "shared by features of one point of the board: it is not where it "
-             "was taken to be";
+      return "target geometry: residuals depend on the target point";
     case ErrorCause::kBend:
-      return "the board bends out of its plane, image by image";
+      return "out-of-plane target deformation per image";
     case ErrorCause::kInPlane:
-      return "the board is stretched or sheared in its plane, image by image";
+      return "in-plane target deformation per image (stretch or shear)";
     case ErrorCause::kImageAffine:
-      return "the image is scaled or shifted, image by image, as by focus or "
+      return "image scale or shift per image, such as from focus or "
              "temperature";
     default:
-      return "rows are taken one after the other in motion, as by a rolling "
-             "shutter";
+      return "rolling shutter with motion";
   }
 }
 
@@ -44,18 +41,17 @@ std::vector<BudgetPart> PartsOf(const ResidualBudget& budget) {
   constexpr const char* kColors[kNumErrorCauses] = {
       "#0072b2", "#009e73", "#d55e00", "#f0e442", "#cc79a7", "#e69f00"};
   std::vector<BudgetPart> parts = {
-      {"noise", "each feature has its own", budget.noise, nullptr, "#999999"},
-      {"large errors", "single features, beyond five deviations", budget.large,
-       nullptr, "#000000"}};
+      {"noise", "independent between features", budget.noise, nullptr,
+       "#999999"},
+      {"large errors", "single features beyond 5 standard deviations",
+       budget.large, nullptr, "#000000"}};
   for (int k = 0; k < kNumErrorCauses; ++k) {
     const auto cause = static_cast<ErrorCause>(k);
     const CauseShare& share = budget.Of(cause);
     parts.push_back(
         {NameOf(cause), MeaningOf(cause), share.in_turn, &share, kColors[k]});
   }
-  parts.push_back({"rest",
-                   "shared by neighbours, and explained by none of "
-                   "these",
+  parts.push_back({"rest", "spatially correlated, of unknown cause",
                    budget.rest, nullptr, "#56b4e9"});
   return parts;
 }
@@ -64,7 +60,7 @@ std::string BarOf(const std::vector<BudgetPart>& parts) {
   double sum = 1e-9;
   for (const BudgetPart& part : parts) sum += std::max(part.part, 0.0);
   std::string html =
-      "<figure><figcaption>Parts of the squared residuals</figcaption><div "
+      "<figure><figcaption>Shares of the squared residuals</figcaption><div "
       "class=\"parts\">";
   for (const BudgetPart& part : parts)
     if (part.part > 0)
@@ -92,7 +88,7 @@ HtmlRow RowOf(const BudgetPart& part) {
   if (!part.share) return row;
   if (!part.share->can_be_told) {
     row[1] = "&ndash;";
-    row[4] = "cannot be told: " + EscapeHtml(part.share->untold);
+    row[4] = "not observable: " + EscapeHtml(part.share->untold);
     return row;
   }
   row[2] = Percent(part.share->alone);
@@ -105,8 +101,7 @@ HtmlRow RowOf(const BudgetPart& part) {
 std::string BudgetSection(const ResidualBudget& budget) {
   const BudgetVerdict verdict = JudgeBudget(budget);
   std::string html = fmt::format(
-      "<h2>What limits this calibration</h2>\n<p><b>{}.</b> To do: "
-      "{}.</p>\n",
+      "<h2>What limits this calibration</h2>\n<p><b>{}.</b> Remedy: {}.</p>\n",
       EscapeHtml(Capitalized(verdict.sentence)), EscapeHtml(verdict.advice));
   if (!budget.untold.empty()) return html;
   const std::vector<BudgetPart> parts = PartsOf(budget);
@@ -114,17 +109,16 @@ std::string BudgetSection(const ResidualBudget& budget) {
   for (const BudgetPart& part : parts) rows.push_back(RowOf(part));
   if (budget.OfViews() > 0)
     rows.push_back({"column time", "&ndash;", Percent(budget.column_time), "",
-                    "motion from column to column, which no camera has: what "
-                    "causes of images must exceed"});
+                    "not physical; reference level for the per-image causes"});
   return html + BarOf(parts) + "<div class=\"causes\">" +
-         HtmlTable({"", "part", "alone", "by chance", "meaning"}, rows) +
+         HtmlTable({"", "part", "alone", "chance level", "meaning"}, rows) +
          "</div>" +
          fmt::format(
-             "<p>Training residuals: {:.4f} px (RMS in an axis). Noise: {:.4f} "
-             "px in x, {:.4f} px in y. Half of the features tell each cause, "
-             "and it explains what it predicts of the others. <b>alone</b>: "
-             "before other causes are taken away; <b>by chance</b>: of "
-             "residuals whose signs are tossed, at most.</p>\n",
+             "<p>Training residuals: {:.3g} px RMS per axis. Feature noise: "
+             "{:.2g} px in x, {:.2g} px in y. Each cause is estimated from "
+             "half of the features and evaluated on the other half. "
+             "<b>alone</b>: before removing other causes; <b>chance level</b>: "
+             "upper bound for residuals with random signs.</p>\n",
              budget.rms_px, budget.noise_px.x(), budget.noise_px.y());
 }
 

@@ -35,21 +35,22 @@ std::string CamerasText(const std::string& text, const std::string& inputs) {
                            ? text.substr(0, kLongestHead).find(kCameras)
                            : std::string::npos;
   if (begin == std::string::npos)
-    throw InputError("malformed: does not begin as such a file does");
+    throw InputError("malformed: unexpected beginning");
   const Json head = Json::parse(text.substr(0, begin) + "}");
   if (head.at("raygrid_resume") != kVersion)
-    throw InputError("unknown version of resume.json");
+    throw InputError("unsupported version of resume.json");
   if (head.at("inputs") != inputs)
     throw InputError(
-        "is of other features, pattern, options or another version");
+        "was written for other features, pattern or options, or by another "
+        "version");
   const size_t first = begin + std::string(kCameras).size();
   const std::string end = kEnd;
   if (text.size() < first + end.size() ||
       text.compare(text.size() - end.size(), end.size(), end) != 0)
-    throw InputError("malformed: is cut off");
+    throw InputError("malformed: truncated");
   std::string cameras = text.substr(first, text.size() - end.size() - first);
   if (head.at("checksum") != Checksum(inputs, cameras))
-    throw InputError("was changed since it was written");
+    throw InputError("was modified after it was written");
   return cameras;
 }
 
@@ -160,15 +161,15 @@ std::string FormatCheckpoints(const std::vector<Checkpoint>& checkpoints,
 std::vector<Checkpoint> ReadCheckpoints(const std::string& path,
                                         const std::string& inputs) {
   if (!std::filesystem::exists(path))
-    throw InputError(path +
-                     ": no such file, so no interrupted calibration to go on "
-                     "from; run without --resume");
+    throw InputError(
+        path +
+        ": no such file, so there is nothing to resume; run without --resume");
   const std::string text = ReadFile(path);
   try {
     const Json cameras = Json::parse(CamerasText(text, inputs));
     std::vector<Checkpoint> checkpoints;
     for (const Json& camera : cameras) checkpoints.push_back(Parse(camera));
-    if (checkpoints.empty()) throw InputError("holds no camera");
+    if (checkpoints.empty()) throw InputError("contains no camera");
     return checkpoints;
   } catch (const Json::exception& error) {
     throw InputError(path + ": malformed; run without --resume (" +

@@ -292,8 +292,8 @@ Image ContactSheet(const std::vector<SheetRow>& rows,
   for (const Line& line : lines) height += line.height;
   if (height > kMaxSheetHeight)
     throw Error(ExitCode::kUsage,
-                fmt::format("a sheet of these files would be {:.0f} px high, "
-                            "above {}; look at fewer at a time",
+                fmt::format("the sheet would be {:.0f} px high, above the "
+                            "limit of {}; use fewer files",
                             height, kMaxSheetHeight));
   const std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>
       surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width,
@@ -316,7 +316,7 @@ Image ContactSheet(const std::vector<SheetRow>& rows,
   DrawMarks(marks, y + kLineHeight / 2, width, cr);
   if (cairo_status(cr) != CAIRO_STATUS_SUCCESS)
     throw Error(ExitCode::kOutput,
-                std::string("the sheet cannot be drawn: ") +
+                std::string("cannot draw the sheet: ") +
                     cairo_status_to_string(cairo_status(cr)));
   return ImageOfSurface(surface.get());
 }

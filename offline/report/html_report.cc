@@ -27,21 +27,22 @@ std::string ErrorSection(const CalibrationResult& result) {
                                   : "held out (images not used)",
                               *result.camera.held_out));
   if (result.held_out_flexed)
-    rows.push_back(FiguresRow("held out, flexed", *result.held_out_flexed));
+    rows.push_back(FiguresRow("held out, with per-view deformation",
+                              *result.held_out_flexed));
   std::string html = "<h2>Reprojection error</h2>\n" + ErrorTable(rows);
   if (result.camera.held_out)
     html +=
-        "<p>A camera that fits its own images proves little: the held-out "
-        "error, of images that it has not seen, is what to go by.</p>\n";
+        "<p>Judge the camera by the held-out error, of images that were not "
+        "used for calibration; the training error is optimistic.</p>\n";
   if (result.bias_kl && result.noise_bias_kl)
     html += fmt::format(
         "<p>Bias: Kullback&ndash;Leibler divergence of residuals from a normal "
-        "distribution, median of 50 &times; 50 cells: <b>{:.3f}</b>; pure "
-        "noise in the same places would have <b>{:.3f}</b>.</p>\n",
+        "distribution, median over 50 &times; 50 cells: <b>{:.3f}</b>; white "
+        "noise at the same positions gives <b>{:.3f}</b>.</p>\n",
         *result.bias_kl, *result.noise_bias_kl);
   return html +
-         "<figure class=\"script\"><figcaption>Share of features with no "
-         "larger error</figcaption><div class=\"chart\"><canvas "
+         "<figure class=\"script\"><figcaption>Cumulative distribution of "
+         "errors</figcaption><div class=\"chart\"><canvas "
          "id=\"distribution\"></canvas></div></figure>\n";
 }
 
@@ -60,9 +61,10 @@ std::string CandidateSection(const CalibrationResult& result) {
         {fmt::format("{:.1f}{}", candidate.cell_px,
                      candidate.cell_px == result.cell_px ? " (chosen)" : ""),
          Px(candidate.median_px), fmt::format("{:.5f}", candidate.loss)});
-  return "<h2>Grid resolutions tried</h2>\n<p>Another than the medium one is "
-         "chosen where its loss is surely less, as images differ in it.</p>\n" +
-         HtmlTable({"cell px", "held-out median px", "held-out loss px&sup2;"},
+  return "<h2>Knot spacings tried</h2>\n<p>The medium spacing is kept unless "
+         "another has a significantly lower loss over the images.</p>\n" +
+         HtmlTable({"knot spacing px", "held-out median px",
+                    "held-out loss px&sup2;"},
                    rows);
 }
 
@@ -89,8 +91,8 @@ void AddTrustRows(const CalibrationResult& result, std::vector<HtmlRow>* rows) {
     if (result.model_error_px)
       rows->push_back(
           {"model error",
-           fmt::format("{:.3f} px of the median held-out error, by a richer "
-                       "model; no standard deviation contains it",
+           fmt::format("{:.2g} px of the median held-out error, estimated with "
+                       "a richer model; not included in the standard deviation",
                        *result.model_error_px)});
     rows->push_back(
         {"correlated residuals",
@@ -100,18 +102,19 @@ void AddTrustRows(const CalibrationResult& result, std::vector<HtmlRow>* rows) {
   }
   if (const auto& circle = camera.image_circle())
     rows->push_back(
-        {"image circle",
-         fmt::format("{:.1f} px around {:.1f}, {:.1f}", circle->radii_px.x(),
-                     circle->center.x(), circle->center.y())});
+        {"image circle", fmt::format("radius {:.1f} px, centre {:.1f}, {:.1f}",
+                                     circle->radii_px.x(), circle->center.x(),
+                                     circle->center.y())});
   if (result.row_time)
     rows->push_back(
-        {"time of a row", EscapeHtml(RowTimeText(*result.row_time,
-                                                 camera.image_size().height))});
+        {"line delay", EscapeHtml(RowTimeText(*result.row_time,
+                                              camera.image_size().height))});
   if (result.fleet_distance)
-    rows->push_back({"it lies", EscapeHtml(result.fleet_distance->Text())});
+    rows->push_back(
+        {"distance from the fleet", EscapeHtml(result.fleet_distance->Text())});
   if (result.line_spread)
-    rows->push_back({"lines pass the point nearest to all by",
-                     fmt::format("{:.3f} mm (RMS), {:.3f} mm (largest)",
+    rows->push_back({"distance of observation lines from their common point",
+                     fmt::format("{:.3f} mm RMS, {:.3f} mm max",
                                  1000 * result.line_spread->rms_m,
                                  1000 * result.line_spread->max_m)});
 }
@@ -119,12 +122,12 @@ void AddTrustRows(const CalibrationResult& result, std::vector<HtmlRow>* rows) {
 void AddPackingRows(const PackingFigures& packing, std::vector<HtmlRow>* rows) {
   if (packing.blob_bytes > 0) {
     rows->push_back({"blob", fmt::format("{} bytes", packing.blob_bytes)});
-    rows->push_back({"un-projection error added by packing",
+    rows->push_back({"unprojection error of packing",
                      fmt::format("{:.2g} px", packing.unproject_error_px)});
   }
   if (packing.remap_error_px)
-    rows->push_back({"remap geometry error",
-                     fmt::format("{:.3f} px", *packing.remap_error_px)});
+    rows->push_back(
+        {"remap error", fmt::format("{:.2g} px", *packing.remap_error_px)});
   if (const auto& view = packing.view)
     rows->push_back(
         {"undistorted images (view.camera.yaml)",
@@ -144,7 +147,8 @@ std::string CameraSection(const CalibrationResult& result,
       {"model", camera.Name()},
       {"parameters", std::to_string(result.num_parameters)}};
   if (result.cell_px > 0)
-    rows.push_back({"cells", fmt::format("at most {:.1f} px", result.cell_px)});
+    rows.push_back(
+        {"knot spacing", fmt::format("at most {:.1f} px", result.cell_px)});
   rows.push_back(
       {"image", fmt::format("{} &times; {} px", camera.image_size().width,
                             camera.image_size().height)});
@@ -154,10 +158,10 @@ std::string CameraSection(const CalibrationResult& result,
   rows.push_back(
       {"images used", std::to_string(result.features.images.size())});
   if (result.measured_again_rms_px)
-    rows.push_back({"features measured again moved by",
+    rows.push_back({"features refined with the model moved by",
                     Px(*result.measured_again_rms_px) + " px (RMS)"});
   if (result.neighbor_correlation)
-    rows.push_back({"correlation of neighbouring features' errors",
+    rows.push_back({"correlation of neighbouring residuals",
                     fmt::format("{:.2f}", *result.neighbor_correlation)});
   AddTrustRows(result, &rows);
   if (packing) AddPackingRows(*packing, &rows);
@@ -166,12 +170,12 @@ std::string CameraSection(const CalibrationResult& result,
 
 std::string GridSection(const CalibrationResult& result) {
   if (result.cell_px <= 0) return "";
-  return "<div class=\"script\"><h2>The grid</h2>\n<figure><figcaption>Control "
-         "points over the image; a spline between them gives each pixel its "
-         "direction. <span class=\"key seen\"></span> features depend on it "
-         "<span class=\"key few\"></span> fewer than 3 <span class=\"key "
-         "unseen\"></span> none: smoothness alone holds "
-         "it</figcaption><canvas id=\"grid\"></canvas></figure></div>\n";
+  return "<div class=\"script\"><h2>Control "
+         "points</h2>\n<figure><figcaption>Control points of the B-spline over "
+         "the image. <span class=\"key seen\"></span> observed <span "
+         "class=\"key few\"></span> fewer than 3 features <span class=\"key "
+         "unseen\"></span> extrapolated (determined by the smoothness "
+         "prior)</figcaption><canvas id=\"grid\"></canvas></figure></div>\n";
 }
 
 // ---- Images ----------------------------------------------------------------
@@ -205,16 +209,16 @@ std::string ImageTable(const CalibrationResult& result) {
 }
 
 std::string ImagesSection(const CalibrationResult& result) {
-  return "<h2>Error by image</h2>\n<div class=\"script\"><p>Choose an image by "
-         "its bar to see its residuals.</p>\n"
-         "<div class=\"chart\"><canvas id=\"bars\"></canvas></div>\n"
-         "<p><button id=\"previous\">&larr;</button> <select "
-         "id=\"image\" aria-label=\"image\"></select> <button "
-         "id=\"next\">&rarr;</button> <span id=\"image-figures\"></span></p>\n"
-         "<figure><figcaption>Residuals, enlarged <span "
-         "id=\"enlarged\"></span> times: <span class=\"key "
+  return "<h2>Error by image</h2>\n<div class=\"script\"><p>Select an image by "
+         "its bar to show its residuals.</p>\n<div class=\"chart\"><canvas "
+         "id=\"bars\"></canvas></div>\n<p><button "
+         "id=\"previous\">&larr;</button> <select id=\"image\" "
+         "aria-label=\"image\"></select> <button id=\"next\">&rarr;</button> "
+         "<span "
+         "id=\"image-figures\"></span></p>\n<figure><figcaption>Residuals, "
+         "magnified <span id=\"enlarged\"></span> times: <span class=\"key "
          "training\"></span> training <span class=\"key held\"></span> held "
-         "out <span class=\"key rejected\"></span> taken out "
+         "out <span class=\"key rejected\"></span> outliers "
          "(crosses)</figcaption><canvas "
          "id=\"arrows\"></canvas></figure></div>\n" +
          ImageTable(result);
@@ -223,9 +227,9 @@ std::string ImagesSection(const CalibrationResult& result) {
 // Which images count once.
 std::string SameViewsSection(const CalibrationResult& result) {
   if (result.same_views.empty()) return "";
-  std::string html = "<h2>Images of the same view</h2>\n<ul>\n";
+  std::string html = "<h2>Near-duplicate views</h2>\n<ul>\n";
   for (const SameViews& group : result.same_views) {
-    html += fmt::format("<li>{} stands for {} more: ", EscapeHtml(group.image),
+    html += fmt::format("<li>{} represents {} more: ", EscapeHtml(group.image),
                         group.others.size());
     for (size_t i = 0; i < group.others.size(); ++i)
       html += (i > 0 ? ", " : "") + EscapeHtml(group.others[i]);
@@ -245,7 +249,7 @@ std::string RejectedSection(const CalibrationResult& result) {
     html += "</ul>\n";
   }
   if (result.rejected_features.empty()) return html;
-  html += fmt::format("<h2>Features taken out as outliers: {}</h2>\n<ul>\n",
+  html += fmt::format("<h2>Outliers: {} features</h2>\n<ul>\n",
                       result.rejected_features.size());
   std::vector<const FeatureResidual*> worst;
   for (const FeatureResidual& feature : result.rejected_features)
@@ -254,21 +258,21 @@ std::string RejectedSection(const CalibrationResult& result) {
     return a->error_px.squaredNorm() > b->error_px.squaredNorm();
   });
   for (size_t i = 0; i < std::min(worst.size(), kMaxLines); ++i)
-    html +=
-        fmt::format("<li>{}, board {}, ({}, {}): {:.2f} px off</li>\n",
-                    EscapeHtml(worst[i]->image), worst[i]->board,
-                    worst[i]->column, worst[i]->row, worst[i]->error_px.norm());
+    html += fmt::format(
+        "<li>{}, board {}, feature ({}, {}): residual {:.2f} px</li>\n",
+        EscapeHtml(worst[i]->image), worst[i]->board, worst[i]->column,
+        worst[i]->row, worst[i]->error_px.norm());
   html += "</ul>\n";
   if (worst.size() > kMaxLines)
-    html += fmt::format("<p>The {} worst; all are in residuals.csv.</p>\n",
+    html += fmt::format("<p>The {} largest; all are in residuals.csv.</p>\n",
                         kMaxLines);
   return html;
 }
 
 std::string ExampleSection(const BeforeAfter& example) {
-  return "<h2>Before and after</h2>\n<div class=\"pictures\">\n"
-         "<figure><figcaption>As taken</figcaption>" +
-         HtmlImage(example.before, "As taken") +
+  return "<h2>Before and after</h2>\n<div "
+         "class=\"pictures\">\n<figure><figcaption>Original</figcaption>" +
+         HtmlImage(example.before, "Original") +
          "</figure>\n<figure><figcaption>Undistorted by the runtime; black "
          "where the camera is not calibrated</figcaption>" +
          HtmlImage(example.after, "Undistorted by the runtime") +
@@ -286,17 +290,16 @@ std::string TrialFigure(const char* caption, const char* id) {
 std::string TrialSection(const std::string& blob) {
   return "<div id=\"trial\" hidden data-blob=\"" + Base64(blob) +
          "\">\n<h2>Try it</h2>\n<p>Drop a photograph of this camera here. It "
-         "stays in this page, where the code of the boards undistorts it. "
-         "Point at a pixel to see its ray.</p>\n<p><label>Or choose one "
-         "<input type=\"file\" id=\"trial-file\" "
+         "is processed in this page, by the code of the embedded runtime. "
+         "Point at a pixel to see its ray.</p>\n<p><label>Or choose one <input "
+         "type=\"file\" id=\"trial-file\" "
          "accept=\"image/*\"></label></p>\n<p><label>View <select "
-         "id=\"trial-kind\"></select></label> <label "
-         "id=\"trial-angle-row\">of <input type=\"range\" "
-         "id=\"trial-angle\" min=\"5\"> <span "
+         "id=\"trial-kind\"></select></label> <label id=\"trial-angle-row\">of "
+         "<input type=\"range\" id=\"trial-angle\" min=\"5\"> <span "
          "id=\"trial-degrees\"></span> across</label></p>\n<p "
          "id=\"trial-message\" role=\"status\"></p>\n<div "
          "class=\"pictures\">\n" +
-         TrialFigure("As taken", "trial-taken") +
+         TrialFigure("Original", "trial-taken") +
          TrialFigure("Undistorted: <span id=\"trial-figures\"></span>",
                      "trial-made") +
          "</div>\n</div>\n";

@@ -61,18 +61,17 @@ std::string ResidualPictures(const CalibrationResult& result) {
       HtmlImage(DirectionLegend(96), "Colours of the directions") +
       "<em>colour: direction of projected &minus; observed, as seen in the "
       "image (right is +x, down is +y)</em></div>";
-  return HtmlPicture(CoveragePicture(space.residuals, space.size, space.area),
-                     "Coverage: features used (green), and the calibrated area "
-                     "(lighter)",
-                     axes, "", "image") +
-         HtmlPicture(
-             DirectionPicture(space.residuals, space.size, space.area),
-             "Direction of the nearest residual: patches of one colour show "
-             "that the model does not follow the lens",
-             axes, wheel, "image") +
+  return HtmlPicture(
+             CoveragePicture(space.residuals, space.size, space.area),
+             "Coverage: features used (green) and calibrated area (lighter)",
+             axes, "", "image") +
+         HtmlPicture(DirectionPicture(space.residuals, space.size, space.area),
+                     "Direction of the nearest residual: patches of one colour "
+                     "indicate model error",
+                     axes, wheel, "image") +
          HtmlPicture(MagnitudePicture(space.residuals, space.size, space.area,
                                       full_scale_px),
-                     "Size of the nearest residual", axes,
+                     "Magnitude of the nearest residual", axes,
                      HtmlColorBar({ColorScale::kMagnitude, "residual", "0",
                                    fmt::format("{:.3g} px +", full_scale_px)}),
                      "image");
@@ -84,10 +83,11 @@ std::string BiasFigure(const CalibrationResult& result) {
   const Area& area = result.camera.camera->area();
   return HtmlPicture(
       BiasPicture(result.training, area, full_scale),
-      "Bias by place: divergence of residuals from noise (white: fewer than 5)",
+      "Bias over the image: divergence of residuals from noise (white: fewer "
+      "than 5 features)",
       AreaAxes(area),
       HtmlColorBar({ColorScale::kEven,
-                    fmt::format("KL divergence; the median of noise is {:.2f}",
+                    fmt::format("KL divergence; median for white noise {:.2f}",
                                 *result.noise_bias_kl),
                     "0", fmt::format("{:.2f} +", full_scale)}),
       "area");
@@ -110,9 +110,9 @@ std::string HistogramFigure(const std::vector<FeatureResidual>& residuals,
       fmt::format("{:.3g}", -extent_px), "0", fmt::format("{:.3g}", extent_px)};
   return HtmlPicture(
       HeatMap(counts, kBins, 0, std::max(most, 1.0), 5),
-      "Errors of " + name + " features: round and centred if noise",
+      "Residuals of " + name + " features: round and centred for noise",
       {"dx, px", "dy, px", ticks, ticks},
-      HtmlColorBar({ColorScale::kEven, "features in a bin", "0",
+      HtmlColorBar({ColorScale::kEven, "features per bin", "0",
                     fmt::format("{:.0f}", most)}),
       "error");
 }
@@ -127,11 +127,11 @@ std::string Histograms(const CalibrationResult& result) {
 std::string UncertaintyFigure(const CalibrationResult& result) {
   if (!result.camera.uncertainty) return "";
   const CameraModel& camera = *result.camera.camera;
-  return "<figure class=\"wide\"><figcaption>How well the camera is known, by "
-         "its features' noise</figcaption>" +
+  return "<figure class=\"wide\"><figcaption>Predicted "
+         "uncertainty</figcaption>" +
          HtmlImage(UncertaintyPicture(*result.camera.uncertainty,
                                       camera.image_size(), camera.area()),
-                   "How well the camera is known") +
+                   "Predicted uncertainty") +
          "</figure>\n";
 }
 
@@ -185,10 +185,10 @@ std::string LinesSection(const CalibrationResult& result) {
                       fmt::format("{:.3g} mm", offsets.max_mm)}),
         "area");
   };
-  return "<h2>Lines that do not meet in a point</h2>\n<p>How each pixel's line "
-         "passes the point that is nearest to all.</p>\n<div "
+  return "<h2>Non-central observation lines</h2>\n<p>Offset of each pixel's "
+         "observation line from the common point.</p>\n<div "
          "class=\"pictures\">\n" +
-         picture(offsets.distance_mm, 0, "Distance from the point") +
+         picture(offsets.distance_mm, 0, "Distance from the common point") +
          picture(offsets.x_mm, -offsets.max_mm, "Offset to the right (x)") +
          picture(offsets.y_mm, -offsets.max_mm, "Offset downwards (y)") +
          "<figure class=\"script\"><figcaption>Distance against the angle from "

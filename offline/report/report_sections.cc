@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "evaluation/board_shape.h"
+#include "evaluation/rounded_text.h"
 #include "report/pictures.h"
 
 namespace raygrid {
@@ -37,9 +38,8 @@ std::string BoardFigure(const Board& board, const BoardShape& shape) {
   const double limit_um = std::max(1e6 * shape.max_height_m, 1.0);
   return HtmlPicture(
       HeatMap(heights_um, board.columns, -limit_um, limit_um, cell_px),
-      fmt::format("Board {}: height above the nearest plane, {:.0f} &micro;m "
-                  "RMS, {:.0f} &micro;m at most; within the plane points are "
-                  "{:.0f} &micro;m (RMS) from where they should be",
+      fmt::format("Board {}: out-of-plane deformation {:.0f} &micro;m RMS, "
+                  "{:.0f} &micro;m max; in-plane deviation {:.0f} &micro;m RMS",
                   board.id, 1e6 * shape.rms_height_m, 1e6 * shape.max_height_m,
                   1e6 * shape.rms_shift_m),
       {"column",
@@ -54,7 +54,7 @@ std::string BoardFigure(const Board& board, const BoardShape& shape) {
 
 }  // namespace
 
-std::string Px(double value) { return fmt::format("{:.4f}", value); }
+std::string Px(double value) { return ThreeDigits(value); }
 
 std::string VerdictSection(const Verdict& verdict) {
   std::string html =
@@ -68,7 +68,7 @@ std::string VerdictSection(const Verdict& verdict) {
 }
 
 std::string ErrorTable(const std::vector<HtmlRow>& rows) {
-  return HtmlTable({"", "median px", "RMS px", "largest px", "features"}, rows);
+  return HtmlTable({"", "median px", "RMS px", "max px", "features"}, rows);
 }
 
 HtmlRow FiguresRow(const std::string& name, const ErrorFigures& figures) {
@@ -88,20 +88,19 @@ void AddModelRows(const std::string& prefix, const CalibrationResult& result,
         prefix + EscapeHtml(other.model), other.num_parameters, other.training,
         other.held_out, other.held_out_flexed, other.bias_kl));
   if (result.noise_bias_kl)
-    rows->push_back({prefix + "pure noise", "", "", "", "", "",
+    rows->push_back({prefix + "white noise", "", "", "", "", "",
                      fmt::format("{:.3f}", *result.noise_bias_kl)});
 }
 
 std::string ModelTable(const std::vector<HtmlRow>& rows) {
   return HtmlTable(
       {"", "parameters", "training median px", "held-out median px",
-       "held-out RMS px", "flexed median px", "bias KL"},
+       "held-out RMS px", "median px with per-view deformation", "bias KL"},
       rows);
 }
 
 std::string BoardSection(const Pattern& pattern) {
-  std::string html =
-      "<h2>How flat the board is</h2>\n<div class=\"pictures\">\n";
+  std::string html = "<h2>Target geometry</h2>\n<div class=\"pictures\">\n";
   for (const Board& board : pattern.boards)
     html += BoardFigure(board, MeasureBoardShape(board));
   return html + "</div>\n";
@@ -109,7 +108,7 @@ std::string BoardSection(const Pattern& pattern) {
 
 std::string BodySection(const std::vector<std::string>& boards_told) {
   if (boards_told.empty()) return "";
-  std::string html = "<h2>Whether boards are fixed to each other</h2>\n<ul>\n";
+  std::string html = "<h2>Rigid multi-board target</h2>\n<ul>\n";
   for (const std::string& sentence : boards_told)
     html += "<li>" + EscapeHtml(sentence) + "</li>\n";
   return html + "</ul>\n";
@@ -131,10 +130,10 @@ std::string BendBars(const BoardBends& bends) {
 std::string BendSection(const BoardBends& bends, const Pattern& pattern) {
   const BoardBends::View& most = bends.views[bends.most_bent];
   std::string html =
-      "<h2>How the board bends from image to image</h2>\n<figure><figcaption>"
-      "Heights over the mean shape, a bar an image" +
-      fmt::format(": {:.3f} mm (RMS of all), {:.3f} mm where it bends most",
-                  1e3 * bends.rms_m, 1e3 * most.rms_m) +
+      "<h2>Per-view target deformation</h2>\n<figure><figcaption>Deformation "
+      "relative to the mean shape, one bar per image" +
+      fmt::format(": {:.3f} mm RMS, {:.3f} mm max", 1e3 * bends.rms_m,
+                  1e3 * most.rms_m) +
       "</figcaption>\n" + BendBars(bends) + "</figure>\n";
   const Board* board = pattern.FindBoard(most.board);
   if (!board ||
@@ -150,7 +149,7 @@ std::string BendSection(const BoardBends& bends, const Pattern& pattern) {
   return html + "<div class=\"pictures\">\n" +
          HtmlPicture(
              HeatMap(heights_um, board->columns, -limit_um, limit_um, cell_px),
-             fmt::format("Board {} in {}: height above its mean shape",
+             fmt::format("Board {} in {}: height relative to the mean shape",
                          board->id, EscapeHtml(most.image)),
              {"column",
               "row",
@@ -164,27 +163,25 @@ std::string BendSection(const BoardBends& bends, const Pattern& pattern) {
 }
 
 std::string WordsSection() {
-  return "<h2>Words</h2>\n<ul>\n"
-         "<li><b>trusted</b>: the part of the image where the camera is known "
-         "to half the features' noise, or to 0.025 px.</li>\n"
-         "<li><b>leave open</b>: how far, in the median pixel, projections may "
-         "move before the features contradict (one standard deviation).</li>\n"
-         "<li><b>bias</b>: how unlike noise the residuals of one region of the "
-         "image are; compare with what pure noise would have.</li>\n"
-         "<li><b>correlation</b>: the part of the squared errors that "
-         "neighbouring features share; 0 is pure noise.</li>\n"
-         "<li><b>held out</b>: errors in images that the camera was not "
-         "calibrated with.</li>\n"
-         "<li><b>flexed</b>: held out, with boards that may bend from image to "
-         "image: half of an image's features tell how its board stands and "
-         "bends, the errors are those of the other half.</li>\n</ul>\n";
+  return "<h2>Glossary</h2>\n<ul>\n<li><b>trusted</b>: the part of the image "
+         "where the camera is known to half the features' noise, or to 0.025 "
+         "px.</li>\n<li><b>leave open</b>: how far, in the median pixel, "
+         "projections may move before the features contradict (one standard "
+         "deviation).</li>\n<li><b>bias</b>: deviation of the residuals in an "
+         "image region from noise; compare with the value for white "
+         "noise.</li>\n<li><b>correlation</b>: share of the squared residuals "
+         "that is common to neighbouring features; 0 for white "
+         "noise.</li>\n<li><b>held out</b>: error in images that were not used "
+         "for calibration.</li>\n<li><b>per-view deformation</b>: held-out "
+         "error with a target that may deform between images; pose and "
+         "deformation are estimated from half of the features, the error is "
+         "that of the other half.</li>\n</ul>\n";
 }
 
 std::string SpaceSection() {
-  return "<div class=\"script\"><h2>Cameras and boards in space</h2>\n"
-         "<figure><figcaption>Drag to turn, wheel or pinch to zoom. Axes of "
-         "the "
-         "first camera: x right, y down, z forward; <span "
+  return "<div class=\"script\"><h2>Cameras and targets in "
+         "3D</h2>\n<figure><figcaption>Drag to rotate, scroll or pinch to "
+         "zoom. Axes of the first camera: x right, y down, z forward; <span "
          "id=\"space-scale\"></span></figcaption><canvas "
          "id=\"space\"></canvas></figure></div>\n";
 }

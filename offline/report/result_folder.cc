@@ -52,10 +52,9 @@ void AddCameraFiles(const CalibrationResult& result, const CameraExtras& extras,
 
 void RequireFile(const std::string& path) {
   if (!fs::is_regular_file(path))
-    throw InputError(
-        path +
-        ": missing; a report needs all files that calibrate wrote, calibrate "
-        "again");
+    throw InputError(path +
+                     ": missing; a report needs all files written by "
+                     "calibrate, so calibrate again");
 }
 
 Pattern ReadResultPattern(const std::string& folder) {
@@ -108,7 +107,7 @@ void RequireMatching(const std::string& folder,
                     result.pattern);
   if (!result.camera.training)
     throw InputError(In(folder, "camera.yaml") +
-                     ": says nothing of training errors; calibrate again");
+                     ": has no training errors; calibrate again");
 }
 
 std::optional<BeforeAfter> ReadExample(const std::string& folder) {
@@ -149,16 +148,16 @@ std::vector<RigFileCamera> CamerasIn(const std::string& folder,
   RequireFile(path);
   std::vector<RigFileCamera> cameras = ReadRigFile(path);
   if (cameras.size() != result.cameras.size())
-    throw InputError(fmt::format("{}: {} cameras where result.json has {}",
-                                 path, cameras.size(), result.cameras.size()));
+    throw InputError(fmt::format("{}: {} cameras, but result.json has {}", path,
+                                 cameras.size(), result.cameras.size()));
   for (size_t c = 0; c < cameras.size(); ++c) {
     const std::string& name = cameras[c].name;
     if (result.cameras[c].camera.name != name)
-      throw InputError(fmt::format("{}: camera '{}' where result.json has '{}'",
+      throw InputError(fmt::format("{}: camera '{}', but result.json has '{}'",
                                    path, name, result.cameras[c].camera.name));
     if (fs::is_symlink(In(folder, name)))
       throw InputError(In(folder, name) +
-                       ": a link, where a folder was expected");
+                       ": is a symbolic link, expected a folder");
   }
   return cameras;
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "evaluation/rounded_text.h"
 #include "report/page_data.h"
 #include "report/report_sections.h"
 
@@ -33,23 +34,23 @@ std::string CamerasTable(const RigResult& result) {
 
 std::string RigErrorTable(const RigResult& result) {
   const std::string by =
-      result.cross_validated ? "cross-validation" : "instants not used";
+      result.cross_validated ? "cross-validation" : "frames not used";
   std::vector<HtmlRow> rows;
   for (size_t c = 0; c < result.cameras.size(); ++c) {
     const CalibrationResult& camera = result.cameras[c];
     const std::string name = EscapeHtml(camera.camera.name);
     rows.push_back(FiguresRow(name + ", training", *camera.camera.training));
     if (camera.camera.held_out)
-      rows.push_back(FiguresRow(name + ", held out, localised alone",
+      rows.push_back(FiguresRow(name + ", held out, pose from this camera",
                                 *camera.camera.held_out));
     if (c < result.held_out.size() && !result.held_out[c].empty())
-      rows.push_back(FiguresRow(name + ", held out, localised by the rig",
+      rows.push_back(FiguresRow(name + ", held out, pose from the rig",
                                 ComputeErrorFigures(result.held_out[c])));
   }
   rows.push_back(FiguresRow("all, training", TrainingFigures(result)));
   if (const auto held_out = HeldOutFigures(result))
-    rows.push_back(FiguresRow(
-        "all, held out (" + by + "), localised by the rig", *held_out));
+    rows.push_back(
+        FiguresRow("all, held out (" + by + "), pose from the rig", *held_out));
   return "<h2>Reprojection error</h2>\n" + ErrorTable(rows);
 }
 
@@ -60,15 +61,15 @@ std::string RigComparisonTable(const RigResult& result) {
     AddModelRows(EscapeHtml(camera.camera.name) + ", ", camera, &rows);
   if (rows.empty()) return "";
   return "<h2>Other models, from the same features</h2>\n" + ModelTable(rows) +
-         "<p>The other models are those of each camera alone, and held-out "
-         "images are localised by it alone.</p>\n";
+         "<p>The other models are fitted per camera, and poses of held-out "
+         "images are estimated per camera.</p>\n";
 }
 
-std::string WithDeviation(double value, const std::optional<double>& deviation,
-                          double scale) {
-  return deviation ? fmt::format("{:.4f} &plusmn; {:.4f}", value * scale,
-                                 *deviation * scale)
-                   : fmt::format("{:.4f}", value * scale);
+std::string EstimateCell(double value, const std::optional<double>& deviation,
+                         double scale) {
+  return deviation
+             ? WithDeviation(value * scale, *deviation * scale, " &plusmn; ")
+             : ThreeDigits(value * scale);
 }
 
 std::string BaselineTable(const RigResult& result) {
@@ -78,12 +79,11 @@ std::string BaselineTable(const RigResult& result) {
         {fmt::format("{} to {}",
                      EscapeHtml(result.cameras[baseline.first].camera.name),
                      EscapeHtml(result.cameras[baseline.second].camera.name)),
-         WithDeviation(baseline.distance_m, baseline.distance_sd_m, 1000),
-         WithDeviation(baseline.angle_rad, baseline.rotation_sd_rad,
-                       180 / M_PI),
+         EstimateCell(baseline.distance_m, baseline.distance_sd_m, 1000),
+         EstimateCell(baseline.angle_rad, baseline.rotation_sd_rad, 180 / M_PI),
          std::to_string(baseline.num_shared_views)});
-  return "<h2>How the cameras stand to each other</h2>\n" +
-         HtmlTable({"", "distance mm", "angle degrees", "boards seen by both"},
+  return "<h2>Relative camera poses</h2>\n" +
+         HtmlTable({"", "baseline mm", "rotation degrees", "common views"},
                    rows);
 }
 

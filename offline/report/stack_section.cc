@@ -104,7 +104,7 @@ std::string TableOf(const StackOfCameras& stack, const std::string& unit) {
                     fmt::format("{:.4f}", known.MedianPx())});
   }
   return HtmlTable(
-      {unit, "focal length px", "growth of the image", "centre px, x and y",
+      {unit, "focal length px", "image scale", "centre px, x and y",
        "distortion px (RMS)", "standard deviation px (median)"},
       rows);
 }
@@ -166,15 +166,13 @@ std::string MapsOf(const StackOfCameras& stack) {
         DisplacementPicture(end.moves, kColumns, size_px),
         fmt::format("Distortion at {} against {:g}", end.value, range.Middle()),
         AreaAxes(area),
-        HtmlColorBar(BarOf("moved by; arrows, longer than life, say which way",
-                           size_px)),
+        HtmlColorBar(BarOf("displacement; arrows are magnified", size_px)),
         "area");
     if (!end.deviations_px.empty())
       html += HtmlPicture(
           HeatMap(end.deviations_px, kColumns, 0, deviation_px, kCellPx),
-          "How well the camera is known at " + end.value, AreaAxes(area),
-          HtmlColorBar(
-              BarOf("standard deviation of a coordinate", deviation_px)),
+          "Predicted uncertainty at " + end.value, AreaAxes(area),
+          HtmlColorBar(BarOf("standard deviation per axis", deviation_px)),
           "area");
     html += "</div>\n";
   }
@@ -198,7 +196,7 @@ std::string ChangesOf(const StackOfCameras& stack) {
                     return c.focal_px;
                   })}});
   const Eigen::Vector2d middle = changes[kNumValues / 2].center_px;
-  html += chart("Centre, moved by px",
+  html += chart("Shift of the principal point in px",
                 {{"x", "#d55e00",
                   ValuesOf(changes,
                            [&](const StackChange& c) {
@@ -229,14 +227,12 @@ std::string StackSection(const StackOfCameras& stack) {
         ranges.size() > 1 ? " of the " + WordsOf(ranges[r].condition) : "");
   }
   std::string html = fmt::format(
-      "<h2>Over the range</h2>\n<p>The camera is known {}. "
-      "Each control point is {}{}. Growth and distortion "
-      "are those of a far scene's image, against the middle of the range; "
-      "distortion is what growth and a shift leave, and maps show it by place. "
-      "The centre is that of the "
-      "nearest lens with radial distortion; bumps of a lens move it, too. "
-      "Figures above are of the middle, and held-out errors of features "
-      "brought there.</p>\n",
+      "<h2>Over the range</h2>\n<p>The camera is calibrated {}. Each control "
+      "point is {}{}. Image scale and distortion are for a distant scene, "
+      "relative to the centre of the range; distortion is the change that "
+      "remains after scale and shift. The principal point is that of the "
+      "nearest radial model. All sections above are for the centre of the "
+      "range, with held-out features mapped there.</p>\n",
       known, ranges.size() > 1 ? "the sum of " : "", orders);
   if (ranges.size() == 1) return html + ChangesOf(stack);
   for (size_t r = 0; r < ranges.size(); ++r) {

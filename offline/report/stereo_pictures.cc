@@ -85,11 +85,11 @@ std::string StereoSection(const StereoExample& example) {
   const char* const place = figures.is_vertical ? "above" : "on the left";
   const char* const other = figures.is_vertical ? "below" : "on the right";
   return fmt::format(
-             "<h2>Rectified pair: {0} and {1}</h2>\n<p>A point is seen in the "
-             "same {2} of both images. Features that both cameras saw are "
-             "{3:.3f} px (RMS) and at most {4:.3f} px off that, in {5} places. "
+             "<h2>Rectified pair: {0} and {1}</h2>\n<p>Corresponding points "
+             "are in the same {2} of both images. The residual of common "
+             "features is {3:.2g} px RMS, {4:.2g} px max ({5} features). "
              "<code>raygrid rectify rig.yaml --left {0} --right {1} -o "
-             "DIR</code> writes blobs and matrices.</p>\n",
+             "DIR</code> writes blobs and projection matrices.</p>\n",
              left, right, line, figures.rms_px, figures.max_px,
              figures.num_features) +
          fmt::format(
@@ -99,10 +99,9 @@ std::string StereoSection(const StereoExample& example) {
              EscapeHtml(figures.instant), left, place, right, other, line) +
          HtmlImage(example.rows, "Rectified pair") +
          fmt::format(
-             "</figure>\n<figure><figcaption>Disparity of {} by "
-             "OpenCV's semi-global matching; white where it finds "
-             "none. A board that repeats itself misleads it in "
-             "places.</figcaption>",
+             "</figure>\n<figure><figcaption>Disparity of {} by OpenCV's "
+             "semi-global matching (white: no match). Repetitive patterns "
+             "cause wrong matches.</figcaption>",
              left) +
          HtmlImage(example.disparity, "Disparity") +
          HtmlColorBar({ColorScale::kEven, "disparity", "0",

@@ -464,9 +464,7 @@ std::string RowTimeAdjustment::FindUnlikeParts() const {
       continue;
     largest = sigmas;
     found = fmt::format(
-        "a row takes {} +- {} by the recording's beginning, and {} +- {} by "
-        "its "
-        "end",
+        "line delay {} +- {} in the first part, {} +- {} in the rest",
         MicrosecondsText(before.seconds), MicrosecondsText(before.deviation_s),
         MicrosecondsText(after.seconds), MicrosecondsText(after.deviation_s));
   }
@@ -494,33 +492,31 @@ RowTimeEstimate RowTimeAdjustment::Result(int num_images) const {
   result.do_times_fit = wrong.empty();
   if (!wrong.empty())
     result.untold = fmt::format(
-        "the time stamps do not fit the motion ({}): frames came in bursts, "
-        "are "
-        "missing or in another order, or the rate changed; take the sensor's "
-        "own time of each frame",
+        "the time stamps do not fit the motion ({}): frames were delivered in "
+        "bursts, lost or reordered, or the frame rate changed; use the "
+        "sensor's time stamps",
         wrong);
   else if (!moves)
     result.untold =
-        "the camera hardly moves from frame to frame; move and turn it, or the "
-        "board, while it records";
+        "too little motion between frames; move and rotate the camera or the "
+        "target while recording";
   else if (result.value.deviation_s > limit_s && std::abs(bias_s) > limit_s / 2)
     result.untold = fmt::format(
-        "the camera moves too quickly for the time between frames, or times "
-        "scatter (+-{}); take the sensor's times, move the camera more slowly, "
-        "or record more frames a second",
+        "motion is too fast for the frame rate, or time stamps are noisy "
+        "(+-{}); use the sensor's time stamps, move more slowly, or increase "
+        "the frame rate",
         MicrosecondsText(result.value.deviation_s));
   else if (result.value.deviation_s > limit_s)
     result.untold = fmt::format(
-        "its deviation of {} is more than {}, {:g} % of the longest that "
-        "frames "
-        "so soon after each other may have; record more frames, and move and "
-        "turn the camera more, in all directions",
+        "its standard deviation of {} exceeds {} ({:g} % of the largest line "
+        "delay possible at this frame rate); record more frames, with more "
+        "motion and rotation in all directions",
         MicrosecondsText(result.value.deviation_s), MicrosecondsText(limit_s),
         100 * kTold);
   else if (std::abs(result.value.seconds) > longest_s + 2 * limit_s)
     result.untold = fmt::format(
-        "it would be {}, and frames come every {} of a row; see that the times "
-        "are those of these images, in seconds",
+        "the estimate of {} exceeds the {} possible at this frame rate; check "
+        "that the time stamps belong to these images, in seconds",
         MicrosecondsText(result.value.seconds), MicrosecondsText(longest_s));
   return result;
 }
@@ -563,9 +559,9 @@ RowTimeEstimate EstimateRowTime(const MovingViews& views) {
     RowTimeEstimate none;
     none.num_images = num_images;
     none.untold = fmt::format(
-        "{} images have two neighbours in time on either side, each at most "
-        "{:g} s away, and {} are needed; see that times are in seconds, and "
-        "record consecutive frames of a moving camera",
+        "only {} images have two adjacent frames on either side, each within "
+        "{:g} s; need {}; check that times are in seconds, and record "
+        "consecutive frames of a moving camera",
         num_images, kMaxFrameGapS, kMinImages);
     return none;
   }

@@ -26,7 +26,7 @@ struct IntervalError {
 std::string TextOf(const IntervalError& error) {
   const double told_s = error.behind->time_s - error.before->time_s;
   return fmt::format(
-      "from {} to {} they tell {:.1f} ms, and the motion {:.1f} ms",
+      "from {} to {}: {:.1f} ms, but {:.1f} ms according to the motion",
       error.before->image, error.behind->image, 1e3 * told_s,
       1e3 * (told_s + error.seconds));
 }
@@ -243,9 +243,8 @@ std::string FindWrongTimes(const std::vector<TimedTrack>& tracks,
   }
   if (worst) return TextOf(*worst);
   if (scatter.rms_s > kScatterPart * interval_s)
-    return fmt::format(
-        "they scatter by {:.1f} ms, and frames come every {:.1f} ms",
-        1e3 * scatter.rms_s, 1e3 * interval_s);
+    return fmt::format("jitter of {:.1f} ms at a frame interval of {:.1f} ms",
+                       1e3 * scatter.rms_s, 1e3 * interval_s);
   return FindBursts(tracks, noise_variance_px2);
 }
 

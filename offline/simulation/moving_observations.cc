@@ -47,7 +47,7 @@ class HandPath {
     const auto side = camera.Unproject({area.x1 - 1, area.center().y()});
     const auto below = camera.Unproject({area.center().x(), area.y1 - 1});
     if (!middle || !side || !below)
-      throw InputError("the camera is not calibrated up to its image's edges");
+      throw InputError("the camera is not calibrated up to the image border");
     across_rad_ = std::acos(middle->dot(*side));
     down_rad_ = std::acos(middle->dot(*below));
     distance_m_ = board.columns * board.square_m / (2 * across_rad_);
@@ -136,10 +136,11 @@ MovingObservations SimulateMovingObservations(const CameraModel& camera,
     result.times_s.push_back(time);
   }
   if (seen.dataset.images.empty())
-    throw Error(ExitCode::kTooFew,
-                fmt::format("{} frames, and none shows {} features; ask for "
-                            "fewer",
-                            options.num_images, options.features_per_image));
+    throw Error(
+        ExitCode::kTooFew,
+        fmt::format(
+            "none of {} frames shows {} features; reduce --features-per-image",
+            options.num_images, options.features_per_image));
   return result;
 }
 

@@ -120,13 +120,12 @@ std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
   if (name == "example") {
     const SimulatedCamera example = ExampleSimulatedCamera();
     if (size != example.image_size())
-      throw InputError("lens example: its images are 640x480");
+      throw InputError("lens example: requires image size 640x480");
     return example.Clone();
   }
   throw InputError(fmt::format(
-      "lens '{}' is not known; use pinhole, example, wide, "
-      "fisheye, fisheye190, noncentral, glass, anamorphic, off-axis, "
-      "halves, decentred or mirror",
+      "unknown lens '{}'; use pinhole, example, wide, fisheye, fisheye190, "
+      "noncentral, glass, anamorphic, off-axis, halves, decentred or mirror",
       name));
 }
 

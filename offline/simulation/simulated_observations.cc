@@ -159,8 +159,8 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
          options.num_images * options.num_shots) {
     if (++num_tries > kMaxTries)
       throw Error(ExitCode::kTooFew,
-                  fmt::format("{} poses at random, and none shows {} features; "
-                              "ask for fewer",
+                  fmt::format("none of {} random poses shows {} features; "
+                              "reduce --features-per-image",
                               kMaxTries, options.features_per_image));
     const Pose pose = RandomPose(camera, board, &random);
     std::vector<Feature> features = VisibleFeatures(

@@ -26,9 +26,7 @@ Area ExtentInSquares(const Board& board) {
 void RequirePixelPitch(double pixels_per_inch) {
   if (!(pixels_per_inch > 0) || !std::isfinite(pixels_per_inch))
     throw Error(ExitCode::kUsage,
-                fmt::format("--dpi {:g}: a screen has more than 0 pixels per "
-                            "inch",
-                            pixels_per_inch));
+                fmt::format("--dpi {:g}: must be positive", pixels_per_inch));
 }
 
 void DrawOnScreen(const ScreenBoards& boards, const Board& board, cairo_t* cr) {
@@ -59,17 +57,18 @@ ScreenBoards PlanScreenBoards(std::vector<Board> boards,
   if (wanted_px > largest_px)
     throw Error(
         ExitCode::kUsage,
-        fmt::format("--screen {}x{}: squares of {} pixels do not fit, at most "
-                    "{:g} do; take smaller ones, or neither --dpi nor "
-                    "--square-px for the largest",
-                    screen.width, screen.height, wanted_px, largest_px));
+        fmt::format(
+            "--screen {}x{}: squares of {} pixels do not fit (at most {:g}); "
+            "reduce them, or omit --dpi and --square-px for the largest",
+            screen.width, screen.height, wanted_px, largest_px));
   const double square_px = wanted_px != 0 ? wanted_px : largest_px;
   if (std::max(screen.width, screen.height) > 32767 || square_px < 4)
-    throw Error(ExitCode::kUsage,
-                fmt::format("--screen {}x{}: its squares would be {:g} pixels "
-                            "wide; 4 are needed, and the screen may have "
-                            "32767 x 32767",
-                            screen.width, screen.height, square_px));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "--screen {}x{}: squares would be {:g} pixels wide, below the "
+            "minimum of 4 (the screen may have up to 32767 x 32767 pixels)",
+            screen.width, screen.height, square_px));
   ScreenBoards plan;
   plan.boards = std::move(boards);
   plan.screen = screen;

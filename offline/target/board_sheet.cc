@@ -77,9 +77,9 @@ std::string LargestCounts(const Board& board, const Page& page) {
   const double square_mm = board.square_m * 1000;
   const double largest_mm =
       std::floor(10 * square_mm * LargestScale(size_mm, better) + 1e-9) / 10;
-  std::string advice = "take a larger --page";
+  std::string advice = "use a larger --page";
   if (largest_mm > 0)
-    advice += fmt::format("; this page holds {} {:.1f}{}", SquareOption(board),
+    advice += fmt::format("; this page fits {} {:.1f}{}", SquareOption(board),
                           largest_mm, LargestCounts(board, better));
   throw Error(ExitCode::kUsage,
               fmt::format("a board of {:g} x {:g} mm does not fit a page of "
@@ -159,7 +159,7 @@ void DrawSheet(const BoardSheets& sheets, const Board& board, cairo_t* cr) {
             1000, cr);
   cairo_set_source_rgb(cr, 0, 0, 0);
   DrawRulers(sheets, cr);
-  DrawText(fmt::format("{} - print at 100 %: both rulers are {} mm",
+  DrawText(fmt::format("{} - print at 100 %: both rulers must be {} mm long",
                        DescribeBoard(board), sheets.ruler_mm),
            sheets.page, cr);
 }
@@ -190,7 +190,7 @@ Page ParsePage(const std::string& name) {
       page.height_mm > 0 && std::max(page.width_mm, page.height_mm) <= 5000)
     return page;
   throw Error(ExitCode::kUsage,
-              fmt::format("--page {}: use A4, A3, letter or WxHmm", name));
+              fmt::format("--page {}: expected A4, A3, letter or WxHmm", name));
 }
 
 BoardSheets PlanBoardSheets(std::vector<Board> boards, const Page& page) {
@@ -236,11 +236,12 @@ PrintScale MeasuredScale(const BoardSheets& sheets, double measured_x_mm,
                             measured_y_mm / sheets.ruler_mm};
   for (const double s : {scale.x, scale.y})
     if (!(s > 0.5 && s < 2))
-      throw Error(ExitCode::kUsage,
-                  fmt::format("--measured-x-mm {:g}, --measured-y-mm {:g}: "
-                              "with these options both rulers are drawn {} mm "
-                              "long; give their lengths in millimetres",
-                              measured_x_mm, measured_y_mm, sheets.ruler_mm));
+      throw Error(
+          ExitCode::kUsage,
+          fmt::format(
+              "--measured-x-mm {:g}, --measured-y-mm {:g}: implausible, the "
+              "rulers are drawn {} mm long; give their measured lengths in mm",
+              measured_x_mm, measured_y_mm, sheets.ruler_mm));
   return scale;
 }
 
@@ -295,8 +296,8 @@ std::string SheetPng(const BoardSheets& sheets, const Board& board,
   const double height = std::round(sheets.page.height_mm * pixels_per_mm);
   if (!(width >= 1 && height >= 1 && width <= 32767 && height <= 32767))
     throw Error(ExitCode::kUsage,
-                fmt::format("--dpi {:g}: the picture would have {:g} x {:g} "
-                            "pixels; 1 to 32767 are possible",
+                fmt::format("--dpi {:g}: the image would have {:g} x {:g} "
+                            "pixels, the limit is 1 to 32767",
                             dpi, width, height));
   return DrawnPng(static_cast<int>(width), static_cast<int>(height),
                   [&](cairo_t* cr) {

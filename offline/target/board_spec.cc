@@ -38,8 +38,8 @@ double LengthM(std::string text) {
     if (text == "cm") return value / 100;
     if (text == "m") return value;
   }
-  Refuse(
-      fmt::format("'{}' is no length; write it with its unit, as 25mm", given));
+  Refuse(fmt::format(
+      "'{}' is not a length; give a number with unit, such as 25mm", given));
 }
 
 // The parts between the colons, and NAME=VALUE as they are asked for.
@@ -54,8 +54,8 @@ class Spec {
     }
     if (parts.size() < 3)
       Refuse(
-          "no such file, and no board: write KIND:COLUMNSxROWS:LENGTH, as "
-          "chessboard:9x6:25mm");
+          "neither a file nor a target specification, "
+          "KIND:COLUMNSxROWS:LENGTH, such as chessboard:9x6:25mm");
     kind = parts[0];
     TakeSize(parts[1]);
     length_m = LengthM(parts[2]);
@@ -67,7 +67,7 @@ class Spec {
                                   ? parts[i].substr(equals + 1)
                                   : "")
                .second)
-        Refuse(fmt::format("'{}' stands twice", name));
+        Refuse(fmt::format("duplicate '{}'", name));
     }
   }
 
@@ -76,7 +76,7 @@ class Spec {
     if (found == values_.end()) return otherwise;
     const std::string value = found->second;
     values_.erase(found);
-    if (value.empty()) Refuse(fmt::format("'{}' has no value", name));
+    if (value.empty()) Refuse(fmt::format("'{}' requires a value", name));
     return value;
   }
 
@@ -86,7 +86,7 @@ class Spec {
     const std::string given = text;
     T value = otherwise;
     if (!TakeNumber(&text, &value) || !text.empty())
-      Refuse(fmt::format("{}={}: not such a number", name, given));
+      Refuse(fmt::format("{}={}: invalid number", name, given));
     return value;
   }
 
@@ -94,14 +94,14 @@ class Spec {
     const auto found = values_.find(name);
     if (found == values_.end()) return false;
     if (!found->second.empty())
-      Refuse(fmt::format("'{}' takes no value", name));
+      Refuse(fmt::format("'{}' does not take a value", name));
     values_.erase(found);
     return true;
   }
 
   void RequireAllAsked() const {
     if (!values_.empty())
-      Refuse(fmt::format("a board of kind {} has no '{}'", kind,
+      Refuse(fmt::format("{} does not support '{}'", kind,
                          values_.begin()->first));
   }
 
@@ -118,7 +118,8 @@ class Spec {
       if (TakeNumber(&text, &rows) && text.empty() && columns > 0 && rows > 0)
         return;
     }
-    Refuse(fmt::format("'{}' is no size; write COLUMNSxROWS, as 9x6", given));
+    Refuse(fmt::format("'{}' is not a size; expected COLUMNSxROWS, such as 9x6",
+                       given));
   }
 
   std::map<std::string, std::string> values_;
@@ -148,7 +149,8 @@ std::vector<Board> MarkersOf(Board board, Spec* spec) {
 std::vector<Board> CharucoOf(Board board, Spec* spec) {
   const std::string marker = spec->Text("marker", "");
   if (marker.empty())
-    Refuse("say how large the markers are, as marker=21mm (their black side)");
+    Refuse(
+        "missing marker size, such as marker=21mm (side of the black square)");
   board.marker_m = LengthM(marker);
   board.dictionary = spec->Text("dictionary", "DICT_4X4_50");
   board.is_legacy = spec->Flag("legacy");
@@ -158,7 +160,7 @@ std::vector<Board> CharucoOf(Board board, Spec* spec) {
 std::vector<Board> AprilGridOf(Board board, Spec* spec) {
   constexpr int kMaxTags = 500;
   if (std::max(board.columns, board.rows) > kMaxTags)
-    Refuse(fmt::format("at most {} tags along a side", kMaxTags));
+    Refuse(fmt::format("at most {} tags per side are supported", kMaxTags));
   board.columns *= 2;  // features: two for each tag
   board.rows *= 2;
   board.tag_family = spec->Text("family", "tag36h11");
@@ -168,7 +170,7 @@ std::vector<Board> AprilGridOf(Board board, Spec* spec) {
   const std::string from = spec->Text(
       "numbered-from", board.is_numbered_from_top ? "top" : "bottom");
   if (from != "top" && from != "bottom")
-    Refuse(fmt::format("numbered-from={}: use top or bottom", from));
+    Refuse(fmt::format("numbered-from={}: expected top or bottom", from));
   board.is_numbered_from_top = from == "top";
   return MarkersOf(board, spec);
 }
@@ -183,10 +185,10 @@ std::vector<Board> BoardsOf(Spec* spec) {
   if (spec->kind == "charuco") return CharucoOf(board, spec);
   if (spec->kind == "aprilgrid") return AprilGridOf(board, spec);
   if (spec->kind != "chessboard")
-    Refuse(fmt::format(
-        "no such file, and no board is of kind '{}'; use chessboard, charuco, "
-        "aprilgrid or star, or name a pattern.yaml",
-        spec->kind));
+    Refuse(
+        fmt::format("neither a file nor a known target kind: '{}'; use "
+                    "chessboard, charuco, aprilgrid or star, or a pattern.yaml",
+                    spec->kind));
   spec->RequireAllAsked();
   RequirePossibleBoards({board});
   return {board};

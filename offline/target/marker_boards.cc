@@ -10,7 +10,7 @@ namespace raygrid {
 namespace {
 
 std::string MoreMarkers(const Board& board) {
-  return board.kind == "charuco" ? "take a larger --dictionary, " : "take ";
+  return board.kind == "charuco" ? "use a larger --dictionary, " : "use ";
 }
 
 }  // namespace
@@ -30,7 +30,7 @@ std::vector<Board> MarkerBoards(Board board, int num_boards) {
     RequirePossibleBoards({boards.back()});
   } catch (const Error& error) {
     throw Error(ExitCode::kUsage,
-                fmt::format("{} boards of {} markers each: {}; {}fewer "
+                fmt::format("{} boards with {} markers each: {}; {}fewer "
                             "--boards, or a lower --first-marker",
                             num_boards, num_markers, error.what(),
                             MoreMarkers(boards.back())));

@@ -81,18 +81,17 @@ void RequirePossible(const StarBoardOptions& options) {
   };
   require(options.segments >= 4 && options.segments <= kMaxSegments &&
               options.segments % 2 == 0,
-          "--segments must be an even number, 4 to 32");
+          "--segments must be an even number from 4 to 32");
   require(std::min(options.columns, options.rows) >= 2 &&
               std::max(options.columns, options.rows) <= 1000 &&
               options.square_mm > 0 && std::isfinite(options.square_mm),
-          "a board has 2 to 1000 columns and rows of features, and squares of "
-          "more than 0 mm");
+          "columns and rows must be 2 to 1000, and squares larger than 0 mm");
   require(options.num_boards >= 1 && options.num_boards <= 100,
           "--boards must be 1 to 100");
   require(options.num_tags >= 1 && options.num_tags <= kMaxTagsOnABoard,
           "--tags must be 1 to 100");
   require(options.tag_squares >= 0 && options.tag_squares <= 1000,
-          "--tag-squares must be positive");
+          "--tag-squares must be 0 to 1000");
   require(options.tag_id >= 0, "--tag-id must not be negative");
 }
 
@@ -121,10 +120,10 @@ std::vector<Board> StarBoards(const StarBoardOptions& options) {
   if (!AreApart(options, board.tags))
     throw Error(
         ExitCode::kUsage,
-        fmt::format("{} tag(s) {} squares wide do not fit among {} x {} "
-                    "features; take fewer --tags, smaller --tag-squares or "
-                    "more --columns and --rows",
-                    options.num_tags, squares, options.columns, options.rows));
+        fmt::format(
+            "{} tag(s) {} squares wide do not fit among {} x {} features; use "
+            "fewer --tags, smaller --tag-squares or more --columns and --rows",
+            options.num_tags, squares, options.columns, options.rows));
   std::vector<Board> boards;
   int tag_id = options.tag_id;
   for (board.id = 0; board.id < options.num_boards; ++board.id) {

@@ -58,7 +58,7 @@ int main(int argc, char** argv) {
   rg_pixel after;
   status = rg_project(&camera, &ray, &after);
   if (status == RG_ERR_NOT_SEEN) {
-    puts("out of sight");
+    puts("not visible");
     return 0;
   }
   if (status != RG_OK) return fail("direction", rg_status_text(status));

@@ -42,7 +42,7 @@ static int undistort(const rg_camera* camera, const char* in, const char* out) {
   uint8_t* const result = malloc(target_size);
   if (!source || !result) return fail(in, "not enough memory");
   if (read_file(in, source, frame_size) != frame_size)
-    return fail(in, "is not an NV12 frame of the size the blob is for");
+    return fail(in, "is not an NV12 frame of the blob's image size");
 
   const rg_image image = {
       .format = RG_FORMAT_NV12,

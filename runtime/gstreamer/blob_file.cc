@@ -26,12 +26,12 @@ std::vector<uint32_t> ReadWords(const std::string& path, uint32_t* num_bytes) {
   struct stat status;
   if (!file || fstat(fileno(file.get()), &status) != 0)
     throw fail(std::string("cannot be read (") + std::strerror(errno) + ")");
-  if (!S_ISREG(status.st_mode)) throw fail("no regular file");
+  if (!S_ISREG(status.st_mode)) throw fail("not a regular file");
   const auto size = static_cast<size_t>(status.st_size);
-  if (size > kMaxBytes) throw fail("larger than 1 GiB, so no blob");
+  if (size > kMaxBytes) throw fail("larger than 1 GiB, not a blob");
   std::vector<uint32_t> words((size + 3) / 4);
   if (std::fread(words.data(), 1, size, file.get()) != size)
-    throw fail("cannot be read to its end");
+    throw fail("cannot be read completely");
   *num_bytes = static_cast<uint32_t>(size);
   return words;
 }
@@ -47,30 +47,31 @@ std::string Text(unsigned width, unsigned height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
 
-// "640x480 of 1280x960 frames, 320x240 of 640x480 frames"
+// "1280x960 to 640x480, 640x480 to 320x240": frames and their views.
 std::string Text(const std::vector<TableSizes>& tables) {
   std::string text;
   for (const TableSizes& sizes : tables)
     text += (text.empty() ? "" : ", ") +
-            Text(sizes.view_width, sizes.view_height) + " of " +
-            Text(sizes.frame_width, sizes.frame_height) + " frames";
+            Text(sizes.frame_width, sizes.frame_height) + " to " +
+            Text(sizes.view_width, sizes.view_height);
   return text;
 }
 
-// "table 1 makes" or "its tables make", and what they make.
+// What one table, or all of them, undistort.
 std::string WhatIsMade(int table, const std::vector<TableSizes>& tables) {
   if (table >= 0)
-    return "table " + std::to_string(table) + " makes " + Text(tables);
-  return (tables.size() == 1 ? "its table makes " : "its tables make ") +
+    return "table " + std::to_string(table) + " undistorts " + Text(tables);
+  return (tables.size() == 1 ? "its remap table undistorts "
+                             : "its remap tables undistort ") +
          Text(tables);
 }
 
 // The remedy for frames, or views, of other sizes.
 std::string Remedy(int table) {
-  return table >= 0 ? "; leave table out to take the first that fits, or pack "
-                      "one with --remap"
-                    : "; pack one for them with --remap, and --mode for frames "
-                      "of another size";
+  return table >= 0 ? "; omit table to use the first matching one, or add one "
+                      "with raygrid pack --remap"
+                    : "; add a matching table with raygrid pack --remap (and "
+                      "--mode for another frame size)";
 }
 
 }  // namespace
@@ -103,7 +104,7 @@ void BlobFile::RequireTableFor(int table, int width, int height) const {
     if (sizes.frame_width == width && sizes.frame_height == height) return;
   throw CameraError(
       CameraExit::kBlob,
-      path_ + ": " + WhatIsMade(table, tables) + ", and frames are " +
+      path_ + ": " + WhatIsMade(table, tables) + ", but frames are " +
           Text(static_cast<unsigned>(width), static_cast<unsigned>(height)) +
           Remedy(table));
 }
@@ -114,8 +115,8 @@ void BlobFile::SelectTable(int table, const TableSizes& sizes) {
         SizesInUse(camera_) == sizes)
       return;
   throw CameraError(CameraExit::kBlob,
-                    path_ + ": " + WhatIsMade(table, Tables(table)) + ", and " +
-                        Text({sizes}) + " are asked for" + Remedy(table));
+                    path_ + ": " + WhatIsMade(table, Tables(table)) + ", but " +
+                        Text({sizes}) + " was requested" + Remedy(table));
 }
 
 void BlobFile::SetCondition(double value) {
@@ -124,10 +125,10 @@ void BlobFile::SetCondition(double value) {
   const rg_status status =
       rg_set_condition(&camera_, static_cast<int32_t>(std::lround(q16)));
   if (status != RG_OK && status != RG_EXTRAPOLATED)
-    throw CameraError(CameraExit::kBlob,
-                      path_ + ": condition: " + rg_status_text(status) +
-                          "; raygrid calibrate --vary-with makes a camera that "
-                          "has a range");
+    throw CameraError(
+        CameraExit::kBlob,
+        path_ + ": operating point: " + rg_status_text(status) +
+            "; calibrate over a range with raygrid calibrate --vary-with");
 }
 
 }  // namespace raygrid

@@ -24,8 +24,8 @@ class MappedFrame {
     }
     if (!is_mapped_)
       throw CameraError(CameraExit::kInput,
-                        "a buffer cannot be mapped, or is too short for its "
-                        "caps; check the element before");
+                        "cannot map a buffer, or it is too small for its caps; "
+                        "check the upstream element");
     for (int i = 0; i < layout.format.num_planes; ++i) {
       planes_[i] =
           is_bayer_
@@ -144,8 +144,8 @@ void FrameUndistorter::SetCaps(const GstCaps* frames, const GstCaps* views) {
   views_ = LayoutOf(views);
   if (!frames_ || !views_)
     throw CameraError(CameraExit::kInput,
-                      "frames of this format cannot have this size; rows and "
-                      "columns come in pairs where colours share them");
+                      "frame size not supported by this format; subsampled "
+                      "chroma needs even width and height");
   blob_.SelectTable(settings_.table,
                     {frames_->format.width, frames_->format.height,
                      views_->format.width, views_->format.height});
@@ -156,8 +156,8 @@ void FrameUndistorter::SetCaps(const GstCaps* frames, const GstCaps* views) {
   if (untrusted_->are_all())
     throw CameraError(CameraExit::kBlob,
                       settings_.blob +
-                          ": its table shows nothing that can be trusted; set "
-                          "outside=fill, or pack another view");
+                          ": its remap table has no pixel in the valid region; "
+                          "set outside=fill, or pack another view");
 }
 
 void FrameUndistorter::Undistort(GstBuffer* frame, GstBuffer* view) {

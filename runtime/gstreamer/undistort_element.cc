@@ -22,8 +22,8 @@ enum Outside { kFill, kTrusted };
 
 GType OutsideType() {
   static const GEnumValue kValues[] = {
-      {kFill, "As the lens goes on there", "fill"},
-      {kTrusted, "Border in blocks in which nothing is trusted", "trusted"},
+      {kFill, "Extrapolate the model", "fill"},
+      {kTrusted, "Border in blocks outside the valid region", "trusted"},
       {0, nullptr, nullptr}};
   static const GType type =
       g_enum_register_static("RaygridUndistortOutside", kValues);
@@ -33,7 +33,7 @@ GType OutsideType() {
 GType BorderType() {
   static const GEnumValue kValues[] = {
       {RG_BORDER_VALUE, "Black", "black"},
-      {RG_BORDER_CLAMP, "The nearest pixel of the calibrated area", "clamp"},
+      {RG_BORDER_CLAMP, "Nearest pixel of the calibrated area", "clamp"},
       {0, nullptr, nullptr}};
   static const GType type =
       g_enum_register_static("RaygridUndistortBorder", kValues);
@@ -42,8 +42,8 @@ GType BorderType() {
 
 GType SamplingType() {
   static const GEnumValue kValues[] = {
-      {RG_SAMPLING_BILINEAR, "Between four pixels", "bilinear"},
-      {RG_SAMPLING_NEAREST, "The nearest pixel", "nearest"},
+      {RG_SAMPLING_BILINEAR, "Bilinear interpolation", "bilinear"},
+      {RG_SAMPLING_NEAREST, "Nearest pixel", "nearest"},
       {0, nullptr, nullptr}};
   static const GType type =
       g_enum_register_static("RaygridUndistortSampling", kValues);
@@ -112,7 +112,7 @@ std::shared_ptr<raygrid::FrameUndistorter> CurrentUndistorter(
   if (state->settings.blob.empty())
     throw raygrid::CameraError(
         raygrid::CameraExit::kUsage,
-        "no blob; set blob=camera.raygrid, which raygrid pack writes");
+        "no blob; set blob=camera.raygrid, written by raygrid pack");
   if (!state->next)
     state->next = std::make_shared<raygrid::FrameUndistorter>(state->settings);
   return state->next;
@@ -442,52 +442,53 @@ static void raygrid_undistort_class_init(RaygridUndistortClass* type) {
       G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS | GST_PARAM_MUTABLE_PLAYING);
   g_object_class_install_property(
       object, kBlob,
-      g_param_spec_string("blob", "Blob",
-                          "File that 'raygrid pack --remap' writes", "",
-                          flags));
+      g_param_spec_string(
+          "blob", "Blob",
+          "Blob with a remap table, written by 'raygrid pack --remap'", "",
+          flags));
   g_object_class_install_property(
       object, kTable,
       g_param_spec_int("table", "Table",
-                       "Index of the blob's table; -1 is the first one for "
-                       "frames of the size that come",
+                       "Index of the remap table; -1 selects the first that "
+                       "matches the frame size",
                        -1, G_MAXINT, -1, flags));
   g_object_class_install_property(
       object, kEnabled,
       g_param_spec_boolean("enabled", "Enabled",
-                           "False passes frames through as they are", TRUE,
+                           "If false, frames pass through unchanged", TRUE,
                            flags));
   g_object_class_install_property(
       object, kBorder,
       g_param_spec_enum("border", "Border",
-                        "Pixels that the camera does not see", BorderType(),
-                        RG_BORDER_VALUE, flags));
+                        "Value of pixels outside the camera's field of view",
+                        BorderType(), RG_BORDER_VALUE, flags));
   g_object_class_install_property(
       object, kOutside,
-      g_param_spec_enum("outside", "Outside",
-                        "Pixels where nothing was seen while calibrating",
-                        OutsideType(), kFill, flags));
+      g_param_spec_enum(
+          "outside", "Outside",
+          "Handling of extrapolated pixels, outside the valid region",
+          OutsideType(), kFill, flags));
   g_object_class_install_property(
       object, kSampling,
-      g_param_spec_enum("sampling", "Sampling", "How pixels are sampled",
+      g_param_spec_enum("sampling", "Sampling", "Interpolation method",
                         SamplingType(), RG_SAMPLING_BILINEAR, flags));
   g_object_class_install_property(
       object, kThreads,
       g_param_spec_uint("threads", "Threads",
-                        "Threads for each frame; 0 is one for each processor",
-                        0, 256, 1, flags));
+                        "Number of threads per frame; 0 uses all processors", 0,
+                        256, 1, flags));
   g_object_class_install_property(
       object, kCondition,
-      g_param_spec_double("condition", "Condition",
+      g_param_spec_double("condition", "Operating point",
                           "Lens position (dioptres) or temperature (degrees "
-                          "Celsius) of the frames from now on, of a blob that "
-                          "was calibrated over a range of it; outside the "
-                          "range, its end is taken",
+                          "Celsius) of subsequent frames, for a blob "
+                          "calibrated over a range; values outside are clamped",
                           -1024, 1024, 0, flags));
 
   GstElementClass* const element = GST_ELEMENT_CLASS(type);
   gst_element_class_set_static_metadata(
       element, "Lens undistortion with a raygrid blob", "Filter/Effect/Video",
-      "Undistorts frames with a remap table of a calibrated camera. Example: "
+      "Undistorts frames with the remap table of a calibrated camera. Example: "
       "gst-launch-1.0 v4l2src ! video/x-raw,width=640,height=480 ! "
       "raygridundistort blob=camera.raygrid ! autovideosink",
       "raygrid");

@@ -54,7 +54,7 @@ std::optional<rg_capture_section> ReadCapture(const std::string& path,
   const rg_status status = rg_blob_open(blob, num_bytes, &whole);
   if (status != RG_OK)
     throw CameraError(CameraExit::kBlob, path + ": " + rg_status_text(status) +
-                                             "; pack or copy it again");
+                                             "; pack or copy the blob again");
   rg_capture_section section;
   rg_blob_capture(&whole, &section);
   return section;
@@ -110,9 +110,9 @@ std::string CaptureGuard::FaultOfLens(float lens_position) const {
     return "";
   const double recorded = recorded_->lens_position_q16 / kQ16;
   return Print(
-      "the lens is at %.6g dpt, where calibration had %.6g, within %.6g; focus "
-      "as then with --control AfMode=Manual --control LensPosition=%.6g, or "
-      "calibrate as it is now",
+      "lens position is %.6g dpt, calibrated at %.6g +- %.6g; restore it with "
+      "--control AfMode=Manual --control LensPosition=%.6g, or calibrate at "
+      "the current one",
       double{lens_position}, recorded, recorded_->lens_tolerance_q16 / kQ16,
       recorded);
 }
@@ -122,19 +122,19 @@ std::string CaptureGuard::FaultOfCrop(const SensorCrop& crop) const {
   const std::string zoom =
       crop.width == 0
           ? ""
-          : Print(", zoomed by %.4g", double{1} * recorded.width / crop.width);
-  return "frames show the part " + CropText(crop) +
-         " of the sensor, where calibration had " + CropText(recorded) + zoom +
-         "; choose the mode, --table or --control ScalerCrop that shows it, or "
-         "add a table of this one: raygrid pack --mode";
+          : Print(", zoom %.4g", double{1} * recorded.width / crop.width);
+  return "frames have crop " + CropText(crop) + ", calibrated with crop " +
+         CropText(recorded) + zoom +
+         "; select the matching mode, --table or --control ScalerCrop, or add "
+         "a table for this mode with raygrid pack --mode";
 }
 
 std::string CaptureGuard::FaultOfZoom(double zoom) const {
   const double recorded = recorded_->zoom_q16 / kQ16;
   if (std::abs(zoom / recorded - 1) <= kZoomTolerance) return "";
   return Print(
-      "zoom is %.6g, where calibration had %.6g; set it as then, such as with "
-      "--control zoom_absolute of V4L2, or calibrate as it is now",
+      "zoom is %.6g, calibrated at %.6g; restore it, for V4L2 with --control "
+      "zoom_absolute, or calibrate at the current zoom",
       zoom, recorded);
 }
 
@@ -144,11 +144,11 @@ std::string CaptureGuard::FaultOfOrientation(int orientation,
       Mirrored(recorded_->orientation, in_use && in_use->flip_x != 0,
                in_use && in_use->flip_y != 0);
   if (orientation == expected) return "";
-  return "frames are " + OrientationText(orientation) + ", where " +
+  return "frames are " + OrientationText(orientation) + ", but " +
          (expected == recorded_->orientation ? "calibration"
-                                             : "the table's mode") +
+                                             : "the table's sensor mode") +
          " had " + OrientationText(expected) +
-         "; turn flips of the camera as then, or add a table of this mode: "
+         "; restore the camera's flips, or add a table for this mode with "
          "raygrid pack --mode NAME:flip=h";
 }
 
@@ -190,7 +190,7 @@ void CaptureGuard::SayWhatIsNotTold() {
     not_told += (not_told.empty() ? "" : ", ") + std::string(text);
   };
   if (IsKnown(RG_KNOWS_LENS_POSITION) && !is_told_[kLens]) add("lens position");
-  if (IsKnown(RG_KNOWS_CROP) && !is_told_[kCrop]) add("part of the sensor");
+  if (IsKnown(RG_KNOWS_CROP) && !is_told_[kCrop]) add("crop");
   // A crop says more than a zoom.
   if (IsKnown(RG_KNOWS_ZOOM) && !is_told_[kZoom] &&
       !(IsKnown(RG_KNOWS_CROP) && is_told_[kCrop]))
@@ -198,10 +198,9 @@ void CaptureGuard::SayWhatIsNotTold() {
   if (IsKnown(RG_KNOWS_ORIENTATION) && !is_told_[kOrientation])
     add("orientation");
   if (!not_told.empty())
-    say_("cannot be told whether frames are as calibrated: " + what_ +
-         " does not tell " + not_told +
-         "; check that by hand, or leave it out of raygrid pack "
-         "--capture-settings");
+    say_("cannot verify the capture settings: " + what_ + " does not report " +
+         not_told +
+         "; check manually, or omit it from raygrid pack --capture-settings");
 }
 
 // A camera that warms up moves its lens, by how much is the camera's own.
@@ -216,8 +215,8 @@ void CaptureGuard::SayTemperature(const FrameInfo& info) {
   was_temperature_said_ = true;
   char text[120];
   std::snprintf(text, sizeof(text),
-                "the sensor has %.0f degrees Celsius, where calibration had "
-                "%.0f; calibrate at the temperature of use",
+                "sensor temperature is %.0f °C, calibrated at %.0f °C; "
+                "calibrate at the temperature of use",
                 now_c, then_c);
   say_(text);
 }
@@ -241,15 +240,16 @@ bool CaptureGuard::Check(const FrameInfo& info, const rg_mode* in_use,
   if (is_strict_) {
     if (was_as_calibrated_ || (num_frames_ > kSettlingFrames &&
                                arrived - first_arrived_ >= kSettlingTime))
-      throw CameraError(CameraExit::kBlob,
-                        "--strict: not as calibrated: " + *first);
+      throw CameraError(
+          CameraExit::kBlob,
+          "--strict: capture settings differ from calibration: " + *first);
     ++num_held_back_;
     return false;
   }
   for (int kind = 0; kind < kNumKinds; ++kind) {
     if (faults.of[kind].empty() || was_said_[kind]) continue;
     was_said_[kind] = true;
-    say_("not as calibrated: " + faults.of[kind]);
+    say_("capture settings differ from calibration: " + faults.of[kind]);
   }
   return true;
 }

@@ -100,7 +100,7 @@ class FrameSource {
   /// What the camera refuses stays open and ends nothing. Called again, it
   /// fixes what there is then.
   virtual StateLock LockState() {
-    return NothingLocked("this source of frames is no camera");
+    return NothingLocked("the source is not a camera");
   }
   /// Makes LockState() move the lens to the focus of a frame taken before,
   /// instead of leaving it where it is.

@@ -139,14 +139,14 @@ CameraError UsageError(const libcamera::ControlInfoMap& controls,
   const auto listed = ListControls(controls);
   const auto found = listed.find(control.first);
   if (found == listed.end())
-    return CameraError(CameraExit::kUsage, "--control: the camera has no " +
-                                               control.first +
-                                               "; --list shows what it has");
+    return CameraError(CameraExit::kUsage,
+                       "--control: the camera has no control " + control.first +
+                           "; see --list");
   const std::string range = RangeOf(found->second.second);
   return CameraError(
       CameraExit::kUsage,
-      "--control: " + control.first + " does not take " + control.second +
-          (range.empty() ? "; see --help" : "; it takes " + range));
+      "--control: " + control.first + " does not accept " + control.second +
+          (range.empty() ? "; see --help" : "; valid range: " + range));
 }
 
 }  // namespace

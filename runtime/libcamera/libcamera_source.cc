@@ -43,7 +43,7 @@ std::string DescribeFormats(const StreamConfiguration& stream) {
     text += "  " + format.toString();
     for (const libcamera::Size& size : stream.formats().sizes(format))
       text += " " + size.toString();
-    if (!FindPixelFormat(format.toString())) text += " (not undistorted)";
+    if (!FindPixelFormat(format.toString())) text += " (not supported)";
     text += "\n";
   }
   return text;
@@ -73,9 +73,9 @@ PixelFormat ChooseFormat(const StreamConfiguration& stream,
                      : format.toString() == name)
       return format;
   const std::string other = DescribeOtherName(name);
-  throw InputError("camera: has no format " +
+  throw InputError("camera: has no pixel format " +
                    (name.empty() ? "that can be undistorted" : name) + "; " +
-                   (other.empty() ? "--list shows what it has" : other));
+                   (other.empty() ? "see --list" : other));
 }
 
 bool IsRaw(const std::string& name) {
@@ -104,9 +104,9 @@ CameraList::CameraList() {
   manager_ = std::make_unique<libcamera::CameraManager>();
   const int status = manager_->start();
   if (status < 0)
-    throw InputError(std::string("libcamera: does not start: ") +
+    throw InputError(std::string("libcamera: failed to start: ") +
                      std::strerror(-status) +
-                     "; LIBCAMERA_LOG_LEVELS=*:DEBUG shows why");
+                     "; set LIBCAMERA_LOG_LEVELS=*:DEBUG for details");
 }
 
 std::string CameraList::Describe() const {
@@ -125,13 +125,13 @@ std::shared_ptr<Camera> CameraList::Find(const std::string& id) const {
   if (found.size() == 1) return found[0];
   if (manager_->cameras().empty())
     throw InputError(
-        "camera: libcamera sees none; connect one, and check that udevd runs, "
-        "or choose --source v4l2");
-  const std::string what = id.empty()      ? "there are several"
-                           : found.empty() ? "there is none named " + id
-                                           : "several are named " + id;
+        "camera: libcamera found none; connect one, check that udevd is "
+        "running, or use --source v4l2");
+  const std::string what = id.empty()      ? "several found"
+                           : found.empty() ? "none named " + id
+                                           : "several named " + id;
   throw InputError("camera: " + what +
-                   "; choose one of --list with --camera ID");
+                   "; select one with --camera ID (see --list)");
 }
 
 LibcameraSource::LibcameraSource(std::shared_ptr<Camera> camera,
@@ -139,10 +139,10 @@ LibcameraSource::LibcameraSource(std::shared_ptr<Camera> camera,
     : camera_(std::move(camera)) {
   const int status = camera_->acquire();
   if (status == -EBUSY)
-    throw InputError("camera: is in use by another process; end that first");
+    throw InputError("camera: in use by another process; stop it first");
   if (status < 0)
     throw InputError(std::string("camera: cannot be acquired: ") +
-                     std::strerror(-status) + "; connect it again");
+                     std::strerror(-status) + "; reconnect it");
   try {
     Configure(options);
     controls_ = MakeControlList(camera_->controls(), options.controls);
@@ -173,7 +173,7 @@ void LibcameraSource::Configure(const LibcameraOptions& options) {
       camera_.get(),
       IsRaw(options.format) ? StreamRole::Raw : StreamRole::Viewfinder);
   if (!configuration_ || configuration_->empty())
-    throw InputError("camera: has no stream of that kind; see --list");
+    throw InputError("camera: has no such stream; see --list");
   StreamConfiguration& stream = configuration_->at(0);
   stream.pixelFormat = ChooseFormat(stream, options.format);
   stream.size = libcamera::Size(options.width, options.height);
@@ -181,8 +181,8 @@ void LibcameraSource::Configure(const LibcameraOptions& options) {
   const bool is_valid =
       configuration_->validate() != CameraConfiguration::Invalid;
   if (!is_valid || camera_->configure(configuration_.get()) < 0)
-    throw InputError("camera: does not take " + stream.toString() +
-                     "; choose a size of --list");
+    throw InputError("camera: does not support " + stream.toString() +
+                     "; use a size from --list");
   orientation_ = OrientationOf(*configuration_);
   // ScalerCropMaximum would be that of the mode, which may be a crop itself.
   const auto areas =
@@ -191,8 +191,8 @@ void LibcameraSource::Configure(const LibcameraOptions& options) {
   const std::string name = stream.pixelFormat.toString();
   const PixelFormatInfo* const info = FindPixelFormat(name);
   if (!info || (!options.format.empty() && name != options.format))
-    throw InputError("camera: gives " + name +
-                     " in that size; choose another --format of --list");
+    throw InputError("camera: delivers " + name +
+                     " at that size; use another --format from --list");
   format_ = MakeStreamFormat(*info, stream.size.width, stream.size.height,
                              stream.stride);
   format_.is_full_range =
@@ -204,14 +204,14 @@ void LibcameraSource::Allocate() {
   libcamera::Stream* const stream = configuration_->at(0).stream();
   allocator_ = std::make_unique<libcamera::FrameBufferAllocator>(camera_);
   if (allocator_->allocate(stream) < 0)
-    throw InputError("camera: has no memory for frames; free some");
+    throw InputError("camera: cannot allocate frame buffers; free some memory");
   const auto& buffers = allocator_->buffers(stream);
   buffers_ = std::make_unique<MappedBuffers>(format_, buffers);
   for (const auto& buffer : buffers) {
     requests_.push_back(camera_->createRequest(requests_.size()));
     if (!requests_.back() ||
         requests_.back()->addBuffer(stream, buffer.get()) < 0)
-      throw InputError("camera: takes no requests; connect it again");
+      throw InputError("camera: does not accept requests; reconnect it");
   }
 }
 
@@ -221,7 +221,8 @@ void LibcameraSource::Start() {
   if (camera_->start(&controls_) < 0) {
     camera_->requestCompleted.disconnect(this);
     camera_->disconnected.disconnect(this);
-    throw InputError("camera: does not start; is it in use, or unplugged?");
+    throw InputError(
+        "camera: failed to start; check that it is connected and not in use");
   }
   is_running_ = true;
   // Pipelines that take no controls at the start, as that of USB cameras, take
@@ -242,7 +243,7 @@ void LibcameraSource::Release(const CapturedFrame& frame) {
 }
 
 std::string LibcameraSource::fault() const {
-  return is_disconnected_ ? "camera: was unplugged; connect it again" : "";
+  return is_disconnected_ ? "camera: disconnected; reconnect it" : "";
 }
 
 SourceCounts LibcameraSource::counts() const {
@@ -252,8 +253,8 @@ SourceCounts LibcameraSource::counts() const {
 StateLock LibcameraSource::LockState() {
   const std::lock_guard<std::mutex> lock(state_mutex_);
   if (is_disconnected_ || (last_info_ && !is_running_))
-    return NothingLocked("no more frames come");
-  if (!last_info_) return NothingLocked("no frame has come yet");
+    return NothingLocked("the stream has ended");
+  if (!last_info_) return NothingLocked("no frame received yet");
   FrameInfo info = *last_info_;
   if (focus_.lens_position) info.lens_position = focus_.lens_position;
   LibcameraLock state = MakeLibcameraLock(camera_->controls(), controls_, info);

@@ -90,7 +90,7 @@ class LockMaker {
       lock_.told.open.push_back(subject + ": libcamera has no control for it");
     else if (value.empty())
       lock_.told.locked.push_back(subject +
-                                  " at a value that the camera does not tell");
+                                  " at a value the camera does not report");
     else
       lock_.told.locked.push_back(value);
   }

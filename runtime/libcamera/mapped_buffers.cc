@@ -31,9 +31,9 @@ std::array<PlanePlace, 3> FindPlanes(const StreamFormat& format,
   for (size_t i = 0; i < num_planes; ++i) {
     const size_t index = planes.size() < num_planes ? 0 : i;
     if (planes.empty())
-      throw CameraError(CameraExit::kInput,
-                        "camera: gives buffers without planes; choose another "
-                        "format");
+      throw CameraError(
+          CameraExit::kInput,
+          "camera: delivers buffers without planes; use another --format");
     const FrameBuffer::Plane& plane = planes[index];
     const bool is_known = plane.offset != FrameBuffer::Plane::kInvalidOffset;
     places[i] = {plane.fd.get(), is_known ? plane.offset : 0, plane.length};
@@ -77,7 +77,7 @@ uint8_t* MappedBuffers::Map(int fd) {
                                        PROT_READ, MAP_SHARED, fd, 0);
   if (start == MAP_FAILED)
     throw CameraError(CameraExit::kInput,
-                      std::string("camera: its buffers cannot be mapped: ") +
+                      std::string("camera: cannot map its buffers: ") +
                           std::strerror(errno) + "; check the driver");
   mappings_.push_back({fd, static_cast<uint8_t*>(start), size_t(size)});
   return static_cast<uint8_t*>(start);
@@ -95,8 +95,8 @@ void MappedBuffers::MapBuffer(const StreamFormat& format,
     if (place.length < format.planes[i].extent() ||
         place.offset + format.planes[i].extent() > static_cast<uint64_t>(size))
       throw CameraError(CameraExit::kInput,
-                        "camera: gives buffers smaller than its frames; choose "
-                        "another format");
+                        "camera: delivers buffers smaller than its frames; use "
+                        "another --format");
     planes[i] = start + place.offset;
     if (std::find(fds.begin(), fds.end(), place.fd) == fds.end())
       fds.push_back(place.fd);

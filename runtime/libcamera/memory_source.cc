@@ -23,7 +23,7 @@ MemorySource::MemorySource(const StreamFormat& format,
   if (recording_.empty() || recording_.size() % format.packed_size() != 0)
     throw CameraError(CameraExit::kInput,
                       "recording: " + std::to_string(recording_.size()) +
-                          " bytes are not whole frames of " +
+                          " bytes are not a multiple of the frame size " +
                           std::to_string(format.packed_size()) +
                           "; check --size and --format");
   for (uint32_t i = 0; i < kNumBuffers; ++i) free_buffers_.Push(i);

@@ -120,7 +120,7 @@ std::string DescribeOtherName(const std::string& name) {
     for (const PixelFormatInfo& format : kFormats)
       for (const char* other : {format.v4l2, format.ffmpeg, format.gstreamer})
         if (other && simplify(other) == simplify(name) && name != format.name)
-          return std::string(format.name) + " is its name here";
+          return std::string(format.name) + " is the name used here";
   return "";
 }
 
@@ -129,12 +129,12 @@ const PixelFormatInfo& RequirePixelFormat(const std::string& name) {
   if (format) return *format;
   std::string remedy = DescribeOtherName(name);
   if (remedy.empty()) {
-    remedy = "choose one of";
+    remedy = "use one of";
     for (const PixelFormatInfo& known : kFormats)
       remedy += std::string(&known == kFormats ? " " : ", ") + known.name;
   }
   throw CameraError(CameraExit::kUsage,
-                    "--format: " + name + " is not undistorted; " + remedy);
+                    "--format: " + name + " is not supported; " + remedy);
 }
 
 std::vector<std::string> PixelFormatNames() {
@@ -159,7 +159,7 @@ StreamFormat MakeStreamFormat(const PixelFormatInfo& pixel_format,
                            std::to_string(height) + " " + pixel_format.name;
   const CameraError bad_size(
       CameraExit::kInput,
-      text + ": not a size of that format; choose another with --size");
+      text + ": invalid size for this format; use another --size");
   if (width == 0 || height == 0 || width > RG_MAX_IMAGE_SIZE ||
       height > RG_MAX_IMAGE_SIZE)
     throw bad_size;
@@ -178,9 +178,8 @@ StreamFormat MakeStreamFormat(const PixelFormatInfo& pixel_format,
     if (result.planes[i].stride < result.planes[i].row_bytes ||
         result.planes[i].stride > 16 * RG_MAX_IMAGE_SIZE)
       throw CameraError(CameraExit::kInput,
-                        text + ": the camera's stride of " +
-                            std::to_string(stride) +
-                            " bytes does not fit; choose another format");
+                        text + ": stride of " + std::to_string(stride) +
+                            " bytes is out of range; use another --format");
   return result;
 }
 

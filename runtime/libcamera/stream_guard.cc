@@ -74,13 +74,14 @@ std::string DescribeTableFault(const rg_camera& camera, uint32_t table) {
   const std::string name = "remap table " + std::to_string(table);
   const rg_status status = rg_select_remap(&other, table);
   if (status != RG_ERR_NO_REMAP)
-    return name + ": " + rg_status_text(status) + "; pack or copy it again";
+    return name + ": " + rg_status_text(status) +
+           "; pack or copy the blob again";
   uint32_t number = 0;
   while (rg_select_remap(&other, number) != RG_ERR_NO_REMAP) ++number;
-  if (number == 0) return "has no remap table; pack it with --remap";
+  if (number == 0) return "has no remap table; pack the blob with --remap";
   return "has no " + name + ", only 0" +
          (number > 1 ? " to " + std::to_string(number - 1) : "") +
-         "; choose one of these, or pack it with --remap";
+         "; use one of these, or add one with raygrid pack --remap";
 }
 
 bool HasTablesOfModes(const rg_camera& camera) {
@@ -125,23 +126,22 @@ bool StreamGuard::HasSizeOfTable() const {
 
 std::string StreamGuard::Explain() const {
   if (!HasSerial())
-    return "is for a camera of another serial number than " + serial_ +
-           "; take the blob of this camera";
+    return "belongs to a camera with a serial number other than " + serial_ +
+           "; use the blob of this camera";
   uint16_t width, height;
   rg_frame_size(&camera_, &width, &height);
-  std::string text = "serves frames of " + Size(width, height);
+  std::string text = "supports frames of " + Size(width, height);
   if (calibrated_ && last_)
-    text += ", where calibrated ones show the part " + Text(*calibrated_) +
-            " of the sensor, but these are " +
-            Size(format_.width, format_.height) + " and show " + Text(*last_);
+    text += " with crop " + Text(*calibrated_) + ", but these are " +
+            Size(format_.width, format_.height) + " with crop " + Text(*last_);
   else if (last_ && !(last_ == first_))
-    text += " that show the part " + Text(*first_) +
-            " of the sensor, but these show " + Text(*last_);
+    text +=
+        " with crop " + Text(*first_) + ", but these have crop " + Text(*last_);
   else
-    text += ", but the camera's are " + Size(format_.width, format_.height);
+    text += ", but the camera delivers " + Size(format_.width, format_.height);
   return text +
-         "; choose that mode (--list shows the camera's), or add a table of "
-         "this one: raygrid pack --mode NAME:crop=X,Y,W,H,size=" +
+         "; select that mode (see --list), or add a table for this one with "
+         "raygrid pack --mode NAME:crop=X,Y,W,H,size=" +
          Size(format_.width, format_.height);
 }
 

@@ -59,8 +59,8 @@ void Undistorter::HideUntrusted() {
   untrusted_.emplace(camera_, format_, frames_.front().target);
   if (untrusted_->are_all())
     throw CameraError(CameraExit::kBlob,
-                      "blob: its table shows nothing that can be trusted; "
-                      "leave --outside trusted out, or pack another view");
+                      "blob: its remap table has no pixel in the valid region; "
+                      "omit --outside trusted, or pack another view");
 }
 
 void Undistorter::Start(FrameObserver* observer) {

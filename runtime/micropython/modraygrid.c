@@ -38,11 +38,12 @@ static numbers get_numbers(mp_obj_t object, mp_uint_t flags, size_t group) {
   const bool is_float = MICROPY_PY_BUILTINS_FLOAT && buffer.typecode == 'f';
   if (!is_float && buffer.typecode != 'i')
     mp_raise_msg(&mp_type_TypeError,
-                 MP_ERROR_TEXT("numbers stand in array('f') or array('i')"));
+                 MP_ERROR_TEXT("expected array('f') or array('i')"));
   const numbers found = {buffer.buf, buffer.len / 4, is_float};
   if (found.count % group != 0)
-    mp_raise_msg(&mp_type_ValueError,
-                 MP_ERROR_TEXT("pixels have 2 numbers, rays and points 3"));
+    mp_raise_msg(
+        &mp_type_ValueError,
+        MP_ERROR_TEXT("expected 2 numbers per pixel, 3 per ray or point"));
   return found;
 }
 
@@ -50,7 +51,7 @@ static numbers get_output(mp_obj_t object, size_t num_items, size_t group) {
   const numbers found = get_numbers(object, MP_BUFFER_WRITE, group);
   if (found.count != num_items * group)
     mp_raise_msg(&mp_type_ValueError,
-                 MP_ERROR_TEXT("the output is for as many items"));
+                 MP_ERROR_TEXT("output has the wrong length"));
   return found;
 }
 
@@ -278,7 +279,7 @@ static uint8_t* get_frame(mp_obj_t object, mp_uint_t flags, rg_format format,
     wanted += plane_bytes(format, plane, width, height);
   if (buffer.len != wanted)
     mp_raise_msg_varg(&mp_type_ValueError,
-                      MP_ERROR_TEXT("%u bytes are wanted, not %u"),
+                      MP_ERROR_TEXT("expected %u bytes, not %u"),
                       (unsigned)wanted, (unsigned)buffer.len);
   return buffer.buf;
 }
@@ -286,7 +287,7 @@ static uint8_t* get_frame(mp_obj_t object, mp_uint_t flags, rg_format format,
 static mp_int_t get_below(mp_int_t value, mp_int_t limit) {
   if (value < 0 || value >= limit)
     mp_raise_msg_varg(&mp_type_ValueError,
-                      MP_ERROR_TEXT("%d is not from 0 to %d"), (int)value,
+                      MP_ERROR_TEXT("%d is out of range (0 to %d)"), (int)value,
                       (int)limit - 1);
   return value;
 }

@@ -183,8 +183,8 @@ def _find_library():
             return str(place)
     found = ctypes.util.find_library("raygrid")
     if not found:
-        raise ImportError("libraygrid.so is neither " + " nor ".join(map(str, places))
-                          + " nor known to the system; name it in RAYGRID_LIBRARY")
+        raise ImportError("libraygrid.so not found at " + " or ".join(map(str, places))
+                          + " nor by the dynamic linker; set RAYGRID_LIBRARY to its path")
     return found
 
 
@@ -502,7 +502,7 @@ class Camera:
 
 def _named(name, values):
     if name not in values:
-        raise ValueError(f"{name!r} is none of {', '.join(values)}")
+        raise ValueError(f"{name!r}: expected one of {', '.join(values)}")
     return values[name]
 
 
@@ -510,7 +510,7 @@ def _border_values(values, bits):
     """Those of all channels; 0 where none is given."""
     values = tuple(map(operator.index, values))
     if len(values) > 4 or not all(0 <= value < 2**bits for value in values):
-        raise ValueError(f"border values are up to 4 integers below {2**bits}, not {values}")
+        raise ValueError(f"border values must be up to 4 integers below {2**bits}, not {values}")
     return values + (0,) * (4 - len(values))
 
 
@@ -537,7 +537,7 @@ def _writable(out, size):
         return ctypes.create_string_buffer(size)
     view = memoryview(out)
     if view.readonly or not view.c_contiguous or view.nbytes != size:
-        raise ValueError(f"out has to be {size} bytes that can be written, without gaps")
+        raise ValueError(f"out must be a contiguous, writable buffer of {size} bytes")
     return (ctypes.c_char * size).from_buffer(view)
 
 

@@ -100,20 +100,20 @@ void V4l2Buffers::AllocateOfDriver(uint32_t number) {
   }
 #endif
   if (status != 0 || request.count < kLeastBuffers)
-    throw V4l2Error(*device_, "has no memory for frames",
+    throw V4l2Error(*device_, "cannot allocate frame buffers",
                     status != 0 ? status : ENOMEM,
-                    "free some, or choose a smaller --size");
+                    "free some memory, or use a smaller --size");
   buffers_.resize(request.count);
   for (uint32_t i = 0; i < request.count; ++i) MapOfDriver(i);
   if (!QueueAll())
-    throw V4l2Error(*device_, "takes no buffers; connect it again");
+    throw V4l2Error(*device_, "does not accept buffers; reconnect it");
 }
 
 void V4l2Buffers::MapOfDriver(uint32_t index) {
   Description description(stream_, kind_, index);
   const int status = AskAgain(device_, VIDIOC_QUERYBUF, &description.buffer);
   if (status != 0)
-    throw V4l2Error(*device_, "does not say where its frames are", status,
+    throw V4l2Error(*device_, "cannot query its buffers", status,
                     "check the driver");
   for (uint32_t i = 0; i < stream_.num_memories; ++i) {
     const bool are_apart = stream_.has_planes_apart();
@@ -121,15 +121,14 @@ void V4l2Buffers::MapOfDriver(uint32_t index) {
     Memory& memory = buffers_[index].memories[i];
     memory.size = are_apart ? plane.length : description.buffer.length;
     if (memory.size < stream_.memory_sizes[i])
-      throw V4l2Error(*device_,
-                      "gives buffers smaller than its frames; choose "
-                      "another --format");
+      throw V4l2Error(
+          *device_,
+          "delivers buffers smaller than its frames; use another --format");
     memory.start =
         device_->Map(memory.size, are_apart ? plane.m.mem_offset
                                             : description.buffer.m.offset);
     if (!memory.start)
-      throw V4l2Error(*device_,
-                      "its buffers cannot be mapped; check the driver");
+      throw V4l2Error(*device_, "cannot map its buffers; check the driver");
   }
   FindPlanes(&buffers_[index]);
 }

@@ -76,7 +76,7 @@ std::vector<MenuItem> ListItems(V4l2Device* device,
 
 // "-64 to 64", "1 Manual Mode, 3 Aperture Priority Mode"
 std::string Range(V4l2Device* device, const v4l2_query_ext_ctrl& control) {
-  if (control.type == V4L2_CTRL_TYPE_BUTTON) return "1, which pushes it";
+  if (control.type == V4L2_CTRL_TYPE_BUTTON) return "1 to trigger it";
   std::string text;
   if (IsMenu(control)) {
     for (const MenuItem& item : ListItems(device, control))
@@ -140,8 +140,7 @@ int Set(V4l2Device* device, const v4l2_query_ext_ctrl& control,
 v4l2_query_ext_ctrl FindControl(V4l2Device* device, const std::string& name) {
   for (const v4l2_query_ext_ctrl& control : ListControls(device))
     if (NameOf(control) == name) return control;
-  throw V4l2Error(*device, "has no control " + name +
-                               " that can be set; --list shows what it has");
+  throw V4l2Error(*device, "has no settable control " + name + "; see --list");
 }
 
 void SetControl(V4l2Device* device, const std::string& name,
@@ -149,21 +148,21 @@ void SetControl(V4l2Device* device, const std::string& name,
   const v4l2_query_ext_ctrl control = FindControl(device, name);
   if (control.flags & V4L2_CTRL_FLAG_INACTIVE)
     throw V4l2Error(*device, "control " + name +
-                                 " has no effect now; set first the one that "
-                                 "governs it, such as auto_exposure");
+                                 " is inactive; first set the control it "
+                                 "depends on, such as auto_exposure");
   const std::optional<long long> wanted = FindValue(device, control, text);
   if (!wanted)
-    throw V4l2Error(*device, "control " + name + " is not set to " + text +
-                                 "; it takes " + Range(device, control));
+    throw V4l2Error(*device, "control " + name + " cannot be set to " + text +
+                                 "; valid range: " + Range(device, control));
   long long value = *wanted;
   const int status = Set(device, control, &value);
   if (status != 0)
-    throw V4l2Error(*device, "control " + name + " is not set to " + text,
-                    status, "set it before another control, or leave it out");
+    throw V4l2Error(*device, "control " + name + " cannot be set to " + text,
+                    status, "set it before other controls, or omit it");
   if (control.type != V4L2_CTRL_TYPE_BUTTON && value != *wanted)
-    throw V4l2Error(*device, "control " + name + " became " +
+    throw V4l2Error(*device, "control " + name + " was set to " +
                                  std::to_string(value) + " instead of " + text +
-                                 "; choose a value that the camera has");
+                                 "; use a value the camera supports");
 }
 
 }  // namespace

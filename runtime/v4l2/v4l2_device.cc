@@ -102,8 +102,8 @@ class KernelDevice : public V4l2Device {
 std::string Remedy(int error) {
   if (error == EACCES || error == EPERM)
     return "; add the user to the group video";
-  if (error == EBUSY) return "; end the process that uses it";
-  return "; --list shows what there is";
+  if (error == EBUSY) return "; stop the process that uses it";
+  return "; see --list";
 }
 
 }  // namespace
@@ -121,7 +121,7 @@ std::unique_ptr<V4l2Device> OpenV4l2Device(const std::string& path) {
   if (fstat(fd, &status) != 0 || !S_ISCHR(status.st_mode) ||
       AskAgain(device.get(), VIDIOC_QUERYCAP, &capability) != 0)
     throw CameraError(CameraExit::kInput,
-                      path + ": is no video device; --list shows those");
+                      path + ": not a video device; see --list");
   return device;
 }
 

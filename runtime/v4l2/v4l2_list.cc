@@ -44,7 +44,7 @@ std::string DescribeFormats(V4l2Device* device, uint32_t buffer_type) {
             DescribeSizes(device, listed.pixelformat);
     if (!FindV4l2Format(listed.pixelformat) &&
         !IsJpegFormat(listed.pixelformat))
-      text += " (not undistorted)";
+      text += " (not supported)";
     text += "\n";
   }
   return text;

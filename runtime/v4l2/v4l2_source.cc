@@ -27,10 +27,10 @@ constexpr std::chrono::seconds kTellingTime(1);
 
 std::string StartRemedy(int error) {
   if (error == ENOSPC)
-    return "unplug other cameras from that USB, or choose a smaller --size";
+    return "unplug other cameras from that USB bus, or use a smaller --size";
   if (error == EPIPE || error == ENOLINK)
-    return "set up its media pipeline for this size with media-ctl";
-  return "connect it again";
+    return "configure its media pipeline for this size with media-ctl";
+  return "reconnect it";
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ void V4l2Source::Start() {
   int type = static_cast<int>(stream_.buffer_type);
   const int status = AskAgain(device_.get(), VIDIOC_STREAMON, &type);
   if (status != 0)
-    throw V4l2Error(*device_, "does not start", status, StartRemedy(status));
+    throw V4l2Error(*device_, "failed to start", status, StartRemedy(status));
   is_streaming_ = true;
   thread_ = std::thread(&V4l2Source::Run, this);
 }
@@ -83,7 +83,8 @@ void V4l2Source::Release(const CapturedFrame& frame) {
 
 std::string V4l2Source::memory() const {
   return stream_.is_jpeg
-             ? buffers_->memory() + "; pixels of JPEGs: this program's"
+             ? buffers_->memory() +
+                   "; decoded JPEG pixels: in memory of this program"
              : buffers_->memory();
 }
 
@@ -98,8 +99,8 @@ SourceCounts V4l2Source::counts() const {
 
 StateLock V4l2Source::LockState() {
   if (is_stopped_ || !fault().empty())
-    return NothingLocked("no more frames come");
-  if (arrived_ == 0) return NothingLocked("no frame has come yet");
+    return NothingLocked("the stream has ended");
+  if (arrived_ == 0) return NothingLocked("no frame received yet");
   const StateLock lock = state_.Lock();
   has_changed_ = true;
   return lock;
@@ -153,9 +154,10 @@ bool V4l2Source::TakeFrame(short events) {
 void V4l2Source::Fail(int error) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!fault_.empty()) return;
-  fault_ = error == ENODEV ? "camera: was unplugged; connect it again"
-                           : std::string("camera: gives no more frames (") +
-                                 std::strerror(error) + "); connect it again";
+  fault_ = error == ENODEV
+               ? "camera: disconnected; reconnect it"
+               : std::string("camera: stopped delivering frames (") +
+                     std::strerror(error) + "); reconnect it";
 }
 
 void V4l2Source::CountMissed(uint32_t sequence) {

@@ -89,7 +89,8 @@ bool V4l2StateLock::Fix(const Subject& subject, StateLock* lock) {
       control ? ReadInEffect(device_, control->id) : std::nullopt;
   const int error = has_mode ? EndMode(subject) : 0;
   if (error != 0) {
-    lock->open.push_back(subject.name + ": the camera does not end its mode (" +
+    lock->open.push_back(subject.name +
+                         ": cannot disable the automatic mode (" +
                          std::strerror(error) + ")");
     return false;
   }
@@ -102,9 +103,9 @@ bool V4l2StateLock::Fix(const Subject& subject, StateLock* lock) {
     if (wanted != before && before) ended_.push_back({control->id, *before});
     value = GetV4l2Control(device_, control->id);
   }
-  lock->locked.push_back(
-      value ? DescribeFixed(subject.name, *control, *value)
-            : subject.name + " at a value that the camera does not tell");
+  lock->locked.push_back(value ? DescribeFixed(subject.name, *control, *value)
+                               : subject.name +
+                                     " at a value the camera does not report");
   return true;
 }
 
@@ -134,7 +135,7 @@ StateLock V4l2StateLock::Lock() {
   // USB cameras have one mode for both.
   if (!is_exposure_fixed && QueryV4l2Control(device_, V4L2_CID_EXPOSURE_AUTO) &&
       !QueryV4l2Control(device_, V4L2_CID_AUTOGAIN))
-    lock.open.push_back("gain: it goes with the exposure");
+    lock.open.push_back("gain: controlled by auto exposure");
   else
     Fix(kGain, &lock);
   Fix(kWhiteBalance, &lock);

@@ -109,7 +109,7 @@ std::optional<Choice> FindFormat(V4l2Device* device, uint32_t buffer_type,
 // The remedy for a name that no format of the device has.
 std::string RemedyOf(const std::string& name) {
   const std::string other = DescribeOtherName(name);
-  return other.empty() ? "--list shows what it has" : other;
+  return other.empty() ? "see --list" : other;
 }
 
 // The best format of pixels; that of JPEGs, only where it alone has the size.
@@ -122,7 +122,7 @@ v4l2_format ChooseFormat(V4l2Device* device, uint32_t buffer_type,
   if (takes_jpegs) jpegs = FindCandidates(codes, name, true);
   if (pixels.empty() && jpegs.empty())
     throw V4l2Error(
-        *device, "has no format " +
+        *device, "has no pixel format " +
                      (name.empty() ? "that can be undistorted" : name) + "; " +
                      RemedyOf(name));
   const auto choice = FindFormat(device, buffer_type, pixels, width, height);
@@ -131,7 +131,7 @@ v4l2_format ChooseFormat(V4l2Device* device, uint32_t buffer_type,
   if (other && (other->has_size || !choice)) return other->format;
   if (choice) return choice->format;
   throw V4l2Error(*device,
-                  "takes none of its formats; choose a --format of --list");
+                  "rejects all of its formats; use a --format from --list");
 }
 
 bool HasWholeFrames(uint32_t field) {
@@ -172,7 +172,7 @@ void TakeLayout(const v4l2_format& format, V4l2Stream* stream) {
 // Planes lie in memories of their own, or all in one, one behind the other.
 void PlacePlanes(const V4l2Device& device, V4l2Stream* stream) {
   const CameraError too_small = V4l2Error(
-      device, "gives buffers smaller than its frames; choose another --format");
+      device, "delivers buffers smaller than its frames; use another --format");
   const bool are_apart =
       stream->num_memories == uint32_t(stream->format.num_planes);
   if (!are_apart && stream->num_memories != 1) throw too_small;
@@ -198,9 +198,8 @@ CameraError V4l2Error(const V4l2Device& device, const std::string& what) {
 CameraError V4l2Error(const V4l2Device& device, const std::string& words,
                       int error, const std::string& remedy) {
   if (error == EBUSY)
-    return V4l2Error(device, "is in use by another process; end that first");
-  if (error == ENODEV)
-    return V4l2Error(device, "was unplugged; connect it again");
+    return V4l2Error(device, "in use by another process; stop it first");
+  if (error == ENODEV) return V4l2Error(device, "disconnected; reconnect it");
   return V4l2Error(device,
                    words + " (" + std::strerror(error) + "); " + remedy);
 }
@@ -209,8 +208,7 @@ uint32_t FindBufferType(V4l2Device* device) {
   v4l2_capability capability = {};
   const int status = AskAgain(device, VIDIOC_QUERYCAP, &capability);
   if (status != 0)
-    throw V4l2Error(*device, "does not answer", status,
-                    "--list shows video devices");
+    throw V4l2Error(*device, "does not respond", status, "see --list");
   const uint32_t can = capability.capabilities & V4L2_CAP_DEVICE_CAPS
                            ? capability.device_caps
                            : capability.capabilities;
@@ -219,7 +217,8 @@ uint32_t FindBufferType(V4l2Device* device) {
     if (can & V4L2_CAP_VIDEO_CAPTURE_MPLANE)
       return V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
   }
-  throw V4l2Error(*device, "gives no frames; choose another of --list");
+  throw V4l2Error(*device,
+                  "does not deliver frames; use another device from --list");
 }
 
 V4l2Stream ChooseStream(V4l2Device* device, const std::string& name,
@@ -231,16 +230,16 @@ V4l2Stream ChooseStream(V4l2Device* device, const std::string& name,
   const uint32_t code = PictureOf(format).code;
   const int status = AskAgain(device, VIDIOC_S_FMT, &format);
   if (status != 0)
-    throw V4l2Error(*device, "does not take the format", status,
-                    "choose a --format and a --size of --list");
+    throw V4l2Error(*device, "rejects the format", status,
+                    "use a --format and --size from --list");
   if (PictureOf(format).code != code)
-    throw V4l2Error(*device, "gives " + V4l2FormatName(PictureOf(format).code) +
-                                 " in that size; choose another --format of "
-                                 "--list");
-  if (!HasWholeFrames(PictureOf(format).field))
     throw V4l2Error(*device,
-                    "gives fields, each of half of the rows; choose a "
-                    "--size of whole frames");
+                    "delivers " + V4l2FormatName(PictureOf(format).code) +
+                        " at that size; use another --format from --list");
+  if (!HasWholeFrames(PictureOf(format).field))
+    throw V4l2Error(
+        *device,
+        "delivers interlaced fields; use a --size with progressive frames");
   TakeLayout(format, &stream);
   if (!stream.is_jpeg) PlacePlanes(*device, &stream);
   return stream;

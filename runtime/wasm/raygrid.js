@@ -89,19 +89,19 @@ const frameSize = (planes, width, height) =>
 
 const named = (name, values) => {
   if (!Object.hasOwn(values, name))
-    throw new TypeError(`'${name}' is none of ${Object.keys(values).join(', ')}`);
+    throw new TypeError(`'${name}': expected one of ${Object.keys(values).join(', ')}`);
   return values[name];
 };
 
 const requireSize = (name, value) => {
   if (!Number.isInteger(value) || value < 0 || value > 65535)
-    throw new RangeError(`${name} is a whole number up to 65535, not ${value}`);
+    throw new RangeError(`${name} must be an integer up to 65535, not ${value}`);
 };
 
 const bytesOf = (data, name) => {
   if (ArrayBuffer.isView(data)) return new Uint8Array(data.buffer, data.byteOffset, data.byteLength);
   if (data instanceof ArrayBuffer) return new Uint8Array(data);
-  throw new TypeError(`${name} is a Uint8Array or another array of bytes`);
+  throw new TypeError(`${name} must be a Uint8Array or another array of bytes`);
 };
 
 // A view with square pixels around the middle of the image; hfov is in radians.
@@ -112,7 +112,7 @@ export function makeView({projection = 'pinhole', width, height, hfov}) {
   const focal = width / 2 / named(projection, reach);
   const limit = projection === 'pinhole' ? Math.PI : 2 * Math.PI;
   if (!(hfov > 0 && hfov < limit) || !(focal > 0))
-    throw new RangeError(`hfov of a ${projection} view is above 0 and below ${limit} radians`);
+    throw new RangeError(`hfov of a ${projection} view must be above 0 and below ${limit} radians`);
   return {projection, width, height, fx: focal, fy: focal, cx: (width - 1) / 2,
     cy: (height - 1) / 2, rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]};
 }
@@ -146,7 +146,7 @@ class Memory {
       try {
         memory.grow(Math.ceil(missing / PAGE));
       } catch {
-        throw new RangeError(`${end} bytes are more than the memory of a WebAssembly module`);
+        throw new RangeError(`${end} bytes exceed the memory of a WebAssembly module`);
       }
     }
     return places;
@@ -317,7 +317,7 @@ export class Camera {
   // outside the stack's range, and the camera is that of the nearest end.
   setCondition(value) {
     if (typeof value !== 'number' || Number.isNaN(value))
-      throw new TypeError(`a condition is a number, not ${value}`);
+      throw new TypeError(`the operating point must be a number, not ${value}`);
     const q16 = Math.round(Math.max(-32767, Math.min(value, 32767)) * Q16);
     const status = this.#memory.calls.set_condition(q16);
     if (status !== EXTRAPOLATED) this.#memory.check(status);
@@ -397,7 +397,7 @@ export class Camera {
     const borderNumber = named(border, BORDERS), samplingNumber = named(sampling, SAMPLINGS);
     if (borderValues.length > 4 ||
         !borderValues.every((v) => Number.isInteger(v) && v >= 0 && v < 2 ** bits))
-      throw new RangeError(`border values are up to 4 whole numbers below ${2 ** bits}`);
+      throw new RangeError(`border values must be up to 4 integers below ${2 ** bits}`);
     const size = this.size, source = bytesOf(frame, 'a frame');
     const needed = frameSize(planes, ...this.frameSize), made = frameSize(planes, ...size);
     if (source.length !== needed)

@@ -180,7 +180,7 @@ const sectionBytes = (view, projection, source, rectangle, vertices, empty) => {
 const withSection = (bytes, section, crc32) => {
   const old = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const count = old.getUint16(16, true), total = old.getUint32(12, true);
-  if (count >= MAX_SECTIONS) throw new RangeError(`the blob has ${count} sections; no other fits`);
+  if (count >= MAX_SECTIONS) throw new RangeError(`the blob has ${count} sections, the maximum`);
   const tableEnd = HEADER + ENTRY * count;
   const made = new Uint8Array(total + ENTRY + section.length);
   const out = new DataView(made.buffer);
@@ -211,16 +211,16 @@ const findSection = (blob, type) => {
 };
 
 const requireView = (view, projection) => {
-  if (projection < 0) throw new TypeError(`a view's projection is none of the five: '${view.projection}'`);
+  if (projection < 0) throw new TypeError(`unknown projection of a view: '${view.projection}'`);
   for (const name of ['width', 'height'])
     if (!Number.isInteger(view[name]) || view[name] < 1 || view[name] > MAX_SIZE)
-      throw new RangeError(`a view's ${name} is 1 to ${MAX_SIZE}, not ${view[name]}`);
+      throw new RangeError(`a view's ${name} must be 1 to ${MAX_SIZE}, not ${view[name]}`);
   for (const name of ['fx', 'fy'])
     if (!(view[name] >= 1 / Q16 && view[name] < 65536))
-      throw new RangeError(`a view's ${name} is above 0 and below 65536, not ${view[name]}`);
+      throw new RangeError(`a view's ${name} must be above 0 and below 65536, not ${view[name]}`);
   for (const name of ['cx', 'cy'])
     if (!(Math.abs(view[name]) < 32768))
-      throw new RangeError(`a view's ${name} is within 32767 px, not ${view[name]}`);
+      throw new RangeError(`a view's ${name} must be within 32767 px, not ${view[name]}`);
   requireRotation(view.rotation);
 };
 
@@ -230,7 +230,7 @@ const requireRotation = (m) => {
     m[r][0] * m[c][0] + m[r][1] * m[c][1] + m[r][2] * m[c][2] - (r === c ? 1 : 0)));
   const third = m[0][0] * m[1][1] - m[0][1] * m[1][0];
   if (!products.every((v) => Math.abs(v) < 1e-7) || !(Math.abs(third - m[2][2]) < 1e-7))
-    throw new RangeError("a view's rotation is a matrix of 3 x 3 numbers that turns, and no more");
+    throw new RangeError("a view's rotation must be a 3 x 3 rotation matrix");
 };
 
 // The blob with a table for a view; project() gives pixels of directions.
@@ -238,12 +238,12 @@ export function addTable(bytes, view, projection, {project, crc32}) {
   requireView(view, projection);
   const blob = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   if (findSection(blob, STACK) !== undefined)
-    throw new RangeError('a table is for one camera, not for a stack of them; ' +
-      'take a blob of one condition (raygrid pack --at)');
+    throw new RangeError('tables cannot be added to a blob with a range of operating points; ' +
+      'pack one operating point with raygrid pack --at');
   const cameraAt = findSection(blob, CAMERA);
   const source = [blob.getUint16(cameraAt, true), blob.getUint16(cameraAt + 2, true)];
   if (source.some((size) => size < 2 || size > MAX_SIZE))
-    throw new RangeError(`tables are for frames of 2 to ${MAX_SIZE} px a side, not ${source.join(' x ')}`);
+    throw new RangeError(`frames must have 2 to ${MAX_SIZE} px per side, not ${source.join(' x ')}`);
   const seen = findVertices(view, projection, project);
   const vertices = seen.withEdge();
   const empty = findEmptyBlocks(seen, vertices);

@@ -98,7 +98,7 @@ class CameraInMachine(MachineCase):
                           "locked: gain at 64 (0 to 255)", "locked: white balance 4600 K",
                           f"after: exposure_us={100 * exposure} focus_steps={focus}"])
         told = self.read("lock_libcamera.out")
-        self.assertIn("locked: exposure at a value that the camera does not tell\n", told)
+        self.assertIn("locked: exposure at a value the camera does not report\n", told)
         self.assertIn("open: focus: libcamera has no control for it\n", told)
         self.assertEqual([line.split(",")[0] for line in
                           self.players[1].output.splitlines()[1:]],
@@ -125,16 +125,16 @@ class CameraInMachine(MachineCase):
 
     def test_frames_are_compared_with_calibration(self):
         self.assert_ends("told", 0)
-        self.assertIn("; as pack --capture-settings has it: orientation=1\n", self.read("told.out"))
+        self.assertIn("; capture settings: orientation=1\n", self.read("told.out"))
         error = self.read("turned.err")
         self.assertEqual(self.status("turned"), 0, error)
-        for said in ("frames are upright (1), where calibration had rotated by 180 degrees (3); ",
-                     "the camera does not tell lens position, part of the sensor; "):
+        for said in ("frames are upright (1), but calibration had rotated by 180 degrees (3); ",
+                     "the camera does not report lens position, crop; "):
             self.assertEqual(error.count(said), 1, error)
         self.assertIn("12 taken", error)
-        self.assertRegex(error, r", not as calibrated: 1[2-9] frames")
+        self.assertRegex(error, r", capture settings differ: 1[2-9] frames")
         self.assertEqual(self.status("strict"), 8)
-        self.assertIn("raygrid-camera: --strict: not as calibrated: frames are upright",
+        self.assertIn("raygrid-camera: --strict: capture settings differ from calibration: frames are upright",
                       self.read("strict.err"))
 
     def test_points(self):
@@ -146,7 +146,7 @@ class CameraInMachine(MachineCase):
         self.assertLess(abs(u - 319.5) + abs(v - 239.5), 20)
 
     def test_a_full_disk(self):
-        self.assert_ends("full", 7, "No space left", "make room")
+        self.assert_ends("full", 7, "No space left", "free disk space")
         sizes = {int(line.split()[4]) for line in self.read("full.files").splitlines()[1:]}
         self.assertNotIn(".part", self.read("full.files"))
         self.assertTrue(sizes)
@@ -173,7 +173,7 @@ class CameraInMachine(MachineCase):
         self.assertGreater(len(set(pictures)), 1)
 
     def test_a_camera_that_is_unplugged(self):
-        self.check_unplugged("unplugged")
+        self.check_unplugged("disconnected")
         self.assertLessEqual(int(self.read("unplugged.seconds")), 2)
 
 

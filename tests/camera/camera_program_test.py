@@ -209,7 +209,7 @@ class CameraProgram(unittest.TestCase):
         self.assert_fails(1, "flat.raygrid", *recording, words=["flat.raygrid", "--outside",
                                                                 "camera.yaml"])
         self.assert_fails(8, "modes.raygrid", "--table", 2, "--size", "40x30", *recording,
-                          words=["nothing that can be trusted", "--outside"])
+                          words=["no pixel in the valid region", "--outside"])
 
     def test_a_pipe_holds_the_same_planes(self):
         process = self.start("--frames", 20, "--every-frame", "--fps", 1000, "-o", "-")
@@ -320,10 +320,10 @@ class CameraProgram(unittest.TestCase):
 
     def test_standard_input_that_cannot_be_used(self):
         for data, code, word, arguments in (
-                (b"", 2, b"gives nothing", ("--format", "YUYV")),
+                (b"", 2, b"is empty", ("--format", "YUYV")),
                 (b"nonsense", 2, b"--format", ()),
                 (b"nonsense", 1, b"NV13", ("--format", "NV13")),
-                (b"nonsense", 1, b"GREY is not undistorted; R8", ("--format", "GREY")),
+                (b"nonsense", 1, b"GREY is not supported; R8", ("--format", "GREY")),
                 (b"nonsense", 2, b"ended within a frame", ("--format", "YUYV"))):
             result = self.run_with_input(data, *arguments, "--quiet")
             self.assertEqual(result.returncode, code, result.stderr)
@@ -398,7 +398,7 @@ class CameraProgram(unittest.TestCase):
         process.wait(timeout=MAX_SECONDS)
         error = process.stderr.read().decode()
         self.assertEqual(process.returncode, 7, error)
-        self.assertIn("make room", error)
+        self.assertIn("free disk space", error)
         self.assertEqual(os.listdir(self.path("full")), [])
 
     def test_a_reader_that_goes_away_ends_it(self):
@@ -411,7 +411,7 @@ class CameraProgram(unittest.TestCase):
         process = self.start("-o", "-", "--fps", 200)
         time.sleep(1)
         error = self.assert_ends(process, 7, signal.SIGTERM)
-        self.assertIn("takes nothing", error)
+        self.assertIn("does not read", error)
 
     # ---- Bad input ----
 
@@ -480,10 +480,9 @@ class CameraProgram(unittest.TestCase):
                                       "--frames", 30, "--every-frame", "--fps", 1000, *arguments)
             error = result.stderr.decode()
             self.assertEqual(result.returncode, 0, error)
-            self.assertEqual(error.count("raygrid-camera: cannot be told whether frames are as "
-                                         "calibrated: frames.yuyv does not tell lens position, "
-                                         "part of the sensor, orientation; "), 1, error)
-            self.assertEqual("not as calibrated: 0 frames" in error, "--quiet" not in arguments)
+            self.assertEqual(error.count("raygrid-camera: cannot verify the capture settings: "
+                                         "frames.yuyv does not report lens position, crop, orientation; "), 1, error)
+            self.assertEqual("capture settings differ: 0 frames" in error, "--quiet" not in arguments)
         self.assert_fails(8, "flat.raygrid", "--strict", "--from", "frames.yuyv", "--format",
                           "YUYV", words=["--strict", "--capture-settings"])
 
@@ -508,8 +507,8 @@ class CameraProgram(unittest.TestCase):
         self.assert_fails(2, "flat.raygrid", "--from", "missing", "--format", "YUYV")
 
     def test_devices_that_cannot_be_used(self):
-        for path, word in (("/dev/null", "no video device"), ("/dev/missing", "--list"),
-                           (self.path("flat.raygrid"), "no video device"),
+        for path, word in (("/dev/null", "not a video device"), ("/dev/missing", "--list"),
+                           (self.path("flat.raygrid"), "not a video device"),
                            (self.folder, "Is a directory")):
             self.assert_fails(2, "flat.raygrid", "--source", "v4l2:" + path, words=[path, word])
 

@@ -186,7 +186,7 @@ class CameraService(unittest.TestCase):
         self.assert_fails(1, "--check", "good.raygrid", *recording, "--points", "x")
         self.write("header.y4m", b"YUV4MPEG2 W128 H96\n")  # and no frame
         with open(os.path.join(self.folder, "header.y4m"), "rb") as file:
-            self.assert_fails(2, "before a frame came", "good.raygrid", "--from", "-", stdin=file)
+            self.assert_fails(2, "before a frame was received", "good.raygrid", "--from", "-", stdin=file)
 
     # ---- The unit ----
 

@@ -57,7 +57,9 @@ TEST(CaptureGuard, LensPositionsAreComparedWithinTheTolerance) {
   }
   EXPECT_EQ(heard.guard.num_not_as_calibrated(), 8u);
   ASSERT_EQ(heard.lines.size(), 1u);
-  EXPECT_TRUE(Has(heard.lines[0], "not as calibrated: the lens is at 2.125"));
+  EXPECT_TRUE(
+      Has(heard.lines[0],
+          "capture settings differ from calibration: lens position is 2.125"));
   EXPECT_TRUE(Has(heard.lines[0], "calibration had 2, within 0.125; "));
   EXPECT_TRUE(Has(heard.lines[0], "LensPosition=2,"));
 }
@@ -86,9 +88,9 @@ TEST(CaptureGuard, EachFaultIsSaidOnceAndAllFramesAreCounted) {
   EXPECT_EQ(heard.guard.num_not_as_calibrated(), 100u);
   EXPECT_EQ(heard.guard.num_held_back(), 0u);
   ASSERT_EQ(heard.lines.size(), 3u);
-  EXPECT_TRUE(Has(heard.lines[0], "lens is at 3 dpt"));
+  EXPECT_TRUE(Has(heard.lines[0], "lens position is 3 dpt"));
   EXPECT_TRUE(Has(heard.lines[1], "160,120,320x240"));
-  EXPECT_TRUE(Has(heard.lines[1], "0,0,640x480, zoomed by 2; "));
+  EXPECT_TRUE(Has(heard.lines[1], "0,0,640x480, zoom 2; "));
   EXPECT_TRUE(Has(heard.lines[2], "rotated by 180 degrees (3)"));
   EXPECT_TRUE(Has(heard.lines[2], "upright (1); "));
 }
@@ -109,7 +111,7 @@ TEST(CaptureGuard, ZoomIsComparedWhereNoCropIsTold) {
   info.crop = kShown;
   EXPECT_TRUE(heard.IsGood(info));
   ASSERT_EQ(heard.lines.size(), 1u);
-  EXPECT_TRUE(Has(heard.lines[0], "zoom is 1.0006, where calibration had 1;"))
+  EXPECT_TRUE(Has(heard.lines[0], "zoom is 1.0006, calibrated at 1;"))
       << heard.lines[0];
 }
 
@@ -142,9 +144,9 @@ TEST(CaptureGuard, WhatIsNotToldIsSaidOnceAndCountsForNothing) {
   heard.guard.Finish();
   EXPECT_EQ(heard.guard.num_not_as_calibrated(), 0u);
   ASSERT_EQ(heard.lines.size(), 1u);
-  EXPECT_TRUE(Has(heard.lines[0],
-                  "the camera does not tell lens position, part of the sensor, "
-                  "zoom, orientation; "));
+  EXPECT_TRUE(Has(
+      heard.lines[0],
+      "the camera does not report lens position, crop, zoom, orientation; "));
   // Few frames: at the end.
   Heard few(Recorded(RG_KNOWS_LENS_POSITION));
   few.guard.Finish();
@@ -152,7 +154,7 @@ TEST(CaptureGuard, WhatIsNotToldIsSaidOnceAndCountsForNothing) {
   few.Check({});
   few.guard.Finish();
   ASSERT_EQ(few.lines.size(), 1u);
-  EXPECT_TRUE(Has(few.lines[0], "does not tell lens position; "));
+  EXPECT_TRUE(Has(few.lines[0], "does not report lens position; "));
   // A crop is enough.
   Heard crop(Recorded(RG_KNOWS_CROP | RG_KNOWS_ZOOM));
   FrameInfo info = {};
@@ -175,9 +177,8 @@ TEST(CaptureGuard, AnotherTemperatureIsSaidOnceAndCountsForNothing) {
   heard.guard.Finish();
   EXPECT_EQ(heard.guard.num_not_as_calibrated(), 0u);
   ASSERT_EQ(heard.lines.size(), 1u);
-  EXPECT_TRUE(Has(heard.lines[0],
-                  "sensor has 56 degrees Celsius, where "
-                  "calibration had 35;"))
+  EXPECT_TRUE(
+      Has(heard.lines[0], "sensor temperature is 56 °C, calibrated at 35 °C;"))
       << heard.lines[0];
 }
 
@@ -191,7 +192,9 @@ TEST(CaptureGuard, StrictStopsAtTheFirstFrameThatLeavesWhatWasCalibrated) {
     FAIL();
   } catch (const CameraError& error) {
     EXPECT_EQ(error.code(), CameraExit::kBlob);
-    EXPECT_TRUE(Has(error.what(), "--strict: not as calibrated: the lens"));
+    EXPECT_TRUE(Has(
+        error.what(),
+        "--strict: capture settings differ from calibration: lens position"));
   }
   EXPECT_EQ(heard.guard.num_not_as_calibrated(), 1u);
   EXPECT_TRUE(heard.lines.empty());
@@ -232,7 +235,8 @@ TEST(CaptureGuard, TablesOfMirroredModesWantMirroredFrames) {
   EXPECT_TRUE(heard.Check(info, true, kNoTime, &mode));
   EXPECT_EQ(heard.guard.num_not_as_calibrated(), 1u);
   ASSERT_EQ(heard.lines.size(), 1u);
-  EXPECT_TRUE(Has(heard.lines[0], "the table's mode had rotated by 180"));
+  EXPECT_TRUE(
+      Has(heard.lines[0], "the table's sensor mode had rotated by 180"));
 }
 
 TEST(Orientation, MirrorsMoveTheCorners) {
@@ -415,7 +419,7 @@ TEST(ReadCapture, RefusesNonsenseOfAForgedBlob) {
     FAIL();
   } catch (const CameraError& error) {
     EXPECT_EQ(error.code(), CameraExit::kBlob);
-    EXPECT_TRUE(Has(error.what(), "front.raygrid: what calibration recorded"));
+    EXPECT_TRUE(Has(error.what(), "front.raygrid: recorded capture settings"));
   }
 }
 

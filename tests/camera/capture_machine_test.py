@@ -97,7 +97,7 @@ class CaptureInMachine(MachineCase):
         self.assertEqual(self.status("unplugged"), 2)
         said = [line for line in self.read("unplugged.err").splitlines()
                 if line.startswith("raygrid-capture: ")]
-        self.assertEqual(said, ["raygrid-capture: camera: was unplugged; connect it again"])
+        self.assertEqual(said, ["raygrid-capture: camera: disconnected; reconnect it"])
         frames = self.session("unplugged.json")
         self.assertGreaterEqual(len(frames), UNPLUG_AT)
         self.assertEqual([frame["image"] for frame in frames],

@@ -102,11 +102,13 @@ TEST(CaptureSession, SaysOnceAndCountsAtTheEnd) {
   const Ended ended = RunSession(SessionArguments(false), &source);
   EXPECT_EQ(ended.code, 0) << ended.fault;
   EXPECT_TRUE(Has(ended.said,
-                  "raygrid-camera: not as calibrated: the lens is "
-                  "at 5 dpt"))
+                  "raygrid-camera: capture settings differ from calibration: "
+                  "lens position is 5 dpt"))
       << ended.said;
-  EXPECT_EQ(ended.said.find("the lens is"), ended.said.rfind("the lens is"));
-  EXPECT_TRUE(Has(ended.said, ", not as calibrated: 5 frames")) << ended.said;
+  EXPECT_EQ(ended.said.find("lens position is"),
+            ended.said.rfind("lens position is"));
+  EXPECT_TRUE(Has(ended.said, ", capture settings differ: 5 frames"))
+      << ended.said;
   EXPECT_TRUE(Has(ended.said, "6 taken")) << ended.said;
 }
 
@@ -114,9 +116,12 @@ TEST(CaptureSession, StrictEndsWithItsReason) {
   ScriptedSource source({AsCalibrated(), Unfocused()}, 6, kNoTime);
   const Ended ended = RunSession(SessionArguments(true), &source);
   EXPECT_EQ(ended.code, 8);
-  EXPECT_TRUE(Has(ended.fault, "--strict: not as calibrated: the lens"));
+  EXPECT_TRUE(
+      Has(ended.fault,
+          "--strict: capture settings differ from calibration: lens position"));
   EXPECT_TRUE(Has(ended.said, "1 taken")) << ended.said;
-  EXPECT_TRUE(Has(ended.said, "not as calibrated: 1 frames")) << ended.said;
+  EXPECT_TRUE(Has(ended.said, "capture settings differ: 1 frames"))
+      << ended.said;
 }
 
 TEST(CaptureSession, StrictEndsWithItsReasonHoweverSlowFramesAre) {
@@ -126,18 +131,20 @@ TEST(CaptureSession, StrictEndsWithItsReasonHoweverSlowFramesAre) {
   ScriptedSource held({Unfocused()}, 100, std::chrono::milliseconds(300));
   Ended ended = RunSession(arguments, &held);
   EXPECT_EQ(ended.code, 8);
-  EXPECT_TRUE(Has(ended.fault, "--strict: not as calibrated")) << ended.fault;
+  EXPECT_TRUE(Has(ended.fault, "--strict: capture settings differ"))
+      << ended.fault;
   EXPECT_TRUE(Has(ended.said, "8 held back")) << ended.said;
   ScriptedSource one({AsCalibrated(), Unfocused()}, 100,
                      std::chrono::milliseconds(450));
   ended = RunSession(arguments, &one);
-  EXPECT_TRUE(Has(ended.fault, "--strict: not as calibrated")) << ended.fault;
+  EXPECT_TRUE(Has(ended.fault, "--strict: capture settings differ"))
+      << ended.fault;
   // A camera that stops still is one that gives no frames.
   ScriptedSource stopped({AsCalibrated()}, 100,
                          std::chrono::milliseconds(1500));
   ended = RunSession(arguments, &stopped);
   EXPECT_EQ(ended.code, 2);
-  EXPECT_TRUE(Has(ended.fault, "gives no frames")) << ended.fault;
+  EXPECT_TRUE(Has(ended.fault, "no frame within")) << ended.fault;
 }
 
 TEST(CaptureSession, StrictWritesNoFrameBeforeTheLensIsThere) {
@@ -148,7 +155,8 @@ TEST(CaptureSession, StrictWritesNoFrameBeforeTheLensIsThere) {
   const Ended ended = RunSession(arguments, &source);
   EXPECT_EQ(ended.code, 0) << ended.fault;
   EXPECT_TRUE(Has(ended.said, "2 taken")) << ended.said;
-  EXPECT_TRUE(Has(ended.said, "not as calibrated: 2 frames (2 held back)"))
+  EXPECT_TRUE(
+      Has(ended.said, "capture settings differ: 2 frames (2 held back)"))
       << ended.said;
 }
 
@@ -159,7 +167,9 @@ TEST(CaptureSession, QuietSaysFaultsButNoStatistics) {
   const Ended ended = RunSession(arguments, &source);
   EXPECT_EQ(std::count(ended.said.begin(), ended.said.end(), '\n'), 1)
       << ended.said;
-  EXPECT_TRUE(Has(ended.said, "not as calibrated: the lens")) << ended.said;
+  EXPECT_TRUE(Has(ended.said,
+                  "capture settings differ from calibration: lens position"))
+      << ended.said;
 }
 
 TEST(CaptureSession, ACheckTellsTheWordsForPacking) {
@@ -174,8 +184,7 @@ TEST(CaptureSession, ACheckTellsTheWordsForPacking) {
   EXPECT_EQ(ended.said, "");
   EXPECT_TRUE(
       Has(told,
-          "; as pack --capture-settings has it: crop=0,0,640,480,lens=2,"
-          "zoom=1,orientation=1\n"))
+          "; capture settings: crop=0,0,640,480,lens=2,zoom=1,orientation=1\n"))
       << told;
 }
 

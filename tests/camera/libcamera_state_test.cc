@@ -118,9 +118,9 @@ TEST(LibcameraState, WhatTheCameraDoesNotTellStaysWhereItIs) {
   EXPECT_EQ(lock.fixing.size(), 3u);
   EXPECT_EQ(lock.fixing.get(ids::AeEnable), false);
   EXPECT_EQ(lock.told.locked,
-            (LockTexts{"focus at a value that the camera does not tell",
-                       "exposure at a value that the camera does not tell",
-                       "gain at a value that the camera does not tell",
+            (LockTexts{"focus at a value the camera does not report",
+                       "exposure at a value the camera does not report",
+                       "gain at a value the camera does not report",
                        "white balance"}));
 }
 

@@ -174,7 +174,7 @@ class MachineCase(unittest.TestCase):
         return dict(zip(keys, map(int, counted.groups())))
 
     def check_unplugged(self, name):
-        self.assert_ends(name, 2, "was unplugged")
+        self.assert_ends(name, 2, "disconnected")
         frames, _ = self.check_frames("vga", name)
         self.assertGreater(len(frames), 0)
         self.assertLessEqual(len(frames), 20)

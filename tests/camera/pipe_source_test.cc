@@ -131,7 +131,7 @@ TEST(PipeSource, HasNoStateThatCanBeLocked) {
   source.UnlockState();
   EXPECT_TRUE(lock.locked.empty());
   ASSERT_EQ(lock.open.size(), 4u);
-  EXPECT_EQ(lock.open[0], "focus: this source of frames is no camera");
+  EXPECT_EQ(lock.open[0], "focus: the source is not a camera");
 }
 
 TEST(PipeSource, AFrameThatIsCutIsNoFrame) {
@@ -196,11 +196,11 @@ TEST(PipeSource, Y4mSaysItsFormat) {
 }
 
 TEST(PipeSource, WhatCannotBeReadIsRefused) {
-  ExpectRefused("", Options("R8"), "gives nothing");
+  ExpectRefused("", Options("R8"), "is empty");
   ExpectRefused("hello, world", Options(""), "--format");
-  ExpectRefused("hello, world", Options("NV13"), "NV13 is not undistorted");
-  ExpectRefused("hello, world", Options("MJPEG"), "no whole JPEG");
-  ExpectRefused("YUV4MPEG2 W16 H8\n", Options("YUV420"), "leave --format out");
+  ExpectRefused("hello, world", Options("NV13"), "NV13 is not supported");
+  ExpectRefused("hello, world", Options("MJPEG"), "no complete JPEG");
+  ExpectRefused("YUV4MPEG2 W16 H8\n", Options("YUV420"), "omit --format");
   ExpectRefused("YUV4MPEG2 W16 H8 C422\n", Options(""), "yuv420p");
   ExpectRefused("YUV4MPEG2 W16 H8 C420p10\n", Options(""), "yuv420p");
   ExpectRefused("YUV4MPEG2 W16\n", Options(""), "W640 H480");
@@ -208,7 +208,7 @@ TEST(PipeSource, WhatCannotBeReadIsRefused) {
   ExpectRefused("YUV4MPEG2 W16 H99999999999\n", Options(""), "W640 H480");
   ExpectRefused("YUV4MPEG2 W15 H8\n", Options(""), "15x8");
   ExpectRefused("YUV4MPEG2 W16 H8" + std::string(2000, ' '), Options(""),
-                "does not end");
+                "is not terminated");
 }
 
 TEST(PipeSource, AWriterThatWritesNothingIsNotWaitedForLong) {

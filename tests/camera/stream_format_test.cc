@@ -51,7 +51,7 @@ TEST(StreamFormat, NamesOfOtherProgramsAreTold) {
     FAIL();
   } catch (const CameraError& error) {
     const std::string what = error.what();
-    EXPECT_NE(what.find("NV13 is not undistorted; choose one of R8, R10"),
+    EXPECT_NE(what.find("NV13 is not supported; use one of R8, R10"),
               std::string::npos)
         << what;
   }

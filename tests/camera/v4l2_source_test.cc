@@ -121,7 +121,7 @@ TEST(V4l2Source, AnUnpluggedCameraEndsIt) {
   EXPECT_EQ(NextValue(source.get()), 5);
   EXPECT_EQ(NextValue(source.get()), -1);
   EXPECT_TRUE(source->is_finished());
-  EXPECT_EQ(source->fault(), "camera: was unplugged; connect it again");
+  EXPECT_EQ(source->fault(), "camera: disconnected; reconnect it");
 
   FakeV4l2State hung_up;
   MakeGrey(&hung_up);
@@ -129,7 +129,7 @@ TEST(V4l2Source, AnUnpluggedCameraEndsIt) {
   const auto other = Open(&hung_up);
   other->Start();
   EXPECT_EQ(NextValue(other.get()), -1);
-  EXPECT_EQ(other->fault(), "camera: was unplugged; connect it again");
+  EXPECT_EQ(other->fault(), "camera: disconnected; reconnect it");
 }
 
 TEST(V4l2Source, ACameraIsUnpluggedWhileAFrameIsHeld) {
@@ -144,7 +144,7 @@ TEST(V4l2Source, ACameraIsUnpluggedWhileAFrameIsHeld) {
   source->Release(*frame);
   EXPECT_FALSE(source->Next(kNow));
   EXPECT_TRUE(source->is_finished());
-  EXPECT_EQ(source->fault(), "camera: was unplugged; connect it again");
+  EXPECT_EQ(source->fault(), "camera: disconnected; reconnect it");
 }
 
 TEST(V4l2Source, ItGoesOnAfterErrorsThatPass) {
@@ -177,7 +177,7 @@ TEST(V4l2Source, ErrorsThatStayEndIt) {
   const auto other = Open(&failed);
   other->Start();
   EXPECT_EQ(NextValue(other.get()), -1);
-  EXPECT_NE(other->fault().find("connect it again"), std::string::npos);
+  EXPECT_NE(other->fault().find("reconnect it"), std::string::npos);
 }
 
 TEST(V4l2Source, WhatCannotBeStreamedIsRefused) {
@@ -185,16 +185,16 @@ TEST(V4l2Source, WhatCannotBeStreamedIsRefused) {
   for (const auto& [request, error, word] :
        std::vector<std::tuple<unsigned long, int, std::string>>{
            {VIDIOC_S_FMT, EBUSY, "in use by another process"},
-           {VIDIOC_S_FMT, EINVAL, "does not take the format"},
-           {VIDIOC_TRY_FMT, EINVAL, "takes none of its formats"},
+           {VIDIOC_S_FMT, EINVAL, "rejects the format"},
+           {VIDIOC_TRY_FMT, EINVAL, "rejects all of its formats"},
            {VIDIOC_REQBUFS, EBUSY, "in use by another process"},
-           {VIDIOC_REQBUFS, ENOMEM, "no memory"},
-           {VIDIOC_QUERYBUF, EINVAL, "where its frames are"},
-           {VIDIOC_QBUF, EINVAL, "takes no buffers"},
+           {VIDIOC_REQBUFS, ENOMEM, "cannot allocate"},
+           {VIDIOC_QUERYBUF, EINVAL, "cannot query its buffers"},
+           {VIDIOC_QBUF, EINVAL, "does not accept buffers"},
            {VIDIOC_STREAMON, ENOSPC, "other cameras"},
            {VIDIOC_STREAMON, EPIPE, "media-ctl"},
-           {VIDIOC_STREAMON, ENODEV, "was unplugged"},
-           {VIDIOC_QUERYCAP, ENOTTY, "does not answer"}}) {
+           {VIDIOC_STREAMON, ENODEV, "disconnected"},
+           {VIDIOC_QUERYCAP, ENOTTY, "does not respond"}}) {
     FakeV4l2State state;
     MakeGrey(&state);
     state.errors[request] = {error, error};
@@ -203,11 +203,12 @@ TEST(V4l2Source, WhatCannotBeStreamedIsRefused) {
   FakeV4l2State metadata;
   MakeGrey(&metadata);
   metadata.capabilities = 0;
-  ExpectRefused(&metadata, options, "gives no frames");
+  ExpectRefused(&metadata, options, "does not deliver frames");
   FakeV4l2State compressed;
   MakeGrey(&compressed);
   compressed.formats[0].code = V4L2_PIX_FMT_MJPEG;
-  ExpectRefused(&compressed, options, "no format that can be undistorted");
+  ExpectRefused(&compressed, options,
+                "no pixel format that can be undistorted");
   FakeV4l2State small;
   MakeGrey(&small);
   small.formats[0].sizes = {kStride * kHeight - kStride};
@@ -446,10 +447,10 @@ TEST(V4l2Controls, AreSetByNameInTheOrderGiven) {
 TEST(V4l2Controls, OnesThatHaveNoEffectAreRefused) {
   for (const auto& [name, value, word] :
        std::vector<std::tuple<std::string, std::string, std::string>>{
-           {"exposure_time_absolute", "100", "no effect now"},
+           {"exposure_time_absolute", "100", "is inactive"},
            {"gain", "66", "-64 to 64 in steps of 2"},
            {"gain", "3", "in steps of 2"},
-           {"gain", "much", "not set to much"},
+           {"gain", "much", "cannot be set to much"},
            {"gain", "99999999999999999999", "-64 to 64"},
            {"auto_exposure", "2", "1 Manual Mode, 3 Aperture"},
            {"auto_exposure", "Manual", "1 Manual Mode"},
@@ -474,7 +475,7 @@ TEST(V4l2List, TellsFormatsAndControls) {
   FakeV4l2Device device(&state);
   const std::string text = DescribeV4l2Device(&device);
   EXPECT_EQ(text.find("v4l2:/dev/fake (Fake"), 0u) << text;
-  EXPECT_NE(text.find("\n  R8\n  MJPEG\n  H264 (not undistorted)\n"),
+  EXPECT_NE(text.find("\n  R8\n  MJPEG\n  H264 (not supported)\n"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("--control gain=-64 to 64 in steps of 2\n"),

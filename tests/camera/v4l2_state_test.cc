@@ -125,11 +125,11 @@ TEST(V4l2State, WhatACameraRefusesStaysOpen) {
     EXPECT_EQ(lock.locked, Texts{"white balance 4600 K"});
     EXPECT_EQ(
         lock.open,
-        (Texts{"focus: the camera does not end its mode (Device or resource "
-               "busy)",
-               "exposure: the camera does not end its mode (Input/output "
-               "error)",
-               "gain: it goes with the exposure"}));
+        (Texts{
+            "focus: cannot disable the automatic mode (Device or resource "
+            "busy)",
+            "exposure: cannot disable the automatic mode (Input/output error)",
+            "gain: controlled by auto exposure"}));
   }
   EXPECT_EQ(ControlOf(&state, V4L2_CID_EXPOSURE_AUTO).value,
             V4L2_EXPOSURE_APERTURE_PRIORITY);
@@ -152,7 +152,7 @@ TEST(V4l2State, WhatThereIsNoControlForStaysOpen) {
   // A mode alone.
   state.controls = {StateOf(V4L2_CID_FOCUS_AUTO, 0, 1, 1)};
   EXPECT_EQ(state_lock.Lock().locked,
-            Texts{"focus at a value that the camera does not tell"});
+            Texts{"focus at a value the camera does not report"});
   EXPECT_EQ(state.controls[0].value, 0);
 }
 
@@ -192,7 +192,7 @@ TEST(V4l2State, OfASourceIsLockedWhileFramesCome) {
   MakeAutomatic(&state);
   const auto source = Open(&state);
   EXPECT_EQ(source->LockState().open,
-            NothingLocked("no frame has come yet").open);
+            NothingLocked("no frame received yet").open);
   EXPECT_EQ(state.settings, Settings());
   const auto play = [&](uint8_t value) {
     const std::lock_guard<std::mutex> lock(state.mutex);
@@ -227,7 +227,7 @@ TEST(V4l2State, OfASourceIsLockedWhileFramesCome) {
   EXPECT_EQ(ControlOf(&state, V4L2_CID_EXPOSURE_AUTO).value,
             V4L2_EXPOSURE_APERTURE_PRIORITY);
   EXPECT_EQ(source->LockState().open,
-            NothingLocked("no more frames come").open);
+            NothingLocked("the stream has ended").open);
 }
 
 TEST(V4l2State, ARefusalEndsNoStream) {

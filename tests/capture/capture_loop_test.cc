@@ -178,7 +178,7 @@ TEST_F(CaptureLoopTest, ASessionThatGoesOnHasTheFocusOfItsFirstFrame) {
 
 TEST(SourceFrames, AnUnpluggedCameraIsNoEndInOrder) {
   auto source = std::make_unique<LockableSource>(true);
-  source->Fail("camera: was unplugged");
+  source->Fail("camera: disconnected");
   const auto frames = MakeSourceFrames(std::move(source), true);
   EXPECT_FALSE(frames->is_finished());
   EXPECT_THROW(frames->Next(), CameraError);

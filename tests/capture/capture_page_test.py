@@ -127,7 +127,7 @@ class Page(unittest.TestCase):
 
     def test_map(self):
         label = "document.getElementById('map').getAttribute('aria-label')"
-        self.assertEqual(self.evaluate(label), "Nothing is known yet")
+        self.assertEqual(self.evaluate(label), "No estimate yet")
         self.assertTrue(self.evaluate("document.getElementById('legend').hidden"))
         self.tell("known 1")
         self.wait_for("!document.getElementById('legend').hidden")
@@ -212,7 +212,7 @@ class Page(unittest.TestCase):
         self.assertEqual(self.read_line(), "undo")
         self.wait_for("document.getElementById('undo').disabled")
         self.browser.click("#finish")
-        self.shows("ask-text", "Finish now? More frames would tell more.")
+        self.shows("ask-text", "Finish now? More frames would improve the calibration.")
         self.browser.click("#ask-yes")
         self.assertEqual(self.read_line(), "finish")
         self.assertEqual(self.browser.complaints, [])
@@ -226,7 +226,7 @@ class Page(unittest.TestCase):
         self.browser.click("#finish")  # nothing is asked any more
         self.assertEqual(self.read_line(), "finish")
         self.tell("quit")
-        self.shows("lost", "\u2713 Done. The capture has ended with 3 frames.")
+        self.shows("lost", "\u2713 Done. The capture ended with 3 frames.")
         # Another capture at this address goes on there.
         self.stop()
         self.start("127.0.0.1", re.search(r":(\d+)/", self.link)[1])
@@ -249,7 +249,7 @@ class Page(unittest.TestCase):
         self.wait_for("document.getElementById('live').naturalWidth === 960")
 
     def test_sound_after_a_click(self):
-        self.shows("sound", "Tap for sound")
+        self.shows("sound", "Tap to enable sound")
         self.browser.click("#sound")
         self.shows("sound", "Sound on")
         self.browser.click("#sound")

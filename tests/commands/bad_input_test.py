@@ -54,7 +54,7 @@ class BadInput(CommandTest):
         self.assert_refused(self.calibrate(self.path("text")), 2, "a.png", "not an image")
 
     def test_features_in_the_place_of_images(self):
-        self.assert_refused(self.calibrate(self.path("sim/features.csv")), 1, "no image",
+        self.assert_refused(self.calibrate(self.path("sim/features.csv")), 1, "not an image",
                             "--features " + self.path("sim/features.csv"))
 
     def test_program_that_was_copied_without_its_module(self):
@@ -84,7 +84,7 @@ class BadInput(CommandTest):
                              20, "--dpi", 50, "-o", board))
         png = read(os.path.join(board, "pattern.png"))
         write(self.path("short/a.png"), png[:len(png) // 2])
-        self.assert_refused(self.calibrate(self.path("short")), 2, "a.png", "damaged")
+        self.assert_refused(self.calibrate(self.path("short")), 2, "a.png", "corrupt")
 
     def test_truncated_photograph(self):
         whole = os.path.join(programs.photographs, "left/left01.jpg")
@@ -92,7 +92,7 @@ class BadInput(CommandTest):
             self.skipTest("no photographs; tools/fetch_photographs fetches them")
         photo = read(whole)
         write(self.path("half/a.jpg"), photo[:len(photo) // 2])
-        self.assert_refused(self.calibrate(self.path("half")), 2, "a.jpg", "damaged")
+        self.assert_refused(self.calibrate(self.path("half")), 2, "a.jpg", "corrupt")
 
     def test_empty_folder(self):
         os.makedirs(self.path("empty"), exist_ok=True)
@@ -250,9 +250,9 @@ class BadInput(CommandTest):
             2, "half.yaml", "belong together")
 
     def test_more_behind_the_end_of_a_file(self):
-        for more, words in (("---\nraygrid_pattern: 1\n", "more behind the end"),
-                            ("'", "not closed"), ('"', "not closed"), ("'\n", "not closed"),
-                            ('"\n\n', "not closed"), ("]\n", "not YAML"), ("'cut", "not YAML")):
+        for more, words in (("---\nraygrid_pattern: 1\n", "content after the end"),
+                            ("'", "within a quoted"), ('"', "within a quoted"), ("'\n", "within a quoted"),
+                            ('"\n\n', "within a quoted"), ("]\n", "invalid YAML"), ("'cut", "invalid YAML")):
             with self.subTest(more):
                 path = write(self.path("more.yaml"), PATTERN + more)
                 self.assert_refused(run("inspect", path), 2, "more.yaml", words)
@@ -261,7 +261,7 @@ class BadInput(CommandTest):
         block = ("raygrid_pattern: 1\nboards:\n  - id: 0\n    kind: chessboard\n    columns: 9\n"
                  "    rows: 6\n    square_m: 0.025")
         self.assert_refused(run("inspect", write(self.path("last.yaml"), block[:-1])), 2,
-                            "last.yaml", "ends within a line")
+                            "last.yaml", "truncated within a line")
         self.assert_done(run("inspect", write(self.path("last.yaml"), block + "\n")))
         self.assert_done(run("inspect", write(self.path("last.yaml"), PATTERN.rstrip("\n"))))
 

@@ -126,23 +126,23 @@ units:
         self.assertNotEqual(read(self.out + "/F1/unit.json"), done)
 
     def test_bad_conditions_are_refused_in_one_line(self):
-        for unit, told in (("vary_with: focus", "vary_with: 'focus' is unknown; expected lens_position, temperature"),
+        for unit, told in (("vary_with: focus", "vary_with: unknown quantity 'focus'; expected lens_position, temperature"),
                            ("vary_with: [temperature, 3]", "vary_with: '3' is unknown"),
                            ("operating_points: v.csv", "unit C1: operating_points needs vary_with"),
-                           ("vary_with: temperature", "unit C1: vary_with needs the operating point of each image"),
-                           ("rolling_shutter: true", "unit C1: rolling_shutter needs the time of each image"),
-                           ("timestamps: t.csv", "unit C1: timestamps needs rolling_shutter: true"),
-                           ("rolling_shutter: maybe", "key 'rolling_shutter' is neither true nor false"),
+                           ("vary_with: temperature", "unit C1: vary_with requires the operating point of each image"),
+                           ("rolling_shutter: true", "unit C1: rolling_shutter requires the time stamp of each image"),
+                           ("timestamps: t.csv", "unit C1: timestamps requires rolling_shutter: true"),
+                           ("rolling_shutter: maybe", "key 'rolling_shutter': expected true or false"),
                            ("rolling_shutter: true, vary_with: temperature",
                             "unit C1: rolling_shutter and vary_with cannot be combined"),
-                           ("like: a.yaml, prior: b.yaml", "key 'prior' occurs twice, or beside its former name")):
+                           ("like: a.yaml, prior: b.yaml", "duplicate key 'prior' (former names included)")):
             plan = self.plan((), more=[f"  - {{serial: C1, features: A1/features.csv, {unit}}}\n"])
             self.assert_refused(self.batch(plan), 2, told)
         for at, told in (("{a: far, 1: near}, vary_with: temperature", "unit C1: images_at: 'a' is not a number"),
                          ("{0: far, 1: near}, vary_with: [lens_position, temperature]",
                           "unit C1: images_at takes values of one quantity"),
                          ("{0: far, 1: near}", "unit C1: images_at needs vary_with"),
-                         ("far", "key 'images_at' has no folder for each")):
+                         ("far", "key 'images_at': expected a mapping of folders")):
             plan = self.plan((), more=[f"  - {{serial: C1, images_at: {at}}}\n"])
             self.assert_refused(self.batch(plan), 2, told)
 
@@ -179,14 +179,14 @@ units:
         plan = self.make_fleet()
         result = run("batch", plan, "-o", self.out, "--gather")
         self.assert_done(result)
-        unusual = [line for line in result.stdout.splitlines() if "unusual" in line]
+        unusual = [line for line in result.stdout.splitlines() if "outlier in" in line]
         self.assertEqual(len(unusual), 1, result.stdout)
-        self.assertRegex(unusual[0], "^U08: unusual in .*shape")
+        self.assertRegex(unusual[0], "^U08: outlier in .*shape")
         self.assertEqual([serial for serial, row in self.table().items() if row["unusual"]], ["U08"])
         self.assertEqual(self.table()["U23"]["lens_batch"], "new")
-        self.assertRegex(result.stdout, r"from U14, which has the first lens of batch new, on, the mean of the focal "
-                                        r"length \(focal_px\) is another one: \d+\.?\d* px, before \d")
-        self.assertRegex(result.stdout, r"batches of lenses differ in the focal length \(focal_px\): .* in <old>, ")
+        self.assertRegex(result.stdout, r"from U14 \(first lens of batch new\), the mean of focal "
+                                        r"length \(focal_px\) changes from \d+\.?\d* px to \d")
+        self.assertRegex(result.stdout, r"lens batches differ in focal length \(focal_px\): .* in <old>, ")
         told = json.loads(run("batch", plan, "-o", self.out, "--gather", "--json").stdout)
         self.assertEqual({jump["serial"] for jump in told["jumps"]}, {"U14"})
         self.assertEqual({jump["figure"] for jump in told["jumps"]}, {"lens", "focal_px"})
@@ -219,7 +219,7 @@ units:
         plan = self.make_fleet()
         self.assert_done(run("batch", plan, "-o", self.out, "--gather"))
         page = read(self.out + "/fleet.html").decode()
-        for heading in ("31 units", "Unusual units", "Changes over time", "Control charts", "Batches of lenses",
+        for heading in ("31 units", "Outliers", "Changes over time", "Control charts", "Batches of lenses",
                         "Gauge repeatability", "All units"):
             self.assertIn(heading, page)
         self.assertNotIn("<old>", page)  # names are text, not tags
@@ -233,7 +233,7 @@ units:
         self.assertEqual(points.count("M"), 23)
         self.assertEqual(charts["shape"].count('class="limit"'), 1)
         self.assertEqual([d.count("M") for d in re.findall(r'class="limit" d="([^"]*)"', charts["focal_px"])], [2, 2])
-        limits = re.search(r"\(focal_px\). Limits: ([\d.]+) to ([\d.]+) px, from U14 on ([\d.]+) to", page)
+        limits = re.search(r"\(focal_px\). Limits: ([\d.]+) to ([\d.]+) px, from U14 ([\d.]+) to", page)
         self.assertLess(float(limits[1]), float(limits[2]))
         self.assertGreater(float(limits[3]), float(limits[1]))
         xml.dom.minidom.parseString(f"<svg>{charts['focal_px']}</svg>")
@@ -284,12 +284,12 @@ units:
         self.out = self.path("strange")
         result = run("batch", strange, "-o", self.out)
         self.assert_done(result)
-        told = "S1: warn, .*: this camera lies .* px from the fleet's middle .*; calibrate it without"
+        told = "S1: warn, .*: this camera is an outlier of its fleet .* px RMS from the population mean .* calibrate it without"
         self.assertRegex(result.stdout, told)
         facts = json.loads(read(self.out + "/S1/result.json"))
         self.assertIn(facts["fleet_distance"]["warning"], facts["reasons"])
         self.assertEqual(self.table()["S1"]["reason"], facts["fleet_distance"]["warning"])
-        self.assertIn("this camera lies", read(self.out + "/S1/report.html").decode())
+        self.assertIn("this camera is an outlier", read(self.out + "/S1/report.html").decode())
 
     def test_limits_end_in_6_and_cost_no_calibration(self):
         self.assert_done(self.batch(self.plan()))
@@ -385,7 +385,7 @@ units:
         os.makedirs(self.path("among/X1"))
         plan = write(self.path("among/plan.yaml"), "raygrid_batch: 1\npattern: ../board.yaml\n"
                      "units: [{serial: X1, images: X1/}]\n")
-        self.assert_refused(run("batch", plan, "-o", self.path("among")), 7, "X1", "among its images")
+        self.assert_refused(run("batch", plan, "-o", self.path("among")), 7, "X1", "into its image folder")
         self.assertEqual(os.listdir(self.path("among/X1")), [])
 
     def test_changed_inputs_are_calibrated_anew_and_no_others(self):
@@ -489,24 +489,24 @@ units:
 
     def test_bad_plans_are_refused_before_the_work(self):
         for words, change in (
-                (("stands twice", "A1"), lambda text: text.replace("serial: A2", "serial: A1")),
-                (("names a folder",), lambda text: text.replace("serial: A2", "serial: ../A2")),
-                (("names a folder",), lambda text: text.replace("serial: A2", "serial: ''")),
+                (("duplicate serial", "A1"), lambda text: text.replace("serial: A2", "serial: A1")),
+                (("must have 1 to",), lambda text: text.replace("serial: A2", "serial: ../A2")),
+                (("must have 1 to",), lambda text: text.replace("serial: A2", "serial: ''")),
                 (("'colour' is not known",), lambda text: text + "colour: red\n"),
                 (("'sharpness' is not known",), lambda text: text.replace("{}", "{sharpness: 1}", 1)),
                 (("exactly one of images",), lambda text: text.replace("features: A2/features.csv", "model: opencv")),
-                (("A2: repeats A1", "repeated itself"), lambda text: text.replace(
+                (("A2: a golden unit", "repeat another unit, A1"), lambda text: text.replace(
                     "serial: A2,", "serial: A2, repeats: A1,").replace("serial: A3,", "serial: A3, repeats: A2,")),
-                (("A2: repeats B7", "no unit of that serial"), lambda text: text.replace(
+                (("A2: repeats B7", "not in the plan"), lambda text: text.replace(
                     "serial: A2,", "serial: A2, repeats: B7,")),
                 (("A2", "no operator"), lambda text: text.replace(
                     "serial: A2,", "serial: A2, repeats: A1, operator: ann,")),
-                (("names a folder",), lambda text: text.replace("serial: A2,", "serial: A2, repeats: ../A1,")),
-                (("'lens_batch' has no single value",), lambda text: text.replace(
+                (("must have 1 to",), lambda text: text.replace("serial: A2,", "serial: A2, repeats: ../A1,")),
+                (("'lens_batch': expected a single value",), lambda text: text.replace(
                     "serial: A2,", "serial: A2, lens_batch: [1],")),
-                (("the batch has a file of that name",), lambda text: text.replace("serial: A2", "serial: fleet.html")),
+                (("reserved for a file of the batch",), lambda text: text.replace("serial: A2", "serial: fleet.html")),
                 (("no pattern",), lambda text: text.replace("pattern: board.yaml\n", "")),
-                (("no list of units",), lambda text: text.split("units:")[0]),
+                (("units: expected a list",), lambda text: text.split("units:")[0]),
                 (("not a batch",), lambda text: text.replace("raygrid_batch: 1\n", "")),
                 (("line",), lambda text: text + "\t- ["),
                 (("line 4",), lambda text: text.replace("comparison: true", "comparison: perhaps"))):

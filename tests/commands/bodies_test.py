@@ -46,7 +46,7 @@ class Bodies(CommandTest):
 
     def test_output_and_report_say_so(self):
         sentence = self.told("out")["boards_told"][0]
-        self.assertTrue(sentence.startswith("boards 0, 1 and 2 are fixed to each other"))
+        self.assertTrue(sentence.startswith("boards 0, 1 and 2 are a rigid multi-board target"))
         self.assertIn(sentence, self.said)
         self.assertIn("--independent-boards", self.said)
         self.assertIn(sentence, read(self.path("out/report.html")).decode())
@@ -66,12 +66,12 @@ class Bodies(CommandTest):
         self.assertAlmostEqual(told["rms_px"], self.told("out")["training"]["rms_px"], delta=0.001)
         # Each board has a pose of its own then, which takes up some of the noise.
         alone = self.evaluated(*options, "--independent-boards")
-        self.assertTrue(alone.startswith("each board localised by itself\n"), alone)
+        self.assertTrue(alone.startswith("one pose estimated per board\n"), alone)
         alone = json.loads(self.evaluated(*options, "--independent-boards", "--json"))
         self.assertEqual(alone["bodies"], [])
         self.assertLess(alone["rms_px"], 0.99 * told["rms_px"])
         # A pattern that tells of no body.
-        self.assertIn("each board localised by itself\n",
+        self.assertIn("one pose estimated per board\n",
                       self.evaluated(*options[:-1], self.pattern))
         self.assertIn("fixed_to_each_other",
                       run("inspect", self.path("out/pattern.yaml"), "--json").stdout)
@@ -84,7 +84,7 @@ class Bodies(CommandTest):
                    self.path("one_out/pattern.yaml"))
         alone, body = [line for line in self.evaluated(*options).splitlines()
                        if "bend" not in line]
-        self.assertTrue(alone.startswith("each board localised by itself: median "), alone)
+        self.assertTrue(alone.startswith("one pose per board: median "), alone)
         self.assertTrue(body.startswith("boards 0, 1 and 2 as one body: median "), body)
         told = json.loads(self.evaluated(*options, "--json"))
         self.assertAlmostEqual(told["as_bodies"]["rms_px"],
@@ -117,7 +117,7 @@ class Bodies(CommandTest):
         self.assertEqual([body["boards"] for body in result["board_bodies"]], [[0, 1]])
         self.assertEqual({tuple(pair["boards"]) for pair in result["board_pairs"]
                           if not pair["fixed"]}, {(0, 2), (1, 2)})
-        self.assertIn("move against each other", result["boards_told"][1])
+        self.assertIn("move relative to each other", result["boards_told"][1])
 
     def test_the_cause_is_told_where_a_moved_board_leaves_cameras_apart(self):
         self.simulate("apart", *FAR_APART, "--move-board-mm", 50)

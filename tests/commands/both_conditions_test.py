@@ -62,12 +62,12 @@ class BothConditions(CommandTest):
         # In the middle of the other condition, which is said.
         error_px, said = self.error_px(3, 45, self.camera, "--at", "lens_position=3")
         self.assertLess(error_px, 0.05)
-        self.assertIn("was calibrated over 20 to 70 °C, and is taken in the middle", said)
+        self.assertIn("calibrated over 20 to 70 °C; using the centre of the range", said)
         # The other one matters.
         self.assertGreater(self.error_px(3, 62, self.camera, "--at", "lens_position=3")[0], 0.1)
         _, said = self.error_px(3, 45, self.camera)
-        self.assertIn("was calibrated over 0 to 10 dioptres and 20 to 70 °C, and is taken in the "
-                      "middle", said)
+        self.assertIn("calibrated over 0 to 10 dioptres and 20 to 70 °C; using the centre of the "
+                      "range", said)
 
     def test_output_and_report_tell_both_changes(self):
         self.assertRegex(self.said, r"0 to 10 dioptres: image scale changes by [34]\.\d+ %")
@@ -85,7 +85,7 @@ class BothConditions(CommandTest):
 
     def test_values_say_whose_they_are(self):
         for at, told in (
-                (3, "varies with two quantities; give both by name, such as --at "
+                (3, "varies with two quantities; name both, such as --at "
                     "lens_position=5,temperature=45"),
                 ("lens_position=11", "was calibrated over 0 to 10 dioptres"),
                 ("lens_position=3,temperature=71", "was calibrated over 20 to 70 °C"),
@@ -116,11 +116,11 @@ class BothConditions(CommandTest):
         at = "lens_position=8.3,temperature=60"
         result = run("compare", self.camera, blob, "--at", at, "--json")
         self.assert_done(result)
-        self.assertIn("changes with lens_position alone; the rest is for the other camera",
+        self.assertIn("varies with lens_position only; the other value applies to the other camera",
                       result.stderr)
         self.assertLess(json.loads(result.stdout)["median_px"], 0.01)
         result = run("compare", blob, blob, "--at", at)
-        self.assert_refused(result, 1, "they change with lens_position alone")
+        self.assert_refused(result, 1, "both cameras vary with lens_position only")
 
         _, said, told = pack("--at", "lens_position=8.3")
         self.assertEqual(said, "")
@@ -133,7 +133,7 @@ class BothConditions(CommandTest):
         _, said, told = pack()
         self.assertEqual(told["stack"]["condition"], "lens_position_dpt")
         for remarks in (said, self.remarks):
-            self.assertIn("it goes over lens_position, at temperature 45, the middle", remarks)
+            self.assertIn("packed over lens_position, at the centre temperature 45", remarks)
 
     def test_values_that_do_not_tell_both(self):
         both = ("--vary-with", "lens_position,temperature")
@@ -147,12 +147,12 @@ class BothConditions(CommandTest):
                             40 + 2 * float(line.split(",")[1]) if k else "temperature")
             for k, line in enumerate(read(self.values).decode().splitlines())))
         self.assert_refused(self.calibrate(*both, "--operating-points", together), 1,
-                            "lens_position and temperature go together")
+                            "lens_position and temperature of the images are correlated")
         same = write(self.path("same.csv"), "".join(
             line.rsplit(",", 1)[0] + (",30\n" if k else ",temperature\n")
             for k, line in enumerate(read(self.values).decode().splitlines())))
         self.assert_refused(self.calibrate(*both, "--operating-points", same), 1,
-                            "all images have one temperature", "calibrate without temperature")
+                            "all images have the same temperature", "calibrate without temperature")
         self.assert_nothing_in(self.path("refused"))
 
     def test_one_column_of_two_is_enough_for_one(self):

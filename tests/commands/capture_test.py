@@ -108,7 +108,7 @@ class CaptureTest(CommandTest):
         for words, said in (
                 ("", "empty"), ("lens", "lens=DIOPTRES"), ("focus=1", "'focus=1'"),
                 ("lens=near", "'near'"), ("lens=nan", "lens"), ("lens=1025", "1024"),
-                ("lens=1,tolerance=-1", "tolerance"), ("tolerance=1", "needs lens"),
+                ("lens=1,tolerance=-1", "tolerance"), ("tolerance=1", "requires lens"),
                 ("lens=1,lens=2", "twice"), ("crop=0,0,320", "four numbers"),
                 ("crop=0,0,320x240", "four numbers"), ("crop=0,0,0,240", "crop"),
                 ("crop=0,0,320,-240", "crop"), ("crop=0,0,1.5,240", "integer"),
@@ -121,8 +121,8 @@ class CaptureTest(CommandTest):
 
     def test_wrong_files_are_refused(self):
         for capture, said in (
-                ("capture: 5\n", "mapping"), ("capture: {}\n", "nothing"),
-                ("capture: {lens: 1}\n", "'lens'"), ("capture: {lens_tolerance: 1}\n", "needs"),
+                ("capture: 5\n", "mapping"), ("capture: {}\n", "capture: empty"),
+                ("capture: {lens: 1}\n", "'lens'"), ("capture: {lens_tolerance: 1}\n", "requires"),
                 ("capture: {crop: [0, 0, 320]}\n", "crop"),
                 ("capture: {crop: [0, 0, 0, 240]}\n", "crop"),
                 ("capture: {crop: [0, 0, 99999999999, 240]}\n", "bad.yaml"),

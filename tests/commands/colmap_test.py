@@ -264,7 +264,7 @@ for image in pycolmap.Reconstruction(sys.argv[1]).images.values():
         binary = self.path("x/cameras.bin")
         self.assert_done(run("export", self.path("x.yaml"), "--to", "colmap", "-o", binary))
         for name, contents, words in (
-                ("a.txt", text.replace("OPENCV", "FOV"), ("FOV", "raygrid has not")),
+                ("a.txt", text.replace("OPENCV", "FOV"), ("FOV", "not supported")),
                 ("b.txt", text.replace("0.1", "nan"), ("line 1", "'nan'")),
                 ("c.bin", read(binary)[:-3], ("ends after 93 bytes",)),
                 ("d.bin", read(binary)[:12] + b"\x63" + read(binary)[13:], ("unknown model 99",)),

@@ -58,7 +58,7 @@ class Condition(CommandTest):
             self.assertEqual(said, "")
         error_px, said = self.error_px(0)
         self.assertGreater(error_px, 1)
-        self.assertIn("was calibrated over 0 to 10 dioptres, and is taken in the middle", said)
+        self.assertIn("calibrated over 0 to 10 dioptres; using the centre of the range", said)
 
     def test_other_commands_take_the_camera_at_a_value(self):
         points = write(self.path("points.csv"), "x,y,z\n0.3,0.2,1\n")
@@ -78,7 +78,7 @@ class Condition(CommandTest):
         self.assertIn("<h2>Over the range</h2>", report)
         for end in (0, 10):
             self.assertIn("Distortion at %d dioptres against 5<" % end, report)
-            self.assertIn("How well the camera is known at %d dioptres<" % end, report)
+            self.assertIn("Predicted uncertainty at %d dioptres<" % end, report)
         changes = json.loads(read(self.path("out/result.json")))["range"]["changes"]
         self.assertEqual([change["at"] for change in changes], [0, 2.5, 5, 7.5, 10])
         growth = changes[-1]["focal_px"] / changes[0]["focal_px"]
@@ -106,7 +106,7 @@ class Condition(CommandTest):
         self.assertLess(abs(pixels[0] - pixels[1]), 0.02)
 
     def test_values_that_cannot_be(self):
-        for at, told in ((10.5, "--at 10.5: was calibrated over 0 to 10 dioptres"),
+        for at, told in ((10.5, "--at 10.5: outside the calibrated range, 0 to 10 dioptres"),
                          ("nan", "--at: expected a number"),
                          ("temperature=3", "changes with lens_position alone")):
             result = run("project", self.camera, "--at", at, "--points", "none.csv")
@@ -124,12 +124,12 @@ class Condition(CommandTest):
             line.rsplit(",", 1)[0] + (",3" if i else ",value")
             for i, line in enumerate(read(self.values).decode().splitlines())) + "\n")
         self.assert_refused(self.calibrate("--vary-with", "lens_position", "--operating-points", one), 1,
-                          "all images have one lens_position")
+                          "all images have the same lens_position")
         twice = write(self.path("twice.csv"), "image,value\n0_sim0000.png,0\n0_sim0000.png,1\n")
         self.assert_refused(self.calibrate("--vary-with", "lens_position", "--operating-points", twice), 2,
-                          "has a value already")
+                          "duplicate value of image")
         self.assert_refused(self.calibrate("--vary-with", "lens_position", "--operating-points", self.values,
-                                         "--model", "opencv"), 1, "the model is central-generic")
+                                         "--model", "opencv"), 1, "requires model central-generic")
         self.assert_nothing_in(self.path("refused"))
 
     def test_rows_of_no_image_are_told(self):
@@ -138,7 +138,7 @@ class Condition(CommandTest):
         result = self.calibrate(*options, out="more")
         self.assert_done(result)
         lines = [line for line in result.stderr.splitlines() if "rows" in line]
-        self.assertEqual(lines, [f"raygrid: {more}: 2 of its 44 rows name no image of the calibration, such as "
+        self.assertEqual(lines, [f"raygrid: {more}: 2 of 44 rows match no image of the calibration, such as "
                                  "gone0.png; check the names"])
         self.assertEqual(self.calibrate(*options, "--quiet", out="more").stderr, "")
 
@@ -150,7 +150,7 @@ class Condition(CommandTest):
         threading.Thread(target=write, args=(pipe, table), daemon=True).start()
         result = self.calibrate("--vary-with", "lens_position", "--operating-points", pipe, out="steps")
         self.assert_done(result)
-        self.assertIn("lens_position 1000 is none in dioptres", result.stderr)
+        self.assertIn("lens_position 1000 is not plausible in dioptres", result.stderr)
         self.assertNotIn("rows", result.stderr)
 
     def test_folders_of_images_at_values(self):
@@ -178,9 +178,9 @@ class Condition(CommandTest):
         for name in ("camera.yaml", "camera.raygrid", "features.csv", "poses.csv"):
             self.assertEqual(read(self.path("turned/" + name)), read(self.path("folders/" + name)), name)
         result = run("calibrate", "--vary-with", "lens_position", *folders, "--images-at", "10.0=x", *options)
-        self.assert_refused(result, 1, "the value is given twice")
+        self.assert_refused(result, 1, "duplicate value")
         result = run("calibrate", "--vary-with", "lens_position", *folders, *folders, *options)
-        self.assert_refused(result, 1, "the value is given twice")
+        self.assert_refused(result, 1, "duplicate value")
         again = "5=" + os.path.join(self.path("photographs"), "0", "..", "0")
         result = run("calibrate", "--vary-with", "lens_position", *folders, "--images-at", again, *options)
         self.assert_refused(result, 1, "the folder of 0 again")
@@ -195,7 +195,7 @@ class Condition(CommandTest):
         result = run("calibrate", copy, "--vary-with", "lens_position", "--operating-points", values, *options[:-4],
                      "-o", self.path("folders"))
         self.assertEqual(result.returncode, 2, result.stderr)
-        self.assertIn("copied.png and sim0001.png show the same features", result.stderr)
+        self.assertIn("copied.png and sim0001.png have the same features", result.stderr)
         result = run("calibrate", "--vary-with", "lens_position", "--images-at", "near=x", *options)
         self.assert_refused(result, 1, "expected VALUE=FOLDER")
 
@@ -228,7 +228,7 @@ class Condition(CommandTest):
         # Of the other condition, the first image tells nothing, and is named.
         result = run("calibrate", self.path("temperature"), "--vary-with", "lens_position",
                      *options, "-o", self.path("untold"))
-        self.assert_refused(result, 2, "0_0.png: EXIF has no lens_position "
+        self.assert_refused(result, 2, "0_0.png: no lens_position in EXIF "
                                        "(SubjectDistance)")
         self.assert_nothing_in(self.path("untold"))
 

@@ -108,8 +108,8 @@ class PhotonVision(CornersTest):
         calibration["observations"][0]["cornersUsed"][first] = False
         calibration["observations"][1]["includeObservationInCalibration"] = False
         result = self.imported(calibration, "features.csv")
-        self.assertIn("1 corner that its solver left out", result.stderr)
-        self.assertIn("1 image that its solver left out", result.stderr)
+        self.assertIn("1 corner omitted by its solver", result.stderr)
+        self.assertIn("1 image omitted by its solver", result.stderr)
         names = list(self.images)
         seen = {key: pixel for key, pixel in self.seen().items() if key[0] != names[1]}
         del seen[names[0], 0, first % COLUMNS, first // COLUMNS]
@@ -118,7 +118,7 @@ class PhotonVision(CornersTest):
     def test_charuco_boards_begin_a_square_from_their_origin(self):
         result = self.imported(self.calibration(first=1), "features.csv")
         self.assertEqual(self.rows("features.csv"), self.seen())
-        self.assertIn("poses are not taken", result.stderr)
+        self.assertIn("poses are ignored", result.stderr)
 
     def test_older_files_have_other_names(self):
         calibration = self.calibration()
@@ -182,16 +182,16 @@ print(json.dumps(cv2.projectPoints(points, np.zeros(3), np.zeros(3), matrix, len
                 "locationInImageSpace: x", "number")
         refused(lambda c: c.update(calobjectSpacing=0.031), "calobjectSpacing 0.031")
         refused(lambda c: c.update(calobjectSpacing=1e-9), "calobjectSpacing 1e-09")
-        refused(lambda c: view(c).update(locationInObjectSpace=[{"x": 0, "y": 0}] * 54), "twice")
+        refused(lambda c: view(c).update(locationInObjectSpace=[{"x": 0, "y": 0}] * 54), "duplicate")
         refused(lambda c: c.update(observations=[]), "no features")
-        refused(lambda c: c.update(observations=5), "observations: no list")
+        refused(lambda c: c.update(observations=5), "observations: expected a list")
         refused(lambda c: c.update(lensmodel="LENSMODEL_SPLINED_STERIOGRAPHIC"), "lensmodel")
         refused(lambda c: c["distCoeffs"].update(data=[0] * 6), "6 distortion coefficients")
         refused(lambda c: c["cameraIntrinsics"]["data"].__setitem__(3, 2), "cameraIntrinsics")
         refused(lambda c: c["resolution"].pop("width"), "resolution.width")
         refused(lambda c: c.pop("distCoeffs"), "'distCoeffs' is missing")
         text = json.dumps(self.calibration())
-        for name, contents, words in (("cut.json", text[:-9], "no JSON at byte"),
+        for name, contents, words in (("cut.json", text[:-9], "invalid JSON at byte"),
                                       ("nan.json", text.replace("400.5", "NaN"), "no JSON")):
             self.assert_refused(run("import", write(self.path(name), contents), "-o",
                                     self.path("never/camera.yaml")), 2, name + ": ", words)
@@ -309,7 +309,7 @@ colSpacingMeters: 0.06      #size of one chessboard square [m]
                                        (("-o", never, "--model", "opencv"), 1, ("--model",)),
                                        ((target, "-o", never), 1, ("alone",)),
                                        (("-o", self.path("never/f.csv")), 1, ("pattern.yaml",)),
-                                       (("-o", target), 7, ("replace the input",))):
+                                       (("-o", target), 7, ("overwrite the input",))):
             self.assert_refused(run("import", target, *arguments), code, *words)
         for command in (("inspect", target), ("pack", target, "-o", never)):
             self.assert_refused(run(*command), 2, "raygrid import", "pattern.yaml")
@@ -359,7 +359,7 @@ apriltags:
                 ("width: 4", "width: 5", "apriltags[0]", "differ"),
                 ("tag_y: 10", "tag_y: 22", "outside the board"),
                 ("index: 3", "index: 587", "apriltags[0]: index: not 0 to 586"),
-                ("apriltags:", "tags:", "apriltags: no list")):
+                ("apriltags:", "tags:", "apriltags: must list")):
             with self.subTest(new):
                 file = write(self.path("t.yaml"), self.FILE.replace(old, new))
                 self.assert_refused(run("import", file, "-o", self.path("never/p.yaml")), 2,
@@ -526,18 +526,18 @@ boards:
             lambda _, imagesets, __: imagesets[0][1][0].__setitem__(0, (x, y, number)))
         place = lambda *values: changed(
             lambda _, __, geometries: geometries[1][1].__setitem__(0, values))
-        refused(good[:-1], "ends after")
-        refused(good[:200], "ends after 200 bytes")
-        refused(good[:12], "ends after 12 bytes")
-        refused(good + b"x", "1 byte behind its end")
+        refused(good[:-1], "truncated after")
+        refused(good[:200], "truncated after 200 bytes")
+        refused(good[:12], "truncated after 12 bytes")
+        refused(good + b"x", "1 byte after its end")
         refused(good[:10] + b"\0\0\0\3" + good[14:], "version 3")
-        refused(good[:14] + b"\xff" * 4 + good[18:], "ends after")
-        refused(good[:34] + b"\xff" * 4 + good[38:], "ends after")
-        refused(good[:38] + b"\x7f" + good[39:], "ends after")
+        refused(good[:14] + b"\xff" * 4 + good[18:], "truncated after")
+        refused(good[:34] + b"\xff" * 4 + good[38:], "truncated after")
+        refused(good[:38] + b"\x7f" + good[39:], "truncated after")
         refused(changed(lambda sizes, _, __: sizes.__setitem__(0, (0, 240))), "0 x 240")
         refused(changed(lambda _, imagesets, geometries: geometries.clear()), "feature 0",
                 "known geometries")
-        refused(first(math.nan, 3, 0), "no finite number")
+        refused(first(math.nan, 3, 0), "expected a finite number")
         refused(first(320.5, 3, 0), "feature 0 at (320.5, 3)", "320 x 240")
         refused(first(-1, 3, 0), "outside")
         refused(first(5, 3, 99), "imageset 0, camera 0: feature 99", "known geometries")
@@ -551,10 +551,10 @@ boards:
         refused(changed(lambda _, __, geometries: geometries[0][1].append((99, 999, 999))),
                 "100000")
         refused(changed(lambda _, __, geometries: geometries.__setitem__(
-            0, (math.inf, geometries[0][1]))), "no finite number")
+            0, (math.inf, geometries[0][1]))), "expected a finite number")
         refused(changed(lambda _, __, geometries: geometries.__setitem__(
-            0, (0, geometries[0][1]))), "cells of 0 m")
-        refused(good, "features.csv and pattern.yaml", out=self.path("never/poses.csv"), code=1)
+            0, (0, geometries[0][1]))), "cell size 0 m")
+        refused(good, "features.csv (pattern.yaml", out=self.path("never/poses.csv"), code=1)
         refused(good, "--image-size", code=1, more=("--image-size", "3x2"))
         self.assert_refused(run("inspect", self.path("bad.bin")), 2, "raygrid import")
         board = ("--pattern", "chessboard:9x6:30mm")

@@ -72,7 +72,7 @@ class DepthAi(CommandTest):
     def export(self, source, out):
         result = run("export", self.path(source), "--to", "depthai", "-o", self.path(out))
         self.assert_done(result)
-        self.assertIn("exactly the camera", result.stdout)
+        self.assertIn("exact", result.stdout)
         return self.path(out)
 
     def told(self, python, points, *files):

@@ -55,7 +55,7 @@ class Detect(CommandTest):
                 out = self.path("another-board")
                 self.assert_refused(
                     run(command, self.path("photos"), "--pattern", spec, "-o", out), 3,
-                    "this looks like 9 x 6 inner corners", "correct columns and rows in " + spec)
+                    "the images show 9 x 6 inner corners", "correct columns and rows in " + spec)
                 self.assert_nothing_in(out)
 
     def test_a_board_in_a_word_is_found_like_that_of_a_file(self):
@@ -73,7 +73,7 @@ class Detect(CommandTest):
         found = json.loads(result.stdout)
         self.assertEqual(found["images"], 3)
         self.assertEqual([skipped["image"] for skipped in found["skipped"]], ["aa.png"])
-        self.assertIn("damaged", found["skipped"][0]["reason"])
+        self.assertIn("corrupt", found["skipped"][0]["reason"])
         self.assertNotIn(b"aa.png", read(self.out))
 
     def test_image_of_another_size_is_named_and_skipped(self):
@@ -88,7 +88,7 @@ class Detect(CommandTest):
 
     def test_no_board_in_any_image(self):
         write(self.path("blank/a.pgm"), blank())
-        self.assert_refused(self.detect(self.path("blank"), "--no-cache"), 3, "no board")
+        self.assert_refused(self.detect(self.path("blank"), "--no-cache"), 3, "no target")
         self.assertFalse(os.path.exists(self.out))
 
     def test_images_without_a_board_are_named_with_what_they_show(self):
@@ -105,8 +105,8 @@ class Detect(CommandTest):
         self.assertEqual((found["images"], found["with_features"]), (2, 1))
         (without,) = found["without_features"]
         self.assertEqual(without["image"], "tag5.png")
-        self.assertIn("tag 5 is on no board of the pattern", without["remarks"])
-        self.assertIn("tag 5 is on no board of the pattern (tag5.png)", result.stderr)
+        self.assertIn("tag 5 is not in the pattern", without["remarks"])
+        self.assertIn("tag 5 is not in the pattern (tag5.png)", result.stderr)
         self.assertEqual(self.detect(folder, "--no-cache", "--quiet").stderr, "")
 
     def test_images_without_a_board_are_named_in_the_text_as_well(self):
@@ -114,7 +114,7 @@ class Detect(CommandTest):
         folder = self.folder_with(blank_pgm=blank(*size), empty_pgm=blank(*size))
         result = self.detect(folder, "--no-cache")
         self.assert_done(result)
-        self.assertIn("no board found in blank.pgm, empty.pgm\n", result.stderr)
+        self.assertIn("no target found in blank.pgm, empty.pgm\n", result.stderr)
         self.assertEqual(self.detect(folder, "--no-cache", "--quiet").stderr, "")
 
     def test_overlays_show_every_image_and_the_coverage(self):

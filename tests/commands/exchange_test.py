@@ -564,7 +564,7 @@ class Rigs(ExchangeTest):
                                      "--image-size", "160x120", "-o", again))
                 is_rig = os.path.isfile(again)
                 with self.subTest(format=entry["name"], cameras=count):
-                    self.assertEqual("poses in the rig" in result.stderr, not is_rig)
+                    self.assertEqual("poses of a rig" in result.stderr, not is_rig)
                 if is_rig:
                     kept.add((entry["name"], count))
         self.assertLessEqual({("opencv", 3), ("kalibr", 3), ("ros", 2)}, kept)
@@ -689,22 +689,22 @@ class Rigs(ExchangeTest):
             self.assert_poses(self.path("state_poses.csv"), truth)
         result = run("import", self.path("state/intrinsics1.yaml"), "-o", self.path("one.yaml"))
         self.assert_done(result)
-        self.assertIn("its pose is not taken", result.stderr)
+        self.assertIn("its pose is ignored", result.stderr)
 
     def test_a_damaged_state_of_puzzlepaint_is_named(self):
         """Before its cameras are read."""
         write(self.path("bad/intrinsics0.yaml"), "calibration_min_x : 0\n")
         never = self.path("never/rig.yaml")
         for name, text, words in (
-                ("points.yaml", "points : [1, 2]\n", "points: numbers that are not"),
+                ("points.yaml", "points : [1, 2]\n", "points: expected x, y, z"),
                 ("dataset.bin", b"calib_data\0\0", "ends after 12 bytes"),
                 ("rig_tr_global.yaml", "pose_count: 1\nposes:\n  - index: 0\n    tx: .nan\n",
-                 "poses[0]: qw: no finite number"),
-                ("camera_tr_rig.yaml", "pose_count: 1\nposes: 5\n", "poses: no list")):
+                 "poses[0]: qw: expected a finite number"),
+                ("camera_tr_rig.yaml", "pose_count: 1\nposes: 5\n", "poses: expected a list")):
             with self.subTest(name):
                 file = write(self.path("bad/" + name), text)
                 self.assert_refused(run("import", self.path("bad"), "-o", never), 2, file, words)
-        self.assert_refused(run("import", self.path("sim"), "-o", never), 2, "sim: a folder without")
+        self.assert_refused(run("import", self.path("sim"), "-o", never), 2, "sim: folder has neither")
         self.assert_nothing_in(self.path("never"))
 
     def test_rectified_views_are_an_exact_pair(self):
@@ -853,9 +853,9 @@ class Exports(ExchangeTest):
                 ((*export, "--hfov", 60), 1, ("--hfov", "--rectified")),
                 ((*export, "--max-fit-error-px", -1), 1, ("--max-fit-error-px",)),
                 (("export", self.camera, "--to", "none", "-o", "x"), 1, ("--to none", "opencv")),
-                (("import", self.camera, "-o", "x.yaml"), 2, ("raygrid's own",)),
+                (("import", self.camera, "-o", "x.yaml"), 2, ("raygrid file already",)),
                 (("import", write(self.path("a.txt"), "hello\n"), "-o", "x.yaml"), 2,
-                 ("a.txt", "of no format")),
+                 ("a.txt", "supported format")),
                 (("import", write(self.path("b.yaml"), OPENCV_FILE), "--from", "none", "-o", "x"),
                  1, ("--from none",)),
                 (("import", write(self.path("b.yaml"), OPENCV_FILE), "--model", "none", "-o",
@@ -867,7 +867,7 @@ class Exports(ExchangeTest):
     def test_outputs_replace_no_input(self):
         own = write(self.path("own.yaml"), OPENCV_FILE)
         for arguments in (("import", own, "-o", own), ("export", own, "--to", "opencv", "-o", own)):
-            self.assert_refused(run(*arguments), 7, "replace the input")
+            self.assert_refused(run(*arguments), 7, "overwrite the input")
         self.assertEqual(read(own).decode(), OPENCV_FILE)
 
     def test_names_come_through(self):

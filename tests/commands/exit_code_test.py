@@ -99,10 +99,10 @@ class Verdicts(CommandTest):
                              set(os.listdir(self.out)))
         # Who goes on with it is told.
         result = run("pack", self.out + "/camera.yaml", "-o", self.path("failed.raygrid"))
-        self.assertIn("camera.yaml: its calibration failed", result.stderr)
+        self.assertIn("camera.yaml: its calibration has verdict fail", result.stderr)
         image = write(self.path("i/x.pgm"), b"P5 640 480 255\n" + bytes(640 * 480))
         result = run("undistort", self.out + "/camera.yaml", image, "-o", self.path("o"))
-        self.assertIn("camera.yaml: its calibration failed", result.stderr)
+        self.assertIn("camera.yaml: its calibration has verdict fail", result.stderr)
 
     def test_a_rig_that_fails_is_written_and_ends_in_6(self):
         result = self.calibrate("--target-deformation-mm", 60, "--cameras", 2)
@@ -152,9 +152,9 @@ class CamerasThatNoBlobHolds(CommandTest):
         result = self.calibrate(self.simulate("--size", "20000x15000", "--lens", "pinhole", "--allow-huge-images"),
                                 "20000x15000", "--model", "opencv", "--allow-huge-images")
         self.assertEqual(result.returncode, 6, result.stderr)
-        for words in ("camera.raygrid is left out", "16384", "other files are written"):
+        for words in ("camera.raygrid is omitted", "16384", "other files were written"):
             self.assertIn(words, result.stderr)
-        self.check_files("is left out", "16384")
+        self.check_files("is omitted", "16384")
         self.assertNotIn("camera.raygrid", os.listdir(self.out))
 
     def test_image_as_large_as_images_may_be(self):

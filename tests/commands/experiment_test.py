@@ -202,7 +202,7 @@ class Experiment(CommandTest):
         rows, _ = self.small("trajectory-drift", "--camera", camera, "--trajectories", 1)
         rows = {row.pop("camera"): {key: float(value) for key, value in row.items()}
                 for row in rows}
-        truth = camera + " (the truth here)"
+        truth = camera + " (reference)"
         self.assertEqual(list(rows), ["opencv", "thin-prism-fisheye", "central-radial", truth])
         for row in rows.values():
             # Both starts are far off, and both end in one place.
@@ -215,9 +215,9 @@ class Experiment(CommandTest):
         camera = self.own_camera()
         rows, _ = self.small("localization", "--camera", camera)
         text = read(self.path("localization-small/localization.csv")).decode()
-        self.assertIn(f"# truth: not known; {camera} is taken for it, the others are fitted", text)
+        self.assertIn(f"# truth: unknown; {camera} is the reference, the others are fitted", text)
         rows = {row.pop("camera"): [float(value) for value in row.values()] for row in rows}
-        truth = rows.pop(camera + " (the truth here)")
+        truth = rows.pop(camera + " (reference)")
         self.assertEqual(list(rows), ["opencv", "thin-prism-fisheye", "central-radial"])
         for fitted in rows.values():  # wrong, which no mean of images mends
             self.assertGreater(fitted[3], 10 * truth[3])
@@ -228,7 +228,7 @@ class Experiment(CommandTest):
         self.assert_done(run("fit", os.path.join(camera, "camera.yaml"), "--model", "opencv", "-o",
                              fit))
         rows, _ = self.small("localization", "--camera", camera, "--camera", fit)
-        self.assertEqual([row["camera"] for row in rows], [camera, fit + " (the truth here)"])
+        self.assertEqual([row["camera"] for row in rows], [camera, fit + " (reference)"])
         self.assertGreater(float(rows[0]["mean_of_64_mm"]), 10 * float(rows[1]["mean_of_64_mm"]))
 
         def refused(code, words, *options):
@@ -236,7 +236,7 @@ class Experiment(CommandTest):
                                     *options), code, words)
         self.assert_done(run("simulate", "--images", 1, "--size", "320x240", "--lens", "fisheye",
                              "-o", self.path("smaller")))
-        refused(2, "another image size", "--camera", camera, "--camera",
+        refused(2, "image size differs", "--camera", camera, "--camera",
                 self.path("smaller/true_camera.yaml"))
         refused(1, "7 of them", *7 * ("--camera", fit))
         refused(2, "camera.yaml", "--camera", self.path("refused"))
@@ -266,7 +266,7 @@ class Experiment(CommandTest):
         report = read(self.path("result/report.html")).decode()
         self.assertIn("What limits this calibration", report)
         # Terminal, verdict and report say one thing.
-        self.assertIn(f"  limited by bends: {budget['sentence']}; to do: {budget['to_do']}\n",
+        self.assertIn(f"  limited by bends: {budget['sentence']}; remedy: {budget['to_do']}\n",
                       done.stdout)
         said = f"{budget['sentence']}; {budget['to_do']}"
         self.assertTrue(any(said in reason for reason in result["reasons"]), result["reasons"])
@@ -297,7 +297,7 @@ class Experiment(CommandTest):
         camera = ("--camera", self.path("few/true_camera.yaml"))
         rows, _ = self.small("residual-budget", *few, *camera)
         remarks = {row["cause"]: row["remark"] for row in rows}
-        self.assertEqual(remarks["image place"], "cannot be told: 2 views; 8 are needed")
+        self.assertEqual(remarks["image place"], "not observable: 2 views, at least 8 required")
 
     def colmap_model(self, folder, camera, size=(640, 480)):
         """A walk past points on both sides, as structure from motion would have it."""
@@ -469,10 +469,10 @@ cameras:
         data = ("--features", self.path("own/features.csv"), "--pattern",
                 self.path("own/pattern.yaml"), "--image-size", "640x480")
         rows, _ = self.small("localization", *data)
-        self.assertIn("central-generic (the truth here)", [row["camera"] for row in rows])
+        self.assertIn("central-generic (reference)", [row["camera"] for row in rows])
         text = read(self.path("localization-small/localization.csv")).decode()
-        self.assertIn("# truth: not known; central-generic is taken for it", text)
-        self.assertIn("board's points free", text)
+        self.assertIn("# truth: unknown; central-generic is the reference", text)
+        self.assertIn("target geometry estimated", text)
         self.assert_refused(run("experiment", "stereo-depth", "-o", self.path("refused"), *data), 2,
                             "two", "column 'camera'")
         folder = self.path("refused")
@@ -502,7 +502,7 @@ cameras:
         # Noise alone scatters cameras by less than is stated of their errors.
         self.assertGreater(float(rows[-1]["known_scatter_ratio"]), float(rows[-1]["known_ratio"]))
         self.assert_refused(run("experiment", "repeatability", "-o", self.path("few"),
-                                *simulate("five", 5)), 3, "take more images")
+                                *simulate("five", 5)), 3, "use more images")
 
     def test_number_of_threads_changes_nothing(self):
         name = "feature-refinement"
@@ -532,7 +532,7 @@ cameras:
         features = write(os.path.join(folder, "model-comparison.csv"), "image,board,column\n")
         result = run("experiment", "model-comparison", "--features", features, "--pattern",
                      "chessboard:9x6:25mm", "--image-size", "640x480", "-o", folder)
-        self.assert_refused(result, 7, "model-comparison.csv", "would replace the input")
+        self.assert_refused(result, 7, "model-comparison.csv", "would overwrite the input")
         image = write(os.path.join(folder, "x.pgm"), b"P5 64 48 255\n" + bytes(64 * 48))
         result = run("experiment", "curvature-bias", "--image", image, "-o", folder)
         self.assert_refused(result, 7, "x.pgm", "another folder")

@@ -39,7 +39,7 @@ class ImageSize(CommandTest):
                          png([128] * (width * height), size=(width, height)))
             for board in BOARDS:
                 with self.subTest(board=board, size=(width, height)):
-                    self.assert_refused(self.detect(path, pattern=board), 3, "no board found")
+                    self.assert_refused(self.detect(path, pattern=board), 3, "no target found")
 
     def test_longer_than_libraries_count(self):
         path = write(self.path("long.png"), png([128] * 65535 * 33, size=(65535, 33)))
@@ -47,7 +47,7 @@ class ImageSize(CommandTest):
             with self.subTest(board=board):
                 result = run("detect", path, "--pattern", board, "-o", self.path("f.csv"),
                              "--no-cache", "--threads", 1, "--allow-huge-images")
-                self.assert_refused(result, 3, "no board found")
+                self.assert_refused(result, 3, "no target found")
 
     def test_the_others_are_gone_on_with(self):
         pattern = write(self.path("board.yaml"), SIMULATED_PATTERN)
@@ -57,7 +57,7 @@ class ImageSize(CommandTest):
         write(self.path("sim/tiny.png"), png([0], size=(1, 1)))
         result = self.detect(self.path("sim"), pattern=pattern)
         self.assert_done(result)
-        self.assertIn("tiny.png: skipped: 1 x 1 pixels; too small for a board", result.stderr)
+        self.assertIn("tiny.png: skipped: 1 x 1 pixels, too small to show a board", result.stderr)
 
     def test_many_pixels_of_few_bytes(self):
         for width, height in ((16000, 16000), (8000, 8000)):

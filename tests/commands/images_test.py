@@ -68,7 +68,7 @@ class Images(CommandTest):
             [os.path.basename(programs.raygrid), "detect", picture, "--pattern", pattern, "--no-cache",
              "-o", self.path("path/f.csv")], env={**os.environ, "PATH": path}, cwd=self.folder,
             capture_output=True, text=True, timeout=HANG_S, check=False)
-        self.assert_refused(result, 3, "no board found")
+        self.assert_refused(result, 3, "no target found")
 
     def test_images_that_would_get_one_name_are_refused(self):
         for pair in (("one/x.pgm", "two/x.pgm"), ("one/y.png", "one/y.pgm")):
@@ -123,7 +123,7 @@ class Images(CommandTest):
     # ---- Outputs never replace inputs -----------------------------------------
 
     def assert_kept(self, path, contents, result, *words):
-        self.assert_refused(result, 7, "would replace", *words)
+        self.assert_refused(result, 7, "would overwrite", *words)
         self.assertEqual(read(path), contents)
 
     def test_inputs_are_not_replaced(self):
@@ -161,7 +161,7 @@ class Images(CommandTest):
         for result in (self.undistort(folder, to="jpg"), self.undistort(image, to="jpg/."),
                        run("detect", folder, "--pattern", pattern, "-o", self.path("f.csv"),
                            "--overlay", folder)):
-            self.assert_refused(result, 7, "a.pgm", "choose another folder")
+            self.assert_refused(result, 7, "a.pgm", "use another output folder")
         self.assertEqual(os.listdir(folder), ["a.pgm"])
 
     # ---- Turned images ----------------------------------------------------------
@@ -242,7 +242,7 @@ class Boards(CommandTest):
         self.assertEqual(images["used"], 5)  # and one is held out
         reasons = {image["image"]: image["reason"] for image in images["rejected"]}
         for name in ("sim0000.png", "sim0002.png"):
-            self.assertIn(f"the same as {name}", reasons[f"z{name}"])
+            self.assertIn(f"duplicate of {name}", reasons[f"z{name}"])
         self.assertIn("zsim0000.png", done.stderr)
         with_copies = read(os.path.join(self.out, "camera.yaml"))
         self.assert_done(self.calibrate(self.path("sim"), to=self.path("once")))
@@ -294,7 +294,7 @@ class Boards(CommandTest):
         result = run("detect", folder, "--pattern", self.pattern, "-o", self.path("f.csv"))
         self.assert_done(result)
         for name in ("a.png", "b.png"):
-            self.assertIn(f"{name}: skipped: no regular file", result.stderr)
+            self.assertIn(f"{name}: skipped: not a regular file", result.stderr)
         result = run("detect", folder, "--pattern", os.path.join(folder, "b.png"), "-o",
                      self.path("f.csv"))
         self.assert_refused(result, 2, "b.png", "device")
@@ -308,7 +308,7 @@ class Boards(CommandTest):
         command = ("detect", write(self.path("huge.png"), huge(30000, 30000)), "--pattern",
                    self.pattern, "-o", self.path("f.csv"))
         self.assert_refused(run(*command), 2, "30000 x 30000", "--allow-huge-images")
-        self.assert_refused(run(*command, "--allow-huge-images"), 2, "damaged")
+        self.assert_refused(run(*command, "--allow-huge-images"), 2, "corrupt")
         write(self.path("huge.png"), huge(1000000, 1))
         for option in ((), ("--allow-huge-images",)):
             self.assert_refused(run(*command, *option), 2, "1000000 x 1")

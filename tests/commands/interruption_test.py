@@ -146,7 +146,7 @@ class Interruption(CommandTest):
             if code == 5:
                 break
         self.assertEqual(code, 5, error)
-        self.assertIn("keeps its earlier finished result", error)
+        self.assertIn("still holds the previous result", error)
         self.assertEqual(error.count("\n"), 1, error)
         after = self.files_in("finished")
         self.assertTrue(after.pop("resume.json"))
@@ -171,7 +171,7 @@ class Interruption(CommandTest):
         digit = good.rindex(b".") + 1
         write(resume, good[:digit] + (b"1" if good[digit:digit + 1] != b"1" else b"2")
               + good[digit + 1:])
-        self.assert_refused(run(*arguments, "--resume"), 2, "was changed")
+        self.assert_refused(run(*arguments, "--resume"), 2, "was modified")
         write(resume, good)
         self.assert_done(run(*arguments, "--resume"))
         self.assert_same_bytes("killed", "unkilled")

@@ -64,7 +64,7 @@ class LargeFiles(CommandTest):
         self.assertEqual(code, 0, error)
         # A feature that its image has twice is found at the second of its lines.
         twice = write(self.path("twice.csv"), HEADER + "".join(lines[:3000] + [lines[7]]))
-        self.refuse(twice, ("line 3002", "given before"), "inspect", twice)
+        self.refuse(twice, ("line 3002", "duplicate feature"), "inspect", twice)
 
     def test_tables_with_more_rows_than_any_calibration_has(self):
         images = write(self.path("images.csv"),
@@ -99,7 +99,7 @@ class LargeFiles(CommandTest):
             5, "calibrate", "--features", self.path("sim/features.csv"), "--image-size", "640x480",
             "--pattern", self.path("sim/pattern.yaml"), "--resume", "-o", self.path("killed"))
         self.assertEqual(code, 2, error)
-        self.assertIn(f"{resume}: is of other features", error)
+        self.assertIn(f"{resume}: was written for other features", error)
 
     def test_trees_with_more_values_than_any_camera_has(self):
         values = "- 1\n" * (2 * MEGABYTE)

@@ -176,7 +176,7 @@ class MainJob(CommandTest):
             return result
         result = fit("splined-stereographic")
         self.assertIn("control points over", result.stdout)
-        self.assertIn("where the camera can be trusted: RMS 0.00", result.stdout)
+        self.assertIn("in the valid region: RMS 0.00", result.stdout)
         figures = json.loads(fit("splined-stereographic", "--json").stdout)
         self.assertLess(figures["trusted"]["rms_px"], 0.005)
         self.assertEqual(figures["places_without"], 0)
@@ -370,7 +370,7 @@ class MainJob(CommandTest):
         self.assertLess(result["training"]["median_px"], 0.1)
         # A mode that is told wrong does not fit.
         for mode, words in ((f"{folders[1]}:bin=3", ("160 x 120", "106 x 80")),
-                            ("other:bin=2", ("other", "FOLDER:WORDS"))):
+                            ("other:bin=2", ("other", "FOLDER:SETTINGS"))):
             result = run("calibrate", *folders[:2], "--mode", mode, *common)
             self.assertNotEqual(result.returncode, 0)
             for word in words:

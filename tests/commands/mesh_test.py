@@ -347,15 +347,15 @@ class Meshes(CommandTest):
     def test_what_a_unit_cannot_do(self):
         for name, code, more, words in (
                 ("dw100", 1, ("--size", "644x480"), ("multiples of 8", "width of 644")),
-                ("dw100", 1, ("--stride", "8"), ("--stride", "does not take")),
+                ("dw100", 1, ("--stride", "8"), ("--stride", "not supported by")),
                 ("dw100", 6, (*WITHOUT_BORDER, "--max-fit-error-px", "0.01"), ("0.01 px", "at most", "RMS")),
-                ("ti-ldc", 1, ("--stride", "12"), ("--stride 12", "powers of 2")),
+                ("ti-ldc", 1, ("--stride", "12"), ("--stride 12", "power of 2")),
                 ("rockchip-ldch", 6, WITHOUT_BORDER, ("rows only", "rockchip-fec", "--max-fit-error-px")),
                 ("rockchip-ldch", 1, ("--size", "160x120"), ("320 x 240", "--size")),
                 ("hailo", 1, ("--size", "4096x480"), ("64 to 4095",)),
-                ("depthai-mesh", 1, ("--stride", "7"), ("--stride 7", "divides")),
+                ("depthai-mesh", 1, ("--stride", "7"), ("--stride 7", "divide")),
                 ("vpi", 1, ("--size", "32x16"), ("64 to",)),
-                ("vpi", 1, ("--stride", "12"), ("--stride 12", "powers of 2")),
+                ("vpi", 1, ("--stride", "12"), ("--stride 12", "power of 2")),
                 ("opencv", 1, ("--stride", "7"), ("--stride", "opencv"))):
             with self.subTest((name, more)):
                 ending = ".npz" if name == "vpi" else ".bin"

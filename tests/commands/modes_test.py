@@ -88,7 +88,7 @@ class Modes(CommandTest):
         self.assert_refused(run(*back, "--remap-index", 1), 1, "distorts", "--inverse")
         self.assert_refused(run("undistort", blob, self.path("in/whole.png"), "--remap-index", 1,
                                 "--inverse", "-o", self.path("back")), 8, "200 x 150",
-                            "pictures of its view")
+                            "images of its view")
         self.assert_done(run(*back, "--remap-index", 1, "--inverse"))
         # The table of the other direction says the view, and each pixel is found exactly.
         self.assert_done(run(*back[:-1], self.path("exact"), "--inverse"))
@@ -109,14 +109,14 @@ class Modes(CommandTest):
             table = json.loads(result.stdout)["remaps"][0]
             self.assertGreater(table["far_error_px"], 0.05)
             self.assertLess(table["error_px"], 0.25)
-        for scene, words in (("at=0", ("above 0",)), ("at=-1", ("above 0",)),
-                             ("plane=0,0,0,1", ("not 0",)), ("plane=0,0,1", ("four numbers",)),
+        for scene, words in (("at=0", ("positive",)), ("at=-1", ("positive",)),
+                             ("plane=0,0,0,1", ("non-zero",)), ("plane=0,0,1", ("four numbers",)),
                              ("at=1,plane=0,0,1,1", ("one of them",))):
             result = run("pack", self.lines, "--remap", "160x120," + scene, "-o",
                          self.path("no/c.raygrid"))
             self.assert_refused(result, 1, *words)
         self.assert_refused(self.pack("--remap", "100x80,at=1", output="no/c.raygrid"), 1,
-                            "lines", "leave them out")
+                            "non-central", "omit them")
 
     def test_frames_of_another_size_are_refused_with_a_way_out(self):
         self.assert_done(self.pack("--remap", "100x80", output="one/c.raygrid"))
@@ -129,21 +129,21 @@ class Modes(CommandTest):
 
     def test_impossible_modes_are_refused_in_a_line(self):
         for mode, words in (("half", ("NAME:",)), (":bin=2", ("NAME:",)),
-                            ("a:bin=0", ("bin", "1 to 64")), ("a:bin=1.5", ("whole number",)),
+                            ("a:bin=0", ("bin", "1 to 64")), ("a:bin=1.5", ("integer",)),
                             ("a:bin=2,scale=0.5", ("one of them",)),
-                            ("a:crop=100,0,80,60", ("outside", "160 x 120")),
-                            ("a:crop=1,2,3", ("four numbers, as 320,180,640,360",)), ("a:crop=0,0,1,1", ("outside",)),
+                            ("a:crop=100,0,80,60", ("within", "160 x 120")),
+                            ("a:crop=1,2,3", ("four numbers, such as 320,180,640,360",)), ("a:crop=0,0,1,1", ("2 x 2",)),
                             ("a:crop=nan,0,80,60", ("four numbers",)),
                             ("a:scale=0", ("scale",)), ("a:scale=0.01", ("1/64",)),
                             ("a:size=0x60", ("size",)), ("a:flip=x", ("h, v",)),
-                            ("a:rotate=90", ("180", "columns")), ("a:zoom=2", ("zoom=2",)),
+                            ("a:rotate=90", ("180", "not supported")), ("a:zoom=2", ("zoom=2",)),
                             ("a:bin=2,bin=2", ("twice",)), ("a:2", ("crop=",)),
                             ("a" * 32 + ":bin=2", ("31 bytes",))):
             self.assert_refused(self.pack("--mode", mode, output="no/c.raygrid"), 1, *words)
         self.assert_refused(self.pack("--mode", "a:bin=2", "--mode", "a:bin=4",
-                                      output="no/c.raygrid"), 1, "named twice")
+                                      output="no/c.raygrid"), 1, "duplicate name")
         many = [word for k in range(11) for word in ("--mode", f"m{k}:bin=2")]
-        self.assert_refused(self.pack(*many, output="no/c.raygrid"), 1, "12 tables", "11")
+        self.assert_refused(self.pack(*many, output="no/c.raygrid"), 1, "12 remap tables", "11")
         self.assertFalse(os.path.exists(self.path("no")))
 
 

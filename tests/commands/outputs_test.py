@@ -34,7 +34,7 @@ class Outputs(CommandTest):
         for out in (blob, frame, self.path("board/link.raw"), self.path("board/hard"),
                     self.path("board/../board/in.raw")):
             with self.subTest(out):
-                self.assert_refused(self.undistort(blob, frame, out), 7, "replace an input")
+                self.assert_refused(self.undistort(blob, frame, out), 7, "overwrite an input")
                 self.assertTrue(read(blob) == good and read(frame) == FRAME)
         # Not even a frame of the name that the output has while it is written.
         part = write(self.path("board/out.raw.part"), FRAME)
@@ -80,7 +80,7 @@ class Outputs(CommandTest):
             for command in (("simulate", "--images", 2, "--pattern", board),
                             ("calibrate", "--features", features, "--image-size", "64x48", "--pattern", board),
                             ("undistort", self.path("c.raygrid"), image)):
-                self.assert_refused(run(*command, "-o", path), 1, path, "name a folder")
+                self.assert_refused(run(*command, "-o", path), 1, path, "give a folder")
                 self.assertFalse(os.path.exists(path))
 
     def test_a_limit_on_the_size_of_files_is_a_failure_to_write(self):

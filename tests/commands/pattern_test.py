@@ -123,7 +123,7 @@ class PatternCommand(CommandTest):
         _, _, said = made("chessboard", "--columns", 9, "--rows", 6, "--square-mm", 25)
         self.assertIn("measure 8 squares", said)
         self.assertIn("from the first inner corner of a row to the last: 200.00 mm", said)
-        self.assertIn("do this again with --square-mm L/8\n", said)
+        self.assertIn("run this again with --square-mm L/8\n", said)
         _, _, said = made("aprilgrid", "--tag-columns", 6, "--tag-rows", 3, "--tag-mm", 20)
         self.assertIn("again with --tag-mm L/7.5\n", said)
 
@@ -214,14 +214,14 @@ class PatternCommand(CommandTest):
     def test_a_word_that_is_no_board_is_refused_by_name(self):
         for spec, words in (
                 ("chessboard:9x6", "COLUMNSxROWS:LENGTH"),
-                ("chessboard:9x6:25", "'25' is no length"),
-                ("chessboard:9x6:-25mm", "no length"),
+                ("chessboard:9x6:25", "'25' is not a length"),
+                ("chessboard:9x6:-25mm", "not a length"),
                 ("chessboard:9x6:25mm:marker=3mm", "no 'marker'"),
-                ("chessboard:9x:25mm", "'9x' is no size"),
-                ("chessboard:9x6a:25mm", "no size"),
+                ("chessboard:9x:25mm", "'9x' is not a size"),
+                ("chessboard:9x6a:25mm", "not a size"),
                 ("chessboard:1x6:25mm", "2 to 1000"),
-                ("chessboard:99999999999x6:25mm", "no size"),
-                ("chesboard:9x6:25mm", "no board is of kind 'chesboard'"),
+                ("chessboard:99999999999x6:25mm", "not a size"),
+                ("chesboard:9x6:25mm", "known target kind: 'chesboard'"),
                 ("charuco:6x4:25mm", "marker="),
                 ("charuco:6x4:25mm:marker=30mm", "marker_m"),
                 ("charuco:6x4:25mm:marker=18mm:marker=18mm", "twice"),

@@ -32,7 +32,7 @@ class Pipes(CommandTest):
             results = list(pool.map(lambda arguments: run(*arguments), cases))
         for arguments, result in zip(cases, results):
             with self.subTest(arguments[0]):
-                self.assert_refused(result, 2, "pipe", "nobody writes")
+                self.assert_refused(result, 2, "pipe", "no process writes")
 
     def test_a_pipe_that_nobody_reads_is_named(self):
         result = run("unproject", self.camera, "--pixels", self.pixels, "-o", self.pipe)

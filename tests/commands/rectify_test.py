@@ -134,9 +134,9 @@ class Rectify(CommandTest):
                 (None, dict(left="cam9"), ("--left cam9", "cam0, cam1, cam2")),
                 (None, dict(right="cam0"), ("both cam0",)),
                 (None, dict(left="cam1", right="cam0"),
-                 ("cam1 stands to the right of cam0", "--left cam0 --right cam1")),
-                ((1, back, (-0.1, 0, 0)), {}, ("no overlap", "cam0 and cam1")),
-                ((1, (1, 0, 0, 0), (0, 0, 0)), {}, ("one place",)),
+                 ("cam1 is to the right of cam0", "--left cam0 --right cam1")),
+                ((1, back, (-0.1, 0, 0)), {}, ("do not overlap", "cam0 and cam1")),
+                ((1, (1, 0, 0, 0), (0, 0, 0)), {}, ("no baseline",)),
                 ((1, (1, 0, 0, 0), (0, 0, -0.3)), {}, ("behind",)),
                 ((1, (1, 0, 0, 0), (0, 0.1, 0)), {}, ("below", "--left cam1 --right cam0"))):
             with self.subTest(words[0]):
@@ -164,7 +164,7 @@ class Rectify(CommandTest):
         camera = read(self.path("sim/" + self.camera))
         write(self.path("own/cam0.camera.yaml"), camera)
         self.assert_refused(self.rectify(rig=self.path("own/rig.yaml"), out="own"), 7,
-                            "replace the input")
+                            "overwrite the input")
         self.assertEqual(read(self.path("own/cam0.camera.yaml")), camera)
         self.assertEqual(sorted(os.listdir(self.path("own"))), ["cam0.camera.yaml", "rig.yaml"])
 

@@ -256,12 +256,12 @@ class Check(Calibrated):
             self.assertEqual(found["images"], once["images"])
             self.assertEqual(found["movements"], once["movements"])
             self.assertEqual(len(found["rejected"]), (copies - 1) * once["images"])
-            self.assertIn("shows the same as copy0_sim0000.png", found["rejected"][0]["reason"])
+            self.assertIn("duplicate of copy0_sim0000.png", found["rejected"][0]["reason"])
 
     def test_noise_that_hides_everything_is_no_ok(self):
         randomly = random.Random(1)
         result = self.check("noisy.csv", lambda x, y: (x + randomly.gauss(0, 3), y + randomly.gauss(0, 3)))
-        self.assert_refused(result, 3, "nothing is found", "take more of them")
+        self.assert_refused(result, 3, "no change detected", "take more or sharper images")
         self.assertTrue(result.stdout.startswith("CANNOT TELL"), result.stdout)
 
     def test_scaled(self):

@@ -95,11 +95,11 @@ class RigSession(CommandTest):
     def test_names_of_cameras(self):
         left, right = self.path("left"), self.path("right")
         for sources, words in (((left, right), "NAME=SOURCE"),
-                               ((f"a={left}", f"a={right}"), "two cameras of one name"),
+                               ((f"a={left}", f"a={right}"), "duplicate camera name"),
                                ((f"a/b={left}", f"c={right}"), "letters, digits"),
-                               ((f"a={left}", f"b={right}", f"c={right}"), "the source of b again"),
-                               ((f"a={left}", f"b={right}/../left"), "the source of a again"),
-                               (("a=v4l2:/dev/null", "b=v4l2:/dev/../dev/null"), "the source of a again")):
+                               ((f"a={left}", f"b={right}", f"c={right}"), "same source as camera b"),
+                               ((f"a={left}", f"b={right}/../left"), "same source as camera a"),
+                               (("a=v4l2:/dev/null", "b=v4l2:/dev/../dev/null"), "same source as camera a")):
             self.assert_refused(self.capture(sources=sources), 1, words)
             self.assertFalse(os.path.exists(self.session))
 
@@ -110,7 +110,7 @@ class RigSession(CommandTest):
         result = self.capture("--no-calibrate", sources=[f"left={self.path('left')}",
                                                          f"right={self.path('other')}"])
         self.assert_done(result)
-        self.assertIn("left and right have seen no board at once", result.stderr)
+        self.assertIn("no common view of left and right yet", result.stderr)
 
 
 if __name__ == "__main__":

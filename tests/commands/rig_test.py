@@ -108,7 +108,7 @@ class Rig(CommandTest):
                        self.path("refused"))
         folder = self.folder
         self.assert_refused(refused("--camera", f"a={folder}", "--camera", f"a={folder}"), 1,
-                            "one name")
+                            "duplicate camera name")
         self.assert_refused(refused("--camera", f"a={folder}"), 1, "two cameras")
         self.assert_refused(refused("--camera", folder, "--camera", f"b={folder}"), 1, "NAME=")
         self.assert_refused(refused("--camera", f"../x={folder}", "--camera", f"b={folder}"), 1,
@@ -127,7 +127,7 @@ class Rig(CommandTest):
             text = "\n".join(lines[:1] + first + own + copies) + "\n"
             features = write(self.path(f"twice{len(twice)}.csv"), text.encode())
             self.assert_refused(self.calibrate(features, "--image-size", "640x480"), 2, "'cam0'", "'cam1'",
-                                "same image")
+                                "share an image")
 
     def test_features_of_a_camera_that_is_not_in_the_rig(self):
         features = self.edited(lambda line: line.replace("cam1,", "front,"))

@@ -46,9 +46,9 @@ class RollingShutterTest(CommandTest):
             self.assertAlmostEqual(facts["row_time_us"], found["row_time_us"], delta=1e-5)
             self.assertAlmostEqual(facts["row_time_deviation_us"], found["deviation_us"], delta=1e-5)
             self.assertIn("row time", run("inspect", result / name).stdout)
-        self.assertIn("time of a row", read(result / "report.html").decode())
+        self.assertIn("line delay", read(result / "report.html").decode())
         self.assertEqual(run("report", result).returncode, 0)
-        self.assertIn("time of a row", read(result / "report.html").decode())
+        self.assertIn("line delay", read(result / "report.html").decode())
         self.carried(result, found["row_time_us"])
         self.better(result)
 
@@ -77,7 +77,7 @@ class RollingShutterTest(CommandTest):
 
     def test_frames_that_are_far_apart_tell_nothing(self):
         found, result = self.row_time(self.record("apart", "--frame-rate", "1", "--images", "40"))
-        self.assertIn("0 images have two neighbours in time", found["untold"])
+        self.assertIn("only 0 images have two adjacent frames", found["untold"])
         self.assertNotIn("row_time_us", found)
         self.assertNotIn(b"row_time", read(result / "camera.yaml"))
         facts = json.loads(run("inspect", result / "camera.raygrid", "--json").stdout)
@@ -110,11 +110,11 @@ class RollingShutterTest(CommandTest):
         result = Path(self.path("gaps"))
         done = self.calibrate(self.moving, "--rolling-shutter", "--timestamps", times, "-o", result)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("without 2 of unknown motion, which have no time or no neighbours in time", done.stdout)
+        self.assertIn("without 2 images of unknown motion", done.stdout)
         facts = json.loads(read(result / "result.json"))
         self.assertEqual(facts["row_time"]["left_out"], 2)
         self.assertEqual([image["image"] for image in facts["images"]["rejected"]], list(gone))
-        self.assertIn("its motion is not known", facts["images"]["rejected"][0]["reason"])
+        self.assertIn("unknown motion", facts["images"]["rejected"][0]["reason"])
         self.better(result)
 
     def refusal(self, *options):
@@ -129,14 +129,14 @@ class RollingShutterTest(CommandTest):
             return write(self.path(f"times{len(text)}.csv"), text.encode())
         rows = read(self.moving / "times.csv").decode()
         for options, code, words in (
-                (["--rolling-shutter"], 1, "when images were taken"),
-                (["--timestamps", self.moving / "times.csv"], 1, "for --rolling-shutter"),
+                (["--rolling-shutter"], 1, "needs time stamps"),
+                (["--timestamps", self.moving / "times.csv"], 1, "requires --rolling-shutter"),
                 (["--rolling-shutter", "--timestamps", self.moving / "times.csv", "--vary-with",
-                  "temperature"], 1, "not with --vary-with"),
+                  "temperature"], 1, "cannot be combined with --vary-with"),
                 (["--rolling-shutter", "--timestamps", self.path("none.csv")], 2, "none.csv"),
                 (["--rolling-shutter", "--timestamps", times("image,time\na,1\n")], 2, "time_s"),
                 (["--rolling-shutter", "--timestamps", times(rows + "sim0000.png,99\n")], 2, "twice"),
-                (["--rolling-shutter", "--timestamps", times(rows + "other.png,0\n")], 2, "was taken when"),
+                (["--rolling-shutter", "--timestamps", times(rows + "other.png,0\n")], 2, "have the same time stamp"),
                 (["--rolling-shutter", "--timestamps", times("image,time_s\nx.png,1\n")], 2,
                  "no image of the calibration")):
             code_of_it, text = self.refusal(*options)

@@ -87,7 +87,7 @@ class Sheets(CommandTest):
         rim = write(self.path("rim.yaml"), re.sub("area: .*", "area: [0, 50, 10, 70]", text))
         row, = self.told(rim)
         self.assertEqual(row["views"], [])
-        self.assertIn("sees nothing", row["why_no_view"])
+        self.assertIn("does not overlap", row["why_no_view"])
 
     def test_the_sheet_has_a_name_of_its_own(self):
         os.makedirs(self.path("here"), exist_ok=True)
@@ -104,13 +104,13 @@ class Sheets(CommandTest):
                 ([self.path("front.0.camera.yaml"), "--image", self.other], 8, ("160 x 120",)),
                 ([self.path("board.yaml")], 2, ("board.yaml",)),
                 ([self.camera, "--remap", "hfov=500"], 1, ("hfov",)),
-                ([self.camera, "--remap", "80x60,hfov=40,rotate=180,0,0"], 1, ("sees nothing",)),
+                ([self.camera, "--remap", "80x60,hfov=40,rotate=180,0,0"], 1, ("does not overlap",)),
                 ([], 1, ("files",))):
             with self.subTest(arguments):
                 self.assert_refused(self.view(*arguments, output="never.png"), code, *words)
                 self.assertFalse(os.path.exists(self.path("never.png")))
         camera = write(self.path("own/camera.yaml"), read(self.camera))
-        self.assert_refused(run("view", camera, "-o", camera), 7, "replace the input")
+        self.assert_refused(run("view", camera, "-o", camera), 7, "overwrite the input")
         self.assert_refused(run("view", camera, "-o", "/dev/null/sheet.png"), 7)
         self.assertEqual(read(camera), read(self.camera))
 

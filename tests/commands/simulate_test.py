@@ -286,7 +286,7 @@ class Simulate(CommandTest):
                                     (("--min-square-px", 40), 1, "--max-square-px"),
                                     (("--per-view-deformation-mm", 1, "--render"), 1, "--target-deformation-mm"),
                                     (("--per-view-deformation-mm", -1), 1, "--per-view-deformation-mm"),
-                                    (("--fixed-boards",), 1, "one board only"),
+                                    (("--fixed-boards",), 1, "at least two boards"),
                                     (("--fixed-boards", "--render"), 1, "--render"),
                                     (("--move-board-mm", 1), 1, "--fixed-boards"),
                                     (("--lens", "zoom"), 2, "zoom")):

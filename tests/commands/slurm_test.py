@@ -56,7 +56,7 @@ class Slurm(CommandTest):
     def test_without_slurm_a_line_says_what_to_do(self):
         with mock.patch.dict(os.environ, PATH=self.path("nowhere")):
             result = run("batch", self.plan, "-o", self.path("none"), "--slurm")
-        self.assert_refused(result, 1, "sbatch is not in the PATH", "slurm-client", "GNU parallel")
+        self.assert_refused(result, 1, "sbatch not found in PATH", "slurm-client", "GNU parallel")
 
     def test_what_slurm_refuses_is_told(self):
         with self.fake_sbatch("echo 'sbatch: error: invalid partition' >&2; exit 1\n"):

@@ -135,14 +135,14 @@ class Update(CommandTest):
         self.assertEqual(facts["newest"], 0)
         self.assertEqual(facts["slot 0"]["bytes"], len(self.blobs["a"]))
         self.assertEqual(facts["slot 0"]["image_size"], [160, 120])
-        self.assertEqual(facts["slot 1"]["state"], "not whole")
+        self.assertEqual(facts["slot 1"]["state"], "incomplete")
         self.assert_done(self.update("c"))
         self.check_newest(1, 2, "c")
         slots[100] ^= 1
         write(self.slots, bytes(slots))
         refused = run("inspect", self.slots)
         self.assert_refused(refused, 8, "neither slot")
-        self.assertIn("not whole", refused.stdout)
+        self.assertIn("incomplete", refused.stdout)
 
     def put(self, index, sequence, blob):
         """What a program writes that does not look at the blob: its CRCs are right."""
@@ -164,16 +164,16 @@ class Update(CommandTest):
                 self.assert_done(told)
                 facts = json.loads(told.stdout)
                 self.assertEqual(facts["newest"], 1 - newest_slot)
-                self.assertEqual(facts[f"slot {newest_slot}"]["state"], "does not open")
+                self.assertEqual(facts[f"slot {newest_slot}"]["state"], "invalid")
                 self.assertEqual(facts[f"slot {newest_slot}"]["bytes"], len(bad))
-                self.assertEqual(facts[f"slot {1 - newest_slot}"]["state"], "whole")
+                self.assertEqual(facts[f"slot {1 - newest_slot}"]["state"], "valid")
                 self.assert_done(self.update("c"))
                 self.check_newest(newest_slot, 5, "c")
         for index in (0, 1):
             self.put(index, 4 + index, b"damaged")
         refused = run("inspect", self.slots)
         self.assert_refused(refused, 8, "neither slot")
-        self.assertEqual(refused.stdout.count("does not open"), 2)
+        self.assertEqual(refused.stdout.count("invalid"), 2)
         self.assert_done(self.update("c"))
         self.check_newest(0, 6, "c")
 
@@ -204,7 +204,7 @@ class Update(CommandTest):
         whole = read(two)
         for copy in (whole + bytes(1000), whole[:100000]):
             place = write(self.path("copy.bin"), copy)
-            self.assert_refused(run("update", blob, "--slots", place), 2, "a slot begins at byte 65536")
+            self.assert_refused(run("update", blob, "--slots", place), 2, "found a slot at byte 65536")
             self.assertEqual(read(place), copy)
         self.assertEqual(read(photo), bytes(range(256)) * 256)
         self.assert_done(run("update", blob, "--slots", photo, "--initialize"))

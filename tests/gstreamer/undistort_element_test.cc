@@ -611,13 +611,13 @@ TEST(UndistortElement, FailsAtASettingThatCannotBe) {
            {"table", "7", "has no remap table 7, only 0 to 1; choose"},
            {"blob", "/nowhere/lens.raygrid", "cannot be read"},
            {"blob", "", "set blob="},
-           {"blob", blobs.same_size(), "its tables make"}}) {
+           {"blob", blobs.same_size(), "its remap tables undistort"}}) {
     SCOPED_TRACE(value);
     const Pipeline pipeline(blobs.paths()[0].c_str());
     pipeline.SetCaps("video/x-raw", "GRAY8", kWideWidth, kWideHeight);
     EXPECT_FALSE(MadeOf(pipeline, bytes).empty());
     pipeline.SetText(property, value);
-    if (std::strcmp(words, "its tables make") == 0)
+    if (std::strcmp(words, "its remap tables undistort") == 0)
       pipeline.SetCaps("video/x-raw", "GRAY8", kWideWidth / 2, kWideHeight);
     EXPECT_LT(gst_harness_push(pipeline.get(), gst_buffer_new_memdup(
                                                    bytes.data(), bytes.size())),
@@ -633,11 +633,10 @@ TEST(UndistortElement, SaysWhatATableIsFor) {
   for (const auto& [properties, words] :
        std::vector<std::array<const char*, 2>>{
            {"table=1",
-            "table 1 makes 48x32 of 160x120 frames, and frames are "
-            "120x100; leave table out"},
+            "table 1 undistorts 160x120 to 48x32, but frames are 120x100; omit "
+            "table"},
            {"",
-            "its tables make 40x30 of 120x100 frames, 48x32 of 160x120 "
-            "frames"}}) {
+            "its remap tables undistort 120x100 to 40x30, 160x120 to 48x32"}}) {
     const Pipeline pipeline(blob.path(), properties);
     const int width = std::strlen(properties) > 0 ? 120 : 640;
     pipeline.SetCaps("video/x-raw", "GRAY8", width, 100);

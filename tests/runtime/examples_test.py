@@ -89,7 +89,7 @@ class ExamplesTest(unittest.TestCase):
 
     def test_point_behind_the_camera_is_out_of_sight(self):
         done = run(TRACK, self.write_blob(make_golden.make_wide()), 160, 120, 180, 0)
-        self.assertEqual(done.stdout.splitlines()[-1], "out of sight")
+        self.assertEqual(done.stdout.splitlines()[-1], "not visible")
 
 
 if __name__ == "__main__":

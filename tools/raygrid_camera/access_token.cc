@@ -16,8 +16,8 @@ AccessToken AccessToken::MakeRandom() {
   uint8_t bytes[16];
   if (getrandom(bytes, sizeof(bytes), 0) != sizeof(bytes))
     throw CameraError(CameraExit::kInput,
-                      "--listen: the kernel gives no random numbers; choose a "
-                      "word with --token-file");
+                      "--listen: cannot get random numbers from the kernel; "
+                      "set a token with --token-file");
   std::string text;
   for (const uint8_t byte : bytes)
     for (const int digit : {byte >> 4, byte & 15})
@@ -37,8 +37,8 @@ AccessToken AccessToken::Read(const std::string& path) {
   if (text.size() < 16 || text.size() > 128 || !has_only_letters)
     throw CameraError(CameraExit::kUsage,
                       "--token-file: " + path +
-                          ": is no line of 16 to 128 letters, digits, - and "
-                          "_; openssl rand -hex 16 makes one");
+                          ": expected one line of 16 to 128 letters, digits, - "
+                          "and _; create one with openssl rand -hex 16");
   return AccessToken(text);
 }
 

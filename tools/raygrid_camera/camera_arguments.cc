@@ -93,7 +93,7 @@ double ParseNumber(const std::string& option, const char* text, double low,
   char* end;
   const double value = std::strtod(text, &end);
   if (end == text || *end != 0 || !(value >= low && value <= high))
-    FailUsage(option + ": " + text + " is no number from " +
+    FailUsage(option + ": " + text + " is not a number from " +
               std::to_string(std::lround(low)) + " to " +
               std::to_string(std::llround(high)));
   return value;
@@ -102,7 +102,7 @@ double ParseNumber(const std::string& option, const char* text, double low,
 uint64_t ParseCount(const std::string& option, const char* text, double low,
                     double high) {
   const double value = ParseNumber(option, text, low, high);
-  if (value != std::floor(value)) FailUsage(option + ": not a whole number");
+  if (value != std::floor(value)) FailUsage(option + ": not an integer");
   return static_cast<uint64_t>(value);
 }
 
@@ -111,7 +111,8 @@ void ParseSize(const char* text, CameraArguments* arguments) {
   if (std::sscanf(text, "%5ux%5u%c", &arguments->width, &arguments->height,
                   &more) != 2 ||
       arguments->width == 0 || arguments->height == 0)
-    FailUsage(std::string("--size: ") + text + " is not like 640x480");
+    FailUsage(std::string("--size: ") + text +
+              ": expected WIDTHxHEIGHT, such as 640x480");
 }
 
 SensorCrop ParseCrop(const char* text) {
@@ -121,14 +122,14 @@ SensorCrop ParseCrop(const char* text) {
                   &crop.height, &more) != 4 ||
       crop.width == 0 || crop.height == 0)
     FailUsage(std::string("--calibrated-crop: ") + text +
-              " is not like 0,0,3280x2464");
+              ": expected X,Y,WxH, such as 0,0,3280x2464");
   return crop;
 }
 
 void ChooseCamera(CameraKind kind, const std::string& camera,
                   CameraArguments* arguments) {
   if (arguments->source != CameraKind::kAny)
-    FailUsage("--source, --camera: one camera is enough");
+    FailUsage("--source, --camera: more than one camera given");
   arguments->source = kind;
   arguments->camera = camera;
 }
@@ -138,7 +139,7 @@ void ParseSource(const std::string& text, CameraArguments* arguments) {
   const std::string kind = text.substr(0, colon);
   if (kind != "libcamera" && kind != "v4l2")
     FailUsage("--source: " + text +
-              " is not like v4l2:/dev/video0 or libcamera:ID");
+              ": expected v4l2:/dev/video0 or libcamera:ID");
   ChooseCamera(kind == "v4l2" ? CameraKind::kV4l2 : CameraKind::kLibcamera,
                colon == std::string::npos ? "" : text.substr(colon + 1),
                arguments);
@@ -147,7 +148,7 @@ void ParseSource(const std::string& text, CameraArguments* arguments) {
 // Whether only what is trusted is to be shown.
 bool ParseOutside(const std::string& text) {
   if (text != "fill" && text != "trusted")
-    FailUsage("--outside: " + text + " is neither fill nor trusted");
+    FailUsage("--outside: " + text + ": expected fill or trusted");
   return text == "trusted";
 }
 
@@ -155,7 +156,7 @@ void ParseHttp(const std::string& text, CameraArguments* arguments) {
   const size_t colon = text.rfind(':');
   if (colon != std::string::npos) {
     arguments->http.number = text.substr(0, colon);
-    if (arguments->http.number.empty()) FailUsage("--http: no address");
+    if (arguments->http.number.empty()) FailUsage("--http: missing address");
   }
   const std::string port =
       colon == std::string::npos ? text : text.substr(colon + 1);
@@ -328,37 +329,39 @@ void CheckTogether(const CameraArguments& arguments) {
   if (arguments.is_help || arguments.is_list) return;
   if (arguments.blob.empty()) FailUsage("usage: raygrid-camera BLOB [options]");
   if (arguments.as_png && (arguments.output.empty() || arguments.output == "-"))
-    FailUsage("--png: needs a folder, -o DIR");
+    FailUsage("--png requires a folder, -o DIR");
   if (!arguments.points.empty() &&
       (!arguments.output.empty() || arguments.http.port != 0))
-    FailUsage("--points: instead of -o and --http");
+    FailUsage("--points cannot be combined with -o or --http");
   if (!arguments.points.empty() && arguments.only_trusted)
-    FailUsage("--outside: is for frames; leave it out with --points");
+    FailUsage("--outside applies to frames, not to --points");
   if (arguments.is_benchmark &&
       (arguments.num_frames != 0 || !arguments.points.empty()))
-    FailUsage("--benchmark: leave --frames and --points out");
+    FailUsage("--benchmark cannot be combined with --frames or --points");
   if (arguments.is_check &&
       (arguments.is_benchmark || !arguments.points.empty()))
-    FailUsage("--check: leave --benchmark and --points out");
+    FailUsage("--check cannot be combined with --benchmark or --points");
   if (!arguments.http.more_names.empty() && arguments.http.port == 0)
-    FailUsage("--http-name: needs --http");
+    FailUsage("--http-name requires --http");
   if (arguments.http.number != PageAddress().number && arguments.http.port == 0)
-    FailUsage("--listen: needs --http PORT");
+    FailUsage("--listen requires --http PORT");
   if (!arguments.http.token_file.empty() && arguments.http.port == 0)
-    FailUsage("--token-file: needs --http PORT");
+    FailUsage("--token-file requires --http PORT");
   if (!arguments.recording.empty() && arguments.source != CameraKind::kAny)
-    FailUsage("--from: instead of a camera; leave --source or --camera out");
+    FailUsage("--from cannot be combined with --source or --camera");
   if (!arguments.recording.empty() && !arguments.controls.empty())
-    FailUsage("--control: is for cameras; leave it out with --from");
+    FailUsage("--control applies to cameras, not to --from");
   if (arguments.is_live && arguments.recording.empty())
-    FailUsage("--live: is for --from; leave it out, as cameras are live");
+    FailUsage("--live requires --from");
   if (arguments.is_live && arguments.every_frame)
-    FailUsage("--live: leave --every-frame out, which is the opposite");
+    FailUsage("--live and --every-frame exclude each other");
   if (arguments.recording == "-" && arguments.points == "-")
-    FailUsage("--points: of a file, where --from reads standard input");
+    FailUsage(
+        "--points - cannot be combined with --from -; use a file for one of "
+        "them");
   if (!arguments.recording.empty() && arguments.recording != "-" &&
       arguments.format.empty())
-    FailUsage("--from: needs --format");
+    FailUsage("--from FILE requires --format");
 }
 
 }  // namespace
@@ -371,7 +374,7 @@ CameraArguments ParseCameraArguments(int argc, char** argv) {
     if (which == '?')
       FailUsage(std::string(argv[optind - 1]) + ": unknown option");
     if (which == ':')
-      FailUsage(std::string(argv[optind - 1]) + ": needs a value");
+      FailUsage(std::string(argv[optind - 1]) + ": missing value");
     // A value that stands apart, as those of other options may.
     if (which == kSource && !optarg && optind < argc && argv[optind][0] != '-')
       optarg = argv[optind++];
@@ -379,7 +382,7 @@ CameraArguments ParseCameraArguments(int argc, char** argv) {
   }
   if (optind < argc) arguments.blob = argv[optind++];
   if (optind < argc)
-    FailUsage(std::string(argv[optind]) + ": one blob is enough");
+    FailUsage(std::string(argv[optind]) + ": more than one blob given");
   CheckTogether(arguments);
   return arguments;
 }

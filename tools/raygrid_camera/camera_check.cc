@@ -11,7 +11,8 @@ std::string DescribeSize(const StreamFormat& format) {
   return std::to_string(format.width) + "x" + std::to_string(format.height);
 }
 
-// The words for raygrid pack --capture-settings of all that the source provides.
+// The words for raygrid pack --capture-settings of all that the source
+// provides.
 std::string DescribeCapture(const FrameInfo& info) {
   char text[160] = "";
   std::string words;
@@ -49,7 +50,7 @@ std::string DescribeCapture(const FrameInfo& info) {
     std::snprintf(text, sizeof(text), "gain=%.4g", double{*info.analogue_gain});
     add();
   }
-  return words.empty() ? "" : "; as pack --capture-settings has it: " + words;
+  return words.empty() ? "" : "; capture settings: " + words;
 }
 
 std::string DescribeSource(const CameraArguments& arguments) {
@@ -81,14 +82,14 @@ std::string DescribeCheck(const CameraArguments& arguments,
          " " + source.format().pixel_format->name + " of " +
          DescribeSource(arguments) + " to " +
          DescribeSize(undistorter.format()) + " in " + time + " ms" +
-         (memory.empty() ? "" : "; memory of frames: " + memory) +
+         (memory.empty() ? "" : "; frame buffers: " + memory) +
          DescribeCapture(statistics.last_info) + "\n";
 }
 
 void FailCheck() {
   throw CameraError(CameraExit::kInput,
-                    "--check: ended before a frame came; let it run until one "
-                    "comes, and check that the source gives frames");
+                    "--check: interrupted before a frame was received; check "
+                    "that the source delivers frames");
 }
 
 }  // namespace raygrid

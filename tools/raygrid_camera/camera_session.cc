@@ -67,10 +67,11 @@ class Patience {
   void Check() const {
     if (Clock::now() - last_ > limit_)
       throw CameraError(CameraExit::kInput,
-                        is_input_ ? "standard input: gives no frames; write "
-                                    "some, or allow more with --timeout"
-                                  : "camera: gives no frames; connect it "
-                                    "again, or allow more with --timeout");
+                        is_input_
+                            ? "standard input: no frame within --timeout; "
+                              "check the writing program, or increase --timeout"
+                            : "camera: no frame within --timeout; reconnect "
+                              "it, or increase --timeout");
   }
 
  private:
@@ -205,7 +206,7 @@ void TellBenchmark(const CameraArguments& arguments,
     throw CameraError(
         CameraExit::kInput,
         "--benchmark: only " + std::to_string(benchmark.num_counted()) +
-            " frames came; give it " + std::to_string(Benchmark::kNumFrames));
+            " frames received, needs " + std::to_string(Benchmark::kNumFrames));
 }
 
 void StreamFrames(const CameraArguments& arguments, rg_camera camera,
@@ -220,7 +221,7 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
                     arguments.serial, arguments.calibrated_crop, capture);
   guard.CheckFormat();  // before anything is made
   if (!arguments.is_quiet && !source->memory().empty())
-    std::fprintf(stderr, "memory of frames: %s\n", source->memory().c_str());
+    std::fprintf(stderr, "frame buffers: %s\n", source->memory().c_str());
   UndistorterOptions options;
   options.every_frame = arguments.every_frame;
   options.only_trusted = arguments.only_trusted;
@@ -267,14 +268,13 @@ void StreamPoints(const CameraArguments& arguments, rg_camera camera,
   if (info) stack.Follow(*info);
   if (stack.counts().untold > 0)
     SayLine(
-        "the frame does not tell where in the blob's range it was taken: "
-        "positions are those of the reference, until one tells by a third "
-        "number");
+        "the frame does not report its operating point: using the reference of "
+        "the blob, unless a point has a third number");
   UndistortPoints(camera, guard.mode(), arguments.points, stdout, IsSignalled,
                   &stack);
   if (const uint64_t num = stack.counts().outside)
-    SayLine(std::to_string(num) + (num == 1 ? " value lies" : " values lie") +
-            " beyond the blob's range: its end was taken");
+    SayLine(std::to_string(num) + (num == 1 ? " value is" : " values are") +
+            " outside the blob's range and clamped");
 }
 
 }  // namespace

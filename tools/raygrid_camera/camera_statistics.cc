@@ -51,33 +51,35 @@ void CameraStatistics::ShowAtTheEnd(const SourceCounts& source,
 void CameraStatistics::Show(const SourceCounts& source,
                             const UndistorterStatistics& statistics,
                             double frames_per_second, const char* end) const {
-  std::fprintf(stderr,
-               "%.1f frames/s, remap %.2f ms (99 %%: %.2f ms), waiting %.2f ms "
-               "(99 %%: %.2f ms); %llu arrived, %llu undistorted, %llu taken, "
-               "%llu dropped, %llu damaged, %llu missed by the camera",
-               frames_per_second, statistics.remap.Quantile_ms(0.5),
-               statistics.remap.Quantile_ms(0.99), waited_.Quantile_ms(0.5),
-               waited_.Quantile_ms(0.99), Number(source.arrived),
-               Number(statistics.undistorted), Number(waited_.count()),
-               Number(source.dropped + statistics.dropped),
-               Number(source.damaged), Number(source.missed));
+  std::fprintf(
+      stderr,
+      "%.1f frames/s, remap %.2f ms (99 %%: %.2f ms), latency %.2f ms (99 %%: "
+      "%.2f ms); %llu arrived, %llu undistorted, %llu delivered, %llu dropped, "
+      "%llu damaged, %llu missed by the camera",
+      frames_per_second, statistics.remap.Quantile_ms(0.5),
+      statistics.remap.Quantile_ms(0.99), waited_.Quantile_ms(0.5),
+      waited_.Quantile_ms(0.99), Number(source.arrived),
+      Number(statistics.undistorted), Number(waited_.count()),
+      Number(source.dropped + statistics.dropped), Number(source.damaged),
+      Number(source.missed));
   if (!capture_.is_idle())
-    std::fprintf(stderr, ", not as calibrated: %llu frames",
+    std::fprintf(stderr, ", capture settings differ: %llu frames",
                  Number(capture_.num_not_as_calibrated()));
   if (capture_.num_held_back() > 0)
     std::fprintf(stderr, " (%llu held back)", Number(capture_.num_held_back()));
   const StackCounts& stack = statistics.stack;
   if (stack.untold > 0)
-    std::fprintf(stderr, ", not told where in the blob's range: %llu frames",
+    std::fprintf(stderr, ", operating point unknown: %llu frames",
                  Number(stack.untold));
   if (stack.outside > 0)
-    std::fprintf(stderr, ", outside the blob's range: %llu frames",
+    std::fprintf(stderr, ", operating point out of range: %llu frames",
                  Number(stack.outside));
   const FrameInfo& info = statistics.last_info;
   if (info.lens_position)
-    std::fprintf(stderr, ", lens at %.2f dpt", double{*info.lens_position});
+    std::fprintf(stderr, ", lens position %.2f dpt",
+                 double{*info.lens_position});
   if (info.sensor_temperature_c)
-    std::fprintf(stderr, ", sensor at %.1f C",
+    std::fprintf(stderr, ", sensor temperature %.1f °C",
                  double{*info.sensor_temperature_c});
   std::fputs(end, stderr);
 }

@@ -7,10 +7,10 @@ namespace raygrid {
 ControlValue ParseControl(const std::string& text) {
   const size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-    throw CameraError(CameraExit::kUsage,
-                      "--control: " + text +
-                          " is not like exposure_time_absolute=100; see "
-                          "--help");
+    throw CameraError(
+        CameraExit::kUsage,
+        "--control: " + text +
+            ": expected NAME=VALUE, such as exposure_time_absolute=100");
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 

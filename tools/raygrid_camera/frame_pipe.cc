@@ -51,13 +51,13 @@ class FramePipe : public FrameOutput {
     while (poll(&waiting, 1, kPatience_ms) <= 0) {
       if (!is_stopped_()) continue;
       if (!give_up) give_up = Clock::now() + kGrace;
-      if (Clock::now() > *give_up) Fail("its reader takes nothing");
+      if (Clock::now() > *give_up) Fail("its reader does not read");
     }
   }
 
   [[noreturn]] void Fail(const std::string& why) const {
     throw CameraError(CameraExit::kOutput,
-                      "standard output: the last frame is not whole (" + why +
+                      "standard output: the last frame is incomplete (" + why +
                           "); keep the reader running");
   }
 

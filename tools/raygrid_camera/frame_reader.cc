@@ -72,9 +72,7 @@ unsigned ParseSide(const std::string& line, char letter) {
   char* end;
   const unsigned long value = std::strtoul(text.c_str(), &end, 10);
   if (text.empty() || *end != 0 || value == 0 || value > RG_MAX_IMAGE_SIZE)
-    throw InputError(
-        "its Y4M header says no size such as W640 H480; write it "
-        "again");
+    throw InputError("its Y4M header has no valid size, such as W640 H480");
   return static_cast<unsigned>(value);
 }
 
@@ -82,9 +80,9 @@ const char* FormatOfY4m(const std::string& colours) {
   for (const char* name : {"", "420", "420jpeg", "420mpeg2", "420paldv"})
     if (colours == name) return "YUV420";
   if (colours == "mono") return "R8";
-  throw InputError("Y4M of colours " + colours +
-                   " is not undistorted; write it with ffmpeg -pix_fmt "
-                   "yuv420p");
+  throw InputError(
+      "Y4M colour space " + colours +
+      " is not supported; convert it with ffmpeg -pix_fmt yuv420p");
 }
 
 class Y4mReader : public FrameReader {
@@ -99,7 +97,7 @@ class Y4mReader : public FrameReader {
     if (came < kLength) return came == 0 ? Outcome::kEnd : Outcome::kCut;
     if (!BeginsWith(stream_, kY4mFrame, kLength))
       throw InputError(
-          "a frame of Y4M does not begin with FRAME; write it again");
+          "a Y4M frame does not begin with FRAME; the stream is corrupt");
     std::string line;
     if (!TakeLine(stream_, &line)) return Outcome::kCut;
     const Outcome outcome = ReadPlanes(stream_, format_, frame);
@@ -110,7 +108,8 @@ class Y4mReader : public FrameReader {
   static StreamFormat ReadHeader(InputStream* stream) {
     std::string line;
     if (!TakeLine(stream, &line))
-      throw InputError("its Y4M header does not end; write it again");
+      throw InputError(
+          "its Y4M header is not terminated; the stream is corrupt");
     StreamFormat format =
         MakeStreamFormat(*FindPixelFormat(FormatOfY4m(Parameter(line, 'C'))),
                          ParseSide(line, 'W'), ParseSide(line, 'H'), 0);
@@ -128,20 +127,19 @@ class Y4mReader : public FrameReader {
 std::unique_ptr<FrameReader> MakeFrameReader(InputStream* stream,
                                              const std::string& format,
                                              unsigned width, unsigned height) {
-  if (stream->Await(1) == 0)
-    throw InputError("gives nothing; pipe frames to it");
+  if (stream->Await(1) == 0) throw InputError("is empty; pipe frames to it");
   if (BeginsWith(stream, kY4mMagic, sizeof(kY4mMagic) - 1)) {
     if (!format.empty())
       throw InputError(
-          "is Y4M, whose header says the format; leave --format "
-          "out");
+          "is Y4M, whose header specifies the format; omit --format");
     return std::make_unique<Y4mReader>(stream);
   }
   if (format == "MJPEG" ||
       (format.empty() && BeginsWith(stream, "\xff\xd8\xff", 3)))
     return MakeJpegReader(stream);
   if (format.empty())
-    throw InputError("is neither Y4M nor JPEG; name its format with --format");
+    throw InputError(
+        "is neither Y4M nor JPEG; specify its format with --format");
   return std::make_unique<RawReader>(
       stream, MakeStreamFormat(RequirePixelFormat(format), width, height, 0));
 }

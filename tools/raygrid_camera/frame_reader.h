@@ -26,7 +26,7 @@ class FrameReader {
   virtual Outcome Read(uint8_t* frame) = 0;
   /// The remedy for a stream that is cut.
   virtual const char* remedy() const {
-    return "look at what the program that writes it says";
+    return "see the messages of the program that writes it";
   }
 };
 

@@ -70,7 +70,7 @@ std::string DescribeLibcamera() { return ""; }
 
 std::unique_ptr<FrameSource> OpenLibcamera(const CameraArguments&) {
   throw CameraError(CameraExit::kUsage,
-                    "--source: libcamera is not built in; choose v4l2");
+                    "--source: built without libcamera; use v4l2");
 }
 
 #endif
@@ -82,13 +82,13 @@ std::string DescribeV4l2() { return DescribeV4l2Devices(); }
 std::string FindOnlyDevice() {
   const std::vector<std::string> paths = FindV4l2Devices();
   if (paths.size() == 1) return paths[0];
-  throw CameraError(
-      CameraExit::kInput,
-      paths.empty() ? "camera: V4L2 has none that this user may open; connect "
-                      "one, or add the user to the group video"
-                    : "camera: there are several; choose one of --list with "
-                      "--source v4l2:" +
-                          paths[0]);
+  throw CameraError(CameraExit::kInput,
+                    paths.empty()
+                        ? "camera: no accessible V4L2 device; connect one, or "
+                          "add the user to the group video"
+                        : "camera: several found; select one (see --list), "
+                          "such as --source v4l2:" +
+                              paths[0]);
 }
 
 std::unique_ptr<FrameSource> OpenV4l2(const CameraArguments& arguments) {
@@ -106,7 +106,7 @@ std::string DescribeV4l2() { return ""; }
 
 std::unique_ptr<FrameSource> OpenV4l2(const CameraArguments&) {
   throw CameraError(CameraExit::kUsage,
-                    "--source: V4L2 is not built in; choose libcamera");
+                    "--source: built without V4L2; use libcamera");
 }
 
 #endif
@@ -137,8 +137,8 @@ std::string DescribeCameras() {
   const std::string text = DescribeLibcamera() + DescribeV4l2();
   if (text.empty())
     throw CameraError(CameraExit::kInput,
-                      "camera: there is none; connect one, and check that this "
-                      "user may open it: group video");
+                      "camera: none found; connect one, and check that this "
+                      "user is in the group video");
   return text;
 }
 

@@ -61,7 +61,7 @@ size_t InputStream::ReadSome(uint8_t* to, size_t number) {
     if (came < 0)
       throw CameraError(CameraExit::kInput,
                         std::string("standard input: ") + std::strerror(errno) +
-                            "; give it a file or a pipe of frames");
+                            "; pipe frames or redirect a file to it");
     is_over_ = true;
   }
   return 0;

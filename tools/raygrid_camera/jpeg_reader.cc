@@ -117,7 +117,7 @@ class JpegReader : public FrameReader {
       if (outcome == Outcome::kEnd || outcome == Outcome::kCut)
         throw CameraError(
             CameraExit::kInput,
-            "standard input: holds no whole JPEG; check --format");
+            "standard input: contains no complete JPEG; check --format");
       if (outcome == Outcome::kDamaged) continue;
       if (ReadPictureSize(stream_->data(), picture_bytes_, &size_)) break;
       stream_->Take(picture_bytes_);
@@ -135,12 +135,13 @@ class JpegReader : public FrameReader {
     PictureSize size;
     bool is_good = ReadPictureSize(stream_->data(), picture_bytes_, &size);
     if (is_good && !(size == size_))
-      throw CameraError(
-          CameraExit::kInput,
-          "standard input: pictures of " + std::to_string(size.width) + "x" +
-              std::to_string(size.height) + " follow on " +
-              std::to_string(size_.width) + "x" + std::to_string(size_.height) +
-              "; give it pictures of one kind");
+      throw CameraError(CameraExit::kInput,
+                        "standard input: image size changed to " +
+                            std::to_string(size.width) + "x" +
+                            std::to_string(size.height) + " from " +
+                            std::to_string(size_.width) + "x" +
+                            std::to_string(size_.height) +
+                            "; all images must have the same size and colours");
     is_good =
         is_good && Decompress(stream_->data(), picture_bytes_, size_.is_grey,
                               frame, format_.planes[0].row_bytes);

@@ -34,13 +34,13 @@ void RequireMask(const std::string& path, const std::vector<uint8_t>& bytes) {
       rg_blob_open(bytes.data(), static_cast<uint32_t>(bytes.size()), &blob);
   if (status != RG_OK)
     throw CameraError(CameraExit::kBlob, path + ": " + rg_status_text(status) +
-                                             "; pack or copy it again");
+                                             "; pack or copy the blob again");
   if (blob.mask == 0)
-    throw CameraError(CameraExit::kUsage,
-                      path +
-                          ": --outside trusted: does not say where it can be "
-                          "trusted; leave the option out, or pack a "
-                          "camera.yaml that raygrid calibrate wrote");
+    throw CameraError(
+        CameraExit::kUsage,
+        path +
+            ": --outside trusted: the blob has no valid region; omit the "
+            "option, or pack a camera.yaml written by raygrid calibrate");
 }
 
 Blob OpenBlob(const CameraArguments& arguments) {
@@ -53,7 +53,7 @@ Blob OpenBlob(const CameraArguments& arguments) {
   if (status != RG_OK)
     throw CameraError(CameraExit::kBlob, arguments.blob + ": " +
                                              rg_status_text(status) +
-                                             "; pack or copy it again");
+                                             "; pack or copy the blob again");
   const unsigned table = arguments.table.value_or(0);
   status = rg_select_remap(&blob.camera, table);
   if (status != RG_OK)
@@ -64,16 +64,16 @@ Blob OpenBlob(const CameraArguments& arguments) {
   if (rg_remap_view(&blob.camera, &view) == RG_OK && view.distorts)
     throw CameraError(CameraExit::kBlob,
                       arguments.blob + ": table " + std::to_string(table) +
-                          " distorts pictures of the view; choose one that "
-                          "undistorts frames with --table");
+                          " is an inverse remap (distort); select a table that "
+                          "undistorts with --table");
   if (arguments.only_trusted) RequireMask(arguments.blob, blob.bytes);
   blob.capture = ReadCapture(arguments.blob, blob.bytes.data(),
                              static_cast<uint32_t>(blob.bytes.size()));
   if (arguments.is_strict && !blob.capture)
     throw CameraError(CameraExit::kBlob,
                       arguments.blob +
-                          ": --strict: does not record how the camera stood; "
-                          "pack it with --capture-settings");
+                          ": --strict: the blob has no capture settings; pack "
+                          "it with --capture-settings");
   return blob;
 }
 

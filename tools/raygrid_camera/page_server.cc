@@ -43,9 +43,9 @@ std::unique_ptr<addrinfo, FreeAddress> ParseAddress(const std::string& address,
   const std::string host =
       is_bracketed ? address.substr(1, address.size() - 2) : address;
   if (getaddrinfo(host.c_str(), number.c_str(), &hints, &found) != 0)
-    throw CameraError(CameraExit::kUsage, words.number + ": " + address +
-                                              " is no numerical address, as "
-                                              "0.0.0.0; see --help");
+    throw CameraError(CameraExit::kUsage,
+                      words.number + ": " + address +
+                          " is not a numerical address, such as 0.0.0.0");
   return std::unique_ptr<addrinfo, FreeAddress>(found);
 }
 
@@ -187,10 +187,10 @@ PageServer::Impl::Impl(const PageAddress& address, const PageWords& words,
                        bool takes_posts, Handler handler)
     : address_(address),
       takes_posts_(takes_posts),
-      foreign_name_("not this server's name; " + words.program + " " +
-                    words.name + " NAME adds one\n"),
-      no_token_("a token is needed; " + words.program +
-                " printed the link that has it\n"),
+      foreign_name_("unknown host name; " + words.program + " " + words.name +
+                    " NAME adds one\n"),
+      no_token_("token required; " + words.program +
+                " printed the link that contains it\n"),
       handler_(std::move(handler)),
       port_(address.port) {
   const auto parsed = ParseAddress(address.number, address.port, words);
@@ -209,7 +209,7 @@ PageServer::Impl::Impl(const PageAddress& address, const PageWords& words,
   if (!daemon_)
     throw CameraError(CameraExit::kOutput,
                       words.port + ": " + address.number + ":" +
-                          std::to_string(address.port) + " cannot be served (" +
+                          std::to_string(address.port) + " cannot listen (" +
                           std::strerror(errno) + "); choose another port");
   if (port_ == 0)
     port_ = MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_BIND_PORT)->port;
@@ -300,7 +300,7 @@ MHD_Result PageServer::Impl::AnswerStream(MHD_Connection* connection,
   ClientPlaces::Client* const client = ClientPlaces::Of(connection);
   if (!places_.LetWatch(client))
     return AnswerText(connection, MHD_HTTP_SERVICE_UNAVAILABLE, "text/plain",
-                      "others watch already; try again later\n");
+                      "too many viewers; try again later\n");
   return stream->Answer(connection, &client->since);
 }
 
@@ -313,13 +313,14 @@ MHD_Result PageServer::Impl::Answer(MHD_Connection* connection,
                       foreign_name_.c_str());
   if (method != "GET" && !is_post)
     return AnswerText(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "text/plain",
-                      takes_posts_ ? "only GET and POST\n" : "only GET\n");
+                      takes_posts_ ? "only GET and POST are supported\n"
+                                   : "only GET is supported\n");
   if (token_ && !IsTokenKnown(connection))
     return AnswerText(connection, MHD_HTTP_UNAUTHORIZED, "text/plain",
                       no_token_.c_str());
   if (is_post && !IsAskedByOwnPage(connection))
     return AnswerText(connection, MHD_HTTP_FORBIDDEN, "text/plain",
-                      "only this server's own page may ask for that\n");
+                      "only this server's own page may send commands\n");
   if (token_ && !is_post && path == "/" &&
       !ValueOf(connection, MHD_GET_ARGUMENT_KIND, kTokenParameter).empty())
     return AnswerWithCookie(connection, cookie_.c_str(), *token_);

@@ -59,7 +59,7 @@ class PngFiles : public FrameOutput {
     if (!Encode(&writing))
       throw writing.error.value_or(CameraError(
           CameraExit::kOutput,
-          std::string(path) + ": cannot be written as PNG; free memory"));
+          std::string(path) + ": cannot be written as PNG: out of memory"));
     file.Commit();
   }
 

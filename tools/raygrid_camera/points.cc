@@ -24,7 +24,7 @@ File Open(const std::string& path) {
   File file(path == "-" ? stdin : std::fopen(path.c_str(), "r"));
   if (!file)
     throw CameraError(CameraExit::kInput,
-                      path + ": cannot be read; check the name");
+                      path + ": cannot be read; check name and permissions");
   return file;
 }
 
@@ -91,15 +91,16 @@ void UndistortPoints(const rg_camera& camera,
       if (number == 1 || line[0] == '#' || line[0] == '\n') continue;
       throw CameraError(CameraExit::kInput,
                         path + ":" + std::to_string(number) +
-                            ": not two numbers x,y below 16384, nor these "
-                            "and a lens position or temperature");
+                            ": expected x,y below 16384, optionally with a "
+                            "third number, the lens position or temperature");
     }
     if (point->condition) {
       if (stack->is_idle())
-        throw CameraError(CameraExit::kInput,
-                          path + ":" + std::to_string(number) +
-                              ": a third number, but the blob has no range of "
-                              "lens positions or temperatures; leave it out");
+        throw CameraError(
+            CameraExit::kInput,
+            path + ":" + std::to_string(number) +
+                ": has a third number, but the blob was not calibrated over a "
+                "range of focus or temperature; omit it");
       stack->FollowValue(*point->condition);
     }
     rg_pixel undistorted = {};

@@ -115,7 +115,7 @@ MHD_Result PreviewServer::Impl::Answer(MHD_Connection* connection,
     return AnswerText(connection, MHD_HTTP_OK, "text/html; charset=utf-8",
                       kPreviewPage);
   return AnswerText(connection, MHD_HTTP_NOT_FOUND, "text/plain",
-                    "there is /, /before and /after\n");
+                    "not found; available are /, /before and /after\n");
 }
 
 PreviewServer::PreviewServer(const PageAddress& address,

@@ -21,8 +21,8 @@ void MakeFolder(const std::string& folder) {
       S_ISDIR(status.st_mode))
     return;
   throw CameraError(CameraExit::kOutput,
-                    folder + ": no folder can be made here (" +
-                        std::strerror(errno) + "); choose another place");
+                    folder + ": cannot create the folder (" +
+                        std::strerror(errno) + "); use another path");
 }
 
 WholeFile::WholeFile(const char* path) {
@@ -63,7 +63,7 @@ void WholeFile::Fail() const {
   throw CameraError(CameraExit::kOutput,
                     std::string(path_) + ": cannot be written (" +
                         std::strerror(errno) +
-                        "); make room, or choose another place");
+                        "); free disk space, or use another path");
 }
 
 std::vector<uint8_t> ReadWholeFile(const std::string& path) {
@@ -74,7 +74,7 @@ std::vector<uint8_t> ReadWholeFile(const std::string& path) {
                  std::istreambuf_iterator<char>());
   if (!file || file.bad())
     throw CameraError(CameraExit::kInput,
-                      path + ": cannot be read; check the name");
+                      path + ": cannot be read; check name and permissions");
   return bytes;
 }
 

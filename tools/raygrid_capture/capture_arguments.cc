@@ -31,7 +31,8 @@ double ParsePixels(const std::string& option, const std::string& text) {
       !(value > 0 && value < 1e3))
     throw Error(
         ExitCode::kUsage,
-        fmt::format("{} {}: expected pixels, such as 0.02px", option, text));
+        fmt::format("{} {}: expected a number of pixels, such as 0.02px",
+                    option, text));
   return value;
 }
 
@@ -65,8 +66,8 @@ void RequireDifferentSources(const std::vector<NamedValue>& sources) {
     for (size_t before = 0; before < k; ++before)
       if (PlaceOf(sources[before].value) == PlaceOf(sources[k].value))
         throw Error(ExitCode::kUsage,
-                    fmt::format("--source {}={}: the source of {} again; give "
-                                "each camera its own",
+                    fmt::format("--source {}={}: same source as camera {}; "
+                                "give each camera its own",
                                 sources[k].name, sources[k].value,
                                 sources[before].name));
 }
@@ -96,8 +97,8 @@ std::unique_ptr<LiveFrames> OpenLiveFrames(const CaptureArguments& arguments,
   struct stat status;
   if (stat(name.c_str(), &status) != 0)
     throw InputError(name +
-                     ": is neither a camera, as v4l2:/dev/video0 or libcamera, "
-                     "nor a file or folder; --list names cameras");
+                     ": no such camera, file or folder; for cameras such as "
+                     "v4l2:/dev/video0 see --list");
   return S_ISDIR(status.st_mode) ? MakeFolderFrames(name)
                                  : MakeVideoFrames(name);
 }

@@ -73,7 +73,7 @@ void DescribeNext(const RigGuide& rig, const ImageFeatures& features,
       state->hint = DescribeMove(camera, *next.board, located.camera_from_board,
                                  next.camera_from_board);
   }
-  if (state->hint.empty()) state->hint = "fill the outline with the board";
+  if (state->hint.empty()) state->hint = "move the board into the outline";
 }
 
 void DescribeRig(const RigGuide& rig, const PairedFrames& frames,
@@ -99,14 +99,14 @@ void DescribeRig(const RigGuide& rig, const PairedFrames& frames,
     const std::string& first = frames.name(pair->first);
     const std::string& second = frames.name(pair->second);
     if (!rig.next())
-      state->hint =
-          fmt::format("show the board to {} and {} at once", first, second);
+      state->hint = fmt::format("show the board to {} and {} simultaneously",
+                                first, second);
     state->remarks.push_back(
-        fmt::format("{} and {} have seen no board at once yet", first, second));
+        fmt::format("no common view of {} and {} yet", first, second));
   }
   if (frames.is_unpaired())
     state->remarks.push_back(
-        "the cameras' frames are further apart in time than --pair-within-ms");
+        "the cameras' time stamps differ by more than --pair-within-ms");
 }
 
 }  // namespace raygrid

@@ -23,7 +23,7 @@ void RequireSize(const Session& session, const ImageSize& size) {
   if (session.frames.empty() || session.image_size == size) return;
   throw Error(ExitCode::kUsage,
               fmt::format("the session's frames have {} x {} pixels, the "
-                          "source's {} x {}; choose the same --size",
+                          "source's {} x {}; use the same --size",
                           session.image_size.width, session.image_size.height,
                           size.width, size.height));
 }
@@ -36,14 +36,14 @@ std::string TargetRemark(const CaptureState& state) {
       state.deviation_px <= state.target_px)
     return "";
   return fmt::format(
-      "--until {:g}px was not reached: {} with {} kept; {}", state.target_px,
-      is_known ? fmt::format("95 % of the image are known to {:.3f} px{}",
+      "--until {:g}px was not reached: {} after {} frames; {}", state.target_px,
+      is_known ? fmt::format("uncertainty {:.2g} px in 95 % of the image{}",
                              state.deviation_px,
-                             state.deviation_is_floor ? " at best" : "")
-               : "nothing is known of the camera",
+                             state.deviation_is_floor ? " (lower bound)" : "")
+               : "no estimate of the camera",
       state.kept.size(),
-      state.is_done ? "no view adds enough any more"
-                    : "go on with --resume, and show more views");
+      state.is_done ? "further views add little"
+                    : "add more views with --resume");
 }
 
 bool HasFrame(const Session& session, const std::string& name) {
@@ -107,12 +107,12 @@ void CaptureLoop::Run() {
     } else if (frames_->is_live() && !frames_->is_finished() &&
                SecondsSince(last) > options_.timeout_s) {
       throw CameraError(CameraExit::kInput,
-                        "the source gives no frames; connect it again and go "
-                        "on with --resume, or allow more with --timeout");
+                        "no frame from the source within --timeout; reconnect "
+                        "it and continue with --resume, or increase --timeout");
     }
   }
   if (!has_seen_frames_ && frames_->is_finished() && !IsSignalled())
-    throw InputError(options_.source + ": has no frame that can be read");
+    throw InputError(options_.source + ": contains no readable frame");
   FollowWishes();
   TakeGuide(true);
   if (!guide_) return;
@@ -314,8 +314,8 @@ void CaptureLoop::Forbid(JudgedFrames* judged_frames) {
     NoteLock(c);
     if (word == "refocused" || word == "cropped")
       judged.hint =
-          "the camera stands otherwise than in the first frame: begin "
-          "anew, or set it back with --control";
+          "the capture settings differ from those of the first frame: restore "
+          "them with --control, or start a new session";
     if (!word.empty())
       judged.word = word;
     else if (adjusting_.valid())
@@ -422,7 +422,7 @@ void CaptureLoop::AskForPattern(const ImageFeatures& seen) {
   constexpr int kManyFrames = 300;
   num_without_board_ = seen.features.empty() ? num_without_board_ + 1 : 0;
   if (num_without_board_ > kManyFrames && guide_->next())
-    state_.hint += "; is it the one that --pattern says?";
+    state_.hint += "; does it match --pattern?";
 }
 
 }  // namespace raygrid

@@ -180,19 +180,17 @@ MHD_Result CapturePage::Impl::AnswerCommand(MHD_Connection* connection,
                                             const std::string& path) {
   const auto found = Commands().find(path);
   if (found == Commands().end())
-    return AnswerPlain(connection, MHD_HTTP_NOT_FOUND,
-                       "there is no such command\n");
+    return AnswerPlain(connection, MHD_HTTP_NOT_FOUND, "unknown command\n");
   CaptureCommand command;
   command.kind = found->second;
   if (command.kind == CaptureCommand::Kind::kDelete) {
     const char* const escaped =
         MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "name");
     if (!escaped || !FindName(escaped, &command.name))
-      return AnswerPlain(connection, MHD_HTTP_NOT_FOUND,
-                         "no kept frame has this name\n");
+      return AnswerPlain(connection, MHD_HTTP_NOT_FOUND, "no such frame\n");
   }
   if (on_command_) on_command_(command);
-  return AnswerPlain(connection, MHD_HTTP_ACCEPTED, "asked for\n");
+  return AnswerPlain(connection, MHD_HTTP_ACCEPTED, "accepted\n");
 }
 
 MHD_Result CapturePage::Impl::Answer(MHD_Connection* connection,
@@ -200,7 +198,8 @@ MHD_Result CapturePage::Impl::Answer(MHD_Connection* connection,
   if (is_post) return AnswerCommand(connection, path);
   if (Commands().count(path) > 0)
     return AnswerText(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "text/plain",
-                      "only POST\n", {{MHD_HTTP_HEADER_ALLOW, "POST"}});
+                      "only POST is supported\n",
+                      {{MHD_HTTP_HEADER_ALLOW, "POST"}});
   if (path == "/")
     return AnswerFile(connection, "text/html; charset=utf-8", kCaptureHtml);
   if (path == "/capture.css")
@@ -219,7 +218,7 @@ MHD_Result CapturePage::Impl::Answer(MHD_Connection* connection,
   }
   if (ParsePicturePath(path, "/picture/", &escaped) && FindName(escaped, &name))
     return whole_.Answer(connection, name);
-  return AnswerPlain(connection, MHD_HTTP_NOT_FOUND, "there is no such page\n");
+  return AnswerPlain(connection, MHD_HTTP_NOT_FOUND, "not found\n");
 }
 
 CapturePage::CapturePage(const PageAddress& address, const PageWords& words,

@@ -73,9 +73,10 @@ std::string Progress(const CaptureState& state) {
   if (state.num_expected > 0)
     text += fmt::format(", about {} more", state.num_expected);
   if (state.deviation_px > 0) {
-    text += fmt::format("   95 % known to {:.3f} px{}", state.deviation_px,
-                        state.deviation_is_floor ? " at best" : "");
-    if (state.target_px > 0) text += fmt::format(" of {:g}", state.target_px);
+    text += fmt::format("   uncertainty {:.2g} px{}", state.deviation_px,
+                        state.deviation_is_floor ? " (lower bound)" : "");
+    if (state.target_px > 0)
+      text += fmt::format(", target {:g} px", state.target_px);
   }
   return text;
 }
@@ -101,9 +102,9 @@ std::string DrawState(const CaptureState& state, int num_columns) {
   text += fmt::format("{:<8} {}\n", state.word, state.hint);
   text += RigLine(state);
   text += Progress(state) + "\n";
-  text += fmt::format("edges {:.1f} px   white {:.0f} %   {:.1f} frames/s\n",
-                      state.sharpness_px, 100 * state.brightness,
-                      state.frames_per_second);
+  text += fmt::format(
+      "edge width {:.1f} px   white level {:.0f} %   {:.1f} frames/s\n",
+      state.sharpness_px, 100 * state.brightness, state.frames_per_second);
   for (const std::string& remark : state.remarks) text += remark + "\n";
   return text;
 }

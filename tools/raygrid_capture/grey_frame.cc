@@ -57,8 +57,8 @@ void RequireGrey(const PixelFormatInfo& pixel_format) {
     return;
   throw CameraError(CameraExit::kUsage,
                     std::string("--format: ") + pixel_format.name +
-                        " has no grey level of each pixel; choose one such as "
-                        "YUYV, NV12, RGB888 or R8 (raygrid-camera --list)");
+                        " has no luminance per pixel; use a format such as "
+                        "YUYV, NV12, RGB888 or R8 (see raygrid-camera --list)");
 }
 
 Image GreyOf(const StreamFormat& format, const rg_image& frame) {

@@ -43,8 +43,7 @@ class FolderFrames : public LiveFrames {
     if (!size_) size_ = frame.image.size;
     if (frame.image.size != *size_)
       throw InputError(
-          fmt::format("{}: {} x {} pixels, where the first has {} "
-                      "x {}",
+          fmt::format("{}: {} x {} pixels, but the first image has {} x {}",
                       path, frame.image.size.width, frame.image.size.height,
                       size_->width, size_->height));
     frame.grey = MakeGreyImage(ReadGreyLevels(path));

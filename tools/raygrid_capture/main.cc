@@ -53,13 +53,14 @@ class StandardOutput {
     } else if (!is_quiet_ && is_terminal_) {
       ShowBlock(state);
     } else if (!is_quiet_ && is_kept) {
-      fmt::print(stderr, "{}: kept{}; next: {}\n", state.kept.back(),
-                 state.deviation_px > 0
-                     ? fmt::format(", 95 % known to {:.3f} px{} before it",
-                                   state.deviation_px,
-                                   state.deviation_is_floor ? " at best" : "")
-                     : "",
-                 state.hint);
+      fmt::print(
+          stderr, "{}: kept{}; next: {}\n", state.kept.back(),
+          state.deviation_px > 0
+              ? fmt::format(", uncertainty before it {:.2g} px{}",
+                            state.deviation_px,
+                            state.deviation_is_floor ? " (lower bound)" : "")
+              : "",
+          state.hint);
     }
   }
 
@@ -137,11 +138,12 @@ void SayEnd(const CaptureArguments& arguments, const CaptureState& state) {
     fmt::print(stderr, "raygrid-capture: {}\n", Printable(remark));
   if (arguments.common.json) return;
   fmt::print("{} {} kept in {}{}\n", state.kept.size(),
-             state.cameras.empty() ? "frames" : "instants", arguments.output,
+             state.cameras.empty() ? "frames" : "synchronized frames",
+             arguments.output,
              state.deviation_px > 0
-                 ? fmt::format("; 95 % of the image known to {:.3f} px{}",
+                 ? fmt::format("; uncertainty {:.2g} px in 95 % of the image{}",
                                state.deviation_px,
-                               state.deviation_is_floor ? " at best" : "")
+                               state.deviation_is_floor ? " (lower bound)" : "")
                  : "");
 }
 
@@ -150,8 +152,8 @@ void RequireFrames(const CaptureArguments& arguments,
   if (!state.kept.empty()) return;
   throw Error(
       ExitCode::kTooFew,
-      fmt::format("no frame was kept, the last for the reason '{}'{}; "
-                  "compare the board with {}",
+      fmt::format("no frame was kept, the last one because '{}'{}; check that "
+                  "the board matches {}",
                   state.word, state.hint.empty() ? "" : " (" + state.hint + ")",
                   arguments.pattern));
 }

@@ -17,8 +17,8 @@ PairedFrames::PairedFrames(std::vector<NamedFrames> cameras, double tolerance_s)
             cameras_[0].frames->done().has_value())
       throw Error(
           ExitCode::kUsage,
-          "--source: a rig's sources are all cameras, all videos or all "
-          "folders; they are paired by time, number or name");
+          "--source: the sources of a rig must be all cameras, all videos or "
+          "all folders, since frames are paired by time, number or name");
 }
 
 std::vector<std::string> PairedFrames::names() const {

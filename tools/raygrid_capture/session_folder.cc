@@ -26,9 +26,9 @@ void RequireSameCameras(const std::string& folder,
   throw Error(
       ExitCode::kUsage,
       names.size() == 1
-          ? folder + ": is a session of one camera; give one --source"
-          : fmt::format("{}: is a session of the cameras {}; give each a "
-                        "--source NAME=..., in this order",
+          ? folder + ": is a session of a single camera; give one --source"
+          : fmt::format("{}: is a session of the cameras {}; give one --source "
+                        "NAME=... for each, in this order",
                         folder, fmt::join(names, ", ")));
 }
 
@@ -38,10 +38,10 @@ int LockFolder(const std::string& folder) {
   if (lock < 0) FailToWrite(folder, errno);
   if (flock(lock, LOCK_EX | LOCK_NB) == 0) return lock;
   close(lock);
-  throw Error(ExitCode::kOutput,
-              folder +
-                  ": another capture writes to it; end that first, or "
-                  "choose another folder");
+  throw Error(
+      ExitCode::kOutput,
+      folder +
+          ": in use by another capture; stop it first, or use another folder");
 }
 
 }  // namespace
@@ -52,14 +52,12 @@ SessionFolder::SessionFolder(const std::string& folder, const Pattern& pattern,
     : folder_(folder) {
   const bool is_session = IsSession(folder);
   if (is_session && !resume)
-    throw Error(ExitCode::kOutput,
-                folder +
-                    ": holds a session; go on with it by --resume, or "
-                    "choose another folder");
+    throw Error(ExitCode::kOutput, folder +
+                                       ": contains a session; continue it with "
+                                       "--resume, or use another folder");
   if (resume && !is_session)
-    throw Error(
-        ExitCode::kInput,
-        folder + ": holds no session to go on with; leave --resume out");
+    throw Error(ExitCode::kInput,
+                folder + ": contains no session to resume; omit --resume");
   RequireWritableFolder(folder);
   lock_ = LockFolder(folder);
   const std::string text = FormatPattern(pattern);
@@ -68,11 +66,9 @@ SessionFolder::SessionFolder(const std::string& folder, const Pattern& pattern,
     cameras_ = ReadSession(folder);
     RequireSameCameras(folder, cameras_, cameras);
     if (FormatPattern(ReadPattern(path)) != text)
-      throw Error(ExitCode::kUsage,
-                  folder +
-                      ": is a session of another pattern; give it "
-                      "--pattern " +
-                      path);
+      throw Error(
+          ExitCode::kUsage,
+          folder + ": is a session with another target; use --pattern " + path);
   } else {
     is_new_ = true;
     TakePattern(path, text);
@@ -96,10 +92,9 @@ void SessionFolder::TakePattern(const std::string& path,
     WriteFile(path, text);
     has_made_pattern_ = true;
   } else if (FormatPattern(ReadPattern(path)) != text) {
-    throw Error(ExitCode::kOutput,
-                path +
-                    ": is of another target; give it as --pattern, or choose "
-                    "another folder");
+    throw Error(ExitCode::kOutput, path +
+                                       ": is of another target; pass it as "
+                                       "--pattern, or use another folder");
   }
 }
 

@@ -36,8 +36,8 @@ class VideoStream {
     VideoStream stream;
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0)
-      throw InputError(
-          fmt::format("{}: no pipe ({})", path, std::strerror(errno)));
+      throw InputError(fmt::format("{}: cannot create a pipe ({})", path,
+                                   std::strerror(errno)));
     stream.fd_ = ends[0];
     // A file's name alone is never taken for an address.
     const std::string file = "file:" + path;
@@ -56,8 +56,8 @@ class VideoStream {
     if (failure != 0) {
       stream.program_ = 0;
       throw InputError(
-          fmt::format("{}: is read by ffmpeg, which cannot be run "
-                      "({}); install it, or give Y4M or MJPEG",
+          fmt::format("{}: cannot run ffmpeg to decode it ({}); install it, or "
+                      "use Y4M or MJPEG",
                       path, std::strerror(failure)));
     }
     return stream;
@@ -118,7 +118,7 @@ std::unique_ptr<LiveFrames> MakeVideoFrames(const std::string& path) {
         false);
   } catch (const CameraError& error) {
     throw InputError(
-        fmt::format("{}: no video that can be read ({})", path, error.what()));
+        fmt::format("{}: cannot decode the video ({})", path, error.what()));
   }
 }
 

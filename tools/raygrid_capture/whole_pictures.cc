@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kMaxWaiting = 8;
 constexpr size_t kWholePiece = 64 * 1024;
-constexpr char kTooMany[] = "others ask already; try again later\n";
+constexpr char kTooMany[] = "too many requests; try again later\n";
 
 // Empty for a picture that has no pixels, or not as many as it says.
 std::vector<uint8_t> EncodeWhole(const GreyPicture& picture) {

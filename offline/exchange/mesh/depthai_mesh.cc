@@ -16,11 +16,10 @@ MeshLattice DepthAiLattice(const MeshRequest& request) {
                   kDepthAiHeight);
   const int step = request.step.value_or(kDepthAiStep);
   if (request.size.width % step != 0 || request.size.height % step != 0)
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("--stride {}: the view has {} x {} px; depthai-mesh "
-                    "takes a step that divides both",
-                    step, request.size.width, request.size.height));
+    throw Error(ExitCode::kUsage,
+                fmt::format("--stride {}: must divide the view size of {} x {} "
+                            "px for depthai-mesh",
+                            step, request.size.width, request.size.height));
   return RegularLattice(request.size, step, step);
 }
 
@@ -53,8 +52,7 @@ TableFormat DepthAiMeshFormat() {
   static const MeshUnit unit = {DepthAiLattice, WriteDepthAi, {}, ""};
   TableFormat format;
   format.name = "depthai-mesh";
-  format.holds =
-      "Luxonis: a camera's mesh for loadMeshFiles() of StereoDepth, in .bin";
+  format.holds = "Luxonis: mesh for loadMeshFiles() of StereoDepth, as .bin";
   format.endings = {".bin", ".calib"};
   format.options = {"rectified", "stride", "max-fit-error-px"};
   format.mesh_unit = &unit;

@@ -41,8 +41,7 @@ TableFormat Dw100Format() {
   static const MeshUnit unit = {Dw100Lattice, WriteDw100, {}, ""};
   TableFormat format;
   format.name = "dw100";
-  format.holds =
-      "NXP i.MX 8M Plus: the vertex map of the dewarper dw100, in .bin";
+  format.holds = "NXP i.MX 8M Plus: vertex map of the dw100 dewarper, as .bin";
   format.endings = {".bin"};
   format.options = {"rectified", "max-fit-error-px"};
   format.mesh_unit = &unit;

@@ -38,7 +38,7 @@ TableFormat HailoFormat() {
   static const MeshUnit unit = {HailoLattice, WriteHailo, {}, ""};
   TableFormat format;
   format.name = "hailo";
-  format.holds = "Hailo-15: mesh_table of dsp_dewarp(), in .bin";
+  format.holds = "Hailo-15: mesh_table of dsp_dewarp(), as .bin";
   format.endings = {".bin"};
   format.options = {"rectified", "max-fit-error-px"};
   format.mesh_unit = &unit;

@@ -131,16 +131,16 @@ MeshError ErrorOfMesh(const MeshTable& mesh, const UnitMesh& unit,
 }
 
 std::string MeshErrorText(const MeshError& error) {
-  std::string text = fmt::format(
-      "at most {:.3f} px (at {}, {}), {:.3f} px (RMS) from the view",
-      error.max_px, error.x, error.y, error.rms_px);
+  std::string text =
+      fmt::format("error {:.2g} px max (at {}, {}), {:.2g} px RMS",
+                  error.max_px, error.x, error.y, error.rms_px);
   if (error.num_filled > 0)
-    text += fmt::format("; {} pixels that the view leaves empty are not",
+    text += fmt::format("; {} pixels that are empty in the view are filled",
                         error.num_filled);
   if (error.num_moved > 0)
     text += fmt::format(
-        "; {} vertices beside the image are moved to where the unit reaches: "
-        "--alpha 0 makes a view that needs none",
+        "; {} vertices outside the image are clamped to the range of the unit "
+        "(avoid this with --alpha 0)",
         error.num_moved);
   return text;
 }
@@ -163,7 +163,7 @@ void RequireMeshSize(const std::string& unit, const std::string& what,
       throw Error(
           ExitCode::kUsage,
           fmt::format("--to {}: the {} of {} x {} px has a {} of {}; the unit "
-                      "takes {} to {} px{}",
+                      "supports {} to {} px{}",
                       unit, what, size.width, size.height, name, pixels,
                       sides.min, sides.max,
                       sides.multiple > 1

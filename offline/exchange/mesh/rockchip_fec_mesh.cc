@@ -81,8 +81,8 @@ TableFormat RockchipFecFormat() {
   TableFormat format;
   format.name = "rockchip-fec";
   format.holds =
-      "Rockchip RV1126, RK3588: the four meshes of the fisheye corrector, "
-      "NAME_meshxi.bin and so on";
+      "Rockchip RV1126, RK3588: the four meshes of the fisheye correction "
+      "unit, NAME_mesh{xi,xf,yi,yf}.bin";
   format.endings = {".bin"};
   format.options = {"rectified", "max-fit-error-px"};
   format.mesh_unit = &unit;

@@ -16,8 +16,8 @@ MeshLattice LdchLattice(const MeshRequest& request) {
   if (request.size != request.source_size)
     throw Error(
         ExitCode::kUsage,
-        fmt::format("--to rockchip-ldch: the unit keeps the size of "
-                    "{} x {} px; leave out --size",
+        fmt::format("--to rockchip-ldch: the unit cannot change the size of {} "
+                    "x {} px; omit --size",
                     request.source_size.width, request.source_size.height));
   return RegularLattice(request.size, kLdchStepX, kLdchStepY);
 }
@@ -52,15 +52,14 @@ UnitMesh WriteLdch(const MeshTable& mesh) {
 }  // namespace
 
 TableFormat RockchipLdchFormat() {
-  static const MeshUnit unit = {
-      LdchLattice, WriteLdch, 1.0,
-      "the unit moves pixels along rows only; rockchip-fec moves them along "
-      "both axes"};
+  static const MeshUnit unit = {LdchLattice, WriteLdch, 1.0,
+                                "the unit displaces pixels along rows only; "
+                                "use rockchip-fec for both axes"};
   TableFormat format;
   format.name = "rockchip-ldch";
   format.holds =
-      "Rockchip RV1126, RK356x, RK3588: the mesh of the horizontal corrector "
-      "LDCH, in .bin";
+      "Rockchip RV1126, RK356x, RK3588: mesh of the horizontal correction unit "
+      "LDCH, as .bin";
   format.endings = {".bin"};
   format.options = {"rectified", "max-fit-error-px"};
   format.mesh_unit = &unit;

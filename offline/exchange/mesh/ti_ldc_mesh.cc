@@ -21,9 +21,10 @@ MeshLattice LdcLattice(const MeshRequest& request) {
                   kLdcSides);
   const int step = request.step.value_or(kLdcDefaultStep);
   if (step > kLdcMaxStep || (step & (step - 1)) != 0)
-    throw Error(ExitCode::kUsage,
-                fmt::format("--stride {}: ti-ldc takes powers of 2 up to {}",
-                            step, kLdcMaxStep));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--stride {}: must be a power of 2 up to {} for ti-ldc",
+                    step, kLdcMaxStep));
   return RegularLattice(request.size, step, step);
 }
 
@@ -33,8 +34,8 @@ int64_t LdcOffset(const MeshTable& mesh, size_t k, double offset, char axis) {
   if (mesh.is_needed[k] && std::abs(fixed - offset * kLdcScale) > 1)
     throw Error(
         ExitCode::kQuality,
-        fmt::format("--to ti-ldc: the view's pixel {}, {} shows a place {:.0f} "
-                    "px away along {}; the unit reaches 4095 px",
+        fmt::format("--to ti-ldc: pixel {}, {} of the view has a displacement "
+                    "of {:.0f} px along {}, above the limit of 4095 px",
                     mesh.lattice.x[k % mesh.lattice.columns()],
                     mesh.lattice.y[k / mesh.lattice.columns()], offset, axis));
   return fixed;
@@ -117,8 +118,8 @@ TableFormat TiLdcFormat() {
   TableFormat format;
   format.name = "ti-ldc";
   format.holds =
-      "TI TDA4, AM62A, AM67A, AM68A: the mesh of the lens distortion "
-      "corrector, in .bin";
+      "TI TDA4, AM62A, AM67A, AM68A: mesh of the lens distortion correction "
+      "unit, as .bin";
   format.endings = {".bin"};
   format.options = {"rectified", "stride", "max-fit-error-px"};
   format.mesh_unit = &unit;

@@ -27,9 +27,10 @@ MeshLattice VpiLattice(const MeshRequest& request) {
   RequireMeshSize("vpi", "view", request.size, kVpiWidth, kVpiHeight);
   const int step = request.step.value_or(1);
   if (step > kVpiMaxStep || (step & (step - 1)) != 0)
-    throw Error(ExitCode::kUsage,
-                fmt::format("--stride {}: vpi takes powers of 2 up to {}", step,
-                            kVpiMaxStep));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--stride {}: must be a power of 2 up to {} for vpi", step,
+                    kVpiMaxStep));
   MeshLattice lattice;
   if (step > 1) {
     lattice.x = VpiPoints(request.size.width, kVpiTileWidth, step);
@@ -63,8 +64,8 @@ UnitMesh WriteVpi(const MeshTable& mesh) {
                  MakeNpyArray("size", {2}, size),
                  MakeNpyArray("source_size", {2}, source_size)})}};
   unit.told = fmt::format(
-      "keypoints of vpi.WarpMap(vpi.WarpGrid(({}, {}), {})), of which it may "
-      "have more or fewer columns and rows",
+      "keypoints of vpi.WarpMap(vpi.WarpGrid(({}, {}), {})); its number of "
+      "columns and rows may differ",
       mesh.size.width, mesh.size.height, mesh.lattice.x[1]);
   return unit;
 }
@@ -81,8 +82,7 @@ TableFormat VpiFormat() {
   TableFormat format;
   format.name = "vpi";
   format.holds =
-      "NVIDIA VPI: the keypoints of a WarpMap, dense or with --stride sparse, "
-      "in "
+      "NVIDIA VPI: keypoints of a WarpMap, dense, or sparse with --stride, as "
       ".npz";
   format.endings = {".npz"};
   format.options = {"rectified", "max-fit-error-px", "stride"};

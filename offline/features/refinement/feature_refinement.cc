@@ -143,7 +143,8 @@ void RejectGroupsApart(const Board& board, FeatureLattice* lattice,
   if (!is_in_doubt) return;
   for (size_t g = 1; g < groups.size(); ++g)
     for (const Place& p : groups[g])
-      Reject(board, p.x(), p.y(), "apart from the others", lattice, detection);
+      Reject(board, p.x(), p.y(), "inconsistent with the others", lattice,
+             detection);
 }
 
 }  // namespace
@@ -287,28 +288,28 @@ std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
   if (!result.is_converged && Predicted(lattice, feature, &predicted))
     result = Fit(image, feature, predicted, center_only, round);
   if (!result.is_converged)
-    return tag_corners ? "no corner near" : "no centre of symmetry near";
+    return tag_corners ? "no corner nearby" : "no centre of symmetry nearby";
   // A corner that the image's edge cuts is known by one side of its edges.
   if (tag_corners &&
       !WholeImage(image.size)
            .Contains(result.mapping.center, -kMinTagCornerInsidePx))
-    return "at the image's edge";
+    return "at the image border";
   if (result.contrast < kMinRefinedContrast) return "no contrast";
   // Noise is in each value, and in both values of a difference.
   const double noise2 = round.noise * round.noise;
   const double signal2 = std::pow(result.contrast, 2) - noise2;
   if (tag_corners &&
       std::pow(result.rms, 2) - noise2 > std::pow(kMaxUnlikeness, 2) * signal2)
-    return "not like the drawing";
+    return "does not match the pattern";
   if (!tag_corners && std::pow(result.rms, 2) - 2 * noise2 >
                           std::pow(kMaxAsymmetry, 2) * signal2)
     return "not symmetric";
   if (round.is_last && !(result.deviation_px < kMaxDeviationPx))
-    return "lost in noise";
+    return "below the noise";
   if (round.is_last &&
       !(std::hypot(result.deviation_px, window.bend_deviation_px) <
         kMaxDeviationPx))
-    return "too strongly bent";
+    return "too much distortion";
   *pixel = result.mapping.center;
   return {};
 }
@@ -362,7 +363,7 @@ void FeatureRefiner::Data::RefineByCorners(const GreyImage& image,
                          1e-4));
     const Eigen::Vector2d pixel(corner[0].x, corner[0].y);
     if ((pixel - f.pixel).norm() > kMaxMovePx)
-      Reject(board, f.column, f.row, "no corner near", lattice, detection);
+      Reject(board, f.column, f.row, "no corner nearby", lattice, detection);
     else
       lattice->Set(f.column, f.row, pixel);
   }

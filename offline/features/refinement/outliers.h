@@ -6,7 +6,7 @@
 
 namespace raygrid {
 
-constexpr const char* kNotInLine = "not in line with its neighbours";
+constexpr const char* kNotInLine = "inconsistent with its neighbours";
 
 /// How far a feature may lie from where others say that it is: pixels, and a
 /// part of a square's width, one added to the other.

@@ -225,24 +225,23 @@ ImageDetection AprilGridLocator::Locate(const GreyImage& image) const {
   located.features = lattice.Features();
   if (seen.size() > 0 && fitting.size() == 0)
     located.remarks.push_back(
-        fmt::format("board {}: {} tags seen, none confirmed by another",
+        fmt::format("board {}: {} tags detected, none consistent with another",
                     data_->board.id, seen.size()));
   if (seen.size() == 0 && !tags.empty())
     located.remarks.push_back(
         fmt::format("tag {} is not on board {}", tags[0].id, data_->board.id));
   if (fitting.size() > 0 && lattice.num_found() == 0)
-    located.remarks.push_back(
-        fmt::format("board {}: {} tags are seen, but not the black squares at "
-                    "their corners; if it has none, set 'corner_squares: "
-                    "false' (no-squares in a word) and its 'border_cells' and "
-                    "'numbered_from'",
-                    data_->board.id, fitting.size()));
+    located.remarks.push_back(fmt::format(
+        "board {}: {} tags detected, but no black squares at their corners; if "
+        "it has none, set 'corner_squares: false' (no-squares in a "
+        "specification), 'border_cells' and 'numbered_from'",
+        data_->board.id, fitting.size()));
   if (fitting.size() == 0 &&
       data_->Constellation(data_->FindTags(Mirrored(image), TagSearch::kQuick))
               .Consistent()
               .size() > 0)
     located.remarks.push_back(
-        fmt::format("board {} is seen mirrored", data_->board.id));
+        fmt::format("board {} is mirrored", data_->board.id));
   return located;
 }
 

@@ -103,7 +103,8 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
     if (is_other) {
       markers = other;
       located.remarks.push_back(fmt::format(
-          "board {}: its markers lie as in {}; set 'legacy: {}' in the pattern",
+          "board {}: its markers have the layout of {}; set 'legacy: {}' in "
+          "the pattern",
           board.id, board.is_legacy ? "OpenCV 4.6 and later" : "OpenCV < 4.6",
           !board.is_legacy));
     }
@@ -111,9 +112,9 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
   const int num_seen = markers.size();
   markers = markers.Consistent();
   if (num_seen > 0 && markers.size() == 0)
-    located.remarks.push_back(
-        fmt::format("board {}: {} markers seen, none confirmed by another",
-                    board.id, num_seen));
+    located.remarks.push_back(fmt::format(
+        "board {}: {} markers detected, none consistent with another", board.id,
+        num_seen));
   located.features =
       data_
           ->FindCorners(image, markers,
@@ -122,8 +123,7 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
   constexpr int kFewMarkers = 4;
   if (markers.size() < kFewMarkers &&
       data_->NumConsistentMarkers(Mirrored(image)) > markers.size()) {
-    located.remarks.push_back(
-        fmt::format("board {} is seen mirrored", board.id));
+    located.remarks.push_back(fmt::format("board {} is mirrored", board.id));
     located.features.clear();  // corners that look alike, numbered by chance
   }
   return located;

@@ -345,8 +345,9 @@ std::optional<Numbering> ChessboardLocator::Data::Number(
   };
   const std::vector<Numbering> all = Numberings(part, {}, false);
   const auto unlike_board = [&] {
-    return fmt::format("a chessboard of {} x {} corners, unlike board {}",
-                       part.columns(), part.rows(), board.id);
+    return fmt::format(
+        "a chessboard of {} x {} corners, which does not match board {}",
+        part.columns(), part.rows(), board.id);
   };
   if (all.empty()) {
     *remark = unlike_board();
@@ -359,8 +360,8 @@ std::optional<Numbering> ChessboardLocator::Data::Number(
     // does but swapped ink.
     const bool is_mirrored = !IsEven(board.columns) && !IsEven(board.rows);
     *remark = fmt::format(
-        is_mirrored ? "board {} is mirrored, or its colours are swapped"
-                    : "the colours of board {} are swapped",
+        is_mirrored ? "board {} is mirrored, or its colours are inverted"
+                    : "the colours of board {} are inverted",
         board.id);
     return MostUpright(Numberings(part, {}, is_mirrored), lattice);
   }
@@ -371,11 +372,11 @@ std::optional<Numbering> ChessboardLocator::Data::Number(
                      ends_towards(1, 0), ends_towards(0, 1)};
   right = right_ones(Numberings(part, ends, false));
   if (is_one_place(right)) return MostUpright(right, lattice);
-  *remark =
-      right.empty()
-          ? unlike_board()
-          : fmt::format("board {}: {} x {} corners are seen, but not which",
-                        board.id, part.columns(), part.rows());
+  *remark = right.empty() ? unlike_board()
+                          : fmt::format(
+                                "board {}: {} x {} corners detected, but they "
+                                "cannot be identified",
+                                board.id, part.columns(), part.rows());
   return std::nullopt;
 }
 

@@ -265,7 +265,7 @@ void StarDetector::Data::Refine(const GreyImage& image, const StarBoard& star,
   Append(found.rejected, &detection->rejected);
   if (found.features.size() < kMinStarsOnBoard) {
     detection->remarks.push_back(
-        fmt::format("board {}: its tag is seen, but fewer than {} stars",
+        fmt::format("board {}: its tag was detected, but fewer than {} stars",
                     star.board().id, kMinStarsOnBoard));
     return;
   }
@@ -278,8 +278,7 @@ std::vector<std::string> StarDetector::Data::UnknownTags(
   std::vector<std::string> unknown;
   for (const DetectedTag& tag : tags)
     if (!IsOnABoard(tag, boards))
-      unknown.push_back(
-          fmt::format("tag {} is on no board of the pattern", tag.id));
+      unknown.push_back(fmt::format("tag {} is not in the pattern", tag.id));
   return unknown;
 }
 
@@ -311,11 +310,11 @@ ImageDetection StarDetector::Detect(const GreyImage& image) const {
     detection.remarks.push_back(remark);
   if (search.tags().empty() && detection.features.empty())
     for (const std::string& seen : DescribeOtherTags(image))
-      detection.remarks.push_back("no tag of the pattern, but " + seen);
+      detection.remarks.push_back("no tag of the pattern found, but " + seen);
   if (search.sees_unnamed_stars() && detection.features.empty() &&
       detection.remarks.empty())
     detection.remarks.push_back(
-        "stars are seen, but not enough of a tag to tell the board");
+        "stars detected, but no tag to identify the board");
   return detection;
 }
 

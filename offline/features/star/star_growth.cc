@@ -351,7 +351,7 @@ bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
     return refuse(match.factor < 0 ? "colours inverted" : "no star");
   if (match.correlation <
       std::max(min_correlation, alike_ * CorrelationAround(column, row)))
-    return refuse("unlike a star");
+    return refuse("does not match a star");
   LocalMapping found = mapping;
   found.center = match.center;
   if (!IsVisible(image_.size, mapping, window_reach_px, 0) &&
@@ -359,7 +359,7 @@ bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
     return false;
   if (IsTaken(column, row, match.center, mapping) ||
       TurnsBack(column, row, match.center))
-    return refuse("another star's place");
+    return refuse("duplicate of another star");
   lattice_.Set(column, row, match.center);
   correlations_[board_.PointIndex(column, row)] = match.correlation;
   return true;

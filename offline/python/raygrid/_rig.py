@@ -29,7 +29,7 @@ class Rig:
     def __init__(self, cameras: Mapping[str, _raygrid.Camera],
                  camera_from_rig: Mapping[str, npt.ArrayLike]) -> None:
         if set(cameras) != set(camera_from_rig):
-            raise ValueError("camera_from_rig: expected a pose for each camera and no other")
+            raise ValueError("camera_from_rig: expected exactly one pose per camera")
         self.cameras = dict(cameras)
         self.camera_from_rig = {name: _pose(name, camera_from_rig[name]) for name in cameras}
 

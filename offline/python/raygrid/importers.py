@@ -52,8 +52,8 @@ def load(*paths: str | os.PathLike[str], format: str = "", model: str = "",
     if len(cameras) == 1:
         return cameras[0][1]
     if any(pose is None for _, _, pose in cameras):
-        raise ValueError(f"{os.fspath(paths[0])}: the cameras have no poses, and are no rig; "
-                         "load_all() returns them by name")
+        raise ValueError(f"{os.fspath(paths[0])}: the cameras have no poses relative to each other; "
+                         "use load_all() to get them by name")
     return _rig_of(cameras)
 
 

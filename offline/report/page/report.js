@@ -50,7 +50,7 @@
     dx: number(4 * k + 2) * data.error_px, dy: number(4 * k + 3) * data.error_px,
   });
   const SETS = ['training', 'held_out', 'rejected'];
-  const NAMES = {training: 'training', held_out: 'held out', rejected: 'taken out'};
+  const NAMES = {training: 'training', held_out: 'held out', rejected: 'outlier'};
   const colorOf = (set) =>
     css(set === 'training' ? '--training' : set === 'held_out' ? '--held' : '--rejected');
 
@@ -75,7 +75,7 @@
     const place = `(${x.toFixed(0)}, ${y.toFixed(0)})`;
     if (!near) return place;
     const r = residual(near.k);
-    return `${place} nearest: ${near.image.name}, error (${r.dx.toFixed(3)}, ${r.dy.toFixed(3)}) px`;
+    return `${place} nearest: ${near.image.name}, residual (${r.dx.toFixed(3)}, ${r.dy.toFixed(3)}) px`;
   };
 
   // ---- Pictures: zoom and hover ----------------------------------------------
@@ -270,8 +270,8 @@
     }
   };
   const figures = (image) => SETS.filter((set) => image[set]).map((set) =>
-    set === 'rejected' ? `${image[set].count} taken out`
-      : `${NAMES[set]}: median ${image[set].median.toFixed(4)} px, largest ${image[set].max.toFixed(3)} px`)
+    set === 'rejected' ? `${image[set].count} outliers`
+      : `${NAMES[set]}: median ${image[set].median.toPrecision(3)} px, largest ${image[set].max.toPrecision(3)} px`)
     .join('; ');
   const select = (index) => {
     selected = (index + data.images.length) % data.images.length;

@@ -50,7 +50,7 @@
     const lens = widthOfLens();
     if (camera.canProject)
       for (const name of PROJECTIONS) kind.append(new Option(name, name));
-    if (numPacked > 0) kind.append(new Option('the table of camera.raygrid', 'packed'));
+    if (numPacked > 0) kind.append(new Option('remap table of camera.raygrid', 'packed'));
     kind.value = !camera.canProject ? 'packed' : lens < 110 ? 'pinhole' : 'stereographic';
     angle.max = 350;
     angle.value = lens;
@@ -92,12 +92,12 @@
       const picture = await createImageBitmap(file,
         {imageOrientation: 'none', colorSpaceConversion: 'none'});
       if (picture.width !== size[0] || picture.height !== size[1])
-        say(`${file.name} has ${picture.width} \u00d7 ${picture.height} px; take a photograph of ` +
-          `this camera as it was calibrated, ${size.join(' \u00d7 ')} px.`);
+        say(`${file.name} has ${picture.width} \u00d7 ${picture.height} px; use a photograph of ` +
+          `this camera at the calibrated size, ${size.join(' \u00d7 ')} px.`);
       else
         show(picture, file.name);
     } catch {
-      say(`${file.name} is no picture that this browser can read; take a PNG or JPEG file.`);
+      say(`${file.name} is not an image that this browser can read; use a PNG or JPEG file.`);
     }
   };
 
@@ -121,7 +121,7 @@
     return `${place} sees along (${ray.map((v) => v.toFixed(4)).join(', ')}), ` +
       `${tilt.toFixed(2)}\u00b0 from the z axis` +
       (deviation === null ? '' : `; \u00b1 ${deviation.toFixed(4)} px`) +
-      (valid ? '' : '; not to be trusted');
+      (valid ? '' : '; outside the valid region');
   };
 
   const pixelAt = (canvas, event) => {
@@ -144,7 +144,7 @@
     const [source] = ray ? camera.project([ray.map((v) => 1000 * v)]) : [null];
     mark(made, null);
     mark(taken, source);
-    showTip(event, source ? describe(source) : 'no pixel of the camera sees this');
+    showTip(event, source ? describe(source) : 'not visible to the camera');
   };
 
   const leave = () => {
@@ -170,7 +170,7 @@
   for (const canvas of [taken, made]) canvas.addEventListener('pointerleave', leave);
   section.hidden = false;
   // Large photographs take memory, so the example waits until a reader comes by.
-  const example = document.querySelector('img[alt="As taken"]');
+  const example = document.querySelector('img[alt="Original"]');
   const showExample = async () => {
     await example.decode();
     if (!frame) show(example, example.naturalWidth === size[0] ? 'The example above.'

@@ -51,7 +51,7 @@ TEST(Calibrate, FollowsBoardsThatBendFromImageToImage) {
   EXPECT_GT(rigid.camera.training->rms_px, 0.1);
   // The verdict does not take bends for a camera that is little known.
   for (const std::string& reason : bent.verdict.reasons)
-    EXPECT_EQ(reason.find("take more images"), std::string::npos) << reason;
+    EXPECT_EQ(reason.find("add images"), std::string::npos) << reason;
   // Held-out images are localised with boards that are not bent, and bent.
   EXPECT_GT(bent.camera.held_out->rms_px, 0.1);
   EXPECT_LT(bent.held_out_flexed->rms_px, 0.6 * bent.camera.held_out->rms_px);

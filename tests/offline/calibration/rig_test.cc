@@ -266,7 +266,7 @@ TEST(CalibrateRig, RefusesImagesThatAreOfOtherInstantsAltogether) {
   auto& images = inputs[1].dataset.images;
   for (size_t i = 0; i < images.size() / 2; ++i)
     std::swap(images[i].features, images[images.size() - 1 - i].features);
-  ExpectError(ExitCode::kInitialization, {"left", "right", "one instant"},
+  ExpectError(ExitCode::kInitialization, {"left", "right", "synchronized"},
               [&] { Calibrate(inputs, TestBoard(), Quick()); });
 }
 
@@ -341,7 +341,7 @@ TEST(CalibrateRig, RefusesOneCameraAsTwo) {
   const auto seen = SimulateRig(Stereo(), TestBoard(), Instants(8));
   std::vector<CalibrationInput> inputs = Inputs(seen);
   inputs[1].dataset = inputs[0].dataset;
-  ExpectError(ExitCode::kInput, {"'left'", "'right'", "same image"},
+  ExpectError(ExitCode::kInput, {"'left'", "'right'", "share an image"},
               [&] { Calibrate(inputs, TestBoard(), {}); });
   inputs = Inputs(seen);
   const std::string copied = inputs[0].dataset.images[2].image;

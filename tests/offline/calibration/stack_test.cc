@@ -154,7 +154,7 @@ int CountIn(const std::string& text, const std::string& part) {
 // The value that an image's features fit, as the verdict says it.
 double PredictedIn(const std::string& verdict, const std::string& image) {
   const std::string before = "but its features fit ";
-  const size_t at = verdict.find(before, verdict.find(image + " is stated at"));
+  const size_t at = verdict.find(before, verdict.find(image + " is given as"));
   return at == std::string::npos
              ? NAN
              : std::stod(verdict.substr(at + before.size()));
@@ -167,7 +167,7 @@ TEST(CalibrateStack, NamesImagesWhoseValuesDoNotFit) {
       TakeSweep(CameraCondition::kLensPosition, {0, 2, 4, 6, 8, 10}, 6);
   const std::string right = VerdictOf(sweep);
   EXPECT_EQ(CountIn(right, "is stated at"), 0) << right;
-  EXPECT_EQ(CountIn(right, "do not explain"), 0) << right;
+  EXPECT_EQ(CountIn(right, "does not explain"), 0) << right;
   // One that is wrong, and two that are swapped.
   const auto& images = sweep.input.dataset.images;
   const std::string wrong = images[15].image, first = images[8].image,
@@ -198,7 +198,7 @@ TEST(CalibrateStack, SaysThatShuffledValuesDoNotExplainTheImages) {
     sweep.conditions.values.at(sweep.input.dataset.images[i].image) = {
         values[i]};
   const std::string verdict = VerdictOf(sweep);
-  EXPECT_EQ(CountIn(verdict, "values of lens_position do not explain"), 1)
+  EXPECT_EQ(CountIn(verdict, "given lens_position does not explain"), 1)
       << verdict;
   EXPECT_EQ(CountIn(verdict, "is stated at"), 0) << verdict;
   EXPECT_EQ(CountIn(verdict, "bends"), 0) << verdict;
@@ -213,7 +213,7 @@ TEST(CalibrateStack, WarnsWhereNoImageShowsTheErrorBetweenValues) {
                        WithCellsOf40(sweep.input.dataset))
             .verdict;
     for (const std::string& reason : verdict.reasons)
-      if (reason.find("fits these values of lens_position") !=
+      if (reason.find("interpolates these values of lens_position") !=
           std::string::npos) {
         EXPECT_NE(verdict.word, "pass");
         EXPECT_NE(reason.find("as at 5 dioptres"), std::string::npos) << reason;
@@ -268,7 +268,8 @@ TEST(CalibrateStack, RefusesConditionsThatGoTogether) {
   Sweep sweep = TakeSweepOfBoth(2, 1);
   for (auto& [image, values] : sweep.conditions.values)
     values[1] = 20 + 4 * values[0];
-  ExpectError(ExitCode::kUsage, {"lens_position and temperature go together"},
+  ExpectError(ExitCode::kUsage,
+              {"lens_position and temperature of the images are correlated"},
               [&] { CalibrateSweep(sweep); });
 }
 
@@ -283,7 +284,7 @@ TEST(CalibrateStack, RefusesImagesThatTellNoChange) {
     }
     return std::string();
   };
-  EXPECT_NE(message().find("all images have one lens_position"),
+  EXPECT_NE(message().find("all images have the same lens_position"),
             std::string::npos);
   sweep.conditions.values.erase(sweep.input.dataset.images[2].image);
   EXPECT_NE(message().find("has no lens_position"), std::string::npos);

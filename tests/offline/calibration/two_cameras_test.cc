@@ -89,7 +89,7 @@ TEST(Distance, IsAskedAboutBeyondTwentyMetres) {
   options.model = "opencv";
   options.flat_board = true;
   options.hold_out = {dataset.images.front().image};
-  ExpectError(ExitCode::kUsage, {"m away", "square_m", "--yes"},
+  ExpectError(ExitCode::kUsage, {"median distance", "square_m", "--yes"},
               [&] { Calibrate(dataset, board, options); });
   options.any_distance = true;
   EXPECT_GT(Calibrate(dataset, board, options)

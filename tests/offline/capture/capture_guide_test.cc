@@ -247,7 +247,7 @@ TEST(ViewHint, SaysHowToMoveABoard) {
   EXPECT_EQ(HintFrom(facing, {{320, 240}, 450, 0, 0, 0}), "closer");
   EXPECT_EQ(HintFrom(facing, {{320, 240}, 150, 0, 0, 0}), "farther");
   EXPECT_EQ(HintFrom(facing, {{320, 240}, 300, 0, 0, M_PI / 2}),
-            "turn it clockwise");
+            "rotate clockwise");
 }
 
 // The side that is said to go away is then farther from the camera.

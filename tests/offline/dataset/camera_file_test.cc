@@ -435,21 +435,22 @@ TEST(CameraFile, RefusesAMalformedSpread) {
   const auto refused = [&](const std::string& from, const std::string& to,
                            const std::string& told) {
     ExpectError(ExitCode::kInput,
-                {"spread: " + told, "take the file as raygrid batch wrote it"},
+                {"spread: " + told, "use the file as written by raygrid batch"},
                 [&] { ReadCameraText(before + Replaced(own, from, to)); });
   };
-  const std::string columns = "columns is not a whole number from 4 to 65";
+  const std::string columns = "columns must be an integer from 4 to 65";
   for (const char* number : {"3", "66", "many", "[4]", "4.5", "99999999999"})
     refused("columns: 4", std::string("columns: ") + number, columns);
   refused("columns: 4", "column: 4", columns);
-  refused("rows: 5", "rows: many", "rows is not");
-  refused("columns: 4", "columns: 6", "one of displacements_px: not a list");
+  refused("rows: 5", "rows: many", "rows must be");
+  refused("columns: 4", "columns: 6",
+          "one of displacements_px: expected a list");
   for (const char* number : {".nan", ".inf", "far", "~", "[1]"})
     refused("0.25000", number, "displacements_px in line ");
-  refused("displacements_px", "displacements", "displacements_px are not 1 to");
+  refused("displacements_px", "displacements", "displacements_px must be 1 to");
   for (const char* value : {"3", "[4, 5]", "~"})
     refused("spread:", fmt::format("spread: {}\nspare:", value),
-            "no columns, rows and displacements_px");
+            "expected columns, rows and displacements_px");
   CameraFile none = FileOfAFleet();
   none.spread->displacements_px.clear();
   ExpectCameraRefused(FormatCameraFile(none));
@@ -488,7 +489,7 @@ TEST(CameraFile, HoldsViewsAndHowTheyAreTurned) {
             1e-9);
   EXPECT_EQ(FormatCameraFile(read), text);
   const size_t at = text.find("254.5");
-  ExpectError(ExitCode::kInput, {"view.camera.yaml", "above 0"}, [&] {
+  ExpectError(ExitCode::kInput, {"view.camera.yaml", "positive"}, [&] {
     ParseCameraFile("view.camera.yaml",
                     text.substr(0, at) + "0" + text.substr(at + 5));
   });

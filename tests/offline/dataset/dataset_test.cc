@@ -113,7 +113,8 @@ TEST(ReadFeatures, TakesNamesAsTheyAre) {
 
 TEST(ReadFeatures, RefusesQuotesOutOfPlaceNamingTheLine) {
   const std::string start = std::string(kHeader) + "\"a\nb\",0,0,0,1,2\n";
-  ExpectFeaturesRefused(start + "\"a,0,0,0,1,2\n", {"line 4", "not closed"});
+  ExpectFeaturesRefused(start + "\"a,0,0,0,1,2\n",
+                        {"line 4", "unterminated quote"});
   ExpectFeaturesRefused(start + "a\"b,0,0,0,1,2\n", {"line 4", "quote"});
   ExpectFeaturesRefused(start + "\"a\"b,0,0,0,1,2\n", {"line 4", "quote"});
   ExpectFeaturesRefused(start + "a,b,0,0,0,1,2\n", {"line 4", "quotes"});

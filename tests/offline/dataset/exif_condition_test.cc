@@ -162,7 +162,7 @@ TEST(ExifCondition, DamageIsHarmless) {
     try {
       ExifCondition("a", jpeg.substr(0, size), CameraCondition::kLensPosition);
     } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find("damaged"), std::string::npos);
+      EXPECT_NE(std::string(error.what()).find("corrupt"), std::string::npos);
     }
   }
 }

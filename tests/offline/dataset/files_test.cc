@@ -135,7 +135,7 @@ TEST(RequireNoInputReplaced, KnowsAFileUnderAnyName) {
   fs::create_hard_link(folder / "a", folder / "twin");
   const std::vector<std::string> inputs = {folder / "b", folder / "a", ""};
   for (const char* name : {"a", "./b", "link", "twin"})
-    ExpectError(ExitCode::kOutput, {name, "would replace"},
+    ExpectError(ExitCode::kOutput, {name, "would overwrite"},
                 [&] { RequireNoInputReplaced(inputs, {folder / name}); });
   RequireNoInputReplaced(inputs, {folder / "c", ""});
   RequireNoInputReplaced({"/dev/null"}, {"/dev/null"});

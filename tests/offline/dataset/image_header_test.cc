@@ -65,7 +65,7 @@ TEST(ImageHeader, WhatIsCutIsRefusedOrKnownByItsStart) {
         EXPECT_LE(header.size.width, 37);
         EXPECT_LE(header.size.height, 23);
       } catch (const InputError& error) {
-        EXPECT_NE(std::string(error.what()).find("damaged"), std::string::npos);
+        EXPECT_NE(std::string(error.what()).find("corrupt"), std::string::npos);
       }
     }
   }
@@ -122,7 +122,7 @@ TEST(ImageHeader, LargerImagesThanAllowedAreRefused) {
   ExpectHeaderRefused("P5 1 4294967936 255\n", "--allow-huge-images");
   ExpectHeaderRefused("P5 99999999999999999999999 1 255\n",
                       "--allow-huge-images");
-  ExpectHeaderRefused("P5 0 640 255\n", "damaged");
+  ExpectHeaderRefused("P5 0 640 255\n", "corrupt");
   constexpr uint32_t kWidth = 256, kHeight = 257, kTileWidth = 322, kLong = 4,
                      kSignedLong = 9, kLong8 = 16;
   ExpectHeaderRefused(Tiff({{kWidth, kLong, 20000}, {kHeight, kLong, 1}}),
@@ -138,7 +138,7 @@ TEST(ImageHeader, LargerImagesThanAllowedAreRefused) {
   for (const uint32_t type : {kSignedLong, kLong8})
     ExpectHeaderRefused(
         Tiff({{kWidth, type, 20000}, {kWidth, kLong, 8}, {kHeight, kLong, 8}}),
-        "damaged");
+        "corrupt");
 }
 
 TEST(ImageHeader, ManyPixelsOfFewBytesAreRefused) {

@@ -26,7 +26,7 @@ TEST(ImageTimes, ThatCannotBeAreRefused) {
         std::pair("image,seconds\na.png,1\n", "time_s"),
         std::pair("image,time_s\na.png,1\na.png,2\n", "line 3: image a.png"),
         std::pair("image,time_s\na.png,1\nb.png,1\n",
-                  "b.png was taken when a.png was"),
+                  "b.png and a.png have the same time stamp"),
         std::pair("image,time_s\na.png,now\n", "line 2"),
         std::pair("image,time_s\na.png,inf\n", "line 2")})
     EXPECT_NE(RefusalOf(text).find(why), std::string::npos)

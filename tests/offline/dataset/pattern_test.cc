@@ -72,11 +72,12 @@ TEST(Pattern, BodiesAreReadAsTheyWereWritten) {
 TEST(Pattern, RefusesBodiesThatAreNone) {
   ExpectPatternRefused(WithBody("[3, 4]", 2), {"board 4"});
   ExpectPatternRefused(WithBody("[3, 3]", 2), {"board 3 is in two bodies"});
-  ExpectPatternRefused(WithBody("[3]", 1), {"a body has two boards"});
+  ExpectPatternRefused(WithBody("[3]", 1),
+                       {"a body needs at least two boards"});
   ExpectPatternRefused(WithBody("[3, 7]", 1), {"2 boards with 1 poses"});
   ExpectPatternRefused(WithBody("all", 2), {});
   ExpectPatternRefused(ChessboardYaml("4", "3", "0.1") + "board_bodies: 3\n",
-                       {"'board_bodies' is no list"});
+                       {"'board_bodies' is not a list"});
 }
 
 TEST(Pattern, ListsOfPointsAreBoardsOfOneRow) {
@@ -198,7 +199,7 @@ TEST(Pattern, BoardsNeedDifferentIds) {
   ExpectPatternRefused(ChessboardYaml("9", "6", "0.02") +
                            "  - {id: 0, kind: chessboard, columns: 4, rows: 3, "
                            "square_m: 0.02}\n",
-                       {"board 2", "twice"});
+                       {"board 2", "duplicate"});
 }
 
 TEST(Pattern, FormatKeepsUnknownKeysAndPoints) {

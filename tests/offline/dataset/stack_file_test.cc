@@ -186,28 +186,28 @@ TEST(CameraFile, RefusesAMalformedStack) {
   expect_refused("condition: temperature", "condition: pressure",
                  "unknown condition 'pressure'");
   expect_refused("condition: temperature", "about: temperature",
-                 "stack: no condition");
+                 "stack: missing condition");
   expect_refused("range: [20, 60]", "range: [60, 20]",
-                 "range of temperature: 60 is not below 20");
+                 "range of temperature: 60 is not less than 20");
   expect_refused("range: [20, 60]", "range: [20, .nan]",
                  "range of temperature");
   for (const char* range : {"range: [20]", "range: 20", "rang: [20, 60]"})
     expect_refused("range: [20, 60]", range,
-                   "range of temperature: not two values");
+                   "range of temperature: expected two values");
   const int count = 2 * dynamic_cast<const CentralGeneric&>(*StackFile().camera)
                             .surface()
                             .num_points();
   expect_refused("changes:\n    - [", "changes:\n    - [0, ",
                  fmt::format("list 1 of changes with temperature: a list of "
-                             "{}, where a pair for each control point, {} ",
+                             "{}, expected a pair per control point, {} ",
                              count + 1, count));
   expect_refused("changes:\n    - [", "changes:\n    - 7\n    - [",
-                 "list 1 of changes with temperature: no list");
+                 "list 1 of changes with temperature: not a list");
   expect_refused("changes:", "change:", "changes with temperature: none");
   expect_refused("changes:", "changes: few\n  others:",
-                 "changes with temperature: no list");
+                 "changes with temperature: not a list");
   expect_refused("changes:", "changes: []\n  others:",
-                 "changes with temperature: a list of 0, where 1 to 3 ");
+                 "changes with temperature: a list of 0, expected 1 to 3 ");
   expect_refused("- at: 60", "- at: 20", "ascending");
 }
 

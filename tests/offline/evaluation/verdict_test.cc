@@ -174,7 +174,8 @@ TEST(Verdict, AdvisesNoModelThatIsInUse) {
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "--knot-spacing-px auto"));
   figures.tried.model = "opencv";
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "central-generic"));
-  EXPECT_FALSE(HasReason(JudgeCalibration(figures), "smaller cells"));
+  EXPECT_FALSE(
+      HasReason(JudgeCalibration(figures), "smaller --knot-spacing-px"));
 }
 
 TEST(Verdict, AdvisesNothingThatWasTried) {
@@ -227,7 +228,7 @@ TEST(Verdict, NoiseThatIsToldBlamesNoBoard) {
   CalibrationFigures figures = GoodFigures();
   figures.held_out->median_px = figures.training.median_px = 0.5;
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "flatter board"));
-  figures.limit = {"noise", "noise of single features", "take sharper images"};
+  figures.limit = {"noise", "feature noise", "take sharper images"};
   EXPECT_FALSE(HasReason(JudgeCalibration(figures), "flatter board"));
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "take sharper images"));
   // Neighbours are another matter.

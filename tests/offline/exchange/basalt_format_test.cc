@@ -75,7 +75,7 @@ TEST(BasaltFormat, ReadsARigInTheFrameOfItsFirstCamera) {
 TEST(BasaltFormat, SaysWhatItDoesNotTake) {
   const ExchangeContents contents = ParseBasalt(kBasalt);
   ASSERT_EQ(contents.remarks.size(), 3u);
-  EXPECT_EQ(contents.remarks[0], "not taken: vignette, calib_accel_bias");
+  EXPECT_EQ(contents.remarks[0], "ignored: vignette, calib_accel_bias");
   EXPECT_NE(contents.remarks[1].find("rpmax"), std::string::npos);
   EXPECT_NE(contents.remarks[2].find("IMU"), std::string::npos);
 }
@@ -139,7 +139,7 @@ TEST(BasaltFormat, SaysWhatIsMissingOrWrong) {
   expect("\"ds\"", "\"kb4\"", {"intrinsics[0]: k1", "finite"});
   expect("349.75", "\"?\"", {"intrinsics[0]: fx"});
   expect("349.75", "-349.75", {"focal length"});
-  expect("\"qw\": 0.8", "\"qw\": 8", {"T_imu_cam[0]", "no rotation"});
+  expect("\"qw\": 0.8", "\"qw\": 8", {"T_imu_cam[0]", "not a unit quaternion"});
   expect("\"px\": 0.5", "\"p\": 0.5", {"T_imu_cam[0]: px"});
   expect("\"resolution\"", "\"other\"", {"--image-size"});
   expect("            [640, 480]\n", "            640\n", {"resolution"});

@@ -204,22 +204,23 @@ TEST(ColmapFormat, SaysWhichPosesItLeavesOut) {
   // A model without rigs has one for each camera.
   EXPECT_TRUE(ParseColmap(kColmapCameras, "1 1 CAMERA 1\n2 1 CAMERA 2\n")
                   .remarks.empty());
-  ExpectError(ExitCode::kInput, {"camera 7", "not there"}, [] {
+  ExpectError(ExitCode::kInput, {"camera 7", "does not exist"}, [] {
     ParseColmap(kColmapCameras, TextWith(kColmapRigs, "CAMERA 2", "CAMERA 7"));
   });
-  ExpectError(ExitCode::kInput, {"m/rigs.txt, line 4", "no rotation"}, [] {
-    ParseColmap(kColmapCameras,
-                TextWith(TextWith(kColmapRigs, "0.80000000000000004", "0"),
-                         "0.59999999999999998", "0"));
-  });
+  ExpectError(
+      ExitCode::kInput, {"m/rigs.txt, line 4", "not a unit quaternion"}, [] {
+        ParseColmap(kColmapCameras,
+                    TextWith(TextWith(kColmapRigs, "0.80000000000000004", "0"),
+                             "0.59999999999999998", "0"));
+      });
   ExpectError(ExitCode::kInput, {"m/images.txt", "camera 9", "b c.png"}, [] {
     ParseColmap(kColmapCameras, "",
                 TextWith(kColmapImages, "0.5 1 b", "0.5 9 b"));
   });
-  ExpectError(ExitCode::kInput, {"m/images.txt, line 6", "three words"}, [] {
+  ExpectError(ExitCode::kInput, {"m/images.txt, line 6", "three fields"}, [] {
     ParseColmap(kColmapCameras, "", TextWith(kColmapImages, " 7\n", "\n"));
   });
-  ExpectError(ExitCode::kInput, {"m/rigs.txt, line 4", "too few words"}, [] {
+  ExpectError(ExitCode::kInput, {"m/rigs.txt, line 4", "too few fields"}, [] {
     ParseColmap(kColmapCameras, TextWith(kColmapRigs, " 1 2 3", ""));
   });
 }
@@ -228,19 +229,19 @@ TEST(ColmapFormat, RefusesInOneLine) {
   const std::string text = kColmapCameras;
   const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
       {TextWith(text, "OPENCV", "CRAZY"),
-       {"m/cameras.txt", "camera 1", "CRAZY is no model of COLMAP", "OPENCV"}},
+       {"m/cameras.txt", "camera 1", "CRAZY is not a COLMAP model", "OPENCV"}},
       {TextWith(text, "OPENCV", "FOV"),
-       {"FOV is a model that raygrid has not"}},
+       {"FOV is a COLMAP model that is not supported"}},
       {TextWith(text, "0.01", "nan"), {"line 4", "'nan' is not a number"}},
       {TextWith(text, "640", "640.5"), {"line 4", "'640.5'"}},
       {TextWith(text, " 0.002", ""), {"OPENCV", "7 numbers where 8"}},
-      {TextWith(text, "2 SIMPLE", "1 SIMPLE"), {"camera 1 is there twice"}},
+      {TextWith(text, "2 SIMPLE", "1 SIMPLE"), {"duplicate camera 1"}},
       {TextWith(text, "640", "0"), {"image size"}},
-      {text.substr(0, text.find("1 OPENCV")), {"no camera in it"}},
+      {text.substr(0, text.find("1 OPENCV")), {"contains no camera"}},
       {TextWith(ColmapBinary(), std::string("\4\0\0\0", 4),
                 "\x63" + std::string(3, 0)),
        {"camera 1", "unknown model 99"}},
-      {ColmapBinary() + "x", {"1 byte behind its end"}},
+      {ColmapBinary() + "x", {"1 byte after its end"}},
   };
   for (const auto& [file, words] : cases)
     ExpectError(ExitCode::kInput, words, [&, &file = file] {
@@ -254,12 +255,12 @@ TEST(ColmapFormat, RefusesEveryTruncation) {
                     rigs = EncodeColmapRig(ParseColmapRigs("", kColmapRigs)[0]);
   const Format format = ColmapFormat();
   for (size_t size = 0; size < cameras.size(); ++size)
-    ExpectError(ExitCode::kInput, {"cameras.txt", "ends after"}, [&] {
+    ExpectError(ExitCode::kInput, {"cameras.txt", "truncated after"}, [&] {
       ReadExchangeFile(&format,
                        {"cameras.txt", cameras.substr(0, size), "", {}});
     });
   for (size_t size = 1; size < rigs.size(); ++size)
-    ExpectError(ExitCode::kInput, {"ends after"},
+    ExpectError(ExitCode::kInput, {"truncated after"},
                 [&] { ParseColmap(cameras, rigs.substr(0, size)); });
 }
 

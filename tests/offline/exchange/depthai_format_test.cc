@@ -102,7 +102,8 @@ TEST(DepthAiFormat, SaysWhatItDoesNotTake) {
   refused({"intrinsicMatrix"}, "[0.0, 0.0, 1.0]]", "[0.0, 0.1, 1.0]]");
   refused({"intrinsicMatrix", "3 rows"}, "[[1500, 0, 960], ", "[");
   refused({"lengthUnit 3"}, "\"lengthUnit\": 1", "\"lengthUnit\": 3");
-  refused({"socket 2", "twice"}, "[1, {\"cameraType\"", "[2, {\"cameraType\"");
+  refused({"socket 2", "duplicate"}, "[1, {\"cameraType\"",
+          "[2, {\"cameraType\"");
   refused({"socket 12"}, "[1, {\"cameraType\"", "[12, {\"cameraType\"");
   refused({"cameraData[1]", "distortionCoeff"}, "0.4, 0.0, 0.0",
           "0.4, 0.5, 0.6");

@@ -151,7 +151,7 @@ TEST(Formats, AreToldApart) {
   }
   EXPECT_EQ(RecognizeFormat("raygrid_camera: 1\n"), nullptr);
   EXPECT_EQ(RecognizeFormat(""), nullptr);
-  ExpectError(ExitCode::kInput, {"x.yaml", "of no format"}, [] {
+  ExpectError(ExitCode::kInput, {"x.yaml", "supported format"}, [] {
     ReadExchangeFile(nullptr, {"x.yaml", "hello", "", {}});
   });
 }

@@ -117,7 +117,7 @@ TEST(KalibrFormat, ReadsALastLineWithoutItsEnd) {
   EXPECT_TRUE(ParseKalibr(text).remarks.empty());
   const auto cut = ParseKalibr(text + "\n  timeshift_cam_imu: 0.25");
   ASSERT_EQ(cut.remarks.size(), 1u);
-  EXPECT_NE(cut.remarks[0].find("cut"), std::string::npos);
+  EXPECT_NE(cut.remarks[0].find("truncated"), std::string::npos);
 }
 
 TEST(KalibrFormat, SaysWhatIsMissingOrWrong) {
@@ -134,7 +134,7 @@ TEST(KalibrFormat, SaysWhatIsMissingOrWrong) {
   expect("-0.2, 0.6", "0.6", {"cam1: intrinsics", "5 numbers", "6"});
   expect("resolution: [752, 480]", "resolution: [752]", {"resolution"});
   expect("- [1.0, 0.0, 0.0, -0.11]", "- [1.5, 0.0, 0.0, -0.11]",
-         {"T_cn_cnm1", "no rotation"});
+         {"T_cn_cnm1", "not a rotation matrix"});
   expect("  - [0.0, 0.0, 0.0, 1.0]\n", "", {"T_cn_cnm1", "4 x 4"});
   const ExchangeContents apart =
       ParseKalibr(TextWith(kCamchain, "T_cn_cnm1", "other"));

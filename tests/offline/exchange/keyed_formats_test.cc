@@ -247,7 +247,7 @@ TEST(KeyedFormats, ReadCalibTexts) {
       "-0.002\n",
       kImage);
   ExpectLens(commented.cameras.at(0), kPinholeLens, &Lens::Pinhole);
-  ExpectError(ExitCode::kInput, {"f: ", "of no format"},
+  ExpectError(ExitCode::kInput, {"f: ", "supported format"},
               [] { Read("410 411.5 322.5 238\n410 411.5 322.5 238\n"); });
   const auto ini = Read(
       "# intrinsics\n\n[image]\n\nwidth\n640\n\nheight\n480\n\n[front]\n\n"
@@ -345,7 +345,7 @@ TEST(KeyedFormats, WriteProjectionsOfKitti) {
             1e-15);
   request.cameras[1].camera_from_rig->rotation =
       Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitY());
-  ExpectError(ExitCode::kInput, {"turned", "rectified.yaml"},
+  ExpectError(ExitCode::kInput, {"rotated", "rectified.yaml"},
               [&] { format.write(request); });
 }
 

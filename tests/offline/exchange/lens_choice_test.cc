@@ -83,7 +83,7 @@ TEST_F(LensChoice, CountsWhatLiesBeyondAForm) {
   EXPECT_EQ(chosen.lens.form->name, "fisheye");
   EXPECT_GT(chosen.fit->num_beyond, 1000u);
   EXPECT_GT(chosen.fit->widest_rad, 95 * M_PI / 180);
-  EXPECT_NE(LensFitText(*chosen.fit).find("degrees off the axis"),
+  EXPECT_NE(LensFitText(*chosen.fit).find("degrees off axis"),
             std::string::npos);
 }
 
@@ -102,7 +102,7 @@ TEST_F(LensChoice, ComparesTrustedPixelsAlone) {
 
 TEST_F(LensChoice, RefusesCamerasOfLines) {
   const NonCentralGeneric lines = ExampleLines();
-  ExpectError(ExitCode::kUsage, {"do not meet", "view"},
+  ExpectError(ExitCode::kUsage, {"is non-central", "view"},
               [&] { ChooseLens(all_, lines, nullptr); });
 }
 

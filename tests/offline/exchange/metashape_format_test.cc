@@ -122,7 +122,7 @@ TEST(MetashapeFormat, SaysWhatIsMissingOrWrong) {
   expect("<f>3219.5</f>", "<fx>3219</fx><fy>3219</fy>", {"fx", "1.2"});
   expect("<f>3219.5</f>", "", {"'f' is missing"});
   expect("3219.5", "-3219.5", {"focal length"});
-  expect("3219.5", "", {"f: no finite number"});
+  expect("3219.5", "", {"f: expected a finite number"});
   expect("<width>4096", "<width>4096.5", {"width"});
   expect("</k3>", "</k3><k3>0</k3>", {"line 13", "'k3' stands twice"});
   expect("</k3>", "", {"line", "not XML"});

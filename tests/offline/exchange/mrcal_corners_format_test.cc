@@ -58,8 +58,8 @@ TEST(MrcalCornersFormat, SaysWhatIsMissingOrWrong) {
   expect("10.5", "nan", {"f", "nan"});
   expect("10.5", "10.5q", {"f", "10.5q"});
   expect("level", "size", {"'size'", "level"});
-  expect("level", "level more", {"columns are not"});
-  expect("a/1.png 20 20 0", "b 20 20 0", {"not in one piece", "a/1.png"});
+  expect("level", "level more", {"columns must be"});
+  expect("a/1.png 20 20 0", "b 20 20 0", {"not contiguous", "a/1.png"});
   ExpectError(ExitCode::kInput, {"f", "--board-size", "10x10"},
               [] { ParseMrcalCorners(kMrcalCorners, {}); });
   // Rows are too short to tell if many corners are missing.

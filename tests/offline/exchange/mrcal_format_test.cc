@@ -113,12 +113,12 @@ TEST(MrcalFormat, ReadsSplines) {
     ExpectError(ExitCode::kInput, words,
                 [&] { ParseMrcal(TextWith(text, old, by)); });
   };
-  refused("order=3", "order=2", {"order 3 alone"});
+  refused("order=3", "order=2", {"only splines of order 3"});
   refused("Nx=4", "Nx=5", {"36 numbers where 44"});
   refused("Nx=4", "Nx=99999", {"Nx=99999", "not LENSMODEL"});
   refused("Nx=4", "Nx=3", {"4 to 1027"});
   refused("=150", "=360", {"fov_x_deg"});
-  refused("0.010", ".nan", {"intrinsics", "no finite number"});
+  refused("0.010", ".nan", {"intrinsics", "expected a finite number"});
   refused("300", "-300", {"focal length"});
 }
 
@@ -127,7 +127,7 @@ TEST(MrcalFormat, RefusesInOneLine) {
       {MrcalWith("OPENCV5", "CAHVOR"),
        {"a.cameramodel", "LENSMODEL_CAHVOR", "LENSMODEL_OPENCV8"}},
       {MrcalWith("OPENCV5", "OPENCV8"), {"OPENCV8", "9 numbers where 12"}},
-      {MrcalWith("0.003", "nan"), {"intrinsics", "no finite number"}},
+      {MrcalWith("0.003", "nan"), {"intrinsics", "expected a finite number"}},
       {MrcalWith(", 480", ""), {"imagersize", "width and height"}},
       {MrcalWith("'imagersize'", "'size'"), {"imagersize"}},
       {MrcalWith("1, 2, 3", "1, 2"), {"extrinsics", "6 numbers"}},

@@ -149,14 +149,15 @@ TEST(NerfstudioFormat, SaysWhatIsMissingOrWrong) {
   expect(kTransforms, "OPENCV", "FISHEYE624", {"f: camera_model", "PINHOLE"});
   expect(kTransforms, "p1", "k4", {"k4 of OPENCV must be 0"});
   expect(FisheyeTransforms(), "k4", "p2", {"p2 of OPENCV_FISHEYE must be 0"});
-  expect(kTransforms, "501.5", "[]", {"fl_y", "no finite number"});
-  expect(kTransforms, "\"h\"", "\"x\"", {"h: no finite number"});
+  expect(kTransforms, "501.5", "[]", {"fl_y", "expected a finite number"});
+  expect(kTransforms, "\"h\"", "\"x\"", {"h: expected a finite number"});
   expect(kTransforms, "\"k1\"", "\"distortion_params\"",
          {"distortion_params", "6 numbers"});
   const ExchangeContents scaled =
       ParseNerfstudio(TextWith(kTransforms, "[1.0,", "[2.0,"));
   ASSERT_EQ(scaled.remarks.size(), 1u);
-  EXPECT_NE(scaled.remarks[0].find("frames[0]: transform_matrix: no rotation"),
+  EXPECT_NE(scaled.remarks[0].find(
+                "frames[0]: transform_matrix: not a rotation matrix"),
             std::string::npos);
   EXPECT_TRUE(scaled.cameras[0].poses.empty());
 }

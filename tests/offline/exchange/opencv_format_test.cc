@@ -281,7 +281,8 @@ TEST(OpenCvFormat, SaysWhatMayNotBeExpected) {
   const auto folds =
       remarks(TextWith(TextWith(kYaml, "-2.99", "-6.99"), "0.25", "0.0"));
   ASSERT_EQ(folds.size(), 1u);
-  EXPECT_NE(folds[0].find("% of the image looks nowhere"), std::string::npos);
+  EXPECT_NE(folds[0].find("% of the image, where the distortion"),
+            std::string::npos);
   const std::string pose =
       "R: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
       "   data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nT: !!opencv-matrix\n   rows: 3\n"

@@ -131,13 +131,13 @@ TEST(PuzzlepaintFormat, SaysWhatIsMissingOrWrong) {
   expect("type : Central", "type : Radial", {"f: type", "CentralGenericModel"});
   expect("type : ", "kind : ", {"'type' is missing"});
   expect("max_x : 319", "max_x : 320", {"calibration_max_x", "no pixel"});
-  expect("max_x : 319", "max_x : 0", {"no area"});
+  expect("max_x : 319", "max_x : 0", {"empty area"});
   expect("grid_width : 19", "grid_width : 3", {"grid_width: not 4 to"});
   expect("grid_width : 19", "grid_width : 20",
-         {"grid: no list of 900 numbers"});
+         {"grid: expected a list of 900 numbers"});
   expect("grid : [", "grid : [0, 0, 0, ", {"855 numbers"});
   expect("grid : [", "grid : [.nan, ", {"855 numbers"});
-  expect("\ngrid : [", "\ngrid2 : [", {"grid: no list"});
+  expect("\ngrid : [", "\ngrid2 : [", {"grid: expected a list"});
   EXPECT_EQ(ParsePuzzlepaint(TextWith(text, "GenericModel\nwidth",
                                       "GenericBSplineModel\nwidth"))
                 .cameras[0]
@@ -178,15 +178,15 @@ TEST(PuzzlepaintFormat, SaysWhatIsWrongWithPosesAndPoints) {
   expect("index: 1", "index: -1", {"poses[0]: index", "0 to 1000000"});
   expect("pose_count: 3", "pose_count: 1e9", {"pose_count"});
   expect("pose_count: 3", "count: 3", {"pose_count"});
-  expect("tx: 0.5", "tx: .nan", {"poses[0]: tx: no finite number"});
-  expect("qw: 0.6", "qw: 60", {"poses[0]", "no rotation"});
-  expect("poses:", "list:", {"poses: no list"});
+  expect("tx: 0.5", "tx: .nan", {"poses[0]: tx: expected a finite number"});
+  expect("qw: 0.6", "qw: 60", {"poses[0]", "not a unit quaternion"});
+  expect("poses:", "list:", {"poses: expected a list"});
   const std::string points = FormatPuzzlepaintPoints({{5, {1, 2, 3}}});
   EXPECT_EQ(ParsePuzzlepaintPoints("f", points).at(5),
             Eigen::Vector3d(1, 2, 3));
   for (const auto& [old, by, word] :
        {std::tuple("[1.0, ", "[", "x, y, z"),
-        {"index: 0", "index: 1", "point_index 1: there are 1"},
+        {"index: 0", "index: 1", "point_index 1: out of range, 1 points"},
         {"id: 5", "id: -5", "feature_id"}})
     ExpectError(ExitCode::kInput, {word},
                 [&, text = TextWith(points, old, by)] {

@@ -52,7 +52,7 @@ class BoardGuess : public testing::Test {
 TEST_F(BoardGuess, FindsOtherSizesOfChessboards) {
   Photograph(Chessboard(9, 6, 25));
   EXPECT_EQ(GuessFor(Chessboard(10, 7, 25)),
-            "this looks like 9 x 6 inner corners (2 of 2 images looked at), "
+            "the images show 9 x 6 inner corners (2 of 2 inspected images), "
             "not 10 x 7 inner corners; correct columns and rows in p.yaml");
   EXPECT_NE(GuessFor(Chessboard(8, 6, 25)).find("like 9 x 6 inner"),
             std::string::npos);
@@ -73,23 +73,23 @@ TEST_F(BoardGuess, FindsOtherDictionariesAndSizesOfCharucoBoards) {
   EXPECT_EQ(GuessFor(asked), "");
   asked.dictionary = "DICT_5X5_100";
   EXPECT_EQ(GuessFor(asked),
-            "this looks like 8 x 5 inner corners with markers of DICT_4X4_50 "
-            "(2 of 2 images looked at), not 8 x 5 inner corners with markers "
+            "the images show 8 x 5 inner corners with markers of DICT_4X4_50 "
+            "(2 of 2 inspected images), not 8 x 5 inner corners with markers "
             "of DICT_5X5_100; correct the dictionary in p.yaml");
   for (const int columns : {7, 9})
     EXPECT_NE(GuessFor(Charuco(columns, 5, 28)).find("like 8 x 5 inner"),
               std::string::npos);
-  EXPECT_NE(GuessFor(Chessboard(8, 5, 28)).find("correct the kind of board"),
+  EXPECT_NE(GuessFor(Chessboard(8, 5, 28)).find("correct the target kind"),
             std::string::npos);
 }
 
 TEST_F(BoardGuess, FindsMirroredCharucoBoards) {
   Photograph(Charuco(8, 5, 28), true);
   EXPECT_EQ(GuessFor(Charuco(8, 5, 28)),
-            "this looks like a mirrored board of 8 x 5 inner corners with "
-            "markers of DICT_4X4_50 (2 of 2 images looked at), not 8 x 5 inner "
-            "corners with markers of DICT_4X4_50; mirror the images back, or "
-            "print the board the right way round");
+            "the images show a mirrored board of 8 x 5 inner corners with "
+            "markers of DICT_4X4_50 (2 of 2 inspected images), not 8 x 5 inner "
+            "corners with markers of DICT_4X4_50; mirror the images, or print "
+            "the board unmirrored");
   EXPECT_EQ(num_features_, 0);
 }
 
@@ -105,8 +105,8 @@ TEST_F(BoardGuess, FindsOtherFamiliesOfTags) {
   other.tag_family = "tag25h9";
   Photograph(other);
   EXPECT_EQ(GuessFor(AprilGrid(5, 4, 24)),
-            "this looks like an AprilGrid of 5 x 4 tags of tag25h9 (2 of 2 "
-            "images looked at), not an AprilGrid of 5 x 4 tags of tag36h11; "
+            "the images show an AprilGrid of 5 x 4 tags of tag25h9 (2 of 2 "
+            "inspected images), not an AprilGrid of 5 x 4 tags of tag36h11; "
             "correct the tag family in p.yaml");
   EXPECT_EQ(GuessFor(other), "");
   EXPECT_EQ(num_features_, 160);
@@ -116,11 +116,10 @@ TEST_F(BoardGuess, FindsTagsWithoutCornerSquares) {
   Photograph(PlainTagGrid(5, 4, 24));
   const std::string word =
       "an AprilGrid of 5 x 4 tags of tag36h11 without corner squares (2 of 2 "
-      "images looked at)";
+      "inspected images)";
   const std::string remedy =
-      "; pass --pattern aprilgrid:5x4:LENGTH:no-squares:family=tag36h11, "
-      "LENGTH "
-      "being the side of a tag";
+      "; use --pattern aprilgrid:5x4:LENGTH:no-squares:family=tag36h11, where "
+      "LENGTH is the side of a tag";
   for (const Board& asked :
        {AprilGrid(5, 4, 24), Chessboard(9, 7, 24), PlainTagGrid(4, 5, 24)}) {
     const std::string guess = GuessFor(asked);
@@ -150,9 +149,10 @@ TEST_F(BoardGuess, FindsCharucoBoardsInWhiteOnBlack) {
     cv::Mat image = cv::imread(path, cv::IMREAD_GRAYSCALE);
     cv::imwrite(path, 255 - image);
   }
-  EXPECT_NE(GuessFor(Charuco(8, 5, 28))
-                .find("a board printed white on black of 8 x 5 inner corners"),
-            std::string::npos);
+  EXPECT_NE(
+      GuessFor(Charuco(8, 5, 28))
+          .find("an inverted (white on black) board of 8 x 5 inner corners"),
+      std::string::npos);
 }
 
 TEST(SoughtBoards, SaysWhatIsReadOfEachKind) {
@@ -161,12 +161,12 @@ TEST(SoughtBoards, SaysWhatIsReadOfEachKind) {
   };
   EXPECT_EQ(sought(Chessboard(9, 6, 25)),
             "searched for a chessboard of 9 x 6 inner corners; check that "
-            "p.yaml says what they show");
+            "p.yaml describes the target in the images");
   EXPECT_NE(sought(AprilGrid(6, 5, 24))
                 .find("6 x 5 tags of tag36h11, with a border of two cells and "
                       "black squares at their corners"),
             std::string::npos);
-  EXPECT_NE(sought(Charuco(8, 5, 28)).find("DICT_4X4_50, dark on white"),
+  EXPECT_NE(sought(Charuco(8, 5, 28)).find("DICT_4X4_50, black on white"),
             std::string::npos);
 }
 
@@ -174,10 +174,10 @@ TEST_F(BoardGuess, FindsStarBoardsInWhiteOnBlack) {
   const Board board = StarBoards(Stars(16, 12, 11)).front();
   Photograph(board, false, true);
   const std::string guess = GuessFor(board);
-  EXPECT_NE(guess.find("printed white on black (2 of 2 images"),
+  EXPECT_NE(guess.find("appears in inverted colours (2 of 2 inspected images"),
             std::string::npos)
       << guess;
-  EXPECT_NE(guess.find("print the board dark on white"), std::string::npos);
+  EXPECT_NE(guess.find("print the board in black on white"), std::string::npos);
 }
 
 }  // namespace

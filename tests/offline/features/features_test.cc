@@ -105,7 +105,7 @@ TEST_F(DetectFeaturesTest, RefusesWhatCannotBeDetectedOrRead) {
 }
 
 TEST_F(DetectFeaturesTest, RefusesTwoImagesOfOneName) {
-  ExpectError(ExitCode::kInput, {"a.png", "one name"}, [&] {
+  ExpectError(ExitCode::kInput, {"a.png", "same name"}, [&] {
     Detect({AddEmpty("a.png"), folder_ / "sub/../a.png"});
   });
 }

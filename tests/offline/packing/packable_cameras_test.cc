@@ -44,9 +44,10 @@ TEST(PackWhatCanBe, IsThatOfPackWhereAllCanBe) {
 TEST(PackWhatCanBe, ShowsTheAreaWhereTheUsualViewShowsNothingOfIt) {
   const OpenCvModel lens =
       Lens({640, 480}, {375, 140, 475, 340}, 60, {200, 240}, 0.05);
-  ExpectError(ExitCode::kUsage, {"sees nothing"}, [&] { PackUsualView(lens); });
+  ExpectError(ExitCode::kUsage, {"does not overlap"},
+              [&] { PackUsualView(lens); });
   const PackedCamera packed = PackLens(lens);
-  ExpectRemark("calibrated area alone", packed);
+  ExpectRemark("limited to the calibrated area", packed);
   ASSERT_EQ(packed.remaps.size(), 1u);
   EXPECT_LE(packed.remaps[0].error_px, 0.05);
   EXPECT_EQ(packed.remaps[0].view.size.width, 640);
@@ -62,7 +63,7 @@ TEST(PackWhatCanBe, ShowsTheAreaWhereTheUsualViewShowsNothingOfIt) {
 TEST(PackWhatCanBe, ShowsTheAreaWhereTheUsualTableIsNotExact) {
   const OpenCvModel lens =
       Lens({640, 480}, {142.2337, 140, 342.2337, 340}, 60, {168, 236}, 0.26);
-  ExpectError(ExitCode::kQuality, {"geometric error"},
+  ExpectError(ExitCode::kQuality, {"remap error"},
               [&] { PackUsualView(lens); });
   const PackedCamera packed = PackLens(lens);
   EXPECT_FALSE(packed.blob.empty());
@@ -82,7 +83,7 @@ TEST(PackWhatCanBe, LeavesOutBlobsOfImagesThatAreTooLarge) {
   const ImageSize size = {20000, 15000};
   const PackedCamera packed =
       PackLens(Lens(size, WholeImage(size), 15000, {9999, 7499}, -0.05));
-  ExpectRemark("is left out", packed);
+  ExpectRemark("is omitted", packed);
   EXPECT_TRUE(packed.blob.empty());
 }
 

@@ -239,7 +239,7 @@ TEST(Rectify, TellsWhatBothSee) {
 TEST(Rectify, NoticesCamerasNamedTheWrongWayAround) {
   const TestPair beside = SideBySide();
   ExpectError(ExitCode::kUsage,
-              {"b stands to the right of a", "--left a --right b"}, [&] {
+              {"b is to the right of a", "--left a --right b"}, [&] {
                 beside.Rectified(0, {0, 0}, true);
               });
   const TestPair above = PairAt({0.01, 0.15, 0.02}, {-0.05, 0.06, 0.1});
@@ -269,15 +269,15 @@ TEST(Rectify, RefusesPairsThatNoTwoImagesShow) {
                                  const std::vector<std::string>& words) {
     ExpectError(ExitCode::kUsage, words, [&] { pair.Rectified(alpha); });
   };
-  expect_refused(PairAt({0, 0, 0}, {0, 0, 0.1}), 0, {"a and b", "one place"});
-  expect_refused(PairAt({0.1, 0, 0}, {0, 2.5, 0}), 0, {"no overlap"});
-  expect_refused(PairAt({0.1, 0, 0}, {0, 2.5, 0}), 1, {"no overlap"});
-  expect_refused(PairAt({0, 0.01, 0.3}, {0, 0, 0}), 0, {"behind"});
-  expect_refused(SideBySide(), 1.5, {"alpha of 1.5"});
+  expect_refused(PairAt({0, 0, 0}, {0, 0, 0.1}), 0, {"a and b", "no baseline"});
+  expect_refused(PairAt({0.1, 0, 0}, {0, 2.5, 0}), 0, {"do not overlap"});
+  expect_refused(PairAt({0.1, 0, 0}, {0, 2.5, 0}), 1, {"do not overlap"});
+  expect_refused(PairAt({0, 0.01, 0.3}, {0, 0, 0}), 0, {"epipoles"});
+  expect_refused(SideBySide(), 1.5, {"alpha 1.5"});
   expect_refused(SideBySide(), -0.1, {"alpha of -0.1"});
   TestPair wide = SideBySide();
   wide.first = wide.second = SimulatedLens("fisheye190", kPairSize);
-  expect_refused(wide, 1, {"alpha of 1", "alpha 0 or hfov works"});
+  expect_refused(wide, 1, {"alpha of 1", "alpha 0 or hfov"});
 }
 
 TEST(Rectify, ShowsAsMuchOfFisheyesAsIsOfUse) {

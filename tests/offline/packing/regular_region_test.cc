@@ -410,7 +410,7 @@ std::optional<Shown> ExpectBlobIsRight(int seed) {
       break;
     } catch (const Error& error) {
       const bool is_coarse =
-          std::string(error.what()).find("geometric") != std::string::npos;
+          std::string(error.what()).find("remap error") != std::string::npos;
       if (!is_coarse) {
         ADD_FAILURE() << error.what();
         return Shown();

@@ -209,12 +209,12 @@ TEST(StackPacking, KnotsThatDoNotFitEachOtherAreRefused) {
               [&] { PackCamera(file, options); });
   options.stack->values = {20, 30};
   options.stack->cameras[1] = FittedGrid(LensAt(1), 60);
-  ExpectError(ExitCode::kQuality, {"one size"},
+  ExpectError(ExitCode::kQuality, {"equal size"},
               [&] { PackCamera(file, options); });
 }
 
 TEST(ChooseKnots, RefusesRangesThatNeedTooMany) {
-  ExpectError(ExitCode::kQuality, {"64 knots"}, [] {
+  ExpectError(ExitCode::kQuality, {"64 samples"}, [] {
     ChooseKnots(RG_CONDITION_LENS_POSITION, 0, 10, CameraAt, 1e-7);
   });
 }

@@ -440,7 +440,7 @@ TEST(VirtualView, RefusesWhatNoPinholeHas) {
   for (const double alpha : {-0.1, 1.1, double{NAN}}) {
     ViewRequest request = RequestOf({640, 480});
     request.alpha = alpha;
-    ExpectRefused(Example(), request, {"alpha", "between"});
+    ExpectRefused(Example(), request, {"alpha", "must be 0"});
   }
   ViewRequest request = RequestOf({640, 480});
   request.focal_px = -3;
@@ -468,12 +468,13 @@ TEST(VirtualView, RefusesAnglesThatItsProjectionDoesNotHave) {
   ViewRequest request;
   request.like = ViewOf(Example(), {640, 480}, 70);
   request.rotate_deg = Eigen::Vector3d(0, 0, 0);
-  ExpectRefused(Example(), request, {"by view", "rotate", "give one"});
+  ExpectRefused(Example(), request,
+                {"view cannot be combined", "rotate", "projection"});
   // Nothing of the area's middle is seen there.
   request = RequestOf(kViewedSize);
   request.alpha = 0;
   request.rotate_deg = Eigen::Vector3d(180, 0, 0);
-  ExpectRefused(Example(), request, {"middle", "rotate"});
+  ExpectRefused(Example(), request, {"centre", "rotate"});
 }
 
 TEST(VirtualView, RefusesWhatBlobsDoNotHold) {

@@ -23,7 +23,7 @@ ResidualBudget ExampleBudget() {
   CauseShare& bends = budget.causes[static_cast<size_t>(ErrorCause::kBend)];
   bends.in_turn = bends.alone = 0.5;
   bends.is_alike = true;
-  budget.causes[0] = {false, "7 views; <8> are needed"};
+  budget.causes[0] = {false, "7 views, at least <8> required"};
   budget.column_time = 0.04;
   budget.column_time_is_alike = false;
   budget.rest = 0.19;
@@ -41,13 +41,13 @@ TEST(BudgetJson, IsReadAsItWasWritten) {
   EXPECT_EQ(json["limited_by"], "bends");
   EXPECT_EQ(json["causes"][2]["cause"], "bends");
   EXPECT_EQ(json["causes"][2]["part"], 0.5);
-  EXPECT_EQ(json["causes"][0]["untold"], "7 views; <8> are needed");
+  EXPECT_EQ(json["causes"][0]["untold"], "7 views, at least <8> required");
   EXPECT_EQ(BudgetJson(ParseBudget(json)), json);
 }
 
 TEST(BudgetJson, SaysWhyNothingIsTold) {
   ResidualBudget budget;
-  budget.untold = "3 features; 200 are needed";
+  budget.untold = "3 features, at least 200 required";
   const nlohmann::ordered_json json = BudgetJson(budget);
   EXPECT_FALSE(json.contains("causes"));
   EXPECT_EQ(ParseBudget(json).untold, budget.untold);
@@ -58,20 +58,21 @@ TEST(BudgetSection, SaysWhatLimitsAndWhatToDo) {
   ResidualBudget budget = ExampleBudget();
   const std::string html = BudgetSection(budget);
   budget.facts.two_cameras = false;
-  EXPECT_TRUE(HasText(BudgetSection(budget), "To do: glue the pattern"));
+  EXPECT_TRUE(HasText(BudgetSection(budget), "Remedy: mount the pattern"));
   EXPECT_TRUE(HasText(html, "<h2>What limits this calibration</h2>"));
-  EXPECT_TRUE(HasText(html, "<b>The board bends from image to image"));
-  EXPECT_TRUE(HasText(html, "To do: calibrate the images of each of the two"));
+  EXPECT_TRUE(HasText(html, "<b>Out-of-plane target deformation"));
+  EXPECT_TRUE(HasText(html, "Remedy: calibrate the images of the two"));
   EXPECT_TRUE(HasText(html, "title=\"bends: 50.0 %\""));
-  EXPECT_TRUE(HasText(html, "cannot be told: 7 views; &lt;8&gt; are needed"));
+  EXPECT_TRUE(
+      HasText(html, "not observable: 7 views, at least &lt;8&gt; required"));
   EXPECT_TRUE(HasText(html, "column time"));
 }
 
 TEST(BudgetSection, IsASentenceWhereNothingIsTold) {
   ResidualBudget budget;
-  budget.untold = "3 features; 200 are needed";
+  budget.untold = "3 features, at least 200 required";
   const std::string html = BudgetSection(budget);
-  EXPECT_TRUE(HasText(html, "It cannot be told: 3 features"));
+  EXPECT_TRUE(HasText(html, "Not observable: 3 features"));
   EXPECT_FALSE(HasText(html, "<table>"));
 }
 

@@ -103,7 +103,7 @@ TEST(RowTime, OfAStillCameraCannotBeTold) {
     for (const int num_frames : {40, 300}) {
       const RowTimeEstimate found =
           EstimateRowTime(Record(Clip{20, noise_px, 0, num_frames}, 1).Views());
-      EXPECT_NE(found.untold.find("hardly moves"), std::string::npos)
+      EXPECT_NE(found.untold.find("too little motion"), std::string::npos)
           << found.untold;
     }
 }
@@ -125,8 +125,7 @@ TEST(RowTime, NeedsNeighboursInTime) {
   for (auto& [image, time_s] : recording.times) time_s *= 1000;
   const RowTimeEstimate found = EstimateRowTime(recording.Views());
   EXPECT_EQ(found.num_images, 0);
-  EXPECT_NE(found.untold.find("0 images have two neighbours"),
-            std::string::npos)
+  EXPECT_NE(found.untold.find("0 images have two adjacent"), std::string::npos)
       << found.untold;
 }
 
@@ -266,7 +265,8 @@ TEST(RowTime, IsNotToldByTimesWhoseRateChanges) {
     if (image >= "sim0150.png") time_s = 5 + 1.2 * (time_s - 5);
   const RowTimeEstimate found = EstimateRowTime(recording.Views());
   EXPECT_FALSE(found.do_times_fit);
-  EXPECT_NE(found.untold.find("its end"), std::string::npos) << found.untold;
+  EXPECT_NE(found.untold.find("in the rest"), std::string::npos)
+      << found.untold;
 }
 
 TEST(RowTime, IsToldByGoodTimes) {

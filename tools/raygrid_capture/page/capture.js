@@ -8,17 +8,17 @@ const setText = (node, text) => { if (node.textContent !== text) node.textConten
 const WORDS = {
   kept: ['\u2713', 'Kept', 'good'],
   absent: ['\u25cb', 'No board', 'idle'],
-  few: ['+', 'Too few points', 'bad'],
+  few: ['+', 'Too few features', 'bad'],
   moving: ['\u2194', 'Moving', 'bad'],
   blurred: ['\u2248', 'Blurred', 'bad'],
   dark: ['\u25bc', 'Too dark', 'bad'],
   bright: ['\u25b2', 'Too bright', 'bad'],
-  known: ['=', 'Known already', 'idle'],
+  known: ['=', 'Adds nothing new', 'idle'],
   busy: ['\u2026', 'Working', 'busy'],
   paused: ['\u2016', 'Paused', 'busy'],
   locking: ['\u2026', 'Locking focus and exposure', 'busy'],
-  refocused: ['!', 'The lens has moved', 'bad'],
-  cropped: ['!', 'Another crop', 'bad'],
+  refocused: ['!', 'Focus has changed', 'bad'],
+  cropped: ['!', 'Sensor crop has changed', 'bad'],
 };
 const KEPT_MS = 1500, WORD_MS = 350, SPEECH_MS = 3000, SILENCE_MS = 7000;
 
@@ -77,7 +77,7 @@ try { wantsSound = localStorage.getItem('raygrid-sound') !== 'off'; } catch { /*
 
 function showSound() {
   const waits = wantsSound && (!audio || audio.state !== 'running');
-  byId('sound').textContent = !wantsSound ? 'Sound off' : waits ? 'Tap for sound' : 'Sound on';
+  byId('sound').textContent = !wantsSound ? 'Sound off' : waits ? 'Tap to enable sound' : 'Sound on';
   byId('sound').setAttribute('aria-pressed', String(wantsSound && !waits));
 }
 
@@ -189,13 +189,13 @@ function showRig() {
     const mark = make('i', {textContent: sign});
     mark.dataset.kind = kind;
     item.append(`${name} `, mark, known(px));
-    item.title = `${text}${px > 0 ? `; 95 % known to ${pixels(px)} px` : ''}`;
+    item.title = `${text}${px > 0 ? `; uncertainty ${pixels(px)} px in 95 % of the image` : ''}`;
     item.classList.toggle('shown', name === camera);
     if (name === camera) item.setAttribute('aria-current', 'true');
     return item;
   });
   const pairs = links.map(({cameras: [first, second], deviation_px: px}) =>
-    make('li', {textContent: `${first}\u2013${second}${known(px)}`, title: 'A board seen by one is so well predicted in the other'}));
+    make('li', {textContent: `${first}\u2013${second}${known(px)}`, title: 'Uncertainty of a board predicted from one camera in the other'}));
   list.replaceChildren(...shown, ...pairs);
 }
 
@@ -275,7 +275,7 @@ function showMap() {
   const picture = canvas.getContext('2d');
   picture.clearRect(0, 0, canvas.width, canvas.height);
   if (known.length === 0) {
-    canvas.setAttribute('aria-label', 'Nothing is known yet');
+    canvas.setAttribute('aria-label', 'No estimate yet');
     return;
   }
   const values = known.map((place) => place.px);
@@ -302,7 +302,7 @@ function showMap() {
   showLegend(ticks, partOf, target);
   const where = (place) => `${place.y < height / 3 ? 'top' : place.y > 2 * height / 3 ? 'bottom' : 'middle'} ` +
     `${place.x < width / 3 ? 'left' : place.x > 2 * width / 3 ? 'right' : 'centre'}`;
-  canvas.setAttribute('aria-label', `Predicted deviation by place: from ${pixels(best.px)} px at the ${where(best)} ` +
+  canvas.setAttribute('aria-label', `Predicted uncertainty: from ${pixels(best.px)} px at the ${where(best)} ` +
     `to ${pixels(worst.px)} px at the ${where(worst)}`);
 }
 
@@ -383,8 +383,8 @@ function showProgress() {
   const part = now > 0 && target > 0 ? Math.min(1, target / now) : 0;
   const isNear = now > target && pixels(now) === pixels(target);
   const nowText = isNear ? String(Number(now.toPrecision(3))) : pixels(now);
-  const known = `Known to ${nowText} px${isFloor ? ' at best' : ''}`;
-  const text = !(now > 0) ? 'Nothing is known yet.' :
+  const known = `Uncertainty ${nowText} px${isFloor ? ' (lower bound)' : ''}`;
+  const text = !(now > 0) ? 'No estimate yet.' :
     target > 0 ? `${known}, target ${pixels(target)} px` : known;
   setBar('progress', 100 * part, Math.round(100 * part), text);
   byId('progress').classList.toggle('full', part === 1);
@@ -401,12 +401,12 @@ function showGauges() {
   const best = Math.min(...sharpest.map(([, px]) => px)), mark = byId('sharpness').lastElementChild;
   mark.hidden = sharpest.length === 0;
   mark.style.left = `${Math.min(best / MAX_EDGE_PX, 0.99) * 100}%`;
-  const edgeText = edges > 0 ? `${edges.toFixed(1)} px` + (best.toFixed(1) < edges.toFixed(1) ? `, best ${best.toFixed(1)}` : '') : 'not known';
+  const edgeText = edges > 0 ? `${edges.toFixed(1)} px` + (best.toFixed(1) < edges.toFixed(1) ? `, best ${best.toFixed(1)}` : '') : 'unknown';
   setBar('sharpness', edges > 0 ? edges / MAX_EDGE_PX * 100 : 0, edges > 0 ? Math.min(edges, MAX_EDGE_PX) : null, edgeText);
   setText(byId('sharpness-text'), edgeText);
   byId('sharpness').classList.toggle('warn', word === 'blurred');
   const whiteText = white > 0 ? `white ${Math.round(100 * white)} %` +
-    (word === 'dark' ? ', too dark' : word === 'bright' ? ', too bright' : '') : 'not known';
+    (word === 'dark' ? ', too dark' : word === 'bright' ? ', too bright' : '') : 'unknown';
   setBar('brightness', 100 * white, white > 0 ? Math.round(100 * white) : null, whiteText);
   setText(byId('brightness-text'), whiteText);
   byId('brightness').classList.toggle('warn', word === 'dark' || word === 'bright');
@@ -427,7 +427,7 @@ let itemNumber = 0;
 function makeItem(name) {
   const item = make('li'), open = make('button', {type: 'button', className: 'open'});
   const source = `kept/${encodeURIComponent(name)}.jpg?${++itemNumber}`;
-  open.append(make('img', {src: source, alt: `Look at ${name}`, loading: 'lazy'}));
+  open.append(make('img', {src: source, alt: `View ${name}`, loading: 'lazy'}));
   open.onclick = () => look(name);
   const remove = make('button', {type: 'button', className: 'delete', textContent: 'Delete'});
   remove.setAttribute('aria-label', `Delete ${name}`);
@@ -498,9 +498,9 @@ async function send(path) {
   try {
     const answer = await fetch(path, {method: 'POST'});
     if (answer.ok) return true;
-    tell(`Not done: ${(await answer.text()).trim()}`);
+    tell(`Failed: ${(await answer.text()).trim()}`);
   } catch {
-    tell('Not done: the program does not answer.');
+    tell('Failed: the program does not respond.');
   }
   return false;
 }
@@ -520,7 +520,7 @@ function confirmThen(text, yes, no, picture, act) {
 byId('ask-no').onclick = () => byId('ask').close();
 
 function askToDelete(name) {
-  confirmThen(`Delete the frame ${name}?`, 'Delete', 'Keep it', items.get(name)?.source,
+  confirmThen(`Delete the frame ${name}?`, 'Delete', 'Keep', items.get(name)?.source,
     () => send(`delete?name=${encodeURIComponent(name)}`));
 }
 
@@ -531,7 +531,7 @@ byId('pause').onclick = () => send(state && state.is_paused ? 'go-on' : 'pause')
 byId('undo').onclick = () => send('undo');
 byId('finish').onclick = () => {
   if (state && state.is_done) finish();
-  else confirmThen('Finish now? More frames would tell more.', 'Finish', 'Go on', '', finish);
+  else confirmThen('Finish now? More frames would improve the calibration.', 'Finish', 'Continue', '', finish);
 };
 
 // ---- States ----
@@ -555,7 +555,7 @@ function show(newState) {
   byId('done').hidden = !state.is_done;
   root.classList.toggle('is-done', state.is_done);
   root.classList.toggle('is-paused', state.is_paused);
-  setText(byId('pause'), state.is_paused ? 'Go on' : 'Pause');
+  setText(byId('pause'), state.is_paused ? 'Continue' : 'Pause');
   byId('pause').classList.toggle('main', state.is_paused);
   byId('finish').classList.toggle('main', state.is_done);
   byId('undo').disabled = state.kept.length === 0;
@@ -608,8 +608,8 @@ function setLost(lost) {
   isLost = lost;
   const time = new Date().toLocaleTimeString([], {hour: '2-digit', minute: '2-digit'});
   byId('lost').textContent = hasEnded ?
-    `\u2713 ${state?.is_done ? 'Done. ' : ''}The capture has ended with ${state?.kept.length ?? 0} frames.` :
-    `! Connection lost at ${time}. Trying again\u2026`;
+    `\u2713 ${state?.is_done ? 'Done. ' : ''}The capture ended with ${state?.kept.length ?? 0} frames.` :
+    `! Connection lost at ${time}. Reconnecting\u2026`;
   byId('lost').classList.toggle('good', hasEnded);
   byId('lost').hidden = !lost;
   root.classList.toggle('is-lost', lost);

@@ -1,0 +1,32 @@
+#include "evaluation/rounded_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace raygrid {
+namespace {
+
+// Of a number that is written with so many significant digits.
+int Decimals(double value, int num_digits) {
+  constexpr int kMost = 9;
+  if (value == 0 || !std::isfinite(value)) return num_digits;
+  const int exponent = static_cast<int>(std::floor(std::log10(value)));
+  return std::clamp(num_digits - 1 - exponent, 0, kMost);
+}
+
+}  // namespace
+
+std::string WithDeviation(double value, double deviation,
+                          const std::string& separator) {
+  const int decimals = Decimals(std::abs(deviation), 2);
+  return fmt::format("{0:.{2}f}{3}{1:.{2}f}", value, deviation, decimals,
+                     separator);
+}
+
+std::string ThreeDigits(double value) {
+  return fmt::format("{:.{}f}", value, Decimals(std::abs(value), 3));
+}
+
+}  // namespace raygrid
