@@ -1,6 +1,7 @@
 #include "caps.h"
 
 #include <cstring>
+#include <initializer_list>
 #include <string>
 
 #include "camera_error.h"
@@ -9,38 +10,18 @@
 namespace raygrid {
 namespace {
 
-// A format by GStreamer's name and by that of libcamera, which StreamFormat
-// has. libcamera's names say the order in a little-endian word, GStreamer's in
-// memory.
-struct FormatName {
-  const char* gstreamer;
-  const char* libcamera;
-};
-
-constexpr FormatName kRawFormats[] = {
-    {"GRAY8", "R8"},      {"GRAY16_LE", "R16"}, {"NV12", "NV12"},
-    {"NV21", "NV21"},     {"I420", "YUV420"},   {"YV12", "YVU420"},
-    {"YUY2", "YUYV"},     {"YVYU", "YVYU"},     {"UYVY", "UYVY"},
-    {"VYUY", "VYUY"},     {"RGB", "BGR888"},    {"BGR", "RGB888"},
-    {"RGBx", "XBGR8888"}, {"BGRx", "XRGB8888"}, {"xRGB", "BGRX8888"},
-    {"xBGR", "RGBX8888"}, {"RGBA", "ABGR8888"}, {"BGRA", "ARGB8888"},
-    {"ARGB", "BGRA8888"}, {"ABGR", "RGBA8888"}, {"RGB16", "RGB565"}};
-
-constexpr FormatName kBayerFormats[] = {{"rggb", "SRGGB8"},
-                                        {"grbg", "SGRBG8"},
-                                        {"gbrg", "SGBRG8"},
-                                        {"bggr", "SBGGR8"}};
-
-template <size_t n>
-void AppendCaps(const char* media, const FormatName (&formats)[n],
+// Elements agree on the first format that they have in common.
+void AppendCaps(const char* media, std::initializer_list<ColourModel> models,
                 GstCaps* caps) {
   GValue list = G_VALUE_INIT, name = G_VALUE_INIT;
   g_value_init(&list, GST_TYPE_LIST);
   g_value_init(&name, G_TYPE_STRING);
-  for (const FormatName& format : formats) {
-    g_value_set_static_string(&name, format.gstreamer);
-    gst_value_list_append_value(&list, &name);
-  }
+  for (const ColourModel model : models)
+    for (const PixelFormatInfo& format : PixelFormats()) {
+      if (!format.gstreamer || format.model != model) continue;
+      g_value_set_static_string(&name, format.gstreamer);
+      gst_value_list_append_value(&list, &name);
+    }
   GstStructure* const structure = gst_structure_new(
       media, "width", GST_TYPE_INT_RANGE, 1, RG_MAX_IMAGE_SIZE, "height",
       GST_TYPE_INT_RANGE, 1, RG_MAX_IMAGE_SIZE, "framerate",
@@ -51,12 +32,12 @@ void AppendCaps(const char* media, const FormatName (&formats)[n],
   g_value_unset(&list);
 }
 
-template <size_t n>
-const PixelFormatInfo* FindByName(const char* gstreamer,
-                                  const FormatName (&formats)[n]) {
-  for (const FormatName& format : formats)
-    if (gstreamer && std::strcmp(format.gstreamer, gstreamer) == 0)
-      return FindPixelFormat(format.libcamera);
+const PixelFormatInfo* FindByName(const char* gstreamer, bool is_bayer) {
+  for (const PixelFormatInfo& format : PixelFormats())
+    if (gstreamer && format.gstreamer &&
+        std::strcmp(format.gstreamer, gstreamer) == 0 &&
+        (format.model == ColourModel::kBayer) == is_bayer)
+      return &format;
   return nullptr;
 }
 
@@ -95,8 +76,9 @@ void SetPixelShape(GstPadDirection direction, GstStructure* structure) {
 
 GstCaps* TemplateCaps() {
   GstCaps* const caps = gst_caps_new_empty();
-  AppendCaps("video/x-raw", kRawFormats, caps);
-  AppendCaps("video/x-bayer", kBayerFormats, caps);
+  AppendCaps("video/x-raw",
+             {ColourModel::kGrey, ColourModel::kYuv, ColourModel::kRgb}, caps);
+  AppendCaps("video/x-bayer", {ColourModel::kBayer}, caps);
   return caps;
 }
 
@@ -110,9 +92,7 @@ std::optional<FrameLayout> LayoutOf(const GstCaps* caps) {
     return std::nullopt;
   FrameLayout layout;
   layout.is_bayer = gst_structure_has_name(structure, "video/x-bayer");
-  const PixelFormatInfo* const format = layout.is_bayer
-                                            ? FindByName(name, kBayerFormats)
-                                            : FindByName(name, kRawFormats);
+  const PixelFormatInfo* const format = FindByName(name, layout.is_bayer);
   if (!format) return std::nullopt;
   // Rows of Bayer frames begin at multiples of 4 bytes.
   const uint32_t stride = layout.is_bayer ? GST_ROUND_UP_4(width) : 0;

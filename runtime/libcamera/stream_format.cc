@@ -11,77 +11,6 @@
 namespace raygrid {
 namespace {
 
-constexpr ColourModel kGrey = ColourModel::kGrey, kRgb = ColourModel::kRgb,
-                      kYuv = ColourModel::kYuv, kBayer = ColourModel::kBayer;
-
-// DRM's names, which libcamera has, say the order in a little-endian word:
-// RGB888 is blue, green, red in memory.
-constexpr PixelFormatInfo kFormats[] = {
-    {"R8", RG_FORMAT_GREY8, kGrey, 8, {}, "GREY", "gray", "gray8"},
-    {"R10", RG_FORMAT_GREY16, kGrey, 10, {}, "Y10 ", "gray10le"},
-    {"R12", RG_FORMAT_GREY16, kGrey, 12, {}, "Y12 ", "gray12le"},
-    {"R14", RG_FORMAT_GREY16, kGrey, 14, {}, "Y14 ", "gray14le"},
-    {"R16", RG_FORMAT_GREY16, kGrey, 16, {}, "Y16 ", "gray16le", "gray16-le"},
-    {"R10_CSI2P", RG_FORMAT_GREY10P, kGrey, 10, {}, "Y10P"},
-    {"R12_CSI2P", RG_FORMAT_GREY12P, kGrey, 12, {}, "Y12P"},
-    {"RGB888", RG_FORMAT_RGB24, kRgb, 8, {2, 1, 0}, "BGR3", "bgr24", "bgr"},
-    {"BGR888", RG_FORMAT_RGB24, kRgb, 8, {0, 1, 2}, "RGB3", "rgb24", "rgb"},
-    {"XRGB8888", RG_FORMAT_RGB32, kRgb, 8, {2, 1, 0}, "XR24", "bgr0", "bgrx"},
-    {"ARGB8888", RG_FORMAT_RGB32, kRgb, 8, {2, 1, 0}, "AR24", "bgra", "bgra"},
-    {"XBGR8888", RG_FORMAT_RGB32, kRgb, 8, {0, 1, 2}, "XB24", "rgb0", "rgbx"},
-    {"ABGR8888", RG_FORMAT_RGB32, kRgb, 8, {0, 1, 2}, "AB24", "rgba", "rgba"},
-    {"RGBX8888", RG_FORMAT_RGB32, kRgb, 8, {3, 2, 1}, "RX24", "0bgr", "xbgr"},
-    {"RGBA8888", RG_FORMAT_RGB32, kRgb, 8, {3, 2, 1}, "RA24", "abgr", "abgr"},
-    {"BGRX8888", RG_FORMAT_RGB32, kRgb, 8, {1, 2, 3}, "BX24", "0rgb", "xrgb"},
-    {"BGRA8888", RG_FORMAT_RGB32, kRgb, 8, {1, 2, 3}, "BA24", "argb", "argb"},
-    {"XVUY8888", RG_FORMAT_RGB32, kYuv, 8, {0, 1, 2}, "YUVX"},
-    {"AVUY8888", RG_FORMAT_RGB32, kYuv, 8, {0, 1, 2}, "YUVA"},
-    {"RGB565",
-     RG_FORMAT_RGB565,
-     kRgb,
-     8,
-     {0, 1, 2},
-     "RGBP",
-     "rgb565le",
-     "rgb16"},
-    {"YUYV", RG_FORMAT_YUYV, kYuv, 8, {0, 1, 3}, "YUYV", "yuyv422", "yuy2"},
-    {"YVYU", RG_FORMAT_YUYV, kYuv, 8, {0, 3, 1}, "YVYU", "yvyu422", "yvyu"},
-    {"UYVY", RG_FORMAT_UYVY, kYuv, 8, {1, 0, 2}, "UYVY", "uyvy422", "uyvy"},
-    {"VYUY", RG_FORMAT_UYVY, kYuv, 8, {1, 2, 0}, "VYUY", nullptr, "vyuy"},
-    {"NV12", RG_FORMAT_NV12, kYuv, 8, {0, 0, 1}, "NV12", "nv12", "nv12"},
-    {"NV21", RG_FORMAT_NV12, kYuv, 8, {0, 1, 0}, "NV21", "nv21", "nv21"},
-    {"YUV420", RG_FORMAT_YUV420, kYuv, 8, {0, 1, 2}, "YU12", "yuv420p", "i420"},
-    {"YVU420", RG_FORMAT_YUV420, kYuv, 8, {0, 2, 1}, "YV12", nullptr, "yv12"},
-    {"SRGGB8", RG_FORMAT_BAYER8, kBayer, 8, {0, 1, 3}, "RGGB", "bayer_rggb8"},
-    {"SGRBG8", RG_FORMAT_BAYER8, kBayer, 8, {1, 0, 2}, "GRBG", "bayer_grbg8"},
-    {"SGBRG8", RG_FORMAT_BAYER8, kBayer, 8, {2, 0, 1}, "GBRG", "bayer_gbrg8"},
-    {"SBGGR8", RG_FORMAT_BAYER8, kBayer, 8, {3, 1, 0}, "BA81", "bayer_bggr8"},
-    {"SRGGB10", RG_FORMAT_BAYER16, kBayer, 10, {0, 1, 3}, "RG10"},
-    {"SGRBG10", RG_FORMAT_BAYER16, kBayer, 10, {1, 0, 2}, "BA10"},
-    {"SGBRG10", RG_FORMAT_BAYER16, kBayer, 10, {2, 0, 1}, "GB10"},
-    {"SBGGR10", RG_FORMAT_BAYER16, kBayer, 10, {3, 1, 0}, "BG10"},
-    {"SRGGB12", RG_FORMAT_BAYER16, kBayer, 12, {0, 1, 3}, "RG12"},
-    {"SGRBG12", RG_FORMAT_BAYER16, kBayer, 12, {1, 0, 2}, "BA12"},
-    {"SGBRG12", RG_FORMAT_BAYER16, kBayer, 12, {2, 0, 1}, "GB12"},
-    {"SBGGR12", RG_FORMAT_BAYER16, kBayer, 12, {3, 1, 0}, "BG12"},
-    {"SRGGB14", RG_FORMAT_BAYER16, kBayer, 14, {0, 1, 3}, "RG14"},
-    {"SGRBG14", RG_FORMAT_BAYER16, kBayer, 14, {1, 0, 2}, "GR14"},
-    {"SGBRG14", RG_FORMAT_BAYER16, kBayer, 14, {2, 0, 1}, "GB14"},
-    {"SBGGR14", RG_FORMAT_BAYER16, kBayer, 14, {3, 1, 0}, "BG14"},
-    {"SRGGB16", RG_FORMAT_BAYER16, kBayer, 16, {0, 1, 3}, "RG16"},
-    {"SGRBG16", RG_FORMAT_BAYER16, kBayer, 16, {1, 0, 2}, "GR16"},
-    {"SGBRG16", RG_FORMAT_BAYER16, kBayer, 16, {2, 0, 1}, "GB16"},
-    {"SBGGR16", RG_FORMAT_BAYER16, kBayer, 16, {3, 1, 0}, "BYR2"},
-    {"SRGGB10_CSI2P", RG_FORMAT_BAYER10P, kBayer, 10, {0, 1, 3}, "pRAA"},
-    {"SGRBG10_CSI2P", RG_FORMAT_BAYER10P, kBayer, 10, {1, 0, 2}, "pgAA"},
-    {"SGBRG10_CSI2P", RG_FORMAT_BAYER10P, kBayer, 10, {2, 0, 1}, "pGAA"},
-    {"SBGGR10_CSI2P", RG_FORMAT_BAYER10P, kBayer, 10, {3, 1, 0}, "pBAA"},
-    {"SRGGB12_CSI2P", RG_FORMAT_BAYER12P, kBayer, 12, {0, 1, 3}, "pRCC"},
-    {"SGRBG12_CSI2P", RG_FORMAT_BAYER12P, kBayer, 12, {1, 0, 2}, "pgCC"},
-    {"SGBRG12_CSI2P", RG_FORMAT_BAYER12P, kBayer, 12, {2, 0, 1}, "pGCC"},
-    {"SBGGR12_CSI2P", RG_FORMAT_BAYER12P, kBayer, 12, {3, 1, 0}, "pBCC"},
-};
-
 // Chroma planes have half the rows; those of YUV420 half the stride too.
 PlaneLayout LayOutPlane(const rg_lattice& lattice, uint32_t width,
                         uint32_t height, uint32_t first_stride) {
@@ -109,15 +38,22 @@ std::string InSmallLetters(const std::string& name) {
 
 }  // namespace
 
+const std::vector<PixelFormatInfo>& PixelFormats() {
+  static const std::vector<PixelFormatInfo> formats = {
+#include "pixel_format_names.inc"
+  };
+  return formats;
+}
+
 const PixelFormatInfo* FindPixelFormat(const std::string& name) {
-  for (const PixelFormatInfo& format : kFormats)
+  for (const PixelFormatInfo& format : PixelFormats())
     if (name == format.name) return &format;
   return nullptr;
 }
 
 std::string DescribeOtherName(const std::string& name) {
   for (const auto& simplify : {AsItIs, InSmallLetters})
-    for (const PixelFormatInfo& format : kFormats)
+    for (const PixelFormatInfo& format : PixelFormats())
       for (const char* other : {format.v4l2, format.ffmpeg, format.gstreamer})
         if (other && simplify(other) == simplify(name) && name != format.name)
           return std::string(format.name) + " is the name used here";
@@ -130,17 +66,28 @@ const PixelFormatInfo& RequirePixelFormat(const std::string& name) {
   std::string remedy = DescribeOtherName(name);
   if (remedy.empty()) {
     remedy = "use one of";
-    for (const PixelFormatInfo& known : kFormats)
-      remedy += std::string(&known == kFormats ? " " : ", ") + known.name;
+    for (const PixelFormatInfo& known : PixelFormats())
+      remedy +=
+          std::string(&known == &PixelFormats()[0] ? " " : ", ") + known.name;
   }
   throw CameraError(CameraExit::kUsage,
                     "--format: " + name + " is not supported; " + remedy);
 }
 
-std::vector<std::string> PixelFormatNames() {
-  std::vector<std::string> names;
-  for (const PixelFormatInfo& format : kFormats) names.push_back(format.name);
-  return names;
+std::string RawVideoParseName(const PixelFormatInfo& format) {
+  return format.gstreamer && format.model != ColourModel::kBayer
+             ? InSmallLetters(format.gstreamer)
+             : "";
+}
+
+SampleChannel FindChannel(rg_format format, uint32_t index) {
+  SampleChannel channel = {};
+  for (uint32_t k = 0; rg_find_lattice(format, k, &channel.lattice); ++k) {
+    if (index < channel.lattice.num_channels) break;
+    index -= channel.lattice.num_channels;
+  }
+  channel.first_sample = channel.lattice.first_sample + index;
+  return channel;
 }
 
 uint32_t StreamFormat::packed_size() const {

@@ -5,31 +5,39 @@
 #include <string>
 #include <vector>
 
+#include "kernels/samples.h"
 #include "raygrid.h"
 
 namespace raygrid {
 
 enum class ColourModel : uint8_t { kGrey, kRgb, kYuv, kBayer };
 
-/// A pixel format by libcamera's name.
+/// A pixel format by libcamera's name, as formats/pixel_formats.toml has it.
+/// DRM's names, which libcamera has, state the order in a little-endian word:
+/// RGB888 is blue, green, red in memory.
 struct PixelFormatInfo {
   const char* name;
   rg_format format;
   ColourModel model;
   uint8_t bits;  // of a sample
-  /// Where colours are: bytes of red, green, blue, or Y, U, V, in a group of
-  /// interleaved samples; the planes of YUV420, or which sample of NV12's
-  /// second plane; of Bayer formats the pixel of the 2 x 2 that is red, the
-  /// first green one, blue.
+  /// Channels of red, the first green, and blue, or of Y, U and V.
   uint8_t order[3];
-  /// Its name in V4L2, in ffmpeg and as GStreamer's rawvideoparse has it; NULL
-  /// where there is none.
-  const char* v4l2;
-  const char* ffmpeg = nullptr;
-  const char* gstreamer = nullptr;
+  /// Its name in V4L2, there also with a memory of its own for each plane, in
+  /// ffmpeg and in GStreamer's caps; NULL where there is none.
+  const char *v4l2, *v4l2_separate, *ffmpeg, *gstreamer;
 };
 
-/// NULL for a format that the runtime does not undistort.
+/// A channel of a frame: those of a format's lattices in turn, as for
+/// border_values of rg_target.
+struct SampleChannel {
+  rg_lattice lattice;
+  uint32_t first_sample;
+};
+
+/// All formats that the runtime undistorts.
+const std::vector<PixelFormatInfo>& PixelFormats();
+
+/// By libcamera's name; NULL where it is none of them.
 const PixelFormatInfo* FindPixelFormat(const std::string& name);
 
 /// FindPixelFormat() of an option --format. Throws CameraError (wrong usage),
@@ -39,8 +47,11 @@ const PixelFormatInfo& RequirePixelFormat(const std::string& name);
 /// "R8 is its name here" for a name of another program; else empty.
 std::string DescribeOtherName(const std::string& name);
 
-/// Names of all formats that the runtime undistorts.
-std::vector<std::string> PixelFormatNames();
+/// The name of GStreamer's rawvideoparse; empty where there is none.
+std::string RawVideoParseName(const PixelFormatInfo& format);
+
+/// The format has more channels than index.
+SampleChannel FindChannel(rg_format format, uint32_t index);
 
 struct PlaneLayout {
   uint32_t stride, row_bytes, rows;

@@ -238,27 +238,32 @@ static MP_DEFINE_CONST_FUN_OBJ_1(view_object, view);
 
 /* ---- Frames -------------------------------------------------------------- */
 
-/* Bytes of 8 samples of a plane, and how many rows share one of it. */
+/* Bytes of a plane for 8 image pixels, and image rows per row. */
 typedef struct plane_size {
   uint8_t bytes_per_8, rows_per_row;
 } plane_size;
 
-static const plane_size kPlanes[RG_NUM_FORMATS][3] = {
-    [RG_FORMAT_GREY8] = {{8, 1}},
-    [RG_FORMAT_GREY16] = {{16, 1}},
-    [RG_FORMAT_GREY10P] = {{10, 1}},
-    [RG_FORMAT_GREY12P] = {{12, 1}},
-    [RG_FORMAT_RGB24] = {{24, 1}},
-    [RG_FORMAT_RGB32] = {{32, 1}},
-    [RG_FORMAT_YUYV] = {{16, 1}},
-    [RG_FORMAT_UYVY] = {{16, 1}},
-    [RG_FORMAT_NV12] = {{8, 1}, {8, 2}},
-    [RG_FORMAT_YUV420] = {{8, 1}, {4, 2}, {4, 2}},
-    [RG_FORMAT_BAYER8] = {{8, 1}},
-    [RG_FORMAT_BAYER16] = {{16, 1}},
-    [RG_FORMAT_BAYER10P] = {{10, 1}},
-    [RG_FORMAT_BAYER12P] = {{12, 1}},
-    [RG_FORMAT_RGB565] = {{16, 1}}};
+/* Formats by name and planes: written by tools/pixel_formats. */
+/* clang-format off */
+#define FORMATS(X) \
+  X(GREY8, {8, 1}) \
+  X(GREY16, {16, 1}) \
+  X(GREY10P, {10, 1}) \
+  X(GREY12P, {12, 1}) \
+  X(RGB24, {24, 1}) \
+  X(RGB32, {32, 1}) \
+  X(YUYV, {16, 1}) \
+  X(UYVY, {16, 1}) \
+  X(NV12, {8, 1}, {8, 2}) \
+  X(YUV420, {8, 1}, {4, 2}, {4, 2}) \
+  X(BAYER8, {8, 1}) \
+  X(BAYER16, {16, 1}) \
+  X(BAYER10P, {10, 1}) \
+  X(BAYER12P, {12, 1}) \
+  X(RGB565, {16, 1})
+/* clang-format on */
+#define PLANES(name, ...) [RG_FORMAT_##name] = {__VA_ARGS__},
+static const plane_size kPlanes[RG_NUM_FORMATS][3] = {FORMATS(PLANES)};
 
 static size_t stride_of(rg_format format, int plane, uint32_t width) {
   return (size_t)width * kPlanes[format][plane].bytes_per_8 / 8;
@@ -377,25 +382,12 @@ static MP_DEFINE_CONST_DICT(camera_names, kCameraNames);
 MP_DEFINE_CONST_OBJ_TYPE(camera_type, MP_QSTR_Camera, MP_TYPE_FLAG_NONE,
                          make_new, make_camera, locals_dict, &camera_names);
 
+#define FORMAT_NAME(name, ...) \
+  {MP_ROM_QSTR(MP_QSTR_##name), MP_ROM_INT(RG_FORMAT_##name)},
 static const mp_rom_map_elem_t kModuleNames[] = {
     {MP_ROM_QSTR(MP_QSTR___name__), MP_ROM_QSTR(MP_QSTR_raygrid)},
     {MP_ROM_QSTR(MP_QSTR_Camera), MP_ROM_PTR(&camera_type)},
-    {MP_ROM_QSTR(MP_QSTR_GREY8), MP_ROM_INT(RG_FORMAT_GREY8)},
-    {MP_ROM_QSTR(MP_QSTR_GREY16), MP_ROM_INT(RG_FORMAT_GREY16)},
-    {MP_ROM_QSTR(MP_QSTR_GREY10P), MP_ROM_INT(RG_FORMAT_GREY10P)},
-    {MP_ROM_QSTR(MP_QSTR_GREY12P), MP_ROM_INT(RG_FORMAT_GREY12P)},
-    {MP_ROM_QSTR(MP_QSTR_RGB24), MP_ROM_INT(RG_FORMAT_RGB24)},
-    {MP_ROM_QSTR(MP_QSTR_RGB32), MP_ROM_INT(RG_FORMAT_RGB32)},
-    {MP_ROM_QSTR(MP_QSTR_YUYV), MP_ROM_INT(RG_FORMAT_YUYV)},
-    {MP_ROM_QSTR(MP_QSTR_UYVY), MP_ROM_INT(RG_FORMAT_UYVY)},
-    {MP_ROM_QSTR(MP_QSTR_NV12), MP_ROM_INT(RG_FORMAT_NV12)},
-    {MP_ROM_QSTR(MP_QSTR_YUV420), MP_ROM_INT(RG_FORMAT_YUV420)},
-    {MP_ROM_QSTR(MP_QSTR_BAYER8), MP_ROM_INT(RG_FORMAT_BAYER8)},
-    {MP_ROM_QSTR(MP_QSTR_BAYER16), MP_ROM_INT(RG_FORMAT_BAYER16)},
-    {MP_ROM_QSTR(MP_QSTR_BAYER10P), MP_ROM_INT(RG_FORMAT_BAYER10P)},
-    {MP_ROM_QSTR(MP_QSTR_BAYER12P), MP_ROM_INT(RG_FORMAT_BAYER12P)},
-    {MP_ROM_QSTR(MP_QSTR_RGB565), MP_ROM_INT(RG_FORMAT_RGB565)},
-};
+    FORMATS(FORMAT_NAME)};
 static MP_DEFINE_CONST_DICT(module_names, kModuleNames);
 
 const mp_obj_module_t raygrid_module = {

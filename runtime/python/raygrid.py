@@ -37,14 +37,20 @@ POINT_MAX_BITS = 27
 #: Pixel formats of undistort(), those of rg_format. By name the number, bits per sample, and of
 #: each plane the bytes per row as a multiple of the width and the rows as a multiple of the height.
 FORMATS = {
-    "GREY8": (0, 8, ((1, 1),)), "GREY16": (1, 16, ((2, 1),)),
-    "GREY10P": (2, 10, ((1.25, 1),)), "GREY12P": (3, 12, ((1.5, 1),)),
-    "RGB24": (4, 8, ((3, 1),)), "RGB32": (5, 8, ((4, 1),)),
-    "YUYV": (6, 8, ((2, 1),)), "UYVY": (7, 8, ((2, 1),)),
+    "GREY8": (0, 8, ((1, 1),)),
+    "GREY16": (1, 16, ((2, 1),)),
+    "GREY10P": (2, 10, ((1.25, 1),)),
+    "GREY12P": (3, 12, ((1.5, 1),)),
+    "RGB24": (4, 8, ((3, 1),)),
+    "RGB32": (5, 8, ((4, 1),)),
+    "YUYV": (6, 8, ((2, 1),)),
+    "UYVY": (7, 8, ((2, 1),)),
     "NV12": (8, 8, ((1, 1), (1, 0.5))),
     "YUV420": (9, 8, ((1, 1), (0.5, 0.5), (0.5, 0.5))),
-    "BAYER8": (10, 8, ((1, 1),)), "BAYER16": (11, 16, ((2, 1),)),
-    "BAYER10P": (12, 10, ((1.25, 1),)), "BAYER12P": (13, 12, ((1.5, 1),)),
+    "BAYER8": (10, 8, ((1, 1),)),
+    "BAYER16": (11, 16, ((2, 1),)),
+    "BAYER10P": (12, 10, ((1.25, 1),)),
+    "BAYER12P": (13, 12, ((1.5, 1),)),
     "RGB565": (14, 16, ((2, 1),)),
 }
 #: Projections of a View, those of rg_projection.

@@ -12,24 +12,14 @@ constexpr uint32_t Code(const char (&letters)[5]) {
          static_cast<uint32_t>(letters[3]) << 24;
 }
 
-// Formats whose planes lie in memories of their own, and those with the same
-// planes in one.
-constexpr uint32_t kApart[][2] = {{Code("NM12"), Code("NV12")},
-                                  {Code("NM21"), Code("NV21")},
-                                  {Code("YM12"), Code("YU12")},
-                                  {Code("YM21"), Code("YV12")}};
-
 }  // namespace
 
 const PixelFormatInfo* FindV4l2Format(uint32_t code) {
   char letters[4];
   for (int i = 0; i < 4; ++i) letters[i] = static_cast<char>(code >> 8 * i);
-  for (const auto& [apart, together] : kApart)
-    if (code == apart) return FindV4l2Format(together);
-  for (const std::string& name : PixelFormatNames()) {
-    const PixelFormatInfo* const format = FindPixelFormat(name);
-    if (std::memcmp(format->v4l2, letters, 4) == 0) return format;
-  }
+  for (const PixelFormatInfo& format : PixelFormats())
+    for (const char* name : {format.v4l2, format.v4l2_separate})
+      if (name && std::memcmp(name, letters, 4) == 0) return &format;
   return nullptr;
 }
 

@@ -13,8 +13,9 @@ export type Bytes = ArrayBuffer | ArrayBufferView;
 
 export type Projection =
   'pinhole' | 'cylindrical' | 'equirectangular' | 'stereographic' | 'equidistant';
-export type Format = 'GREY8' | 'GREY16' | 'GREY10P' | 'GREY12P' | 'RGB24' | 'RGB32' | 'YUYV' |
-  'UYVY' | 'NV12' | 'YUV420' | 'BAYER8' | 'BAYER16' | 'BAYER10P' | 'BAYER12P' | 'RGB565';
+export type Format =
+  'GREY8' | 'GREY16' | 'GREY10P' | 'GREY12P' | 'RGB24' | 'RGB32' | 'YUYV' | 'UYVY' | 'NV12' |
+  'YUV420' | 'BAYER8' | 'BAYER16' | 'BAYER10P' | 'BAYER12P' | 'RGB565';
 
 /** A line in space: from the point, in metres, along the direction. */
 export interface Line {

@@ -19,14 +19,20 @@ const FAR_M = 1e5;  // of a view of lines
 // Each format's number, bits of a sample, then bytes a row of each plane takes, as a fraction of
 // the width, and rows of each plane, as a fraction of the height.
 export const FORMATS = {
-  GREY8: [0, 8, [[1, 1]]], GREY16: [1, 16, [[2, 1]]],
-  GREY10P: [2, 10, [[1.25, 1]]], GREY12P: [3, 12, [[1.5, 1]]],
-  RGB24: [4, 8, [[3, 1]]], RGB32: [5, 8, [[4, 1]]],
-  YUYV: [6, 8, [[2, 1]]], UYVY: [7, 8, [[2, 1]]],
+  GREY8: [0, 8, [[1, 1]]],
+  GREY16: [1, 16, [[2, 1]]],
+  GREY10P: [2, 10, [[1.25, 1]]],
+  GREY12P: [3, 12, [[1.5, 1]]],
+  RGB24: [4, 8, [[3, 1]]],
+  RGB32: [5, 8, [[4, 1]]],
+  YUYV: [6, 8, [[2, 1]]],
+  UYVY: [7, 8, [[2, 1]]],
   NV12: [8, 8, [[1, 1], [1, 0.5]]],
   YUV420: [9, 8, [[1, 1], [0.5, 0.5], [0.5, 0.5]]],
-  BAYER8: [10, 8, [[1, 1]]], BAYER16: [11, 16, [[2, 1]]],
-  BAYER10P: [12, 10, [[1.25, 1]]], BAYER12P: [13, 12, [[1.5, 1]]],
+  BAYER8: [10, 8, [[1, 1]]],
+  BAYER16: [11, 16, [[2, 1]]],
+  BAYER10P: [12, 10, [[1.25, 1]]],
+  BAYER12P: [13, 12, [[1.5, 1]]],
   RGB565: [14, 16, [[2, 1]]],
 };
 export const PROJECTIONS = ['pinhole', 'cylindrical', 'equirectangular', 'stereographic',

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "camera_error.h"
@@ -18,12 +19,30 @@ StreamFormat Make(const char* name, uint32_t width, uint32_t height,
 TEST(StreamFormat, EveryFormatOfTheRuntimeHasAName) {
   std::set<rg_format> formats;
   std::set<std::string> names;
-  for (const std::string& name : PixelFormatNames()) {
-    formats.insert(FindPixelFormat(name)->format);
-    EXPECT_TRUE(names.insert(name).second) << name;
+  for (const PixelFormatInfo& format : PixelFormats()) {
+    formats.insert(format.format);
+    EXPECT_TRUE(names.insert(format.name).second) << format.name;
   }
   EXPECT_EQ(formats.size(), size_t{RG_NUM_FORMATS});
   EXPECT_EQ(FindPixelFormat("MJPEG"), nullptr);
+}
+
+// SRGGB10 is red, green in the first row; ARGB8888 blue, green, red, alpha.
+TEST(StreamFormat, OrdersAreThoseOfTheNames) {
+  for (const PixelFormatInfo& format : PixelFormats()) {
+    std::string letters = format.name;
+    letters = letters.substr(0, letters.find_first_of("0123456789"));
+    if (format.model == ColourModel::kBayer)
+      letters.erase(0, 1);
+    else if (FindChannel(format.format, 0).lattice.num_channels > 1)
+      std::reverse(letters.begin(), letters.end());
+    else
+      continue;
+    const bool is_yuv = format.model == ColourModel::kYuv;
+    for (size_t i = 0; i < 3; ++i)
+      EXPECT_EQ(letters.find((is_yuv ? "YUV" : "RGB")[i]), format.order[i])
+          << format.name;
+  }
 }
 
 TEST(StreamFormat, NamesOfOtherProgramsAreTold) {
@@ -167,8 +186,9 @@ TEST(PictureRows, BlackAndWhiteAreThoseOfTheRange) {
 }
 
 TEST(StreamFormat, OnlyTheBorderOfYuvHasARange) {
-  for (const std::string& name : PixelFormatNames()) {
-    StreamFormat format = Make(name.c_str(), 8, 8);
+  for (const PixelFormatInfo& pixel_format : PixelFormats()) {
+    const char* const name = pixel_format.name;
+    StreamFormat format = Make(name, 8, 8);
     rg_target of_video = {}, full = {};
     SetBlackBorder(format, &of_video);
     format.is_full_range = true;

@@ -115,8 +115,9 @@ void CheckFrames(const std::string& name, unsigned num_threads) {
 }
 
 TEST(Undistorter, EveryFrameOfEveryFormatIsThatOfTheRuntimeInOrder) {
-  for (const std::string& name : PixelFormatNames())
-    for (const unsigned num_threads : {1, 3}) CheckFrames(name, num_threads);
+  for (const PixelFormatInfo& format : PixelFormats())
+    for (const unsigned num_threads : {1, 3})
+      CheckFrames(format.name, num_threads);
 }
 
 TEST(Undistorter, ASlowTakerSeesNewerFramesAndTheRestIsCounted) {

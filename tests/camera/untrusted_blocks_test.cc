@@ -154,8 +154,8 @@ std::vector<bool> FindUntrusted(const rg_camera& camera) {
 // Frames of every format in which UntrustedBlocks became border.
 std::vector<Output> HideUntrusted(const rg_camera& camera) {
   std::vector<Output> outputs;
-  for (const std::string& name : PixelFormatNames()) {
-    outputs.push_back(UndistortRecording(camera, name));
+  for (const PixelFormatInfo& format : PixelFormats()) {
+    outputs.push_back(UndistortRecording(camera, format.name));
     const Output& output = outputs.back();
     const UntrustedBlocks blocks(camera, output.format, output.target);
     EXPECT_FALSE(blocks.are_all());

@@ -9,18 +9,23 @@
 
 #define MAX_PLANE (1u << 20) /* larger ones only take time */
 
+static int find_plane(rg_format format, uint32_t plane, rg_lattice* lattice) {
+  for (uint32_t k = 0; rg_find_lattice(format, k, lattice); ++k)
+    if (lattice->plane == plane) return 1;
+  return 0;
+}
+
 /* Rows of a plane of an image of so many. */
 static uint32_t plane_rows(rg_format format, uint32_t plane, uint32_t rows) {
-  const int is_half =
-      (format == RG_FORMAT_NV12 || format == RG_FORMAT_YUV420) && plane != 0;
-  return is_half ? rows / 2 : rows;
+  rg_lattice lattice;
+  const int is_plane = find_plane(format, plane, &lattice);
+  return is_plane ? (rows >> lattice.log2[1]) * lattice.row_step : rows;
 }
 
 static uint32_t row_bytes(rg_format format, uint32_t plane, uint32_t width) {
   rg_lattice lattice;
-  for (uint32_t k = 0; rg_find_lattice(format, k, &lattice); ++k)
-    if (lattice.plane == plane) return rg_plane_row_bytes(&lattice, width);
-  return 0;
+  const int is_plane = find_plane(format, plane, &lattice);
+  return is_plane ? rg_plane_row_bytes(&lattice, width) : 0;
 }
 
 /* About as long as a row, mostly, or anything. */
@@ -139,7 +144,8 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     rg_select_remap(&camera, data[45] % 4);
     if (data[51] % 4 > 1) rg_set_condition(&camera, near_condition(data));
     if (camera.remap) {
-      rg_remap_source_rows(&camera, (rg_format)(data[46] % 16),
+      rg_remap_source_rows(&camera,
+                           (rg_format)(data[46] % (RG_NUM_FORMATS + 1)),
                            (uint16_t)setting(data, 47),
                            (uint16_t)setting(data, 49), &first, &num);
       remap(&camera, data);

@@ -9,6 +9,7 @@ import dataclasses
 import functools
 import math
 import sys
+import tomllib
 import zlib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -862,34 +863,23 @@ class Placement(NamedTuple):
     border: int  # index of the first channel's value
 
 
-LUMA = reference.Lattice(0, 0, 0, 0)
-CHROMA_422 = reference.Lattice(1, 0, 1, 0)
-CHROMA_420 = reference.Lattice(1, 1, 1, 1)
+def read_placements(samples: str, components: list[dict]) -> Iterator[Placement]:
+    """A format's components; those of one format have their border values in turn."""
+    border = 0
+    for c in components:
+        (lx, ly), (hx, hy) = c.get("log2", (0, 0)), c.get("half", (0, 0))
+        channels = c.get("channels", 1)
+        kind = f"u{samples}" if samples in ("8", "16") else samples.lower()
+        yield Placement(reference.Lattice(lx, ly, hx, hy), c.get("plane", 0), kind,
+                        c.get("first", 0), c["step"], channels, border)
+        border += channels
 
 
-def bayer(kind: str) -> tuple[Placement, ...]:
-    """The four colours."""
-    return tuple(Placement(reference.Lattice(1, 1, 2 * ox, 2 * oy), 0, kind, ox, 2, 1,
-                           2 * oy + ox) for oy in (0, 1) for ox in (0, 1))
-
-
+DESCRIPTION = tomllib.loads((ROOT / "formats/pixel_formats.toml").read_text(encoding="utf-8"))
 # In the order of rg_format.
-FORMATS: tuple[tuple[Placement, ...], ...] = (
-    *((Placement(LUMA, 0, kind, 0, 1, 1, 0),) for kind in ("u8", "u16", "10p", "12p")),
-    (Placement(LUMA, 0, "u8", 0, 3, 3, 0),),
-    (Placement(LUMA, 0, "u8", 0, 4, 4, 0),),
-    (Placement(LUMA, 0, "u8", 0, 2, 1, 0), Placement(CHROMA_422, 0, "u8", 1, 4, 1, 1),
-     Placement(CHROMA_422, 0, "u8", 3, 4, 1, 2)),
-    (Placement(LUMA, 0, "u8", 1, 2, 1, 0), Placement(CHROMA_422, 0, "u8", 0, 4, 1, 1),
-     Placement(CHROMA_422, 0, "u8", 2, 4, 1, 2)),
-    (Placement(LUMA, 0, "u8", 0, 1, 1, 0), Placement(CHROMA_420, 1, "u8", 0, 2, 2, 1)),
-    (Placement(LUMA, 0, "u8", 0, 1, 1, 0), Placement(CHROMA_420, 1, "u8", 0, 1, 1, 1),
-     Placement(CHROMA_420, 2, "u8", 0, 1, 1, 2)),
-    *(bayer(kind) for kind in ("u8", "u16", "10p", "12p")),
-    tuple(Placement(LUMA, 0, "565", field, 4, 1, field) for field in (0, 1, 2)),
-)
-FORMAT_NAMES = ("GREY8", "GREY16", "GREY10P", "GREY12P", "RGB24", "RGB32", "YUYV", "UYVY", "NV12",
-                "YUV420", "BAYER8", "BAYER16", "BAYER10P", "BAYER12P", "RGB565")
+FORMAT_NAMES = tuple(DESCRIPTION["formats"])
+FORMATS = tuple(tuple(read_placements(f["samples"], DESCRIPTION["layouts"][f["layout"]]))
+                for f in DESCRIPTION["formats"].values())
 # Shift and mask of red, green and blue: four samples are a word, the fourth of them nothing.
 FIELDS_565 = ((11, 31), (5, 63), (0, 31))
 BYTES_PER_8_SAMPLES = {"u8": 8, "u16": 16, "10p": 10, "12p": 12, "565": 4}

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <fstream>
@@ -47,18 +48,23 @@ rg_camera OpenLens() {
   return camera;
 }
 
-struct NamedFormat {
-  const char *media, *gstreamer, *libcamera;
-};
-constexpr NamedFormat kFormats[] = {
-    {"video/x-raw", "GRAY8", "R8"},      {"video/x-raw", "GRAY16_LE", "R16"},
-    {"video/x-raw", "NV12", "NV12"},     {"video/x-raw", "NV21", "NV21"},
-    {"video/x-raw", "I420", "YUV420"},   {"video/x-raw", "YV12", "YVU420"},
-    {"video/x-raw", "YUY2", "YUYV"},     {"video/x-raw", "UYVY", "UYVY"},
-    {"video/x-raw", "RGB", "BGR888"},    {"video/x-raw", "BGR", "RGB888"},
-    {"video/x-raw", "RGBx", "XBGR8888"}, {"video/x-raw", "xRGB", "BGRX8888"},
-    {"video/x-raw", "BGRA", "ARGB8888"}, {"video/x-raw", "RGB16", "RGB565"},
-    {"video/x-bayer", "rggb", "SRGGB8"}};
+std::vector<PixelFormatInfo> FormatsOfGstreamer() {
+  std::vector<PixelFormatInfo> formats = PixelFormats();
+  const auto has_no_name = [](const PixelFormatInfo& f) {
+    return !f.gstreamer;
+  };
+  formats.erase(std::remove_if(formats.begin(), formats.end(), has_no_name),
+                formats.end());
+  return formats;
+}
+
+bool IsBayer(const PixelFormatInfo& format) {
+  return format.model == ColourModel::kBayer;
+}
+
+const char* MediaOf(const PixelFormatInfo& format) {
+  return IsBayer(format) ? "video/x-bayer" : "video/x-raw";
+}
 
 // The first error on a bus; empty: none.
 std::string FirstError(GstBus* bus) {
@@ -200,10 +206,10 @@ StreamFormat FormatOfViews(const PixelFormatInfo& pixel_format) {
 }
 
 // A buffer of the bytes; says how its planes lie where caps do not.
-GstBuffer* BufferOf(const NamedFormat& name, const Memory& memory,
+GstBuffer* BufferOf(const PixelFormatInfo& pixel_format, const Memory& memory,
                     const std::vector<uint8_t>& bytes, int num_planes) {
   GstBuffer* const buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
-  if (std::strcmp(name.media, "video/x-bayer") == 0) return buffer;
+  if (IsBayer(pixel_format)) return buffer;
   gsize offsets[GST_VIDEO_MAX_PLANES] = {};
   gint strides[GST_VIDEO_MAX_PLANES] = {};
   for (int i = 0; i < num_planes; ++i) {
@@ -212,7 +218,7 @@ GstBuffer* BufferOf(const NamedFormat& name, const Memory& memory,
   }
   gst_buffer_add_video_meta_full(
       buffer, GST_VIDEO_FRAME_FLAG_NONE,
-      gst_video_format_from_string(name.gstreamer), kWidth, kHeight,
+      gst_video_format_from_string(pixel_format.gstreamer), kWidth, kHeight,
       static_cast<guint>(num_planes), offsets, strides);
   return buffer;
 }
@@ -254,11 +260,12 @@ std::vector<uint8_t> RowsOfBuffer(const Pipeline& pipeline,
 }
 
 // The pipeline takes a frame of that format, and gives it as rg_remap() does.
-void CheckFrame(const Pipeline& pipeline, const NamedFormat& name, uint32_t gap,
-                const char* colorimetry = nullptr, bool is_full_range = false) {
-  const bool is_bayer = std::strcmp(name.media, "video/x-bayer") == 0;
-  pipeline.SetCaps(name.media, name.gstreamer, kWidth, kHeight, colorimetry);
-  const PixelFormatInfo& pixel_format = *FindPixelFormat(name.libcamera);
+void CheckFrame(const Pipeline& pipeline, const PixelFormatInfo& pixel_format,
+                uint32_t gap, const char* colorimetry = nullptr,
+                bool is_full_range = false) {
+  const bool is_bayer = IsBayer(pixel_format);
+  pipeline.SetCaps(MediaOf(pixel_format), pixel_format.gstreamer, kWidth,
+                   kHeight, colorimetry);
   const StreamFormat frames =
       MakeStreamFormat(pixel_format, kWidth, kHeight, 0);
   StreamFormat views = FormatOfViews(pixel_format);
@@ -266,7 +273,7 @@ void CheckFrame(const Pipeline& pipeline, const NamedFormat& name, uint32_t gap,
   const Memory memory = is_bayer ? LayOutBayer(frames) : LayOut(frames, gap);
   const std::vector<uint8_t> bytes = Noise(memory.size);
   GstBuffer* const view = gst_harness_push_and_pull(
-      pipeline.get(), BufferOf(name, memory, bytes, frames.num_planes));
+      pipeline.get(), BufferOf(pixel_format, memory, bytes, frames.num_planes));
   ASSERT_TRUE(view);
   EXPECT_EQ(RowsOfBuffer(pipeline, views, is_bayer, view),
             Remapped(frames, views, memory, bytes.data()));
@@ -278,51 +285,52 @@ GstBuffer* GreyFrame() {
   return gst_buffer_new_memdup(bytes.data(), bytes.size());
 }
 
-void CheckFormat(const NamedFormat& name, uint32_t gap,
+void CheckFormat(const PixelFormatInfo& pixel_format, uint32_t gap,
                  const char* properties) {
-  SCOPED_TRACE(std::string(name.gstreamer) + " " + properties);
+  SCOPED_TRACE(std::string(pixel_format.gstreamer) + " " + properties);
   const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
-  CheckFrame(Pipeline(blob.path(), properties), name, gap);
+  CheckFrame(Pipeline(blob.path(), properties), pixel_format, gap);
 }
 
 TEST(UndistortElement, GivesTheBytesOfRemapInEveryFormat) {
-  for (const NamedFormat& name : kFormats) CheckFormat(name, 0, "");
+  for (const PixelFormatInfo& pixel_format : FormatsOfGstreamer())
+    CheckFormat(pixel_format, 0, "");
 }
 
 // Black is Y = 0 in what jpegdec gives: 1:4:0:0.
 TEST(UndistortElement, HasABlackBorderInEveryRange) {
   const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
-  for (const NamedFormat& name : kFormats)
+  for (const PixelFormatInfo& pixel_format : FormatsOfGstreamer())
     for (const auto& [colorimetry, is_full] :
          std::vector<std::pair<const char*, bool>>{{"1:4:0:0", true},
                                                    {"1:3:5:1", true},
                                                    {"2:4:0:0", false},
                                                    {"bt709", false}}) {
-      if (std::strcmp(name.media, "video/x-bayer") == 0) continue;
-      SCOPED_TRACE(std::string(name.gstreamer) + " " + colorimetry);
-      CheckFrame(Pipeline(blob.path()), name, 0, colorimetry, is_full);
+      if (IsBayer(pixel_format)) continue;
+      SCOPED_TRACE(std::string(pixel_format.gstreamer) + " " + colorimetry);
+      CheckFrame(Pipeline(blob.path()), pixel_format, 0, colorimetry, is_full);
     }
 }
 
 TEST(UndistortElement, TakesRowsAndPlanesWithGaps) {
-  for (const NamedFormat& name : kFormats) CheckFormat(name, 12, "");
+  for (const PixelFormatInfo& pixel_format : FormatsOfGstreamer())
+    CheckFormat(pixel_format, 12, "");
 }
 
 // A crop that begins at any pixel has such rows.
 TEST(UndistortElement, TakesRowsAtOddAddresses) {
-  for (const NamedFormat& name : kFormats)
-    if (FindPixelFormat(name.libcamera)->format != RG_FORMAT_GREY16 &&
-        FindPixelFormat(name.libcamera)->format != RG_FORMAT_RGB565)
-      CheckFormat(name, 3, "");
+  for (const PixelFormatInfo& pixel_format : FormatsOfGstreamer())
+    if (FindChannel(pixel_format.format, 0).lattice.kind == RG_SAMPLE_8)
+      CheckFormat(pixel_format, 3, "");
 }
 
 TEST(UndistortElement, FormatsChangeWhileItPlays) {
   const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
   const Pipeline pipeline(blob.path());
   for (const int round : {0, 1})
-    for (const NamedFormat& name : kFormats) {
-      SCOPED_TRACE(std::string(name.gstreamer) + std::to_string(round));
-      CheckFrame(pipeline, name, 0);
+    for (const PixelFormatInfo& pixel_format : FormatsOfGstreamer()) {
+      SCOPED_TRACE(std::string(pixel_format.gstreamer) + std::to_string(round));
+      CheckFrame(pipeline, pixel_format, 0);
     }
 }
 
@@ -348,7 +356,8 @@ TEST(UndistortElement, DropsFramesThatWouldComeTooLate) {
 }
 
 TEST(UndistortElement, ThreadsGiveTheSameBytes) {
-  for (const NamedFormat& name : kFormats) CheckFormat(name, 4, "threads=3");
+  for (const PixelFormatInfo& pixel_format : FormatsOfGstreamer())
+    CheckFormat(pixel_format, 4, "threads=3");
 }
 
 TEST(UndistortElement, PassesFramesThroughWhileItIsDisabled) {
@@ -452,13 +461,14 @@ Memory LayOutAsMeta(const StreamFormat& format, GstBuffer* buffer) {
 
 // An element before fills a buffer of the pool that it is offered, or of its
 // own where there is none.
-void CheckOfferedPool(const NamedFormat& name, bool knows_meta) {
-  SCOPED_TRACE(std::string(name.gstreamer) + (knows_meta ? " with meta" : ""));
-  const bool is_bayer = std::strcmp(name.media, "video/x-bayer") == 0;
+void CheckOfferedPool(const PixelFormatInfo& pixel_format, bool knows_meta) {
+  SCOPED_TRACE(std::string(pixel_format.gstreamer) +
+               (knows_meta ? " with meta" : ""));
+  const bool is_bayer = IsBayer(pixel_format);
   const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
   const Pipeline pipeline(blob.path());
-  pipeline.SetCaps(name.media, name.gstreamer, kWidth, kHeight);
-  const PixelFormatInfo& pixel_format = *FindPixelFormat(name.libcamera);
+  pipeline.SetCaps(MediaOf(pixel_format), pixel_format.gstreamer, kWidth,
+                   kHeight);
   const StreamFormat frames =
       MakeStreamFormat(pixel_format, kWidth, kHeight, 0);
   const StreamFormat views = FormatOfViews(pixel_format);
@@ -483,9 +493,9 @@ void CheckOfferedPool(const NamedFormat& name, bool knows_meta) {
 }
 
 TEST(UndistortElement, OffersBuffersThatHoldAFrame) {
-  for (const NamedFormat& name : kFormats)
+  for (const PixelFormatInfo& pixel_format : FormatsOfGstreamer())
     for (const bool knows_meta : {false, true})
-      CheckOfferedPool(name, knows_meta);
+      CheckOfferedPool(pixel_format, knows_meta);
 }
 
 // ---- Settings while it plays -----------------------------------------------

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "crc32.h"
+#include "frames/pixel_format_list.h"
 #include "golden_blobs.h"
 #include "raygrid.h"
 #include "test_frame.h"
@@ -16,15 +17,14 @@
 #define PADDING 6u
 #define GUARD 0xc3
 
-/* Bytes of 8 samples of a plane, and how many rows share one of it. */
+/* Bytes of a plane for 8 image pixels, and image rows per row. */
 typedef struct plane_size {
   uint32_t bytes_per_8, rows_per_row;
 } plane_size;
 
-static const plane_size kPlanes[RG_NUM_FORMATS][3] = {
-    {{8, 1}},  {{16, 1}}, {{10, 1}}, {{12, 1}},        {{24, 1}},
-    {{32, 1}}, {{16, 1}}, {{16, 1}}, {{8, 1}, {8, 2}}, {{8, 1}, {4, 2}, {4, 2}},
-    {{8, 1}},  {{16, 1}}, {{10, 1}}, {{12, 1}},        {{16, 1}}};
+#define PLANES(name, kind, first, num, row_pairs, ...) \
+  [RG_FORMAT_##name] = {__VA_ARGS__},
+static const plane_size kPlanes[RG_NUM_FORMATS][3] = {RG_PIXEL_FORMATS(PLANES)};
 
 /* A table of a blob, and the CRCs of its frames. */
 typedef struct golden_table {

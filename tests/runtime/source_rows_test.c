@@ -1,6 +1,7 @@
 /* Rows of the source that a band is told to need. */
 #include <string.h>
 
+#include "frames/pixel_format_list.h"
 #include "raygrid.h"
 #include "rg_blob.h"
 #include "unit_test.h"
@@ -95,19 +96,10 @@ static void no_row_is_missing_however_positions_are_rounded(void** state) {
   }
 }
 
-static int has_row_pairs(rg_format format) {
-  switch (format) {
-    case RG_FORMAT_NV12:
-    case RG_FORMAT_YUV420:
-    case RG_FORMAT_BAYER8:
-    case RG_FORMAT_BAYER16:
-    case RG_FORMAT_BAYER10P:
-    case RG_FORMAT_BAYER12P:
-      return 1;
-    default:
-      return 0;
-  }
-}
+#define ROW_PAIRS(name, kind, first, num, row_pairs, ...) \
+  [RG_FORMAT_##name] = (row_pairs),
+static const uint8_t kHasRowPairs[RG_NUM_FORMATS] = {
+    RG_PIXEL_FORMATS(ROW_PAIRS)};
 
 /* Up to the last row of 41. */
 static void no_rows_are_told_that_no_frame_has(void** state) {
@@ -118,7 +110,7 @@ static void no_rows_are_told_that_no_frame_has(void** state) {
     uint16_t first = 77, num_rows = 77;
     const rg_status status = rg_remap_source_rows(&camera, (rg_format)format, 0,
                                                   OUTPUT, &first, &num_rows);
-    if (has_row_pairs((rg_format)format)) {
+    if (kHasRowPairs[format]) {
       assert_int_equal(status, RG_ERR_FRAME_SIZE);
       assert_int_equal(first + num_rows, 2 * 77);
     } else {

@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "frames/pixel_format_list.h"
 #include "raygrid.h"
 
 #define STRUCT(type) printf("struct %s %u\n", #type, (unsigned)sizeof(type))
@@ -82,21 +83,8 @@ static void print_frames(void) {
 }
 
 static void print_formats(void) {
-  CONSTANT(RG_FORMAT_GREY8);
-  CONSTANT(RG_FORMAT_GREY16);
-  CONSTANT(RG_FORMAT_GREY10P);
-  CONSTANT(RG_FORMAT_GREY12P);
-  CONSTANT(RG_FORMAT_RGB24);
-  CONSTANT(RG_FORMAT_RGB32);
-  CONSTANT(RG_FORMAT_YUYV);
-  CONSTANT(RG_FORMAT_UYVY);
-  CONSTANT(RG_FORMAT_NV12);
-  CONSTANT(RG_FORMAT_YUV420);
-  CONSTANT(RG_FORMAT_BAYER8);
-  CONSTANT(RG_FORMAT_BAYER16);
-  CONSTANT(RG_FORMAT_BAYER10P);
-  CONSTANT(RG_FORMAT_BAYER12P);
-  CONSTANT(RG_FORMAT_RGB565);
+#define FORMAT(name, ...) CONSTANT(RG_FORMAT_##name);
+  RG_PIXEL_FORMATS(FORMAT)
   CONSTANT(RG_NUM_FORMATS);
 }
 

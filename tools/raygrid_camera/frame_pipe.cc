@@ -83,10 +83,10 @@ std::string DescribePipe(const StreamFormat& format, double frames_per_second) {
     text += std::string("ffplay -f rawvideo -pixel_format ") + names.ffmpeg +
             " -video_size " + width + "x" + height + " -framerate " + rate +
             " -\n";
-  if (names.gstreamer)
-    text += std::string("gst-launch-1.0 fdsrc ! rawvideoparse format=") +
-            names.gstreamer + " width=" + width + " height=" + height +
-            " framerate=" + rate + "/1 ! videoconvert ! autovideosink\n";
+  if (const std::string name = RawVideoParseName(names); !name.empty())
+    text += std::string("gst-launch-1.0 fdsrc ! rawvideoparse format=") + name +
+            " width=" + width + " height=" + height + " framerate=" + rate +
+            "/1 ! videoconvert ! autovideosink\n";
   return text;
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "frames/pixel_formats.h"
+#include "kernels/samples.h"
 
 namespace raygrid {
 namespace {
@@ -32,100 +32,39 @@ const YuvToRgb& ConversionOf(const StreamFormat& format) {
   return format.is_full_range ? kFull : kVideo;
 }
 
-// A sample's upper 8 bits.
-struct SampleRow {
-  rg_sample_kind kind;
-  int shift;
-  const uint8_t* bytes;
+// A sample of so many bits as 8; the high bits fill low ones that are missing.
+uint8_t AsByte(uint32_t sample, int bits) {
+  return static_cast<uint8_t>(bits >= 8 ? sample >> (bits - 8)
+                                        : sample << (8 - bits) |
+                                              sample >> (2 * bits - 8));
+}
 
-  uint8_t operator[](uint32_t index) const {
-    return static_cast<uint8_t>(rg_load_sample(kind, bytes, index) >> shift);
+// Bits of the channel's samples.
+int BitsOf(const PixelFormatInfo& pixel_format, const SampleChannel& channel) {
+  if (channel.lattice.kind != RG_SAMPLE_565) return pixel_format.bits;
+  return rg_field_mask(channel.first_sample) == 31 ? 5 : 6;
+}
+
+// Writes every third byte.
+void ReadChannel(const PixelFormatInfo& pixel_format, const rg_image& image,
+                 uint32_t index, uint32_t row, uint8_t* rgb) {
+  const SampleChannel channel = FindChannel(pixel_format.format, index);
+  const rg_lattice& lattice = channel.lattice;
+  const auto& plane = image.planes[lattice.plane];
+  const uint32_t plane_row =
+      (row >> lattice.log2[1]) * lattice.row_step + lattice.first_row;
+  const uint8_t* const bytes = plane.data + size_t{plane_row} * plane.stride;
+  const uint32_t shift = lattice.log2[0], step = lattice.sample_step;
+  const uint32_t first = channel.first_sample;
+  if (lattice.kind == RG_SAMPLE_8) {
+    for (uint32_t x = 0; x < image.width; ++x)
+      rgb[size_t{3} * x] = bytes[first + (x >> shift) * step];
+    return;
   }
-};
-
-const uint8_t* RowOf(const rg_image& image, int plane, uint32_t row) {
-  return image.planes[plane].data + size_t{row} * image.planes[plane].stride;
-}
-
-SampleRow SamplesOf(const PixelFormatInfo& pixel_format, const rg_image& image,
-                    uint32_t row) {
-  rg_lattice lattice;
-  rg_find_lattice(pixel_format.format, 0, &lattice);
-  return {static_cast<rg_sample_kind>(lattice.kind), pixel_format.bits - 8,
-          RowOf(image, 0, row)};
-}
-
-void ReadGreyRow(const SampleRow& samples, uint32_t width, uint8_t* rgb) {
-  for (uint32_t x = 0; x < width; ++x)
-    std::fill_n(rgb + size_t{3} * x, 3, samples[x]);
-}
-
-// Red, green and blue of 5, 6 and 5 bits; their high bits fill the low ones.
-void ReadFieldsRow(const uint8_t* words, uint32_t width, uint8_t* rgb) {
-  for (uint32_t x = 0; x < width; ++x, rgb += 3)
-    for (uint32_t i = 0; i < 3; ++i) {
-      const uint32_t bits = i == 1 ? 6 : 5;
-      const uint32_t value = rg_load_sample(RG_SAMPLE_565, words, 4 * x + i);
-      rgb[i] =
-          static_cast<uint8_t>(value << (8 - bits) | value >> (2 * bits - 8));
-    }
-}
-
-void ReadInterleavedRow(const StreamFormat& format, const rg_image& image,
-                        uint32_t row, uint8_t* rgb) {
-  const PixelFormatInfo& pixel_format = *format.pixel_format;
-  const YuvToRgb& yuv = ConversionOf(format);
-  const int step = pixel_format.format == RG_FORMAT_RGB24 ? 3 : 4;
-  const uint8_t* pixel = RowOf(image, 0, row);
-  const uint8_t* const order = pixel_format.order;
-  for (uint32_t x = 0; x < image.width; ++x, pixel += step, rgb += 3) {
-    if (pixel_format.model == ColourModel::kYuv)
-      yuv.Put(pixel[order[0]], pixel[order[1]], pixel[order[2]], rgb);
-    else
-      for (int i = 0; i < 3; ++i) rgb[i] = pixel[order[i]];
-  }
-}
-
-// YUYV and its like: pairs of pixels in 4 bytes.
-void ReadPairedRow(const StreamFormat& format, const rg_image& image,
-                   uint32_t row, uint8_t* rgb) {
-  const PixelFormatInfo& pixel_format = *format.pixel_format;
-  const YuvToRgb& yuv = ConversionOf(format);
-  const uint8_t* pair = RowOf(image, 0, row);
-  const uint8_t* const order = pixel_format.order;
-  for (uint32_t x = 0; x < image.width; ++x, rgb += 3) {
-    const uint8_t* const group = pair + size_t{4} * (x / 2);
-    yuv.Put(group[order[0] + 2 * (x & 1)], group[order[1]], group[order[2]],
-            rgb);
-  }
-}
-
-void ReadPlanarRow(const StreamFormat& format, const rg_image& image,
-                   uint32_t row, uint8_t* rgb) {
-  const PixelFormatInfo& pixel_format = *format.pixel_format;
-  const YuvToRgb& yuv = ConversionOf(format);
-  const bool is_nv12 = pixel_format.format == RG_FORMAT_NV12;
-  const uint8_t* const order = pixel_format.order;
-  const uint8_t* const luma = RowOf(image, 0, row);
-  const uint8_t* chroma[2];
-  for (int i = 0; i < 2; ++i)
-    chroma[i] = is_nv12 ? RowOf(image, 1, row / 2) + order[i + 1]
-                        : RowOf(image, order[i + 1], row / 2);
-  const uint32_t step = is_nv12 ? 2 : 1;
-  for (uint32_t x = 0; x < image.width; ++x, rgb += 3)
-    yuv.Put(luma[x], chroma[0][x / 2 * step], chroma[1][x / 2 * step], rgb);
-}
-
-void ReadBayerRow(const PixelFormatInfo& pixel_format, const rg_image& image,
-                  uint32_t row, uint8_t* rgb) {
-  const uint32_t top = row & ~1u;
-  const SampleRow rows[2] = {SamplesOf(pixel_format, image, top),
-                             SamplesOf(pixel_format, image, top + 1)};
-  for (uint32_t x = 0; x < image.width; ++x, rgb += 3)
-    for (int i = 0; i < 3; ++i) {
-      const uint32_t place = pixel_format.order[i];
-      rgb[i] = rows[place >> 1][(x & ~1u) + (place & 1)];
-    }
+  const int bits = BitsOf(pixel_format, channel);
+  for (uint32_t x = 0; x < image.width; ++x)
+    rgb[size_t{3} * x] = AsByte(
+        rg_load_sample(lattice.kind, bytes, first + (x >> shift) * step), bits);
 }
 
 }  // namespace
@@ -133,22 +72,14 @@ void ReadBayerRow(const PixelFormatInfo& pixel_format, const rg_image& image,
 void ReadPictureRow(const StreamFormat& format, const rg_image& image,
                     uint32_t row, uint8_t* rgb) {
   const PixelFormatInfo& pixel_format = *format.pixel_format;
-  switch (pixel_format.format) {
-    case RG_FORMAT_RGB24:
-    case RG_FORMAT_RGB32:
-      return ReadInterleavedRow(format, image, row, rgb);
-    case RG_FORMAT_RGB565:
-      return ReadFieldsRow(RowOf(image, 0, row), image.width, rgb);
-    case RG_FORMAT_YUYV:
-    case RG_FORMAT_UYVY:
-      return ReadPairedRow(format, image, row, rgb);
-    case RG_FORMAT_NV12:
-    case RG_FORMAT_YUV420:
-      return ReadPlanarRow(format, image, row, rgb);
-    default:
-      if (pixel_format.model == ColourModel::kBayer)
-        return ReadBayerRow(pixel_format, image, row, rgb);
-      return ReadGreyRow(SamplesOf(pixel_format, image, row), image.width, rgb);
+  const bool is_grey = pixel_format.model == ColourModel::kGrey;
+  for (int i = 0; i < (is_grey ? 1 : 3); ++i)
+    ReadChannel(pixel_format, image, pixel_format.order[i], row, rgb + i);
+  const YuvToRgb& yuv = ConversionOf(format);
+  for (uint32_t x = 0; x < image.width; ++x, rgb += 3) {
+    if (is_grey) rgb[1] = rgb[2] = rgb[0];
+    if (pixel_format.model == ColourModel::kYuv)
+      yuv.Put(rgb[0], rgb[1], rgb[2], rgb);
   }
 }
 

@@ -13,25 +13,11 @@ bool IsPacked(const PixelFormatInfo& info) {
   return std::string(info.name).find("CSI2P") != std::string::npos;
 }
 
-// Bytes between the luma of neighbours.
-int LumaStep(const PixelFormatInfo& info) {
-  switch (info.format) {
-    case RG_FORMAT_YUYV:
-    case RG_FORMAT_UYVY:
-      return 2;
-    case RG_FORMAT_RGB32:
-      return 4;
-    default:
-      return 1;
-  }
-}
-
 void TakeLuma(const PixelFormatInfo& info, const uint8_t* row, int width,
               uint8_t* grey) {
-  const int step = LumaStep(info);
-  // A plane of its own holds nothing else.
-  const uint8_t* const luma = row + (step > 1 ? info.order[0] : 0);
-  for (int x = 0; x < width; ++x) grey[x] = luma[x * step];
+  const SampleChannel luma = FindChannel(info.format, info.order[0]);
+  row += luma.first_sample;
+  for (int x = 0; x < width; ++x) grey[x] = row[x * luma.lattice.sample_step];
 }
 
 // In the processor's order, as images in memory are.
