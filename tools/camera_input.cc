@@ -171,8 +171,8 @@ std::optional<TrustMask> ShownWith(const std::string& outside,
   if (auto trusted = TrustOf(input)) return trusted;
   throw Error(ExitCode::kUsage,
               path +
-                  ": --outside trusted: does not say where it can be "
-                  "trusted; leave the option out, or give a camera.yaml "
+                  ": --outside trusted: has no valid region; leave the option "
+                  "out, or give a camera.yaml "
                   "that raygrid calibrate wrote");
 }
 

@@ -17,6 +17,7 @@
 #include "dataset/files.h"
 #include "dataset/image_files.h"
 #include "help_formatter.h"
+#include "json_output.h"
 #include "mode_options.h"
 #include "packing/distorted_image.h"
 #include "packing/pack.h"
@@ -112,8 +113,8 @@ ImageMapper TrustedAlone(ImageMapper mapper, const std::string& path,
   if (std::find(pixels.begin(), pixels.end(), true) == pixels.end())
     throw Error(ExitCode::kUsage,
                 path +
-                    ": --outside trusted: no pixel of its images is "
-                    "trusted; leave the option out");
+                    ": --outside trusted: no pixel of its images is in the "
+                    "valid region; leave the option out");
   const auto map = mapper.map;
   mapper.map = [=](const std::string& image_path, const Image& picture) {
     Image image = map(image_path, picture);
@@ -367,8 +368,7 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
   if (!turned.empty() && !common.quiet)
     fmt::print(stderr, "raygrid: {}\n", RemarkOnTurned(turned));
   if (common.json)
-    fmt::print("{}\n", written.dump(2, ' ', false,
-                                    nlohmann::json::error_handler_t::replace));
+    PrintCommandJson(written);
   else if (!common.quiet)
     fmt::print("{} images {} to {}; the view, as {}: {}\n", paths.size(),
                arguments.is_reverse ? "distorted" : "undistorted",

@@ -12,6 +12,7 @@
 #include "dataset/image_files.h"
 #include "dataset/text_encoding.h"
 #include "help_formatter.h"
+#include "json_output.h"
 #include "packing/pack.h"
 #include "packing/view_curves.h"
 #include "report/contact_sheet.h"
@@ -168,9 +169,9 @@ SheetTile TileBefore(const ViewedCamera& viewed,
                   camera.Name(), SeenAngleDeg(camera, 0),
                   SeenAngleDeg(camera, 1),
                   file.name.empty() ? "" : ", " + Printable(file.name)),
-      viewed.mask ? fmt::format("trusted in {:.0f} % of the image",
+      viewed.mask ? fmt::format("valid in {:.0f} % of the image",
                                 100 * TrustedPart(*viewed.mask, camera))
-                  : "the file does not say where it is trusted",
+                  : "the file has no valid region",
       viewed.image.empty() ? "a checkered room, as this camera sees it"
                            : ShownName(viewed.image)};
   tile.picture = viewed.before;
@@ -238,7 +239,8 @@ ViewedRow RowOfView(const VirtualView& view, ViewedCamera viewed,
                              ? "a checkered room, as this view shows it"
                              : ShownName(viewed.image));
   tile.curves = {StraightCurves(viewed, view)};
-  return {{{std::move(tile)}}, {{"views", {ViewJson(view)}}}};
+  return {{{std::move(tile)}},
+          {{"views", nlohmann::ordered_json::array({ViewJson(view)})}}};
 }
 
 ViewedRow RowOfCamera(ViewedCamera viewed, const ViewArguments& arguments,
@@ -261,11 +263,10 @@ ViewedRow RowOfCamera(ViewedCamera viewed, const ViewArguments& arguments,
     tile.title = viewed.name + ": no view";
     tile.message = "No view: " + tables.why_none;
     result.row.tiles.push_back(std::move(tile));
-    result.json["why_no_view"] = tables.why_none;
+    result.json["view_error"] = tables.why_none;
   }
   if (viewed.mask)
-    result.json["trusted_part_of_image"] =
-        TrustedPart(*viewed.mask, viewed.camera());
+    result.json["valid_share"] = TrustedPart(*viewed.mask, viewed.camera());
   result.json["views"] = nlohmann::json::array();
   for (const VirtualView& view : tables.views)
     result.json["views"].push_back(ViewJson(view));
@@ -293,7 +294,7 @@ ViewedRow RowOfFile(const std::string& path, const std::string& image,
 // The marks that a sheet has, and what they mean.
 std::vector<SheetMark> MarksOf(const std::vector<SheetRow>& rows) {
   const SheetMark all[] = {
-      {kTrustedColor, false, "where the camera can be trusted"},
+      {kTrustedColor, false, "valid region"},
       {kAreaColor, false, "the calibrated area"},
       {kStraightColor, false, "straight in the world"},
       {ColorOfView(0), true, "edge of a view, in its frame's colour"}};
@@ -345,8 +346,7 @@ void Run(const ViewArguments& arguments, const CommonOptions& common) {
         {"file", arguments.output},
         {"size", {sheet.size.width, sheet.size.height}},
         {"files", files}};
-    fmt::print("{}\n", result.dump(2, ' ', false,
-                                   nlohmann::json::error_handler_t::replace));
+    PrintCommandJson(result);
   } else if (!common.quiet) {
     fmt::print("{}: {} x {} px, {} file{}\n", arguments.output,
                sheet.size.width, sheet.size.height, rows.size(),

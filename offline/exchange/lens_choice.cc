@@ -163,18 +163,19 @@ ChosenLens ChooseLens(const std::vector<const LensForm*>& forms,
         return ChoiceRmsPx(*lens.fit) <= enough_px;
       });
   if (chosen == fits.end() || chosen->fit->num_pixels == 0)
-    throw Error(ExitCode::kQuality,
-                fmt::format("{} has a place for no trusted pixel of this "
-                            "camera; export a view of it",
-                            sorted.front()->name));
+    throw Error(
+        ExitCode::kQuality,
+        fmt::format("{} cannot represent any pixel of this camera's valid "
+                    "region; export a view of it",
+                    sorted.front()->name));
   return std::move(*chosen);
 }
 
 std::string LensFitText(const LensFit& fit) {
   std::string text = fmt::format(
-      "RMS {:.4f} px, 99 % below {:.4f} px, largest {:.4f} px at {} {}pixels",
+      "RMS {:.4f} px, 99 % below {:.4f} px, largest {:.4f} px at {} pixels{}",
       fit.rms_px, fit.p99_px, fit.max_px, fit.num_pixels,
-      fit.is_of_trusted ? "trusted " : "");
+      fit.is_of_trusted ? " of the valid region" : "");
   if (fit.num_beyond > 0)
     text +=
         fmt::format("; none at {} pixels, up to {:.0f} degrees off the axis",

@@ -72,7 +72,7 @@ std::string TitleOfFigure(const std::string& name) {
       {"center_x_px", "the centre's x"},
       {"center_y_px", "the centre's y"},
       {"held_out_median_px", "the held-out error"},
-      {"worst_deviation_px", "the worst stated deviation"},
+      {"max_uncertainty_px", "the largest predicted uncertainty"},
       {"sensor_temperature_c", "the sensor's temperature"},
       {"pixels", "pixels over the whole image"}};
   const auto found = kTitles.find(name);

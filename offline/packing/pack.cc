@@ -58,9 +58,10 @@ std::optional<std::string> RemarkOnProjection(
       "degrees from the axis");
   if (faults.empty()) return std::nullopt;
   return fmt::format(
-      "projection does not lead back to all {} pixels: {}; images with the "
-      "board there, or a larger --knot-spacing-px, make the camera smoother",
-      has_mask ? "trusted" : "of the area's", faults);
+      "projection does not lead back to all pixels of the {}: {}; images with "
+      "the target there, or a larger --knot-spacing-px, make the camera "
+      "smoother",
+      has_mask ? "valid region" : "calibrated area", faults);
 }
 
 void RequirePackable(const CameraModel& camera) {

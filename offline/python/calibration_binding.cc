@@ -218,9 +218,10 @@ PyCalibration CalibrateGiven(
     const std::string& area, bool fix_target_geometry, bool rigid_target,
     bool independent_boards, bool refine_features, bool compare_models,
     const std::vector<std::string>& hold_out,
-    std::optional<double> duplicate_px, const py::object& image_circle,
-    const std::string& name, const std::string& serial, bool any_distance,
-    int threads, const py::object& progress, const py::kwargs& given) {
+    std::optional<double> duplicate_px, std::optional<double> valid_px,
+    const py::object& image_circle, const std::string& name,
+    const std::string& serial, bool any_distance, int threads,
+    const py::object& progress, const py::kwargs& given) {
   FormerNames former(given);
   former.Take("cell_px", &knot_spacing_px);
   former.Take("flat_board", &fix_target_geometry);
@@ -254,6 +255,9 @@ PyCalibration CalibrateGiven(
   if (duplicate_px && !(*duplicate_px >= 0 && *duplicate_px <= 1e5))
     throw py::value_error(
         "duplicate_px: expected None, pixels, or 0 to keep every image");
+  options.valid_px = valid_px;
+  if (valid_px && !(*valid_px >= 1e-3 && *valid_px <= 1e3))
+    throw py::value_error("valid_px: expected None, or 0.001 to 1000 pixels");
   options.any_distance = any_distance;
   options.num_threads = threads;
   RequireBlobText("name", name);
@@ -281,10 +285,10 @@ void BindCalibration(py::module_* module) {
       py::arg("independent_boards") = false, py::arg("refine_features") = true,
       py::arg("compare_models") = false,
       py::arg("hold_out") = std::vector<std::string>(),
-      py::arg("duplicate_px") = py::none(), py::arg("image_circle") = "auto",
-      py::arg("name") = "", py::arg("serial") = "",
-      py::arg("any_distance") = false, py::arg("threads") = 0,
-      py::arg("progress") = py::none(),
+      py::arg("duplicate_px") = py::none(), py::arg("valid_px") = py::none(),
+      py::arg("image_circle") = "auto", py::arg("name") = "",
+      py::arg("serial") = "", py::arg("any_distance") = false,
+      py::arg("threads") = 0, py::arg("progress") = py::none(),
       "Calibrate a camera or a rig.\n\nimages: paths of images or folders, or "
       "Detections; for a rig a dict of these by camera name, in which images "
       "of a frame share one name. pattern: as for detect(). The other "

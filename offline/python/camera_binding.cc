@@ -10,6 +10,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/held_stack.h"
+#include "evaluation/uncertainty_summary.h"
 #include "exchange/format.h"
 #include "exchange/table_format.h"
 #include "packing/blob_camera.h"
@@ -62,9 +63,13 @@ py::dict UncertaintyFigures(const PyCamera& self) {
   const CameraModel& camera = *self.file.camera;
   py::dict figures;
   figures["median_px"] = known.lattice.MedianPx();
-  figures["trusted_to_px"] = known.max_deviation_px;
-  figures["trusted_part_of_image"] =
-      known.TrustedPart(camera.image_size(), camera.area());
+  figures["valid_limit_px"] = known.max_deviation_px;
+  const UncertaintySummary summary = SummarizeUncertainty(camera, known);
+  figures["valid_share"] = summary.valid_share;
+  py::dict shares;
+  for (size_t k = 0; k < kShareLimitsPx.size(); ++k)
+    shares[py::float_(kShareLimitsPx[k])] = summary.share_below[k];
+  figures["share_below_px"] = shares;
   return figures;
 }
 
@@ -411,12 +416,15 @@ void BindCamera(py::module_* module) {
            "Standard deviation (...) of a coordinate, in pixels, of the "
            "projection of a far point that pixels (..., 2) see, the RMS of "
            "both axes; NaN where it is not known.")
+      .def("is_valid", &IsTrusted, py::arg("pixels"),
+           "Whether pixels (..., 2) lie in the valid region.")
+      // The former name of is_valid.
       .def("is_trusted", &IsTrusted, py::arg("pixels"),
-           "Whether the camera can be trusted at pixels (..., 2).")
+           "Deprecated: use is_valid().")
       .def_property_readonly(
           "uncertainty_figures", &UncertaintyFigures,
-          "median_px, trusted_to_px and trusted_part_of_image, as calibrate "
-          "tells them.")
+          "median_px; valid_limit_px and valid_share of the valid region; "
+          "share_below_px, the share of the image by limit in pixels.")
       .def("view", &ViewOf, py::kw_only(), py::arg("size") = py::none(),
            py::arg("hfov") = py::none(), py::arg("vfov") = py::none(),
            py::arg("focal") = py::none(), py::arg("alpha") = py::none(),

@@ -107,10 +107,10 @@ std::string BoardSection(const Pattern& pattern) {
   return html + "</div>\n";
 }
 
-std::string BodySection(const std::vector<std::string>& boards_told) {
-  if (boards_told.empty()) return "";
+std::string BodySection(const std::vector<std::string>& rigid_target_summary) {
+  if (rigid_target_summary.empty()) return "";
   std::string html = "<h2>Whether boards are fixed to each other</h2>\n<ul>\n";
-  for (const std::string& sentence : boards_told)
+  for (const std::string& sentence : rigid_target_summary)
     html += "<li>" + EscapeHtml(sentence) + "</li>\n";
   return html + "</ul>\n";
 }
@@ -165,10 +165,13 @@ std::string BendSection(const BoardBends& bends, const Pattern& pattern) {
 
 std::string WordsSection() {
   return "<h2>Words</h2>\n<ul>\n"
-         "<li><b>trusted</b>: the part of the image where the camera is known "
-         "to half the features' noise, or to 0.025 px.</li>\n"
-         "<li><b>leave open</b>: how far, in the median pixel, projections may "
-         "move before the features contradict (one standard deviation).</li>\n"
+         "<li><b>predicted uncertainty</b>: the standard deviation of a "
+         "coordinate of a far point's projection, by the noise and spread of "
+         "the features.</li>\n"
+         "<li><b>valid region</b>: where features support the camera and its "
+         "predicted uncertainty is below a limit (--valid-px).</li>\n"
+         "<li><b>extrapolated</b>: without features near; only the model's "
+         "smoothness determines the camera there.</li>\n"
          "<li><b>bias</b>: how unlike noise the residuals of one region of the "
          "image are; compare with what pure noise would have.</li>\n"
          "<li><b>correlation</b>: the part of the squared errors that "

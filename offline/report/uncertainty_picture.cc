@@ -54,8 +54,8 @@ void DrawScale(double full_scale_px, int top, cv::Mat* picture) {
              picture);
   }
   DrawText(
-      "standard deviation of a far point's image, of a coordinate; hatched: "
-      "not to be trusted",
+      "predicted uncertainty, 1 sigma of a coordinate; hatched: outside the "
+      "valid region",
       {kMargin, top + kBarHeight + 40}, picture);
 }
 

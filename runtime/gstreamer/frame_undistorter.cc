@@ -156,7 +156,7 @@ void FrameUndistorter::SetCaps(const GstCaps* frames, const GstCaps* views) {
   if (untrusted_->are_all())
     throw CameraError(CameraExit::kBlob,
                       settings_.blob +
-                          ": its table shows nothing that can be trusted; set "
+                          ": its table shows nothing of the valid region; set "
                           "outside=fill, or pack another view");
 }
 

@@ -23,7 +23,7 @@ enum Outside { kFill, kTrusted };
 GType OutsideType() {
   static const GEnumValue kValues[] = {
       {kFill, "As the lens goes on there", "fill"},
-      {kTrusted, "Border in blocks in which nothing is trusted", "trusted"},
+      {kTrusted, "Border in blocks outside the valid region", "trusted"},
       {0, nullptr, nullptr}};
   static const GType type =
       g_enum_register_static("RaygridUndistortOutside", kValues);

@@ -59,7 +59,7 @@ void Undistorter::HideUntrusted() {
   untrusted_.emplace(camera_, format_, frames_.front().target);
   if (untrusted_->are_all())
     throw CameraError(CameraExit::kBlob,
-                      "blob: its table shows nothing that can be trusted; "
+                      "blob: its table shows nothing of the valid region; "
                       "leave --outside trusted out, or pack another view");
 }
 

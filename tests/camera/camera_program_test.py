@@ -209,7 +209,7 @@ class CameraProgram(unittest.TestCase):
         self.assert_fails(1, "flat.raygrid", *recording, words=["flat.raygrid", "--outside",
                                                                 "camera.yaml"])
         self.assert_fails(8, "modes.raygrid", "--table", 2, "--size", "40x30", *recording,
-                          words=["nothing that can be trusted", "--outside"])
+                          words=["nothing of the valid region", "--outside"])
 
     def test_a_pipe_holds_the_same_planes(self):
         process = self.start("--frames", 20, "--every-frame", "--fps", 1000, "-o", "-")

@@ -38,8 +38,8 @@ void RequireMask(const std::string& path, const std::vector<uint8_t>& bytes) {
   if (blob.mask == 0)
     throw CameraError(CameraExit::kUsage,
                       path +
-                          ": --outside trusted: does not say where it can be "
-                          "trusted; leave the option out, or pack a "
+                          ": --outside trusted: has no valid region; leave the "
+                          "option out, or pack a "
                           "camera.yaml that raygrid calibrate wrote");
 }
 

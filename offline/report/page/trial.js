@@ -121,7 +121,7 @@
     return `${place} sees along (${ray.map((v) => v.toFixed(4)).join(', ')}), ` +
       `${tilt.toFixed(2)}\u00b0 from the z axis` +
       (deviation === null ? '' : `; \u00b1 ${deviation.toFixed(4)} px`) +
-      (valid ? '' : '; not to be trusted');
+      (valid ? '' : '; outside the valid region');
   };
 
   const pixelAt = (canvas, event) => {
