@@ -37,6 +37,7 @@ namespace fs = std::filesystem;
 using BatchJson = nlohmann::ordered_json;
 
 constexpr char kUnitFile[] = "unit.json";  // the last file of a finished unit
+constexpr int kUnitSchemaVersion = 2;      // of unit.json and of failures
 constexpr char kFleetFile[] = "fleet.csv";
 constexpr char kFleetPage[] = "fleet.html";
 constexpr char kFleetCamera[] = "fleet_camera.yaml";
@@ -187,9 +188,15 @@ UnitRow ReadResult(const UnitJob& job, const BatchJson& record,
   return row;
 }
 
+// The hash of inputs in a record; "inputs" in files before schema_version 2.
+std::string FingerprintIn(const BatchJson& record) {
+  return record.value(record.contains("inputs_hash") ? "inputs_hash" : "inputs",
+                      "");
+}
+
 bool IsFinished(const UnitJob& job, const std::string& fingerprint) {
   const auto record = ReadRecord(job.folder + "/" + kUnitFile);
-  if (!record || record->value("inputs", "") != fingerprint) return false;
+  if (!record || FingerprintIn(*record) != fingerprint) return false;
   try {
     ReadResult(job, *record, {});
     return true;
@@ -251,9 +258,11 @@ std::vector<std::string> WordsOfUnit(const UnitJob& job,
 void RecordFailure(const UnitJob& job, int exit_code,
                    const std::string& reason) {
   rmdir(job.folder.c_str());  // if it is empty; else an earlier result is there
-  WriteFile(
-      job.failure_file,
-      BatchJson({{"exit_code", exit_code}, {"reason", reason}}).dump(2) + "\n");
+  WriteFile(job.failure_file, BatchJson({{"schema_version", kUnitSchemaVersion},
+                                         {"exit_code", exit_code},
+                                         {"reason", reason}})
+                                      .dump(2) +
+                                  "\n");
 }
 
 // Whether a result could be written beside the unit's folder: then it is that
@@ -293,7 +302,8 @@ void CalibrateUnit(const UnitJob& job, const std::string& fingerprint,
             : end.last_error);
     return;
   }
-  WriteFile(record, BatchJson({{"inputs", fingerprint},
+  WriteFile(record, BatchJson({{"schema_version", kUnitSchemaVersion},
+                               {"inputs_hash", fingerprint},
                                {"seconds", seconds},
                                {"files", FilesOfResult(job.folder)}})
                             .dump(2) +

@@ -7,6 +7,7 @@
 
 #include "dataset/text_encoding.h"
 #include "fleet/fleet_words.h"
+#include "json_output.h"
 
 namespace raygrid {
 namespace {
@@ -20,7 +21,7 @@ const std::string& SerialOfUnit(const FleetAnalysis& fleet, int unit) {
 FleetJson UnitJson(const UnitRow& row) {
   FleetJson unit = {{"serial", row.serial}, {"status", row.status}};
   if (!row.reason.empty()) unit["reason"] = row.reason;
-  if (!row.unusual.empty()) unit["unusual"] = row.unusual;
+  if (!row.unusual.empty()) unit["unusual_metrics"] = row.unusual;
   for (const auto& [name, value] : row.figures) unit[name] = value;
   for (const auto& [name, text] : {std::pair("lens_batch", &row.lens_batch),
                                    std::pair("repeats", &row.repeats)})
@@ -33,12 +34,12 @@ FleetJson ChangesJson(const FleetAnalysis& fleet, FleetJson* drifts) {
   FleetJson jumps = FleetJson::array();
   for (const MeanJump& jump : fleet.statistics.jumps)
     jumps.push_back({{"serial", SerialOfUnit(fleet, jump.unit)},
-                     {"figure", jump.name},
+                     {"metric", jump.name},
                      {"before", jump.before},
                      {"after", jump.after},
                      {"sigmas", jump.sigmas}});
   for (const MeanDrift& drift : fleet.statistics.drifts)
-    drifts->push_back({{"figure", drift.name},
+    drifts->push_back({{"metric", drift.name},
                        {"first", drift.first},
                        {"last", drift.last},
                        {"sigmas", drift.sigmas}});
@@ -50,28 +51,28 @@ FleetJson BatchesJson(const BatchComparison& batches) {
   for (size_t b = 0; b < batches.batches.size(); ++b)
     units[batches.batches[b]] = batches.num_units[b];
   for (const BatchedFigure& figure : batches.figures) {
-    FleetJson json = {{"differs", figure.differs}, {"chance", figure.chance}};
+    FleetJson json = {{"differs", figure.differs}, {"p_value", figure.chance}};
     for (size_t b = 0; b < figure.means.size(); ++b)
       json["means"][batches.batches[b]] = figure.means[b];
     if (!figure.means.empty())
-      json["deviation_within"] = figure.deviation_within;
+      json["within_batch_sd"] = figure.deviation_within;
     figures[figure.name] = json;
   }
-  return {{"units", units}, {"figures", figures}};
+  return {{"units", units}, {"metrics", figures}};
 }
 
 FleetJson GaugeFigureJson(const GaugeFigure& figure) {
-  FleetJson json = {{"repeatability", figure.repeatability}};
+  FleetJson json = {{"repeatability_sd", figure.repeatability}};
   for (const GaugeFactor& factor : figure.factors) {
-    json[factor.name] = {{"deviation", factor.deviation}};
-    if (factor.chance) json[factor.name]["chance"] = *factor.chance;
+    json[factor.name] = {{"sd", factor.deviation}};
+    if (factor.chance) json[factor.name]["p_value"] = *factor.chance;
   }
-  json["gauge"] = figure.gauge;
+  json["gauge_rr_sd"] = figure.gauge;
   for (const auto& [name, value] :
-       {std::pair("fleet", figure.fleet),
-        std::pair("part_of_fleet", figure.part_of_fleet),
-        std::pair("classes", figure.num_classes),
-        std::pair("part_of_limits", figure.part_of_limits)})
+       {std::pair("unit_to_unit_sd", figure.fleet),
+        std::pair("gauge_rr_share", figure.part_of_fleet),
+        std::pair("distinct_categories", figure.num_classes),
+        std::pair("tolerance_share", figure.part_of_limits)})
     if (value) json[name] = *value;
   if (figure.is_logarithm) json["relative"] = true;
   return json;
@@ -84,8 +85,8 @@ FleetJson GaugeJson(const GaugeStudy& gauge) {
   return {{"repeats", gauge.num_repeats},
           {"golden_units", gauge.num_goldens},
           {"degrees_of_freedom", gauge.freedoms},
-          {"figures", figures},
-          {"untold", gauge.untold}};
+          {"metrics", figures},
+          {"not_observable", gauge.untold}};
 }
 
 void PrintJson(const FleetAnalysis& fleet) {
@@ -95,8 +96,8 @@ void PrintJson(const FleetAnalysis& fleet) {
   FleetJson json = {{"units", units}, {"jumps", jumps}, {"drifts", drifts}};
   if (!fleet.batches.batches.empty())
     json["lens_batches"] = BatchesJson(fleet.batches);
-  if (fleet.gauge.num_repeats > 0) json["gauge"] = GaugeJson(fleet.gauge);
-  fmt::print("{}\n", json.dump(2));
+  if (fleet.gauge.num_repeats > 0) json["gauge_study"] = GaugeJson(fleet.gauge);
+  PrintCommandJson(json);
 }
 
 void PrintFleet(const FleetAnalysis& fleet) {

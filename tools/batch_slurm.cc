@@ -9,6 +9,7 @@
 #include "child_program.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "json_output.h"
 
 namespace raygrid {
 namespace {
@@ -99,10 +100,9 @@ void SubmitToSlurm(const std::string& plan, const std::string& output,
        "--requeue", "--open-mode=append", log + "/gather.log",
        "--wrap=" + command + " --gather"});
   if (common.json)
-    fmt::print("{}\n", nlohmann::ordered_json({{"array_job", array_job},
-                                               {"tasks", num_tasks},
-                                               {"gather_job", gather_job}})
-                           .dump(2));
+    PrintCommandJson({{"array_job", array_job},
+                      {"tasks", num_tasks},
+                      {"gather_job", gather_job}});
   else if (!common.quiet)
     fmt::print(
         "Job {}: {} units in {} tasks. Job {} then writes fleet.csv and "

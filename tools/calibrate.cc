@@ -475,6 +475,12 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
   command->add_flag("--skip-comparison", arguments->skip_comparison,
                     "do not calibrate parametric models for comparison in the "
                     "report");
+  command
+      ->add_option("--valid-px", arguments->valid_px,
+                   "limit of the valid region: predicted uncertainty in px, 1 "
+                   "sigma; auto: 0.25, or 3 times the feature noise if larger")
+      ->option_text("PX")
+      ->capture_default_str();
   BeginGroup(command, help_group::kAdvanced);
   command->add_flag("--no-refine-features", arguments->measure_once,
                     "keep features as detected, do not refine them with the "

@@ -42,6 +42,18 @@ double ParseCellPx(const std::string& text) {
   return value;
 }
 
+std::optional<double> ParseValidPx(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  char* end;
+  const double value = std::strtod(text.c_str(), &end);
+  if (*end != 0 || !(value >= 1e-3) || value > 1e3)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--valid-px {}: expected auto, or 0.001 to 1000 "
+                            "pixels",
+                            text));
+  return value;
+}
+
 std::optional<double> ParseSameViewPx(const std::string& text) {
   if (text == "auto") return std::nullopt;
   char* end;
@@ -458,6 +470,7 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
   options.compare_models = !arguments.skip_comparison;
   options.hold_out = arguments.hold_out;
   options.same_view_px = ParseSameViewPx(arguments.same_view_px);
+  options.valid_px = ParseValidPx(arguments.valid_px);
   options.num_threads = common.threads;
   options.any_distance = common.yes;
   options.should_stop = IsInterrupted;
@@ -504,12 +517,12 @@ std::string InputsOf(const CalibrateArguments& arguments,
                              f.row, f.pixel.x(), f.pixel.y()));
     }
   }
-  hash.Add(fmt::format("{} {} {} {} {} {} {} {} {} {} {}", arguments.model,
-                       arguments.allow_noncentral, arguments.cell_px,
-                       arguments.same_view_px, arguments.area,
-                       arguments.image_circle, arguments.flat_board,
-                       arguments.rigid_board, arguments.boards_move,
-                       arguments.measure_once, common.seed));
+  hash.Add(fmt::format(
+      "{} {} {} {} {} {} {} {} {} {} {} {}", arguments.model,
+      arguments.allow_noncentral, arguments.cell_px, arguments.same_view_px,
+      arguments.area, arguments.image_circle, arguments.flat_board,
+      arguments.rigid_board, arguments.boards_move, arguments.measure_once,
+      arguments.valid_px, common.seed));
   for (const std::string& image : arguments.hold_out) hash.Add(image);
   for (const std::string& mode : arguments.modes) hash.Add(mode);
   if (const auto& conditions = circumstances.conditions) {

@@ -28,7 +28,7 @@ struct CalibrateArguments {
   std::vector<std::string> images, cameras, image_sizes, hold_out, modes;
   std::string features, pattern, output, name, serial, like;
   std::string model = "auto", cell_px = "auto";
-  std::string same_view_px = "auto";
+  std::string same_view_px = "auto", valid_px = "auto";
   std::string instant_by = "name", area = "image", image_circle = "auto";
   bool flat_board = false, rigid_board = false, boards_move = false,
        measure_once = false, resume = false, allow_noncentral = false;

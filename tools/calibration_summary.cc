@@ -70,11 +70,13 @@ void PrintErrors(const CalibrationResult& result) {
 
 void PrintUncertainty(const CameraUncertainty& uncertainty,
                       const CameraModel& camera) {
-  fmt::print(
-      "  predicted uncertainty: median {:.2g} px; valid region (below {:.2g} "
-      "px): {:.0f} % of the image\n",
-      uncertainty.lattice.MedianPx(), uncertainty.max_deviation_px,
-      100 * uncertainty.TrustedPart(camera.image_size(), camera.area()));
+  const UncertaintySummary summary = SummarizeUncertainty(camera, uncertainty);
+  fmt::print("  predicted uncertainty below");
+  for (const double px : kShareLimitsPx) fmt::print("{:>6g}", px);
+  fmt::print(" px\n                  in % of image");
+  for (const double share : summary.share_below)
+    fmt::print("{:>6.0f}", 100 * share);
+  fmt::print("\n  {}\n", UncertaintySentence(summary, uncertainty, camera));
 }
 
 void PrintKnownOverRanges(const CameraFile& file) {
@@ -82,9 +84,7 @@ void PrintKnownOverRanges(const CameraFile& file) {
     fmt::print(
         "  at the centre of the range; over the whole range: median {:.2g} px, "
         "valid region {:.0f} % of the image\n",
-        known->lattice.MedianPx(),
-        100 *
-            known->TrustedPart(file.camera->image_size(), file.camera->area()));
+        known->lattice.MedianPx(), 100 * ValidShare(*file.camera, known->mask));
 }
 
 // How the camera changes over each of its ranges.

@@ -13,6 +13,7 @@
 #include "dataset/text_encoding.h"
 #include "evaluation/rounded_text.h"
 #include "help_formatter.h"
+#include "json_output.h"
 #include "pattern_input.h"
 #include "session_file.h"
 
@@ -101,17 +102,17 @@ nlohmann::ordered_json ToJson(const CameraCheck& check,
                               const std::vector<std::string>& stands) {
   const CameraChange& change = check.change;
   nlohmann::ordered_json json = {{"status", Word(change)},
-                                 {"moved", change.moved},
+                                 {"changed", change.moved},
                                  {"images", check.num_images},
                                  {"features", change.num_features},
                                  {"noise_px", change.noise_px},
-                                 {"smooth_sigmas", change.smooth_sigmas},
+                                 {"global_sigmas", change.smooth_sigmas},
                                  {"local_sigmas", change.local_sigmas},
                                  {"rms_change_px", change.rms_px}};
   for (const Movement& movement : change.movements) {
     nlohmann::ordered_json& entry = json["movements"][movement.name];
     entry["sigmas"] = movement.sigmas;
-    if (movement.found_from > 0) entry["found_from"] = movement.found_from;
+    if (movement.found_from > 0) entry["detection_limit"] = movement.found_from;
     for (size_t k = 0; k < movement.parameters.size(); ++k) {
       entry[movement.parameters[k]] = movement.values[k];
       entry[movement.parameters[k] + "_sd"] = movement.deviations[k];
@@ -122,10 +123,10 @@ nlohmann::ordered_json ToJson(const CameraCheck& check,
         {"px", change.largest_local_px},
         {"x", change.largest_local_pixel.x()},
         {"y", change.largest_local_pixel.y()}};
-  if (!stands.empty()) json["stands_otherwise"] = stands;
-  json["rejected"] = nlohmann::ordered_json::array();
+  if (!stands.empty()) json["changed_settings"] = stands;
+  json["rejected_images"] = nlohmann::ordered_json::array();
   for (const RejectedImage& image : check.rejected_images)
-    json["rejected"].push_back(
+    json["rejected_images"].push_back(
         {{"image", image.image}, {"reason", image.reason}});
   return json;
 }
@@ -186,7 +187,7 @@ void Run(CheckArguments arguments, const CommonOptions& common) {
   check.rejected_images.insert(check.rejected_images.end(), rejected.begin(),
                                rejected.end());
   if (common.json)
-    fmt::print("{}\n", ToJson(check, stands).dump(2));
+    PrintCommandJson(ToJson(check, stands));
   else if (!common.quiet)
     Print(check, stands);
   if (check.change.is_degraded)

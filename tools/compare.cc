@@ -16,6 +16,7 @@
 #include "evaluation/prediction_comparison.h"
 #include "evaluation/residual_statistics.h"
 #include "help_formatter.h"
+#include "json_output.h"
 #include "pattern_input.h"
 #include "report/pictures.h"
 
@@ -128,7 +129,7 @@ nlohmann::ordered_json ToJson(const PredictionComparison& prediction) {
   return {{"better", prediction.Better()},
           {"probability", prediction.probability},
           {"features", prediction.first.count},
-          {"left_out", prediction.num_left_out},
+          {"excluded_features", prediction.num_left_out},
           {"images", prediction.images.size()},
           {"first_better_images", prediction.num_first_better},
           {"second_better_images", prediction.num_second_better},
@@ -141,17 +142,17 @@ std::string FormatJson(const Comparison& comparison) {
   nlohmann::ordered_json json = {
       {"median_px", d.median_px},  {"rms_px", d.rms_px},
       {"p99_px", d.p99_px},        {"max_px", d.max_px},
-      {"places", d.pixels.size()}, {"rotation_rad", comparison.angle_rad}};
+      {"points", d.pixels.size()}, {"rotation_rad", comparison.angle_rad}};
   const Eigen::Vector3d& t = d.first_from_second.translation;
   if (!d.inverse_distances.empty())
     json["translation_m"] = {t.x(), t.y(), t.z()};
   if (comparison.trusted) {
-    json["trusted"] = ToJson(*comparison.trusted);
-    json["trusted"]["places"] = comparison.trusted->count;
+    json["valid_region"] = ToJson(*comparison.trusted);
+    json["valid_region"]["points"] = comparison.trusted->count;
   }
   if (comparison.prediction)
     json["prediction"] = ToJson(*comparison.prediction);
-  return json.dump(2) + "\n";
+  return FormatCommandJson(json);
 }
 
 std::string FormatCsv(const ModelDifference& difference) {

@@ -18,6 +18,7 @@
 #include "features/detection_pictures.h"
 #include "features/pattern_detector.h"
 #include "help_formatter.h"
+#include "json_output.h"
 #include "pattern_input.h"
 #include "progress_bar.h"
 
@@ -158,24 +159,23 @@ void AddOverlays(const DetectArguments& arguments, const FolderDetection& found,
 std::string FormatJson(const FolderDetection& found, double seconds) {
   nlohmann::ordered_json json;
   json["images"] = found.images.size() + found.skipped.size();
-  json["with_features"] = NumWithFeatures(found);
+  json["images_with_features"] = NumWithFeatures(found);
   json["features"] = found.dataset.num_features();
-  json["rejected"] = NumRejected(found);
-  json["skipped"] = nlohmann::ordered_json::array();
+  json["rejected_features"] = NumRejected(found);
+  json["skipped_images"] = nlohmann::ordered_json::array();
   for (const SkippedImage& skipped : found.skipped)
-    json["skipped"].push_back(
+    json["skipped_images"].push_back(
         {{"image", fs::path(skipped.path).filename().string()},
          {"reason", skipped.reason}});
-  json["without_features"] = nlohmann::ordered_json::array();
+  json["images_without_features"] = nlohmann::ordered_json::array();
   for (size_t i = 0; i < found.images.size(); ++i)
     if (found.images[i].features.empty())
-      json["without_features"].push_back(
+      json["images_without_features"].push_back(
           {{"image", found.dataset.images[i].image},
-           {"remarks", found.images[i].remarks}});
-  json["turned"] = found.turned;
+           {"reasons", found.images[i].remarks}});
+  json["rotated_by_exif"] = found.turned;
   json["seconds"] = seconds;
-  return json.dump(2, ' ', false,
-                   nlohmann::ordered_json::error_handler_t::replace);
+  return FormatCommandJson(json);
 }
 
 void Run(const DetectArguments& arguments, const CommonOptions& common) {
@@ -200,7 +200,7 @@ void Run(const DetectArguments& arguments, const CommonOptions& common) {
   const std::chrono::duration<double> seconds =
       std::chrono::steady_clock::now() - start;
   if (common.json)
-    fmt::print("{}\n", FormatJson(found, seconds.count()));
+    fmt::print("{}", FormatJson(found, seconds.count()));
   else if (!common.quiet)
     fmt::print(
         "{} features in {} of {} images ({} skipped, {} features rejected): "

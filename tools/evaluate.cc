@@ -16,6 +16,7 @@
 #include "dataset/text_encoding.h"
 #include "evaluation/board_bodies.h"
 #include "help_formatter.h"
+#include "json_output.h"
 #include "pattern_input.h"
 
 namespace raygrid {
@@ -80,11 +81,11 @@ nlohmann::ordered_json ToJson(const Evaluation& evaluation,
                               const Residuals& flexed) {
   nlohmann::ordered_json json =
       JsonOf(ComputeErrorFigures(evaluation.residuals));
-  json["outside_area"] = evaluation.outside_area;
-  if (!flexed.empty()) json["flexed"] = JsonOf(ComputeErrorFigures(flexed));
-  json["rejected"] = nlohmann::ordered_json::array();
+  json["outside_area_features"] = evaluation.outside_area;
+  if (!flexed.empty()) json["deformed"] = JsonOf(ComputeErrorFigures(flexed));
+  json["rejected_images"] = nlohmann::ordered_json::array();
   for (const RejectedImage& image : evaluation.rejected_images)
-    json["rejected"].push_back(
+    json["rejected_images"].push_back(
         {{"image", image.image}, {"reason", image.reason}});
   return json;
 }
@@ -144,10 +145,10 @@ void RunCamera(const EvaluateArguments& arguments, const std::string& bytes,
   if (common.json) {
     nlohmann::ordered_json json = ToJson(evaluation, flexed);
     if (as_bodies) {
-      json["as_bodies"] = JsonOf(*as_bodies);
-      json["bodies"] = BodiesJson(pattern);
+      json["with_rigid_targets"] = JsonOf(*as_bodies);
+      json["rigid_targets"] = BodiesJson(pattern);
     }
-    fmt::print("{}\n", json.dump(2));
+    PrintCommandJson(json);
     return;
   }
   if (pattern.boards.size() > 1) fmt::print("one pose per board: ");
@@ -211,10 +212,10 @@ void RunRig(const EvaluateArguments& arguments, const std::string& text,
   RequireResiduals(all.residuals.size());
   if (common.json) {
     nlohmann::ordered_json whole = ToJson(all, all_flexed);
-    whole.erase("rejected");
-    whole["bodies"] = BodiesJson(pattern);
+    whole.erase("rejected_images");
+    whole["rigid_targets"] = BodiesJson(pattern);
     whole["cameras"] = json;
-    fmt::print("{}\n", whole.dump(2));
+    PrintCommandJson(whole);
     return;
   }
   PrintHowLocalized(pattern);

@@ -21,6 +21,7 @@
 #include "exchange/table_format.h"
 #include "exchange/valid_region.h"
 #include "help_formatter.h"
+#include "json_output.h"
 #include "packing/rectification.h"
 #include "packing/view_request.h"
 #include "pattern_input.h"
@@ -290,9 +291,9 @@ nlohmann::ordered_json FitJson(const LensFit& fit) {
           {"p99_px", fit.p99_px},
           {"max_px", fit.max_px},
           {"pixels", fit.num_pixels},
-          {"pixels_beyond", fit.num_beyond},
-          {"of_trusted", fit.is_of_trusted},
-          {"lens_from_camera_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
+          {"pixels_outside_fit", fit.num_beyond},
+          {"valid_region_only", fit.is_of_trusted},
+          {"model_from_camera_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
 }
 
 void PrintExport(const Format& format, const std::vector<WrittenLens>& lenses,
@@ -310,7 +311,7 @@ void PrintExport(const Format& format, const std::vector<WrittenLens>& lenses,
                                  {"exact", !lens.fit.has_value()}});
       if (lens.fit) json["cameras"].back()["fit"] = FitJson(*lens.fit);
     }
-    fmt::print("{}\n", json.dump(2));
+    PrintCommandJson(json);
     return;
   }
   if (common.quiet) return;
@@ -371,8 +372,8 @@ void ListLenses(bool json, nlohmann::ordered_json* all) {
       names += (names.empty() ? "" : ", ") + form.name;
     }
     all->push_back({{"name", format.name},
-                    {"holds", format.holds},
-                    {"of", "a lens"},
+                    {"description", format.holds},
+                    {"source", "a lens"},
                     {"export", format.write != nullptr},
                     {"import", format.read != nullptr},
                     {"rigs", format.holds_rigs},
@@ -387,8 +388,8 @@ void ListLenses(bool json, nlohmann::ordered_json* all) {
 void ListTables(bool json, nlohmann::ordered_json* all) {
   for (const TableFormat& format : TableFormats()) {
     all->push_back({{"name", format.name},
-                    {"holds", format.holds},
-                    {"of", format.Source()},
+                    {"description", format.holds},
+                    {"source", format.Source()},
                     {"export", true},
                     {"import", format.IsImported()},
                     {"options", format.options},

@@ -15,6 +15,7 @@
 #include "evaluation/model_difference.h"
 #include "evaluation/residual_statistics.h"
 #include "help_formatter.h"
+#include "json_output.h"
 
 namespace raygrid {
 namespace {
@@ -139,15 +140,15 @@ std::string FormatJson(const Fit& fit) {
       {"rms_px", d.rms_px},
       {"p99_px", d.p99_px},
       {"max_px", d.max_px},
-      {"places", d.pixels.size()},
-      {"places_without", fit.num_places - d.pixels.size()},
+      {"points", d.pixels.size()},
+      {"points_not_covered", fit.num_places - d.pixels.size()},
       {"camera_from_model_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
   if (fit.trusted)
-    json["trusted"] = {{"rms_px", fit.trusted->rms_px},
-                       {"p99_px", fit.trusted->p99_px},
-                       {"max_px", fit.trusted->max_px},
-                       {"places", fit.trusted->num_places}};
-  return json.dump(2) + "\n";
+    json["valid_region"] = {{"rms_px", fit.trusted->rms_px},
+                            {"p99_px", fit.trusted->p99_px},
+                            {"max_px", fit.trusted->max_px},
+                            {"points", fit.trusted->num_places}};
+  return FormatCommandJson(json);
 }
 
 // The model's name, and how large its spline is.

@@ -20,6 +20,7 @@
 #include "help_formatter.h"
 #include "image_size_option.h"
 #include "import_arguments.h"
+#include "json_output.h"
 #include "table_import.h"
 
 namespace raygrid {
@@ -94,10 +95,9 @@ bool ImportBoards(const ImportArguments& arguments,
   outputs.Commit();
   const Board& board = contents.boards.front();
   if (common.json)
-    fmt::print("{}\n", nlohmann::ordered_json{{"kind", board.kind},
-                                              {"columns", board.columns},
-                                              {"rows", board.rows}}
-                           .dump(2));
+    PrintCommandJson({{"kind", board.kind},
+                      {"columns", board.columns},
+                      {"rows", board.rows}});
   else if (!common.quiet)
     fmt::print("{}: {} with {} x {} features\n", arguments.output, board.kind,
                board.columns, board.rows);
@@ -162,11 +162,9 @@ void ImportCorners(const ExchangeContents& contents,
     fmt::print(stderr, "raygrid: {}: {}\n", Printable(arguments.files[0]),
                Printable(remark));
   if (common.json)
-    fmt::print("{}\n",
-               nlohmann::ordered_json{{"features", dataset.num_features()},
-                                      {"images", dataset.images.size()},
-                                      {"remarks", contents.remarks}}
-                   .dump(2));
+    PrintCommandJson({{"features", dataset.num_features()},
+                      {"images", dataset.images.size()},
+                      {"warnings", contents.remarks}});
   else if (!common.quiet)
     fmt::print("{}: {} in {}\n", arguments.output,
                CountText(dataset.num_features(), "feature"),
@@ -401,14 +399,14 @@ void RunImport(ImportArguments arguments, const CommonOptions& common) {
   if (common.json) {
     nlohmann::ordered_json json = {{"rig", contents.IsRig()},
                                    {"cameras", nlohmann::ordered_json::array()},
-                                   {"remarks", contents.remarks}};
+                                   {"warnings", contents.remarks}};
     for (const ReadLens& camera : contents.cameras)
       json["cameras"].push_back(
           {{"name", camera.name},
            {"model", camera.lens.form->model},
-           {"as", camera.lens.form->name},
+           {"file_model", camera.lens.form->name},
            {"image_size", {camera.lens.size.width, camera.lens.size.height}}});
-    fmt::print("{}\n", json.dump(2));
+    PrintCommandJson(json);
     return;
   }
   if (common.quiet) return;

@@ -19,9 +19,11 @@
 #include "dataset/held_stack.h"
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
+#include "evaluation/uncertainty_summary.h"
 #include "exchange/format.h"
 #include "exchange/opencv_forms.h"
 #include "exchange/table_format.h"
+#include "json_output.h"
 #include "packing/slot_file.h"
 #include "target/board_spec.h"
 #include "view_options.h"
@@ -66,9 +68,9 @@ Json RemapFacts(const uint8_t* section, const std::vector<SensorMode>& modes) {
   json.update(ViewJson(ViewOfTable(remap)));
   if (remap.mode != 0) json["mode"] = Printable(modes[remap.mode - 1].name);
   if (remap.direction == RG_DISTORT) json["direction"] = "distort";
-  if (remap.part_log2 != 0) json["part_px"] = 1 << remap.part_log2;
+  if (remap.part_log2 != 0) json["tile_px"] = 1 << remap.part_log2;
   AddPixels("error_px", remap.max_error_upx, &json);
-  AddPixels("error_asked_for_px", remap.bound_upx, &json);
+  AddPixels("error_limit_px", remap.bound_upx, &json);
   return json;
 }
 
@@ -90,7 +92,7 @@ void AddQuality(const rg_blob& blob, Json* json) {
   add("training_error",
       Figures(quality.training_median_upx, quality.training_rms_upx,
               quality.training_max_upx, quality.training_count));
-  add("held-out_error",
+  add("held_out_error",
       Figures(quality.held_out_median_upx, quality.held_out_rms_upx,
               quality.held_out_max_upx, quality.held_out_count));
   Json packing = Json::object();
@@ -108,10 +110,40 @@ Json UncertaintyFacts(const rg_blob& blob) {
     if (value != RG_UNKNOWN_UNCERTAINTY) values_q12.push_back(value);
   }
   std::sort(values_q12.begin(), values_q12.end());
-  Json json = {{"values", {uncertainty.columns, uncertainty.rows}}};
+  Json json = {{"grid", {uncertainty.columns, uncertainty.rows}}};
   if (!values_q12.empty())
     json["median_px"] = values_q12[values_q12.size() / 2] / 4096.0;
   return json;
+}
+
+// The largest uncertainty that is stated where the mask is valid.
+std::optional<double> LargestValidUncertainty(const rg_blob& blob,
+                                              const rg_mask_section& mask) {
+  if (!blob.uncertainty) return std::nullopt;
+  rg_grid_section grid;
+  rg_blob_grid(&blob, &grid);
+  rg_uncertainty_section uncertainty;
+  rg_blob_uncertainty(&blob, &uncertainty);
+  const Area area = {grid.x0_q16 / 65536.0, grid.y0_q16 / 65536.0,
+                     grid.x1_q16 / 65536.0, grid.y1_q16 / 65536.0};
+  DeviationLattice lattice = {uncertainty.columns, uncertainty.rows, {}};
+  for (int i = 0; i < uncertainty.columns * uncertainty.rows; ++i) {
+    const uint32_t value = rg_load_u16(uncertainty.values + 2 * i);
+    lattice.deviation_px.push_back(
+        value == RG_UNKNOWN_UNCERTAINTY ? NAN : value / 4096.0);
+  }
+  const int cell_px = 1 << mask.cell_log2;
+  double largest_px = -1;
+  for (int k = 0; k < mask.columns * mask.rows; ++k) {
+    if ((mask.bits[k / 8] >> k % 8 & 1) == 0) continue;
+    const Eigen::Vector2d center(
+        std::clamp((k % mask.columns + 0.5) * cell_px - 0.5, area.x0, area.x1),
+        std::clamp((k / mask.columns + 0.5) * cell_px - 0.5, area.y0, area.y1));
+    const double px = lattice.At(area, center);
+    if (std::isfinite(px)) largest_px = std::max(largest_px, px);
+  }
+  if (largest_px < 0) return std::nullopt;
+  return largest_px;
 }
 
 Json MaskFacts(const rg_blob& blob) {
@@ -120,15 +152,18 @@ Json MaskFacts(const rg_blob& blob) {
   const int count = mask.columns * mask.rows;
   int num_valid = 0;
   for (int k = 0; k < count; ++k) num_valid += mask.bits[k / 8] >> k % 8 & 1;
-  return {{"cells", num_valid},
-          {"of", {mask.columns, mask.rows}},
-          {"cell_px", 1 << mask.cell_log2}};
+  Json json = {{"cells", num_valid},
+               {"grid", {mask.columns, mask.rows}},
+               {"cell_px", 1 << mask.cell_log2}};
+  if (const auto limit_px = LargestValidUncertainty(blob, mask))
+    json["max_uncertainty_px"] = *limit_px;
+  return json;
 }
 
 void AddRowTime(const RowTime& row_time, Json* json) {
-  (*json)["row_time_us"] = row_time.seconds * 1e6;
+  (*json)["line_delay_us"] = row_time.seconds * 1e6;
   if (row_time.deviation_s > 0)
-    (*json)["row_time_deviation_us"] = row_time.deviation_s * 1e6;
+    (*json)["line_delay_sd_us"] = row_time.deviation_s * 1e6;
 }
 
 Json CaptureFacts(const Capture& capture) {
@@ -152,11 +187,11 @@ Json StackFacts(const rg_blob& blob) {
   rg_blob_stack(&blob, &stack);
   const bool is_position = stack.condition == RG_CONDITION_LENS_POSITION;
   Json json = {
-      {"condition", is_position ? "lens_position_dpt" : "sensor_temperature_c"},
-      {"knots", Json::array()},
-      {"bytes_a_knot", stack.knot_size}};
+      {"quantity", is_position ? "lens_position_dpt" : "sensor_temperature_c"},
+      {"samples", Json::array()},
+      {"bytes_per_sample", stack.knot_size}};
   for (int k = 0; k < stack.num_knots; ++k)
-    json["knots"].push_back(rg_knot_value(&stack, k) / 65536.0);
+    json["samples"].push_back(rg_knot_value(&stack, k) / 65536.0);
   return json;
 }
 
@@ -175,14 +210,14 @@ Json BlobFacts(const BlobCamera& camera) {
   Json json = {{"kind", "blob"},
                {"valid", true},
                {"bytes", blob.size},
-               {"format", version},
-               {"projects", camera.CanProject()},
+               {"format_version", version},
+               {"can_project", camera.CanProject()},
                {"camera",
                 {{"name", Printable(identity.name)},
                  {"serial", Printable(identity.serial)},
                  {"image_size", {identity.width, identity.height}}}},
                {"grid",
-                {{"of", blob.line_points ? "lines" : "directions"},
+                {{"values", blob.line_points ? "lines" : "directions"},
                  {"control_points", {grid.columns, grid.rows}},
                  {"bits", is_narrow ? 16 : 32},
                  {"area_px",
@@ -198,10 +233,10 @@ Json BlobFacts(const BlobCamera& camera) {
   }
   if (blob.quality) AddQuality(blob, &json);
   if (blob.uncertainty) json["uncertainty"] = UncertaintyFacts(blob);
-  if (blob.mask) json["trusted"] = MaskFacts(blob);
+  if (blob.mask) json["valid_region"] = MaskFacts(blob);
   if (const auto capture = camera.CaptureAtCalibration())
     json["capture"] = CaptureFacts(*capture);
-  if (blob.stack) json["stack"] = StackFacts(blob);
+  if (blob.stack) json["operating_points"] = StackFacts(blob);
   if (const auto row_time = camera.TimeOfRow()) AddRowTime(*row_time, &json);
   return json;
 }
@@ -234,17 +269,17 @@ void AddRanges(const CameraFile& file, Json* json) {
   for (size_t r = 0; r < stack.ranges().size(); ++r) {
     const ConditionRange& range = stack.ranges()[r];
     num_terms += stack.orders()[r];
-    (*json)["ranges"].push_back({{"condition", ConditionName(range.condition)},
-                                 {"range", {range.low, range.high}},
-                                 {"order", stack.orders()[r]}});
+    (*json)["operating_ranges"].push_back(
+        {{"quantity", ConditionName(range.condition)},
+         {"range", {range.low, range.high}},
+         {"polynomial_order", stack.orders()[r]}});
   }
   (*json)["parameters"] = num_terms * file.camera->NumParameters();
   const auto known = UncertaintyOverRanges(file);
   if (!known || !known->TellsDeviations()) return;
-  AddFinite("median_over_range_px", known->lattice.MedianPx(),
-            &(*json)["uncertainty"]);
-  (*json)["uncertainty"]["trusted_part_over_range"] =
-      known->TrustedPart(file.camera->image_size(), file.camera->area());
+  Json& everywhere = (*json)["uncertainty_over_operating_range"];
+  AddFinite("median_px", known->lattice.MedianPx(), &everywhere);
+  everywhere["valid_share"] = ValidShare(*file.camera, known->mask);
 }
 
 Json CameraFacts(const CameraFile& file) {
@@ -264,24 +299,24 @@ Json CameraFacts(const CameraFile& file) {
         {"radius_px", circle->radii_px.x()}};
   if (const auto* lens =
           dynamic_cast<const ParametricModel*>(file.camera.get()))
-    json["lens"] = LensFacts(*lens);
+    json["intrinsics"] = LensFacts(*lens);
   if (file.training) json["training_error"] = Figures(*file.training);
-  if (file.held_out) json["held-out_error"] = Figures(*file.held_out);
+  if (file.held_out) json["held_out_error"] = Figures(*file.held_out);
   if (file.uncertainty && file.uncertainty->TellsDeviations()) {
     AddFinite("median_px", file.uncertainty->lattice.MedianPx(),
               &json["uncertainty"]);
-    json["uncertainty"]["trusted_to_px"] = file.uncertainty->max_deviation_px;
+    json["uncertainty"]["valid_limit_px"] = file.uncertainty->max_deviation_px;
   }
   if (file.uncertainty)
-    json["uncertainty"]["trusted_part_of_image"] =
-        file.uncertainty->TrustedPart(size, area);
+    json["uncertainty"]["valid_share"] =
+        ValidShare(*file.camera, file.uncertainty->mask);
   if (file.stack) AddRanges(file, &json);
   if (file.capture) json["capture"] = CaptureFacts(*file.capture);
   if (file.row_time) AddRowTime(*file.row_time, &json);
   if (file.camera_from_view) {
     const Eigen::Vector3d turned =
         ViewAnglesDeg(file.camera_from_view->rotation.toRotationMatrix());
-    json["turned_deg"] = {
+    json["view_rotation_deg"] = {
         {"right", turned[0]}, {"up", turned[1]}, {"clockwise", turned[2]}};
   }
   return json;
@@ -295,7 +330,7 @@ Json PatternFacts(const Pattern& pattern) {
                               {"features", {board.columns, board.rows}},
                               {"square_m", board.square_m}});
   for (const BoardBody& body : pattern.bodies)
-    json["fixed_to_each_other"].push_back(body.boards);
+    json["rigid_targets"].push_back(body.boards);
   return json;
 }
 
@@ -349,7 +384,7 @@ Json ForeignFacts(const Format& format, const std::string& path,
             CenterInRig(*read.camera_from_rig);
     }
   }
-  if (!contents.remarks.empty()) json["remarks"] = contents.remarks;
+  if (!contents.remarks.empty()) json["warnings"] = contents.remarks;
   return json;
 }
 
@@ -358,7 +393,7 @@ Json ForeignFacts(const Format& format, const std::string& path,
 Json SlotFacts(const std::string& path, const BlobSlot& slot) {
   if (!slot.is_whole)
     return {{"state", slot.is_erased ? "erased" : "incomplete"}};
-  Json json = {{"state", slot.IsUsable() ? "valid" : "invalid"},
+  Json json = {{"state", slot.IsUsable() ? "valid" : "unreadable"},
                {"sequence", slot.sequence},
                {"bytes", slot.blob.size()}};
   if (!slot.IsUsable()) {
@@ -386,7 +421,7 @@ Json SlotsFacts(const std::string& path, const std::string& bytes) {
   Json json = {{"kind", "slots"}, {"slot_size", bytes.size() / 2}};
   if (read.newest) json["newest"] = *read.newest;
   for (size_t k = 0; k < read.slots.size(); ++k)
-    json[fmt::format("slot {}", k)] = SlotFacts(path, read.slots[k]);
+    json[fmt::format("slot_{}", k)] = SlotFacts(path, read.slots[k]);
   return json;
 }
 
@@ -497,7 +532,8 @@ void PrintText(const Json& facts) {
     const auto [name, unit] = NameAndUnit(key);
     if (value.is_object()) {
       // A lens in all the digits that other programs may ask for.
-      fmt::print("{}: {}\n", name, ObjectText(value, key == "lens" ? 12 : 6));
+      fmt::print("{}: {}\n", name,
+                 ObjectText(value, key == "intrinsics" ? 12 : 6));
     } else if (value.is_array() && (value.empty() || value[0].is_object())) {
       for (const Json& element : value)
         fmt::print("{}: {}\n", name, ObjectText(element));
@@ -511,7 +547,7 @@ void Inspect(const std::string& path, const std::optional<uint64_t>& slot_size,
              const CommonOptions& common) {
   const Json facts = FactsOf(path, slot_size);
   if (common.json)
-    fmt::print("{}\n", facts.dump(2));
+    PrintCommandJson(facts);
   else
     PrintText(facts);
   if (facts["kind"] == "slots" && !facts.contains("newest"))

@@ -14,6 +14,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "help_formatter.h"
+#include "json_output.h"
 #include "mode_options.h"
 #include "packing/regular_region.h"
 #include "view_options.h"
@@ -43,9 +44,9 @@ std::string ViewPath(const std::string& blob, size_t table, size_t num_tables) {
 
 nlohmann::ordered_json FoundJson(const FoundPixels& pixels) {
   return {{"pixels", pixels.num_pixels},
-          {"not_seen", pixels.num_lost},
-          {"off", pixels.num_off},
-          {"worst_px", pixels.worst_px},
+          {"not_found", pixels.num_lost},
+          {"inaccurate", pixels.num_off},
+          {"max_px", pixels.worst_px},
           {"not_invertible", pixels.num_unfindable}};
 }
 
@@ -69,11 +70,11 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
     if (packed.projection) {
       result["project_error_px"] = packed.projection->trusted.worst_px;
       result["projection"] = {
-          {"trusted", FoundJson(packed.projection->trusted)},
-          {"others", FoundJson(packed.projection->others)}};
+          {"valid_region", FoundJson(packed.projection->trusted)},
+          {"elsewhere", FoundJson(packed.projection->others)}};
     }
-    result["left_out_part"] = packed.left_out_part;
-    result["remarks"] = packed.remarks;
+    result["not_packed_share"] = packed.left_out_part;
+    result["warnings"] = packed.remarks;
     result["remaps"] = nlohmann::ordered_json::array();
     for (const PackedRemap& remap : packed.remaps) {
       nlohmann::ordered_json told = ViewJson(remap.view);
@@ -82,11 +83,11 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
       if (remap.far_error_px) told["far_error_px"] = *remap.far_error_px;
       told.update({{"error_px", remap.error_px},
                    {"chroma_error_px", remap.chroma_error_px},
-                   {"block_size", remap.block_size},
-                   {"part_size", remap.part_size}});
+                   {"block_px", remap.block_size},
+                   {"tile_px", remap.part_size}});
       result["remaps"].push_back(told);
     }
-    fmt::print("{}\n", result.dump(2));
+    PrintCommandJson(result);
     return;
   }
   fmt::print(

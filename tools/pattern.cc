@@ -11,6 +11,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "help_formatter.h"
+#include "json_output.h"
 #include "pattern_input.h"
 #include "target/board_on_screen.h"
 #include "target/board_sheet.h"
@@ -60,7 +61,7 @@ std::string FormatJson(const std::string& yaml, nlohmann::ordered_json json) {
                               {"columns", board.columns},
                               {"rows", board.rows},
                               {"square_m", board.square_m}});
-  return json.dump(2);
+  return FormatCommandJson(json);
 }
 
 // With the resolution of the screen, squares are as large as asked for; without
@@ -109,10 +110,9 @@ void WriteForScreen(const std::vector<Board>& boards,
               ScreenPng(plan, board));
   files.Commit();
   if (common.json)
-    fmt::print("{}\n",
-               FormatJson(yaml, {{"square_px", plan.square_px},
-                                 {"squares_to_measure",
-                                  LengthToMeasure(boards[0]).squares}}));
+    fmt::print("{}", FormatJson(yaml, {{"square_px", plan.square_px},
+                                       {"squares_to_measure",
+                                        LengthToMeasure(boards[0]).squares}}));
   else if (!common.quiet)
     fmt::print(
         "pattern.yaml and {} image(s) in {}; display without scaling: squares "
@@ -140,7 +140,7 @@ void WriteForPrint(const std::vector<Board>& boards,
   }
   files.Commit();
   if (common.json)
-    fmt::print("{}\n", FormatJson(yaml, {{"ruler_mm", sheets.ruler_mm}}));
+    fmt::print("{}", FormatJson(yaml, {{"ruler_mm", sheets.ruler_mm}}));
   else if (!common.quiet)
     fmt::print("pattern.yaml and {} page(s) as PDF, SVG and PNG in {}; {}\n",
                sheets.boards.size(), options.output,

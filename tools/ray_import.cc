@@ -8,6 +8,7 @@
 #include "dataset/files.h"
 #include "dataset/text_encoding.h"
 #include "exchange/ray_grid.h"
+#include "json_output.h"
 
 namespace raygrid {
 namespace {
@@ -24,13 +25,13 @@ nlohmann::ordered_json GridJson(const RayGrid& grid,
   const ImageSize& size = grid.camera->image_size();
   return {{"name", ""},
           {"model", grid.camera->Name()},
-          {"as", format},
+          {"file_model", format},
           {"image_size", {size.width, size.height}},
           {"control_points", {grid.columns, grid.rows}},
           {"fit",
            {{"rms_px", grid.rms_px},
             {"max_px", grid.max_px},
-            {"left_out_rms_px", grid.left_out_rms_px},
+            {"held_out_rms_px", grid.left_out_rms_px},
             {"pixels", grid.num_pixels}}}};
 }
 
@@ -56,10 +57,9 @@ void ImportRays(const RayTable& rays, const std::string& format,
   for (const std::string& remark : remarks)
     fmt::print(stderr, "raygrid: {}\n", remark);
   if (common.json)
-    fmt::print("{}\n",
-               nlohmann::ordered_json{
-                   {"rig", false}, {"cameras", {told}}, {"remarks", remarks}}
-                   .dump(2));
+    PrintCommandJson({{"rig", false},
+                      {"cameras", nlohmann::ordered_json::array({told})},
+                      {"warnings", remarks}});
   else if (!common.quiet)
     fmt::print("{}", text);
 }

@@ -14,6 +14,7 @@
 #include "dataset/rig_file.h"
 #include "help_formatter.h"
 #include "image_size_option.h"
+#include "json_output.h"
 #include "packing/pack.h"
 #include "packing/rectification.h"
 #include "view_options.h"
@@ -205,7 +206,7 @@ nlohmann::ordered_json PairJson(const Rectification& rectified,
   nlohmann::ordered_json json = {
       {"orientation", rectified.is_vertical ? "vertical" : "horizontal"},
       {"baseline_m", rectified.baseline_m},
-      {"overlap", rectified.overlap}};
+      {"overlap_share", rectified.overlap}};
   for (const int c : {0, 1}) {
     const PairPaths paths = PathsOf(arguments.output, pair[c].name);
     nlohmann::ordered_json own = {{"name", pair[c].name},
@@ -214,7 +215,7 @@ nlohmann::ordered_json PairJson(const Rectification& rectified,
                                   {"view_file", paths.view}};
     own.update(ViewJson(rectified.views[c]));
     own["error_px"] = packed[c].remaps[0].error_px;
-    own["remarks"] = packed[c].remarks;
+    own["warnings"] = packed[c].remarks;
     own["R"] = MatrixJson(RotationOfPair(rectified, pair, c));
     own["P"] = MatrixJson(rectified.P(c));
     json[c == 0 ? "left" : "right"] = own;
@@ -274,9 +275,7 @@ void Run(const RectifyArguments& arguments, const CommonOptions& common) {
     for (const std::string& remark : packed[c].remarks)
       fmt::print(stderr, "raygrid: {}: {}\n", pair[c].path, remark);
   if (common.json)
-    fmt::print("{}\n", PairJson(rectified, pair, packed, arguments)
-                           .dump(2, ' ', false,
-                                 nlohmann::json::error_handler_t::replace));
+    PrintCommandJson(PairJson(rectified, pair, packed, arguments));
   else if (!common.quiet)
     PrintPair(rectified, pair, packed, arguments);
 }

@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kZoomTolerance = 1e-3;
+constexpr int kSessionSchemaVersion = 2;
 
 using Json = nlohmann::ordered_json;
 
@@ -28,15 +29,15 @@ struct SessionNumber {
   std::optional<double> SessionFrame::*value;
 };
 constexpr SessionNumber kNumbers[] = {
-    {"seconds", &SessionFrame::seconds},
-    {"lens_position", &SessionFrame::lens_position},
+    {"time_s", &SessionFrame::seconds},
+    {"lens_position_dpt", &SessionFrame::lens_position},
     {"exposure_us", &SessionFrame::exposure_us},
     {"analogue_gain", &SessionFrame::analogue_gain},
     {"zoom", &SessionFrame::zoom},
     {"sensor_temperature_c", &SessionFrame::sensor_temperature_c},
-    {"edge_spread_px", &SessionFrame::edge_spread_px},
-    {"white", &SessionFrame::white},
-    {"variance_taken", &SessionFrame::variance_taken}};
+    {"edge_width_px", &SessionFrame::edge_spread_px},
+    {"white_level", &SessionFrame::white},
+    {"variance_reduction", &SessionFrame::variance_taken}};
 
 Json FormatFrame(const SessionFrame& frame) {
   Json json = {{"image", frame.image}};
@@ -118,6 +119,41 @@ std::optional<Value> SameInAll(const Session& session,
 
 }  // namespace
 
+namespace {
+
+void Rename(const char* former, const char* current, Json* json) {
+  if (!json->is_object() || !json->contains(former)) return;
+  (*json)[current] = (*json)[former];
+  json->erase(former);
+}
+
+void UpgradeFrames(Json* camera) {
+  if (!camera->is_object() || !camera->contains("frames")) return;
+  for (Json& frame : (*camera)["frames"]) {
+    Rename("lens_position", "lens_position_dpt", &frame);
+    Rename("seconds", "time_s", &frame);
+    Rename("edge_spread_px", "edge_width_px", &frame);
+    Rename("white", "white_level", &frame);
+    Rename("variance_taken", "variance_reduction", &frame);
+  }
+}
+
+// Gives a session of an older version the keys of this one.
+void UpgradeSession(Json* session) {
+  if (!session->is_object() || !session->contains("raygrid_session") ||
+      session->at("raygrid_session") != 1)
+    return;
+  (*session)["schema_version"] = kSessionSchemaVersion;
+  UpgradeFrames(session);
+  if (!session->contains("cameras")) return;
+  for (Json& camera : (*session)["cameras"]) {
+    Rename("camera", "name", &camera);
+    UpgradeFrames(&camera);
+  }
+}
+
+}  // namespace
+
 bool IsSession(const std::string& folder) {
   std::error_code error;
   return fs::is_regular_file(fs::path(folder) / kSessionFile, error);
@@ -130,13 +166,13 @@ std::string SessionFramePath(const std::string& folder,
 }
 
 std::string FormatSession(const std::vector<Session>& cameras) {
-  Json json = {{"raygrid_session", 1}};
+  Json json = {{"schema_version", kSessionSchemaVersion}};
   if (cameras.size() == 1) {
     json.update(FormatCamera(cameras[0]));
   } else {
     json["cameras"] = Json::array();
     for (const Session& camera : cameras) {
-      Json named = {{"camera", camera.camera}};
+      Json named = {{"name", camera.camera}};
       named.update(FormatCamera(camera));
       json["cameras"].push_back(named);
     }
@@ -149,14 +185,15 @@ std::vector<Session> ReadSession(const std::string& folder) {
   const std::string text = ReadFile(path);
   RequireSmallTree(path, text);
   try {
-    const Json json = Json::parse(text);
-    if (json.at("raygrid_session") != 1)
+    Json json = Json::parse(text);
+    UpgradeSession(&json);
+    if (json.at("schema_version") != kSessionSchemaVersion)
       throw InputError("was written by a newer version of raygrid");
     if (!json.contains("cameras")) return {ParseCamera(json)};
     std::vector<Session> cameras;
     for (const Json& camera : json.at("cameras")) {
       cameras.push_back(ParseCamera(camera));
-      cameras.back().camera = camera.at("camera").get<std::string>();
+      cameras.back().camera = camera.at("name").get<std::string>();
       RequireCameraName(cameras.back().camera);
     }
     if (cameras.empty()) throw InputError("contains no camera");

@@ -18,6 +18,7 @@
 #include "dataset/rig_file.h"
 #include "help_formatter.h"
 #include "image_size_option.h"
+#include "json_output.h"
 #include "pattern_input.h"
 #include "progress_bar.h"
 #include "simulate_options.h"
@@ -356,7 +357,7 @@ std::string FormatJson(const SimulatedObservations& observations) {
   json["images"] = observations.dataset.images.size();
   json["image_size"] = {size.width, size.height};
   json["features"] = observations.dataset.num_features();
-  return json.dump(2);
+  return FormatCommandJson(json);
 }
 
 void RequireInputsStay(const SimulateArguments& arguments) {
@@ -408,7 +409,7 @@ void Run(SimulateArguments arguments, const CommonOptions& common) {
           : Observe(arguments, common);
   const ImageSize& size = observations.dataset.image_size;
   if (common.json)
-    fmt::print("{}\n", FormatJson(observations));
+    fmt::print("{}", FormatJson(observations));
   else if (!common.quiet)
     fmt::print("{} features in {} images of {} x {} px: {}\n",
                observations.dataset.num_features(),

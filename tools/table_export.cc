@@ -16,6 +16,7 @@
 #include "dataset/text_encoding.h"
 #include "exchange/mesh/mesh_vertices.h"
 #include "image_size_option.h"
+#include "json_output.h"
 #include "packing/view_sources.h"
 #include "pattern_input.h"
 
@@ -208,7 +209,7 @@ TableOutput MakeCameraTable(const TableFormat& format,
                 fmt::format("{}: {}", arguments.input, error.what()));
   }
   (*json)["model"] = table.model;
-  (*json)["of_trusted"] = trusted.has_value();
+  (*json)["valid_region_only"] = trusted.has_value();
   if (input.file.camera->IsCentral()) return output;
   const double offset_m = LargestOffsetM(*input.file.camera);
   (*json)["offset_m"] = offset_m;
@@ -306,7 +307,7 @@ MeshErrors ErrorsOfMesh(const TableFormat& format, const MeshTable& mesh,
     if (!IsBent(format, mesh.lattice)) break;
     errors.json[SpanName(span)] = {{"max_px", own.max_px},
                                    {"rms_px", own.rms_px},
-                                   {"farthest_pixel", {own.x, own.y}}};
+                                   {"max_error_pixel", {own.x, own.y}}};
     errors.text += fmt::format("{} {:.2g} px with {}",
                                errors.text.empty() ? "; at most" : ",",
                                own.max_px, SpanName(span));
@@ -327,12 +328,12 @@ TableOutput MakeMesh(const TableFormat& format, const TableArguments& arguments,
       {"step_px", {mesh.lattice.x[1], mesh.lattice.y[1]}},
       {"max_px", error.max_px},
       {"rms_px", error.rms_px},
-      {"farthest_pixel", {error.x, error.y}},
+      {"max_error_pixel", {error.x, error.y}},
       {"pixels", error.num_pixels},
       {"pixels_filled", error.num_filled},
       {"vertices_moved", error.num_moved},
-      {"for_the_unit", unit.told}};
-  if (!errors.text.empty()) (*json)["mesh"]["between_vertices"] = errors.json;
+      {"configuration", unit.told}};
+  if (!errors.text.empty()) (*json)["mesh"]["by_interpolation"] = errors.json;
   return {unit.files,
           fmt::format("{} x {} vertices, {}{}; {}", mesh.lattice.columns(),
                       mesh.lattice.rows(), MeshErrorText(error), errors.text,
@@ -472,8 +473,7 @@ void ExportTable(const TableFormat& format, const TableArguments& arguments,
   RequireNoInputReplaced({arguments.input, arguments.pattern}, paths);
   outputs.Commit();
   if (common.json)
-    fmt::print("{}\n", json.dump(2, ' ', false,
-                                 nlohmann::json::error_handler_t::replace));
+    PrintCommandJson(json);
   else if (!common.quiet)
     fmt::print("{}: {}\n", Printable(arguments.output), made.told);
 }

@@ -11,6 +11,7 @@
 #include "dataset/files.h"
 #include "dataset/text_encoding.h"
 #include "exchange/count_text.h"
+#include "json_output.h"
 #include "ray_import.h"
 #include "target/board_yaml.h"
 #include "view_import.h"
@@ -72,7 +73,7 @@ void TellFeatures(const FeatureTable& features,
         CountText(dataset.images.size(), "image"), size.width, size.height);
   }
   if (common.json)
-    fmt::print("{}\n", json.dump(2));
+    PrintCommandJson(json);
   else if (!common.quiet)
     fmt::print("{}: {}\n", Printable(arguments.output), text);
 }
@@ -99,7 +100,7 @@ void ImportPoses(const TableFormat& table, const ImportArguments& arguments,
   RequireNoInputReplaced(arguments.files, {arguments.output});
   WriteFile(arguments.output, FormatPoses(poses));
   if (common.json)
-    fmt::print("{}\n", nlohmann::ordered_json{{"poses", poses.size()}}.dump(2));
+    PrintCommandJson(nlohmann::ordered_json::object({{"poses", poses.size()}}));
   else if (!common.quiet)
     fmt::print("{}: {}\n", Printable(arguments.output),
                CountText(poses.size(), "pose"));

@@ -17,6 +17,7 @@
 #include "dataset/files.h"
 #include "dataset/image_files.h"
 #include "help_formatter.h"
+#include "json_output.h"
 #include "mode_options.h"
 #include "packing/distorted_image.h"
 #include "packing/pack.h"
@@ -363,8 +364,7 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
   if (!turned.empty() && !common.quiet)
     fmt::print(stderr, "raygrid: {}\n", RemarkOnTurned(turned));
   if (common.json)
-    fmt::print("{}\n", written.dump(2, ' ', false,
-                                    nlohmann::json::error_handler_t::replace));
+    PrintCommandJson(written);
   else if (!common.quiet)
     fmt::print("{} images {} to {}; view, in {}: {}\n", paths.size(),
                arguments.is_reverse ? "distorted" : "undistorted",

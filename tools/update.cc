@@ -14,6 +14,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "help_formatter.h"
+#include "json_output.h"
 #include "packing/blob_camera.h"
 #include "packing/slot_file.h"
 
@@ -148,12 +149,11 @@ void Tell(const UpdateArguments& arguments, const CommonOptions& common,
           uint32_t index, uint32_t sequence, uint64_t num_bytes,
           uint64_t slot_size, bool is_written) {
   if (common.json)
-    fmt::print("{}\n", nlohmann::ordered_json({{"slot", index},
-                                               {"sequence", sequence},
-                                               {"bytes", num_bytes},
-                                               {"slot_size", slot_size},
-                                               {"written", is_written}})
-                           .dump(2));
+    PrintCommandJson({{"slot", index},
+                      {"sequence", sequence},
+                      {"bytes", num_bytes},
+                      {"slot_size", slot_size},
+                      {"written", is_written}});
   else
     fmt::print("{}: slot {} {}, sequence {}, {} of {} bytes\n", arguments.slots,
                index,

@@ -12,6 +12,7 @@
 #include "dataset/image_files.h"
 #include "dataset/text_encoding.h"
 #include "help_formatter.h"
+#include "json_output.h"
 #include "packing/pack.h"
 #include "packing/view_curves.h"
 #include "report/contact_sheet.h"
@@ -239,7 +240,8 @@ ViewedRow RowOfView(const VirtualView& view, ViewedCamera viewed,
                              ? "a rendered checkered room, in this view"
                              : ShownName(viewed.image));
   tile.curves = {StraightCurves(viewed, view)};
-  return {{{std::move(tile)}}, {{"views", {ViewJson(view)}}}};
+  return {{{std::move(tile)}},
+          {{"views", nlohmann::ordered_json::array({ViewJson(view)})}}};
 }
 
 ViewedRow RowOfCamera(ViewedCamera viewed, const ViewArguments& arguments,
@@ -262,11 +264,10 @@ ViewedRow RowOfCamera(ViewedCamera viewed, const ViewArguments& arguments,
     tile.title = viewed.name + ": no view";
     tile.message = "No view: " + tables.why_none;
     result.row.tiles.push_back(std::move(tile));
-    result.json["why_no_view"] = tables.why_none;
+    result.json["view_error"] = tables.why_none;
   }
   if (viewed.mask)
-    result.json["trusted_part_of_image"] =
-        TrustedPart(*viewed.mask, viewed.camera());
+    result.json["valid_share"] = TrustedPart(*viewed.mask, viewed.camera());
   result.json["views"] = nlohmann::json::array();
   for (const VirtualView& view : tables.views)
     result.json["views"].push_back(ViewJson(view));
@@ -346,8 +347,7 @@ void Run(const ViewArguments& arguments, const CommonOptions& common) {
         {"file", arguments.output},
         {"size", {sheet.size.width, sheet.size.height}},
         {"files", files}};
-    fmt::print("{}\n", result.dump(2, ' ', false,
-                                   nlohmann::json::error_handler_t::replace));
+    PrintCommandJson(result);
   } else if (!common.quiet) {
     fmt::print("{}: {} x {} px, {} file{}\n", arguments.output,
                sheet.size.width, sheet.size.height, rows.size(),

@@ -686,7 +686,8 @@ void Calibration::LookForTwoCameras() {
 void Calibration::TellUncertainty(CameraInProgress* camera,
                                   int num_threads) const {
   FillUncertainty(adjusted_, static_cast<int>(camera - cameras_.data()),
-                  camera->input->image_circle, num_threads, &camera->result);
+                  camera->input->image_circle, options_.valid_px, num_threads,
+                  &camera->result);
 }
 
 // Uncertainty is told beside other models: it hardly needs a second thread.

@@ -71,6 +71,9 @@ struct CalibrationOptions {
   /// How far features move between images that count as one view; nothing:
   /// UsualSameViewPx(); 0: each image is a view.
   std::optional<double> same_view_px = {};
+  /// The valid region is where the predicted uncertainty is below this;
+  /// nothing: DefaultValidLimitPx().
+  std::optional<double> valid_px = {};
   bool compare_models = false;  ///< also fit parametric ones, which takes time
   int num_threads = 0;
   Progress progress;

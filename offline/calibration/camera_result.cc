@@ -232,34 +232,25 @@ std::string PlaceInImage(const Eigen::Vector2d& pixel, const ImageSize& size) {
   return row == 1 ? side : rows[row] + " " + side;
 }
 
-// Warns of images that lost more features to rejection than chance, or a
-// corner at the board's edge, explains: what is left of them fits.
-void WarnOfMisreadImages(const CalibrationResult& result, Verdict* verdict) {
+// Images that lost more features to rejection than chance, or a corner at the
+// board's edge, explains.
+void FindMisreadImages(const CalibrationResult& result,
+                       CalibrationFigures* figures) {
   constexpr int kLeast = 5;
   constexpr double kLeastPart = 0.15;
   std::map<std::string, int> num_kept, num_rejected;
   for (const FeatureResidual& r : result.training) ++num_kept[r.image];
   for (const FeatureResidual& r : result.rejected_features)
     ++num_rejected[r.image];
-  int num_images = 0;
-  std::pair<std::string, int> worst;
   for (const auto& [image, count] : num_rejected) {
+    const int num_features = num_kept[image] + count;
     if (count < kLeast || num_kept[image] == 0 ||
-        count < kLeastPart * (num_kept[image] + count))
+        count < kLeastPart * num_features)
       continue;
-    ++num_images;
-    if (count > worst.second) worst = {image, count};
+    ++figures->num_misread_images;
+    if (count > figures->most_misread.num_rejected)
+      figures->most_misread = {image, count, num_features};
   }
-  if (num_images == 0) return;
-  if (verdict->word == "pass") verdict->word = "warn";
-  const std::string which = num_images == 1 ? "that image" : "these images";
-  verdict->reasons.push_back(fmt::format(
-      "many features of {} were rejected as outliers ({}: {} of {}): columns "
-      "or rows of the board are misread there, or corners are false; detect "
-      "{} again, or calibrate without {}",
-      num_images == 1 ? "an image" : fmt::format("{} images", num_images),
-      worst.first, worst.second, num_kept[worst.first] + worst.second, which,
-      num_images == 1 ? "it" : "them"));
 }
 
 // Images apart that are alone do not count as such; where most of their worst
@@ -383,9 +374,11 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
     const double median_px =
         uncertainty->lattice.MedianPx(area, figures.features_area);
     if (std::isfinite(median_px)) figures.median_deviation_px = median_px;
-    figures.trusted_part = uncertainty->TrustedPart(figures.image_size, area);
-    figures.trusted_px = uncertainty->max_deviation_px;
+    figures.valid_share = ValidShare(*result.camera.camera, uncertainty->mask);
+    figures.valid_limit_px = uncertainty->max_deviation_px;
   }
+  figures.extrapolated = result.extrapolated;
+  FindMisreadImages(result, &figures);
   AddWhatWasTried(result, &figures);
   return figures;
 }
@@ -443,12 +436,17 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
 
 void FillUncertainty(const Adjusted& adjusted, int camera,
                      const std::optional<ImageCircle>& image_circle,
+                     const std::optional<double>& valid_limit_px,
                      int num_threads, CalibrationResult* result) {
   auto& uncertainty = result->camera.uncertainty;
-  uncertainty = UncertaintyOf(adjusted, camera, num_threads);
-  if (uncertainty) result->jackknife_scale = uncertainty->jackknife_scale;
-  if (image_circle && uncertainty)
-    DistrustBeyond(*image_circle, &uncertainty->mask);
+  uncertainty.reset();
+  result->extrapolated.reset();
+  if (const auto estimate = EstimateUncertainty(adjusted, camera, image_circle,
+                                                valid_limit_px, num_threads)) {
+    uncertainty = estimate->uncertainty;
+    result->extrapolated = estimate->extrapolated;
+    result->jackknife_scale = uncertainty->jackknife_scale;
+  }
   result->fold_over = MeasureFoldOver(
       *result->camera.camera, uncertainty ? &uncertainty->mask : nullptr);
 }
@@ -527,7 +525,6 @@ void JudgeResult(int num_threads, CalibrationResult* result) {
     figures.limit = JudgeBudget(*result->budget);
   }
   result->verdict = JudgeCalibration(figures);
-  if (!figures.interrupted) WarnOfMisreadImages(*result, &result->verdict);
 }
 
 bool NeighborsErrAlike(const CalibrationResult& result) {

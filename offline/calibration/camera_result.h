@@ -18,10 +18,12 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
                 const std::optional<ImageCircle>& image_circle, int num_threads,
                 CalibrationResult* result);
 
-/// Fills in how well the camera is known, and where. What FillResult() fills in
-/// is there, and is left alone.
+/// Fills in the predicted uncertainty, the valid region and what is
+/// extrapolated (EstimateUncertainty()). What FillResult() fills in is there,
+/// and is left alone.
 void FillUncertainty(const Adjusted& adjusted, int camera,
                      const std::optional<ImageCircle>& image_circle,
+                     const std::optional<double>& valid_limit_px,
                      int num_threads, CalibrationResult* result);
 
 /// Names the images whose held-out errors are large because they alone show

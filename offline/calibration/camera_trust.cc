@@ -9,16 +9,19 @@
 namespace raygrid {
 namespace {
 
-// A cell is trusted with so small a standard deviation, as a part of the
-// noise's. At 0.5, four standard deviations of a pixel are twice the noise.
-constexpr double kTrustedPart = 0.5;
-constexpr double kAlwaysTrustedPx = 0.025;  // however little noise there is
+// The data determines the camera where its standard deviation is at most this
+// part of the noise's, or this small: there the prior's share is negligible.
+constexpr double kDeterminedPart = 0.5;
+constexpr double kDeterminedPx = 0.025;
+// The default limit of the valid region.
+constexpr double kValidPx = 0.25, kValidPerNoise = 3;
 // Beyond the features lenses are less smooth than the prior has it. Of twelve
 // calibrations of four simulated lenses, seen in the middle 60 % of the width,
 // 90 % of the pixels beyond were within twice a deviation so much larger: 1.0
 // to 1.9, by calibration (benchmarks/README.md).
 constexpr double kBeyondFeatures = 2;
-// A trusted cell also has so many features within so many cells to all sides.
+// A cell is extrapolated unless this many features are within this many cells
+// to all sides.
 constexpr int kMinFeatures = 3, kNearCells = 2;
 
 // About square, and not more than a blob can hold.
@@ -161,8 +164,14 @@ std::vector<DeviationLattice> DeviationsOf(
   return lattices;
 }
 
-std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
-                                               int camera, int num_threads) {
+double DefaultValidLimitPx(double noise_px) {
+  return std::max(kValidPx, kValidPerNoise * noise_px);
+}
+
+std::optional<EstimatedUncertainty> EstimateUncertainty(
+    const Adjusted& adjusted, int camera,
+    const std::optional<ImageCircle>& image_circle,
+    const std::optional<double>& valid_limit_px, int num_threads) {
   const double noise_px = adjusted.summary.noise_px;
   if (!(noise_px > 0)) return std::nullopt;
   const Area& area = adjusted.state.cameras[camera]->area();
@@ -189,11 +198,16 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
         factor * std::max(AxisDeviation(pixel.total_px2), seen_px));
   }
   if (!std::isfinite(total.MedianPx())) return std::nullopt;
-  CameraUncertainty uncertainty;
+  EstimatedUncertainty estimate;
+  CameraUncertainty& uncertainty = estimate.uncertainty;
+  TrustMask determined = near;
+  determined.DistrustAbove(std::max(kDeterminedPart * noise_px, kDeterminedPx),
+                           total, area);
   uncertainty.max_deviation_px =
-      std::max(kTrustedPart * noise_px, kAlwaysTrustedPx);
+      valid_limit_px.value_or(DefaultValidLimitPx(noise_px));
   uncertainty.mask = near;
   uncertainty.mask.DistrustAbove(uncertainty.max_deviation_px, total, area);
+  if (image_circle) InvalidateBeyond(*image_circle, &uncertainty.mask);
   uncertainty.modes = ModesOf(joint_px2, size);
   uncertainty.scatter = scatter;
   if (!scales.empty()) uncertainty.jackknife_scale = Quantile(scales, 0.5);
@@ -201,20 +215,11 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   // observations are few.
   uncertainty.lattice = seen;
   for (size_t i = 0; i < pixels.size(); ++i)
-    if (!uncertainty.mask.Trusts(pixels[i].pixel))
+    if (!determined.Trusts(pixels[i].pixel))
       uncertainty.lattice.deviation_px[i] = total.deviation_px[i];
-  return uncertainty;
-}
-
-void DistrustBeyond(const ImageCircle& circle, TrustMask* mask) {
-  const double half = mask->cell_px / 2.0;
-  for (size_t cell = 0; cell < mask->is_trusted.size(); ++cell) {
-    const Eigen::Vector2d center = mask->CellCenter(static_cast<int>(cell));
-    for (const double dy : {-half, half})
-      for (const double dx : {-half, half})
-        if (!circle.Contains(center + Eigen::Vector2d(dx, dy)))
-          mask->is_trusted[cell] = false;
-  }
+  estimate.extrapolated = FindExtrapolatedRegion(
+      *adjusted.state.cameras[camera], image_circle, near, uncertainty.lattice);
+  return estimate;
 }
 
 std::map<std::string, double> DeviationsWithout(

@@ -9,17 +9,32 @@
 
 #include "calibration/model_adjustment.h"
 #include "camera/camera_uncertainty.h"
+#include "evaluation/uncertainty_summary.h"
 
 namespace raygrid {
 
-/// How well an adjusted camera is known (adjustment/covariance.h), and where it
-/// can be trusted: where it is known twice as well as one feature is measured,
-/// or to 0.025 px, what the prior leaves open included, and features were seen
-/// near. Standard deviations are those of noise where it can be trusted, of all
-/// elsewhere, and twice that where no features were seen near. Nothing if the
-/// equations are singular or the adjustment ended before it knew the noise.
-std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
-                                               int camera, int num_threads);
+/// The limit of the valid region where the user sets none: max(0.25 px, 3 sigma
+/// of the feature noise).
+double DefaultValidLimitPx(double noise_px);
+
+/// The predicted uncertainty of an adjusted camera, and where it is
+/// extrapolated.
+struct EstimatedUncertainty {
+  CameraUncertainty uncertainty;
+  ExtrapolatedRegion extrapolated;
+};
+
+/// Estimates the uncertainty of an adjusted camera (adjustment/covariance.h).
+/// The valid region is where features are near and the standard deviation, what
+/// the prior leaves open included, is below the limit; without one, below
+/// DefaultValidLimitPx(). Stated standard deviations are those of noise where
+/// the data determines the camera, of all elsewhere, and twice that where it is
+/// extrapolated. Nothing if the normal equations are singular or the adjustment
+/// ended before it estimated the noise.
+std::optional<EstimatedUncertainty> EstimateUncertainty(
+    const Adjusted& adjusted, int camera,
+    const std::optional<ImageCircle>& image_circle,
+    const std::optional<double>& valid_limit_px, int num_threads);
 
 /// How well a camera is known as each of several others that have its
 /// parameters: those of a stack. Deviations are those of noise and of what
@@ -27,9 +42,6 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
 std::vector<DeviationLattice> DeviationsOf(
     const Adjusted& adjusted, int camera,
     const std::vector<const CameraModel*>& as, int num_threads);
-
-/// Cells that are not lit as a whole are not trusted.
-void DistrustBeyond(const ImageCircle& circle, TrustMask* mask);
 
 /// How far the features of some images would be off, were the camera calibrated
 /// without all of these: for each image the median over its features of the

@@ -358,7 +358,8 @@ void PutResult(const CalibrationInput& input, const ImageConditions& conditions,
   result->poses.clear();
   FillResult(pattern, adjusted, 0, input.image_circle, options.num_threads,
              result);
-  FillUncertainty(adjusted, 0, input.image_circle, options.num_threads, result);
+  FillUncertainty(adjusted, 0, input.image_circle, options.valid_px,
+                  options.num_threads, result);
   CentralGeneric middle = stack.At(stack.Middle());
   middle.SetImageCircle(input.image_circle);
   result->camera.camera = middle.Clone();

@@ -15,6 +15,7 @@
 #include "evaluation/line_spread.h"
 #include "evaluation/residual_budget.h"
 #include "evaluation/residual_statistics.h"
+#include "evaluation/uncertainty_summary.h"
 #include "evaluation/verdict.h"
 
 namespace raygrid {
@@ -126,6 +127,8 @@ struct CalibrationResult {
   std::optional<double> neighbor_correlation;
   /// As in CameraUncertainty, which camera files do not hold.
   double jackknife_scale = 1;
+  /// Nothing without an uncertainty.
+  std::optional<ExtrapolatedRegion> extrapolated;
   std::optional<LineSpread> line_spread;  ///< of a camera that is not central
   FoldOver fold_over;
   double flat_board_height_m = 0;  ///< as in CalibrationFigures

@@ -14,35 +14,65 @@ namespace {
 
 constexpr int kEnoughViews = 3;
 constexpr double kEnoughTiltRad = 5 * M_PI / 180;
-constexpr double kEnoughArea = 0.5;    // part of the image
+constexpr double kEnoughArea = 0.5;    // share of the image
 constexpr double kGoodMedianPx = 0.3;  // corners of a sharp chessboard
 constexpr double kUsableMedianPx = 2;
 constexpr double kOverfitRatio = 1.5;
+// Systematic errors above this deserve a warning, below it a note.
+constexpr double kMattersPx = 0.15;
 // Nothing is said of less than this, nor of a tenth of the noise.
 constexpr double kNegligiblePx = 0.02, kNegligiblePart = 0.1;
-// The error that views may leave open in a camera: with a warning, and at all.
-constexpr double kOpenPx = 1, kLostPx = 5;
-constexpr double kMaxAspect = 4;        // anamorphic lenses have 2
-constexpr double kEnoughTrusted = 0.5;  // part of the calibrated area
-// The systematic part of the squared residuals that is too much; five standard
-// errors where there are fewest pairs.
-constexpr double kSystematicPart = 0.25;
-constexpr double kStrangePart = 0.9;
+// A median uncertainty that deserves a warning, and one that no use allows.
+constexpr double kUncertainPx = 1, kUselessPx = 5;
+constexpr double kMaxAspect = 4;  // anamorphic lenses have 2
+// Shares of the image: valid, at least; extrapolated, at most.
+constexpr double kEnoughValid = 0.5, kMostExtrapolated = 0.05;
+// The correlation of neighbouring residuals that is too much: five standard
+// errors where there are fewest pairs; and nearly all of the error.
+constexpr double kCorrelated = 0.25, kNearlyAll = 0.9;
 
-void Remark(const std::string& reason, Verdict* verdict) {
-  verdict->reasons.push_back(reason);
-}
+// What was found, and how bad it is.
+enum class Severity { kNote, kWarning, kFailure };
+struct Finding {
+  Severity severity;
+  std::string text;
+};
 
-void Warn(const std::string& reason, Verdict* verdict) {
-  if (verdict->word == "pass") verdict->word = "warn";
-  verdict->reasons.push_back(reason);
-}
+class Findings {
+ public:
+  void Note(const std::string& text) { Add(Severity::kNote, text); }
+  void Warn(const std::string& text) { Add(Severity::kWarning, text); }
+  void Fail(const std::string& text) { Add(Severity::kFailure, text); }
+  void Add(Severity severity, const std::string& text) {
+    findings_.push_back({severity, text});
+  }
 
-void Fail(const std::string& reason, Verdict* verdict) {
-  if (verdict->word != "fail") verdict->failure = reason;
-  verdict->word = "fail";
-  verdict->reasons.push_back(reason);
-}
+  // The worst first.
+  Verdict Conclude() const {
+    Verdict verdict = {"pass", {}};
+    for (const Severity severity :
+         {Severity::kFailure, Severity::kWarning, Severity::kNote})
+      for (const Finding& finding : findings_)
+        if (finding.severity == severity)
+          verdict.reasons.push_back(finding.text);
+    if (Has(Severity::kFailure)) {
+      verdict.word = "fail";
+      verdict.failure = verdict.reasons.front();
+    } else if (Has(Severity::kWarning)) {
+      verdict.word = "warn";
+    }
+    return verdict;
+  }
+
+ private:
+  bool Has(Severity severity) const {
+    return std::any_of(
+        findings_.begin(), findings_.end(),
+        [&](const Finding& finding) { return finding.severity == severity; });
+  }
+
+  std::vector<Finding> findings_;
+};
 
 bool IsNegligible(double error_px, const ErrorFigures& noise) {
   return error_px < std::max(kNegligiblePx, kNegligiblePart * noise.rms_px);
@@ -53,325 +83,386 @@ std::string Named(const std::vector<std::string>& images) {
   return images.front() + (images.size() > 1 ? ", ..." : "");
 }
 
-void JudgeConvergence(const CalibrationFigures& figures, Verdict* verdict) {
+// "3 images (a.png, ...)".
+std::string Counted(const std::vector<std::string>& images) {
+  return fmt::format("{} image{} ({})", images.size(),
+                     images.size() == 1 ? "" : "s", Named(images));
+}
+
+void AssessConvergence(const CalibrationFigures& figures, Findings* findings) {
   if (figures.interrupted)
-    Fail("interrupted before it was done; go on with --resume", verdict);
+    findings->Fail("interrupted before it was done; continue with --resume");
   else if (!figures.converged)
-    Fail("the adjustment did not converge; add images or remove blurred ones",
-         verdict);
+    findings->Fail(
+        "bundle adjustment did not converge; add images, or remove blurred "
+        "ones");
 }
 
-// Rows that moved bend the camera, and nothing could be done about it.
-void JudgeTimes(const CalibrationFigures& figures, Verdict* verdict) {
+// The motion of rows bends the camera, and could not be compensated.
+void AssessTimestamps(const CalibrationFigures& figures, Findings* findings) {
   if (!figures.wrong_times.empty())
-    Fail("the time of a row is not observable: " + figures.wrong_times,
-         verdict);
+    findings->Fail("the line delay is not observable: " + figures.wrong_times);
 }
 
-void JudgeNumberOfImages(const CalibrationFigures& figures, Verdict* verdict) {
+void AssessNumberOfImages(const CalibrationFigures& figures,
+                          Findings* findings) {
   if (figures.images_used < kEnoughImages)
-    Warn(fmt::format("only {} {}; take {} or more", figures.images_used,
-                     figures.images_alike > 0 ? "different views" : "images",
-                     kEnoughImages),
-         verdict);
+    findings->Warn(
+        fmt::format("only {} {}, too few to assess the camera; take {} or more",
+                    figures.images_used,
+                    figures.images_alike > 0 ? "different views" : "images",
+                    kEnoughImages));
   if (figures.images_alike > 0)
-    Remark(fmt::format("{} images show {} different views, each of which "
-                       "counts once",
-                       figures.images_kept + figures.images_alike,
-                       figures.images_kept),
-           verdict);
+    findings->Note(fmt::format(
+        "{} images show {} different views; near-duplicates count "
+        "once",
+        figures.images_kept + figures.images_alike, figures.images_kept));
 }
 
-void JudgeArea(const CalibrationFigures& figures, Verdict* verdict) {
-  // Positions count from the upper left corner: there lies what was measured in
-  // smaller images.
+void AssessImageSize(const CalibrationFigures& figures, Findings* findings) {
+  // Pixels are counted from the top left corner: features measured in smaller
+  // images lie there.
   constexpr double kHalf = 0.55;
   const Area& area = figures.features_area;
   const ImageSize& size = figures.image_size;
-  const double part = PartOfImage(area, size);
   if (area.x1 < kHalf * size.width && area.y1 < kHalf * size.height)
-    Warn(fmt::format("all features lie in the upper left quarter of the {} x "
-                     "{} image, up to ({:.0f}, {:.0f}); check --image-size, or "
-                     "hold the board into the other corners",
-                     size.width, size.height, area.x1, area.y1),
-         verdict);
-  else if (part < kEnoughArea)
-    Warn(fmt::format("features reach only {:.0f} % of the image; hold the "
-                     "board into the corners",
-                     100 * part),
-         verdict);
+    findings->Warn(fmt::format(
+        "all features lie in the top left quarter of the {} x {} image, up to "
+        "({:.0f}, {:.0f}); check --image-size, or move the target into the "
+        "other corners",
+        size.width, size.height, area.x1, area.y1));
 }
 
-void JudgeViews(const CalibrationFigures& figures, Verdict* verdict) {
+void AssessViews(const CalibrationFigures& figures, Findings* findings) {
   if (figures.different_views < kEnoughViews)
-    Fail(fmt::format("the board is seen in only {} different ways in {} "
-                     "images; move it and tilt it between them",
-                     figures.different_views,
-                     figures.images_used + figures.images_alike),
-         verdict);
+    findings->Fail(fmt::format(
+        "{} images show only {} different views of the target; move and tilt "
+        "it between images",
+        figures.images_used + figures.images_alike, figures.different_views));
   else if (figures.tilt_rad && *figures.tilt_rad < kEnoughTiltRad)
-    Fail(fmt::format(
-             "all boards are parallel to within {:.1f} degrees, which leaves "
-             "the focal length open; tilt them by 30 degrees or more, each "
-             "time another way",
-             *figures.tilt_rad * 180 / M_PI),
-         verdict);
+    findings->Fail(fmt::format(
+        "the focal length is not observable: the target is parallel in all "
+        "images, to within {:.1f} degrees; tilt it by 30 degrees or more, in "
+        "different directions",
+        *figures.tilt_rad * 180 / M_PI));
 }
 
-void JudgeSides(const CalibrationFigures& figures, Verdict* verdict) {
+void AssessSides(const CalibrationFigures& figures, Findings* findings) {
   if (figures.images_from_behind.empty()) return;
-  Warn(fmt::format(
-           "{} of {} times the board is seen from behind ({}): its columns or "
-           "rows are counted the other way round in pattern or features, or "
-           "the images are mirrored",
-           figures.images_from_behind.size(), figures.boards_seen,
-           Named(figures.images_from_behind)),
-       verdict);
+  findings->Warn(fmt::format(
+      "the target is seen from behind in {} of {} views ({}): the images are "
+      "mirrored, or columns or rows are counted the other way round in pattern "
+      "or features",
+      figures.images_from_behind.size(), figures.boards_seen,
+      Named(figures.images_from_behind)));
 }
 
-std::string Counted(const std::vector<std::string>& images) {
-  return fmt::format("{} images ({})", images.size(), Named(images));
-}
-
-void JudgeImagesApart(const CalibrationFigures& figures, Verdict* verdict) {
-  if (figures.two_cameras) {
-    Warn(fmt::format("these images look like two cameras: {} and {}, or one "
-                     "whose focus changed; calibrate each alone",
-                     Counted(figures.two_cameras->first),
-                     Counted(figures.two_cameras->second)),
-         verdict);
-    return;
-  }
-  if (figures.images_apart.empty()) return;
-  Warn(fmt::format("{} images do not fit the others ({}): another camera, "
-                   "focus or board, or misread features; calibrate without "
-                   "them",
-                   figures.images_apart.size(), Named(figures.images_apart)),
-       verdict);
-}
-
-// Large errors of images held out, with errors as all others have in training,
-// are those of a camera that extrapolates.
-void JudgeImagesAlone(const CalibrationFigures& figures, Verdict* verdict) {
-  if (figures.images_alone.empty()) return;
-  Warn(fmt::format("only {} show the {} of the image, where the camera is "
-                   "extrapolated without them; keep them, and take more views "
-                   "there",
-                   Counted(figures.images_alone),
-                   fmt::join(figures.places_alone, ", ")),
-       verdict);
-}
-
-void JudgeTurns(const CalibrationFigures& figures, Verdict* verdict) {
-  if (figures.images_of_doubtful_turn.empty()) return;
-  Warn(
-      fmt::format("the board looks alike after a turn, and {} do not "
-                  "determine which way it is turned there: errors of the print "
-                  "may be attributed to the lens; leave them out, or print one "
-                  "row of squares more",
-                  Counted(figures.images_of_doubtful_turn)),
-      verdict);
-}
-
-void JudgeFlatBoard(const CalibrationFigures& figures, Verdict* verdict) {
-  if (figures.flat_board_height_m > 0)
-    Warn(fmt::format(
-             "--fix-target-geometry is believed, but a board is {:.3f} mm from "
-             "flat (RMS) where it may be, and bends the camera "
-             "instead; calibrate without --fix-target-geometry",
-             1e3 * figures.flat_board_height_m),
-         verdict);
-}
-
-void JudgeFleetDistance(const CalibrationFigures& figures, Verdict* verdict) {
-  const auto& distance = figures.fleet_distance;
-  if (distance && distance->IsStranger()) Warn(distance->Warning(), verdict);
-}
-
-void JudgeUncertainty(const CalibrationFigures& figures, Verdict* verdict) {
-  if (!figures.median_deviation_px) {
-    Warn(
-        "the images do not tell how well the camera is known; take more, "
-        "tilted all ways",
-        verdict);
-    return;
-  }
-  const double median_px = *figures.median_deviation_px;
-  if (median_px > kOpenPx) {
-    const std::string reason = fmt::format(
-        "the views leave the camera open by {:.2g} px: tilt the board by 30 "
-        "degrees or more, each time another way, and change the distance",
-        median_px);
-    if (median_px > kLostPx)
-      Fail(reason, verdict);
-    else
-      Warn(reason, verdict);
-  } else if (*figures.trusted_part <
-                 kEnoughTrusted *
-                     PartOfImage(figures.features_area, figures.image_size) &&
-             !IsNegligible(median_px, figures.training)) {
-    Warn(fmt::format(
-             "only {:.0f} % of the image is trusted, known to {:.4f} px: "
-             "uncertainty.png shows where; take more views, tilted all ways, "
-             "near and far, into the corners",
-             100 * *figures.trusted_part, *figures.trusted_px),
-         verdict);
-  }
-}
-
-void JudgePixels(const CalibrationFigures& figures, Verdict* verdict) {
-  const double aspect = figures.pixel_aspect.value_or(1);
-  if (aspect > 1 / kMaxAspect && aspect < kMaxAspect) return;
-  Fail(fmt::format("pixels are {:.2g} times as wide as high, which no camera's "
-                   "are; check the images' size and the pattern",
-                   aspect),
-       verdict);
-}
-
-// Corners beyond a fisheye's image circle fold over in good calibrations too.
-void JudgeFoldOver(const CalibrationFigures& figures, Verdict* verdict) {
-  const FoldOver& fold_over = figures.fold_over;
-  if (fold_over.trusted_part > 0)
-    Fail(fmt::format("{:.2g} % of the calibrated area folds over where it is "
-                     "trusted: two pixels look along one ray; remove misread "
-                     "features, or try larger cells",
-                     100 * fold_over.trusted_part),
-         verdict);
-  else if (fold_over.part > 0)
-    Remark(fmt::format("{:.2g} % of the calibrated area folds over, none of it "
-                       "trusted, as beyond a fisheye's image circle: use "
-                       "trusted pixels only",
-                       100 * fold_over.part),
-           verdict);
-}
-
-void JudgeRejectedImages(const CalibrationFigures& figures, Verdict* verdict) {
+void AssessRejectedImages(const CalibrationFigures& figures,
+                          Findings* findings) {
   const int fit = figures.images_used + figures.images_alike;
   const int images = fit + figures.images_rejected;
   if (2 * figures.images_with_too_few_features > images)
-    Warn(fmt::format("{} of {} images have too few features; check the "
-                     "pattern's columns and rows",
-                     figures.images_with_too_few_features, images),
-         verdict);
+    findings->Warn(
+        fmt::format("{} of {} images have too few features; check the "
+                    "pattern's columns and rows",
+                    figures.images_with_too_few_features, images));
+  else if (figures.images_rejected > fit)
+    findings->Warn(
+        fmt::format("{} of {} images were rejected; see which and "
+                    "why",
+                    figures.images_rejected, images));
   else if (figures.images_rejected > fit / 5)
-    Warn(fmt::format("{} images were rejected; see which and why",
-                     figures.images_rejected),
-         verdict);
+    findings->Note(
+        fmt::format("{} of {} images were rejected; see which and "
+                    "why",
+                    figures.images_rejected, images));
 }
 
-void JudgeOtherModels(const CalibrationFigures& figures, Verdict* verdict) {
+void AssessOutlyingImages(const CalibrationFigures& figures,
+                          Findings* findings) {
+  if (figures.two_cameras) {
+    findings->Warn(fmt::format(
+        "these images look like two cameras: {} and {}, or one whose focus "
+        "changed; calibrate each separately",
+        Counted(figures.two_cameras->first),
+        Counted(figures.two_cameras->second)));
+    return;
+  }
+  if (figures.images_apart.empty()) return;
+  findings->Warn(fmt::format(
+      "{} {} not fit the others: another camera, focus or target, or misread "
+      "features; calibrate without {}",
+      Counted(figures.images_apart),
+      figures.images_apart.size() == 1 ? "does" : "do",
+      figures.images_apart.size() == 1 ? "it" : "them"));
+}
+
+// Large held-out errors of images whose training errors are as usual: without
+// them, the camera is extrapolated there.
+void AssessLoneImages(const CalibrationFigures& figures, Findings* findings) {
+  if (figures.images_alone.empty()) return;
+  findings->Warn(fmt::format(
+      "the {} of the image is covered by {} only, which nothing confirms; keep "
+      "{}, and take more views there",
+      fmt::join(figures.places_alone, ", "), Counted(figures.images_alone),
+      figures.images_alone.size() == 1 ? "it" : "them"));
+}
+
+// Images that lost more features to outlier rejection than chance, or a corner
+// at the target's edge, explains: what is left of them fits.
+void AssessMisreadImages(const CalibrationFigures& figures,
+                         Findings* findings) {
+  if (figures.num_misread_images == 0) return;
+  const MisreadImage& worst = figures.most_misread;
+  const bool is_one = figures.num_misread_images == 1;
+  findings->Warn(fmt::format(
+      "many features of {} were rejected as outliers ({}: {} of {}): columns "
+      "or rows of the target are misread there, or corners are false; detect "
+      "{} again, or calibrate without {}",
+      is_one ? "an image"
+             : fmt::format("{} images", figures.num_misread_images),
+      worst.image, worst.num_rejected, worst.num_features,
+      is_one ? "that image" : "these images", is_one ? "it" : "them"));
+}
+
+void AssessTurns(const CalibrationFigures& figures, Findings* findings) {
+  if (figures.images_of_doubtful_turn.empty()) return;
+  findings->Warn(fmt::format(
+      "{} leave open which way the target is turned, since it looks the same "
+      "after a turn: printing errors may be attributed to the lens; leave them "
+      "out, or print one row of squares more",
+      Counted(figures.images_of_doubtful_turn)));
+}
+
+void AssessFlatTarget(const CalibrationFigures& figures, Findings* findings) {
+  if (figures.flat_board_height_m > 0)
+    findings->Warn(fmt::format(
+        "the target's deformation biases the camera: without "
+        "--fix-target-geometry a board is estimated to be {:.3f} mm from flat "
+        "(RMS); calibrate without it",
+        1e3 * figures.flat_board_height_m));
+}
+
+void AssessPopulationDistance(const CalibrationFigures& figures,
+                              Findings* findings) {
+  const auto& distance = figures.fleet_distance;
+  if (distance && distance->IsStranger()) findings->Warn(distance->Warning());
+}
+
+// "the corners of the image are extrapolated: expect errors up to 0.7 px
+// there".
+std::string ExtrapolationText(const ExtrapolatedRegion& region) {
+  const bool is_plural = region.where.back() == 's' ||
+                         region.where.find(" and ") != std::string::npos;
+  constexpr double kManyPx = 10;
+  return fmt::format(
+      "the {} of the image {} extrapolated: expect errors {} px there",
+      region.where, is_plural ? "are" : "is",
+      region.p95_px > kManyPx ? "of more than 10"
+                              : "up to " + RoundedPx(region.p95_px));
+}
+
+void AssessExtrapolation(const CalibrationFigures& figures,
+                         Findings* findings) {
+  const double covered =
+      ShareOfImage(figures.features_area, figures.image_size);
+  const auto& region = figures.extrapolated;
+  const bool is_large = region && figures.valid_limit_px &&
+                        region->p95_px > *figures.valid_limit_px;
+  if (is_large && region->share > kMostExtrapolated)
+    findings->Warn(
+        fmt::format("{} ({:.0f} % of the image); move the target into that "
+                    "part, or use the valid region only",
+                    ExtrapolationText(*region), 100 * region->share));
+  else if (covered < kEnoughArea)
+    findings->Warn(
+        fmt::format("features cover only {:.0f} % of the image, the rest is "
+                    "extrapolated; move the target into the corners",
+                    100 * covered));
+  else if (is_large && region->share > 0)
+    findings->Note(ExtrapolationText(*region));
+}
+
+void AssessUncertainty(const CalibrationFigures& figures, Findings* findings) {
+  if (!figures.median_deviation_px) {
+    findings->Warn(
+        "the camera's uncertainty is not observable; take more images, with "
+        "the target tilted in different directions");
+    return;
+  }
+  const double median_px = *figures.median_deviation_px;
+  if (median_px > kUncertainPx) {
+    findings->Add(
+        median_px > kUselessPx ? Severity::kFailure : Severity::kWarning,
+        fmt::format("the views do not determine the camera: expect errors of "
+                    "{} px in half of the image; tilt the target by 30 degrees "
+                    "or more, in different directions, and vary the distance",
+                    RoundedPx(median_px)));
+    return;
+  }
+  AssessExtrapolation(figures, findings);
+  if (*figures.valid_share < kEnoughValid &&
+      !IsNegligible(median_px, figures.training))
+    findings->Warn(fmt::format(
+        "only {:.0f} % of the image is supported by features and known to {} "
+        "px or better (uncertainty.png shows where); take more views, tilted "
+        "in different directions, near and far, into the corners",
+        100 * *figures.valid_share, RoundedPx(*figures.valid_limit_px)));
+}
+
+void AssessPixelAspect(const CalibrationFigures& figures, Findings* findings) {
+  const double aspect = figures.pixel_aspect.value_or(1);
+  if (aspect > 1 / kMaxAspect && aspect < kMaxAspect) return;
+  findings->Fail(fmt::format(
+      "pixels come out {:.2g} times as wide as high, which no camera has; "
+      "check the images' size and the pattern",
+      aspect));
+}
+
+// Corners beyond a fisheye's image circle fold over in good calibrations too.
+void AssessFoldOver(const CalibrationFigures& figures, Findings* findings) {
+  const FoldOver& fold_over = figures.fold_over;
+  if (fold_over.trusted_part > 0)
+    findings->Fail(fmt::format(
+        "the model folds over within the valid region ({:.2g} % of the "
+        "calibrated area): two pixels have the same ray; remove misread "
+        "features, or increase --knot-spacing-px",
+        100 * fold_over.trusted_part));
+  else if (fold_over.part > 0)
+    findings->Note(fmt::format(
+        "the model folds over outside the valid region ({:.2g} % of the "
+        "calibrated area), as beyond a fisheye's image circle; use the valid "
+        "region only",
+        100 * fold_over.part));
+}
+
+void AssessOtherModels(const CalibrationFigures& figures, Findings* findings) {
   if (!figures.better_model) return;
   const BetterModel& better = *figures.better_model;
-  Remark(fmt::format("{} predicts held-out images better, with {:.4f} px "
-                     "(median{}) against {:.4f} px: raygrid calibrate ... "
-                     "--model {}",
-                     better.model, better.median_px,
-                     figures.boards_bend ? ", rigid boards" : "",
-                     better.own_median_px, better.model),
-         verdict);
+  findings->Note(fmt::format(
+      "{} predicts held-out images better: {:.4f} px (median{}) instead of "
+      "{:.4f} px; calibrate with --model {}",
+      better.model, better.median_px,
+      figures.boards_bend ? ", rigid target" : "", better.own_median_px,
+      better.model));
 }
 
-bool WarnsOfNeighbors(const CalibrationFigures& figures) {
+bool HasCorrelatedResiduals(const CalibrationFigures& figures) {
   return !figures.two_cameras &&
          ErrAlike(figures.neighbor_correlation.value_or(0),
                   figures.held_out ? *figures.held_out : figures.training);
 }
 
-// The cause that residuals tell comes before what one could guess.
-void JudgeNeighbors(const CalibrationFigures& figures, Verdict* verdict) {
-  if (!WarnsOfNeighbors(figures)) return;
+// An identified cause comes before guesses.
+void AssessCorrelation(const CalibrationFigures& figures, Findings* findings) {
+  if (!HasCorrelatedResiduals(figures)) return;
   const double correlation = *figures.neighbor_correlation;
   const ErrorFigures& errors =
       figures.held_out ? *figures.held_out : figures.training;
+  const double systematic_px = errors.rms_px * std::sqrt(correlation);
   const std::string found = fmt::format(
-      "neighbouring features err alike (correlation {:.2f}): about {:.2f} px "
-      "are not noise",
-      correlation, errors.rms_px * std::sqrt(correlation));
+      "systematic errors of about {} px (neighbouring residuals "
+      "are correlated: {:.2f})",
+      RoundedPx(systematic_px), correlation);
+  const Severity severity =
+      systematic_px > kMattersPx ? Severity::kWarning : Severity::kNote;
   if (figures.limit.IsCause())
-    Warn(fmt::format("{}; {}; {}", found, figures.limit.sentence,
-                     figures.limit.advice),
-         verdict);
+    findings->Add(severity,
+                  fmt::format("{}: {}; {}", found, figures.limit.sentence,
+                              figures.limit.advice));
   else
-    Warn(fmt::format(
-             "{}, but the model's error or the detector's{}; {}", found,
-             correlation > kStrangePart ? ", or images of several cameras" : "",
-             AdviceAgainstSharedErrors(figures.tried)),
-         verdict);
+    findings->Add(
+        severity,
+        fmt::format(
+            "{} of the model or the detector{}; {}", found,
+            correlation > kNearlyAll ? ", or images of several cameras" : "",
+            AdviceAgainstSharedErrors(figures.tried)));
 }
 
-// The cause, and what would help, unless the neighbours' warning has it.
+// The cause, and what would help, unless AssessCorrelation() has said it.
 std::string AdviceAgainstError(const CalibrationFigures& figures) {
   if (!figures.limit.IsTold())
-    return "; sharper images or a flatter board would lower it";
-  if (WarnsOfNeighbors(figures) && figures.limit.limit != "noise")
+    return "; sharper images or a flatter target would lower it";
+  if (HasCorrelatedResiduals(figures) && figures.limit.limit != "noise")
     return "; the same would lower it";
-  return fmt::format("; {}; {}", figures.limit.sentence, figures.limit.advice);
+  return fmt::format(": {}; {}", figures.limit.sentence, figures.limit.advice);
 }
 
-void JudgeHeldOutError(const CalibrationFigures& figures, Verdict* verdict) {
+void AssessHeldOutError(const CalibrationFigures& figures, Findings* findings) {
   if (!figures.held_out) {
-    Warn("no held-out error: too few images to hold some out", verdict);
+    findings->Warn(
+        "no held-out error: there are too few images to hold some out");
     return;
   }
-  const double held_out = figures.held_out->median_px;
-  if (held_out > kUsableMedianPx)
-    Fail(fmt::format("the held-out error is {:.2f} px", held_out), verdict);
-  else if (held_out > kGoodMedianPx)
-    Warn(fmt::format("the held-out error is {:.2f} px{}", held_out,
-                     AdviceAgainstError(figures)),
-         verdict);
+  const double held_out_px = figures.held_out->median_px;
+  if (held_out_px > kUsableMedianPx)
+    findings->Fail(
+        fmt::format("expect errors of {} px: that is the median "
+                    "held-out error{}",
+                    RoundedPx(held_out_px), AdviceAgainstError(figures)));
+  else if (held_out_px > kGoodMedianPx)
+    findings->Warn(fmt::format("the median held-out error is {} px{}",
+                               RoundedPx(held_out_px),
+                               AdviceAgainstError(figures)));
 }
 
-void JudgeHeldOutCopies(const CalibrationFigures& figures, Verdict* verdict) {
+void AssessHeldOutCopies(const CalibrationFigures& figures,
+                         Findings* findings) {
   const auto& copies = figures.held_out_copies;
   if (copies.empty()) return;
-  Warn(fmt::format("images held out show views that the camera was calibrated "
-                   "with ({}: {}), so the held-out error is too small; hold "
-                   "out all images of a view",
-                   copies.size(), Named(copies)),
-       verdict);
+  findings->Warn(fmt::format(
+      "the held-out error is too optimistic: {} held out show views that were "
+      "calibrated with; hold out all images of a view",
+      Counted(copies)));
 }
 
-void JudgeOverfit(const CalibrationFigures& figures, Verdict* verdict) {
+void AssessOverfit(const CalibrationFigures& figures, Findings* findings) {
   if (!figures.held_out) return;
-  const double held_out = figures.held_out->median_px;
-  const double training = figures.training.median_px;
-  if (held_out > kOverfitRatio * training &&
-      !IsNegligible(held_out - training, figures.training))
-    Warn(fmt::format("the held-out error is {:.2g} px, the training error "
-                     "{:.2g} px; take more images",
-                     held_out, training),
-         verdict);
+  const double held_out_px = figures.held_out->median_px;
+  const double training_px = figures.training.median_px;
+  if (held_out_px <= kOverfitRatio * training_px ||
+      IsNegligible(held_out_px - training_px, figures.training))
+    return;
+  findings->Add(
+      held_out_px - training_px > kMattersPx ? Severity::kWarning
+                                             : Severity::kNote,
+      fmt::format("too few images: the held-out error is {} px, the training "
+                  "error {} px; take more",
+                  RoundedPx(held_out_px), RoundedPx(training_px)));
 }
 
 }  // namespace
 
+std::string RoundedPx(double px) {
+  return px < 99.5 ? fmt::format("{:.2g}", px) : fmt::format("{:.0f}", px);
+}
+
 bool ErrAlike(double neighbor_correlation, const ErrorFigures& errors) {
-  return neighbor_correlation > kSystematicPart &&
+  return neighbor_correlation > kCorrelated &&
          errors.rms_px * std::sqrt(neighbor_correlation) >= kNegligiblePx;
 }
 
-double PartOfImage(const Area& area, const ImageSize& size) {
+double ShareOfImage(const Area& area, const ImageSize& size) {
   return area.width() * area.height() /
          (static_cast<double>(size.width) * size.height);
 }
 
 Verdict JudgeCalibration(const CalibrationFigures& figures) {
-  Verdict verdict = {"pass", {}};
-  // First what else would be better.
-  if (!figures.interrupted) JudgeOtherModels(figures, &verdict);
-  for (const auto judge : {JudgeConvergence, JudgeNumberOfImages, JudgeArea,
-                           JudgeViews, JudgeSides, JudgeRejectedImages})
-    judge(figures, &verdict);
-  // Errors of a state on its way say nothing.
-  if (figures.interrupted) return verdict;
-  for (const auto judge :
-       {JudgeTimes, JudgeImagesApart, JudgeImagesAlone, JudgeTurns,
-        JudgeFlatBoard, JudgeFleetDistance, JudgeUncertainty, JudgeFoldOver,
-        JudgePixels, JudgeNeighbors, JudgeHeldOutError, JudgeHeldOutCopies,
-        JudgeOverfit})
-    judge(figures, &verdict);
-  return verdict;
+  Findings findings;
+  for (const auto assess :
+       {AssessConvergence, AssessNumberOfImages, AssessImageSize, AssessViews,
+        AssessSides, AssessRejectedImages})
+    assess(figures, &findings);
+  // Errors of an unfinished calibration mean nothing.
+  if (figures.interrupted) return findings.Conclude();
+  for (const auto assess :
+       {AssessTimestamps, AssessOutlyingImages, AssessLoneImages, AssessTurns,
+        AssessFlatTarget, AssessPopulationDistance, AssessUncertainty,
+        AssessFoldOver, AssessPixelAspect, AssessCorrelation,
+        AssessHeldOutError, AssessHeldOutCopies, AssessOverfit,
+        AssessMisreadImages, AssessOtherModels})
+    assess(figures, &findings);
+  return findings.Conclude();
 }
 
 }  // namespace raygrid

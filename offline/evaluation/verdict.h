@@ -10,6 +10,7 @@
 #include "evaluation/budget_verdict.h"
 #include "evaluation/fleet_distance.h"
 #include "evaluation/fold_over.h"
+#include "evaluation/uncertainty_summary.h"
 
 namespace raygrid {
 
@@ -24,6 +25,12 @@ struct BetterModel {
 /// The images of two cameras that were taken for one's.
 struct TwoCameras {
   std::vector<std::string> first, second;
+};
+
+/// An image that lost many of its features to outlier rejection.
+struct MisreadImage {
+  std::string image;
+  int num_rejected = 0, num_features = 0;
 };
 
 /// The figures that a verdict is formed on.
@@ -49,14 +56,17 @@ struct CalibrationFigures {
   /// they alone show some places of the image, and these places.
   std::vector<std::string> images_alone, places_alone;
   std::vector<std::string> images_of_doubtful_turn;  ///< CalibrationResult's
+  int num_misread_images = 0;
+  MisreadImage most_misread;  ///< if there is one
   std::optional<TwoCameras> two_cameras;
   int boards_seen = 0, different_views = 0;
   /// The image of each time that a board is seen from behind.
   std::vector<std::string> images_from_behind;
   std::optional<double> tilt_rad;  ///< between two boards; of flat ones only
-  /// How well the camera is known, the part of the image that is known to
-  /// trusted_px.
-  std::optional<double> median_deviation_px, trusted_part, trusted_px;
+  /// The predicted uncertainty, median over the rectangle of the features; the
+  /// share of the image that is valid, and the limit that makes it so.
+  std::optional<double> median_deviation_px, valid_share, valid_limit_px;
+  std::optional<ExtrapolatedRegion> extrapolated;
   FoldOver fold_over;
   /// How far from flat boards are that were taken for flat, RMS: where they may
   /// be, they surely are. 0 where nothing says so.
@@ -72,8 +82,9 @@ struct CalibrationFigures {
   std::optional<double> pixel_aspect;  ///< width by height, in the middle
 };
 
-/// "pass", "warn" or "fail", and why, with what to do. Reasons of a "pass" are
-/// worth knowing, no more.
+/// "pass": a careful engineer would accept the camera for its images; "warn":
+/// not everywhere, or not without a look; "fail": no use. And why, with what to
+/// do: the worst reason first. Reasons of a "pass" are worth knowing, no more.
 struct Verdict {
   std::string word;
   std::vector<std::string> reasons;
@@ -84,7 +95,10 @@ struct Verdict {
 /// that it matters.
 bool ErrAlike(double neighbor_correlation, const ErrorFigures& errors);
 
-double PartOfImage(const Area& area, const ImageSize& size);
+double ShareOfImage(const Area& area, const ImageSize& size);
+
+/// Pixels with two digits, or all before the point.
+std::string RoundedPx(double px);
 
 Verdict JudgeCalibration(const CalibrationFigures& figures);
 

@@ -167,7 +167,7 @@ ChosenLens ChooseLens(const std::vector<const LensForm*>& forms,
     throw Error(
         ExitCode::kQuality,
         fmt::format(
-            "{} cannot represent any pixel of this camera; export a view of it",
+            "{} cannot represent any pixel of this camera's valid region; export a view of it",
             sorted.front()->name));
   return std::move(*chosen);
 }

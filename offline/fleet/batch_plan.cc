@@ -34,6 +34,7 @@ const std::vector<std::pair<std::string, std::string>> kValueOptions = {
     {"area", "--area"},
     {kVaryWith, "--vary-with"},
     {"duplicate_px", "--duplicate-px"},
+    {"valid_px", "--valid-px"},
     {"image_circle", "--image-circle"},
     {"seed", "--seed"},
     {"name", "--name"}};
@@ -58,6 +59,10 @@ const std::map<std::string, std::string> kFormerKeys = {
     {"measure_once", "no_refine_features"},
     {"like", kPrior},
     {"times", kTimestamps}};
+// The same of limits.
+const std::map<std::string, std::string> kFormerFigures = {
+    {"trusted_part", "valid_share"},
+    {"worst_deviation_px", "max_uncertainty_px"}};
 
 // A plan or unit with former keys replaced by the current ones.
 YAML::Node WithCurrentKeys(const YAML::Node& map, const std::string& what) {
@@ -272,7 +277,10 @@ FigureLimits ReadLimits(const YAML::Node& node) {
   FigureLimits limits;
   const std::vector<std::string>& names = FigureNames();
   for (const auto& entry : node) {
-    const std::string name = entry.first.as<std::string>();
+    std::string name = entry.first.as<std::string>();
+    if (const auto former = kFormerFigures.find(name);
+        former != kFormerFigures.end())
+      name = former->second;
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw InputError(fmt::format("limits: unknown '{}'; expected {}",
                                    Printable(name), fmt::join(names, ", ")));
@@ -357,16 +365,10 @@ BatchPlan ReadPlan(const YAML::Node& given) {
 }  // namespace
 
 const std::vector<std::string>& FigureNames() {
-  static const std::vector<std::string> kNames = {"center_x_px",
-                                                  "center_y_px",
-                                                  "focal_px",
-                                                  "held_out_max_px",
-                                                  "held_out_median_px",
-                                                  "held_out_rms_px",
-                                                  "images",
-                                                  "training_median_px",
-                                                  "trusted_part",
-                                                  "worst_deviation_px"};
+  static const std::vector<std::string> kNames = {
+      "center_x_px",        "center_y_px",     "focal_px", "held_out_max_px",
+      "held_out_median_px", "held_out_rms_px", "images",   "max_uncertainty_px",
+      "training_median_px", "valid_share"};
   return kNames;
 }
 

@@ -85,7 +85,7 @@ ComparedUnits CompareUnits(const std::vector<UnitRow>& rows,
   for (const auto& [name, is_positive] :
        {std::pair("focal_px", false), std::pair("center_x_px", false),
         std::pair("center_y_px", false), std::pair("held_out_median_px", true),
-        std::pair("worst_deviation_px", true),
+        std::pair("max_uncertainty_px", true),
         std::pair("sensor_temperature_c", false)}) {
     FleetFigure figure = FigureOf(name, is_positive, rows, units.rows);
     const bool is_known =

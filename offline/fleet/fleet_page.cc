@@ -299,7 +299,7 @@ std::string UnitsSection(const std::vector<UnitRow>& units) {
         {UnitLink(unit), unit.status, FigureCell(unit, "focal_px"),
          FigureCell(unit, "center_x_px"), FigureCell(unit, "center_y_px"),
          FigureCell(unit, "held_out_median_px"),
-         FigureCell(unit, "worst_deviation_px"), EscapeHtml(unit.lens_batch),
+         FigureCell(unit, "max_uncertainty_px"), EscapeHtml(unit.lens_batch),
          unit.seconds > 0 ? fmt::format("{:.1f}", unit.seconds) : "",
          fmt::format("{}", fmt::join(unit.unusual, ", ")) +
              (unit.unusual.empty() || remark.empty() ? "" : "; ") +
@@ -307,7 +307,7 @@ std::string UnitsSection(const std::vector<UnitRow>& units) {
   }
   return "<h2>All units</h2>\n<div class=\"told\">" +
          HtmlTable({"unit", "status", "focal px", "centre x", "centre y",
-                    "held-out median px", "worst deviation px", "batch", "s",
+                    "held-out median px", "max uncertainty px", "batch", "s",
                     "outlier in, or remark"},
                    rows) +
          "</div>\n";

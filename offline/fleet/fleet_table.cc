@@ -13,11 +13,12 @@
 #include "dataset/files.h"
 #include "dataset/held_stack.h"
 #include "dataset/text_encoding.h"
+#include "report/result_keys.h"
 
 namespace raygrid {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 // Columns of fleet.csv that are figures, between reason and seconds.
 const std::vector<std::string> kColumns = {"focal_px",
@@ -26,8 +27,8 @@ const std::vector<std::string> kColumns = {"focal_px",
                                            "held_out_median_px",
                                            "held_out_rms_px",
                                            "held_out_max_px",
-                                           "worst_deviation_px",
-                                           "trusted_part",
+                                           "max_uncertainty_px",
+                                           "valid_share",
                                            "images",
                                            "sensor_temperature_c"};
 
@@ -48,12 +49,12 @@ void AddResult(const Json& result, UnitRow* row) {
               row);
   AddNumber(result, {"training", "median_px"}, "training_median_px", row);
   AddNumber(result, {"images", "used"}, "images", row);
-  AddNumber(result, {"uncertainty", "trusted_part"}, "trusted_part", row);
+  AddNumber(result, {"uncertainty", "valid_share"}, "valid_share", row);
   row->status = result.value("verdict", "");
   if (row->status == "fail" && !result.at("reasons").empty())
     row->reason = result.at("reasons")[0].get<std::string>();
   // The warning that a lens is none of the fleet that `like` is of, no other.
-  const Json& distance = result.value("fleet_distance", Json::object());
+  const Json& distance = result.value("population_distance", Json::object());
   if (row->status == "warn") row->reason = distance.value("warning", "");
 }
 
@@ -85,7 +86,7 @@ void AddCamera(const CameraFile& file, UnitRow* row) {
           file.stack ? UncertaintyOverRanges(file) : file.uncertainty)
     for (const double deviation : known->lattice.deviation_px)
       if (std::isfinite(deviation)) worst = std::max(worst, deviation);
-  if (worst > 0) row->figures["worst_deviation_px"] = worst;
+  if (worst > 0) row->figures["max_uncertainty_px"] = worst;
 }
 
 // The first figure that is beyond its limits; empty if all are within.
@@ -123,7 +124,9 @@ UnitRow ReadUnitRow(const std::string& serial, const std::string& folder,
   try {
     const std::string text = ReadFile(path);
     RequireSmallTree(path, text);
-    AddResult(Json::parse(text), &row);
+    Json result = Json::parse(text);
+    UpgradeResult(&result);
+    AddResult(result, &row);
   } catch (const Json::exception&) {
     throw InputError(
         path + ": not a result of raygrid calibrate; run the batch again");

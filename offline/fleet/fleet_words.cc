@@ -69,7 +69,7 @@ std::string TitleOfFigure(const std::string& name) {
       {"center_x_px", "principal point x"},
       {"center_y_px", "principal point y"},
       {"held_out_median_px", "held-out error"},
-      {"worst_deviation_px", "maximum predicted uncertainty"},
+      {"max_uncertainty_px", "maximum predicted uncertainty"},
       {"sensor_temperature_c", "sensor temperature"},
       {"pixels", "projection over the whole image"}};
   const auto found = kTitles.find(name);

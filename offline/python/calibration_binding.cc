@@ -217,9 +217,10 @@ PyCalibration CalibrateGiven(
     const std::string& area, bool fix_target_geometry, bool rigid_target,
     bool independent_boards, bool refine_features, bool compare_models,
     const std::vector<std::string>& hold_out,
-    std::optional<double> duplicate_px, const py::object& image_circle,
-    const std::string& name, const std::string& serial, bool any_distance,
-    int threads, const py::object& progress, const py::kwargs& given) {
+    std::optional<double> duplicate_px, std::optional<double> valid_px,
+    const py::object& image_circle, const std::string& name,
+    const std::string& serial, bool any_distance, int threads,
+    const py::object& progress, const py::kwargs& given) {
   FormerNames former(given);
   former.Take("cell_px", &knot_spacing_px);
   former.Take("flat_board", &fix_target_geometry);
@@ -254,6 +255,9 @@ PyCalibration CalibrateGiven(
     throw py::value_error(
         "duplicate_px: expected None or a number of pixels (0: keep all "
         "images)");
+  options.valid_px = valid_px;
+  if (valid_px && !(*valid_px >= 1e-3 && *valid_px <= 1e3))
+    throw py::value_error("valid_px: expected None, or 0.001 to 1000 pixels");
   options.any_distance = any_distance;
   options.num_threads = threads;
   RequireBlobText("name", name);
@@ -282,7 +286,8 @@ void BindCalibration(py::module_* module) {
       py::arg("independent_boards") = false, py::arg("refine_features") = true,
       py::arg("compare_models") = false,
       py::arg("hold_out") = std::vector<std::string>(),
-      py::arg("duplicate_px") = py::none(), py::arg("image_circle") = "auto",
+      py::arg("duplicate_px") = py::none(), py::arg("valid_px") = py::none(),
+      py::arg("image_circle") = "auto",
       py::arg("name") = "", py::arg("serial") = "",
       py::arg("any_distance") = false, py::arg("threads") = 0,
       py::arg("progress") = py::none(),
@@ -313,6 +318,8 @@ Args:
         cross-validation.
     duplicate_px: skip images whose features moved less, in pixels, since a kept
         image; 0: keep all; default: 0.1 % of the longer side, at least 1.
+    valid_px: limit of the predicted uncertainty in the valid region, in pixels,
+        0.001 to 1000; default: 0.25, or three times the feature noise if larger.
     image_circle: image circle of a fisheye: 'auto' (detected), None, or (x, y,
         radius) in pixels.
     name: name of the camera; for a rig the keys of images are the names.

@@ -10,6 +10,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/held_stack.h"
+#include "evaluation/uncertainty_summary.h"
 #include "exchange/format.h"
 #include "exchange/table_format.h"
 #include "packing/blob_camera.h"
@@ -63,9 +64,13 @@ py::dict UncertaintyFigures(const PyCamera& self) {
   const CameraModel& camera = *self.file.camera;
   py::dict figures;
   figures["median_px"] = known.lattice.MedianPx();
-  figures["trusted_to_px"] = known.max_deviation_px;
-  figures["trusted_part_of_image"] =
-      known.TrustedPart(camera.image_size(), camera.area());
+  figures["valid_limit_px"] = known.max_deviation_px;
+  const UncertaintySummary summary = SummarizeUncertainty(camera, known);
+  figures["valid_share"] = summary.valid_share;
+  py::dict shares;
+  for (size_t k = 0; k < kShareLimitsPx.size(); ++k)
+    shares[py::float_(kShareLimitsPx[k])] = summary.share_below[k];
+  figures["share_below_px"] = shares;
   return figures;
 }
 
@@ -388,7 +393,10 @@ void BindCamera(py::module_* module) {
            py::arg("threads") = 0, docstring::kRays)
       .def("uncertainty", &UncertaintyAt, py::arg("pixels"),
            docstring::kUncertainty)
-      .def("is_trusted", &IsTrusted, py::arg("pixels"), docstring::kIsTrusted)
+      .def("is_valid", &IsTrusted, py::arg("pixels"), docstring::kIsValid)
+      // The former name of is_valid.
+      .def("is_trusted", &IsTrusted, py::arg("pixels"),
+           "Deprecated: use is_valid().")
       .def_property_readonly("uncertainty_figures", &UncertaintyFigures,
                              docstring::kUncertaintyFigures)
       .def("view", &ViewOf, py::kw_only(), py::arg("size") = py::none(),

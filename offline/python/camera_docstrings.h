@@ -102,7 +102,7 @@ Returns:
 Raises:
     Error: the camera has no uncertainty, because it was imported or fitted.)";
 
-inline constexpr char kIsTrusted[] =
+inline constexpr char kIsValid[] =
     R"(Whether pixels are in the valid region of the calibration.
 
 Args:
@@ -117,9 +117,10 @@ Raises:
 inline constexpr char kUncertaintyFigures[] =
     R"(Summary of the predicted uncertainty, as calibrate prints it.
 
-A dict of median_px, the median standard deviation, trusted_to_px, its limit in
-the valid region, both in pixels, and trusted_part_of_image, the valid share of
-the image from 0 to 1. Raises Error if the camera has no uncertainty.)";
+A dict of median_px, the median standard deviation; valid_limit_px and
+valid_share, the limit of the valid region in pixels and its share of the image,
+from 0 to 1; and share_below_px, the share of the image below each of several
+limits in pixels. Raises Error if the camera has no uncertainty.)";
 
 inline constexpr char kView[] =
     R"(Define the virtual camera (view) of undistorted images.

@@ -70,23 +70,22 @@ std::string CandidateSection(const CalibrationResult& result) {
 
 // ---- Camera ----------------------------------------------------------------
 
-void AddTrustRows(const CalibrationResult& result, std::vector<HtmlRow>* rows) {
+void AddUncertaintyRows(const CalibrationResult& result,
+                        std::vector<HtmlRow>* rows) {
   const CameraModel& camera = *result.camera.camera;
   if (const auto& known = result.camera.uncertainty) {
-    rows->push_back({"standard deviation of the projection",
+    rows->push_back({"predicted uncertainty",
                      Px(known->lattice.MedianPx()) + " px (median)"});
     rows->push_back(
-        {"trusted", fmt::format("{:.0f} % of the image, to {:.4f} px",
-                                100 * known->TrustedPart(camera.image_size(),
-                                                         camera.area()),
-                                known->max_deviation_px)});
+        {"valid region", fmt::format("{:.0f} % of the image, below {:.2g} px",
+                                     100 * ValidShare(camera, known->mask),
+                                     known->max_deviation_px)});
     if (result.camera.stack) {
       const auto everywhere = UncertaintyOverRanges(result.camera);
       rows->push_back(
-          {"trusted at all values of the range",
+          {"valid over the whole operating range",
            fmt::format("{:.0f} % of the image",
-                       100 * everywhere->TrustedPart(camera.image_size(),
-                                                     camera.area()))});
+                       100 * ValidShare(camera, everywhere->mask))});
     }
     if (result.model_error_px)
       rows->push_back(
@@ -139,6 +138,22 @@ void AddPackingRows(const PackingFigures& packing, std::vector<HtmlRow>* rows) {
     rows->push_back({"camera.raygrid", EscapeHtml(remark)});
 }
 
+// The predicted uncertainty in one sentence, and as shares of the image.
+std::string UncertaintySection(const CalibrationResult& result) {
+  const auto& uncertainty = result.camera.uncertainty;
+  if (!uncertainty || !uncertainty->TellsDeviations()) return "";
+  const CameraModel& camera = *result.camera.camera;
+  const UncertaintySummary summary = SummarizeUncertainty(camera, *uncertainty);
+  HtmlRow head = {"predicted uncertainty (1 &sigma;) below"}, row = {"share"};
+  for (size_t k = 0; k < kShareLimitsPx.size(); ++k) {
+    head.push_back(fmt::format("{:g} px", kShareLimitsPx[k]));
+    row.push_back(fmt::format("{:.0f} %", 100 * summary.share_below[k]));
+  }
+  return "<h2>How certain the camera is</h2>\n<p>" +
+         UncertaintySentence(summary, *uncertainty, camera) + "</p>\n" +
+         HtmlTable(head, {row});
+}
+
 std::string CameraSection(const CalibrationResult& result,
                           const std::optional<PackingFigures>& packing) {
   const CameraModel& camera = *result.camera.camera;
@@ -163,7 +178,7 @@ std::string CameraSection(const CalibrationResult& result,
   if (result.neighbor_correlation)
     rows.push_back({"correlation of neighbouring residuals",
                     fmt::format("{:.2f}", *result.neighbor_correlation)});
-  AddTrustRows(result, &rows);
+  AddUncertaintyRows(result, &rows);
   if (packing) AddPackingRows(*packing, &rows);
   return "<h2>Camera</h2>\n" + HtmlTable({}, rows);
 }
@@ -307,12 +322,12 @@ std::string TrialSection(const std::string& blob) {
 
 }  // namespace
 
-std::string FormatHtmlReport(const CalibrationResult& result,
-                             const std::optional<PackingFigures>& packing,
-                             const std::optional<BeforeAfter>& example,
-                             const ThumbnailTexts& thumbnails,
-                             const std::string& blob,
-                             const std::vector<std::string>& boards_told) {
+std::string FormatHtmlReport(
+    const CalibrationResult& result,
+    const std::optional<PackingFigures>& packing,
+    const std::optional<BeforeAfter>& example, const ThumbnailTexts& thumbnails,
+    const std::string& blob,
+    const std::vector<std::string>& rigid_target_summary) {
   const std::string name =
       result.camera.name.empty() ? "" : ": " + EscapeHtml(result.camera.name);
   std::string html = PageStart("Camera calibration" + name);
@@ -321,6 +336,7 @@ std::string FormatHtmlReport(const CalibrationResult& result,
   if (result.camera.stack) html += StackSection(*result.camera.stack);
   if (result.budget) html += BudgetSection(*result.budget);
   html += ComparisonSection(result);
+  html += UncertaintySection(result);
   html += PicturesSection(result);
   html += ImagesSection(result);
   if (example) html += ExampleSection(*example);
@@ -329,7 +345,7 @@ std::string FormatHtmlReport(const CalibrationResult& result,
   html += GridSection(result);
   html += LinesSection(result);
   html += SpaceSection();
-  html += BoardSection(result.pattern) + BodySection(boards_told);
+  html += BoardSection(result.pattern) + BodySection(rigid_target_summary);
   if (result.bends) html += BendSection(*result.bends, result.pattern);
   html += CandidateSection(result);
   html += SameViewsSection(result);

@@ -21,12 +21,12 @@ struct BeforeAfter {
 /// screens, phones and paper. Verdict first, then figures and pictures, which
 /// also show without the script. Thumbnails stand under the residuals of their
 /// images. With the camera's blob, readers undistort photographs in the page.
-std::string FormatHtmlReport(const CalibrationResult& result,
-                             const std::optional<PackingFigures>& packing,
-                             const std::optional<BeforeAfter>& example,
-                             const ThumbnailTexts& thumbnails = {},
-                             const std::string& blob = {},
-                             const std::vector<std::string>& boards_told = {});
+std::string FormatHtmlReport(
+    const CalibrationResult& result,
+    const std::optional<PackingFigures>& packing,
+    const std::optional<BeforeAfter>& example,
+    const ThumbnailTexts& thumbnails = {}, const std::string& blob = {},
+    const std::vector<std::string>& rigid_target_summary = {});
 
 }  // namespace raygrid
 

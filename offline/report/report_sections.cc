@@ -106,10 +106,10 @@ std::string BoardSection(const Pattern& pattern) {
   return html + "</div>\n";
 }
 
-std::string BodySection(const std::vector<std::string>& boards_told) {
-  if (boards_told.empty()) return "";
+std::string BodySection(const std::vector<std::string>& rigid_target_summary) {
+  if (rigid_target_summary.empty()) return "";
   std::string html = "<h2>Rigid multi-board target</h2>\n<ul>\n";
-  for (const std::string& sentence : boards_told)
+  for (const std::string& sentence : rigid_target_summary)
     html += "<li>" + EscapeHtml(sentence) + "</li>\n";
   return html + "</ul>\n";
 }
@@ -163,11 +163,13 @@ std::string BendSection(const BoardBends& bends, const Pattern& pattern) {
 }
 
 std::string WordsSection() {
-  return "<h2>Glossary</h2>\n<ul>\n<li><b>trusted</b>: the part of the image "
-         "where the camera is known to half the features' noise, or to 0.025 "
-         "px.</li>\n<li><b>leave open</b>: how far, in the median pixel, "
-         "projections may move before the features contradict (one standard "
-         "deviation).</li>\n<li><b>bias</b>: deviation of the residuals in an "
+  return "<h2>Glossary</h2>\n<ul>\n<li><b>predicted uncertainty</b>: "
+         "standard deviation of a coordinate of a distant point's projection, "
+         "from the noise and distribution of the features.</li>\n<li><b>valid "
+         "region</b>: where features support the camera and the predicted "
+         "uncertainty is below a limit (--valid-px).</li>\n"
+         "<li><b>extrapolated</b>: without features nearby; only the prior "
+         "determines the camera there.</li>\n<li><b>bias</b>: deviation of the residuals in an "
          "image region from noise; compare with the value for white "
          "noise.</li>\n<li><b>correlation</b>: share of the squared residuals "
          "that is common to neighbouring features; 0 for white "

@@ -36,7 +36,7 @@ std::string WordsSection();
 /// A picture of each board's heights.
 std::string BoardSection(const Pattern& pattern);
 /// Which boards are fixed to each other; empty if nothing is told of it.
-std::string BodySection(const std::vector<std::string>& boards_told);
+std::string BodySection(const std::vector<std::string>& rigid_target_summary);
 /// How boards bend: a bar an image, and the heights of the one that bends most.
 std::string BendSection(const BoardBends& bends, const Pattern& pattern);
 

@@ -270,16 +270,16 @@ void AddReports(const std::string& folder, OutputFiles* files) {
     const std::string own = In(folder, CameraFolder(result, c));
     files->Add(
         In(own, "report.html"),
-        FormatHtmlReport(
-            result.cameras[c], figures.packing[c], ReadExample(own),
-            ReadThumbnails(own), ReadBlob(own),
-            result.IsRig() ? std::vector<std::string>() : figures.boards_told),
+        FormatHtmlReport(result.cameras[c], figures.packing[c],
+                         ReadExample(own), ReadThumbnails(own), ReadBlob(own),
+                         result.IsRig() ? std::vector<std::string>()
+                                        : figures.rigid_target_summary),
         Links::kReplace);
   }
   if (result.IsRig())
     files->Add(In(folder, "report.html"),
                FormatRigReport(result, ReadStereo(folder, figures.stereo),
-                               figures.boards_told),
+                               figures.rigid_target_summary),
                Links::kReplace);
 }
 

@@ -42,8 +42,9 @@ struct StereoFigures {
 /// nowhere, so that they are in no figures of errors.
 size_t NumWithoutError(const CalibrationResult& result);
 
-/// result.json. The memory figure and the seconds differ from run to run;
-/// everything else is the same for the same input.
+/// result.json, by formats/json/result.schema.json. The memory figure and the
+/// seconds differ from run to run; everything else is the same for the same
+/// input.
 ///
 /// A single camera's figures are the whole. A rig has sums and errors over all
 /// cameras, held out with each board localised once for all cameras; how the
@@ -60,10 +61,10 @@ struct ResultFigures {
   RigResult result;
   std::vector<std::optional<PackingFigures>> packing;  ///< by camera
   std::optional<StereoFigures> stereo;
-  std::vector<std::string> boards_told;  ///< BodySentences()
+  std::vector<std::string> rigid_target_summary;  ///< BodySentences()
 };
 
-/// Throws InputError, also for files of other versions.
+/// Reads files of older versions, too. Throws InputError, also for newer ones.
 ResultFigures ParseResultJson(const std::string& path, const std::string& text);
 
 }  // namespace raygrid

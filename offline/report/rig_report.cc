@@ -114,15 +114,15 @@ std::optional<BoardBends> BendsOfAll(const RigResult& result) {
 
 }  // namespace
 
-std::string FormatRigReport(const RigResult& result,
-                            const std::optional<StereoExample>& stereo,
-                            const std::vector<std::string>& boards_told) {
+std::string FormatRigReport(
+    const RigResult& result, const std::optional<StereoExample>& stereo,
+    const std::vector<std::string>& rigid_target_summary) {
   const std::optional<BoardBends> bends = BendsOfAll(result);
   return PageStart("Rig calibration") + VerdictSection(result.verdict) +
          CamerasTable(result) + RigErrorTable(result) +
          RigComparisonTable(result) + BaselineTable(result) +
          (stereo ? StereoSection(*stereo) : "") + SpaceSection() +
-         BoardSection(result.pattern) + BodySection(boards_told) +
+         BoardSection(result.pattern) + BodySection(rigid_target_summary) +
          (bends ? BendSection(*bends, result.pattern) : "") + WordsSection() +
          PageEnd(PageData(result));
 }

@@ -13,9 +13,9 @@ namespace raygrid {
 /// report.html of a rig: its verdict, its cameras with their figures and in
 /// space, a rectified pair if there is one, and links to their own reports,
 /// NAME/report.html.
-std::string FormatRigReport(const RigResult& result,
-                            const std::optional<StereoExample>& stereo = {},
-                            const std::vector<std::string>& boards_told = {});
+std::string FormatRigReport(
+    const RigResult& result, const std::optional<StereoExample>& stereo = {},
+    const std::vector<std::string>& rigid_target_summary = {});
 
 }  // namespace raygrid
 

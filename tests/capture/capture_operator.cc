@@ -31,12 +31,12 @@ CaptureOperator::CaptureOperator(const CameraModel& camera, const Board& board,
       patience_(patience) {}
 
 std::optional<std::vector<uint8_t>> CaptureOperator::Look(const Json& state) {
-  is_done_ = state["is_done"];
-  const bool is_taken = state["kept"].size() > num_kept_;
-  num_kept_ = state["kept"].size();
-  if (is_done_ || state["next"].empty() || state["word"] == "busy")
+  is_done_ = state["done"];
+  const bool is_taken = state["kept_frames"].size() > num_kept_;
+  num_kept_ = state["kept_frames"].size();
+  if (is_done_ || state["next_views"].empty() || state["status"] == "busy")
     return std::nullopt;
-  const Json& outline = state["next"][0]["outline"];
+  const Json& outline = state["next_views"][0]["outline"];
   const bool is_new = is_taken || outline != filled_;
   if (!is_new && ++num_looks_ < patience_) return std::nullopt;
   num_looks_ = 0;

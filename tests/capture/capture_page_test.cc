@@ -165,24 +165,28 @@ TEST_F(CapturePageTest, TellsTheStateAsJson) {
   EXPECT_EQ(told["camera"], "left");
   EXPECT_EQ(
       told["cameras"],
-      Json({{{"name", "left"}, {"word", "kept"}, {"deviation_px", 0.1}},
-            {{"name", "right"}, {"word", "absent"}, {"deviation_px", 0.0}}}));
+      Json({{{"name", "left"}, {"status", "kept"}, {"uncertainty_px", 0.1}},
+            {{"name", "right"},
+             {"status", "absent"},
+             {"uncertainty_px", 0.0}}}));
   EXPECT_EQ(told["links"][0]["cameras"], Json({"left", "right"}));
-  EXPECT_EQ(told["links"][0]["deviation_px"], 0.2);
-  EXPECT_EQ(told["word"], "kept");
+  EXPECT_EQ(told["links"][0]["uncertainty_px"], 0.2);
+  EXPECT_EQ(told["status"], "kept");
   EXPECT_EQ(told["hint"], state.hint);
-  EXPECT_EQ(told["is_done"], true);
+  EXPECT_EQ(told["done"], true);
   EXPECT_EQ(told["is_paused"], false);
   EXPECT_EQ(told["features"], Json({1.3, 2.0, 639.0, -0.5}));
-  EXPECT_EQ(told["next"][0]["outline"], Json({0.0, 1.0, 2.0, 3.0, 4.0, 5.0}));
-  EXPECT_EQ(told["next"][0]["top"], Json({0.0, 1.0, 2.0, 3.0}));
+  EXPECT_EQ(told["next_views"][0]["outline"],
+            Json({0.0, 1.0, 2.0, 3.0, 4.0, 5.0}));
+  EXPECT_EQ(told["next_views"][0]["top"], Json({0.0, 1.0, 2.0, 3.0}));
   EXPECT_EQ(told["arrow"], Json({10.0, 20.0, 30.0, 40.0}));
-  EXPECT_EQ(told["places"], Json({5.0, 6.0, 0.1235, 7.0, 8.0, nullptr}));
-  EXPECT_TRUE(told["deviation_px"].is_null());
+  EXPECT_EQ(told["uncertainty_map"],
+            Json({5.0, 6.0, 0.1235, 7.0, 8.0, nullptr}));
+  EXPECT_TRUE(told["uncertainty_px"].is_null());
   EXPECT_EQ(told["target_px"], 0.2);
-  EXPECT_EQ(told["kept"], Json({"a.png", "b\xef\xbf\xbd.png"}));
-  EXPECT_EQ(told["num_expected"], 9);
-  EXPECT_EQ(told["remarks"], Json({"<b>"}));
+  EXPECT_EQ(told["kept_frames"], Json({"a.png", "b\xef\xbf\xbd.png"}));
+  EXPECT_EQ(told["frames_remaining"], 9);
+  EXPECT_EQ(told["warnings"], Json({"<b>"}));
 }
 
 TEST_F(CapturePageTest, RepeatsTheStateWhereNothingHappens) {

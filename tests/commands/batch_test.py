@@ -71,11 +71,24 @@ class Batch(CommandTest):
         for serial in GOOD:
             facts = json.loads(run("inspect", f"{self.out}/{serial}/camera.yaml", "--json").stdout)
             self.assertEqual(facts["camera"]["serial"], serial)
-            row, lens = table[serial], facts["lens"]
+            row, lens = table[serial], facts["intrinsics"]
             self.assertAlmostEqual(float(row["focal_px"]), (lens["fx"] * lens["fy"]) ** 0.5, delta=1e-3)
             self.assertAlmostEqual(float(row["center_x_px"]), lens["cx"], delta=1e-6)
-            self.assertAlmostEqual(float(row["held_out_median_px"]), facts["held-out_error"]["median_px"], delta=1e-6)
+            self.assertAlmostEqual(float(row["held_out_median_px"]), facts["held_out_error"]["median_px"], delta=1e-6)
             self.assertGreater(float(row["seconds"]), 0)
+
+    def test_units_of_older_versions_are_not_calibrated_again(self):
+        plan = self.plan(("A1",))
+        self.assert_done(self.batch(plan))
+        path = self.out + "/A1/unit.json"
+        record = json.loads(read(path))
+        record["inputs"] = record.pop("inputs_hash")
+        del record["schema_version"]
+        old = json.dumps(record).encode()
+        write(path, old)
+        os.utime(path, (0, 0))
+        self.assert_done(self.batch(plan))
+        self.assertEqual(read(path), old)
 
     def test_one_that_fails_is_named_and_stops_no_other(self):
         more = ["  - {serial: A0, features: few/features.csv}\n", "  - {serial: B0, images: gone/}\n"]
@@ -189,18 +202,18 @@ units:
         self.assertRegex(result.stdout, r"lens batches differ in focal length \(focal_px\): .* in <old>, ")
         told = json.loads(run("batch", plan, "-o", self.out, "--gather", "--json").stdout)
         self.assertEqual({jump["serial"] for jump in told["jumps"]}, {"U14"})
-        self.assertEqual({jump["figure"] for jump in told["jumps"]}, {"lens", "focal_px"})
+        self.assertEqual({jump["metric"] for jump in told["jumps"]}, {"lens", "focal_px"})
         self.assertEqual(told["lens_batches"]["units"], {"<old>": 13, "new": 10})
-        differing = [name for name, figure in told["lens_batches"]["figures"].items() if figure["differs"]]
+        differing = [name for name, figure in told["lens_batches"]["metrics"].items() if figure["differs"]]
         self.assertEqual(differing, ["lens", "focal_px"])
-        gauge = told["gauge"]
+        gauge = told["gauge_study"]
         self.assertEqual((gauge["repeats"], gauge["golden_units"], gauge["degrees_of_freedom"]), (8, 1, 5))
-        center = gauge["figures"]["center_x_px"]
+        center = gauge["metrics"]["center_x_px"]
         # Operators are 0.1 px apart, and so are stations; nothing else differs.
         self.assertAlmostEqual(center["repeatability"], 0, delta=1e-6)
         for factor in ("operator", "station"):
-            self.assertAlmostEqual(center[factor]["deviation"], 0.1 / 2 ** 0.5, delta=1e-4)
-        self.assertGreater(center["part_of_fleet"], 0.05)
+            self.assertAlmostEqual(center[factor]["sd"], 0.1 / 2 ** 0.5, delta=1e-4)
+        self.assertGreater(center["gauge_rr_share"], 0.05)
 
     def test_words_that_a_spreadsheet_would_run_are_text(self):
         more = ["  - {serial: B1, features: few/features.csv, lens_batch: '=cmd|x!A1'}\n",
@@ -266,8 +279,8 @@ units:
         self.assertEqual(read(self.path("few-units/N1/camera.yaml")).decode().replace('serial: "N1"\n', ""),
                          read(self.path("five-like/camera.yaml")).decode())
         facts = json.loads(read(self.path("few-units/N1/result.json")))
-        self.assertLess(facts["fleet_distance"]["rms_px"], 5 * facts["fleet_distance"]["units_px"])
-        self.assertNotIn("warning", facts["fleet_distance"])
+        self.assertLess(facts["population_distance"]["rms_px"], 5 * facts["population_distance"]["population_px"])
+        self.assertNotIn("warning", facts["population_distance"])
         self.assert_refused(run("batch", again, "-o", self.out), 7, "fleet_camera.yaml")
         self.assert_refused(run(*words, "--model", "opencv", "--prior", middle, "-o", self.path("no")), 1, "--prior")
         words[4] = "320x240"
@@ -287,8 +300,8 @@ units:
         told = "S1: warn, .*: this camera is an outlier of its fleet .* px RMS from the population mean .* calibrate it without"
         self.assertRegex(result.stdout, told)
         facts = json.loads(read(self.out + "/S1/result.json"))
-        self.assertIn(facts["fleet_distance"]["warning"], facts["reasons"])
-        self.assertEqual(self.table()["S1"]["reason"], facts["fleet_distance"]["warning"])
+        self.assertIn(facts["population_distance"]["warning"], facts["reasons"])
+        self.assertEqual(self.table()["S1"]["reason"], facts["population_distance"]["warning"])
         self.assertIn("this camera is an outlier", read(self.out + "/S1/report.html").decode())
 
     def test_limits_end_in_6_and_cost_no_calibration(self):

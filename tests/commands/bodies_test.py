@@ -38,14 +38,14 @@ class Bodies(CommandTest):
 
     def test_cameras_that_share_no_board_are_a_rig(self):
         result = self.told("out")
-        self.assertEqual([body["boards"] for body in result["board_bodies"]], [[0, 1, 2]])
-        self.assertEqual({pair["fixed"] for pair in result["board_pairs"]}, {True})
+        self.assertEqual([body["boards"] for body in result["rigid_targets"]], [[0, 1, 2]])
+        self.assertEqual({pair["rigid"] for pair in result["board_pairs"]}, {True})
         baseline = result["baselines"][0]
         self.assertLess(abs(baseline["distance_m"] - 1), 3 * baseline["distance_sd_m"])
         self.assertLess(baseline["distance_sd_m"], 0.001)
 
     def test_output_and_report_say_so(self):
-        sentence = self.told("out")["boards_told"][0]
+        sentence = self.told("out")["rigid_target_summary"][0]
         self.assertTrue(sentence.startswith("boards 0, 1 and 2 are a rigid multi-board target"))
         self.assertIn(sentence, self.said)
         self.assertIn("--independent-boards", self.said)
@@ -62,13 +62,13 @@ class Bodies(CommandTest):
         said = self.evaluated(*options)
         self.assertTrue(said.startswith("localised: boards 0, 1 and 2 as one body ("), said)
         told = json.loads(self.evaluated(*options, "--json"))
-        self.assertEqual(told["bodies"], [[0, 1, 2]])
+        self.assertEqual(told["rigid_targets"], [[0, 1, 2]])
         self.assertAlmostEqual(told["rms_px"], self.told("out")["training"]["rms_px"], delta=0.001)
         # Each board has a pose of its own then, which takes up some of the noise.
         alone = self.evaluated(*options, "--independent-boards")
         self.assertTrue(alone.startswith("one pose estimated per board\n"), alone)
         alone = json.loads(self.evaluated(*options, "--independent-boards", "--json"))
-        self.assertEqual(alone["bodies"], [])
+        self.assertEqual(alone["rigid_targets"], [])
         self.assertLess(alone["rms_px"], 0.99 * told["rms_px"])
         # A pattern that tells of no body.
         self.assertIn("one pose estimated per board\n",
@@ -87,9 +87,9 @@ class Bodies(CommandTest):
         self.assertTrue(alone.startswith("one pose per board: median "), alone)
         self.assertTrue(body.startswith("boards 0, 1 and 2 as one body: median "), body)
         told = json.loads(self.evaluated(*options, "--json"))
-        self.assertAlmostEqual(told["as_bodies"]["rms_px"],
+        self.assertAlmostEqual(told["with_rigid_targets"]["rms_px"],
                                self.told("one_out")["training"]["rms_px"], delta=0.001)
-        self.assertLess(told["rms_px"], told["as_bodies"]["rms_px"])
+        self.assertLess(told["rms_px"], told["with_rigid_targets"]["rms_px"])
         # Bodies that a pattern tells of are not those of another calibration.
         self.assertIn(b"board_bodies", read(options[-1]))
         self.assert_done(run("calibrate", *options[1:], "--image-size", "640x480", "--model",
@@ -114,10 +114,10 @@ class Bodies(CommandTest):
                       "--move-board-mm", 10)
         self.assert_done(self.calibrate("moved", out="moved_out"))
         result = self.told("moved_out")
-        self.assertEqual([body["boards"] for body in result["board_bodies"]], [[0, 1]])
+        self.assertEqual([body["boards"] for body in result["rigid_targets"]], [[0, 1]])
         self.assertEqual({tuple(pair["boards"]) for pair in result["board_pairs"]
-                          if not pair["fixed"]}, {(0, 2), (1, 2)})
-        self.assertIn("move relative to each other", result["boards_told"][1])
+                          if not pair["rigid"]}, {(0, 2), (1, 2)})
+        self.assertIn("move relative to each other", result["rigid_target_summary"][1])
 
     def test_the_cause_is_told_where_a_moved_board_leaves_cameras_apart(self):
         self.simulate("apart", *FAR_APART, "--move-board-mm", 50)

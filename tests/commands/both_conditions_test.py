@@ -77,10 +77,10 @@ class BothConditions(CommandTest):
                         "<h3>Over the temperature, at 5 dioptres</h3>",
                         "Distortion at 70 °C against 45<"):
             self.assertIn(heading, report)
-        ranges = json.loads(read(self.path("out/result.json")))["ranges"]
-        self.assertEqual([told["condition"] for told in ranges], ["lens_position", "temperature"])
-        self.assertEqual([change["at"] for change in ranges[1]["changes"]], [20, 45, 70])
-        growth = ranges[1]["changes"][2]["growth"] - ranges[1]["changes"][0]["growth"]
+        ranges = json.loads(read(self.path("out/result.json")))["operating_ranges"]
+        self.assertEqual([told["quantity"] for told in ranges], ["lens_position", "temperature"])
+        self.assertEqual([change["value"] for change in ranges[1]["samples"]], [20, 45, 70])
+        growth = ranges[1]["samples"][2]["scale_change"] - ranges[1]["samples"][0]["scale_change"]
         self.assertLess(abs(growth + 0.002), 0.0005)
 
     def test_values_say_whose_they_are(self):
@@ -106,8 +106,8 @@ class BothConditions(CommandTest):
 
         blob, said, told = pack("--at", "temperature=60")
         self.assertEqual(said, "")
-        self.assertEqual(told["stack"]["condition"], "lens_position_dpt")
-        self.assertEqual((told["stack"]["knots"][0], told["stack"]["knots"][-1]), (0, 10))
+        self.assertEqual(told["operating_points"]["quantity"], "lens_position_dpt")
+        self.assertEqual((told["operating_points"]["samples"][0], told["operating_points"]["samples"][-1]), (0, 10))
         for at in (8.3, "lens_position=8.3"):
             self.assertLess(self.error_px(8.3, 60, blob, "--at", at)[0], 0.05)
         result = run("project", blob, "--at", "temperature=60", "--points", "none.csv")
@@ -124,14 +124,14 @@ class BothConditions(CommandTest):
 
         _, said, told = pack("--at", "lens_position=8.3")
         self.assertEqual(said, "")
-        self.assertEqual(told["stack"]["condition"], "sensor_temperature_c")
+        self.assertEqual(told["operating_points"]["quantity"], "sensor_temperature_c")
         blob, said, told = pack("--at", "lens_position=8.3,temperature=60")
         self.assertEqual(said, "")
         self.assertNotIn("stack", told)
         self.assertLess(self.error_px(8.3, 60, blob)[0], 0.05)
         # Boards follow the lens, if nothing is said.
         _, said, told = pack()
-        self.assertEqual(told["stack"]["condition"], "lens_position_dpt")
+        self.assertEqual(told["operating_points"]["quantity"], "lens_position_dpt")
         for remarks in (said, self.remarks):
             self.assertIn("packed over lens_position, at the centre temperature 45", remarks)
 

@@ -58,7 +58,7 @@ class CaptureTest(CommandTest):
 
     def test_camera_file_goes_into_the_blob(self):
         facts = self.facts("known.raygrid")
-        self.assertEqual(facts["format"], "1.6")
+        self.assertEqual(facts["format_version"], "1.6")
         self.assertEqual(facts["capture"], FACTS)
         self.assertEqual(self.facts("known.yaml")["capture"], FACTS)
         text = run("inspect", self.path("known.raygrid")).stdout
@@ -91,7 +91,7 @@ class CaptureTest(CommandTest):
         self.assert_done(self.pack())
         plain = read(self.path("c.raygrid"))
         self.assertNotIn("capture", self.facts())
-        self.assertEqual(self.facts()["format"], "1.3")
+        self.assertEqual(self.facts()["format_version"], "1.3")
         self.assert_done(self.pack("--capture-settings", "none", camera=self.known))
         self.assertEqual(read(self.path("c.raygrid")), plain)
         self.assertEqual(len(read(self.path("known.raygrid"))), len(plain) + 16 + 44)

@@ -3,9 +3,13 @@ import argparse
 import os
 import resource
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+import json_schemas
 
 programs = argparse.Namespace()
 
@@ -39,10 +43,30 @@ def main(module):
 
 
 def run(*arguments, program=None):
-    """Runs raygrid, or another program, without a terminal."""
+    """Runs raygrid, or another program, without a terminal. What raygrid says in JSON is to be as
+    the schemas say."""
     command = [program or programs.raygrid, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL,
-                          timeout=HANG_S, check=False)
+    start = time.time()
+    result = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL,
+                            timeout=HANG_S, check=False)
+    if arguments and not program:
+        check_json(list(map(str, arguments)), result.stdout, start)
+    return result
+
+
+def check_json(arguments, stdout, start):
+    """Checks what a command printed with --json, and the files that it wrote."""
+    if "--json" in arguments and stdout[:1] in ("{", "["):
+        json_schemas.check_output(arguments, stdout)
+    if arguments[0] not in ("batch", "calibrate", "capture", "compare"):
+        return
+    outputs = [after for option, after in zip(arguments, arguments[1:]) if option in ("-o", "--output")]
+    for output in outputs:
+        for folder, _, names in os.walk(output):
+            for path in (os.path.join(folder, name) for name in names if json_schemas.has_schema(name)):
+                # Times of files are coarser than the clock.
+                if os.path.getmtime(path) > start - 0.1:
+                    json_schemas.check_file(path)
 
 
 def cpu_seconds(pid):

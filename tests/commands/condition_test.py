@@ -79,7 +79,7 @@ class Condition(CommandTest):
         for end in (0, 10):
             self.assertIn("Distortion at %d dioptres against 5<" % end, report)
             self.assertIn("Predicted uncertainty at %d dioptres<" % end, report)
-        changes = json.loads(read(self.path("out/result.json")))["range"]["changes"]
+        changes = json.loads(read(self.path("out/result.json")))["operating_ranges"][0]["samples"]
         self.assertEqual([change["at"] for change in changes], [0, 2.5, 5, 7.5, 10])
         growth = changes[-1]["focal_px"] / changes[0]["focal_px"]
         self.assertLess(abs(growth - 1.04), 0.002)
@@ -89,7 +89,7 @@ class Condition(CommandTest):
         result = run("pack", self.camera, "--remap", "640x480", "-o", blob)
         self.assert_done(result)
         self.assertEqual(result.stderr, "")
-        knots = json.loads(run("inspect", blob, "--json").stdout)["stack"]["knots"]
+        knots = json.loads(run("inspect", blob, "--json").stdout)["operating_points"]["samples"]
         self.assertEqual((knots[0], knots[-1]), (0, 10))
         for position in (3, 7.5):
             self.simulate(position, "--images", 1)

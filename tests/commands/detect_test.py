@@ -44,8 +44,8 @@ class Detect(CommandTest):
         result = self.detect(self.path("photos"), "--no-cache", "--json")
         self.assert_done(result)
         found = json.loads(result.stdout)
-        self.assertEqual((found["images"], found["with_features"], found["features"]), (2, 2, 108))
-        self.assertEqual((found["rejected"], found["skipped"]), (0, []))
+        self.assertEqual((found["images"], found["images_with_features"], found["features"]), (2, 2, 108))
+        self.assertEqual((found["rejected_features"], found["skipped_images"]), (0, []))
         self.assertGreaterEqual(found["seconds"], 0)
         self.assertEqual(len(read(self.out).splitlines()), 109)
 
@@ -72,8 +72,8 @@ class Detect(CommandTest):
         self.assertIn("aa.png", result.stderr)
         found = json.loads(result.stdout)
         self.assertEqual(found["images"], 3)
-        self.assertEqual([skipped["image"] for skipped in found["skipped"]], ["aa.png"])
-        self.assertIn("corrupt", found["skipped"][0]["reason"])
+        self.assertEqual([skipped["image"] for skipped in found["skipped_images"]], ["aa.png"])
+        self.assertIn("corrupt", found["skipped_images"][0]["reason"])
         self.assertNotIn(b"aa.png", read(self.out))
 
     def test_image_of_another_size_is_named_and_skipped(self):
@@ -102,10 +102,10 @@ class Detect(CommandTest):
         result = self.detect(folder, "--no-cache", "--json")
         self.assert_done(result)
         found = json.loads(result.stdout)
-        self.assertEqual((found["images"], found["with_features"]), (2, 1))
-        (without,) = found["without_features"]
+        self.assertEqual((found["images"], found["images_with_features"]), (2, 1))
+        (without,) = found["images_without_features"]
         self.assertEqual(without["image"], "tag5.png")
-        self.assertIn("tag 5 is not in the pattern", without["remarks"])
+        self.assertIn("tag 5 is not in the pattern", without["reasons"])
         self.assertIn("tag 5 is not in the pattern (tag5.png)", result.stderr)
         self.assertEqual(self.detect(folder, "--no-cache", "--quiet").stderr, "")
 
@@ -164,7 +164,7 @@ class Detect(CommandTest):
                 result = self.detect(self.path("photos"), "--no-cache", "--refinement", name,
                                      "--json")
                 self.assert_done(result)
-                self.assertEqual(json.loads(result.stdout)["with_features"], 2)
+                self.assertEqual(json.loads(result.stdout)["images_with_features"], 2)
 
     def test_wrong_options(self):
         for options in (("--window", 20), ("--window", 3), ("--window", 103), ("--window", "x"),

@@ -108,7 +108,7 @@ class OpenCv(ExchangeTest):
                 for model, file in zip(self.MODELS, files)]
         for file, fit, theirs in zip(files, fits, self.seen_by_opencv(rays, *files)):
             with self.subTest(file):
-                ours = self.seen(self.path(file), [turned(fit["lens_from_camera_wxyz"], ray)
+                ours = self.seen(self.path(file), [turned(fit["model_from_camera_wxyz"], ray)
                                                    for ray in rays])
                 distances = [math.dist(a, b) for a, b in zip(ours, theirs) if a]
                 self.assertGreater(len(distances), 0.98 * len(rays))
@@ -141,7 +141,7 @@ class OpenCv(ExchangeTest):
         self.assertIn("lens: fx 150, fy 151, cx 80.25, cy 59.5, k1 -0.25, k2 0.08, p1 0.001, "
                       "p2 -0.002, k3 -0.01, k4 0, k5 0, k6 0", told.stdout)
         told = json.loads(run("inspect", theirs, "--json").stdout)
-        self.assertEqual((told["format"], told["model"], list(told["lens"])[4:8]),
+        self.assertEqual((told["format"], told["model"], list(told["intrinsics"])[4:8]),
                          ("opencv", "opencv", ["k1", "k2", "p1", "p2"]))
         pixels, rays = self.rays(theirs, [(5, 5), (80, 60), (150, 110)])
         for pixel, seen in zip(pixels, self.seen(self.path("front.raygrid"), rays)):
@@ -230,7 +230,7 @@ class Kalibr(ExchangeTest):
                 fit = self.export(source, "--to", "kalibr", "--model",
                                   model)["cameras"][0]["fit"]
                 camera, = camchain(read(self.path("out.yaml")).decode())
-                bodies = [turned(fit["lens_from_camera_wxyz"], ray) for ray in rays[source]]
+                bodies = [turned(fit["model_from_camera_wxyz"], ray) for ray in rays[source]]
                 pairs = [(a, kalibr_pixel(camera, ray)) for a, ray in
                          zip(self.seen(self.path("out.yaml"), bodies), bodies) if a]
                 self.assertGreater(len(pairs), 1400)
@@ -375,7 +375,7 @@ class Formulas(ExchangeTest):
                 fit = self.export(self.cameras[is_fisheye], "--to", name, "--model",
                                   model)["cameras"][0]["fit"]
                 camera, center = load(read(self.path("out.yaml")).decode())
-                bodies = [turned(fit["lens_from_camera_wxyz"], ray) for ray in rays[is_fisheye]]
+                bodies = [turned(fit["model_from_camera_wxyz"], ray) for ray in rays[is_fisheye]]
                 pairs = [(seen, body) for seen, body in
                          zip(self.seen(self.path("out.yaml"), bodies), bodies)
                          if seen and (body[2] > 0 or name != "metashape")]
@@ -419,7 +419,7 @@ class Formulas(ExchangeTest):
         imported = run("import", self.path("out.yaml"), "-o", self.path("grid.yaml"), "--json")
         self.assert_done(imported)
         told = re.search(r"RMS ([\d.]+) px, .* largest ([\d.]+) px",
-                         json.loads(imported.stdout)["remarks"][0])
+                         json.loads(imported.stdout)["warnings"][0])
         pixels = [(x, y) for y in range(120) for x in range(160) if (x + y) % 3]
         rays = [puzzlepaint_ray(camera, pixel) for pixel in pixels]
         shifted = [puzzlepaint_ray(camera, (x + 0.5, y)) for x, y in pixels[500:700]]
@@ -465,7 +465,7 @@ class Rigs(ExchangeTest):
         """What both cameras of the imported rig see of far and near points is what those of the
         source do, but for the error that was told."""
         second = self.relative_pose(rig)
-        turn = told["cameras"][0]["fit"]["lens_from_camera_wxyz"]
+        turn = told["cameras"][0]["fit"]["model_from_camera_wxyz"]
         points = [(x / 5, y / 5, 0.5 + (x + y) % 3) for x in range(-2, 3) for y in range(-2, 3)]
         shifted = [(x - 0.1, y, z) for x, y, z in points]
         truth = [self.seen(self.camera, points), self.seen(self.camera, shifted)]
@@ -488,7 +488,7 @@ class Rigs(ExchangeTest):
             with self.subTest(name):
                 out = files[0].split("/")[0]
                 told = self.export(self.two_of_the_rig(), "--to", name, "--model", model, out=out)
-                self.assertGreater(abs(told["cameras"][0]["fit"]["lens_from_camera_wxyz"][1]), 1e-4)
+                self.assertGreater(abs(told["cameras"][0]["fit"]["model_from_camera_wxyz"][1]), 1e-4)
                 rig = self.path(f"rig_{name}/rig.yaml")
                 self.assert_done(run("import", *map(self.path, files), "-o", rig))
                 self.check_imported(rig, told)
@@ -544,7 +544,7 @@ class Rigs(ExchangeTest):
     def test_poses_in_a_rig_are_not_lost_silently(self):
         """Of two and of three cameras, in every format: they come back, or it is said."""
         formats = [entry for entry in json.loads(run("export", "--list", "--json").stdout)
-                   if entry["of"] == "a lens" and entry["export"] and entry["import"]
+                   if entry["source"] == "a lens" and entry["export"] and entry["import"]
                    # Whose state has a test of its own, and whose line of eight numbers may be a
                    # pose of a trajectory, so that it is not imported without its name.
                    and entry["name"] not in ("puzzlepaint", "calib-line")]
@@ -839,7 +839,7 @@ class Exports(ExchangeTest):
         self.assert_done(result)
         formats = json.loads(run("export", "--list", "--json").stdout)
         for entry in formats:
-            self.assertIn(entry["name"] + ": " + entry["holds"], result.stdout)
+            self.assertIn(entry["name"] + ": " + entry["description"], result.stdout)
             for model in entry.get("models", ()):
                 self.assertIn(model, result.stdout)
 

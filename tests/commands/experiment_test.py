@@ -262,7 +262,7 @@ class Experiment(CommandTest):
         result = json.loads(read(self.path("result/result.json")))
         budget = result["residual_budget"]
         self.assertEqual(budget["limited_by"], "bends")
-        self.assertIn("--rigid-target", budget["to_do"])
+        self.assertIn("--rigid-target", budget["recommendation"])
         report = read(self.path("result/report.html")).decode()
         self.assertIn("What limits this calibration", report)
         # Terminal, verdict and report say one thing.
@@ -271,7 +271,7 @@ class Experiment(CommandTest):
         said = f"{budget['sentence']}; {budget['to_do']}"
         self.assertTrue(any(said in reason for reason in result["reasons"]), result["reasons"])
         self.assertFalse([reason for reason in result["reasons"] if "--knot-spacing-px" in reason])
-        self.assertEqual(report.count(budget["to_do"]), 2)
+        self.assertEqual(report.count(budget["recommendation"]), 2)
         rows, _ = self.small("residual-budget", "--result", self.path("result"))
         parts = {row["cause"]: float(row["part_percent"]) for row in rows}
         self.assertGreater(parts["bends"], 40)

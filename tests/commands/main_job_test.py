@@ -87,8 +87,8 @@ class MainJob(CommandTest):
         self.assertIn("507 images show 13 different views", result.stdout)
         images = json.loads(read(self.path("video_out/result.json")))["images"]
         self.assertEqual((images["used"], images["rejected"]), (13, []))
-        groups = images["same_views"]
-        named = [name for group in groups for name in [group["image"], *group["others"]]]
+        groups = images["near_duplicates"]
+        named = [name for group in groups for name in [group["image"], *group["duplicates"]]]
         self.assertEqual(sorted(named), [f"sim{k:04}.png" for k in range(507)])
         poses = rows(read(self.path("video_out/poses.csv")).decode())
         self.assertEqual(sorted(pose["image"] for pose in poses), sorted(named))
@@ -103,13 +103,13 @@ class MainJob(CommandTest):
         self.assertLess(figures["median_px"], 0.05)
         self.assertLess(0, figures["median_px"])
         # The extrapolated rest of the image is told apart.
-        trusted = figures["trusted"]
-        self.assertTrue(0 < trusted["places"] < figures["places"], trusted)
-        self.assertLess(trusted["max_px"], figures["max_px"])
+        valid = figures["valid_region"]
+        self.assertTrue(0 < valid["points"] <= figures["points"], valid)
+        self.assertLessEqual(valid["max_px"], figures["max_px"])
         self.assertEqual(set(os.listdir(self.path("difference"))),
                          {"difference.json", "difference.csv", "magnitude.png", "direction.png"})
         places = rows(read(self.path("difference/difference.csv")).decode())
-        self.assertEqual(len(places), figures["places"])
+        self.assertEqual(len(places), figures["points"])
 
     def test_compare_tells_which_camera_predicts_features_better(self):
         self.assert_done(run("fit", self.path("out/camera.yaml"), "--model", "opencv", "-o",
@@ -156,7 +156,7 @@ class MainJob(CommandTest):
         self.assert_done(result)
         figures = json.loads(result.stdout)
         self.assertEqual(figures["model"], "thin-prism-fisheye")
-        self.assertEqual(figures["places_without"], 0)
+        self.assertEqual(figures["points_not_covered"], 0)
         # The lens has bumps of up to 1.5 px.
         self.assertLess(0.1, figures["rms_px"])
         self.assertLess(figures["rms_px"], 0.7)
@@ -178,8 +178,8 @@ class MainJob(CommandTest):
         self.assertIn("control points over", result.stdout)
         self.assertIn("in the valid region: RMS 0.00", result.stdout)
         figures = json.loads(fit("splined-stereographic", "--json").stdout)
-        self.assertLess(figures["trusted"]["rms_px"], 0.005)
-        self.assertEqual(figures["places_without"], 0)
+        self.assertLess(figures["valid_region"]["rms_px"], 0.005)
+        self.assertEqual(figures["points_not_covered"], 0)
         fit("splined-stereographic", "--spline", "20x16,fov=100")
         self.assertIn(b"fov_x_deg: 100", read(self.path("spline.yaml")))
         for words in ("20", "3x20", "20x999", "20x16,fov=0", "20x16,fov=360", "20x16,90"):
@@ -307,8 +307,8 @@ class MainJob(CommandTest):
         self.assertEqual(facts["camera"], {"name": "front", "serial": "42",
                                            "image_size": [640, 480]})
         self.assertIn(facts["grid"]["bits"], (16, 32))
-        self.assertRegex(facts["format"], r"^1\.\d$")
-        self.assertTrue(facts["projects"])
+        self.assertRegex(facts["format_version"], r"^1\.\d$")
+        self.assertTrue(facts["can_project"])
         self.assertEqual(facts["remap_tables"][0]["size"], [640, 480])
         result = run("inspect", self.path("out/camera.yaml"), "--json")
         self.assertEqual(json.loads(result.stdout)["model"], "central-generic")

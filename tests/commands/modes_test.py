@@ -37,7 +37,7 @@ class Modes(CommandTest):
         self.assertEqual(len([name for name in os.listdir(self.path("."))
                               if name.startswith("c.") and name.endswith(".camera.yaml")]), 3)
         inspected = json.loads(run("inspect", self.path("c.raygrid"), "--json").stdout)
-        self.assertEqual(inspected["format"], "1.5")
+        self.assertEqual(inspected["format_version"], "1.5")
         self.assertEqual(inspected["modes"], [
             {"name": "mid", "size": [80, 60], "offset_px": [40, 30], "scale": [1, 1],
              "flip_x": False, "flip_y": False},

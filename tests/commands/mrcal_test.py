@@ -145,9 +145,9 @@ for path, image in zip(paths, observations):
                    self.path("fitted.yaml"))
         self.assert_done(told)
         told = json.loads(told.stdout)
-        self.assertLess(told["trusted"]["rms_px"], 0.005)
-        self.assertLess(told["trusted"]["max_px"], 0.05)
-        self.assertLess(told["trusted"]["places"], told["places"])
+        self.assertLess(told["valid_region"]["rms_px"], 0.005)
+        self.assertLess(told["valid_region"]["max_px"], 0.05)
+        self.assertLess(told["valid_region"]["points"], told["points"])
         self.assertTrue(self.export(self.path("fitted.yaml"), "--to", "mrcal",
                                     out="fitted.cameramodel")["cameras"][0]["exact"])
         fitted = self.path("fitted.cameramodel")

@@ -255,8 +255,8 @@ class Check(Calibrated):
             found = json.loads(result.stdout)
             self.assertEqual(found["images"], once["images"])
             self.assertEqual(found["movements"], once["movements"])
-            self.assertEqual(len(found["rejected"]), (copies - 1) * once["images"])
-            self.assertIn("duplicate of copy0_sim0000.png", found["rejected"][0]["reason"])
+            self.assertEqual(len(found["rejected_images"]), (copies - 1) * once["images"])
+            self.assertIn("duplicate of copy0_sim0000.png", found["rejected_images"][0]["reason"])
 
     def test_noise_that_hides_everything_is_no_ok(self):
         randomly = random.Random(1)
@@ -271,7 +271,7 @@ class Check(Calibrated):
         self.assert_refused(result, 6, "scale", "calibrate")
         found = json.loads(result.stdout)
         self.assertEqual(found["status"], "DEGRADED")
-        self.assertEqual(found["moved"], ["scale"])
+        self.assertEqual(found["changed"], ["scale"])
         self.assertAlmostEqual(found["movements"]["scale"]["part"], 0.003, delta=0.0005)
 
     def test_wrong_usage(self):

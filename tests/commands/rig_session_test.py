@@ -48,7 +48,7 @@ class RigSession(CommandTest):
 
     def cameras(self):
         told = json.loads(read(os.path.join(self.session, "session.json")))["cameras"]
-        return {camera["camera"]: [frame["image"] for frame in camera["frames"]] for camera in told}
+        return {camera["name"]: [frame["image"] for frame in camera["frames"]] for camera in told}
 
     def test_two_folders_become_a_rig(self):
         result = self.capture()

@@ -34,22 +34,22 @@ class RollingShutterTest(CommandTest):
         done = self.calibrate(folder, "--rolling-shutter", "--timestamps", folder / "times.csv", "--json",
                               "-o", result, *options)
         self.assertEqual(done.returncode, 0, done.stderr)
-        return json.loads(done.stdout)["row_time"], result
+        return json.loads(done.stdout)["line_delay"], result
 
     def test_20_microseconds_are_found_to_three_percent(self):
         found, result = self.row_time(self.moving)
-        self.assertLess(abs(found["row_time_us"] - 20), 0.6)
-        self.assertLess(found["deviation_us"], 0.3)
-        self.assertTrue(found["taken_out"])
+        self.assertLess(abs(found["value_us"] - 20), 0.6)
+        self.assertLess(found["sd_us"], 0.3)
+        self.assertTrue(found["compensated"])
         for name in ("camera.yaml", "camera.raygrid"):
             facts = json.loads(run("inspect", result / name, "--json").stdout)
-            self.assertAlmostEqual(facts["row_time_us"], found["row_time_us"], delta=1e-5)
-            self.assertAlmostEqual(facts["row_time_deviation_us"], found["deviation_us"], delta=1e-5)
+            self.assertAlmostEqual(facts["line_delay_us"], found["value_us"], delta=1e-5)
+            self.assertAlmostEqual(facts["line_delay_sd_us"], found["sd_us"], delta=1e-5)
             self.assertIn("row time", run("inspect", result / name).stdout)
         self.assertIn("line delay", read(result / "report.html").decode())
         self.assertEqual(run("report", result).returncode, 0)
         self.assertIn("line delay", read(result / "report.html").decode())
-        self.carried(result, found["row_time_us"])
+        self.carried(result, found["value_us"])
         self.better(result)
 
     def carried(self, result, row_time_us):
@@ -59,7 +59,7 @@ class RollingShutterTest(CommandTest):
                         ("pack", fitted, "-o", again)):
             self.assertEqual(run(*command).returncode, 0)
         facts = json.loads(run("inspect", again, "--json").stdout)
-        self.assertAlmostEqual(facts["row_time_us"], row_time_us, delta=1e-5)
+        self.assertAlmostEqual(facts["line_delay_us"], row_time_us, delta=1e-5)
 
     def better(self, result):
         """The camera errs less than one that is bent by the motion."""
@@ -72,12 +72,12 @@ class RollingShutterTest(CommandTest):
 
     def test_global_shutter_is_zero_within_two_deviations(self):
         found, result = self.row_time(self.record("global", "--images", "150"))
-        self.assertLess(abs(found["row_time_us"]), 3 * found["deviation_us"])
+        self.assertLess(abs(found["value_us"]), 3 * found["sd_us"])
         self.assertIn(b"row_time_us", read(result / "camera.yaml"))
 
     def test_frames_that_are_far_apart_tell_nothing(self):
         found, result = self.row_time(self.record("apart", "--frame-rate", "1", "--images", "40"))
-        self.assertIn("only 0 images have two adjacent frames", found["untold"])
+        self.assertIn("only 0 images have two adjacent frames", found["not_observable"])
         self.assertNotIn("row_time_us", found)
         self.assertNotIn(b"row_time", read(result / "camera.yaml"))
         facts = json.loads(run("inspect", result / "camera.raygrid", "--json").stdout)
@@ -97,8 +97,8 @@ class RollingShutterTest(CommandTest):
         self.assertIn("not observable", done.stdout)
         facts = json.loads(read(result / "result.json"))
         self.assertEqual(facts["verdict"], "fail")
-        self.assertFalse(facts["row_time"]["times_fit"])
-        self.assertNotIn("row_time_us", facts["row_time"])
+        self.assertFalse(facts["line_delay"]["timestamps_consistent"])
+        self.assertNotIn("value_us", facts["line_delay"])
         self.assertFalse((result / "camera.raygrid").exists())
         self.assertNotIn(b"row_time", read(result / "camera.yaml"))
         self.assertEqual(run("report", result).returncode, 0)
@@ -112,7 +112,7 @@ class RollingShutterTest(CommandTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("without 2 images of unknown motion", done.stdout)
         facts = json.loads(read(result / "result.json"))
-        self.assertEqual(facts["row_time"]["left_out"], 2)
+        self.assertEqual(facts["line_delay"]["not_compensated_images"], 2)
         self.assertEqual([image["image"] for image in facts["images"]["rejected"]], list(gone))
         self.assertIn("unknown motion", facts["images"]["rejected"][0]["reason"])
         self.better(result)

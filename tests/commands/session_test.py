@@ -104,9 +104,12 @@ class Session(CommandTest):
     def test_a_check_says_how_a_camera_stands_otherwise(self):
         self.assert_done(self.capture())
         told = self.told()
-        for frame in told["frames"]:
-            frame.update(lens_position=2.0, sensor_temperature_c=30.5, exposure_us=8000)
-        write(os.path.join(self.session, "session.json"), json.dumps(told).encode())
+        # As version 0.2 wrote it.
+        old = {**told, "raygrid_session": 1, "frames": [
+            {"image": frame["image"], "seconds": frame["time_s"], "lens_position": 2.0,
+             "sensor_temperature_c": 30.5, "exposure_us": 8000} for frame in told["frames"]]}
+        del old["schema_version"]
+        write(os.path.join(self.session, "session.json"), json.dumps(old).encode())
         self.assert_done(run("calibrate", self.session, "--skip-comparison"))
         camera = os.path.join(self.session, "calibration/camera.yaml")
         self.assertIn(b"sensor_temperature_c: 30.5\n  exposure_us: 8000\n", read(camera))
@@ -114,7 +117,7 @@ class Session(CommandTest):
         self.assert_done(check)
         self.assertNotIn("capture settings differ", check.stdout)
         for frame in told["frames"]:
-            frame.update(lens_position=2.5, sensor_temperature_c=52, exposure_us=99)
+            frame.update(lens_position_dpt=2.5, sensor_temperature_c=52, exposure_us=99)
         write(os.path.join(self.session, "session.json"), json.dumps(told).encode())
         check = run("check", camera, self.session)
         self.assert_done(check)
@@ -122,16 +125,16 @@ class Session(CommandTest):
         self.assertIn("capture settings differ: sensor temperature 52 degrees Celsius, calibrated at 30.5", check.stdout)
         self.assertEqual(check.stdout.count("capture settings differ"), 2)
         check = json.loads(run("check", camera, self.session, "--json").stdout)
-        self.assertEqual(len(check["stands_otherwise"]), 2)
+        self.assertEqual(len(check["changed_settings"]), 2)
 
     def test_frames_say_how_good_they_are(self):
         self.assert_done(self.capture())
         frames = self.told()["frames"]
-        spreads = [frame["edge_spread_px"] for frame in frames if "edge_spread_px" in frame]
+        spreads = [frame["edge_width_px"] for frame in frames if "edge_width_px" in frame]
         self.assertGreater(len(spreads), len(frames) / 2)
         for spread in spreads:
             self.assertTrue(0.5 < spread < 1.2, spread)
-        self.assertTrue(all(0 < frame["variance_taken"] <= 1 for frame in frames))
+        self.assertTrue(all(0 < frame["variance_reduction"] <= 1 for frame in frames))
 
     def test_a_video_gives_the_same_bytes_again(self):
         """Whatever the number of threads, from a file or from standard input."""
@@ -167,7 +170,7 @@ class Session(CommandTest):
         self.assertGreater(len(frames), 2 * len(self.names))
         self.assertEqual(len(frames) % 3, 0)
         self.assert_whole()
-        times = [30 * frame["seconds"] for frame in frames]
+        times = [30 * frame["time_s"] for frame in frames]
         self.assertTrue(all(b > a and abs(b - round(b)) < 1e-3 for a, b in zip(times, times[1:])))
 
     def test_photographs_have_no_times_for_a_rolling_shutter(self):
@@ -237,9 +240,9 @@ class Session(CommandTest):
         result = self.capture("--until", "100px", "--json", source=few)
         self.assertEqual(result.returncode, 0, result.stderr)
         lines = [json.loads(line) for line in result.stdout.splitlines()]
-        self.assertFalse(any(line["is_done"] for line in lines))
-        self.assertTrue(all(line["deviation_is_floor"] for line in lines))
-        self.assertIn("was not reached", lines[-1]["remarks"][-1])
+        self.assertFalse(any(line["done"] for line in lines))
+        self.assertTrue(all(line["uncertainty_is_lower_bound"] for line in lines))
+        self.assertIn("was not reached", lines[-1]["warnings"][-1])
 
     def test_frames_of_another_size_are_refused(self):
         self.assert_done(self.capture())
@@ -313,8 +316,8 @@ class Session(CommandTest):
         self.assert_done(result)
         lines = [json.loads(line) for line in result.stdout.splitlines()]
         self.assertGreater(len(lines), 6)
-        self.assertEqual(lines[-1]["kept"], [frame["image"] for frame in self.told()["frames"]])
-        self.assertTrue(any(line["deviation_px"] > 0 for line in lines))
+        self.assertEqual(lines[-1]["kept_frames"], [frame["image"] for frame in self.told()["frames"]])
+        self.assertTrue(any(line["uncertainty_px"] > 0 for line in lines))
         self.assertTrue(all(line["width"] == 320 for line in lines))
 
     def test_a_terminal_shows_a_block(self):

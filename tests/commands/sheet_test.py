@@ -87,7 +87,7 @@ class Sheets(CommandTest):
         rim = write(self.path("rim.yaml"), re.sub("area: .*", "area: [0, 50, 10, 70]", text))
         row, = self.told(rim)
         self.assertEqual(row["views"], [])
-        self.assertIn("does not overlap", row["why_no_view"])
+        self.assertIn("does not overlap", row["view_error"])
 
     def test_the_sheet_has_a_name_of_its_own(self):
         os.makedirs(self.path("here"), exist_ok=True)

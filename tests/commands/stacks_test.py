@@ -41,12 +41,12 @@ class StacksTest(CommandTest):
         result = run("inspect", self.blob, "--json")
         self.assert_done(result)
         facts = json.loads(result.stdout)
-        self.assertEqual(facts["format"], "1.6")
-        self.assertEqual(facts["stack"], {
-            "condition": "lens_position_dpt", "knots": KNOTS,
-            "bytes_a_knot": len(reference.pack_knot(self.stack.stack.knots[0])) + 4})
+        self.assertEqual(facts["format_version"], "1.6")
+        self.assertEqual(facts["operating_points"], {
+            "quantity": "lens_position_dpt", "samples": KNOTS,
+            "bytes_per_sample": len(reference.pack_knot(self.stack.stack.knots[0])) + 4})
         warm = write(self.path("warm.raygrid"), with_word(self.bytes, 0, 3 << 16 | 2))
-        self.assertIn("stack: condition 'sensor_temperature_c', knots -0.5, 2, 6.18837",
+        self.assertIn("operating points: quantity 'sensor_temperature_c', samples -0.5, 2, 6.18837",
                       run("inspect", warm).stdout)
 
     def test_reference_tells_them_too(self):

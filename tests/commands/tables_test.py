@@ -158,13 +158,13 @@ class Blobs(TableTest):
     def test_all_are_listed(self):
         listed = {entry["name"]: entry for entry in
                   json.loads(run("export", "--list", "--json").stdout)}
-        self.assertEqual((listed["c"]["of"], listed["hex"]["options"]), ("a blob", ["address"]))
+        self.assertEqual((listed["c"]["source"], listed["hex"]["options"]), ("a blob", ["address"]))
         self.assertEqual(listed["maps"]["models"], ["float", "fixed"])
-        self.assertEqual([name for name, entry in listed.items() if entry["of"] != "a lens" and
+        self.assertEqual([name for name, entry in listed.items() if entry["source"] != "a lens" and
                           entry["import"]], ["stmap", "rays", "tum", "puzzlepaint-dataset"])
         text = run("export", "--list").stdout
         for entry in listed.values():
-            self.assertIn(entry["name"] + ": " + entry["holds"], text)
+            self.assertIn(entry["name"] + ": " + entry["description"], text)
 
 
 class Maps(TableTest):
@@ -471,7 +471,7 @@ class Rays(ImportTest):
         told, _ = self.imported("r.npz")
         rms = self.distance(self.camera)[1]
         self.assertLess(told["fit"]["rms_px"], rms)
-        self.assertLess(rms, told["fit"]["left_out_rms_px"])
+        self.assertLess(rms, told["fit"]["held_out_rms_px"])
 
     def test_lines_that_do_not_meet_stay_lines(self):
         lines = self.simulated_camera("noncentral")
@@ -658,7 +658,7 @@ class StMaps(ImportTest):
         for stmap, words, bound_px in (("s", (*self.SIZE, *self.VIEW), 0.001), ("r", like, 0.002)):
             with self.subTest(stmap):
                 told, remarks = self.imported(stmap + ".exr", *words)
-                self.assertEqual((told["model"], told["as"], told["image_size"], remarks),
+                self.assertEqual((told["model"], told["file_model"], told["image_size"], remarks),
                                  ("central-generic", "stmap", [160, 120], ""))
                 self.assertLess(told["fit"]["rms_px"], bound_px)
                 largest, rms = self.distance(self.camera)

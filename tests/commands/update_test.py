@@ -133,9 +133,9 @@ class Update(CommandTest):
         self.check_newest(0, 1, "a")
         facts = json.loads(run("inspect", self.slots, "--json").stdout)
         self.assertEqual(facts["newest"], 0)
-        self.assertEqual(facts["slot 0"]["bytes"], len(self.blobs["a"]))
-        self.assertEqual(facts["slot 0"]["image_size"], [160, 120])
-        self.assertEqual(facts["slot 1"]["state"], "incomplete")
+        self.assertEqual(facts["slot_0"]["bytes"], len(self.blobs["a"]))
+        self.assertEqual(facts["slot_0"]["image_size"], [160, 120])
+        self.assertEqual(facts["slot_1"]["state"], "incomplete")
         self.assert_done(self.update("c"))
         self.check_newest(1, 2, "c")
         slots[100] ^= 1

@@ -74,12 +74,12 @@ class Views(CommandTest):
             self.assertAlmostEqual(seen["u"], 99.5 + told["K"][0][0] * a, 6)
             self.assertAlmostEqual(seen["v"], 49.5 + told["K"][1][1] * b, 6)
         self.assertIn(b"camera_from_view", read(camera))
-        self.assertEqual(json.loads(run("inspect", camera, "--json").stdout)["turned_deg"],
+        self.assertEqual(json.loads(run("inspect", camera, "--json").stdout)["view_rotation_deg"],
                          {"right": 30, "up": -10, "clockwise": 5})
         self.assert_done(self.pack(f"view={camera}", output="round/d.raygrid"))
         self.assertEqual(read(self.path("round/c.raygrid")), read(self.path("round/d.raygrid")))
         inspected = json.loads(run("inspect", self.path("round/c.raygrid"), "--json").stdout)
-        self.assertEqual((inspected["format"], inspected["remap_tables"][0]["projection"]),
+        self.assertEqual((inspected["format_version"], inspected["remap_tables"][0]["projection"]),
                          ("1.5", "cylindrical"))
         result = run("undistort", self.path("round/c.raygrid"), self.image, "-o",
                      self.path("round/flat"))
@@ -153,7 +153,7 @@ class Views(CommandTest):
             result = run("compare", self.path(name + "/camera.yaml"),
                          self.path("none/camera.yaml"), "--json")
             self.assert_done(result)
-            compared[name] = json.loads(result.stdout)["places"]
+            compared[name] = json.loads(result.stdout)["points"]
         self.assertLess(compared["told"], compared["none"] / 2)
         self.assert_done(run("export", self.path("told/camera.yaml"), "--to", "maps", "--size",
                              "320x240", "--projection", "equidistant", "--hfov", 120, "-o",

@@ -47,7 +47,7 @@ def evaluate(options, camera, pattern, held_out):
         text = file.read()
     # Remarks of an import stand beside the result.
     figures = datasets.parse_json(text[text.index("{"):text.rindex("}") + 1])
-    return {"rigid": figures, "flexed": figures.get("flexed")}
+    return {"rigid": figures, "flexed": figures.get("deformed")}
 
 
 def models_of(job):

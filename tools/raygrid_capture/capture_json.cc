@@ -8,6 +8,8 @@ namespace {
 
 using Json = nlohmann::json;
 
+constexpr int kCaptureSchemaVersion = 2;
+
 double RoundedPixel(double pixel) { return std::round(10 * pixel) / 10; }
 
 // Four digits, which is more than anybody sees.
@@ -42,33 +44,34 @@ std::string CaptureJson(const CaptureState& state) {
   Json cameras = Json::array(), links = Json::array();
   for (const CameraShown& camera : state.cameras)
     cameras.push_back({{"name", camera.name},
-                       {"word", camera.word},
-                       {"deviation_px", Rounded(camera.deviation_px)}});
+                       {"status", camera.word},
+                       {"uncertainty_px", Rounded(camera.deviation_px)}});
   for (const LinkShown& link : state.links)
     links.push_back({{"cameras", {link.first, link.second}},
-                     {"deviation_px", Rounded(link.deviation_px)}});
-  const Json json = {{"width", state.width},
+                     {"uncertainty_px", Rounded(link.deviation_px)}});
+  const Json json = {{"schema_version", kCaptureSchemaVersion},
+                     {"width", state.width},
                      {"height", state.height},
                      {"camera", state.camera},
                      {"cameras", cameras},
                      {"links", links},
-                     {"word", state.word},
+                     {"status", state.word},
                      {"hint", state.hint},
-                     {"is_done", state.is_done},
-                     {"is_paused", state.is_paused},
+                     {"done", state.is_done},
+                     {"paused", state.is_paused},
                      {"features", PixelsJson(state.features)},
-                     {"next", next},
+                     {"next_views", next},
                      {"arrow", PixelsJson(state.arrow)},
-                     {"places", places},
-                     {"deviation_px", Rounded(state.deviation_px)},
-                     {"deviation_is_floor", state.deviation_is_floor},
+                     {"uncertainty_map", places},
+                     {"uncertainty_px", Rounded(state.deviation_px)},
+                     {"uncertainty_is_lower_bound", state.deviation_is_floor},
                      {"target_px", Rounded(state.target_px)},
-                     {"kept", state.kept},
-                     {"num_expected", state.num_expected},
-                     {"sharpness_px", Rounded(state.sharpness_px)},
-                     {"brightness", Rounded(state.brightness)},
+                     {"kept_frames", state.kept},
+                     {"frames_remaining", state.num_expected},
+                     {"edge_width_px", Rounded(state.sharpness_px)},
+                     {"white_level", Rounded(state.brightness)},
                      {"frames_per_second", Rounded(state.frames_per_second)},
-                     {"remarks", state.remarks}};
+                     {"warnings", state.remarks}};
   // Names of files may be no UTF-8.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -58,8 +58,8 @@ width, height = camera.size
 pixels = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1)
 edges = (-0.5, width - 0.5, height - 0.5, -0.5)
 known = axes[0, 1].imshow(camera.uncertainty(pixels), extent=edges, vmin=0, vmax=0.3)
-axes[0, 1].contour(camera.is_trusted(pixels), levels=[0.5], colors="white", linewidths=1)
-axes[0, 1].set_title("How well each pixel is known, px; trusted inside the line")
+axes[0, 1].contour(camera.is_valid(pixels), levels=[0.5], colors="white", linewidths=1)
+axes[0, 1].set_title("Predicted uncertainty, px; valid region inside the line")
 figure.colorbar(known, ax=axes[0, 1], shrink=0.8)
 
 photograph = plt.imread(paths[0])

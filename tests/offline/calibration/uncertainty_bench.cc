@@ -71,7 +71,8 @@ Draw CalibrateDraw(const Pattern& pattern, const Adjusted& start,
       ProjectionUncertainty(response, draw.noise_px, nullptr,
                             adjusted.problem.views, adjusted.state, 0);
   draw.covariance_seconds = Now() - middle;
-  const TrustMask mask = UncertaintyOf(adjusted, 0, 1).value().mask;
+  const TrustMask mask =
+      EstimateUncertainty(adjusted, 0, {}, {}, 1).value().uncertainty.mask;
   for (const PixelUncertainty& p : draw.predicted)
     draw.trusted.push_back(mask.Trusts(p.pixel));
   const CameraModel& camera = adjusted.state.camera();

@@ -255,7 +255,7 @@ class Rays(PackageTest):
         names = [each.name for each in raygrid.importers.formats()]
         self.assertIn("kalibr", names)
         listed = json.loads(run("export", "--list", "--json").stdout)
-        self.assertEqual(names, [each["name"] for each in listed if each["of"] == "a lens"])
+        self.assertEqual(names, [each["name"] for each in listed if each["source"] == "a lens"])
         self.assert_refuses(raygrid.Error, "unknown format", raygrid.importers.save, camera, own, "none")
 
     def test_rigs_go_out_and_come_in(self):
@@ -368,11 +368,11 @@ class Calibrations(PackageTest):
         known = camera.uncertainty(lattice)
         self.assertAlmostEqual(np.nanmedian(known) / figures["median_px"], 1, delta=0.15)
         pixels = np.stack(np.meshgrid(np.arange(SIZE[0]), np.arange(SIZE[1])), -1)
-        self.assertAlmostEqual(camera.is_trusted(pixels).mean(), figures["trusted_part_of_image"],
+        self.assertAlmostEqual(camera.is_valid(pixels).mean(), figures["valid_share"],
                                places=3)
-        # A lens that the model cannot follow may be trusted nowhere.
-        self.assertLessEqual(np.nanmax(known[camera.is_trusted(lattice)], initial=0),
-                             1.3 * figures["trusted_to_px"])
+        # A lens that the model cannot follow may be valid nowhere.
+        self.assertLessEqual(np.nanmax(known[camera.is_valid(lattice)], initial=0),
+                             1.3 * figures["valid_limit_px"])
         self.assertTrue(np.isnan(camera.uncertainty([[-50, 0]])).all())
 
     def test_what_was_found_is_told(self):
@@ -418,11 +418,11 @@ class Calibrations(PackageTest):
         first = self.features[0]
         copy = raygrid.Detection("copy.png", first.size, first.pixels + 0.01, first.columns,
                                  first.rows)
-        for option, groups in (({}, [{"image": first.name, "others": ["copy.png"]}]),
+        for option, groups in (({}, [{"image": first.name, "duplicates": ["copy.png"]}]),
                                ({"duplicate_px": 0}, None), ({"same_view_px": 0}, None)):
             result = json.loads(raygrid.calibrate([*self.features, copy], self.pattern,
                                                   model="opencv", **option).result_json)
-            self.assertEqual(result["images"].get("same_views"), groups)
+            self.assertEqual(result["images"].get("near_duplicates"), groups)
 
     def test_features_come_back_from_their_file(self):
         raygrid.save_features(self.path("again.csv"), self.features)

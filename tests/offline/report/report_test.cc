@@ -167,7 +167,7 @@ TEST(HtmlReport, GivesOtherModelsAndTheBiasOfNoise) {
 
 TEST(HtmlReport, ExplainsItsWordsInALineEach) {
   const std::string html = ExampleReport();
-  for (const char* word : {"trusted", "leave open", "bias", "correlation"})
+  for (const char* word : {"valid region", "extrapolated", "bias", "correlation"})
     EXPECT_TRUE(Has(html, std::string("<li><b>") + word + "</b>: ")) << word;
 }
 
@@ -323,8 +323,8 @@ TEST(ResultFolder, MissingFilesAndOtherVersionsAreNamed) {
                 [&] { ReportOf(out); });
   }
   for (const char* text :
-       {"{}", "[]", "", "{\"raygrid_result\": 99}", "{\"raygrid_result\": 1}",
-        "{\"raygrid_result\": 1, \"cameras\": [], "
+       {"{}", "[]", "", "{\"schema_version\": 99}", "{\"schema_version\": 2}",
+        "{\"schema_version\": 2, \"cameras\": [], "
         "\"verdict\": \"pass\", \"reasons\": []}"}) {
     WriteResultTo(out, PlainResult());
     WriteFile(out + "/result.json", text);
@@ -410,15 +410,15 @@ TEST(ResultJson, HoldsTheFigures) {
   EXPECT_EQ(json["features"]["used"], 3);
   EXPECT_EQ(json["features"]["rejected"], 1);
   EXPECT_EQ(json["images"]["rejected"][0]["image"], kNastyName);
-  EXPECT_EQ(json["images"]["same_views"][0]["image"], "b.png");
-  EXPECT_EQ(json["images"]["same_views"][0]["others"][1], "c.png");
+  EXPECT_EQ(json["images"]["near_duplicates"][0]["image"], "b.png");
+  EXPECT_EQ(json["images"]["near_duplicates"][0]["duplicates"][1], "c.png");
   EXPECT_EQ(json["training"]["count"], 60);
-  EXPECT_EQ(json["held_out"]["by"], "images held out");
-  EXPECT_EQ(json["held_out_flexed"]["median_px"], 0.123);
-  EXPECT_EQ(json["parametric_models"][0]["held_out_flexed"]["count"], 30);
-  EXPECT_EQ(json["board_bends"]["rms_mm"], 0.16);
-  EXPECT_EQ(json["board_bends"]["views"][1]["image"], "b.png");
-  EXPECT_EQ(json["cell_candidates"].size(), 2u);
+  EXPECT_EQ(json["held_out"]["method"], "held-out images");
+  EXPECT_EQ(json["held_out_deformed"]["median_px"], 0.123);
+  EXPECT_EQ(json["parametric_models"][0]["held_out_deformed"]["count"], 30);
+  EXPECT_EQ(json["target_deformation"]["rms_m"], 0.00016);
+  EXPECT_EQ(json["target_deformation"]["views"][1]["image"], "b.png");
+  EXPECT_EQ(json["knot_spacing_candidates"].size(), 2u);
   EXPECT_EQ(json["bias_kl"], 0.25);
   EXPECT_EQ(json["verdict"], "warn");
   EXPECT_EQ(json["seed"], 42);

@@ -32,7 +32,7 @@ function showWord() {
     wordTimer = setTimeout(showWord, wordUntil - now + 1);
     return;
   }
-  const word = state.is_paused ? 'paused' : state.word;
+  const word = state.paused ? 'paused' : state.status;
   if (word !== wordShown) putWord(word, WORD_MS);
 }
 
@@ -134,7 +134,7 @@ function arrowPath([x0, y0, x1, y1], size) {
 }
 
 function showOverlay() {
-  const {width, height, features, next, arrow} = state;
+  const {width, height, features, next_views: next, arrow} = state;
   if (!(width > 0 && height > 0)) return;
   root.style.setProperty('--shape', width / height);
   // Pixels' middles are whole numbers.
@@ -184,7 +184,7 @@ function showRig() {
   rigKey = key;
   list.hidden = cameras.length === 0;
   const known = (px) => px > 0 ? ` ${pixels(px)} px` : '';
-  const shown = cameras.map(({name, word, deviation_px: px}) => {
+  const shown = cameras.map(({name, status: word, uncertainty_px: px}) => {
     const [sign, text, kind] = WORDS[word] || ['\u2022', word, 'idle'], item = make('li');
     const mark = make('i', {textContent: sign});
     mark.dataset.kind = kind;
@@ -194,7 +194,7 @@ function showRig() {
     if (name === camera) item.setAttribute('aria-current', 'true');
     return item;
   });
-  const pairs = links.map(({cameras: [first, second], deviation_px: px}) =>
+  const pairs = links.map(({cameras: [first, second], uncertainty_px: px}) =>
     make('li', {textContent: `${first}\u2013${second}${known(px)}`, title: 'Uncertainty of a board predicted from one camera in the other'}));
   list.replaceChildren(...shown, ...pairs);
 }
@@ -262,7 +262,7 @@ function deviationAt(places, x, y) {
 let mapKey = '';
 
 function showMap() {
-  const {width, height, places, target_px: target, next} = state;
+  const {width, height, uncertainty_map: places, target_px: target, next_views: next} = state;
   const key = JSON.stringify([width, height, places, target, next, byId('map').clientWidth]);
   if (key === mapKey || !(width > 0 && height > 0)) return;
   mapKey = key;
@@ -375,8 +375,8 @@ function setBar(id, percent, value, text) {
 }
 
 function showProgress() {
-  const {kept, num_expected: expected, deviation_px: now, target_px: target, is_done: isDone,
-    deviation_is_floor: isFloor} = state;
+  const {kept_frames: kept, frames_remaining: expected, uncertainty_px: now, target_px: target, done: isDone,
+    uncertainty_is_lower_bound: isFloor} = state;
   setText(byId('num-kept'), String(kept.length));
   setText(byId('expected'), isDone || !(expected >= 0) ? '' : expected === 0 ? ', none more' : `, about ${expected} more`);
   byId('progress').hidden = !(target > 0);
@@ -395,7 +395,7 @@ const MAX_EDGE_PX = 5;
 let sharpest = [];  // [when, px] of the last minute
 
 function showGauges() {
-  const {sharpness_px: edges, brightness: white, word} = state, now = performance.now();
+  const {edge_width_px: edges, white_level: white, status: word} = state, now = performance.now();
   sharpest = sharpest.filter(([when]) => now - when < 60000);
   if (edges > 0 && (sharpest.length === 0 || now - sharpest[sharpest.length - 1][0] > 100)) sharpest.push([now, edges]);
   const best = Math.min(...sharpest.map(([, px]) => px)), mark = byId('sharpness').lastElementChild;
@@ -413,11 +413,11 @@ function showGauges() {
 }
 
 function showRemarks() {
-  const list = byId('remarks'), key = JSON.stringify(state.remarks);
-  byId('remarks-box').hidden = state.remarks.length === 0;
+  const list = byId('remarks'), key = JSON.stringify(state.warnings);
+  byId('remarks-box').hidden = state.warnings.length === 0;
   if (list.dataset.key === key) return;
   list.dataset.key = key;
-  list.replaceChildren(...state.remarks.map((text) => make('li', {textContent: text})));
+  list.replaceChildren(...state.warnings.map((text) => make('li', {textContent: text})));
 }
 
 // ---- Kept frames ----
@@ -438,7 +438,7 @@ function makeItem(name) {
 }
 
 function showKept() {
-  const list = byId('kept'), names = new Set(state.kept);
+  const list = byId('kept'), names = new Set(state.kept_frames);
   byId('kept-box').hidden = names.size === 0;
   for (const [name, item] of items)
     if (!names.has(name)) {
@@ -446,7 +446,7 @@ function showKept() {
       items.delete(name);
     }
   let isNew = false;
-  for (const name of state.kept) {
+  for (const name of state.kept_frames) {
     if (items.has(name)) continue;
     isNew = true;
     items.set(name, makeItem(name));
@@ -460,10 +460,10 @@ let lookedAt = null;
 
 function look(name) {
   lookedAt = name;
-  const picture = byId('look-picture'), text = byId('look-text'), at = state.kept.indexOf(name);
+  const picture = byId('look-picture'), text = byId('look-text'), at = state.kept_frames.indexOf(name);
   byId('look-name').textContent = name;
   byId('look-older').disabled = at <= 0;
-  byId('look-newer').disabled = at < 0 || at + 1 >= state.kept.length;
+  byId('look-newer').disabled = at < 0 || at + 1 >= state.kept_frames.length;
   text.textContent = 'Loading\u2026';
   picture.style.visibility = 'hidden';
   picture.alt = name;
@@ -476,7 +476,7 @@ function look(name) {
   if (!byId('look').open) byId('look').showModal();
 }
 const lookBeside = (step) => {
-  const name = state.kept[state.kept.indexOf(lookedAt) + step];
+  const name = state.kept_frames[state.kept_frames.indexOf(lookedAt) + step];
   if (name !== undefined) look(name);
 };
 byId('look-older').onclick = () => lookBeside(-1);
@@ -527,10 +527,10 @@ function askToDelete(name) {
 async function finish() {
   if (await send('finish')) tell('Finishing\u2026');
 }
-byId('pause').onclick = () => send(state && state.is_paused ? 'go-on' : 'pause');
+byId('pause').onclick = () => send(state && state.paused ? 'go-on' : 'pause');
 byId('undo').onclick = () => send('undo');
 byId('finish').onclick = () => {
-  if (state && state.is_done) finish();
+  if (state && state.done) finish();
   else confirmThen('Finish now? More frames would improve the calibration.', 'Finish', 'Continue', '', finish);
 };
 
@@ -539,7 +539,7 @@ byId('finish').onclick = () => {
 const sentence = (text) => text.slice(0, 1).toUpperCase() + text.slice(1);
 
 function show(newState) {
-  const isFirst = state === null, wasDone = !isFirst && state.is_done;
+  const isFirst = state === null, wasDone = !isFirst && state.done;
   state = newState;
   const isNew = showKept() && !isFirst;
   showOverlay();
@@ -552,14 +552,14 @@ function show(newState) {
   byId('hint').classList.toggle('long', state.hint.length > 50);
   setText(byId('facts'), [state.camera, state.frames_per_second > 0 ? `${state.frames_per_second.toFixed(1)} frames/s` : '']
     .filter(Boolean).join(', '));
-  byId('done').hidden = !state.is_done;
-  root.classList.toggle('is-done', state.is_done);
-  root.classList.toggle('is-paused', state.is_paused);
-  setText(byId('pause'), state.is_paused ? 'Continue' : 'Pause');
-  byId('pause').classList.toggle('main', state.is_paused);
-  byId('finish').classList.toggle('main', state.is_done);
-  byId('undo').disabled = state.kept.length === 0;
-  document.title = `${state.is_done ? 'Done' : `${state.kept.length} kept`} \u2013 raygrid capture`;
+  byId('done').hidden = !state.done;
+  root.classList.toggle('is-done', state.done);
+  root.classList.toggle('is-paused', state.paused);
+  setText(byId('pause'), state.paused ? 'Continue' : 'Pause');
+  byId('pause').classList.toggle('main', state.paused);
+  byId('finish').classList.toggle('main', state.done);
+  byId('undo').disabled = state.kept_frames.length === 0;
+  document.title = `${state.done ? 'Done' : `${state.kept_frames.length} kept`} \u2013 raygrid capture`;
   if (isNew) {
     wordUntil = 0;
     putWord('kept', KEPT_MS);
@@ -569,11 +569,11 @@ function show(newState) {
     setTimeout(() => byId('stage').classList.remove('kept'), KEPT_MS);
     if (navigator.vibrate && navigator.userActivation?.hasBeenActive) navigator.vibrate(60);
   }
-  if (isNew && !(state.is_done && !wasDone)) play(660, 880);
-  if (state.is_done && !wasDone && !isFirst) play(660, 880, 1320);
+  if (isNew && !(state.done && !wasDone)) play(660, 880);
+  if (state.done && !wasDone && !isFirst) play(660, 880, 1320);
   showWord();
-  const kept = isNew ? `Kept, ${state.kept.length} frames. ` : '';
-  speak(kept + (state.is_done ? 'Done. ' : '') + `${byId('word-text').textContent}. ${state.hint}`);
+  const kept = isNew ? `Kept, ${state.kept_frames.length} frames. ` : '';
+  speak(kept + (state.done ? 'Done. ' : '') + `${byId('word-text').textContent}. ${state.hint}`);
   root.dataset.states = Number(root.dataset.states || 0) + 1;
 }
 
@@ -608,7 +608,7 @@ function setLost(lost) {
   isLost = lost;
   const time = new Date().toLocaleTimeString([], {hour: '2-digit', minute: '2-digit'});
   byId('lost').textContent = hasEnded ?
-    `\u2713 ${state?.is_done ? 'Done. ' : ''}The capture ended with ${state?.kept.length ?? 0} frames.` :
+    `\u2713 ${state?.done ? 'Done. ' : ''}The capture ended with ${state?.kept_frames.length ?? 0} frames.` :
     `! Connection lost at ${time}. Reconnecting\u2026`;
   byId('lost').classList.toggle('good', hasEnded);
   byId('lost').hidden = !lost;

@@ -1,0 +1,179 @@
+#include "evaluation/uncertainty_summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "evaluation/residual_statistics.h"
+
+namespace raygrid {
+namespace {
+
+// A cell of the image, and how many of its pixels count.
+struct CountedCell {
+  int cell = 0;
+  Eigen::Vector2d center;
+  double num_pixels = 0;
+  bool is_calibrated = false;  // lies in the camera's area
+};
+
+// The cells of the image, or of its image circle. Their weights sum up to 1.
+std::vector<CountedCell> CellsOf(const CameraModel& camera,
+                                 const std::optional<ImageCircle>& circle,
+                                 const TrustMask& mask) {
+  const ImageSize& size = camera.image_size();
+  const auto extent = [&](int index, int num_pixels) {
+    return std::min(mask.cell_px, num_pixels - index * mask.cell_px);
+  };
+  std::vector<CountedCell> cells;
+  double sum = 0;
+  for (int cell = 0; cell < mask.columns * mask.rows; ++cell) {
+    const int column = cell % mask.columns, row = cell / mask.columns;
+    const double width = extent(column, size.width);
+    const double height = extent(row, size.height);
+    const Eigen::Vector2d center(column * mask.cell_px + (width - 1) / 2,
+                                 row * mask.cell_px + (height - 1) / 2);
+    if (circle && !circle->Contains(center)) continue;
+    cells.push_back(
+        {cell, center, width * height, camera.area().Contains(center)});
+    sum += width * height;
+  }
+  for (CountedCell& cell : cells) cell.num_pixels /= sum;
+  return cells;
+}
+
+// The thirds of the image, across or down, that a pixel is in: 0 to 2.
+int ThirdOf(double position, int extent) {
+  return std::clamp(static_cast<int>(3 * (position + 0.5) / extent), 0, 2);
+}
+
+// "left", "left and right", "left, top and right".
+std::string Joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (size_t k = 0; k < words.size(); ++k)
+    text += (k == 0 ? "" : k + 1 == words.size() ? " and " : ", ") + words[k];
+  return text;
+}
+
+// A side or corner of the image, as a ninth of it.
+struct ImagePlace {
+  const char* name;
+  int column, row;
+};
+constexpr ImagePlace kSides[] = {
+    {"left", 0, 1}, {"right", 2, 1}, {"top", 1, 0}, {"bottom", 1, 2}};
+constexpr ImagePlace kCorners[] = {{"top left", 0, 0},
+                                   {"top right", 2, 0},
+                                   {"bottom left", 0, 2},
+                                   {"bottom right", 2, 2}};
+
+// The sides and corners where much is extrapolated, in words. Corners of a side
+// that is named go without saying.
+std::string PlacesInWords(const std::array<std::array<double, 3>, 3>& shares) {
+  constexpr double kMuchOfSide = 0.2, kMuchOfCorner = 0.03;
+  std::vector<std::string> sides, corners;
+  std::vector<ImagePlace> named;
+  for (const ImagePlace& side : kSides)
+    if (shares[side.row][side.column] > kMuchOfSide) {
+      sides.emplace_back(side.name);
+      named.push_back(side);
+    }
+  for (const ImagePlace& corner : kCorners) {
+    const bool is_of_side =
+        std::any_of(named.begin(), named.end(), [&](const ImagePlace& side) {
+          return (side.row == 1 && side.column == corner.column) ||
+                 (side.column == 1 && side.row == corner.row);
+        });
+    if (!is_of_side && shares[corner.row][corner.column] > kMuchOfCorner)
+      corners.emplace_back(corner.name);
+  }
+  std::vector<std::string> parts;
+  if (sides.size() == std::size(kSides))
+    parts.emplace_back("edges");
+  else if (!sides.empty())
+    parts.push_back(Joined(sides) + (sides.size() > 1 ? " edges" : " edge"));
+  if (corners.size() == std::size(kCorners))
+    parts.emplace_back("corners");
+  else if (!corners.empty())
+    parts.push_back(Joined(corners) +
+                    (corners.size() > 1 ? " corners" : " corner"));
+  return parts.empty() ? "parts" : Joined(parts);
+}
+
+}  // namespace
+
+UncertaintySummary SummarizeUncertainty(const CameraModel& camera,
+                                        const CameraUncertainty& uncertainty) {
+  UncertaintySummary summary;
+  summary.median_px = uncertainty.lattice.MedianPx();
+  for (const CountedCell& cell :
+       CellsOf(camera, camera.image_circle(), uncertainty.mask)) {
+    if (!cell.is_calibrated) continue;
+    const double px = uncertainty.lattice.At(camera.area(), cell.center);
+    for (size_t k = 0; k < kShareLimitsPx.size(); ++k)
+      if (px < kShareLimitsPx[k]) summary.share_below[k] += cell.num_pixels;
+  }
+  summary.valid_share = ValidShare(camera, uncertainty.mask);
+  return summary;
+}
+
+double ValidShare(const CameraModel& camera, const TrustMask& valid) {
+  double share = 0;
+  for (const CountedCell& cell : CellsOf(camera, camera.image_circle(), valid))
+    if (cell.is_calibrated && valid.is_trusted[cell.cell])
+      share += cell.num_pixels;
+  return share;
+}
+
+std::string UncertaintySentence(const UncertaintySummary& summary,
+                                const CameraUncertainty& uncertainty,
+                                const CameraModel& camera) {
+  return fmt::format(
+      "{:.0f} % of the {} is valid: supported by features, with a predicted "
+      "uncertainty below {:.2g} px.",
+      100 * summary.valid_share,
+      camera.image_circle() ? "image circle" : "image",
+      uncertainty.max_deviation_px);
+}
+
+ExtrapolatedRegion FindExtrapolatedRegion(
+    const CameraModel& camera, const std::optional<ImageCircle>& image_circle,
+    const TrustMask& supported, const DeviationLattice& lattice) {
+  ExtrapolatedRegion region;
+  const ImageSize& size = camera.image_size();
+  std::array<std::array<double, 3>, 3> shares = {}, all = {};
+  std::vector<double> uncertainties_px;
+  for (const CountedCell& cell : CellsOf(camera, image_circle, supported)) {
+    const int column = ThirdOf(cell.center.x(), size.width);
+    const int row = ThirdOf(cell.center.y(), size.height);
+    all[row][column] += cell.num_pixels;
+    if (!cell.is_calibrated || supported.is_trusted[cell.cell]) continue;
+    shares[row][column] += cell.num_pixels;
+    region.share += cell.num_pixels;
+    const double px = lattice.At(camera.area(), cell.center);
+    if (std::isfinite(px)) uncertainties_px.push_back(px);
+  }
+  if (region.share == 0) return region;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      if (all[row][column] > 0) shares[row][column] /= all[row][column];
+  region.where = PlacesInWords(shares);
+  if (!uncertainties_px.empty())
+    region.p95_px = Quantile(uncertainties_px, 0.95);
+  return region;
+}
+
+void InvalidateBeyond(const ImageCircle& circle, TrustMask* mask) {
+  const double half = mask->cell_px / 2.0;
+  for (size_t cell = 0; cell < mask->is_trusted.size(); ++cell) {
+    const Eigen::Vector2d center = mask->CellCenter(static_cast<int>(cell));
+    for (const double dy : {-half, half})
+      for (const double dx : {-half, half})
+        if (!circle.Contains(center + Eigen::Vector2d(dx, dy)))
+          mask->is_trusted[cell] = false;
+  }
+}
+
+}  // namespace raygrid
