@@ -164,11 +164,10 @@ ChosenLens ChooseLens(const std::vector<const LensForm*>& forms,
         return ChoiceRmsPx(*lens.fit) <= enough_px;
       });
   if (chosen == fits.end() || chosen->fit->num_pixels == 0)
-    throw Error(
-        ExitCode::kQuality,
-        fmt::format(
-            "{} cannot represent any pixel of this camera's valid region; export a view of it",
-            sorted.front()->name));
+    throw Error(ExitCode::kQuality,
+                fmt::format("{} cannot represent any pixel of this camera's "
+                            "valid region; export a view of it",
+                            sorted.front()->name));
   return std::move(*chosen);
 }
 

@@ -287,10 +287,9 @@ void BindCalibration(py::module_* module) {
       py::arg("compare_models") = false,
       py::arg("hold_out") = std::vector<std::string>(),
       py::arg("duplicate_px") = py::none(), py::arg("valid_px") = py::none(),
-      py::arg("image_circle") = "auto",
-      py::arg("name") = "", py::arg("serial") = "",
-      py::arg("any_distance") = false, py::arg("threads") = 0,
-      py::arg("progress") = py::none(),
+      py::arg("image_circle") = "auto", py::arg("name") = "",
+      py::arg("serial") = "", py::arg("any_distance") = false,
+      py::arg("threads") = 0, py::arg("progress") = py::none(),
       R"(Calibrate a camera or a rig; Calibration.save() writes the files.
 
 Ctrl-C and exceptions that progress raises stop the calibration. The calibration

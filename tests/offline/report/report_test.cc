@@ -167,7 +167,8 @@ TEST(HtmlReport, GivesOtherModelsAndTheBiasOfNoise) {
 
 TEST(HtmlReport, ExplainsItsWordsInALineEach) {
   const std::string html = ExampleReport();
-  for (const char* word : {"valid region", "extrapolated", "bias", "correlation"})
+  for (const char* word :
+       {"valid region", "extrapolated", "bias", "correlation"})
     EXPECT_TRUE(Has(html, std::string("<li><b>") + word + "</b>: ")) << word;
 }
 
