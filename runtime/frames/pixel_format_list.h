@@ -1,5 +1,4 @@
-/* Written by tools/pixel_formats from formats/pixel_formats.toml; not for
- * editing. */
+/* Written by tools/pixel_formats from formats/pixel_formats.toml; not for editing. */
 /* clang-format off */
 #ifndef RAYGRID_PIXEL_FORMAT_LIST_H
 #define RAYGRID_PIXEL_FORMAT_LIST_H
