@@ -501,9 +501,10 @@ uint32_t rg_undistort_points(const rg_camera* camera, const rg_pixel* pixels,
  * matter: formats in parentheses are handled alike. Samples of more than 8 bits
  * and RGB565 words are little-endian; packed samples are as on CSI-2.
  *
- * Widths from RG_FORMAT_YUYV to RG_FORMAT_BAYER12P are even; those of 10-bit
- * packed formats are multiples of 4, of 12-bit packed ones of 2. Heights of
- * NV12, YUV420 and Bayer formats are even, since their rows come in pairs. */
+ * Widths of Bayer formats and those with chroma of half the width are even;
+ * those of 10-bit packed formats are multiples of 4, of 12-bit packed ones of
+ * 2. Heights of Bayer formats and those with chroma of half the height are
+ * even, since their rows come in pairs. */
 typedef enum rg_format {
   RG_FORMAT_GREY8,    /**< GREY, R8 */
   RG_FORMAT_GREY16,   /**< Y10, Y12, Y14, Y16: the low bits of 16 */

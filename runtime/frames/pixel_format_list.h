@@ -45,4 +45,12 @@
   X(BAYER12P, RG_SAMPLE_12P, 13, 4, 1, {12, 1}) \
   X(RGB565, RG_SAMPLE_565, 17, 3, 0, {16, 1})
 
+/* X(kind of samples, bits from one of them to the next) */
+#define RG_SAMPLE_BITS(X) \
+  X(RG_SAMPLE_8, 8) \
+  X(RG_SAMPLE_10P, 10) \
+  X(RG_SAMPLE_12P, 12) \
+  X(RG_SAMPLE_16, 16) \
+  X(RG_SAMPLE_565, 4)
+
 #endif

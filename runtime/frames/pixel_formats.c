@@ -60,8 +60,9 @@ uint32_t rg_row_pairs(rg_format format) {
   return kFormats[format] & FORMAT_ROW_PAIRS;
 }
 
-/* Bits of a sample of each kind; of RGB565, a fourth of a word. */
-static const uint8_t kSampleBits[] = {8, 12, 10, 16, 4};
+/* Of each kind; of RGB565, a fourth of a word. */
+#define SAMPLE_BITS(kind, bits) [kind] = (bits),
+static const uint8_t kSampleBits[] = {RG_SAMPLE_BITS(SAMPLE_BITS)};
 ASSERT_LATTICES(every_kind_has_its_bits,
                 sizeof(kSampleBits) == RG_SAMPLE_565 + 1);
 

@@ -863,26 +863,31 @@ class Placement(NamedTuple):
     border: int  # index of the first channel's value
 
 
+def kind_of(samples: str) -> str:
+    """A name of pixel_formats.toml in lower case, u8 for 8, u16 for 16."""
+    return f"u{samples}" if samples in ("8", "16") else samples.lower()
+
+
 def read_placements(samples: str, components: list[dict]) -> Iterator[Placement]:
     """A format's components; those of one format have their border values in turn."""
     border = 0
     for c in components:
         (lx, ly), (hx, hy) = c.get("log2", (0, 0)), c.get("half", (0, 0))
         channels = c.get("channels", 1)
-        kind = f"u{samples}" if samples in ("8", "16") else samples.lower()
-        yield Placement(reference.Lattice(lx, ly, hx, hy), c.get("plane", 0), kind,
+        yield Placement(reference.Lattice(lx, ly, hx, hy), c.get("plane", 0), kind_of(samples),
                         c.get("first", 0), c["step"], channels, border)
         border += channels
 
 
 DESCRIPTION = tomllib.loads((ROOT / "formats/pixel_formats.toml").read_text(encoding="utf-8"))
+BYTES_PER_8_SAMPLES = {kind_of(name): kind["step"]
+                       for name, kind in DESCRIPTION["samples"].items()}
 # In the order of rg_format.
 FORMAT_NAMES = tuple(DESCRIPTION["formats"])
 FORMATS = tuple(tuple(read_placements(f["samples"], DESCRIPTION["layouts"][f["layout"]]))
                 for f in DESCRIPTION["formats"].values())
 # Shift and mask of red, green and blue: four samples are a word, the fourth of them nothing.
 FIELDS_565 = ((11, 31), (5, 63), (0, 31))
-BYTES_PER_8_SAMPLES = {"u8": 8, "u16": 16, "10p": 10, "12p": 12, "565": 4}
 BORDER_VALUES = (201, 17, 130, 66)
 KEPT_BYTE = 0xa5
 # Border and sampling of the golden frames: value, clamp, keep.
