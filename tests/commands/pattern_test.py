@@ -80,7 +80,7 @@ class PatternCommand(CommandTest):
                          "--dpi", 50, "-o", self.path(f"turned-{columns}x{rows}"))
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertIn(words, result.stderr)
-            self.assertEqual(f"--rows {rows + 1} would" in result.stderr, words != "")
+            self.assertEqual(f"--rows {rows + 1}" in result.stderr, words != "")
 
     def test_measured_print(self):
         size = ("chessboard", "--columns", 9, "--rows", 6, "--square-mm", 25, "--dpi", 50)
@@ -143,14 +143,14 @@ class PatternCommand(CommandTest):
         for kind, arguments, words in (
                 ("chessboard", (*size, 0.025), ["--square-mm 25?", "0.025 mm", "--yes"]),
                 ("chessboard", (*size, 25000, "--screen", "800x600"), ["--square-mm 25?", "25 m"]),
-                ("chessboard", (*size, 900), ["board of 7.2 m?", "--square-mm 900", "--yes"]),
+                ("chessboard", (*size, 900), ["board of 7.2 m is", "--square-mm 900", "--yes"]),
                 ("aprilgrid", ("--tag-columns", 6, "--tag-rows", 5, "--tag-mm", 0.03),
                  ["--tag-mm 30?", "--yes"])):
             self.refused(kind, *arguments, words=words)
         self.pattern("chessboard", *size, 0.5, "--dpi", 30, "--yes")
         for spec, words in (("chessboard:9x6:25m", ["square_m: 0.025?", "25 m", "--yes"]),
                             ("chessboard:9x6:0.025mm", ["square_m: 0.025?", "--yes"]),
-                            ("chessboard:9x6:0.9m", ["a board of 7.2 m?", "--yes"])):
+                            ("chessboard:9x6:0.9m", ["a board of 7.2 m is", "--yes"])):
             for command in (("detect", self.folder, "-o", self.path("never.csv")),
                             ("calibrate", "--features", self.path("none.csv"), "--image-size",
                              "640x480", "-o", self.path("never"))):

@@ -579,8 +579,8 @@ class Isaac(TableTest):
     def test_the_errors_are_told(self):
         result = run("export", self.camera, "--to", "isaac", "-o", self.path("t.exr"))
         self.assert_done(result)
-        for words in ("t_enter.exr, 160 x 120 rays", "t_exit.exr", "directions, at most 0.00",
-                      "(RMS)", "nominalWidth 160, nominalHeight 120, opticalCenter (80, 60)"):
+        for words in ("t_enter.exr: 160 x 120 rays", "t_exit.exr", "directions, error 0.00",
+                      "px RMS", "nominalWidth 160, nominalHeight 120, opticalCenter (80, 60)"):
             self.assertIn(words, result.stdout)
 
     def test_what_the_camera_does_not_see(self):
