@@ -75,7 +75,7 @@ class PatternCommand(CommandTest):
                       self.yaml(folder))
 
     def test_a_chessboard_that_looks_alike_after_a_turn_is_named(self):
-        for columns, rows, words in ((7, 5, "after half a turn"), (6, 6, "after a quarter turn"), (9, 6, "")):
+        for columns, rows, words in ((7, 5, "under half a turn"), (6, 6, "under a quarter turn"), (9, 6, "")):
             result = run("pattern", "chessboard", "--columns", columns, "--rows", rows, "--square-mm", 20,
                          "--dpi", 50, "-o", self.path(f"turned-{columns}x{rows}"))
             self.assertEqual(result.returncode, 0, result.stderr)
@@ -216,7 +216,7 @@ class PatternCommand(CommandTest):
                 ("chessboard:9x6", "COLUMNSxROWS:LENGTH"),
                 ("chessboard:9x6:25", "'25' is not a length"),
                 ("chessboard:9x6:-25mm", "not a length"),
-                ("chessboard:9x6:25mm:marker=3mm", "no 'marker'"),
+                ("chessboard:9x6:25mm:marker=3mm", "not support 'marker'"),
                 ("chessboard:9x:25mm", "'9x' is not a size"),
                 ("chessboard:9x6a:25mm", "not a size"),
                 ("chessboard:1x6:25mm", "2 to 1000"),
@@ -224,7 +224,7 @@ class PatternCommand(CommandTest):
                 ("chesboard:9x6:25mm", "known target kind: 'chesboard'"),
                 ("charuco:6x4:25mm", "marker="),
                 ("charuco:6x4:25mm:marker=30mm", "marker_m"),
-                ("charuco:6x4:25mm:marker=18mm:marker=18mm", "twice"),
+                ("charuco:6x4:25mm:marker=18mm:marker=18mm", "duplicate 'marker'"),
                 ("charuco:6x4:25mm:marker=18mm:first-marker=1.5", "first-marker=1.5"),
                 ("charuco:6x4:25mm:marker=18mm:dictionary=X", "'X'"),
                 ("aprilgrid:501x6:25mm", "500"),

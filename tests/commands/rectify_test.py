@@ -137,7 +137,7 @@ class Rectify(CommandTest):
                  ("cam1 is to the right of cam0", "--left cam0 --right cam1")),
                 ((1, back, (-0.1, 0, 0)), {}, ("do not overlap", "cam0 and cam1")),
                 ((1, (1, 0, 0, 0), (0, 0, 0)), {}, ("no baseline",)),
-                ((1, (1, 0, 0, 0), (0, 0, -0.3)), {}, ("behind",)),
+                ((1, (1, 0, 0, 0), (0, 0, -0.3)), {}, ("epipoles",)),
                 ((1, (1, 0, 0, 0), (0, 0.1, 0)), {}, ("below", "--left cam1 --right cam0"))):
             with self.subTest(words[0]):
                 moved = self.pose_of(*rig) if rig else None

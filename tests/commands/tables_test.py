@@ -520,7 +520,7 @@ class Rays(ImportTest):
                 (("import", rays, "-o", never, "--model", "opencv"), 1, ("central-generic", "fit")),
                 (("import", rays, "-o", never, "--from", "ros"), 2, ("rays", "ros")),
                 (("import", rays, "-o", never, "--image-size", "8x8"), 1, ("--image-size",)),
-                (("import", rays, rays, "-o", never), 1, ("alone",)),
+                (("import", rays, rays, "-o", never), 1, ("separately",)),
                 (("export", self.camera, "--to", "rays", "-o", never), 1, (".npz",)),
                 (("export", self.camera, "--to", "rays", "--stride", "0", "-o",
                   self.path("never/c.npz")), 1, ("--stride",)),
