@@ -173,7 +173,7 @@ ChosenLens ChooseLens(const std::vector<const LensForm*>& forms,
 
 std::string LensFitText(const LensFit& fit) {
   std::string text = fmt::format(
-      "RMS {:.2g} px, 99th percentile {:.2g} px, max {:.2g} px at {} {}pixels",
+      "RMS {:.3g} px, 99th percentile {:.3g} px, max {:.3g} px at {} {}pixels",
       fit.rms_px, fit.p99_px, fit.max_px, fit.num_pixels,
       fit.is_of_trusted ? "valid " : "");
   if (fit.num_beyond > 0)

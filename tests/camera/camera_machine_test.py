@@ -131,7 +131,7 @@ class CameraInMachine(MachineCase):
         for said in ("frames are upright (1), but calibration had rotated by 180 degrees (3); ",
                      "the camera does not report lens position, crop; "):
             self.assertEqual(error.count(said), 1, error)
-        self.assertIn("12 taken", error)
+        self.assertIn("12 delivered", error)
         self.assertRegex(error, r", capture settings differ: 1[2-9] frames")
         self.assertEqual(self.status("strict"), 8)
         self.assertIn("raygrid-camera: --strict: capture settings differ from calibration: frames are upright",

@@ -154,7 +154,7 @@ class CameraProgram(unittest.TestCase):
         process.wait(timeout=MAX_SECONDS)
         self.assertEqual(process.returncode, 0)
         self.assertEqual(self.frames_in("raw"), [self.expected[i % COUNT] for i in range(20)])
-        self.assertIn(b"20 taken, 0 dropped", process.stderr.read())
+        self.assertIn(b"20 delivered, 0 dropped", process.stderr.read())
 
     def undistorted(self, blob, table, frame, size, *arguments):
         """Brightness of a grey YUYV frame that rises to the right and downwards."""
@@ -231,7 +231,7 @@ class CameraProgram(unittest.TestCase):
                                      "-o", "-")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(result.stdout, b"".join(self.expected))
-        self.assertIn(b"7 arrived, 7 undistorted, 7 taken, 0 dropped", result.stderr)
+        self.assertIn(b"7 arrived, 7 undistorted, 7 delivered, 0 dropped", result.stderr)
         # A file waits by itself.
         with open(self.path("frames.yuyv"), "rb") as file:
             result = subprocess.run(
@@ -252,7 +252,7 @@ class CameraProgram(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(sorted(os.listdir(self.path("of_pipe"))),
                          [f"frame-{k:06}.png" for k in range(count)])
-        self.assertIn(b"%d taken, 0 dropped" % count, result.stderr)
+        self.assertIn(b"%d delivered, 0 dropped" % count, result.stderr)
         result = self.run_program("flat.raygrid", "--from", "frames.yuyv", "--format", "YUYV",
                                   "--fps", 10000, "--frames", 50, "--png", "-o", "of_file")
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -359,7 +359,7 @@ class CameraProgram(unittest.TestCase):
         process = self.start("--benchmark", "--fps", 100, "--threads", 1, "-o", "timed", "--png")
         output, error = process.communicate(timeout=MAX_SECONDS)
         self.assertEqual(process.returncode, 0, error)
-        self.assertIn(b"90 taken, 0 dropped", error)
+        self.assertIn(b"90 delivered, 0 dropped", error)
         self.assertEqual(len(os.listdir(self.path("timed"))), 90)
         figures = dict(line.split(": ") for line in output.decode().splitlines())
         self.assertEqual(figures.pop("memory"), "this program's")
@@ -390,7 +390,7 @@ class CameraProgram(unittest.TestCase):
                 frames = self.frames_in(folder)
                 self.assertGreater(len(frames), 0)
                 self.assertLessEqual(set(frames), set(self.expected))
-                self.assertIn(f"{len(frames)} taken", error)
+                self.assertIn(f"{len(frames)} delivered", error)
 
     def test_a_full_disk_ends_it_and_leaves_no_half_frame(self):
         process = self.start("-o", "full", preexec_fn=lambda: resource.setrlimit(
@@ -469,7 +469,7 @@ class CameraProgram(unittest.TestCase):
         self.assert_fails(8, "rays.raygrid", *recording, words=["--remap"])
         self.assert_fails(8, "flat.raygrid", "--table", 1, *recording, words=["--remap"])
         self.assert_fails(8, "distorting.raygrid", *recording,
-                          words=["table 0 distorts", "--table"])
+                          words=["table 0 is an inverse remap", "--table"])
         self.assert_fails(2, "missing.raygrid", *recording)
         self.assert_fails(8, "flat.raygrid", *recording, "--size", "80x60",
                           words=["160x120", "80x60", "--list"])

@@ -60,7 +60,7 @@ TEST(CaptureGuard, LensPositionsAreComparedWithinTheTolerance) {
   EXPECT_TRUE(
       Has(heard.lines[0],
           "capture settings differ from calibration: lens position is 2.125"));
-  EXPECT_TRUE(Has(heard.lines[0], "calibration had 2, within 0.125; "));
+  EXPECT_TRUE(Has(heard.lines[0], "calibrated at 2 +- 0.125; "));
   EXPECT_TRUE(Has(heard.lines[0], "LensPosition=2,"));
 }
 

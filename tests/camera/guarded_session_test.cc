@@ -109,7 +109,7 @@ TEST(CaptureSession, SaysOnceAndCountsAtTheEnd) {
             ended.said.rfind("lens position is"));
   EXPECT_TRUE(Has(ended.said, ", capture settings differ: 5 frames"))
       << ended.said;
-  EXPECT_TRUE(Has(ended.said, "6 taken")) << ended.said;
+  EXPECT_TRUE(Has(ended.said, "6 delivered")) << ended.said;
 }
 
 TEST(CaptureSession, StrictEndsWithItsReason) {
@@ -119,7 +119,7 @@ TEST(CaptureSession, StrictEndsWithItsReason) {
   EXPECT_TRUE(
       Has(ended.fault,
           "--strict: capture settings differ from calibration: lens position"));
-  EXPECT_TRUE(Has(ended.said, "1 taken")) << ended.said;
+  EXPECT_TRUE(Has(ended.said, "1 delivered")) << ended.said;
   EXPECT_TRUE(Has(ended.said, "capture settings differ: 1 frames"))
       << ended.said;
 }
@@ -154,7 +154,7 @@ TEST(CaptureSession, StrictWritesNoFrameBeforeTheLensIsThere) {
                         kNoTime);
   const Ended ended = RunSession(arguments, &source);
   EXPECT_EQ(ended.code, 0) << ended.fault;
-  EXPECT_TRUE(Has(ended.said, "2 taken")) << ended.said;
+  EXPECT_TRUE(Has(ended.said, "2 delivered")) << ended.said;
   EXPECT_TRUE(
       Has(ended.said, "capture settings differ: 2 frames (2 held back)"))
       << ended.said;

@@ -135,7 +135,7 @@ class Page(unittest.TestCase):
                          r"0\.\d+ px at the bottom right")
         self.assertRegex(self.evaluate(text_of("ticks")), r"^0\.05 px.*0\.2 px.*1 px$")
         self.shows("above", "\u2022 above 0.2 px")
-        self.shows("known", "Known to 0.4 px, target 0.2 px")
+        self.shows("known", "Uncertainty 0.4 px, target 0.2 px")
         self.assertEqual(self.evaluate(
             "document.getElementById('progress').getAttribute('aria-valuenow')"), "50")
         # Bright where little is known.
@@ -151,7 +151,7 @@ class Page(unittest.TestCase):
         dot = brightness + "([11.5 / 12, 4.5 / 9])"
         self.assertEqual(self.evaluate(dot), 3 * 255)
         self.tell("known 0.1")
-        self.shows("known", "Known to 0.04 px, target 0.2 px")
+        self.shows("known", "Uncertainty 0.04 px, target 0.2 px")
         self.wait_for(f"{dot} < {3 * 255}")
 
     def test_kept_frames(self):
@@ -190,7 +190,7 @@ class Page(unittest.TestCase):
         self.fill()
         self.browser.click("#pause")
         self.assertEqual(self.read_line(), "pause")
-        self.shows("pause", "Go on")
+        self.shows("pause", "Continue")
         self.shows("word-text", "Paused")
         self.browser.click("#pause")
         self.assertEqual(self.read_line(), "go-on")

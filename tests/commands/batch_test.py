@@ -140,7 +140,7 @@ units:
 
     def test_bad_conditions_are_refused_in_one_line(self):
         for unit, told in (("vary_with: focus", "vary_with: unknown quantity 'focus'; expected lens_position, temperature"),
-                           ("vary_with: [temperature, 3]", "vary_with: '3' is unknown"),
+                           ("vary_with: [temperature, 3]", "vary_with: unknown quantity '3'"),
                            ("operating_points: v.csv", "unit C1: operating_points needs vary_with"),
                            ("vary_with: temperature", "unit C1: vary_with requires the operating point of each image"),
                            ("rolling_shutter: true", "unit C1: rolling_shutter requires the time stamp of each image"),

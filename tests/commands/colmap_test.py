@@ -266,9 +266,9 @@ for image in pycolmap.Reconstruction(sys.argv[1]).images.values():
         for name, contents, words in (
                 ("a.txt", text.replace("OPENCV", "FOV"), ("FOV", "not supported")),
                 ("b.txt", text.replace("0.1", "nan"), ("line 1", "'nan'")),
-                ("c.bin", read(binary)[:-3], ("ends after 93 bytes",)),
+                ("c.bin", read(binary)[:-3], ("truncated after 93 bytes",)),
                 ("d.bin", read(binary)[:12] + b"\x63" + read(binary)[13:], ("unknown model 99",)),
-                ("e.txt", text + text, ("twice",))):
+                ("e.txt", text + text, ("duplicate",))):
             with self.subTest(name):
                 self.assert_refused(run("import", write(self.path(name), contents), "-o",
                                         self.path("never.yaml")), 2, name, *words)

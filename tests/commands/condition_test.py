@@ -183,7 +183,7 @@ class Condition(CommandTest):
         self.assert_refused(result, 1, "duplicate value")
         again = "5=" + os.path.join(self.path("photographs"), "0", "..", "0")
         result = run("calibrate", "--vary-with", "lens_position", *folders, "--images-at", again, *options)
-        self.assert_refused(result, 1, "the folder of 0 again")
+        self.assert_refused(result, 1, "same folder as")
         copy = shutil.copytree(self.path("photographs/0"), self.path("copy"))
         result = run("calibrate", "--vary-with", "lens_position", *folders, "--images-at", f"5={copy}",
                      "--quiet", *options)

@@ -108,8 +108,8 @@ class PhotonVision(CornersTest):
         calibration["observations"][0]["cornersUsed"][first] = False
         calibration["observations"][1]["includeObservationInCalibration"] = False
         result = self.imported(calibration, "features.csv")
-        self.assertIn("1 corner omitted by its solver", result.stderr)
-        self.assertIn("1 image omitted by its solver", result.stderr)
+        self.assertIn("ignored 1 corner", result.stderr)
+        self.assertIn("ignored 1 image", result.stderr)
         names = list(self.images)
         seen = {key: pixel for key, pixel in self.seen().items() if key[0] != names[1]}
         del seen[names[0], 0, first % COLUMNS, first // COLUMNS]
@@ -192,7 +192,7 @@ print(json.dumps(cv2.projectPoints(points, np.zeros(3), np.zeros(3), matrix, len
         refused(lambda c: c.pop("distCoeffs"), "'distCoeffs' is missing")
         text = json.dumps(self.calibration())
         for name, contents, words in (("cut.json", text[:-9], "invalid JSON at byte"),
-                                      ("nan.json", text.replace("400.5", "NaN"), "no JSON")):
+                                      ("nan.json", text.replace("400.5", "NaN"), "invalid JSON")):
             self.assert_refused(run("import", write(self.path(name), contents), "-o",
                                     self.path("never/camera.yaml")), 2, name + ": ", words)
         self.assert_nothing_in(self.path("never"))
@@ -307,7 +307,7 @@ colSpacingMeters: 0.06      #size of one chessboard square [m]
         never = self.path("never/p.yaml")
         for arguments, code, words in ((("-o", never, "--board-size", "6x6"), 1, ("--board-size",)),
                                        (("-o", never, "--model", "opencv"), 1, ("--model",)),
-                                       ((target, "-o", never), 1, ("alone",)),
+                                       ((target, "-o", never), 1, ("separately",)),
                                        (("-o", self.path("never/f.csv")), 1, ("pattern.yaml",)),
                                        (("-o", target), 7, ("overwrite the input",))):
             self.assert_refused(run("import", target, *arguments), code, *words)
@@ -351,14 +351,14 @@ apriltags:
 
     def test_what_cannot_be(self):
         for old, new, *words in (
-                ("squares_x: 17", "squares_x: 2", "squares_x: not 3 to 1001"),
+                ("squares_x: 17", "squares_x: 2", "squares_x: must be 3 to 1001"),
                 ("squares_x: 17", "squares: 17", "squares_x"),
                 ("segments: 16", "segments: 15", "segments"),
                 ("0.011", ".nan", "square_length_in_meters"),
                 ("0.011", "-1", "square_m is -1"),
-                ("width: 4", "width: 5", "apriltags[0]", "differ"),
+                ("width: 4", "width: 5", "apriltags[0]", "must be equal"),
                 ("tag_y: 10", "tag_y: 22", "outside the board"),
-                ("index: 3", "index: 587", "apriltags[0]: index: not 0 to 586"),
+                ("index: 3", "index: 587", "apriltags[0]: index: must be 0 to 586"),
                 ("apriltags:", "tags:", "apriltags: must list")):
             with self.subTest(new):
                 file = write(self.path("t.yaml"), self.FILE.replace(old, new))
@@ -542,12 +542,12 @@ boards:
         refused(first(-1, 3, 0), "outside")
         refused(first(5, 3, 99), "imageset 0, camera 0: feature 99", "known geometries")
         refused(first(5, 3, -1), "feature -1")
-        refused(first(5, 3, 2), "feature 2 stands twice")
+        refused(first(5, 3, 2), "feature 2 is a duplicate")
         refused(place(16, -1, 0), "feature 16: column -1")
         refused(place(16, 0, 1000), "0 to 999")
         refused(place(-16, 0, 0), "feature -16")
         refused(place(0, 0, 0), "feature 0 is on two boards")
-        refused(place(16, 1, 0), "board 1: column 1 and row 0")
+        refused(place(16, 1, 0), "board 1: duplicate feature at column 1, row 0")
         refused(changed(lambda _, __, geometries: geometries[0][1].append((99, 999, 999))),
                 "100000")
         refused(changed(lambda _, __, geometries: geometries.__setitem__(
@@ -567,7 +567,7 @@ boards:
                 ((*to, *board, *size, "--model", "opencv"), 1, ("--model",)),
                 ((*to, *board, "--image-size", "64x48"), 2, ("outside the 64 x 48",)),
                 ((*to, "--pattern", "chessboard:5x5:30mm", *size), 2, ("5 x 5",)),
-                ((*to, "--pattern", "aprilgrid:6x6:24mm", *size), 2, ("board 0", "aprilgrid")),
+                ((*to, "--pattern", "aprilgrid:6x6:24mm", *size), 2, ("board 0", "AprilGrid")),
                 (("--to", "puzzlepaint", "-o", self.path("never/c.yaml")), 2,
                  ("has features", "puzzlepaint-dataset"))):
             with self.subTest(words):

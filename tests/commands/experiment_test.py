@@ -238,7 +238,7 @@ class Experiment(CommandTest):
                              "-o", self.path("smaller")))
         refused(2, "image size differs", "--camera", camera, "--camera",
                 self.path("smaller/true_camera.yaml"))
-        refused(1, "7 of them", *7 * ("--camera", fit))
+        refused(1, "7 cameras", *7 * ("--camera", fit))
         refused(2, "camera.yaml", "--camera", self.path("refused"))
 
     def test_residual_budget(self):

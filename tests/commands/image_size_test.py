@@ -31,7 +31,7 @@ class ImageSize(CommandTest):
             for board in BOARDS:
                 with self.subTest(board=board, size=(width, height)):
                     self.assert_refused(self.detect(path, pattern=board), 2,
-                                        f"{width} x {height} pixels", "too small for a board")
+                                        f"{width} x {height} pixels", "too small to show a board")
 
     def test_as_long_as_images_may_be(self):
         for width, height in ((16384, 40), (40, 16384), (16383, 40)):

@@ -348,7 +348,7 @@ class Meshes(CommandTest):
         for name, code, more, words in (
                 ("dw100", 1, ("--size", "644x480"), ("multiples of 8", "width of 644")),
                 ("dw100", 1, ("--stride", "8"), ("--stride", "not supported by")),
-                ("dw100", 6, (*WITHOUT_BORDER, "--max-fit-error-px", "0.01"), ("0.01 px", "at most", "RMS")),
+                ("dw100", 6, (*WITHOUT_BORDER, "--max-fit-error-px", "0.01"), ("0.01 px", "max", "RMS")),
                 ("ti-ldc", 1, ("--stride", "12"), ("--stride 12", "power of 2")),
                 ("rockchip-ldch", 6, WITHOUT_BORDER, ("rows only", "rockchip-fec", "--max-fit-error-px")),
                 ("rockchip-ldch", 1, ("--size", "160x120"), ("320 x 240", "--size")),

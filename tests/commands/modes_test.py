@@ -85,7 +85,7 @@ class Modes(CommandTest):
         self.assert_done(run("undistort", blob, self.path("in/whole.png"), "-o",
                              self.path("there")))
         back = ("undistort", blob, self.path("there/whole.png"), "-o", self.path("back"))
-        self.assert_refused(run(*back, "--remap-index", 1), 1, "distorts", "--inverse")
+        self.assert_refused(run(*back, "--remap-index", 1), 1, "inverse remap", "--inverse")
         self.assert_refused(run("undistort", blob, self.path("in/whole.png"), "--remap-index", 1,
                                 "--inverse", "-o", self.path("back")), 8, "200 x 150",
                             "images of its view")

@@ -70,7 +70,7 @@ class Names(CommandTest):
 
     def test_names_without_quotes_are_refused_where_they_need_some(self):
         plain = self.features(["a,b.png"] + NAMES[11:] + NAMES[:10], quote=lambda name: name)
-        self.assert_refused(self.calibrate(plain), 2, "features.csv, line", "quotes")
+        self.assert_refused(self.calibrate(plain), 2, "features.csv, line", "quote names")
 
     def test_names_that_are_not_utf8_are_refused_before_the_work(self):
         latin = self.features(["caf\udce9.png"] + NAMES[1:])

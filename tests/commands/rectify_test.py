@@ -119,7 +119,7 @@ class Rectify(CommandTest):
             self.assertIn(word, result.stdout)
         result = self.rectify("--hfov", 70, out="words")
         self.assert_done(result)
-        self.assertIn("sees 70.0 x", result.stdout)
+        self.assertIn("field of view 70.0 x", result.stdout)
 
     def test_same_bytes_with_any_number_of_threads(self):
         for threads in (1, 2):
@@ -137,7 +137,7 @@ class Rectify(CommandTest):
                  ("cam1 is to the right of cam0", "--left cam0 --right cam1")),
                 ((1, back, (-0.1, 0, 0)), {}, ("do not overlap", "cam0 and cam1")),
                 ((1, (1, 0, 0, 0), (0, 0, 0)), {}, ("no baseline",)),
-                ((1, (1, 0, 0, 0), (0, 0, -0.3)), {}, ("behind",)),
+                ((1, (1, 0, 0, 0), (0, 0, -0.3)), {}, ("epipoles",)),
                 ((1, (1, 0, 0, 0), (0, 0.1, 0)), {}, ("below", "--left cam1 --right cam0"))):
             with self.subTest(words[0]):
                 moved = self.pose_of(*rig) if rig else None
@@ -146,7 +146,7 @@ class Rectify(CommandTest):
 
     def test_options_that_cannot_be(self):
         for arguments, words in (
-                (("--alpha", "1.5"), ("alpha of 1.5",)), (("--alpha", "x"), ("--alpha",)),
+                (("--alpha", "1.5"), ("alpha 1.5",)), (("--alpha", "x"), ("--alpha",)),
                 (("--alpha", 0, "--hfov", 60), ("give one",)), (("--hfov", 180), ("170",)),
                 (("--size", "0x10"), ("--size",)), (("--size", "10"), ("640x480",)),
                 (("--size", "9000x9000"), ("8192",)), (("--distance", "2"), ("--distance",)),

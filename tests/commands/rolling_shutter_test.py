@@ -135,7 +135,7 @@ class RollingShutterTest(CommandTest):
                   "temperature"], 1, "cannot be combined with --vary-with"),
                 (["--rolling-shutter", "--timestamps", self.path("none.csv")], 2, "none.csv"),
                 (["--rolling-shutter", "--timestamps", times("image,time\na,1\n")], 2, "time_s"),
-                (["--rolling-shutter", "--timestamps", times(rows + "sim0000.png,99\n")], 2, "twice"),
+                (["--rolling-shutter", "--timestamps", times(rows + "sim0000.png,99\n")], 2, "duplicate image"),
                 (["--rolling-shutter", "--timestamps", times(rows + "other.png,0\n")], 2, "have the same time stamp"),
                 (["--rolling-shutter", "--timestamps", times("image,time_s\nx.png,1\n")], 2,
                  "no image of the calibration")):

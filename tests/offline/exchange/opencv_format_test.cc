@@ -186,11 +186,12 @@ TEST(OpenCvFormat, SaysWhatIsMissingOrWrong) {
   expect(TextWith(kYaml, "501.", "1e999"), {"camera_matrix", "finite"});
   expect(TextWith(kYaml, "5.00", "x5.00"), {"camera_matrix"});
   expect(TextWith(kYaml, "0., 1. ]", "0., 2. ]"), {"camera_matrix"});
-  expect(TextWith(kYaml, "cols: 5", "cols: 6"), {"5 numbers where 1 x 6"});
+  expect(TextWith(kYaml, "cols: 5", "cols: 6"),
+         {"5 numbers, but its size is 1 x 6"});
   expect(TextWith(TextWith(kYaml, ", 0.25", ", 0, 1"), "cols: 5", "cols: 6"),
          {"6 distortion coefficients"});
   expect(kYaml + std::string("distortion_model: brown\n"), {"'brown'"});
-  expect(TextWith(kYaml, "dt: d", "dt: 2d"), {"not of 1 channel"});
+  expect(TextWith(kYaml, "dt: d", "dt: 2d"), {"expected 1 channel"});
   expect(TextWith(kXml, "opencv_storage", "other"), {"line"});
   expect(TextWith(kYaml, "image_width: 640", "image_width: 640.5"), {"size"});
 }

@@ -174,7 +174,7 @@ TEST(PuzzlepaintFormat, SaysWhatIsWrongWithPosesAndPoints) {
       ParsePuzzlepaintPoses("f", TextWith(kOnePose, old, by));
     });
   };
-  expect("index: 1", "index: 3", {"poses[0]: index 3", "pose_count is 3"});
+  expect("index: 1", "index: 3", {"poses[0]: index 3", "pose_count 3"});
   expect("index: 1", "index: -1", {"poses[0]: index", "0 to 1000000"});
   expect("pose_count: 3", "pose_count: 1e9", {"pose_count"});
   expect("pose_count: 3", "count: 3", {"pose_count"});

@@ -277,7 +277,7 @@ TEST(Rectify, RefusesPairsThatNoTwoImagesShow) {
   expect_refused(SideBySide(), -0.1, {"alpha of -0.1"});
   TestPair wide = SideBySide();
   wide.first = wide.second = SimulatedLens("fisheye190", kPairSize);
-  expect_refused(wide, 1, {"alpha of 1", "alpha 0 or hfov"});
+  expect_refused(wide, 1, {"alpha 1", "alpha 0 or hfov"});
 }
 
 TEST(Rectify, ShowsAsMuchOfFisheyesAsIsOfUse) {

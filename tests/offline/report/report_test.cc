@@ -238,7 +238,8 @@ TEST(ResultFolder, HoldsAllThatTheReportSays) {
   for (const char* part :
        {"1.83 times that of white noise", "Verdict: warn", "only 2 images",
         "12345 bytes", "40.0 (chosen)", "central-radial", "white noise",
-        "(3, 4): 5.00 px off", "front", "1.7 px from the fleet&#39;s middle"})
+        "(3, 4): residual 5.00 px", "front",
+        "1.7 px RMS from the population mean"})
     EXPECT_TRUE(Has(html, part)) << part;
   EXPECT_EQ(ReportOf(out), html);
 }
@@ -514,7 +515,7 @@ TEST(RigReport, ListsTheCamerasAndHowTheyStand) {
   const std::string html = FormatRigReport(ExampleRig());
   for (const char* part :
        {"Verdict: fail", "href=\"left/report.html\"", "right, training",
-        "500.0000 &plusmn; 0.2500", "28.6479", "</html>"})
+        "500.00 &plusmn; 0.25", "28.6", "</html>"})
     EXPECT_TRUE(Has(html, part)) << part;
   for (const char* reference : {"http", "<link", "<script src", "url("})
     EXPECT_FALSE(Has(WithoutLibrary(html), reference)) << reference;
