@@ -142,7 +142,7 @@ class Update(CommandTest):
         write(self.slots, bytes(slots))
         refused = run("inspect", self.slots)
         self.assert_refused(refused, 8, "neither slot")
-        self.assertIn("not whole", refused.stdout)
+        self.assertIn("incomplete", refused.stdout)
 
     def put(self, index, sequence, blob):
         """What a program writes that does not look at the blob: its CRCs are right."""
@@ -164,16 +164,16 @@ class Update(CommandTest):
                 self.assert_done(told)
                 facts = json.loads(told.stdout)
                 self.assertEqual(facts["newest"], 1 - newest_slot)
-                self.assertEqual(facts[f"slot {newest_slot}"]["state"], "does not open")
+                self.assertEqual(facts[f"slot_{newest_slot}"]["state"], "unreadable")
                 self.assertEqual(facts[f"slot {newest_slot}"]["bytes"], len(bad))
-                self.assertEqual(facts[f"slot {1 - newest_slot}"]["state"], "whole")
+                self.assertEqual(facts[f"slot {1 - newest_slot}"]["state"], "valid")
                 self.assert_done(self.update("c"))
                 self.check_newest(newest_slot, 5, "c")
         for index in (0, 1):
             self.put(index, 4 + index, b"damaged")
         refused = run("inspect", self.slots)
         self.assert_refused(refused, 8, "neither slot")
-        self.assertEqual(refused.stdout.count("does not open"), 2)
+        self.assertEqual(refused.stdout.count("unreadable"), 2)
         self.assert_done(self.update("c"))
         self.check_newest(0, 6, "c")
 
