@@ -19,7 +19,7 @@ struct CountedCell {
   bool is_calibrated = false;  // lies in the camera's area
 };
 
-// The cells of the image, or of its image circle. Their weights sum up to 1.
+// The cells of the image, or of its image circle.
 std::vector<CountedCell> CellsOf(const CameraModel& camera,
                                  const std::optional<ImageCircle>& circle,
                                  const TrustMask& mask) {
@@ -28,7 +28,6 @@ std::vector<CountedCell> CellsOf(const CameraModel& camera,
     return std::min(mask.cell_px, num_pixels - index * mask.cell_px);
   };
   std::vector<CountedCell> cells;
-  double sum = 0;
   for (int cell = 0; cell < mask.columns * mask.rows; ++cell) {
     const int column = cell % mask.columns, row = cell / mask.columns;
     const double width = extent(column, size.width);
@@ -38,10 +37,14 @@ std::vector<CountedCell> CellsOf(const CameraModel& camera,
     if (circle && !circle->Contains(center)) continue;
     cells.push_back(
         {cell, center, width * height, camera.area().Contains(center)});
-    sum += width * height;
   }
-  for (CountedCell& cell : cells) cell.num_pixels /= sum;
   return cells;
+}
+
+double SumOf(const std::vector<CountedCell>& cells) {
+  double sum = 0;
+  for (const CountedCell& cell : cells) sum += cell.num_pixels;
+  return sum;
 }
 
 // The thirds of the image, across or down, that a pixel is in: 0 to 2.
@@ -108,23 +111,27 @@ UncertaintySummary SummarizeUncertainty(const CameraModel& camera,
                                         const CameraUncertainty& uncertainty) {
   UncertaintySummary summary;
   summary.median_px = uncertainty.lattice.MedianPx();
-  for (const CountedCell& cell :
-       CellsOf(camera, camera.image_circle(), uncertainty.mask)) {
+  const std::vector<CountedCell> cells =
+      CellsOf(camera, camera.image_circle(), uncertainty.mask);
+  for (const CountedCell& cell : cells) {
     if (!cell.is_calibrated) continue;
     const double px = uncertainty.lattice.At(camera.area(), cell.center);
     for (size_t k = 0; k < kShareLimitsPx.size(); ++k)
       if (px < kShareLimitsPx[k]) summary.share_below[k] += cell.num_pixels;
   }
+  for (double& share : summary.share_below) share /= SumOf(cells);
   summary.valid_share = ValidShare(camera, uncertainty.mask);
   return summary;
 }
 
 double ValidShare(const CameraModel& camera, const TrustMask& valid) {
-  double share = 0;
-  for (const CountedCell& cell : CellsOf(camera, camera.image_circle(), valid))
+  const std::vector<CountedCell> cells =
+      CellsOf(camera, camera.image_circle(), valid);
+  double num_valid = 0;
+  for (const CountedCell& cell : cells)
     if (cell.is_calibrated && valid.is_trusted[cell.cell])
-      share += cell.num_pixels;
-  return share;
+      num_valid += cell.num_pixels;
+  return num_valid / SumOf(cells);
 }
 
 std::string UncertaintySentence(const UncertaintySummary& summary,
@@ -145,7 +152,9 @@ ExtrapolatedRegion FindExtrapolatedRegion(
   const ImageSize& size = camera.image_size();
   std::array<std::array<double, 3>, 3> shares = {}, all = {};
   std::vector<double> uncertainties_px;
-  for (const CountedCell& cell : CellsOf(camera, image_circle, supported)) {
+  const std::vector<CountedCell> cells =
+      CellsOf(camera, image_circle, supported);
+  for (const CountedCell& cell : cells) {
     const int column = ThirdOf(cell.center.x(), size.width);
     const int row = ThirdOf(cell.center.y(), size.height);
     all[row][column] += cell.num_pixels;
@@ -156,6 +165,7 @@ ExtrapolatedRegion FindExtrapolatedRegion(
     if (std::isfinite(px)) uncertainties_px.push_back(px);
   }
   if (region.share == 0) return region;
+  region.share /= SumOf(cells);
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column)
       if (all[row][column] > 0) shares[row][column] /= all[row][column];

@@ -82,7 +82,7 @@ constexpr RenamedKey kRenamedKeys[] = {
     {"tried", "two_cameras", "two_cameras_suspected"},
     {"packing", "remarks", "warnings"},
     {"", "board_bodies", "rigid_targets"},
-    {"", "rigid_target_summary", "rigid_target_summary"},
+    {"", "boards_told", "rigid_target_summary"},
     {"board_pairs", "fixed", "rigid"},
     {"board_pairs", "instants", "frames"},
     {"board_pairs", "deviation_mm", "translation_sd_m", kMm},

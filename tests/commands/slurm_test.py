@@ -74,7 +74,7 @@ class Slurm(CommandTest):
                               "echo 'sbatch: a warning'; echo '77;cluster'\n"):
             result = run("batch", plan, "-o", folder + "/out", "--slurm", "--json", "--seed", 5)
         self.assert_done(result)
-        self.assertEqual(json.loads(result.stdout), {"array_job": "77", "tasks": 1000, "gather_job": "77"})
+        self.assertEqual(json.loads(result.stdout), {"schema_version": 1, "array_job": "77", "tasks": 1000, "gather_job": "77"})
         words = read(self.path("words")).decode().splitlines()
         for word in ("--array=0-999", "--requeue", "--open-mode=append", "--dependency=afterany:77",
                      "--cpus-per-task=1", f"--output={folder.replace('%', '%%')}/out/.slurm/%a.log"):

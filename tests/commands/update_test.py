@@ -164,7 +164,7 @@ class Update(CommandTest):
                 self.assert_done(told)
                 facts = json.loads(told.stdout)
                 self.assertEqual(facts["newest"], 1 - newest_slot)
-                self.assertEqual(facts[f"slot {newest_slot}"]["state"], "invalid")
+                self.assertEqual(facts[f"slot_{newest_slot}"]["state"], "unreadable")
                 self.assertEqual(facts[f"slot {newest_slot}"]["bytes"], len(bad))
                 self.assertEqual(facts[f"slot {1 - newest_slot}"]["state"], "valid")
                 self.assert_done(self.update("c"))
@@ -173,7 +173,7 @@ class Update(CommandTest):
             self.put(index, 4 + index, b"damaged")
         refused = run("inspect", self.slots)
         self.assert_refused(refused, 8, "neither slot")
-        self.assertEqual(refused.stdout.count("invalid"), 2)
+        self.assertEqual(refused.stdout.count("unreadable"), 2)
         self.assert_done(self.update("c"))
         self.check_newest(0, 6, "c")
 
