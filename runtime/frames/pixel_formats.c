@@ -10,26 +10,27 @@
 #define FIELD(digit, value)           \
   ((uint32_t)(value) << 3 * (digit) | \
    (uint32_t)(0 * sizeof(char[(value) < 8 ? 1 : -1])))
-#define COMPONENT(plane, first, step, channels, lx, ly, hx, hy, row, row_step) \
-  FIELD(9, plane) | FIELD(8, first) | FIELD(7, step) | FIELD(6, channels) |    \
-      FIELD(5, lx) | FIELD(4, ly) | FIELD(3, hx) | FIELD(2, hy) |              \
+#define RG_COMPONENT(plane, first, step, channels, lx, ly, hx, hy, row,     \
+                     row_step)                                              \
+  FIELD(9, plane) | FIELD(8, first) | FIELD(7, step) | FIELD(6, channels) | \
+      FIELD(5, lx) | FIELD(4, ly) | FIELD(3, hx) | FIELD(2, hy) |           \
       FIELD(1, row) | FIELD(0, row_step),
 #define NUM_FIELDS 10u
 
-static const uint32_t kLattices[] = {RG_COMPONENTS(COMPONENT)};
+static const uint32_t kLattices[] = {RG_COMPONENTS};
 #define NUM_LATTICES (sizeof(kLattices) / sizeof(kLattices[0]))
 
 /* A format in 16 bits. */
 #define FORMAT_ROW_PAIRS 1u /* its rows come in pairs */
-#define FORMAT(name, kind, first_lattice, num_lattices, row_pairs, ...) \
-  [RG_FORMAT_##name] =                                                  \
-      ((kind) << 11 | (first_lattice) << 4 | ((num_lattices)-1) << 1 |  \
-       ((row_pairs) ? FORMAT_ROW_PAIRS : 0u)),
+#define RG_PIXEL_FORMAT(name, kind, first_lattice, num_lattices, row_pairs, \
+                        ...)                                                \
+  ((kind) << 11 | (first_lattice) << 4 | ((num_lattices)-1) << 1 |          \
+   ((row_pairs) ? FORMAT_ROW_PAIRS : 0u)),
 #define KIND_OF(format) ((uint32_t)(format) >> 11)
 #define FIRST_OF(format) ((uint32_t)(format) >> 4 & 127)
 #define LAST_OF(format) ((uint32_t)(format) >> 1 & 7)
 
-static const uint16_t kFormats[] = {RG_PIXEL_FORMATS(FORMAT)};
+static const uint16_t kFormats[] = {RG_PIXEL_FORMATS};
 
 /* Fails to compile where a table lacks an entry, or an index does not fit. */
 #define ASSERT_LATTICES(name, condition) \
@@ -61,10 +62,8 @@ uint32_t rg_row_pairs(rg_format format) {
 }
 
 /* Of each kind; of RGB565, a fourth of a word. */
-#define SAMPLE_BITS(kind, bits) [kind] = (bits),
-static const uint8_t kSampleBits[] = {RG_SAMPLE_BITS(SAMPLE_BITS)};
-ASSERT_LATTICES(every_kind_has_its_bits,
-                sizeof(kSampleBits) == RG_SAMPLE_565 + 1);
+#define RG_SAMPLE_KIND(kind, bits) [kind] = (bits),
+static const uint8_t kSampleBits[RG_SAMPLE_565 + 1] = {RG_SAMPLE_KINDS};
 
 uint32_t rg_plane_row_bytes(const rg_lattice* lattice, uint32_t width) {
   const uint32_t num_pixels = width >> lattice->log2[0];

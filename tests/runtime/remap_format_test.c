@@ -22,9 +22,9 @@ typedef struct plane_size {
   uint32_t bytes_per_8, rows_per_row;
 } plane_size;
 
-#define PLANES(name, kind, first, num, row_pairs, ...) \
+#define RG_PIXEL_FORMAT(name, kind, first, num, row_pairs, ...) \
   [RG_FORMAT_##name] = {__VA_ARGS__},
-static const plane_size kPlanes[RG_NUM_FORMATS][3] = {RG_PIXEL_FORMATS(PLANES)};
+static const plane_size kPlanes[RG_NUM_FORMATS][3] = {RG_PIXEL_FORMATS};
 
 /* A table of a blob, and the CRCs of its frames. */
 typedef struct golden_table {

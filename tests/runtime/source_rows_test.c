@@ -96,10 +96,9 @@ static void no_row_is_missing_however_positions_are_rounded(void** state) {
   }
 }
 
-#define ROW_PAIRS(name, kind, first, num, row_pairs, ...) \
+#define RG_PIXEL_FORMAT(name, kind, first, num, row_pairs, ...) \
   [RG_FORMAT_##name] = (row_pairs),
-static const uint8_t kHasRowPairs[RG_NUM_FORMATS] = {
-    RG_PIXEL_FORMATS(ROW_PAIRS)};
+static const uint8_t kHasRowPairs[RG_NUM_FORMATS] = {RG_PIXEL_FORMATS};
 
 /* Up to the last row of 41. */
 static void no_rows_are_told_that_no_frame_has(void** state) {

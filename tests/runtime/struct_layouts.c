@@ -83,8 +83,8 @@ static void print_frames(void) {
 }
 
 static void print_formats(void) {
-#define FORMAT(name, ...) CONSTANT(RG_FORMAT_##name);
-  RG_PIXEL_FORMATS(FORMAT)
+#define RG_PIXEL_FORMAT(name, ...) CONSTANT(RG_FORMAT_##name);
+  RG_PIXEL_FORMATS
   CONSTANT(RG_NUM_FORMATS);
 }
 
