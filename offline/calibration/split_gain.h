@@ -1,12 +1,11 @@
 #ifndef RAYGRID_CALIBRATION_SPLIT_GAIN_H
 #define RAYGRID_CALIBRATION_SPLIT_GAIN_H
 
-#include <Eigen/Core>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "calibration/adjusted.h"
+#include "calibration/camera_equations.h"
 
 namespace raygrid {
 
@@ -23,14 +22,7 @@ class SplitGain {
   double LeftPart(const std::set<std::string>& first) const;
 
  private:
-  // A view's normal equations of the camera.
-  struct OfView {
-    std::string image;
-    Eigen::MatrixXd hessian;
-    Eigen::VectorXd gradient;
-  };
-
-  std::vector<OfView> views_;
+  std::vector<CameraEquations> views_;
   double squares_ = 0;
 };
 
