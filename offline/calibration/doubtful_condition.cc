@@ -20,6 +20,8 @@ constexpr double kStatedPart = 0.02;   // of the range, that decimals show
 constexpr double kPerMedian = 1.4826;  // a normal deviation by a median
 // A calibration without any wrong value names an image as rarely as this.
 constexpr double kChance = 1e-3;
+// Values that may be wrong by this part of the range unnoticed are said to be.
+constexpr double kHardlyNoticed = 0.5;
 // Values belong to none of the images if more of these are to be left out.
 constexpr double kMostLeftOut = 1.0 / 3;
 
@@ -55,6 +57,14 @@ class StepJudge {
         count_(equations.count()) {
     for (int r = 0; r < equations.num_ranges; ++r)
       scatters_.push_back(ScatterOf(r, equations));
+  }
+
+  // The least error of a value with a deviation that is doubtful.
+  double LeastDoubtful(double deviation, int range) const {
+    constexpr double kStep = 1.05;
+    double error = kLeastPart * WidthOf(ranges_[range]);
+    while (!IsDoubtful({error, deviation}, range)) error *= kStep;
+    return error;
   }
 
   bool IsDoubtful(const ValueStep& step, int range) const {
@@ -148,6 +158,27 @@ std::set<std::string> FindApart(const std::vector<FreeValue>& values,
   return images;
 }
 
+// How well an image's features determine the value of a range: where the camera
+// hardly changes with it, wrong values cannot show.
+UncertainCondition UncertaintyOf(const std::vector<FreeValue>& values,
+                                 const ConditionRange& range, int index,
+                                 const StepJudge& judge) {
+  UncertainCondition uncertainty = {range.condition, WidthOf(range)};
+  if (values.empty()) return uncertainty;
+  std::vector<double> deviations;
+  double mean = 0, squares = 0;
+  for (const FreeValue& value : values) {
+    deviations.push_back(value.deviation);
+    mean += value.stated / static_cast<double>(values.size());
+  }
+  for (const FreeValue& value : values)
+    squares += std::pow((value.stated - mean) / value.deviation, 2);
+  uncertainty.deviation = Quantile(deviations, 0.5);
+  uncertainty.noticed = judge.LeastDoubtful(uncertainty.deviation, index);
+  uncertainty.change_score = std::sqrt(squares);
+  return uncertainty;
+}
+
 // Fits the values of images to a stack that was adjusted without them.
 std::vector<DoubtfulCondition> PredictValues(
     const std::set<std::string>& images, const Adjusted& all,
@@ -193,6 +224,28 @@ std::string UnexplainedCondition::Text() const {
       name, name);
 }
 
+bool UncertainCondition::IsUnobserved() const {
+  constexpr double kSurely = 6;
+  return change_score < kSurely;
+}
+
+std::string UncertainCondition::Text() const {
+  const std::string name = ConditionName(condition),
+                    unit = ConditionUnit(condition);
+  if (IsUnobserved())
+    return fmt::format(
+        "the images show no change of the camera that goes with {}: the value "
+        "that one image's features fit is uncertain by {:.2g} {} (1 σ), over "
+        "a range of {:.2g}; the effect is too small, or the values are not "
+        "those of the images: check them, or calibrate without {}",
+        name, deviation, unit, width, name);
+  return fmt::format(
+      "the camera changes little with {}: the value that one image's features "
+      "fit is uncertain by {:.2g} {} (1 σ), over a range of {:.2g}, so that a "
+      "single wrong value is noticed from {:.2g} {} on",
+      name, deviation, unit, width, noticed, unit);
+}
+
 ConditionCheck CheckConditions(
     const Adjusted& adjusted, const CalibrationProblem& given,
     const std::function<void(Adjusted* fewer)>& readjust, int num_threads) {
@@ -222,6 +275,14 @@ ConditionCheck CheckConditions(
     if (!check.unexplained.empty()) return check;
     const ValueEquations equations = MakeValueEquations(without, num_threads);
     if (equations.count() == 0) return check;
+    check.uncertain.clear();
+    for (size_t r = 0; r < ranges.size(); ++r) {
+      const UncertainCondition uncertainty =
+          UncertaintyOf(FitFreeValues(without, r, num_threads), ranges[r],
+                        static_cast<int>(r), StepJudge(without, equations));
+      if (uncertainty.noticed > kHardlyNoticed * WidthOf(ranges[r]))
+        check.uncertain.push_back(uncertainty);
+    }
     found.merge(FindDoubtfulImages(without, equations));
     if (found.empty()) break;
     left_out.insert(found.begin(), found.end());

@@ -30,11 +30,27 @@ struct UnexplainedCondition {
   std::string Text() const;
 };
 
+/// A condition whose values hardly show in the images.
+struct UncertainCondition {
+  CameraCondition condition = CameraCondition::kLensPosition;
+  double width = 0;      ///< of the range
+  double deviation = 0;  ///< of the value that one image's features fit, 1 σ
+  double noticed = 0;    ///< the least error of one image's value that shows
+  /// How many standard deviations the change over the stated values is away
+  /// from none.
+  double change_score = 0;
+
+  /// Whether the images show no change that belongs to the values.
+  bool IsUnobserved() const;
+  std::string Text() const;
+};
+
 /// The check of stated values against what the images' features fit. Where
 /// values do not explain the images, none is doubtful by itself.
 struct ConditionCheck {
   std::vector<DoubtfulCondition> doubtful;
   std::vector<UnexplainedCondition> unexplained;
+  std::vector<UncertainCondition> uncertain;
 };
 
 /// Checks the stated values of an adjusted stack. given has all features of the

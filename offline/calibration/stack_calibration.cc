@@ -304,6 +304,12 @@ void WarnOf(const ConditionCheck& check, Verdict* verdict) {
   constexpr size_t kMostNamed = 5;
   for (const UnexplainedCondition& condition : check.unexplained)
     Warn(condition.Text(), verdict);
+  for (const UncertainCondition& condition : check.uncertain) {
+    if (condition.IsUnobserved())
+      Warn(condition.Text(), verdict);
+    else
+      verdict->reasons.push_back(condition.Text());
+  }
   const std::vector<DoubtfulCondition>& doubtful = check.doubtful;
   if (doubtful.empty()) return;
   std::string names;

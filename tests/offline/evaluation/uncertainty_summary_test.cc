@@ -6,18 +6,18 @@
 namespace raygrid {
 namespace {
 
-constexpr ImageSize kSize = {640, 480};
+constexpr ImageSize kSummarySize = {640, 480};
 
 std::unique_ptr<CameraModel> Camera() {
   return std::make_unique<OpenCvModel>(
-      kSize, Area{0, 0, 639, 479},
+      kSummarySize, Area{0, 0, 639, 479},
       OpenCvModel::ParameterArray{500, 500, 319.5, 239.5});
 }
 
 // Supported but for the cells that a function names.
 template <typename IsBeyond>
 TrustMask SupportedBut(const IsBeyond& is_beyond) {
-  TrustMask mask = TrustMask::Over(kSize);
+  TrustMask mask = TrustMask::Over(kSummarySize);
   for (int cell = 0; cell < mask.columns * mask.rows; ++cell)
     mask.is_trusted[cell] = !is_beyond(mask.CellCenter(cell));
   return mask;
