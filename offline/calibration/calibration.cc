@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -15,7 +16,6 @@
 #include "calibration/divergence.h"
 #include "calibration/frame_adjustment.h"
 #include "calibration/grid_choice.h"
-#include "calibration/image_transforms.h"
 #include "calibration/input_checks.h"
 #include "calibration/measuring_again.h"
 #include "calibration/model_choice.h"
@@ -28,7 +28,6 @@
 #include "calibration/same_views.h"
 #include "calibration/starting_lens.h"
 #include "calibration/stopwatch.h"
-#include "calibration/target_geometry.h"
 #include "calibration/two_cameras.h"
 #include "camera/model_fitting.h"
 #include "dataset/error.h"
@@ -56,6 +55,45 @@ bool HasEnoughViews(const std::vector<Dataset>& cameras,
                                return image.features.size() >= kMinViewFeatures;
                              }) >= kMinImages;
       });
+}
+
+// How far points of a board were estimated from where the pattern says, within
+// its plane, after the best motion and scale, RMS.
+double MovedM(const Board& given, const Board& found) {
+  const auto count = static_cast<Eigen::Index>(given.points.size());
+  if (count < 3 || found.points.size() != given.points.size()) return 0;
+  Eigen::Matrix3Xd from(3, count), to(3, count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    from.col(k) = given.points[k];
+    to.col(k) = found.points[k];
+  }
+  const Eigen::Matrix4d similarity = Eigen::umeyama(from, to, true);
+  const Eigen::Vector3d normal =
+      similarity.topLeftCorner<3, 3>().col(2).normalized();
+  const Eigen::Matrix3Xd moves =
+      to - (similarity * from.colwise().homogeneous()).topRows<3>();
+  return (moves - normal * (normal.transpose() * moves)).norm() /
+         std::sqrt(static_cast<double>(count));
+}
+
+// Warns of boards whose points are estimated far from where the pattern says:
+// no printer is off by as much, and the estimate holds on to the pattern.
+void WarnOfOtherGeometry(const Pattern& given, const Pattern& found,
+                         Verdict* verdict) {
+  constexpr double kMostPart = 0.01;  // of a square
+  for (size_t b = 0; b < given.boards.size(); ++b) {
+    const Board& board = given.boards[b];
+    const double moved_m = MovedM(board, found.boards[b]);
+    if (!(moved_m > kMostPart * board.square_m) || board.kind == "points")
+      continue;
+    if (verdict->word == "pass") verdict->word = "warn";
+    verdict->reasons.push_back(fmt::format(
+        "the points of board {} are {:.2g} mm (RMS) from where the pattern "
+        "says, {:.2g} % of a square: the print is stretched, or the "
+        "pattern is of another board, and the camera is wrong by it; measure "
+        "the print in both directions, and correct the pattern",
+        board.id, 1e3 * moved_m, 100 * moved_m / board.square_m));
+  }
 }
 
 // The steps of a calibration, in this order. Each goes over all cameras.
@@ -102,9 +140,6 @@ class Calibration {
   }
   void LookForSameViews();
   void StartFromImages(CameraInProgress* camera) const;
-  void StartWithoutTransformed(CameraInProgress* camera) const;
-  bool LeaveOutTransformed(const Adjusted* joint,
-                           CameraInProgress* camera) const;
   void TurnBoards(const BoardTurns& turns, CameraInProgress* camera) const;
   void TurnBoardsAcrossCameras();
   void TurnBoardsByGeometry();
@@ -112,7 +147,6 @@ class Calibration {
       const std::vector<std::pair<std::string, int>>& doubtful);
   void FillResults();
   void AdjustFromComparison();
-  void LookForTransformedImages();
   void LookForTwoCameras();
   void CompareModels();
   void TellUncertainty(CameraInProgress* camera, int num_threads) const;
@@ -264,48 +298,11 @@ void Calibration::StartFromImages(CameraInProgress* camera) const {
   }
 }
 
-// Leaves images out that were changed after they were taken, if there are any.
-bool Calibration::LeaveOutTransformed(const Adjusted* joint,
-                                      CameraInProgress* camera) const {
-  std::vector<TransformedImages> found = FindTransformedImages(
-      camera->dataset, pattern_, joint, AdjustmentOptionsOf(options_));
-  camera->dataset = WithoutTransformed(camera->dataset, found);
-  camera->split.training = WithoutTransformed(camera->split.training, found);
-  camera->split.test = WithoutTransformed(camera->split.test, found);
-  camera->transformed.insert(camera->transformed.end(), found.begin(),
-                             found.end());
-  return !found.empty();
-}
-
-void Calibration::StartWithoutTransformed(CameraInProgress* camera) const {
-  constexpr int kMostTransforms = 4;
-  try {
-    StartFromImages(camera);
-  } catch (const Error& error) {
-    if (error.code() != ExitCode::kInitialization ||
-        !LeaveOutTransformed(nullptr, camera))
-      throw;
-    StartFromImages(camera);
-  }
-  const auto is_likely = [&] {
-    const std::vector<FeatureResidual> residuals =
-        TrainingResiduals(pattern_, camera->lens, 0, options_.num_threads);
-    return !camera->lens.rejected_images.empty() ||
-           ErrAlike(NeighborCorrelation(residuals).value_or(0),
-                    ComputeErrorFigures(residuals)) ||
-           !ImagesApart(residuals).empty();
-  };
-  for (int k = 0; k < kMostTransforms && is_likely(); ++k) {
-    if (!LeaveOutTransformed(&camera->lens, camera)) break;
-    StartFromImages(camera);
-  }
-}
-
 void Calibration::Start() {
   const Stopwatch stopwatch(&result_.seconds["start"]);
   ForEachCamera(
       {"initialization", 0, 0.05}, [&](CameraInProgress* camera, auto) {
-        StartWithoutTransformed(camera);
+        StartFromImages(camera);
         if (!IsParametricModel(options_.model))
           camera->lens.problem.base_model =
               ChooseBaseModel(AdjustmentOptionsOf(options_), camera->lens);
@@ -674,28 +671,6 @@ void Calibration::AdjustFromComparison() {
   TellUncertainty(&camera, options_.num_threads);
 }
 
-// Once more where more than noise is left: what a parametric lens does not
-// follow may have hidden them.
-void Calibration::LookForTransformedImages() {
-  constexpr double kCellsAcross = 8;
-  if (IsRig() || options_.ShouldStop()) return;
-  CameraInProgress& camera = cameras_.front();
-  if (IsOneCamera(camera.result)) return;
-  const Stopwatch stopwatch(&result_.seconds["two_cameras"]);
-  const ImageSize& size = camera.dataset.image_size;
-  AdjustmentOptions adjustment = StoppableAdjustment(options_);
-  adjustment.fix_points = true;
-  Adjusted coarse = camera.lens;
-  AdjustModel(pattern_, "central-generic",
-              {std::max(size.width, size.height) / kCellsAcross}, adjustment,
-              &coarse);
-  for (TransformedImages& found : FindTransformedImages(
-           camera.split.training, pattern_, &coarse, adjustment)) {
-    found.is_left_out = false;
-    camera.transformed.push_back(std::move(found));
-  }
-}
-
 // The cameras of a rig are told apart by those who give them.
 void Calibration::LookForTwoCameras() {
   if (IsRig() || options_.ShouldStop()) return;
@@ -743,7 +718,6 @@ void Calibration::CompareModels() {
 }
 
 void Calibration::CompareWithOthers() {
-  LookForTransformedImages();
   LookForTwoCameras();
   CompareModels();
 }
@@ -796,8 +770,6 @@ RigResult Calibration::Judge() {
     if (is_interrupted) camera.result.checkpoint = std::move(camera.checkpoint);
     if (!is_interrupted && options_.like && options_.like_spread)
       FillFleetDistance(*options_.like, *options_.like_spread, &camera.result);
-    for (RejectedImage& image : AsRejected(camera.transformed))
-      camera.result.rejected_images.push_back(std::move(image));
     NameUnusedImages(camera.dataset, camera.input->skipped, &camera.result);
     NameImagesLeftOut(camera, pattern_, &camera.result.rejected_images);
     if (!is_interrupted)
@@ -807,9 +779,6 @@ RigResult Calibration::Judge() {
     if (!is_interrupted)
       WarnOfOtherGeometry(pattern_, camera.result.pattern,
                           &camera.result.verdict);
-    WarnOfTransformedImages(camera.transformed,
-                            camera.input->dataset.images.size(),
-                            &camera.result.verdict);
     camera.result.turns = camera.turns;
     result_.cameras.push_back(std::move(camera.result));
   }

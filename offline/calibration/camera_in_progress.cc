@@ -7,7 +7,7 @@
 namespace raygrid {
 
 Dataset AllFeatures(const CameraInProgress& camera, const Pattern& pattern) {
-  Dataset all = WithoutTransformed(camera.input->dataset, camera.transformed);
+  Dataset all = camera.input->dataset;
   if (camera.checkpoint.measured_again) {
     std::map<std::string, const ImageFeatures*> again;
     for (const ImageFeatures& image : camera.checkpoint.measured_again->images)

@@ -4,7 +4,6 @@
 #include "calibration/board_turns.h"
 #include "calibration/calibration.h"
 #include "calibration/cross_validation.h"
-#include "calibration/image_transforms.h"
 #include "calibration/model_adjustment.h"
 
 namespace raygrid {
@@ -12,10 +11,7 @@ namespace raygrid {
 /// A camera that is being calibrated.
 struct CameraInProgress {
   const CalibrationInput* input = nullptr;
-  /// As given, without images of the same view, and without those that were
-  /// changed after they were taken.
-  Dataset dataset;
-  std::vector<TransformedImages> transformed;
+  Dataset dataset;  ///< as given, without images of the same view
   /// The features of all images as if frames were read at once, if motion was
   /// taken out.
   std::optional<Dataset> still;

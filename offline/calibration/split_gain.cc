@@ -1,12 +1,56 @@
 #include "calibration/split_gain.h"
 
+#include <Eigen/Cholesky>
+
+#include "adjustment/view_jacobian.h"
+
 namespace raygrid {
+namespace {
+
+constexpr int kMaxParameters = 200;
+
+// The derivatives of a view's residuals by its camera's parameters: two rows a
+// residual.
+Eigen::MatrixXd ByCamera(const ViewJacobian& jacobian, int num_parameters) {
+  Eigen::MatrixXd by_camera =
+      Eigen::MatrixXd::Zero(2 * jacobian.count(), num_parameters);
+  for (int i = 0; i < jacobian.count(); ++i) {
+    auto rows = by_camera.middleRows<2>(2 * i);
+    const auto by_node = ViewJacobian::Block(jacobian.by_node, i);
+    for (int node = 0; node < jacobian.num_nodes; ++node)
+      rows.middleCols(jacobian.node_parameter(node, i),
+                      jacobian.num_per_node) +=
+          jacobian.node_weight(node, i) *
+          by_node.leftCols(jacobian.num_per_node);
+    rows.middleCols(jacobian.first_global, jacobian.num_global) +=
+        ViewJacobian::Block(jacobian.by_global, i)
+            .leftCols(jacobian.num_global);
+  }
+  return by_camera;
+}
+
+}  // namespace
 
 SplitGain::SplitGain(const Adjusted& joint, double huber_px, int num_threads) {
-  constexpr int kMaxParameters = 200;
-  if (joint.state.camera().NumParameters() > kMaxParameters) return;
-  views_ = EquationsByView(joint, huber_px, num_threads);
-  for (const CameraEquations& view : views_) squares_ += view.squares;
+  const int num_parameters = joint.state.camera().NumParameters();
+  if (num_parameters > kMaxParameters) return;
+  const std::vector<View>& views = joint.problem.views;
+  const std::vector<ViewJacobian> jacobians =
+      WeightedJacobians(joint.state, views, huber_px, num_threads);
+  for (size_t v = 0; v < views.size(); ++v) {
+    const ViewJacobian& jacobian = jacobians[v];
+    if (jacobian.count() == 0) continue;
+    Eigen::MatrixXd by_camera = ByCamera(jacobian, num_parameters);
+    Eigen::VectorXd error = jacobian.error.reshaped();
+    squares_ += error.squaredNorm();
+    const Eigen::MatrixXd by_pose = jacobian.by_pose.transpose();
+    const Eigen::LDLT<Eigen::MatrixXd> pose(by_pose.transpose() * by_pose);
+    by_camera -= by_pose * pose.solve(by_pose.transpose() * by_camera);
+    error -= by_pose * pose.solve(by_pose.transpose() * error);
+    views_.push_back({joint.problem.images[v],
+                      by_camera.transpose() * by_camera,
+                      by_camera.transpose() * error});
+  }
 }
 
 double SplitGain::LeftPart(const std::set<std::string>& first) const {
@@ -17,12 +61,14 @@ double SplitGain::LeftPart(const std::set<std::string>& first) const {
   for (const bool is_first : {true, false}) {
     Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(size, size);
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(size);
-    for (const CameraEquations& view : views_) {
+    for (const OfView& view : views_) {
       if ((first.count(view.image) > 0) != is_first) continue;
       hessian += view.hessian;
       gradient += view.gradient;
     }
-    gain -= gradient.dot(LeastSquaresChange(hessian, gradient, kRidge));
+    hessian.diagonal() *= 1 + kRidge;
+    hessian.diagonal().array() += kRidge;
+    gain += gradient.dot(hessian.ldlt().solve(gradient));
   }
   return 1 - gain / squares_;
 }

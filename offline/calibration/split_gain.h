@@ -1,11 +1,12 @@
 #ifndef RAYGRID_CALIBRATION_SPLIT_GAIN_H
 #define RAYGRID_CALIBRATION_SPLIT_GAIN_H
 
+#include <Eigen/Core>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "calibration/camera_equations.h"
+#include "calibration/adjusted.h"
 
 namespace raygrid {
 
@@ -22,7 +23,14 @@ class SplitGain {
   double LeftPart(const std::set<std::string>& first) const;
 
  private:
-  std::vector<CameraEquations> views_;
+  // A view's normal equations of the camera.
+  struct OfView {
+    std::string image;
+    Eigen::MatrixXd hessian;
+    Eigen::VectorXd gradient;
+  };
+
+  std::vector<OfView> views_;
   double squares_ = 0;
 };
 
