@@ -513,11 +513,12 @@ void AddBatch(CLI::App* app, CommonOptions* common) {
       AddCommand(app, "batch", "Calibrate many units and analyse the fleet.",
                  "raygrid batch plan.yaml -o out/", common);
   command->footer(
-      "plan.yaml, with paths relative to its folder:\n"
+      "plan.yaml (paths are relative to its folder):\n"
       "  raygrid_batch: 1\n"
       "  pattern: board/pattern.yaml   # or a specification\n"
-      "  model: central-generic        # and other options of calibrate, with\n"
-      "                                # _ for -: image_size, area, ...\n"
+      "  model: central-generic        # any option of calibrate, with _ "
+      "instead\n"
+      "                                # of -: image_size, area, ...\n"
       "  limits: {held_out_median_px: 0.2, focal_px: [790, 810]}\n"
       "  units:\n"
       "    - {serial: A001, images: A001/}\n"
@@ -525,29 +526,32 @@ void AddBatch(CLI::App* app, CommonOptions* common) {
       "    - {serial: R001, cameras: {left: R001/l, right: R001/r}}\n\n" +
       command->get_footer());
   auto arguments = std::make_shared<BatchArguments>();
-  command->add_option("plan", arguments->plan, "plan.yaml: units and options")
+  command
+      ->add_option("plan", arguments->plan,
+                   "plan.yaml, which lists units and options")
       ->required();
   CLI::Option* const unit =
       command
-          ->add_option("--unit", arguments->units,
-                       "calibrate only this unit, or a range such as 3-7, "
-                       "counted from 0 by serial; does not write fleet files")
+          ->add_option(
+              "--unit", arguments->units,
+              "calibrate only this unit, or a range such as 3-7, counted from "
+              "0 in the order of serial numbers; do not write fleet files")
           ->option_text("I[-J]");
   CLI::Option* const gather =
       command
           ->add_flag("--gather", arguments->gather,
-                     "calibrate nothing, only write fleet.csv and fleet.html")
+                     "do not calibrate, only write fleet.csv and fleet.html")
           ->excludes(unit);
   command
       ->add_flag("--slurm", arguments->slurm,
                  "submit a Slurm array job with --threads per task (default: "
-                 "1) and a job that gathers")
+                 "1), and a job that gathers the results")
       ->excludes(unit)
       ->excludes(gather);
   BeginGroup(command, help_group::kOutput);
   command
       ->add_option("-o,--output", arguments->output,
-                   "folder for a result per unit, fleet.csv and fleet.html")
+                   "folder for fleet.csv, fleet.html and one result per unit")
       ->option_text("DIR")
       ->required();
   command->callback([arguments, common] { RunBatch(*arguments, *common); });

@@ -357,41 +357,44 @@ void AddCalibrationInputs(CLI::App* command, CalibrateArguments* arguments) {
                       "images, folders or a capture session");
   command
       ->add_option("--camera", arguments->cameras,
-                   "images of a camera of a rig; repeatable. Images of a frame "
-                   "have the same name in all cameras")
+                   "images of one camera of a rig; repeatable. Images of a "
+                   "frame have the same name in all cameras")
       ->option_text("NAME=DIR")
       ->allow_extra_args(false);
   command
       ->add_option("--sync-by", arguments->instant_by,
-                   "match a rig's images by file name, or by the last number "
+                   "match images of a rig by file name, or by the last number "
                    "in it (left01, right01)")
       ->check(CLI::IsMember({"name", "number"}))
       ->option_text("name|number")
       ->capture_default_str();
   command
-      ->add_option("--features", arguments->features,
-                   "features.csv instead of images; column camera for a rig")
+      ->add_option(
+          "--features", arguments->features,
+          "features.csv instead of images; with a column camera for a rig")
       ->option_text("FILE");
   command
-      ->add_option("--image-size", arguments->image_sizes,
-                   "image size in px, with --features; NAME=WxH for a camera "
-                   "of a rig")
+      ->add_option(
+          "--image-size", arguments->image_sizes,
+          "image size in px, with --features; NAME=WxH for one camera of a rig")
       ->option_text("WxH")
       ->allow_extra_args(false);
-  AddHoldOut(command,
-             "test images (rig: frames) to evaluate and not calibrate with "
-             "(default: cross-validation)",
-             &arguments->hold_out);
+  AddHoldOut(
+      command,
+      "test images (rig: frames), excluded from the calibration and evaluated "
+      "afterwards (default: cross-validation)",
+      &arguments->hold_out);
   command
-      ->add_option("--duplicate-px", arguments->same_view_px,
-                   "skip images whose features moved less since a kept image; "
-                   "0: keep all; auto: 0.1 % of the longer side, at least 1")
+      ->add_option(
+          "--duplicate-px", arguments->same_view_px,
+          "skip images whose features moved by less than this since a kept "
+          "image; 0: keep all; auto: 0.1 % of the longer side, at least 1")
       ->option_text("PX")
       ->capture_default_str();
   command
       ->add_option("--mode", arguments->modes,
-                   "sensor mode of the images in one folder: crop=X,Y,W,H "
-                   "bin=N scale=S size=WxH flip=h|v|hv rotate=180")
+                   "sensor mode of the images in a folder: crop=X,Y,W,H bin=N "
+                   "scale=S size=WxH flip=h|v|hv rotate=180")
       ->option_text("DIR:WORD=VALUE,...")
       ->allow_extra_args(false);
 }
@@ -399,19 +402,19 @@ void AddCalibrationInputs(CLI::App* command, CalibrateArguments* arguments) {
 void AddModelOptions(CLI::App* command, CalibrateArguments* arguments) {
   BeginGroup(command, help_group::kModel);
   command
-      ->add_option("--model", arguments->model,
-                   "auto: the one that predicts held-out images best; or "
-                   "central-generic, noncentral-generic, central-radial, "
-                   "thin-prism-fisheye or opencv")
+      ->add_option(
+          "--model", arguments->model,
+          "central-generic, noncentral-generic, central-radial, "
+          "thin-prism-fisheye, opencv, or auto: chosen by cross-validation")
       ->option_text("NAME")
       ->capture_default_str();
   command->add_flag("--allow-noncentral", arguments->allow_noncentral,
-                    "let auto choose noncentral-generic, whose undistortion "
-                    "needs a distance");
+                    "allow auto to choose noncentral-generic, which can be "
+                    "undistorted for one distance only");
   command
       ->add_option("--knot-spacing-px", arguments->cell_px,
                    "largest knot spacing of the B-spline grid; auto: chosen by "
-                   "held-out error")
+                   "cross-validation")
       ->option_text("PX")
       ->capture_default_str();
   command
@@ -423,22 +426,22 @@ void AddModelOptions(CLI::App* command, CalibrateArguments* arguments) {
       ->capture_default_str();
   command
       ->add_option("--image-circle", arguments->image_circle,
-                   "image circle of a fisheye: auto (detected), none, or "
-                   "X,Y,RADIUS in px; outside, the camera is not calibrated")
+                   "image circle of a fisheye, outside of which the camera is "
+                   "not calibrated: auto (detected), none, or X,Y,RADIUS in px")
       ->option_text("CIRCLE")
       ->capture_default_str();
   command
       ->add_option("--prior", arguments->like,
-                   "camera.yaml of a similar camera, or fleet_camera.yaml, as "
-                   "a prior of the central-generic grid")
+                   "camera.yaml of a similar camera, or fleet_camera.yaml, "
+                   "used as a prior of the central-generic grid")
       ->option_text("FILE");
   command->add_flag("--rolling-shutter", arguments->rolling_shutter,
                     "estimate the line delay from consecutive frames and "
                     "compensate for it");
   command
       ->add_option("--timestamps", arguments->times,
-                   "with --rolling-shutter: CSV image,time_s (default: those "
-                   "of the session)")
+                   "with --rolling-shutter: CSV image,time_s (default: "
+                   "timestamps of the session)")
       ->option_text("FILE");
   AddConditionOptions(command, arguments);
 }
@@ -456,25 +459,27 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                    "; not needed for a capture session");
   AddYes(command, common);
   BeginGroup(command, help_group::kTarget);
-  command->add_flag("--fix-target-geometry", arguments->flat_board,
-                    "do not estimate target geometry: use the nominal points");
+  command->add_flag(
+      "--fix-target-geometry", arguments->flat_board,
+      "do not estimate the target geometry; use the nominal points");
   command->add_flag("--rigid-target", arguments->rigid_board,
                     "do not estimate per-view target deformation");
   command->add_flag("--independent-boards", arguments->boards_move,
-                    "estimate a pose per board (default: boards found to be "
-                    "rigidly connected share one pose)");
+                    "estimate a pose per board (default: one pose for boards "
+                    "detected as rigidly connected)");
   BeginGroup(command, help_group::kOutput);
   command
       ->add_option("-o,--output", arguments->output,
-                   "output folder (default for a session: its calibration/)")
+                   "output folder (default for a session: calibration/ in the "
+                   "session folder)")
       ->option_text("DIR");
   command->add_option("--name", arguments->name, "camera name")
       ->option_text("NAME");
   command->add_option("--serial", arguments->serial, "camera serial number")
       ->option_text("SERIAL");
-  command->add_flag("--skip-comparison", arguments->skip_comparison,
-                    "do not calibrate parametric models for comparison in the "
-                    "report");
+  command->add_flag(
+      "--skip-comparison", arguments->skip_comparison,
+      "do not calibrate parametric models for the comparison in the report");
   command
       ->add_option("--valid-px", arguments->valid_px,
                    "limit of the valid region: predicted uncertainty in px, 1 "
@@ -483,10 +488,9 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
       ->capture_default_str();
   BeginGroup(command, help_group::kAdvanced);
   command->add_flag("--no-refine-features", arguments->measure_once,
-                    "keep features as detected, do not refine them with the "
-                    "estimated camera");
+                    "do not refine features with the estimated camera");
   command->add_flag("--resume", arguments->resume,
-                    "continue an interrupted calibration of the same input, "
+                    "continue an interrupted calibration with the same input, "
                     "options and output folder");
   AddHugeOption(command);
   command->callback([arguments, common] {

@@ -14,9 +14,11 @@ namespace raygrid {
 const char kCaptureSyntaxHelp[] =
     "Capture settings, separated by commas:\n"
     "  crop=X,Y,W,H                   read-out region of the sensor\n"
-    "  lens=DPT, tolerance=DPT        LensPosition in dioptres, and how far a\n"
-    "                                 frame's may differ (default: 0.1)\n"
-    "  zoom=FACTOR, orientation=1..8  relative to the widest; as in EXIF\n"
+    "  lens=DPT, tolerance=DPT        LensPosition in dioptres, and the "
+    "largest\n"
+    "                                 difference accepted in a frame\n"
+    "                                 (default: 0.1)\n"
+    "  zoom=FACTOR, orientation=1..8  1 is the widest angle; as in EXIF\n"
     "  temperature=C, exposure=US, gain=FACTOR\n";
 
 const char kCaptureWordsHelp[] =

@@ -291,15 +291,15 @@ void AddCompare(CLI::App* app, CommonOptions* common) {
       ->required();
   command
       ->add_option("--features", arguments->features,
-                   "features.csv of images that calibrated neither camera: "
-                   "report which camera predicts them better")
+                   "features.csv of images not used to calibrate either "
+                   "camera: report which camera predicts them better")
       ->option_text("FILE");
   BeginGroup(command, help_group::kModel);
   AddAtOption(command, common);
   command
       ->add_option("--distance", arguments->distance_m,
-                   "distance at which non-central cameras are compared, "
-                   "besides infinity")
+                   "distance at which non-central cameras are compared, in "
+                   "addition to infinity")
       ->option_text("M")
       ->check(AboveZero())
       ->capture_default_str();

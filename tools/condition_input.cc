@@ -161,7 +161,7 @@ void AddConditionOptions(CLI::App* command, CalibrateArguments* arguments) {
       ->option_text("QUANTITY");
   command
       ->add_option("--images-at", arguments->cameras_at,
-                   "images taken at one value of --vary-with; repeatable, "
+                   "images taken at this value of --vary-with; repeatable, "
                    "instead of IMAGES")
       ->option_text("VALUE=DIR")
       ->allow_extra_args(false);

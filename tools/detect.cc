@@ -222,7 +222,7 @@ void AddDetectionOptions(CLI::App* command, DetectArguments* arguments) {
       ->default_str("intensities");
   command
       ->add_option("--window", arguments->detection.window_px,
-                   "side of the refinement window, odd, 5 to 101")
+                   "side length of the refinement window, odd, 5 to 101")
       ->check([](const std::string& text) {
         int value = 0;
         return CLI::detail::lexical_cast(text, value) && value >= 5 &&
@@ -234,7 +234,7 @@ void AddDetectionOptions(CLI::App* command, DetectArguments* arguments) {
       ->capture_default_str();
   command
       ->add_option("--cache", arguments->cache,
-                   "cache folder of detections (default: raygrid in "
+                   "cache folder for detections (default: raygrid in "
                    "$XDG_CACHE_HOME or ~/.cache)")
       ->option_text("DIR");
   command->add_flag("--no-cache", arguments->no_cache,

@@ -259,8 +259,8 @@ void AddEvaluate(CLI::App* app, CommonOptions* common) {
       ->required();
   BeginGroup(command, help_group::kTarget);
   command->add_flag("--independent-boards", arguments->boards_move,
-                    "estimate a pose per board even if pattern.yaml declares "
-                    "the boards rigidly connected");
+                    "estimate a pose per board even if pattern.yaml declares a "
+                    "rigid multi-board target");
   command->callback([arguments, common] { Run(*arguments, *common); });
 }
 

@@ -249,7 +249,7 @@ void Run(const ExperimentArguments& arguments, const CommonOptions& common) {
 void AddExperiment(CLI::App* app, CommonOptions* common) {
   CLI::App* command =
       AddCommand(app, "experiment",
-                 "Repeat an experiment of the paper on simulated or real data.",
+                 "Run an experiment of the paper on simulated or real data.",
                  "raygrid experiment pattern-segments -o results/", common);
   command->footer("Experiments:\n" + ListOfExperiments() + "\n" +
                   command->get_footer());
@@ -258,12 +258,12 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
   command->add_option("name", arguments->name, "experiment, see below");
   command
       ->add_option("--result", arguments->result,
-                   "your calibration: output folder of calibrate")
+                   "output folder of your calibration")
       ->option_text("DIR");
   command
       ->add_option("--features", arguments->features,
-                   "your features.csv instead of simulated features; of two "
-                   "cameras for stereo-depth")
+                   "your features.csv instead of simulated features; for "
+                   "stereo-depth, features of two cameras")
       ->option_text("FILE");
   command
       ->add_option("--image-size", arguments->image_size,
@@ -290,8 +290,9 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
       ->option_text("PATH")
       ->allow_extra_args(false);
   command
-      ->add_option("--min-depth-m", arguments->nearest_m,
-                   "smallest depth in --image (default: ten baselines)")
+      ->add_option(
+          "--min-depth-m", arguments->nearest_m,
+          "smallest depth of the scene in --image (default: ten baselines)")
       ->option_text("M")
       ->check(AboveZero());
   command
@@ -304,13 +305,13 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
   BeginGroup(command, "Simulation");
   command
       ->add_option("--images", arguments->num_images,
-                   "number of images; capture-guidance: of cameras (default: "
-                   "set by the experiment)")
+                   "number of images; for capture-guidance, number of cameras "
+                   "(default: set by the experiment)")
       ->option_text("N")
       ->check(CLI::Range(1, 10000));
   command
       ->add_option("--trajectories", options.num_walks,
-                   "trajectories of trajectory-drift")
+                   "number of trajectories, for trajectory-drift")
       ->option_text("N")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();

@@ -535,33 +535,33 @@ void AddExport(CLI::App* app, CommonOptions* common) {
                       "camera.yaml, rig.yaml, rectified.yaml, blob, another "
                       "tool's camera, poses.csv or features.csv");
   command
-      ->add_option("--poses", arguments->poses,
-                   "poses.csv to write with the camera, for formats that hold "
-                   "target poses")
+      ->add_option(
+          "--poses", arguments->poses,
+          "poses.csv to write with the camera, for formats with target poses")
       ->option_text("FILE");
   command
-      ->add_option("--image-size", arguments->image_sizes,
-                   "image size in px of features.csv; NAME=WxH for a camera "
-                   "of a rig")
+      ->add_option(
+          "--image-size", arguments->image_sizes,
+          "image size in px of features.csv; NAME=WxH for one camera of a rig")
       ->option_text("WxH");
   BeginGroup(command, help_group::kModel);
   AddAtOption(command, common);
   command
       ->add_option("--model", arguments->model,
-                   "camera model of the format (default: the one with fewest "
-                   "coefficients whose error is within 2 % of the best)")
+                   "camera model of the format (default: model with the fewest "
+                   "coefficients among those within 2 % of the lowest error)")
       ->option_text("NAME");
   command
       ->add_option("--max-fit-error-px", arguments->max_fit_error_px,
                    "write nothing if the largest fit error in the valid region "
-                   "exceeds this (default: no limit)")
+                   "is above this limit (default: no limit)")
       ->option_text("PX")
       ->check(CLI::NonNegativeNumber);
   AddPatternOption(command, &arguments->pattern, "; for features.csv");
   BeginGroup(command, help_group::kView);
   command->add_flag("--rectified", arguments->rectified,
-                    "export the camera of undistorted images: the blob's "
-                    "view, or the one the options below describe");
+                    "export the camera of the undistorted images: the view of "
+                    "the blob, or the view described by the options below");
   AddViewOptions(command, &arguments->view);
   command->add_flag(
       "--inverse", arguments->is_reverse,
@@ -580,7 +580,7 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       ->option_text("PATH");
   command
       ->add_option("--address", arguments->address,
-                   "flash address of the blob, for hex such as 0x08080000")
+                   "flash address of the blob for hex, such as 0x08080000")
       ->option_text("ADDRESS");
   command->add_flag("--list", arguments->lists, "list all formats");
   command->callback([arguments, common] { RunExport(*arguments, *common); });

@@ -213,9 +213,10 @@ void AddFit(CLI::App* app, CommonOptions* common) {
       ->option_text("NAME")
       ->required();
   command
-      ->add_option("--spline", arguments->spline,
-                   "control points and field of view of splined-stereographic "
-                   "(default: fewest that fit to 0.005 px)")
+      ->add_option(
+          "--spline", arguments->spline,
+          "control points and field of view of splined-stereographic (default: "
+          "fewest control points with an error of at most 0.005 px)")
       ->option_text("NxM[,fov=DEG]");
   AddAtOption(command, common);
   BeginGroup(command, help_group::kOutput);

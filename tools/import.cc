@@ -439,32 +439,32 @@ void AddImport(CLI::App* app, CommonOptions* common) {
       ->required();
   command
       ->add_option("--from", arguments->from,
-                   "format, if the file does not identify it")
+                   "format, if it cannot be determined from the file")
       ->option_text("FORMAT");
   command
       ->add_option("--image-size", arguments->image_size,
-                   "image size in px, if the file does not state it")
+                   "image size in px, if the file does not contain it")
       ->option_text("WxH");
-  command->add_flag("--inverse", arguments->is_reverse,
-                    "the STMap is an inverse map, from pixels of the camera to "
-                    "the view");
+  command->add_flag(
+      "--inverse", arguments->is_reverse,
+      "the STMap maps camera pixels to view pixels (default: view to camera)");
   BeginGroup(command, help_group::kModel);
   command
       ->add_option("--model", arguments->model,
-                   "distortion model, if the file does not state it; for ray "
+                   "distortion model, if the file does not contain it; for ray "
                    "tables central-generic or noncentral-generic")
       ->option_text("NAME");
   BeginGroup(command, help_group::kTarget);
   command
       ->add_option("--board-size", arguments->board,
-                   "inner corners, if the file does not state them (mrcal "
+                   "inner corners, if the file does not contain them (mrcal "
                    "corners.vnl, OpenCV image_points)")
       ->option_text("COLUMNSxROWS");
   AddViewOptions(command, &arguments->view);
   BeginGroup(command, help_group::kOutput);
   command
       ->add_option("-o,--output", arguments->output,
-                   "camera.yaml, rig.yaml (cameras go to NAME/camera.yaml), "
+                   "camera.yaml, rig.yaml (cameras in NAME/camera.yaml), "
                    "features.csv, poses.csv, pattern.yaml, or a folder")
       ->option_text("PATH")
       ->required();

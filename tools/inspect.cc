@@ -560,9 +560,9 @@ void Inspect(const std::string& path, const std::optional<uint64_t>& slot_size,
 }  // namespace
 
 void AddInspect(CLI::App* app, CommonOptions* common) {
-  CLI::App* command =
-      AddCommand(app, "inspect", "Describe a raygrid file, and verify blobs.",
-                 "raygrid inspect front.raygrid", common);
+  CLI::App* command = AddCommand(
+      app, "inspect", "Describe a raygrid file; verify it if it is a blob.",
+      "raygrid inspect front.raygrid", common);
   auto path = std::make_shared<std::string>();
   command
       ->add_option("file", *path,

@@ -223,8 +223,8 @@ int Run(int argc, char** argv) {
                        "print the version");
   app.require_subcommand(1);
   app.footer(
-      "raygrid COMMAND --help explains a command; tools/README.md and the "
-      "manual\npages have more.\n\n" +
+      "raygrid COMMAND --help describes the options of a command; see also\n"
+      "tools/README.md and the manual pages.\n\n" +
       ExitCodesHelp());
   CommonOptions common;
   // The commands that are added next are listed under this title.

@@ -17,8 +17,10 @@ namespace raygrid {
 
 const char kModeSyntaxHelp[] =
     "Sensor modes, NAME: and any of these, separated by commas:\n"
-    "  crop=X,Y,W,H                   read-out region in calibrated pixels\n"
-    "  bin=N or scale=S or size=WxH   binning, or scale of the frames\n"
+    "  crop=X,Y,W,H                   read-out region, in pixels of the\n"
+    "                                 calibrated image\n"
+    "  bin=N or scale=S or size=WxH   binning factor, scale factor, or frame\n"
+    "                                 size in px\n"
     "  flip=h|v|hv, rotate=180\n";
 
 const char kModeWordsHelp[] =

@@ -235,29 +235,32 @@ void AddPack(CLI::App* app, CommonOptions* common) {
   command->footer(std::string(kViewSyntaxHelp) + kModeSyntaxHelp +
                   kCaptureSyntaxHelp + "\n" + command->get_footer());
   auto arguments = std::make_shared<PackArguments>();
-  command->add_option("camera", arguments->camera, "camera.yaml")->required();
+  command
+      ->add_option("camera", arguments->camera,
+                   "camera.yaml or another tool's camera file")
+      ->required();
   BeginGroup(command, help_group::kModel);
   AddAtOption(command, common);
   command->add_flag("--grid-32bit", arguments->wide_grid,
                     "store 32-bit control points: twice the size, unprojection "
-                    "in 3/4 of the time on microcontrollers");
+                    "in 75 % of the time on microcontrollers");
   BeginGroup(command, help_group::kView);
   command
       ->add_option("--remap", arguments->remaps,
-                   "add a remap table for this view; repeatable. The view is "
-                   "also written as NAME.camera.yaml")
+                   "add a remap table for this view; repeatable. Also writes "
+                   "the view as NAME.camera.yaml")
       ->option_text("WxH[,WORD=VALUE...]")
       ->allow_extra_args(false);
   command
       ->add_option("--mode", arguments->modes,
-                   "add tables of all views for frames of another sensor "
+                   "add remap tables of all views for frames of another sensor "
                    "mode; repeatable")
       ->option_text("NAME:WORD=VALUE,...")
       ->allow_extra_args(false);
   command
       ->add_option("--max-error-px", arguments->max_error_px,
                    "largest error of a remap table; if given, also a hard "
-                   "limit for every table and ray")
+                   "limit for all tables and rays")
       ->option_text("PX")
       ->check(AboveZero())
       ->capture_default_str();
@@ -273,8 +276,8 @@ void AddPack(CLI::App* app, CommonOptions* common) {
       ->option_text("SERIAL");
   command
       ->add_option("--capture-settings", arguments->capture,
-                   "settings during calibration, to compare frames with; none: "
-                   "do not compare (default: camera.yaml's)")
+                   "settings during calibration, compared with those of each "
+                   "frame; none: no comparison (default: from camera.yaml)")
       ->option_text("WORD=VALUE,...")
       ->allow_extra_args(false);
   AddHugeOption(command);

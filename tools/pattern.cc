@@ -164,25 +164,25 @@ void AddOutputOptions(CLI::App* command, OutputOptions* options) {
       command
           ->add_option("--screen", options->screen,
                        "write only a PNG for a monitor of this size in px; "
-                       "without --dpi, squares are as large as fit: measure "
-                       "them on the screen")
+                       "without --dpi, with the largest squares that fit; "
+                       "measure them on the screen")
           ->option_text("WxH");
   command
       ->add_option("--square-px", options->square_px,
-                   "with --screen: side of a square (AprilGrid: of a tag)")
+                   "with --screen: side length of a square (AprilGrid: tag)")
       ->option_text("PX")
       ->needs(screen)
       ->check(CLI::Range(4, 32767));
   CLI::Option* const x =
       command
           ->add_option("--measured-x-mm", options->measured_x_mm,
-                       "length of the printed ruler below the board; corrects "
-                       "pattern.yaml for the printer's scale")
+                       "measured length of the ruler below the board, to "
+                       "correct pattern.yaml for the scale of the print")
           ->option_text("MM");
   CLI::Option* const y =
       command
           ->add_option("--measured-y-mm", options->measured_y_mm,
-                       "the same for the ruler beside the board")
+                       "measured length of the ruler beside the board")
           ->option_text("MM");
   x->needs(y)->excludes(screen)->check(AboveZero());
   y->needs(x)->check(AboveZero());
@@ -228,7 +228,7 @@ void AddSize(CLI::App* command, const std::string& what, int* columns,
   command->add_option("--rows", *rows, what + " per column")
       ->option_text("N")
       ->required();
-  command->add_option("--square-mm", *square_mm, "side of a square")
+  command->add_option("--square-mm", *square_mm, "side length of a square")
       ->option_text("MM")
       ->required();
 }
@@ -244,8 +244,8 @@ void AddStar(CLI::App* pattern, CommonOptions* common) {
           &options->square_mm);
   command
       ->add_option("--segments", options->segments,
-                   "segments of a star, even, 4 to 32; use fewer for blurred "
-                   "or small images")
+                   "number of segments of a star, even, 4 to 32; use fewer for "
+                   "blurred or small images")
       ->option_text("N")
       ->capture_default_str();
   command
@@ -255,12 +255,12 @@ void AddStar(CLI::App* pattern, CommonOptions* common) {
       ->capture_default_str();
   command
       ->add_option("--tags", options->num_tags,
-                   "tags per board; more allow partial views")
+                   "tags per board; more tags allow views of smaller parts")
       ->option_text("N")
       ->capture_default_str();
   command
       ->add_option("--tag-squares", options->tag_squares,
-                   "side of a tag in squares (default: about 40 mm)")
+                   "side length of a tag in squares (default: about 40 mm)")
       ->option_text("N")
       ->check(AboveZero());
   AddNumBoards(command, &options->num_boards);
@@ -311,12 +311,12 @@ void AddCharuco(CLI::App* pattern, CommonOptions* common) {
   board->dictionary = "DICT_4X4_50";
   AddSize(command, "inner corners", &board->columns, &board->rows,
           square_mm.get());
-  command->add_option("--marker-mm", *marker_mm, "side of a marker")
+  command->add_option("--marker-mm", *marker_mm, "side length of a marker")
       ->option_text("MM")
       ->required();
   command
       ->add_option("--dictionary", board->dictionary,
-                   "OpenCV's name of the marker dictionary")
+                   "name of the marker dictionary in OpenCV")
       ->option_text("NAME")
       ->capture_default_str();
   command
@@ -363,12 +363,14 @@ void AddAprilGrid(CLI::App* pattern, CommonOptions* common) {
       ->option_text("N")
       ->required()
       ->check(CLI::Range(1, 500));
-  command->add_option("--tag-mm", *tag_mm, "side of a tag's black square")
+  command
+      ->add_option("--tag-mm", *tag_mm,
+                   "side length of the black square of a tag")
       ->option_text("MM")
       ->required();
   command
       ->add_option("--spacing-ratio", board->spacing_ratio,
-                   "gap between tags divided by their side")
+                   "gap between tags divided by their side length")
       ->option_text("RATIO")
       ->capture_default_str();
   command
@@ -384,13 +386,13 @@ void AddAprilGrid(CLI::App* pattern, CommonOptions* common) {
       "GridBoard");
   command
       ->add_option("--border-cells", tags->border_cells,
-                   "width of a tag's black border, 1 or 2 cells (default: 2; "
-                   "1 with --no-squares)")
+                   "width of the black border of a tag, 1 or 2 cells (default: "
+                   "2; 1 with --no-squares)")
       ->option_text("N")
       ->check(CLI::Range(1, 2));
   command
       ->add_option("--numbered-from", tags->numbered_from,
-                   "row of the first tag (default: bottom; top with "
+                   "row in which the tag IDs start (default: bottom; top with "
                    "--no-squares)")
       ->check(CLI::IsMember({"top", "bottom"}));
   command
@@ -419,23 +421,22 @@ void AddAprilGrid(CLI::App* pattern, CommonOptions* common) {
 
 void AddPattern(CLI::App* app, CommonOptions* common) {
   CLI::App* pattern = app->add_subcommand(
-      "pattern", "Make calibration targets to print or to show on a monitor.");
+      "pattern",
+      "Generate calibration targets to print or to show on a monitor.");
   pattern->require_subcommand(1);
   pattern->get_help_ptr()->description("print this help");
   pattern->footer(
       "Other commands accept a specification instead of pattern.yaml:\n"
       "  KIND:COLUMNSxROWS:LENGTH[:NAME=VALUE]...   LENGTH in mm, cm or m\n"
-      "  chessboard:9x6:25mm           inner corners, side of a square\n"
-      "  charuco:8x5:28mm:marker=21mm  more: dictionary, legacy, "
-      "first-marker,\n"
-      "                                boards\n"
-      "  aprilgrid:6x6:24mm            tags, side of a tag; more: family,\n"
-      "                                spacing-ratio, first-marker, boards,\n"
-      "                                no-squares, border-cells, "
-      "numbered-from\n"
-      "  star:16x23:11mm               features, spacing; more: segments, "
-      "tags,\n"
-      "                                tag-id, tag-squares, boards\n"
+      "  chessboard:9x6:25mm           inner corners, side length of a square\n"
+      "  charuco:8x5:28mm:marker=21mm  optional: dictionary, legacy,\n"
+      "                                first-marker, boards\n"
+      "  aprilgrid:6x6:24mm            tags, side length of a tag; optional:\n"
+      "                                family, spacing-ratio, first-marker,\n"
+      "                                boards, no-squares, border-cells,\n"
+      "                                numbered-from\n"
+      "  star:16x23:11mm               features, spacing; optional: segments,\n"
+      "                                tags, tag-id, tag-squares, boards\n"
       "\nExample:\n"
       "  raygrid pattern chessboard --columns 9 --rows 6 --square-mm 25 -o "
       "board/");

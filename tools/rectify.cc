@@ -284,7 +284,8 @@ void Run(const RectifyArguments& arguments, const CommonOptions& common) {
 
 void AddRectify(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      app, "rectify", "Rectify a stereo pair of a rig to common epipolar rows.",
+      app, "rectify",
+      "Rectify a stereo pair so that epipolar lines are image rows.",
       "raygrid rectify rig.yaml --left cam0 --right cam1 -o stereo/", common);
   auto arguments = std::make_shared<RectifyArguments>();
   command->add_option("rig", arguments->rig, "rig.yaml")->required();
@@ -301,8 +302,8 @@ void AddRectify(CLI::App* app, CommonOptions* common) {
   BeginGroup(command, help_group::kView);
   command
       ->add_option("--alpha", arguments->alpha,
-                   "0: only valid pixels in both images; 1: all pixels of "
-                   "both (default: 0, at most 120 degrees)")
+                   "0: only pixels valid in both images; 1: all pixels of both "
+                   "images (default: 0, with at most 120° field of view)")
       ->option_text("0..1");
   command
       ->add_option("--hfov", arguments->hfov_deg,
@@ -310,12 +311,12 @@ void AddRectify(CLI::App* app, CommonOptions* common) {
       ->option_text("DEG");
   command
       ->add_option("--size", arguments->size,
-                   "size of both views in px (default: that of the left "
-                   "camera)")
+                   "image size of both views in px (default: image size of the "
+                   "left camera)")
       ->option_text("WxH");
   command
       ->add_option("--distance", arguments->distance_m,
-                   "scene distance for non-central cameras")
+                   "distance of the scene, for non-central cameras")
       ->check(AboveZero())
       ->option_text("M");
   command

@@ -22,8 +22,7 @@ void WriteReport(const std::string& folder, const CommonOptions& common) {
 
 void AddReport(CLI::App* app, CommonOptions* common) {
   CLI::App* command =
-      AddCommand(app, "report",
-                 "Rebuild report.html from the files of a calibration result.",
+      AddCommand(app, "report", "Rebuild report.html from a result folder.",
                  "raygrid report result/", common);
   auto folder = std::make_shared<std::string>();
   command->add_option("folder", *folder, "output folder of calibrate")

@@ -424,12 +424,21 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
       app, "simulate", "Simulate observations or images of a known camera.",
       "raygrid simulate --noise-px 0.05 -o simulated/", common);
   command->footer(
-      "Cameras of --lens:\n"
-      "  pinhole, example, wide, fisheye, fisheye190, noncentral, glass\n"
-      "  without rotational symmetry: anamorphic, off-axis, halves, "
-      "decentred,\n"
-      "  mirror; functions of the operating point: focusing (0 to 10 dpt),\n"
-      "  warming (20 to 70 °C), focusing-warming\n\n" +
+      "Cameras of --lens (details: tools/README.md):\n"
+      "  pinhole     65° field of view, almost no distortion\n"
+      "  example     OpenCV model with local distortion, 640x480 only\n"
+      "  wide        100°, barrel distortion and local distortion\n"
+      "  fisheye     145°, local distortion; fisheye190: 190°\n"
+      "  noncentral  fisheye with a moving entrance pupil\n"
+      "  glass       camera behind a tilted plate of glass, non-central\n"
+      "  anamorphic  vertical focal length twice the horizontal one\n"
+      "  off-axis    fisheye with axis far from the image centre, tilted "
+      "sensor\n"
+      "  halves      focal length doubles from the left to the right half\n"
+      "  decentred   fisheye with a second element about another axis\n"
+      "  mirror      hyperbolic mirror, seen from the side\n"
+      "  focusing (0 to 10 dpt), warming (20 to 70 °C), focusing-warming\n"
+      "              intrinsics vary with the operating point\n\n" +
       command->get_footer());
   auto arguments = std::make_shared<SimulateArguments>();
   AddSimulateOptions(command, arguments.get());
@@ -438,8 +447,8 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
   BeginGroup(command, help_group::kOutput);
   command
       ->add_option("-o,--output", arguments->output,
-                   "folder for features.csv, pattern.yaml, images and the "
-                   "ground truth, true_*")
+                   "folder for features.csv, pattern.yaml, images, and the "
+                   "ground truth true_*")
       ->option_text("DIR")
       ->required();
   AddHugeOption(command);

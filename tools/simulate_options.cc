@@ -15,14 +15,14 @@ void AddObservationOptions(CLI::App* command, SimulateArguments* arguments) {
       ->capture_default_str();
   command
       ->add_option("--repeats", simulation.num_shots,
-                   "images per view that differ only in noise")
+                   "images per view, which differ only in noise")
       ->option_text("N")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command
       ->add_option("--features-per-image", arguments->features_per_image,
                    "features per image without --render (default: 240, or all "
-                   "of the target)")
+                   "features of the target)")
       ->option_text("N")
       ->check(CLI::Range(1, 1000000));
   command
@@ -40,21 +40,21 @@ void AddObservationOptions(CLI::App* command, SimulateArguments* arguments) {
       ->capture_default_str();
   command
       ->add_option("--correlation-length", simulation.shared_noise_features,
-                   "distance in features at which the correlated noise has a "
-                   "correlation of exp(-1/2)")
+                   "correlation length of that noise, in feature spacings: "
+                   "distance at which the correlation is exp(-1/2)")
       ->option_text("N")
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();
   command
       ->add_option("--target-deformation-mm", arguments->board_bend_mm,
-                   "static deformation: deflection of the target's edges")
+                   "static deformation: deflection at the edges of the target")
       ->option_text("MM")
       ->check(CLI::Range(-1000.0, 1000.0))
       ->capture_default_str();
   command
       ->add_option("--per-view-deformation-mm", arguments->board_flex_mm,
                    "additional smooth random deformation per view, without "
-                   "--render, 1 σ of the deflection")
+                   "--render: deflection, 1 σ")
       ->option_text("MM")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
@@ -70,25 +70,31 @@ void AddImagingOptions(CLI::App* command, SimulateArguments* arguments) {
         ->check(CLI::Range(low, high))
         ->capture_default_str();
   };
-  command->add_flag("--render", arguments->render,
-                    "render images; features.csv then has exact positions");
+  command->add_flag(
+      "--render", arguments->render,
+      "render images; features.csv then contains exact positions");
   add("--blur-px", imaging.blur_px, "PX", "optical blur, 1 σ", 0, 50);
   add("--read-noise", imaging.read_noise, "LEVELS", "read noise, 1 σ", 0, 255);
-  add("--shot-noise", imaging.shot_noise, "X",
+  add("--shot-noise", imaging.shot_noise,
+      "variance of the shot noise per grey level",
       "variance of shot noise per grey level", 0, 255);
   add("--vignetting", imaging.vignetting, "0..1",
       "fraction of light lost in the corners", 0, 0.99);
   add("--gamma", imaging.gamma, "X", "gamma of the stored levels", 0.1, 10);
-  add("--exposure", imaging.exposure, "X", "factor of all levels", 0.01, 100);
+  add("--exposure", imaging.exposure,
+      "exposure factor; multiplies all grey levels", "factor of all levels",
+      0.01, 100);
   add("--max-tilt-deg", arguments->max_tilt_deg, "DEG",
       "largest tilt of rendered targets", 0, 80);
-  add("--min-square-px", arguments->poses.min_square_px, "PX",
+  add("--min-square-px", arguments->poses.min_square_px,
+      "smallest square width in rendered images",
       "smallest width of a square in rendered images", 1, 1000);
-  add("--max-square-px", arguments->poses.max_square_px, "PX",
+  add("--max-square-px", arguments->poses.max_square_px,
+      "largest square width in rendered images",
       "largest width of a square in rendered images", 1, 1000);
   command
       ->add_option("--samples-per-pixel", imaging.samples_per_pixel,
-                   "supersampling along each axis")
+                   "number of samples per pixel along each axis")
       ->option_text("N")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
@@ -102,7 +108,7 @@ void AddMultiBoardOptions(CLI::App* command, SimulateArguments* arguments) {
   BeginGroup(command, help_group::kTarget);
   CLI::Option* fixed = command->add_flag(
       "--fixed-boards", arguments->fixed_boards,
-      "the boards of the pattern form one rigid target, side by side");
+      "treat the boards of the pattern as one rigid target, side by side");
   command
       ->add_option("--board-gap-m", arguments->fixed.gap_m,
                    "gap between fixed boards")
@@ -119,12 +125,12 @@ void AddMultiBoardOptions(CLI::App* command, SimulateArguments* arguments) {
       ->capture_default_str();
   command
       ->add_flag("--no-common-boards", arguments->fixed.never_shared,
-                 "no fixed board is visible in two cameras of a frame")
+                 "show each fixed board in at most one camera per frame")
       ->needs(fixed);
   command
       ->add_option("--move-board-mm", arguments->move_board_mm,
-                   "displacement of the last fixed board after half of the "
-                   "views")
+                   "displacement of the last fixed board in the second half of "
+                   "the views")
       ->option_text("MM")
       ->check(CLI::Range(0.0, 1e5))
       ->needs(fixed)
@@ -133,11 +139,11 @@ void AddMultiBoardOptions(CLI::App* command, SimulateArguments* arguments) {
 
 void AddCameraOptions(CLI::App* command, SimulateArguments* arguments) {
   BeginGroup(command, help_group::kModel);
-  CLI::Option* const lens =
-      command
-          ->add_option("--lens", arguments->lens, "simulated camera, see below")
-          ->option_text("NAME")
-          ->capture_default_str();
+  CLI::Option* const lens = command
+                                ->add_option("--lens", arguments->lens,
+                                             "simulated camera, listed below")
+                                ->option_text("NAME")
+                                ->capture_default_str();
   CLI::Option* const size =
       command->add_option("--size", arguments->size, "image size in px")
           ->option_text("WxH")
@@ -170,7 +176,8 @@ void AddCameraOptions(CLI::App* command, SimulateArguments* arguments) {
       ->option_text("M")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
-  AddPatternOption(command, &arguments->pattern, " (default: a chessboard)");
+  AddPatternOption(command, &arguments->pattern,
+                   " (default: chessboard:30x24:20mm)");
   AddMultiBoardOptions(command, arguments);
 }
 
@@ -195,8 +202,9 @@ void AddMotionOptions(CLI::App* command, SimulateArguments* arguments) {
       ->needs(moving)
       ->capture_default_str();
   command
-      ->add_option("--speed", arguments->motion.speed,
-                   "relative speed; 1 crosses the image in a few seconds")
+      ->add_option(
+          "--speed", arguments->motion.speed,
+          "relative speed; at 1, the target crosses the image in a few seconds")
       ->option_text("X")
       ->check(CLI::Range(0.0, 100.0))
       ->needs(moving)

@@ -385,12 +385,12 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
       ->required();
   command
       ->add_option("--mode", arguments->mode,
-                   "sensor mode of the images: NAME in the blob, or a "
-                   "definition as in raygrid pack --mode")
+                   "sensor mode of the images: NAME of a mode in the blob, or "
+                   "a definition as for raygrid pack --mode")
       ->option_text("NAME");
-  command->add_flag("--inverse", arguments->is_reverse,
-                    "distort: make images of the camera from images of the "
-                    "view");
+  command->add_flag(
+      "--inverse", arguments->is_reverse,
+      "apply distortion: render camera images from images of the view");
   BeginGroup(command, help_group::kView);
   AddAtOption(command, common);
   command
@@ -399,29 +399,26 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
       ->option_text("N");
   AddViewOptions(command, &arguments->view);
   AddOutsideOption(command, &arguments->outside);
-  command
-      ->add_option("--rectify", arguments->rectify,
-                   "projection of the view: pinhole")
-      ->option_text("NAME")
-      ->capture_default_str();
+  command->add_option("--rectify", arguments->rectify, "pinhole; has no effect")
+      ->group("");
   command
       ->add_option("--max-error-px", arguments->max_error_px,
-                   "largest error of the remap table; if given, views that "
-                   "exceed it are refused")
+                   "largest error of the remap table; if given, it is an error "
+                   "to exceed it")
       ->option_text("PX")
       ->check(AboveZero())
       ->capture_default_str();
   BeginGroup(command, help_group::kOutput);
   command
       ->add_option("-o,--output", arguments->output,
-                   "folder for PNG files and view.camera.yaml, the camera "
-                   "(matrix K) of the undistorted images")
+                   "folder for PNG files and view.camera.yaml, the camera of "
+                   "the undistorted images, with its matrix K")
       ->option_text("DIR")
       ->required();
   command
       ->add_option("--frames", arguments->frames,
-                   "folder for the input as raw grey frames (8 or 16 bits), to "
-                   "try raygrid-undistort with")
+                   "also write the inputs as raw grey frames (8 or 16 bits), "
+                   "as input for raygrid-undistort")
       ->option_text("DIR");
   AddHugeOption(command);
   command->callback([arguments, command, common] {

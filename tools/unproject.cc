@@ -72,9 +72,10 @@ void AddUnproject(CLI::App* app, CommonOptions* common) {
   AddAtOption(command, common);
   BeginGroup(command, help_group::kOutput);
   command
-      ->add_option("-o,--output", arguments->output,
-                   "CSV x,y,dx,dy,dz (and ox,oy,oz in m if non-central), empty "
-                   "outside the calibrated area (default: standard output)")
+      ->add_option(
+          "-o,--output", arguments->output,
+          "CSV x,y,dx,dy,dz (if non-central also ox,oy,oz in m); empty outside "
+          "the calibrated area (default: standard output)")
       ->option_text("FILE");
   command->callback([arguments, common] { Run(*arguments, *common); });
 }

@@ -220,18 +220,17 @@ void AddUpdate(CLI::App* app, CommonOptions* common) {
   BeginGroup(command, help_group::kOutput);
   command
       ->add_option("--slots", arguments->slots,
-                   "image of both slots: a block device, or a file that is "
-                   "created if missing")
+                   "both slots: a block device, or a file, created if missing")
       ->option_text("PATH")
       ->required();
   command
       ->add_option("--slot-size", arguments->slot_size,
-                   "size of a slot, such as 64K or 1M, a multiple of the "
-                   "flash's erase size (default: half of the file, or 64K)")
+                   "size of a slot, such as 64K or 1M; a multiple of the erase "
+                   "size of the flash (default: half of the file, or 64K)")
       ->transform(CLI::AsSizeValue(false))
       ->option_text("BYTES");
   command->add_flag("--initialize", arguments->is_new,
-                    "overwrite a file or device that holds no slots yet");
+                    "overwrite a file or device that does not contain slots");
   command->callback([arguments, common] { RunUpdate(*arguments, *common); });
 }
 

@@ -359,7 +359,8 @@ void Run(const ViewArguments& arguments, const CommonOptions& common) {
 
 void AddView(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      app, "view", "Draw original and undistorted images on one sheet.",
+      app, "view",
+      "Show original and undistorted images side by side on a contact sheet.",
       "raygrid view front.raygrid --image photo.png -o sheet.png", common);
   command->footer(kViewSyntaxHelp + ("\n" + command->get_footer()));
   auto arguments = std::make_shared<ViewArguments>();
@@ -368,21 +369,22 @@ void AddView(CLI::App* app, CommonOptions* common) {
                    "blobs, camera.yaml or NAME.camera.yaml, one row each")
       ->required();
   command
-      ->add_option("--image", arguments->images,
-                   "photograph for all rows, or one for each row (default: a "
-                   "rendered room)")
+      ->add_option(
+          "--image", arguments->images,
+          "photograph for all rows, or one per row (default: a rendered room)")
       ->option_text("FILE")
       ->allow_extra_args(false);
   BeginGroup(command, help_group::kView);
   AddAtOption(command, common);
   command
-      ->add_option("--remap", arguments->remaps,
-                   "draw this view instead of the blob's own; repeatable")
+      ->add_option(
+          "--remap", arguments->remaps,
+          "use this view instead of the view stored in the blob; repeatable")
       ->option_text("WxH[,WORD=VALUE...]")
       ->allow_extra_args(false);
   command
       ->add_option("--max-error-px", arguments->max_error_px,
-                   "largest error of the tables of --remap")
+                   "largest error of the remap tables of --remap")
       ->option_text("PX")
       ->check(AboveZero())
       ->capture_default_str();

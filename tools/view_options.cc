@@ -23,18 +23,19 @@ struct ViewWord {
 
 constexpr ViewWord kViewWords[] = {
     {"hfov", "DEG",
-     "horizontal field of view (default: from the image's resolution at its "
+     "horizontal field of view (default: same resolution as the image at its "
      "centre)"},
     {"vfov", "DEG", "vertical field of view"},
     {"focal", "PX", "focal length"},
     {"alpha", "0..1",
-     "0: largest view of valid pixels only; 1: smallest view of all pixels"},
+     "0: largest view that contains valid pixels only; 1: smallest view that "
+     "contains all pixels"},
     {"center", "X,Y", "principal point in px (default: image centre)"},
     {"projection", "NAME",
      "pinhole, cylindrical, equirectangular, stereographic or equidistant"},
     {"rotate", "YAW,PITCH,ROLL",
-     "rotate the view right, up and clockwise, in degrees"},
-    {"view", "FILE", "the view in a camera file, such as NAME.camera.yaml"},
+     "rotation of the view in degrees (positive: right, up, clockwise)"},
+    {"view", "FILE", "camera file of the view, such as NAME.camera.yaml"},
 };
 
 VirtualView ReadView(const std::string& place, const std::string& path) {
@@ -104,9 +105,11 @@ const char kViewSyntaxHelp[] =
     "  rotate=YAW,PITCH,ROLL          degrees right, up, clockwise\n"
     "  projection=NAME                pinhole, cylindrical, equirectangular,\n"
     "                                 stereographic, equidistant\n"
-    "  view=FILE                      as another view's camera file\n"
-    "  direction=distort              inverse remap, from the view to frames\n"
-    "  at=M or plane=NX,NY,NZ,M       scene of a non-central camera\n";
+    "  view=FILE                      camera file of another view\n"
+    "  direction=distort              inverse remap: render frames from the "
+    "view\n"
+    "  at=M or plane=NX,NY,NZ,M       distance or plane of the scene, for\n"
+    "                                 non-central cameras\n";
 
 const char kViewWordsHelp[] =
     "hfov=DEG, vfov=DEG, focal=PX, alpha=0..1 (0: valid pixels only; 1: all "
@@ -228,7 +231,7 @@ void AddOutsideOption(CLI::App* command, std::string* outside) {
   command
       ->add_option("--outside", *outside,
                    "outside the valid region, fill: extrapolate the camera "
-                   "model; trusted: leave border")
+                   "model; trusted: use the border value")
       ->check(CLI::IsMember({"fill", "trusted"}))
       ->option_text("fill|trusted")
       ->group(help_group::kView)

@@ -11,13 +11,13 @@ TUTORIAL = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../offli
 
 class Tutorial(CommandTest):
     def test_every_command_runs(self):
-        photographs = os.path.join(programs.photographs, "left")
-        if not os.path.isdir(photographs):
+        if not os.path.isdir(os.path.join(programs.photographs, "left")):
             self.skipTest("no photographs; tools/fetch_photographs fetches them")
         blocks = re.findall(r"^```sh\n(.*?)^```", read(TUTORIAL).decode(), re.MULTILINE | re.DOTALL)
         commands = [shlex.split(line) for block in blocks for line in block.splitlines()]
         self.assertGreater(len(commands), 8)
-        os.symlink(os.path.abspath(photographs), self.path("photos"))
+        for name, side in (("photos", "left"), ("left", "left"), ("right", "right")):
+            os.symlink(os.path.abspath(os.path.join(programs.photographs, side)), self.path(name))
         write(self.path("pixels.csv"), "x,y\n320,240\n")
         before = os.getcwd()
         os.chdir(self.path("."))
@@ -31,7 +31,8 @@ class Tutorial(CommandTest):
         finally:
             os.chdir(before)
         for made in ("board/pattern.pdf", "seen/coverage.png", "result/report.html", "sheet.png",
-                     "result/uncertainty.png", "front.camera.yaml", "flat.pgm", "calibration.yaml"):
+                     "result/uncertainty.png", "front.camera.yaml", "flat.pgm", "front.c", "calibration.yaml",
+                     "rectified/rectified.yaml", "rectified/right/right12.png"):
             self.assertTrue(os.path.getsize(self.path(made)), made)
 
 

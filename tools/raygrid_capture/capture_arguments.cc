@@ -126,35 +126,35 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
   app->add_option("--size", arguments->size, "frame size to request in px")
       ->option_text("WxH");
   app->add_option("--format", arguments->format,
-                  "pixel format to request, as libcamera names it, or MJPEG; "
-                  "format of raw frames on standard input")
+                  "pixel format to request: libcamera's name, or MJPEG; with "
+                  "--source -, the format of the raw frames")
       ->option_text("NAME");
   app->add_option("--control", arguments->controls,
                   "camera control to set before the first frame; repeatable")
       ->option_text("NAME=VALUE")
       ->allow_extra_args(false);
   app->add_option("--pair-within-ms", arguments->pair_within_ms,
-                  "largest difference of the timestamps of a rig's frame "
-                  "(images pair by name, videos by frame number)")
+                  "largest timestamp difference between the images of a frame "
+                  "(images are paired by name, videos by frame number)")
       ->option_text("MS")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   AddPatternOption(app, &arguments->pattern)->required();
   AddYes(app, &arguments->common);
   BeginGroup(app, "Selection");
-  app->add_option("--until", arguments->until,
-                  "stop when the predicted uncertainty is below this in 95 % "
-                  "of the image (default: when no view reduces the variance "
-                  "by 2 %)")
+  app->add_option(
+         "--until", arguments->until,
+         "stop when the predicted uncertainty is below this limit in 95 % of "
+         "the image (default: when no view reduces the variance by 2 %)")
       ->option_text("PX");
   app->add_option("--still-px", arguments->loop.judge.still_px,
-                  "keep frames whose features move less than this during and "
-                  "since the last frame")
+                  "keep frames whose features move by less than this during "
+                  "and since the last frame")
       ->option_text("PX")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
   app->add_flag("--every-frame", arguments->loop.judge.every_frame,
-                "keep every frame with the target, for calibrate "
+                "keep every frame that shows the target, for calibrate "
                 "--rolling-shutter");
   BeginGroup(app, help_group::kOutput);
   app->add_option("-o,--output", arguments->output,
@@ -162,15 +162,16 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
                   "pattern.yaml")
       ->option_text("DIR")
       ->required();
-  app->add_flag("--resume", arguments->resume, "continue the folder's session");
+  app->add_flag("--resume", arguments->resume,
+                "continue the session in the output folder");
   app->add_flag("--no-calibrate", arguments->no_calibrate,
                 "do not run raygrid calibrate at the end");
   BeginGroup(app, "Page");
   app->add_flag("--no-page", arguments->no_page,
-                "serve no page; show the state on the terminal only");
-  app->add_option("--listen", arguments->page.number,
-                  "address of the page; other hosts need the token of the "
-                  "printed link")
+                "do not serve a page; print the state in the terminal only");
+  app->add_option(
+         "--listen", arguments->page.number,
+         "address to listen on; other hosts need the token in the printed link")
       ->option_text("ADDRESS")
       ->capture_default_str();
   app->add_option("--port", arguments->page.port,
@@ -181,12 +182,13 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
                   "additional host name of the page; repeatable")
       ->option_text("NAME[:PORT]")
       ->allow_extra_args(false);
-  app->add_option("--token-file", arguments->page.token_file,
-                  "file with the token: 16 to 128 letters, digits, - or _")
+  app->add_option(
+         "--token-file", arguments->page.token_file,
+         "file that contains the token: 16 to 128 letters, digits, - or _")
       ->option_text("FILE");
   BeginGroup(app, help_group::kAdvanced);
   app->add_option("--timeout", arguments->loop.timeout_s,
-                  "stop after this time without a frame")
+                  "stop if no frame arrives for this time")
       ->option_text("S")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
@@ -197,7 +199,7 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
       ->capture_default_str();
   app->add_flag("--quiet", arguments->common.quiet, "print errors only");
   app->add_flag("--json", arguments->common.json,
-                "print a line of JSON for each change of state");
+                "print one line of JSON per change of state");
 }
 
 void FinishCaptureArguments(CaptureArguments* arguments) {
