@@ -141,7 +141,7 @@ units:
     def test_bad_conditions_are_refused_in_one_line(self):
         for unit, told in (("vary_with: focus", "vary_with: unknown quantity 'focus'; expected lens_position, temperature"),
                            ("vary_with: [temperature, 3]", "vary_with: unknown quantity '3'"),
-                           ("operating_points: v.csv", "unit C1: operating_points needs vary_with"),
+                           ("operating_points: v.csv", "unit C1: operating_points requires vary_with"),
                            ("vary_with: temperature", "unit C1: vary_with requires the operating point of each image"),
                            ("rolling_shutter: true", "unit C1: rolling_shutter requires the time stamp of each image"),
                            ("timestamps: t.csv", "unit C1: timestamps requires rolling_shutter: true"),
@@ -154,7 +154,7 @@ units:
         for at, told in (("{a: far, 1: near}, vary_with: temperature", "unit C1: images_at: 'a' is not a number"),
                          ("{0: far, 1: near}, vary_with: [lens_position, temperature]",
                           "unit C1: images_at takes values of one quantity"),
-                         ("{0: far, 1: near}", "unit C1: images_at needs vary_with"),
+                         ("{0: far, 1: near}", "unit C1: images_at requires vary_with"),
                          ("far", "key 'images_at': expected a mapping of folders")):
             plan = self.plan((), more=[f"  - {{serial: C1, images_at: {at}}}\n"])
             self.assert_refused(self.batch(plan), 2, told)
@@ -210,7 +210,7 @@ units:
         self.assertEqual((gauge["repeats"], gauge["golden_units"], gauge["degrees_of_freedom"]), (8, 1, 5))
         center = gauge["metrics"]["center_x_px"]
         # Operators are 0.1 px apart, and so are stations; nothing else differs.
-        self.assertAlmostEqual(center["repeatability"], 0, delta=1e-6)
+        self.assertAlmostEqual(center["repeatability_sd"], 0, delta=1e-6)
         for factor in ("operator", "station"):
             self.assertAlmostEqual(center[factor]["sd"], 0.1 / 2 ** 0.5, delta=1e-4)
         self.assertGreater(center["gauge_rr_share"], 0.05)

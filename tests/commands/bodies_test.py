@@ -60,7 +60,7 @@ class Bodies(CommandTest):
         options = (self.path("out/rig.yaml"), "--features", self.path("out/features.csv"),
                    "--pattern", self.path("out/pattern.yaml"))
         said = self.evaluated(*options)
-        self.assertTrue(said.startswith("localised: boards 0, 1 and 2 as one body ("), said)
+        self.assertTrue(said.startswith("poses estimated for boards 0, 1 and 2 as a rigid body ("), said)
         told = json.loads(self.evaluated(*options, "--json"))
         self.assertEqual(told["rigid_targets"], [[0, 1, 2]])
         self.assertAlmostEqual(told["rms_px"], self.told("out")["training"]["rms_px"], delta=0.001)
@@ -73,7 +73,7 @@ class Bodies(CommandTest):
         # A pattern that tells of no body.
         self.assertIn("one pose estimated per board\n",
                       self.evaluated(*options[:-1], self.pattern))
-        self.assertIn("fixed_to_each_other",
+        self.assertIn("rigid_targets",
                       run("inspect", self.path("out/pattern.yaml"), "--json").stdout)
 
     def test_evaluate_a_camera_with_bodies(self):
@@ -85,7 +85,7 @@ class Bodies(CommandTest):
         alone, body = [line for line in self.evaluated(*options).splitlines()
                        if "bend" not in line]
         self.assertTrue(alone.startswith("one pose per board: median "), alone)
-        self.assertTrue(body.startswith("boards 0, 1 and 2 as one body: median "), body)
+        self.assertTrue(body.startswith("boards 0, 1 and 2 as a rigid body: median "), body)
         told = json.loads(self.evaluated(*options, "--json"))
         self.assertAlmostEqual(told["with_rigid_targets"]["rms_px"],
                                self.told("one_out")["training"]["rms_px"], delta=0.001)

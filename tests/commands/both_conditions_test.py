@@ -87,15 +87,15 @@ class BothConditions(CommandTest):
         for at, told in (
                 (3, "varies with two quantities; name both, such as --at "
                     "lens_position=5,temperature=45"),
-                ("lens_position=11", "was calibrated over 0 to 10 dioptres"),
-                ("lens_position=3,temperature=71", "was calibrated over 20 to 70 °C"),
+                ("lens_position=11", "outside the calibrated range, 0 to 10 dioptres"),
+                ("lens_position=3,temperature=71", "outside the calibrated range, 20 to 70 °C"),
                 ("pressure=3", "unknown quantity 'pressure'"),
                 ("lens_position=3,lens_position=4", "lens_position is given twice"),
                 ("lens_position=", "expected a number"), ("near", "expected a number")):
             result = run("project", self.camera, "--at", at, "--points", "none.csv")
             self.assert_refused(result, 1, told)
         result = run("simulate", "--lens", "focusing", "--at", "temperature=30", "-o", self.path("no"))
-        self.assert_refused(result, 1, "changes with lens_position alone")
+        self.assert_refused(result, 1, "varies with lens_position only")
 
     def test_a_blob_goes_over_the_condition_that_is_not_given(self):
         def pack(*options):
@@ -111,7 +111,7 @@ class BothConditions(CommandTest):
         for at in (8.3, "lens_position=8.3"):
             self.assertLess(self.error_px(8.3, 60, blob, "--at", at)[0], 0.05)
         result = run("project", blob, "--at", "temperature=60", "--points", "none.csv")
-        self.assert_refused(result, 1, "changes with lens_position alone")
+        self.assert_refused(result, 1, "varies with lens_position only")
         # A value that one camera does not change with is the other's.
         at = "lens_position=8.3,temperature=60"
         result = run("compare", self.camera, blob, "--at", at, "--json")

@@ -81,7 +81,7 @@ class Colmap(ExchangeTest):
             fit = self.export(self.camera, "--to", "colmap", "--model", model,
                               out=f"{model}/cameras{ending}")["cameras"][0]["fit"]
             if k == 0:
-                rays = [turned(fit["lens_from_camera_wxyz"], ray) for ray in rays]
+                rays = [turned(fit["model_from_camera_wxyz"], ray) for ray in rays]
             folders.append(folder)
             ours.append(self.seen(self.path(f"{model}/cameras{ending}"), rays))
         shifted = self.model("shifted")

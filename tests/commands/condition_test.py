@@ -80,7 +80,7 @@ class Condition(CommandTest):
             self.assertIn("Distortion at %d dioptres against 5<" % end, report)
             self.assertIn("Predicted uncertainty at %d dioptres<" % end, report)
         changes = json.loads(read(self.path("out/result.json")))["operating_ranges"][0]["samples"]
-        self.assertEqual([change["at"] for change in changes], [0, 2.5, 5, 7.5, 10])
+        self.assertEqual([change["value"] for change in changes], [0, 2.5, 5, 7.5, 10])
         growth = changes[-1]["focal_px"] / changes[0]["focal_px"]
         self.assertLess(abs(growth - 1.04), 0.002)
 
@@ -108,7 +108,7 @@ class Condition(CommandTest):
     def test_values_that_cannot_be(self):
         for at, told in ((10.5, "--at 10.5: outside the calibrated range, 0 to 10 dioptres"),
                          ("nan", "--at: expected a number"),
-                         ("temperature=3", "changes with lens_position alone")):
+                         ("temperature=3", "varies with lens_position only")):
             result = run("project", self.camera, "--at", at, "--points", "none.csv")
             self.assert_refused(result, 1, told)
         result = run("project", self.path("at0/true_camera.yaml"), "--at", 3, "--points", "none.csv")
