@@ -273,7 +273,7 @@ class Views(CommandTest):
                                 "-o", self.path("never")), 1, "dark.yaml", "valid region is empty")
 
     def test_impossible_views_are_refused_in_a_line(self):
-        for view, words in (("hfov=180", ("hfov", "170")), ("alpha=1.5", ("alpha", "between")),
+        for view, words in (("hfov=180", ("hfov", "170")), ("alpha=1.5", ("alpha", "0 (largest view")),
                             ("alpha=0,hfov=90", ("give one",)), ("hfov=90,hfov=80", ("twice",)),
                             ("center=3", ("two numbers",)), ("center=3,nan", ("two numbers",)),
                             ("focal=", ("a number",)), ("focal=-1", ("focal length",)),
@@ -282,8 +282,8 @@ class Views(CommandTest):
                             ("projection=mercator", ("mercator", "equirectangular")),
                             ("rotate=3,4", ("three numbers",)),
                             ("hfov=361,projection=cylindrical", ("361", "360")),
-                            ("rotate=180,0,0,alpha=0", ("middle", "rotate")),
-                            (f"view={self.camera}", ("no view",)),
+                            ("rotate=180,0,0,alpha=0", ("centre", "rotate")),
+                            (f"view={self.camera}", ("not a view",)),
                             ("hfov=60,center=1e6,0", ("center",))):
             with self.subTest(view):
                 self.assert_refused(self.pack(view, output="never/c.raygrid"), 1, *words)
