@@ -283,7 +283,7 @@ class CameraProgram(unittest.TestCase):
         result = self.run_with_input(40 * self.read("frames.yuyv"), "--format", "YUYV", "--live",
                                      "-o", "live")
         self.assertEqual(result.returncode, 0, result.stderr)
-        counts = re.search(rb"(\d+) arrived.* (\d+) taken, (\d+) dropped", result.stderr).groups()
+        counts = re.search(rb"(\d+) arrived.* (\d+) delivered, (\d+) dropped", result.stderr).groups()
         arrived, taken, dropped = map(int, counts)
         self.assertEqual((arrived, taken + dropped), (40 * COUNT, 40 * COUNT))
         names = sorted(os.listdir(self.path("live")))
@@ -375,7 +375,7 @@ class CameraProgram(unittest.TestCase):
         result = self.run_with_input(self.read("frames.yuyv"), "--format", "YUYV", "--benchmark")
         self.assertEqual(result.returncode, 2)
         self.assertEqual(result.stdout, b"")
-        self.assertIn(b"only 7 frames came", result.stderr)
+        self.assertIn(b"only 7 frames received", result.stderr)
 
     # ---- Ends ----
 

@@ -167,7 +167,7 @@ class MachineCase(unittest.TestCase):
 
     def counts(self, name):
         """The counts that the program said at its end."""
-        counted = re.search(r"(\d+) arrived, (\d+) undistorted, (\d+) taken, (\d+) dropped, "
+        counted = re.search(r"(\d+) arrived, (\d+) undistorted, (\d+) delivered, (\d+) dropped, "
                             r"(\d+) damaged, (\d+) missed", self.read(name + ".err"))
         self.assertIsNotNone(counted, self.read(name + ".err"))
         keys = ("arrived", "undistorted", "written", "dropped", "damaged", "missed")

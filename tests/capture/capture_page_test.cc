@@ -174,7 +174,7 @@ TEST_F(CapturePageTest, TellsTheStateAsJson) {
   EXPECT_EQ(told["status"], "kept");
   EXPECT_EQ(told["hint"], state.hint);
   EXPECT_EQ(told["done"], true);
-  EXPECT_EQ(told["is_paused"], false);
+  EXPECT_EQ(told["paused"], false);
   EXPECT_EQ(told["features"], Json({1.3, 2.0, 639.0, -0.5}));
   EXPECT_EQ(told["next_views"][0]["outline"],
             Json({0.0, 1.0, 2.0, 3.0, 4.0, 5.0}));

@@ -118,7 +118,7 @@ class Rays(PackageTest):
         camera = raygrid.Camera.load(self.simulated_camera("pinhole"))
         self.assert_refuses(ValueError, "points: expected an array of the shape (N, 3)",
                             camera.project, GRID)
-        self.assert_refuses(ValueError, "pixels: number 1 is nan", camera.unproject,
+        self.assert_refuses(ValueError, "pixels: entry 1 is nan", camera.unproject,
                             [[1, 2], [3, float("nan")]])
         self.assert_refuses(TypeError, "not of dtype complex", camera.unproject, GRID * 1j)
         self.assert_refuses(TypeError, "pixels: expected an array", camera.unproject, [["a", "b"]])
