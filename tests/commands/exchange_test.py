@@ -138,7 +138,7 @@ class OpenCv(ExchangeTest):
         self.assert_done(run("inspect", self.path("front.camera.yaml")))
         told = run("inspect", theirs)
         self.assert_done(told)
-        self.assertIn("lens: fx 150, fy 151, cx 80.25, cy 59.5, k1 -0.25, k2 0.08, p1 0.001, "
+        self.assertIn("intrinsics: fx 150, fy 151, cx 80.25, cy 59.5, k1 -0.25, k2 0.08, p1 0.001, "
                       "p2 -0.002, k3 -0.01, k4 0, k5 0, k6 0", told.stdout)
         told = json.loads(run("inspect", theirs, "--json").stdout)
         self.assertEqual((told["format"], told["model"], list(told["intrinsics"])[4:8]),
