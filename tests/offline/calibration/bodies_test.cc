@@ -136,7 +136,8 @@ TEST(CalibrateBodies, AreThoseBoardsThatWereNotMoved) {
   EXPECT_FALSE(IsFixed(result, 1, 2));
   const auto told = BodySentences(result.bodies, result.board_pairs);
   ASSERT_EQ(told.size(), 2u);
-  EXPECT_EQ(told[0].find("boards 0 and 1 are fixed"), 0u) << told[0];
+  EXPECT_EQ(told[0].find("boards 0 and 1 are a rigid multi-board target"), 0u)
+      << told[0];
   EXPECT_EQ(told[1].find("boards 0, 1 and 2"), 0u) << told[1];
 }
 

@@ -212,7 +212,7 @@ TEST(JudgeBudget, AdvisesNothingThatWasDone) {
   EXPECT_TRUE(has(advice(ErrorCause::kBoardPlace, facts), "print"));
   EXPECT_TRUE(has(advice(ErrorCause::kBend, facts), "glass"));
   facts.tried_finer = true;
-  EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts), "more images"));
+  EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts), "add images"));
   EXPECT_FALSE(
       has(advice(ErrorCause::kImagePlace, facts), "--knot-spacing-px"));
   facts.better_model = "noncentral-generic";

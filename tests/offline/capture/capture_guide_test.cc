@@ -241,7 +241,7 @@ std::string HintFrom(const BoardView& from, const BoardView& to) {
 
 TEST(ViewHint, SaysHowToMoveABoard) {
   const BoardView facing = {{320, 240}, 300, 0, 0, 0};
-  EXPECT_EQ(HintFrom(facing, facing), "hold it there");
+  EXPECT_EQ(HintFrom(facing, facing), "hold still");
   EXPECT_EQ(HintFrom(facing, {{500, 240}, 300, 0, 0, 0}), "right");
   EXPECT_EQ(HintFrom(facing, {{320, 120}, 300, 0, 0, 0}), "up");
   EXPECT_EQ(HintFrom(facing, {{320, 240}, 450, 0, 0, 0}), "closer");

@@ -56,7 +56,7 @@ TEST(Verdict, TellsAStrangerAmongAFleet) {
   figures.fleet_distance = FleetDistance{4.1, 0.3};
   const Verdict verdict = JudgeCalibration(figures);
   EXPECT_EQ(verdict.word, "warn");
-  EXPECT_TRUE(HasReason(verdict, "4.1 px from the fleet's middle"));
+  EXPECT_TRUE(HasReason(verdict, "4.1 px RMS from the population mean"));
 }
 
 TEST(Verdict, FailsWhatDidNotConverge) {
