@@ -689,7 +689,7 @@ class StMaps(ImportTest):
         good = read(stmap)
         corner = good.index(b"displayWindow") + len(b"displayWindow\0box2i\0....") + 8
         for contents, word in (
-                (good[:-40], "ends"),
+                (good[:-40], "truncated"),
                 (read(self.path("s_flipped.exr")), "t of an STMap increases upwards"),
                 (good[:corner] + b"\xfe\x3f\0\0" * 2 + good[corner + 8:], "too few for 16383")):
             with self.subTest(word):
@@ -762,8 +762,8 @@ class Trajectories(TableTest):
         names = ("1.png", "2.png", "3.png")
         self.trajectory(names)
         row = "4.png,{},1,0,0,0,0,0,1\n"
-        for more, words in ((row.format(7), ("board 0 and board 7",)),
-                            (row.replace("4", "1.0").format(0), ("two images", "stamp 1"))):
+        for more, words in ((row.format(7), ("boards 0 and 7",)),
+                            (row.replace("4", "1.0").format(0), ("duplicate time stamp 1",))):
             self.assert_refused(run("export", self.poses(names, more), "--to", "tum", "-o", never), 2,
                                 "poses.csv: ", *words)
         poses = self.poses(names)
@@ -775,9 +775,9 @@ class Trajectories(TableTest):
                 out = ("-o", never) if arguments[0] != "inspect" else ()
                 self.assert_refused(run(*arguments, *out), code, *words)
         good = read(self.path("t.txt")).decode()
-        for text, word in ((good + "4 0 0 0 0 0 0\n", "line 5: has 7 words"),
+        for text, word in ((good + "4 0 0 0 0 0 0\n", "line 5: has 7 fields"),
                            (good + "4 0 0 0 0 0 0 2\n", "line 5: qx qy qz qw"),
-                           (good + "1.0 0 0 0 0 0 0 1\n", "line 5: the time stamp 1.0")):
+                           (good + "1.0 0 0 0 0 0 0 1\n", "line 5: duplicate time stamp 1.0")):
             with self.subTest(word):
                 self.assert_refused(run("import", write(self.path("bad.txt"), text), "-o",
                                         self.path("never/poses.csv")), 2, "bad.txt", word)
