@@ -125,7 +125,7 @@ TEST(ReadFeatures, RefusesByteOrderMarksAndColumnsTwice) {
   ExpectFeaturesRefused(std::string("\xef\xbb\xbf") + kHeader + "a,0,0,0,1,2\n",
                         {"byte order mark"});
   ExpectFeaturesRefused("image,board,column,row,x,y,x\na,0,0,0,1,2,3\n",
-                        {"'x' twice"});
+                        {"duplicate column 'x'"});
 }
 
 TEST(ReadFeatures, RefusesFeaturesStatedTwice) {

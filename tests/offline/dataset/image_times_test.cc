@@ -22,9 +22,11 @@ TEST(ImageTimes, AreReadAsTheyAreWritten) {
 
 TEST(ImageTimes, ThatCannotBeAreRefused) {
   for (const auto& [text, why] :
-       {std::pair("", "times.csv"), std::pair("image,time_s\n", "has no image"),
+       {std::pair("", "times.csv"),
+        std::pair("image,time_s\n", "contains no images"),
         std::pair("image,seconds\na.png,1\n", "time_s"),
-        std::pair("image,time_s\na.png,1\na.png,2\n", "line 3: image a.png"),
+        std::pair("image,time_s\na.png,1\na.png,2\n",
+                  "line 3: duplicate image a.png"),
         std::pair("image,time_s\na.png,1\nb.png,1\n",
                   "b.png and a.png have the same time stamp"),
         std::pair("image,time_s\na.png,now\n", "line 2"),

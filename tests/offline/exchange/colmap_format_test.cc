@@ -188,7 +188,7 @@ TEST(ColmapFormat, WritesImagesAndNoPoints) {
     EXPECT_EQ(back.translation, pose.translation);
   }
   camera.poses.push_back({"a.png", 4, {}});
-  ExpectError(ExitCode::kInput, {"board 3", "board 4", "COLMAP"}, [&] {
+  ExpectError(ExitCode::kInput, {"boards 3 and 4", "COLMAP"}, [&] {
     format.write_beside({"m/cameras.txt", {camera}});
   });
   camera.poses = {{"a b.png", 3, {}}};

@@ -91,7 +91,7 @@ TEST(MetashapeFormat, ReadsTheSensorsOfADocument) {
   const auto first = ParseMetashape(document(begin));
   EXPECT_EQ(first.cameras.at(0).lens.Value("fy"), 3000);
   EXPECT_EQ(first.remarks.size(), 2u);
-  ExpectError(ExitCode::kInput, {"f: no camera"},
+  ExpectError(ExitCode::kInput, {"f: contains no camera"},
               [&] { ParseMetashape(document("")); });
 }
 
@@ -115,7 +115,8 @@ TEST(MetashapeFormat, SaysWhatIsMissingOrWrong) {
     ExpectError(ExitCode::kInput, words,
                 [&] { ParseMetashape(TextWith(kMetashape, old, by)); });
   };
-  expect("frame", "equisolid_fisheye", {"f: projection", "fisheye"});
+  expect("frame", "equisolid_fisheye",
+         {"f: unsupported projection", "fisheye"});
   expect("</k3>", "</k3><k4>0.1</k4>", {"k4 of a frame"});
   expect("</k3>", "</k3><p3>0.1</p3>", {"p3 of a frame"});
   expect("</k3>", "</k3><corrections/>", {"corrections"});
@@ -124,7 +125,7 @@ TEST(MetashapeFormat, SaysWhatIsMissingOrWrong) {
   expect("3219.5", "-3219.5", {"focal length"});
   expect("3219.5", "", {"f: expected a finite number"});
   expect("<width>4096", "<width>4096.5", {"width"});
-  expect("</k3>", "</k3><k3>0</k3>", {"line 13", "'k3' stands twice"});
+  expect("</k3>", "</k3><k3>0</k3>", {"line 13", "duplicate element 'k3'"});
   expect("</k3>", "", {"line", "not XML"});
   EXPECT_EQ(ParseMetashape(TextWith(kMetashape, "</k3>", "</k3><k4>0</k4>"))
                 .cameras[0]

@@ -115,7 +115,7 @@ TEST(MrcalFormat, ReadsSplines) {
   };
   refused("order=3", "order=2", {"only splines of order 3"});
   refused("Nx=4", "Nx=5", {"36 numbers, expected 44"});
-  refused("Nx=4", "Nx=99999", {"Nx=99999", "not LENSMODEL"});
+  refused("Nx=4", "Nx=99999", {"Nx=99999", "expected the form LENSMODEL"});
   refused("Nx=4", "Nx=3", {"4 to 1027"});
   refused("=150", "=360", {"fov_x_deg"});
   refused("0.010", ".nan", {"intrinsics", "expected a finite number"});

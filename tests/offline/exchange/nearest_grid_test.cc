@@ -143,7 +143,7 @@ TEST(NearestGrid, StandsForALensWithASkew) {
     const auto read = Read(text, kImage);
     EXPECT_EQ(read.cameras.at(0).lens.form->model, "central-generic");
     ASSERT_FALSE(read.remarks.empty());
-    EXPECT_NE(read.remarks.back().find("leaves RMS 0.00"), std::string::npos)
+    EXPECT_NE(read.remarks.back().find("fit error RMS 0.00"), std::string::npos)
         << read.remarks.back();
     ExpectLens(read.cameras[0], lens, formula, 0.01);
   };

@@ -85,10 +85,11 @@ TEST(NerfstudioFormat, ReadsWhatFramesSayOfOneCamera) {
   ASSERT_EQ(contents.remarks.size(), 1u);
   EXPECT_NE(contents.remarks[0].find("frames[0]: transform_matrix"),
             std::string::npos);
-  ExpectError(ExitCode::kInput, {"frames[1]: fl_x differs", "one camera"}, [&] {
-    ParseNerfstudio(TextWith(text, frame + ", " + frame,
-                             frame + ", " + TextWith(frame, "50", "60")));
-  });
+  ExpectError(
+      ExitCode::kInput, {"frames[1]: fl_x differs", "a single camera"}, [&] {
+        ParseNerfstudio(TextWith(text, frame + ", " + frame,
+                                 frame + ", " + TextWith(frame, "50", "60")));
+      });
 }
 
 // The camera looks along -z of its own axes there, with y up.
@@ -130,7 +131,7 @@ TEST(NerfstudioFormat, WritesWhatItReads) {
   }
   EXPECT_NE(text.find("\"k4\": 0.0,"), std::string::npos);
   camera.poses[1].board = 3;
-  ExpectError(ExitCode::kInput, {"--poses", "board 0 and board 3"}, [&] {
+  ExpectError(ExitCode::kInput, {"--poses", "boards 0 and 3"}, [&] {
     NerfstudioFormat().write({"f.json", {camera}});
   });
   camera.poses.clear();
@@ -146,7 +147,8 @@ TEST(NerfstudioFormat, SaysWhatIsMissingOrWrong) {
     ExpectError(ExitCode::kInput, words,
                 [&] { ParseNerfstudio(TextWith(text, old, by)); });
   };
-  expect(kTransforms, "OPENCV", "FISHEYE624", {"f: camera_model", "PINHOLE"});
+  expect(kTransforms, "OPENCV", "FISHEYE624",
+         {"f: unsupported camera_model", "PINHOLE"});
   expect(kTransforms, "p1", "k4", {"k4 of OPENCV must be 0"});
   expect(FisheyeTransforms(), "k4", "p2", {"p2 of OPENCV_FISHEYE must be 0"});
   expect(kTransforms, "501.5", "[]", {"fl_y", "expected a finite number"});

@@ -81,7 +81,7 @@ TEST(PuzzlepaintFormat, WritesTheNearestGrid) {
             std::string::npos);
   const ExchangeContents read = ParsePuzzlepaint(text);
   ASSERT_EQ(read.remarks.size(), 1u);
-  EXPECT_NE(read.remarks[0].find("leaves RMS 0.00"), std::string::npos);
+  EXPECT_NE(read.remarks[0].find("RMS 0.00"), std::string::npos);
   const auto camera = MakeLens(read.cameras[0].lens);
   EXPECT_EQ(camera->Name(), "central-generic");
   const std::string inner =
@@ -128,11 +128,12 @@ TEST(PuzzlepaintFormat, SaysWhatIsMissingOrWrong) {
     ExpectError(ExitCode::kInput, words,
                 [&] { ParsePuzzlepaint(TextWith(text, old, by)); });
   };
-  expect("type : Central", "type : Radial", {"f: type", "CentralGenericModel"});
+  expect("type : Central", "type : Radial",
+         {"f: unsupported type", "CentralGenericModel"});
   expect("type : ", "kind : ", {"'type' is missing"});
-  expect("max_x : 319", "max_x : 320", {"calibration_max_x", "no pixel"});
+  expect("max_x : 319", "max_x : 320", {"calibration_max_x", "not a pixel"});
   expect("max_x : 319", "max_x : 0", {"empty area"});
-  expect("grid_width : 19", "grid_width : 3", {"grid_width: not 4 to"});
+  expect("grid_width : 19", "grid_width : 3", {"grid_width: must be 4 to"});
   expect("grid_width : 19", "grid_width : 20",
          {"grid: expected a list of 900 numbers"});
   expect("grid : [", "grid : [0, 0, 0, ", {"855 numbers"});
@@ -269,7 +270,7 @@ TEST(PuzzlepaintFormat, RefusesStatesThatTheProgramWouldNotFind) {
     PuzzlepaintFormat().write_beside({"s/front.yaml", cameras});
   });
   cameras[0].poses[1].board = 3;
-  ExpectError(ExitCode::kInput, {"board 0 and board 3", "puzzlepaint"}, [&] {
+  ExpectError(ExitCode::kInput, {"boards 0 and 3", "puzzlepaint"}, [&] {
     PuzzlepaintFormat().write_beside({"s/intrinsics0.yaml", cameras});
   });
 }

@@ -97,7 +97,7 @@ TEST(RadialLens, ReadsLensfun) {
            {"<mount>d</mount>", "<type>panoramic</type>", "'panoramic'"},
            {"1.5", "0", "cropfactor"},
            {"focal=\"20\"", "", "focal length"},
-           {"-0.05", "1.5", "middle"},
+           {"-0.05", "1.5", "image centre"},
            {"-0.05", "nan", "k1"},
            {"<calibration>", "<aspect-ratio>2:3</aspect-ratio><calibration>",
             "aspect-ratio"}})

@@ -54,9 +54,9 @@ TEST_F(BoardGuess, FindsOtherSizesOfChessboards) {
   EXPECT_EQ(GuessFor(Chessboard(10, 7, 25)),
             "the images show 9 x 6 inner corners (2 of 2 inspected images), "
             "not 10 x 7 inner corners; correct columns and rows in p.yaml");
-  EXPECT_NE(GuessFor(Chessboard(8, 6, 25)).find("like 9 x 6 inner"),
+  EXPECT_NE(GuessFor(Chessboard(8, 6, 25)).find("show 9 x 6 inner"),
             std::string::npos);
-  EXPECT_NE(GuessFor(Chessboard(5, 8, 25)).find("like 6 x 9 inner"),
+  EXPECT_NE(GuessFor(Chessboard(5, 8, 25)).find("show 6 x 9 inner"),
             std::string::npos);
 }
 
@@ -77,7 +77,7 @@ TEST_F(BoardGuess, FindsOtherDictionariesAndSizesOfCharucoBoards) {
             "(2 of 2 inspected images), not 8 x 5 inner corners with markers "
             "of DICT_5X5_100; correct the dictionary in p.yaml");
   for (const int columns : {7, 9})
-    EXPECT_NE(GuessFor(Charuco(columns, 5, 28)).find("like 8 x 5 inner"),
+    EXPECT_NE(GuessFor(Charuco(columns, 5, 28)).find("show 8 x 5 inner"),
               std::string::npos);
   EXPECT_NE(GuessFor(Chessboard(8, 5, 28)).find("correct the target kind"),
             std::string::npos);

@@ -243,10 +243,9 @@ TEST(Rectify, NoticesCamerasNamedTheWrongWayAround) {
                 beside.Rectified(0, {0, 0}, true);
               });
   const TestPair above = PairAt({0.01, 0.15, 0.02}, {-0.05, 0.06, 0.1});
-  ExpectError(ExitCode::kUsage, {"b stands below a", "--left a --right b"},
-              [&] {
-                above.Rectified(0, {0, 0}, true);
-              });
+  ExpectError(ExitCode::kUsage, {"b is below a", "--left a --right b"}, [&] {
+    above.Rectified(0, {0, 0}, true);
+  });
   const Pose b_from_a =
       beside.second_from_rig * beside.first_from_rig.Inverse();
   EXPECT_FALSE(IsOrderReversed(b_from_a));
@@ -274,7 +273,7 @@ TEST(Rectify, RefusesPairsThatNoTwoImagesShow) {
   expect_refused(PairAt({0.1, 0, 0}, {0, 2.5, 0}), 1, {"do not overlap"});
   expect_refused(PairAt({0, 0.01, 0.3}, {0, 0, 0}), 0, {"epipoles"});
   expect_refused(SideBySide(), 1.5, {"alpha 1.5"});
-  expect_refused(SideBySide(), -0.1, {"alpha of -0.1"});
+  expect_refused(SideBySide(), -0.1, {"alpha -0.1"});
   TestPair wide = SideBySide();
   wide.first = wide.second = SimulatedLens("fisheye190", kPairSize);
   expect_refused(wide, 1, {"alpha 1", "alpha 0 or hfov"});

@@ -41,7 +41,8 @@ TEST(BudgetJson, IsReadAsItWasWritten) {
   EXPECT_EQ(json["limited_by"], "bends");
   EXPECT_EQ(json["causes"][2]["cause"], "bends");
   EXPECT_EQ(json["causes"][2]["share"], 0.5);
-  EXPECT_EQ(json["causes"][0]["not_observable"], "7 views, at least <8> required");
+  EXPECT_EQ(json["causes"][0]["not_observable"],
+            "7 views, at least <8> required");
   EXPECT_EQ(BudgetJson(ParseBudget(json)), json);
 }
 

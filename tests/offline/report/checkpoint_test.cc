@@ -62,7 +62,7 @@ TEST(Checkpoint, ThatWasAlteredIsRefused) {
     altered.replace(altered.find(number), 1, "2");
     ASSERT_NE(altered, text) << number;
     WriteFile(path, altered);
-    ExpectError(ExitCode::kInput, {"resume.json", "changed"},
+    ExpectError(ExitCode::kInput, {"resume.json", "was modified"},
                 [&] { ReadCheckpoints(path, "cafe"); });
   }
 }

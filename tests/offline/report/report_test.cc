@@ -158,8 +158,8 @@ TEST(HtmlReport, PicturesAreWholePngs) {
 TEST(HtmlReport, GivesOtherModelsAndTheBiasOfNoise) {
   const std::string html = ExampleReport();
   EXPECT_TRUE(Has(html,
-                  "<td>central-radial</td><td>20</td><td>0.2000</td>"
-                  "<td>0.3000</td><td>0.4000</td><td>0.2100</td>"
+                  "<td>central-radial</td><td>20</td><td>0.200</td>"
+                  "<td>0.300</td><td>0.400</td><td>0.210</td>"
                   "<td>1.500</td>"));
   EXPECT_TRUE(
       Has(html, "white noise at the same positions gives <b>0.200</b>"));
@@ -282,7 +282,7 @@ TEST(ReportOfAFolder, NamesImagesOfTheSameView) {
   AddResultFiles(Alone(result), {0, 0, {CameraExtras()}}, out, &files);
   files.Commit();
   EXPECT_TRUE(Has(ReportOf(out),
-                  "<li>b.png stands for 2 more: c.png, &lt;d&gt;.png</li>"));
+                  "<li>b.png represents 2 more: c.png, &lt;d&gt;.png</li>"));
 }
 
 TEST(Thumbnails, AreInTheReport) {
