@@ -266,9 +266,9 @@ class Experiment(CommandTest):
         report = read(self.path("result/report.html")).decode()
         self.assertIn("What limits this calibration", report)
         # Terminal, verdict and report say one thing.
-        self.assertIn(f"  limited by bends: {budget['sentence']}; remedy: {budget['to_do']}\n",
+        self.assertIn(f"  limited by bends: {budget['summary']}; remedy: {budget['recommendation']}\n",
                       done.stdout)
-        said = f"{budget['sentence']}; {budget['to_do']}"
+        said = f"{budget['summary']}; {budget['recommendation']}"
         self.assertTrue(any(said in reason for reason in result["reasons"]), result["reasons"])
         self.assertFalse([reason for reason in result["reasons"] if "--knot-spacing-px" in reason])
         self.assertEqual(report.count(budget["recommendation"]), 2)
@@ -277,7 +277,7 @@ class Experiment(CommandTest):
         self.assertGreater(parts["bends"], 40)
         self.assertAlmostEqual(sum(parts.values()), 100, delta=0.1)
         bends = [cause for cause in budget["causes"] if cause["cause"] == "bends"][0]
-        self.assertAlmostEqual(100 * bends["part"], parts["bends"], delta=0.5)
+        self.assertAlmostEqual(100 * bends["share"], parts["bends"], delta=0.5)
         # The true camera, which localises the images.
         rows, _ = self.small("residual-budget", "--features", features, "--pattern", pattern,
                              *size, "--camera", self.path("bent/true_camera.yaml"))

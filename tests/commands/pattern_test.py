@@ -230,7 +230,7 @@ class PatternCommand(CommandTest):
                 ("aprilgrid:501x6:25mm", "500"),
                 ("aprilgrid:5x6:25mm:numbered-from=left", "top or bottom"),
                 ("aprilgrid:5x6:25mm:family=DICT_4X4_50", "corner_squares: false"),
-                ("star:16x23:11mm:tags=", "'tags' has no value"),
+                ("star:16x23:11mm:tags=", "'tags' requires a value"),
                 ("star:16x23:11mm:segments=7", "--segments")):
             self.assert_refused(run("detect", self.folder, "--pattern", spec, "-o",
                                     self.path("never.csv")), 1, spec, words)

@@ -115,7 +115,7 @@ class Rectify(CommandTest):
     def test_says_what_it_made(self):
         result = self.rectify("--alpha", 1, out="words")
         self.assert_done(result)
-        for word in ("baseline 0.1 m", "row", "cam0.raygrid", "fx", "sees"):
+        for word in ("baseline 0.1 m", "row", "cam0.raygrid", "fx", "overlaps with cam1"):
             self.assertIn(word, result.stdout)
         result = self.rectify("--hfov", 70, out="words")
         self.assert_done(result)
