@@ -379,11 +379,10 @@ void AddCalibrationInputs(CLI::App* command, CalibrateArguments* arguments) {
           "image size in px, with --features; NAME=WxH for one camera of a rig")
       ->option_text("WxH")
       ->allow_extra_args(false);
-  AddHoldOut(
-      command,
-      "test images (rig: frames), excluded from the calibration and evaluated "
-      "afterwards (default: cross-validation)",
-      &arguments->hold_out);
+  AddHoldOut(command,
+             "test images (rig: frames), excluded from calibration (default: "
+             "cross-validation)",
+             &arguments->hold_out);
   command
       ->add_option(
           "--duplicate-px", arguments->same_view_px,
