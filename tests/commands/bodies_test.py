@@ -83,7 +83,7 @@ class Bodies(CommandTest):
                    self.path("one_out/features.csv"), "--pattern",
                    self.path("one_out/pattern.yaml"))
         alone, body = [line for line in self.evaluated(*options).splitlines()
-                       if "bend" not in line]
+                       if "deformation" not in line]
         self.assertTrue(alone.startswith("one pose per board: median "), alone)
         self.assertTrue(body.startswith("boards 0, 1 and 2 as a rigid body: median "), body)
         told = json.loads(self.evaluated(*options, "--json"))
