@@ -92,7 +92,7 @@ class MainJob(CommandTest):
         self.assertEqual(sorted(named), [f"sim{k:04}.png" for k in range(507)])
         poses = rows(read(self.path("video_out/poses.csv")).decode())
         self.assertEqual(sorted(pose["image"] for pose in poses), sorted(named))
-        self.assertIn(b"sim0000.png stands for 38 more: sim0001.png, sim0002.png",
+        self.assertIn(b"sim0000.png represents 38 more: sim0001.png, sim0002.png",
                       read(self.path("video_out/report.html")))
 
     def test_compare_finds_little_between_camera_and_truth(self):
@@ -299,7 +299,7 @@ class MainJob(CommandTest):
     def test_inspect_says_what_a_blob_holds(self):
         result = run("inspect", self.path("out/camera.raygrid"))
         self.assert_done(result)
-        for words in ("'front'", "'42'", "640 x 480", "packing error: max", "held-out error"):
+        for words in ("'front'", "'42'", "640 x 480", "packing error: max", "held out error"):
             self.assertIn(words, result.stdout)
         result = run("inspect", self.path("out/camera.raygrid"), "--json")
         self.assert_done(result)
@@ -331,7 +331,7 @@ class MainJob(CommandTest):
                     self.assertNotIn(sentinel, result.stdout, name)
         facts = json.loads(run("inspect", self.path("unknown.raygrid"), "--json").stdout)
         self.assertEqual(facts["uncertainty"]["median_px"], 1)
-        self.assertFalse({"training_error", "held-out_error", "packing_error"} & set(facts))
+        self.assertFalse({"training_error", "held_out_error", "packing_error"} & set(facts))
 
     def test_opencv_model_goes_the_same_way(self):
         result = run("calibrate", "--features", self.path("sim/features.csv"), "--image-size",

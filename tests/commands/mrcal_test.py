@@ -119,7 +119,7 @@ for path, image in zip(paths, observations):
         *theirs, off = self.seen_by_mrcal(rays, *files, shifted)
         for model, file, fit, seen in zip(self.MODELS, files, fits, theirs):
             with self.subTest(model):
-                ours = self.seen(file, [turned(fit["lens_from_camera_wxyz"], ray) for ray in rays])
+                ours = self.seen(file, [turned(fit["model_from_camera_wxyz"], ray) for ray in rays])
                 distances = [math.dist(a, b) for a, b in zip(ours, seen) if a]
                 self.assertGreater(len(distances), 0.98 * len(rays))
                 self.assertLess(max(distances), 1e-6)
@@ -195,10 +195,13 @@ for path, image in zip(paths, observations):
         self.assertEqual(region(self.path("k.cameramodel")),
                          region(self.path("again.cameramodel")))
         self.assert_done(run("pack", self.path("k.yaml"), "-o", self.path("k.raygrid")))
-        for file in ("k.yaml", "k.raygrid"):
+        for file, key, valid in (("k.yaml", "uncertainty", {"valid_share": 0.625}),
+                                 ("k.raygrid", "valid_region",
+                                  {"cells": 750, "grid": [40, 30], "cell_px": 8})):
             facts = run("inspect", self.path(file), "--json")
             self.assert_done(facts)
-            self.assertIn("trusted", facts.stdout)
+            # 25 of 40 columns of cells, without a standard deviation.
+            self.assertEqual(json.loads(facts.stdout)[key], valid)
             self.assertNotIn("median_px", facts.stdout)
 
     def test_the_best_model_is_the_default(self):
