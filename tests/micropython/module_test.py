@@ -85,7 +85,7 @@ def test_conditions():
         assert camera.unproject(pixels, rays) == 3
         assert_close(rays, EXPECTED["stack_rays"][k], 2e-7)
     assert not camera.set_condition(1e30)
-    assert_refused(ValueError, "condition", raygrid.Camera(read("wide.raygrid")).set_condition, 1)
+    assert_refused(ValueError, "single operating point", raygrid.Camera(read("wide.raygrid")).set_condition, 1)
     assert_refused(TypeError, "", camera.set_condition, "near")
 
 

@@ -246,7 +246,7 @@ test('what is wrong is refused with a text', () => {
   assert.throws(() => camera.undistort(frame.subarray(1)), /76800 bytes in GREY8, not 76799/);
   assert.throws(() => camera.undistort(frame, new Uint8Array(3)), /undistorted frame/);
   for (const options of [{format: 'GREY9'}, {border: 'none'}, {sampling: 'cubic'}])
-    assert.throws(() => camera.undistort(frame, null, options), /is none of/);
+    assert.throws(() => camera.undistort(frame, null, options), /expected one of/);
   for (const borderValues of [[-1], [256], [1, 2, 3, 4, 5], [1.5]])
     assert.throws(() => camera.undistort(frame, null, {borderValues}), RangeError);
   for (const wrong of [{width: 0}, {height: 9000}, {fx: 0}, {cx: NaN}, {projection: 'fish'}])

@@ -23,7 +23,7 @@ def main():
     for ray, wanted in zip(camera.unproject(expected["pixels"]), expected["rays"]):
         assert all(abs(a - b) < 1e-7 for a, b in zip(ray, wanted)), (ray, wanted)
     assert raygrid.Blob is raygrid_runtime.Camera
-    assert "runtime from Python" in raygrid.__doc__
+    assert "runtime for devices" in raygrid.__doc__
     try:
         raygrid.Blob(b"no blob")
     except raygrid.Error as error:
