@@ -23,7 +23,7 @@ def result_files(folder):
                     if file["name"] == "result.json":
                         del file["bytes"], file["crc32"]
             elif name == "fleet.html":
-                contents = re.sub(rb"<td>[0-9.]+</td>(?=<td>[^<]*</td></tr>)|A unit took [^<]*", b"", contents)
+                contents = re.sub(rb"<td>[0-9.]+</td>(?=<td>[^<]*</td></tr>)|[Rr]un time per unit [^<]*", b"", contents)
             elif name == "fleet.csv":
                 contents = [line.rsplit(b",", 1)[0] for line in contents.splitlines()]
             files[os.path.relpath(path, folder)] = contents

@@ -505,8 +505,8 @@ units:
                 (("duplicate serial", "A1"), lambda text: text.replace("serial: A2", "serial: A1")),
                 (("must have 1 to",), lambda text: text.replace("serial: A2", "serial: ../A2")),
                 (("must have 1 to",), lambda text: text.replace("serial: A2", "serial: ''")),
-                (("'colour' is not known",), lambda text: text + "colour: red\n"),
-                (("'sharpness' is not known",), lambda text: text.replace("{}", "{sharpness: 1}", 1)),
+                (("unknown key 'colour'",), lambda text: text + "colour: red\n"),
+                (("unknown 'sharpness'",), lambda text: text.replace("{}", "{sharpness: 1}", 1)),
                 (("exactly one of images",), lambda text: text.replace("features: A2/features.csv", "model: opencv")),
                 (("A2: a golden unit", "repeat another unit, A1"), lambda text: text.replace(
                     "serial: A2,", "serial: A2, repeats: A1,").replace("serial: A3,", "serial: A3, repeats: A2,")),
@@ -518,7 +518,7 @@ units:
                 (("'lens_batch': expected a single value",), lambda text: text.replace(
                     "serial: A2,", "serial: A2, lens_batch: [1],")),
                 (("reserved for a file of the batch",), lambda text: text.replace("serial: A2", "serial: fleet.html")),
-                (("no pattern",), lambda text: text.replace("pattern: board.yaml\n", "")),
+                (("missing pattern",), lambda text: text.replace("pattern: board.yaml\n", "")),
                 (("units: expected a list",), lambda text: text.split("units:")[0]),
                 (("not a batch",), lambda text: text.replace("raygrid_batch: 1\n", "")),
                 (("line",), lambda text: text + "\t- ["),
