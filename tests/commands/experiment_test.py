@@ -535,7 +535,7 @@ cameras:
         self.assert_refused(result, 7, "model-comparison.csv", "would overwrite the input")
         image = write(os.path.join(folder, "x.pgm"), b"P5 64 48 255\n" + bytes(64 * 48))
         result = run("experiment", "curvature-bias", "--image", image, "-o", folder)
-        self.assert_refused(result, 7, "x.pgm", "another folder")
+        self.assert_refused(result, 7, "x.pgm", "use another output folder")
         self.assertEqual(sorted(os.listdir(folder)), ["model-comparison.csv", "x.pgm"])
 
     def test_wrong_usage(self):
