@@ -276,8 +276,8 @@ void AddPack(CLI::App* app, CommonOptions* common) {
       ->option_text("SERIAL");
   command
       ->add_option("--capture-settings", arguments->capture,
-                   "settings during calibration, compared with those of each "
-                   "frame; none: no comparison (default: from camera.yaml)")
+                   "settings during calibration, compared with each frame's; "
+                   "none: no comparison (default: camera.yaml)")
       ->option_text("WORD=VALUE,...")
       ->allow_extra_args(false);
   AddHugeOption(command);
