@@ -78,10 +78,10 @@ class RollingShutterTest(CommandTest):
     def test_frames_that_are_far_apart_tell_nothing(self):
         found, result = self.row_time(self.record("apart", "--frame-rate", "1", "--images", "40"))
         self.assertIn("only 0 images have two adjacent frames", found["not_observable"])
-        self.assertNotIn("row_time_us", found)
+        self.assertNotIn("value_us", found)
         self.assertNotIn(b"row_time", read(result / "camera.yaml"))
         facts = json.loads(run("inspect", result / "camera.raygrid", "--json").stdout)
-        self.assertNotIn("row_time_us", facts)
+        self.assertNotIn("line_delay_us", facts)
 
     def test_times_that_do_not_fit_the_motion_end_without_a_blob(self):
         """Frames that arrive three at a time, 2 ms apart."""
