@@ -176,7 +176,7 @@ class Session(CommandTest):
     def test_photographs_have_no_times_for_a_rolling_shutter(self):
         self.assert_done(self.capture("--every-frame"))
         self.assert_refused(run("calibrate", self.session, "--rolling-shutter"), 2,
-                            "the session: has no time stamp for any image")
+                            "the session: has no time stamps of the images")
 
     def test_other_videos_are_read_by_ffmpeg(self):
         video = write(self.path("in.y4m"), self.video)
