@@ -45,7 +45,7 @@ class RollingShutterTest(CommandTest):
             facts = json.loads(run("inspect", result / name, "--json").stdout)
             self.assertAlmostEqual(facts["line_delay_us"], found["value_us"], delta=1e-5)
             self.assertAlmostEqual(facts["line_delay_sd_us"], found["sd_us"], delta=1e-5)
-            self.assertIn("row time", run("inspect", result / name).stdout)
+            self.assertIn("line delay", run("inspect", result / name).stdout)
         self.assertIn("line delay", read(result / "report.html").decode())
         self.assertEqual(run("report", result).returncode, 0)
         self.assertIn("line delay", read(result / "report.html").decode())
