@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "dataset/csv.h"
+
 namespace raygrid {
 namespace {
 
@@ -63,8 +65,10 @@ std::string FormatExperimentCsv(const ExperimentResult& result) {
   std::string csv;
   for (const Condition& condition : result.conditions)
     csv += fmt::format("# {}: {}\n", condition.name, condition.value);
-  for (const auto& line : TextTable(result))
+  for (std::vector<std::string> line : TextTable(result)) {
+    for (std::string& field : line) field = CsvField(field);
     csv += fmt::format("{}\n", fmt::join(line, ","));
+  }
   return csv;
 }
 
