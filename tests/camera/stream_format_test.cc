@@ -61,7 +61,7 @@ TEST(StreamFormat, NamesOfOtherProgramsAreTold) {
            {"pGAA", "SGBRG10_CSI2P"}}) {
     EXPECT_EQ(FindPixelFormat(other), nullptr);
     EXPECT_EQ(DescribeOtherName(other),
-              std::string(name) + " is its name here");
+              std::string(name) + " is the name used here");
   }
   for (const char* name : {"R8", "NV12", "MJPEG", "", "NV13"})
     EXPECT_EQ(DescribeOtherName(name), "") << name;

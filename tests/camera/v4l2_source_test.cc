@@ -215,7 +215,8 @@ TEST(V4l2Source, WhatCannotBeStreamedIsRefused) {
   ExpectRefused(&small, options, "smaller than its frames");
   FakeV4l2State grey;
   MakeGrey(&grey);
-  ExpectRefused(&grey, {"NV12", kWidth, kHeight, true, {}}, "no format NV12");
+  ExpectRefused(&grey, {"NV12", kWidth, kHeight, true, {}},
+                "no pixel format NV12");
 }
 
 TEST(V4l2Source, TheFormatThatHasTheSizeIsChosen) {
@@ -454,8 +455,8 @@ TEST(V4l2Controls, OnesThatHaveNoEffectAreRefused) {
            {"gain", "99999999999999999999", "-64 to 64"},
            {"auto_exposure", "2", "1 Manual Mode, 3 Aperture"},
            {"auto_exposure", "Manual", "1 Manual Mode"},
-           {"serial", "1", "no control serial"},
-           {"iris", "1", "no control iris"}}) {
+           {"serial", "1", "no settable control serial"},
+           {"iris", "1", "no settable control iris"}}) {
     FakeV4l2State state;
     MakeControls(&state);
     ExpectRefused(&state, {"", kWidth, kHeight, true, {{name, value}}}, word);

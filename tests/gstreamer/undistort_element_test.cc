@@ -618,7 +618,8 @@ TEST(UndistortElement, FailsAtASettingThatCannotBe) {
   const std::vector<uint8_t> bytes = Noise(kWideWidth * kWideHeight);
   for (const auto& [property, value, words] :
        std::vector<std::array<const char*, 3>>{
-           {"table", "7", "has no remap table 7, only 0 to 1; use one of these"},
+           {"table", "7",
+            "has no remap table 7, only 0 to 1; use one of these"},
            {"blob", "/nowhere/lens.raygrid", "cannot be read"},
            {"blob", "", "set blob="},
            {"blob", blobs.same_size(), "its remap tables undistort"}}) {
