@@ -138,7 +138,7 @@ class RollingShutterTest(CommandTest):
                 (["--rolling-shutter", "--timestamps", times(rows + "sim0000.png,99\n")], 2, "duplicate image"),
                 (["--rolling-shutter", "--timestamps", times(rows + "other.png,0\n")], 2, "have the same time stamp"),
                 (["--rolling-shutter", "--timestamps", times("image,time_s\nx.png,1\n")], 2,
-                 "no image of the calibration")):
+                 "no time stamps of the images")):
             code_of_it, text = self.refusal(*options)
             self.assertEqual(code_of_it, code, text)
             self.assertTrue(re.search(words, text), text)

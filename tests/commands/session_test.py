@@ -105,8 +105,10 @@ class Session(CommandTest):
         self.assert_done(self.capture())
         told = self.told()
         # As version 0.2 wrote it.
+        former = {"lens_position_dpt": "lens_position", "time_s": "seconds", "edge_width_px": "edge_spread_px",
+                  "white_level": "white", "variance_reduction": "variance_taken"}
         old = {**told, "raygrid_session": 1, "frames": [
-            {"image": frame["image"], "seconds": frame["time_s"], "lens_position": 2.0,
+            {**{former.get(key, key): value for key, value in frame.items()}, "lens_position": 2.0,
              "sensor_temperature_c": 30.5, "exposure_us": 8000} for frame in told["frames"]]}
         del old["schema_version"]
         write(os.path.join(self.session, "session.json"), json.dumps(old).encode())
@@ -349,8 +351,8 @@ class Session(CommandTest):
         self.assert_done(self.capture())
         path = os.path.join(self.session, "session.json")
         whole = read(path)
-        for contents in (b"", b"[]", b"{}", whole[:100], whole.replace(b'"raygrid_session": 1',
-                                                                       b'"raygrid_session": 9'),
+        for contents in (b"", b"[]", b"{}", whole[:100], whole.replace(b'"schema_version": 2',
+                                                                       b'"schema_version": 9'),
                          whole.replace(b'"image": "sim', b'"image": "../sim', 1)):
             write(path, contents)
             self.assert_refused(run("calibrate", self.session), 2, "session.json")
