@@ -32,7 +32,8 @@ const YuvToRgb& ConversionOf(const StreamFormat& format) {
   return format.is_full_range ? kFull : kVideo;
 }
 
-// A sample of so many bits as 8; the high bits fill low ones that are missing.
+// Converts a sample of the given number of bits to 8; shorter ones repeat their
+// high bits.
 uint8_t AsByte(uint32_t sample, int bits) {
   return static_cast<uint8_t>(bits >= 8 ? sample >> (bits - 8)
                                         : sample << (8 - bits) |
