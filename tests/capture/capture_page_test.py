@@ -239,7 +239,7 @@ class Page(unittest.TestCase):
         self.demo.wait(10)
         for stream in (self.demo.stdin, self.demo.stdout):
             stream.close()
-        self.wait_for(f"/^! Connection lost at .* Trying again/.test({text_of('lost')})")
+        self.wait_for(f"/^! Connection lost at .* Reconnecting/.test({text_of('lost')})")
         self.assertTrue(self.evaluate("document.getElementById('pause').disabled"))
         self.start("127.0.0.1", re.search(r":(\d+)/", self.link)[1])
         self.wait_for("document.getElementById('lost').hidden")
