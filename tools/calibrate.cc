@@ -303,7 +303,6 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
   const Pattern pattern = MeantPattern(arguments.pattern, common);
   RequireNoInputReplaced(arguments, FindImages(arguments.images).paths);
   RequireWritableFolder(arguments.output);
-  RequireImageCodecs();
 
   std::string inputs;
   std::vector<std::string> remarks;

@@ -3,25 +3,29 @@
 
 #include <opencv2/core.hpp>
 #include <string>
-#include <vector>
 
 namespace raygrid {
 
-// The module raygrid_image_codecs.so has these. It is loaded with the first
-// image: OpenCV's codecs bring 140 libraries, which would take 0.09 s of each
-// start. An InputError says where the module is missing.
+/// What decoded pixels are converted to; numbers are those of
+/// cv::ImreadModes.
+enum class PixelConversion {
+  kNone = -1,        ///< channels and depth of the file, colours as BGR(A)
+  kGrey = 0,         ///< 8 bits
+  kColor = 1,        ///< BGR of 8 bits
+  kGreyAnyDepth = 2  ///< 8 or 16 bits, as in the file
+};
 
-/// Loads the module now.
-void LoadImageCodecs();
+/// Decodes a PNG, JPEG, TIFF, WebP, PGM, PPM or BMP file without regard to its
+/// orientation, to the pixels of cv::imdecode(). The image is empty if the
+/// bytes are damaged, or of a variant that is not supported (CMYK, compressed
+/// BMP); it has floats if a TIFF file has.
+cv::Mat DecodeImage(const std::string& bytes, PixelConversion conversion);
 
-/// Decodes an image file as cv::imdecode() does; flags are cv::ImreadModes. The
-/// image is empty if the bytes are none.
-cv::Mat DecodeImage(const std::string& bytes, int flags);
+/// Encodes 8 or 16 bits; 1 channel, BGR or BGRA.
+std::string EncodePng(const cv::Mat& pixels);
 
-/// Encodes pixels as cv::imencode() does: extension is ".png" for example,
-/// parameters are pairs of cv::ImwriteFlags and values.
-std::string EncodeImage(const char* extension, const cv::Mat& pixels,
-                        const std::vector<int>& parameters = {});
+/// Encodes 8 bits of grey; quality is 0 to 100.
+std::string EncodeJpeg(const cv::Mat& grey, int quality);
 
 }  // namespace raygrid
 

@@ -2,17 +2,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <climits>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <mutex>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core.hpp>
 #include <set>
 
 #include "dataset/error.h"
@@ -25,46 +20,6 @@ namespace raygrid {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Catches what the image libraries print to standard error while they decode:
-// for some damage that is all they do about it.
-class DecoderMessages {
- public:
-  DecoderMessages() : lock_(Mutex()) {
-    std::fflush(stderr);
-    saved_ = dup(STDERR_FILENO);
-    file_ = memfd_create("decoder-messages", MFD_CLOEXEC);
-    if (saved_ >= 0 && file_ >= 0) dup2(file_, STDERR_FILENO);
-  }
-  ~DecoderMessages() {
-    Stop();
-    if (saved_ >= 0) close(saved_);
-    if (file_ >= 0) close(file_);
-  }
-  DecoderMessages(const DecoderMessages&) = delete;
-  DecoderMessages& operator=(const DecoderMessages&) = delete;
-
-  // Standard error is itself again; true if a library spoke of damage.
-  bool Stop() {
-    std::fflush(stderr);
-    if (saved_ < 0 || file_ < 0) return false;
-    dup2(saved_, STDERR_FILENO);
-    char text[4096] = {};
-    if (pread(file_, text, sizeof(text) - 1, 0) <= 0) return false;
-    for (const char* damage : {"Premature end", "Corrupt", "corrupt",
-                               "extraneous bytes", "Not enough data"})
-      if (std::strstr(text, damage)) return true;
-    return false;
-  }
-
- private:
-  static std::mutex& Mutex() {
-    static std::mutex mutex;
-    return mutex;
-  }
-  std::lock_guard<std::mutex> lock_;
-  int saved_, file_;
-};
 
 // How a JPEG file ends. The decoder fills up what is missing with grey: it says
 // so only of a sequential scan that holds all components.
@@ -148,8 +103,7 @@ void AddImagesInFolder(const std::string& folder, FoundImages* found) {
     throw InputError(folder + ": contains no images (png, jpg, tif, bmp, pgm)");
 }
 
-// OpenCV turns TIFF images whatever its flags say, unless their tag asks for
-// nothing.
+// libtiff rotates images unless their tag says that they are upright.
 std::string WithoutOrientation(std::string bytes, const ImageHeader& header) {
   const bool is_little_endian = bytes[0] == 'I';
   const size_t last = header.orientation_bytes - 1;
@@ -158,9 +112,9 @@ std::string WithoutOrientation(std::string bytes, const ImageHeader& header) {
   return bytes;
 }
 
-// Decodes an image with OpenCV, as it is stored; a damaged one is an error.
-// flags are DecodeImage()'s.
-cv::Mat Decode(const std::string& name, const std::string& file, int flags) {
+// Decodes an image as it is stored; a damaged one is an error.
+cv::Mat Decode(const std::string& name, const std::string& file,
+               PixelConversion conversion) {
   const ImageHeader header = ParseImageHeader(name, file);
   std::string changed;
   if (header.orientation > 1 && header.orientation_bytes > 0)
@@ -171,17 +125,8 @@ cv::Mat Decode(const std::string& name, const std::string& file, int flags) {
   if (end == JpegEnd::kAfterOnlyScan) changed = file + "\xff\xd9";
   const std::string& bytes = changed.empty() ? file : changed;
   cv::Mat decoded;
-  bool is_damaged = end == JpegEnd::kCut;
-  if (!bytes.empty() && !is_damaged) {
-    DecoderMessages messages;
-    try {
-      decoded = DecodeImage(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION);
-    } catch (const cv::Exception&) {
-      decoded.release();
-    }
-    is_damaged = messages.Stop();
-  }
-  if (decoded.empty() || is_damaged)
+  if (end != JpegEnd::kCut) decoded = DecodeImage(bytes, conversion);
+  if (decoded.empty())
     throw InputError(name + ": not an image, or corrupt; remove or replace it");
   return decoded;
 }
@@ -203,8 +148,8 @@ double FullScale(const cv::Mat& image) {
 
 // Decodes an image of 8 or 16 bits a channel; others are an error.
 cv::Mat DecodeIntegers(const std::string& name, const std::string& bytes,
-                       int flags) {
-  const cv::Mat decoded = Decode(name, bytes, flags);
+                       PixelConversion conversion) {
+  const cv::Mat decoded = Decode(name, bytes, conversion);
   if (decoded.depth() != CV_8U && decoded.depth() != CV_16U)
     throw InputError(
         name +
@@ -212,9 +157,9 @@ cv::Mat DecodeIntegers(const std::string& name, const std::string& bytes,
   return decoded;
 }
 
-Image ReadWith(int flags, const std::string& path) {
+Image ReadWith(PixelConversion conversion, const std::string& path) {
   const std::string bytes = ReadImageFile(path);
-  const cv::Mat decoded = DecodeIntegers(path, bytes, flags);
+  const cv::Mat decoded = DecodeIntegers(path, bytes, conversion);
   Image image;
   image.size = {decoded.cols, decoded.rows};
   image.channels = decoded.channels();
@@ -239,20 +184,21 @@ std::string ReadImageFile(const std::string& path) {
 }
 
 Image ReadImage(const std::string& path, bool grey) {
-  return ReadWith(grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR, path);
+  return ReadWith(grey ? PixelConversion::kGrey : PixelConversion::kColor,
+                  path);
 }
 
 Image ReadImageAsStored(const std::string& path) {
-  return ReadWith(cv::IMREAD_UNCHANGED, path);
+  return ReadWith(PixelConversion::kNone, path);
 }
 
 Image ReadGreyAsStored(const std::string& path) {
-  return ReadWith(cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH, path);
+  return ReadWith(PixelConversion::kGreyAnyDepth, path);
 }
 
 GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes) {
   const cv::Mat decoded =
-      DecodeIntegers(name, bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+      DecodeIntegers(name, bytes, PixelConversion::kGreyAnyDepth);
   GreyLevels grey;
   grey.size = {decoded.cols, decoded.rows};
   grey.levels.resize(decoded.total());
@@ -273,10 +219,8 @@ std::string EncodePng(const Image& image) {
       image.size.height, image.size.width,
       CV_MAKETYPE(image.sample_bytes == 1 ? CV_8U : CV_16U, image.channels),
       const_cast<uint8_t*>(image.pixels.data()));
-  return EncodeImage(".png", pixels);
+  return EncodePng(pixels);
 }
-
-void RequireImageCodecs() { LoadImageCodecs(); }
 
 FoundImages FindImages(const std::vector<std::string>& paths) {
   FoundImages found;

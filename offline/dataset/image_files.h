@@ -55,10 +55,6 @@ GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes);
 /// The PNG file of an image, with the image's channels and depth.
 std::string EncodePng(const Image& image);
 
-/// Throws InputError if image files cannot be read or written, since a part of
-/// the program is missing. Before long work that ends with a picture.
-void RequireImageCodecs();
-
 /// A file that is not used, and why.
 struct SkippedImage {
   std::string path, reason;

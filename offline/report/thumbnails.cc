@@ -4,7 +4,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "dataset/error.h"
 #include "dataset/image_codecs.h"
@@ -20,11 +19,11 @@ namespace {
 constexpr double kMaxBytes = 3e6;  // of all
 constexpr int kMaxWidthPx = 640, kMinWidthPx = 16;
 
-std::string EncodeJpeg(const Image& image) {
+std::string EncodeThumbnail(const Image& image) {
   constexpr int kQuality = 55;
   const cv::Mat pixels(image.size.height, image.size.width, CV_8U,
                        const_cast<uint8_t*>(image.pixels.data()));
-  return EncodeImage(".jpg", pixels, {cv::IMWRITE_JPEG_QUALITY, kQuality});
+  return EncodeJpeg(pixels, kQuality);
 }
 
 // The width of so many images of this shape that fit into the limit.
@@ -55,7 +54,7 @@ Thumbnails MakeThumbnails(const Dataset& dataset,
     try {
       const ImageRoom room(dataset.image_size);
       images[i] = Shrunk(ReadImage(paths[i], true), width_px);
-      files[i] = EncodeJpeg(images[i]);
+      files[i] = EncodeThumbnail(images[i]);
     } catch (const InputError&) {
       // An image that is gone has no thumbnail.
     }
@@ -66,7 +65,8 @@ Thumbnails MakeThumbnails(const Dataset& dataset,
         static_cast<int>(0.95 * width_px *
                          std::sqrt(kMaxBytes / double(TotalBytes(files)))));
     ParallelFor(count, NumThreads(num_threads), [&](int i) {
-      if (!files[i].empty()) files[i] = EncodeJpeg(Shrunk(images[i], width_px));
+      if (!files[i].empty())
+        files[i] = EncodeThumbnail(Shrunk(images[i], width_px));
     });
   }
   Thumbnails thumbnails;

@@ -436,7 +436,7 @@ Image16 AddNoiseAndQuantize16(const RenderedImage& image,
 std::string EncodePng(const Image16& image) {
   const cv::Mat pixels(image.size.height, image.size.width, CV_16U,
                        const_cast<uint16_t*>(image.pixels.data()));
-  return EncodeImage(".png", pixels);
+  return EncodePng(pixels);
 }
 
 }  // namespace raygrid

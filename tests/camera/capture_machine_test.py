@@ -19,8 +19,6 @@ UNPLUG_AT, FINISH_AT = 2, 3  # kept frames; to the end takes several minutes
 TOKEN = "token-of-the-emulated-machine"
 PORT = 8080
 JOB = f"""
-mkdir -p /lib/raygrid
-ln -s /bin/raygrid_image_codecs.so /lib/raygrid/
 modprobe virtio_net
 ifconfig lo up
 ifconfig eth0 10.0.2.15 netmask 255.255.255.0 up
@@ -52,8 +50,7 @@ class CaptureInMachine(MachineCase):
         cls.MACHINE = {"cpu": "max,-avx,-avx2,-fma", "forward": (machine.free_port(), PORT),
                        "timeout": 2700 if programs.until_done else 500}
         folder = os.path.dirname(programs.raygrid)
-        cls.PROGRAMS = [os.path.join(folder, "raygrid-capture"),
-                        os.path.join(folder, "../lib/raygrid/raygrid_image_codecs.so")]
+        cls.PROGRAMS = [os.path.join(folder, "raygrid-capture")]
         start = time.monotonic()
         cls.set_up(programs.kernel, JOB)
         print(f"{time.monotonic() - start:.0f} s")

@@ -57,27 +57,6 @@ class BadInput(CommandTest):
         self.assert_refused(self.calibrate(self.path("sim/features.csv")), 1, "not an image",
                             "--features " + self.path("sim/features.csv"))
 
-    def test_program_that_was_copied_without_its_module(self):
-        program = self.path("copy/bin/raygrid")
-        os.makedirs(os.path.dirname(program))
-        shutil.copy(programs.raygrid, program)
-        write(self.path("grey/a.pgm"), pgm(320, 240))
-        detect = ("detect", self.path("grey"), "--pattern", self.pattern, "-o",
-                  self.path("none.csv"))
-        result = run(*detect, program=program)
-        self.assert_refused(result, 2, "copy/lib/raygrid/raygrid_image_codecs.so", "install")
-        write(self.path("copy/lib/raygrid/raygrid_image_codecs.so"), "no module\n")
-        result = run(*detect, program=program)
-        self.assert_refused(result, 2, "raygrid_image_codecs.so", "install")
-        self.assertFalse(os.path.exists(self.path("none.csv")))
-        self.assert_done(run("inspect", self.path("good.raygrid"), program=program))
-
-        # Features need no image, but the report has some: told before the work.
-        too_few = write(self.path("too_few.csv"), features(1))
-        result = run("calibrate", "--features", too_few, "--image-size", "640x480",
-                     "--pattern", self.pattern, "-o", self.path("copied"), program=program)
-        self.assert_refused(result, 2, "raygrid_image_codecs.so", "install")
-
     def test_truncated_image(self):
         board = self.path("board")
         self.assert_done(run("pattern", "chessboard", "--columns", 9, "--rows", 6, "--square-mm",

@@ -24,13 +24,12 @@ target_link_libraries(consumer PRIVATE raygrid::runtime)
 COMPONENTS = {
     "runtime": ("include/raygrid/raygrid.h", "lib*/libraygrid.so.0", "lib*/pkgconfig/raygrid.pc"),
     "undistort": ("bin/raygrid-undistort", "share/man/man1/raygrid-undistort.1"),
-    "command": ("bin/raygrid", "lib/raygrid/raygrid_image_codecs.so", "share/man/man1/raygrid.1",
+    "command": ("bin/raygrid", "share/man/man1/raygrid.1",
                 "share/man/man1/raygrid_calibrate.1", "share/zsh/site-functions/_raygrid",
                 "share/bash-completion/completions/raygrid"),
     "camera": ("bin/raygrid-camera", "share/man/man1/raygrid-camera.1"),
     "gstreamer": ("lib*/gstreamer-1.0/libgstraygrid.so",),
-    "python": ("lib/python*/raygrid/__init__.py", "lib/python*/raygrid/_raygrid.*.so",
-               "lib/raygrid/raygrid_image_codecs.so"),
+    "python": ("lib/python*/raygrid/__init__.py", "lib/python*/raygrid/_raygrid.*.so"),
     "examples": ("share/doc/raygrid/examples/runtime/undistort_frame.c",
                  "share/doc/raygrid/examples/python/photographs_figure.py"),
 }

@@ -1,21 +1,20 @@
+#include "dataset/image_codecs.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "dataset/image_codecs.h"
 #include "support.h"
 
 namespace raygrid {
 namespace {
 
-// The codecs read and write as OpenCV's own do, to the bit.
-constexpr int kAnyOrientation = cv::IMREAD_IGNORE_ORIENTATION;
-constexpr std::array<int, 4> kFlags = {
-    cv::IMREAD_GRAYSCALE | kAnyOrientation, cv::IMREAD_COLOR | kAnyOrientation,
-    cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | kAnyOrientation,
-    cv::IMREAD_UNCHANGED};
+// The codecs read and write as OpenCV's do, to the bit.
+constexpr std::array<PixelConversion, 4> kConversions = {
+    PixelConversion::kGrey, PixelConversion::kColor,
+    PixelConversion::kGreyAnyDepth, PixelConversion::kNone};
 
 // A smooth picture with noise, of odd width.
 cv::Mat Picture(int type) {
@@ -46,15 +45,17 @@ std::string EncodedByOpenCv(const std::string& extension, const cv::Mat& pixels,
   return {bytes.begin(), bytes.end()};
 }
 
-cv::Mat DecodedByOpenCv(const std::string& bytes, int flags) {
+cv::Mat DecodedByOpenCv(const std::string& bytes, PixelConversion conversion) {
+  const int flags =
+      static_cast<int>(conversion) | cv::IMREAD_IGNORE_ORIENTATION;
   return cv::imdecode(std::vector<uint8_t>(bytes.begin(), bytes.end()), flags);
 }
 
 void ExpectTheSamePixels(const std::string& bytes, const std::string& what) {
-  for (const int flags : kFlags) {
-    SCOPED_TRACE(what + ", flags " + std::to_string(flags));
-    const cv::Mat expected = DecodedByOpenCv(bytes, flags);
-    const cv::Mat decoded = DecodeImage(bytes, flags);
+  for (const PixelConversion conversion : kConversions) {
+    SCOPED_TRACE(what + ", conversion " + std::to_string(int(conversion)));
+    const cv::Mat expected = DecodedByOpenCv(bytes, conversion);
+    const cv::Mat decoded = DecodeImage(bytes, conversion);
     ASSERT_EQ(decoded.size(), expected.size());
     ASSERT_EQ(decoded.type(), expected.type());
     if (decoded.empty()) continue;
@@ -83,7 +84,7 @@ const std::vector<Kind>& Kinds() {
   return kinds;
 }
 
-TEST(SmallImageCodecs, ReadThePixelsThatOpenCvReads) {
+TEST(ImageCodecs, ReadThePixelsThatOpenCvReads) {
   for (const Kind& kind : Kinds())
     for (const int type : kind.types)
       ExpectTheSamePixels(
@@ -91,26 +92,26 @@ TEST(SmallImageCodecs, ReadThePixelsThatOpenCvReads) {
           std::string(kind.extension) + " of type " + std::to_string(type));
 }
 
-TEST(SmallImageCodecs, WriteTheBytesThatOpenCvWrites) {
+TEST(ImageCodecs, WriteTheBytesThatOpenCvWrites) {
   for (const int type :
        {CV_8UC1, CV_8UC3, CV_8UC4, CV_16UC1, CV_16UC3, CV_16UC4}) {
     SCOPED_TRACE(type);
-    EXPECT_TRUE(EncodeImage(".png", Picture(type)) ==
+    EXPECT_TRUE(EncodePng(Picture(type)) ==
                 EncodedByOpenCv(".png", Picture(type)));
   }
   const std::vector<int> parameters = {cv::IMWRITE_JPEG_QUALITY, 55};
-  EXPECT_TRUE(EncodeImage(".jpg", Picture(CV_8UC1), parameters) ==
+  EXPECT_TRUE(EncodeJpeg(Picture(CV_8UC1), 55) ==
               EncodedByOpenCv(".jpg", Picture(CV_8UC1), parameters));
 }
 
 // Damage may leave an image that decoders complete. Memory is not touched
 // beyond the file, which sanitizers see.
-TEST(SmallImageCodecs, SurviveDamage) {
+TEST(ImageCodecs, SurviveDamage) {
   cv::RNG random(3);
   for (const Kind& kind : Kinds()) {
     const std::string whole = EncodedByOpenCv(
         kind.extension, Picture(kind.types.back()), kind.parameters);
-    EXPECT_TRUE(DecodeImage(whole.substr(0, 40), kFlags[0]).empty())
+    EXPECT_TRUE(DecodeImage(whole.substr(0, 40), kConversions[0]).empty())
         << kind.extension;
     for (int round = 0; round < 100; ++round) {
       std::string bytes =
@@ -120,8 +121,9 @@ TEST(SmallImageCodecs, SurviveDamage) {
         bytes[random.uniform(0, int(bytes.size()))] ^=
             static_cast<char>(1 << random.uniform(0, 8));
       const cv::Mat decoded =
-          round % 2 ? DecodeImage(bytes, kFlags[round % 4])
-                    : DecodeImage(whole.substr(0, bytes.size()), kFlags[2]);
+          round % 2
+              ? DecodeImage(bytes, kConversions[round % 4])
+              : DecodeImage(whole.substr(0, bytes.size()), kConversions[2]);
       EXPECT_LT(decoded.total(), size_t(1) << 31);
     }
   }
