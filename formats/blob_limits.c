@@ -7,24 +7,17 @@
 #include "rg_blob.h"
 #include "wide_multiply.h"
 
-#define CRITICAL_TYPES                                       \
-  (1u << RG_SECTION_CAMERA | 1u << RG_SECTION_CENTRAL_GRID | \
-   1u << RG_SECTION_LINE_POINTS)
 /* Flags, and how often a type stands. */
 static rg_status check_entry(const uint8_t* bytes, const uint8_t* entry,
                              const rg_sections* sections) {
   const uint32_t type = rg_load_u16(entry + RG_ENTRY_TYPE);
   const uint32_t flags = rg_load_u16(entry + RG_ENTRY_FLAGS);
   if (flags > RG_SECTION_CRITICAL) return RG_ERR_SECTION_FLAGS;
-  if ((type == RG_SECTION_CAPTURE || type == RG_SECTION_STACK ||
-       type == RG_SECTION_ROW_TIME) &&
-      rg_find_entry(bytes, type, 0) != entry)
-    return RG_ERR_SECTION_DUPLICATE;
-  if (type >= RG_NUM_SECTION_TYPES || !sections->of[type].bytes) return RG_OK;
-  if (flags != (CRITICAL_TYPES >> type & 1u)) return RG_ERR_SECTION_FLAGS;
-  return sections->of[type].bytes !=
-                     bytes + rg_load_u32(entry + RG_ENTRY_OFFSET) &&
-                 type != RG_SECTION_REMAP
+  if (type < RG_NUM_SECTION_TYPES && sections->of[type].bytes &&
+      flags != (RG_CRITICAL_TYPES >> type & 1u))
+    return RG_ERR_SECTION_FLAGS;
+  return type < 32 && (RG_SINGLE_TYPES >> type & 1u) != 0 &&
+                 rg_find_entry(bytes, type, 0) != entry
              ? RG_ERR_SECTION_DUPLICATE
              : RG_OK;
 }

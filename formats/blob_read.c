@@ -6,18 +6,7 @@
 
 /* Bytes of the fields of each type of section; 0: unknown. A table, since
  * Armv6-M compilers would call their library for a switch. */
-static const uint8_t kFieldsSizes[RG_NUM_SECTION_TYPES] = {
-    0,
-    RG_CAMERA_SIZE,
-    RG_GRID_FIELDS_SIZE,
-    RG_REMAP_FIELDS_SIZE,
-    RG_QUALITY_SIZE,
-    RG_LINE_POINTS_FIELDS_SIZE,
-    RG_MASK_FIELDS_SIZE,
-    RG_UNCERTAINTY_FIELDS_SIZE,
-    RG_MODE_SIZE,
-    0, /* a start for projection, until version 1.2 */
-    RG_GRID_FIELDS_SIZE};
+static const uint8_t kFieldsSizes[RG_NUM_SECTION_TYPES] = {RG_SECTION_SIZES};
 
 /* The sections tile the blob behind the table, in its order. */
 static rg_status check_sections(const uint8_t* bytes, const uint8_t* table_end,

@@ -24,30 +24,31 @@ Pair = tuple[int, int]
 
 MAGIC = b"RAYGRID\0"
 MAJOR = 1
-MINOR = 6
 MAX_SECTIONS = 16
 
+# written by tools/blob_format; not for editing
 HEADER = struct.Struct("<8sHHIHHIII")
 ENTRY = struct.Struct("<HHIII")
 CAMERA = struct.Struct("<HHI32s32s")
-GRID = struct.Struct("<4i2H2I2H2I")
-PLANE = struct.Struct("<6i")
-REMAP = struct.Struct("<4H4B4i6i2I2i3I")
-REMAP_WITH_VIEW = struct.Struct(REMAP.format + "4B9i2H")
-MODE = struct.Struct("<2H2i2I2BH2I32s")
-QUALITY = struct.Struct("<10I")
-INVERSE = struct.Struct("<4i2H2I2HIi")
-LINE_POINTS = struct.Struct("<2HI")
-MASK = struct.Struct("<2H2BHI")
-UNCERTAINTY = struct.Struct("<2H3I")
-CAPTURE = struct.Struct("<iI2i3I2BHi2I")
-STACK = struct.Struct("<2H")
-KNOT_VALUE = struct.Struct("<i")
+GRID = struct.Struct("<iiiiHHIIHHII")
+PLANE = struct.Struct("<2i2i2i")
+REMAP = struct.Struct("<HHHHBBBBiiii2i2i2iIIiiIII")
+VIEW = struct.Struct("<BBBB9iHH")
+VERTEX = struct.Struct("<hhbbbb")
+MODE = struct.Struct("<HHiiIIBBHII32s")
+QUALITY = struct.Struct("<IIIIIIIIII")
+LINE_POINTS = struct.Struct("<HHI")
+LINE_POINT = struct.Struct("<iii")
+MASK = struct.Struct("<HHBBHI")
+UNCERTAINTY = struct.Struct("<HHIII")
+INVERSE = struct.Struct("<iiiiHHIIHHIi")
+CAPTURE = struct.Struct("<iIiiIIIBBHiII")
+STACK = struct.Struct("<HH")
+KNOT = struct.Struct("<i")
 ROW_TIME = struct.Struct("<iI")
-CRC_COVERED_HEADER = 28
 
 TYPE_CAMERA = 1
-TYPE_GRID = 2
+TYPE_CENTRAL_GRID = 2
 TYPE_REMAP = 3
 TYPE_QUALITY = 4
 TYPE_LINE_POINTS = 5
@@ -59,14 +60,14 @@ TYPE_CAPTURE = 11
 TYPE_STACK = 12
 TYPE_ROW_TIME = 13
 CRITICAL = 1
-FLAGS_OF_TYPE = {TYPE_CAMERA: CRITICAL, TYPE_GRID: CRITICAL, TYPE_REMAP: 0, TYPE_QUALITY: 0,
-                 TYPE_LINE_POINTS: CRITICAL, TYPE_MASK: 0, TYPE_UNCERTAINTY: 0, TYPE_MODES: 0,
-                 TYPE_INVERSE: 0, TYPE_CAPTURE: 0, TYPE_STACK: 0, TYPE_ROW_TIME: 0}
-REQUIRED_TYPES = (TYPE_CAMERA, TYPE_GRID)
-SINGLE_TYPES = (TYPE_CAMERA, TYPE_GRID, TYPE_QUALITY, TYPE_LINE_POINTS,
-                TYPE_MASK, TYPE_UNCERTAINTY, TYPE_MODES, TYPE_INVERSE, TYPE_CAPTURE, TYPE_STACK,
-                TYPE_ROW_TIME)
-TYPES_SKIPPED_BY_BOARDS = (TYPE_CAPTURE, TYPE_STACK, TYPE_ROW_TIME)  # on opening
+FLAGS_OF_TYPE = {1: 1, 2: 1, 3: 0, 4: 0, 5: 1, 6: 0, 7: 0, 8: 0, 10: 0, 11: 0, 12: 0, 13: 0}
+MINOR_OF_TYPE = {1: 0, 2: 0, 3: 0, 4: 0, 5: 1, 6: 1, 7: 1, 8: 5, 10: 3, 11: 6, 12: 6, 13: 6}
+REQUIRED_TYPES = (1, 2)
+SINGLE_TYPES = (1, 2, 4, 5, 6, 7, 8, 10, 11, 12, 13)
+TYPES_SKIPPED_BY_BOARDS = (11, 12, 13)
+# end of what is written
+REMAP_WITH_VIEW = struct.Struct(REMAP.format + VIEW.format[1:])
+CRC_COVERED_HEADER = 28
 
 MAX_IMAGE_SIDE = 16384
 MAX_REMAP_SIDE = 8192
@@ -537,7 +538,7 @@ def parse(data: bytes) -> Blob:
     """Requirements, "A reader": check everything in the order given there."""
     table = read_table(data, read_header(data))
     camera = read_camera(first_section(data, table, TYPE_CAMERA))
-    grid = read_grid(first_section(data, table, TYPE_GRID), camera)
+    grid = read_grid(first_section(data, table, TYPE_CENTRAL_GRID), camera)
     sizes = mode_sizes(next(sections(data, table, TYPE_MODES), b""))
     readers = {TYPE_REMAP: lambda section: read_remap(section, camera, sizes),
                TYPE_MODES: read_modes,
@@ -830,7 +831,7 @@ def read_remap_arrays(section: bytes, data_offset: int, remap: Remap) -> Remap:
 
 def vertex_layout(remap: Remap) -> struct.Struct:
     """Remap: a vertex with or without bends."""
-    return struct.Struct("<2h4b" if remap.part_log2 else "<2h")
+    return VERTEX if remap.part_log2 else struct.Struct("<2h")
 
 
 def check_vertices(remap: Remap) -> None:
@@ -874,7 +875,7 @@ def read_line_points(section: bytes, grid: CentralGrid) -> tuple[tuple[int, int,
     require(reserved == 0, "RG_ERR_RESERVED", "the reserved field of the line points is not 0")
     check_data_offset(data_offset, LINE_POINTS, "line points")
     array = array_bytes(section, data_offset, 12 * grid.columns * grid.rows, "line points")
-    points = tuple(struct.iter_unpack("<iii", array))
+    points = tuple(LINE_POINT.iter_unpack(array))
     for index, point in enumerate(points):
         require(max(map(abs, point)) <= LINE_POINT_LIMIT, "RG_ERR_LINE_POINT",
                 f"line point {index} is {point}")
@@ -936,8 +937,8 @@ def read_capture(section: bytes, camera: Camera) -> Capture:
 
 def knot_parts(data: bytes, table: list[Entry]) -> list[tuple[int, bytes]]:
     """Operating points: type and bytes of the blob's own sections that a knot has a part for."""
-    entries = [entry for entry in table if entry.type in (TYPE_GRID, TYPE_INVERSE, TYPE_REMAP)]
-    require(entries[0].type == TYPE_GRID and table[-1].type == TYPE_STACK
+    entries = [entry for entry in table if entry.type in (TYPE_CENTRAL_GRID, TYPE_INVERSE, TYPE_REMAP)]
+    require(entries[0].type == TYPE_CENTRAL_GRID and table[-1].type == TYPE_STACK
             and entries == table[-1 - len(entries):-1],
             "RG_ERR_STACK", "sections that knots have a part for are not together in front of the stack")
     return [(entry.type, section_bytes(data, entry)) for entry in entries]
@@ -951,10 +952,10 @@ def read_stack(section: bytes, data: bytes, table: list[Entry]) -> Stack:
             f"the stack has {count} knots of condition {condition}")
     own = knot_parts(data, table)
     parts_size = sum(len(part) for _, part in own)
-    knot_size = parts_size + KNOT_VALUE.size
+    knot_size = parts_size + KNOT.size
     array = array_bytes(section, STACK.size, count * knot_size, "stack")
     whole = [array[k * knot_size:(k + 1) * knot_size] for k in range(count)]
-    values = tuple(KNOT_VALUE.unpack_from(knot, parts_size)[0] for knot in whole)
+    values = tuple(KNOT.unpack_from(knot, parts_size)[0] for knot in whole)
     require(all(low < high for low, high in zip(values, values[1:]))
             and max(map(abs, values)) <= CONDITION_LIMIT_Q16, "RG_ERR_STACK",
             f"the values are {values}")
@@ -963,12 +964,12 @@ def read_stack(section: bytes, data: bytes, table: list[Entry]) -> Stack:
     knots = []
     for knot in whole:
         position = 0
-        found = {TYPE_GRID: [], TYPE_INVERSE: [], TYPE_REMAP: []}
+        found = {TYPE_CENTRAL_GRID: [], TYPE_INVERSE: [], TYPE_REMAP: []}
         for kind, like in own:
             part = knot[position:position + len(like)]
             position += len(like)
             found[kind].append(read_knot_part(kind, part, like, camera, sizes))
-        knots.append(Knot(found[TYPE_GRID][0], next(iter(found[TYPE_INVERSE]), None),
+        knots.append(Knot(found[TYPE_CENTRAL_GRID][0], next(iter(found[TYPE_INVERSE]), None),
                           tuple(found[TYPE_REMAP])))
     return Stack(condition, values, tuple(knots))
 
@@ -982,7 +983,7 @@ def read_knot_part(kind: int, part: bytes, like: bytes, camera: Camera,
         mask = len(part) - mask_size(block_count(read))
         same = part[mask:] == like[mask:]
     else:
-        read = read_grid(part, camera) if kind == TYPE_GRID else read_inverse(part)
+        read = read_grid(part, camera) if kind == TYPE_CENTRAL_GRID else read_inverse(part)
         data_offset = GRID.unpack_from(part)[10]
         same = True
     require(same and knot_fields(kind, part, data_offset) == knot_fields(kind, like, data_offset),
@@ -1731,7 +1732,7 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
 
 def packed_parts(blob: Blob) -> Iterator[tuple[int, bytes]]:
     """Operating points: the sections that knots have their like of."""
-    yield TYPE_GRID, pack_grid(blob.grid)
+    yield TYPE_CENTRAL_GRID, pack_grid(blob.grid)
     for remap in blob.remaps:
         yield TYPE_REMAP, pack_remap(remap)
     if blob.inverse is not None:
@@ -1756,20 +1757,14 @@ def packed_lone_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
 
 def minor_version(packed: list[tuple[int, bytes]]) -> int:
     """Requirements, "A writer": the minor version whose fields it uses."""
-    if any(kind in (TYPE_CAPTURE, TYPE_STACK, TYPE_ROW_TIME) for kind, _ in packed):
-        return 6
-    remaps = [REMAP.unpack_from(section) for kind, section in packed if kind == TYPE_REMAP]
-    if any(fields[7] & HAS_VIEW for fields in remaps) or any(
-            kind == TYPE_MODES for kind, _ in packed):
-        return 5
-    if any(fields[6] for fields in remaps):
-        return 4
-    if any(kind == TYPE_INVERSE for kind, _ in packed):
-        return 3
-    grid = next(section for kind, section in packed if kind == TYPE_GRID)
-    if GRID.unpack_from(grid)[9] != FRACTION_BITS:
-        return 2
-    return 1 if any(kind > TYPE_QUALITY for kind, _ in packed) else 0
+    versions = [MINOR_OF_TYPE[kind] for kind, _ in packed]
+    for kind, section in packed:
+        if kind == TYPE_CENTRAL_GRID and GRID.unpack_from(section)[9] != FRACTION_BITS:
+            versions.append(2)
+        if kind == TYPE_REMAP:
+            fields = REMAP.unpack_from(section)
+            versions.append(5 if fields[7] & HAS_VIEW else 4 if fields[6] else 0)
+    return max(versions)
 
 
 def assemble(packed: list[tuple[int, bytes]]) -> bytes:
@@ -1883,7 +1878,7 @@ def pack_capture(capture: Capture) -> bytes:
 def pack_stack(stack: Stack) -> bytes:
     """Operating points (type 12)."""
     return STACK.pack(stack.condition, len(stack.values)) + b"".join(
-        pack_knot(knot) + KNOT_VALUE.pack(value)
+        pack_knot(knot) + KNOT.pack(value)
         for knot, value in zip(stack.knots, stack.values))
 
 

@@ -346,13 +346,16 @@ typedef struct section_writer {
   uint8_t* bytes;
   uint8_t* entry;
   uint32_t end;
+  uint16_t minor; /* version that has what was written */
 } section_writer;
 
 /* Reserves the next section and writes its entry, but for the CRC. */
 static uint8_t* begin_section(section_writer* writer, uint16_t type,
-                              uint16_t flags, uint32_t size) {
+                              uint32_t size) {
+  static const uint8_t kMinors[] = {RG_SECTION_MINORS};
+  if (kMinors[type] > writer->minor) writer->minor = kMinors[type];
   rg_store_u16(writer->entry + RG_ENTRY_TYPE, type);
-  rg_store_u16(writer->entry + RG_ENTRY_FLAGS, flags);
+  rg_store_u16(writer->entry + RG_ENTRY_FLAGS, RG_CRITICAL_TYPES >> type & 1u);
   rg_store_u32(writer->entry + RG_ENTRY_OFFSET, writer->end);
   rg_store_u32(writer->entry + RG_ENTRY_SIZE, size);
   uint8_t* section = writer->bytes + writer->end;
@@ -365,7 +368,7 @@ static void begin_remap(const rg_remap_section* remap, const int16_t* residuals,
                         section_writer* writer) {
   rg_write_remap(
       remap, residuals,
-      begin_section(writer, RG_SECTION_REMAP, 0, rg_remap_section_size(remap)));
+      begin_section(writer, RG_SECTION_REMAP, rg_remap_section_size(remap)));
 }
 
 /* Sections behind the camera and the modes that knots of a stack have no like
@@ -373,32 +376,31 @@ static void begin_remap(const rg_remap_section* remap, const int16_t* residuals,
 static void write_lone_sections(const rg_blob_contents* contents,
                                 section_writer* writer) {
   if (contents->quality)
-    write_quality(contents->quality, begin_section(writer, RG_SECTION_QUALITY,
-                                                   0, RG_QUALITY_SIZE));
+    write_quality(contents->quality,
+                  begin_section(writer, RG_SECTION_QUALITY, RG_QUALITY_SIZE));
   if (contents->line_points_q28)
-    write_line_points(
-        contents->grid, contents->line_points_q28,
-        begin_section(writer, RG_SECTION_LINE_POINTS, RG_SECTION_CRITICAL,
-                      line_points_size(contents->grid)));
+    write_line_points(contents->grid, contents->line_points_q28,
+                      begin_section(writer, RG_SECTION_LINE_POINTS,
+                                    line_points_size(contents->grid)));
   if (contents->mask)
-    write_mask(contents->mask, begin_section(writer, RG_SECTION_MASK, 0,
+    write_mask(contents->mask, begin_section(writer, RG_SECTION_MASK,
                                              valid_mask_size(contents->mask)));
   if (contents->uncertainty)
     write_uncertainty(contents->uncertainty, contents->uncertainties_q12,
-                      begin_section(writer, RG_SECTION_UNCERTAINTY, 0,
+                      begin_section(writer, RG_SECTION_UNCERTAINTY,
                                     uncertainty_size(contents->uncertainty)));
   if (contents->capture)
-    write_capture(contents->capture, begin_section(writer, RG_SECTION_CAPTURE,
-                                                   0, RG_CAPTURE_SIZE));
+    write_capture(contents->capture,
+                  begin_section(writer, RG_SECTION_CAPTURE, RG_CAPTURE_SIZE));
   if (contents->row_time)
     write_row_time(
         contents->row_time,
-        begin_section(writer, RG_SECTION_ROW_TIME, 0, RG_ROW_TIME_SIZE));
+        begin_section(writer, RG_SECTION_ROW_TIME, RG_ROW_TIME_SIZE));
 }
 
 static void write_modes(const rg_blob_contents* contents,
                         section_writer* writer) {
-  uint8_t* const section = begin_section(writer, RG_SECTION_MODES, 0,
+  uint8_t* const section = begin_section(writer, RG_SECTION_MODES,
                                          RG_MODE_SIZE * contents->num_modes);
   for (uint32_t k = 0; k < contents->num_modes; ++k)
     write_mode(&contents->modes[k], section + RG_MODE_SIZE * k);
@@ -407,9 +409,9 @@ static void write_modes(const rg_blob_contents* contents,
 /* Sections that knots of a stack have their like of. */
 static void write_parts(const rg_blob_contents* contents,
                         section_writer* writer) {
-  write_grid(contents->grid, contents->control_points_q29, contents->narrow,
-             begin_section(writer, RG_SECTION_CENTRAL_GRID, RG_SECTION_CRITICAL,
-                           grid_size(contents)));
+  write_grid(
+      contents->grid, contents->control_points_q29, contents->narrow,
+      begin_section(writer, RG_SECTION_CENTRAL_GRID, grid_size(contents)));
   if (contents->remap)
     begin_remap(contents->remap, contents->residuals, writer);
   for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
@@ -417,7 +419,7 @@ static void write_parts(const rg_blob_contents* contents,
                 contents->more_remaps[k].residuals, writer);
   if (contents->inverse)
     write_inverse(contents->inverse, contents->inverse_points,
-                  begin_section(writer, RG_SECTION_INVERSE, 0,
+                  begin_section(writer, RG_SECTION_INVERSE,
                                 inverse_size(contents->inverse)));
 }
 
@@ -426,15 +428,14 @@ static void write_parts(const rg_blob_contents* contents,
 static void write_sections(const rg_blob_contents* contents,
                            section_writer* writer) {
   write_camera(contents->camera,
-               begin_section(writer, RG_SECTION_CAMERA, RG_SECTION_CRITICAL,
-                             RG_CAMERA_SIZE));
+               begin_section(writer, RG_SECTION_CAMERA, RG_CAMERA_SIZE));
   if (contents->num_modes != 0) write_modes(contents, writer);
   if (!contents->stack) write_parts(contents, writer);
   write_lone_sections(contents, writer);
   if (contents->stack) {
     write_parts(contents, writer);
-    write_stack(contents, begin_section(writer, RG_SECTION_STACK, 0,
-                                        stack_size(contents)));
+    write_stack(contents,
+                begin_section(writer, RG_SECTION_STACK, stack_size(contents)));
   }
 }
 
@@ -453,17 +454,10 @@ static uint16_t version_of_remaps(const rg_blob_contents* contents) {
   return highest;
 }
 
-/* The lowest minor version that has what the blob uses. */
-static uint16_t minor_version(const rg_blob_contents* contents) {
-  if (contents->capture || contents->stack || contents->row_time) return 6;
-  if (contents->num_modes != 0) return 5;
+/* The lowest minor version that has what grids and tables use. */
+static uint16_t version_of_parts(const rg_blob_contents* contents) {
   const uint16_t version = version_of_remaps(contents);
-  if (version != 0) return version;
-  if (contents->inverse) return 3;
-  if (contents->narrow) return 2;
-  return contents->line_points_q28 || contents->mask || contents->uncertainty
-             ? 1
-             : 0;
+  return version == 0 && contents->narrow ? 2 : version;
 }
 
 static void write_header(uint8_t* bytes, uint16_t minor, uint32_t size,
@@ -598,10 +592,11 @@ rg_status rg_blob_write(const rg_blob_contents* contents, void* buffer,
 
   uint8_t* const bytes = (uint8_t*)buffer;
   const uint32_t sections = num_sections(contents);
-  write_header(bytes, minor_version(contents), size, sections);
   section_writer writer = {bytes, bytes + RG_HEADER_SIZE,
-                           RG_HEADER_SIZE + RG_SECTION_ENTRY_SIZE * sections};
+                           RG_HEADER_SIZE + RG_SECTION_ENTRY_SIZE * sections,
+                           version_of_parts(contents)};
   write_sections(contents, &writer);
+  write_header(bytes, writer.minor, size, sections);
   write_crcs(bytes, sections);
 
   rg_blob blob;

@@ -18,28 +18,11 @@ extern "C" {
 #endif
 
 #define RG_FORMAT_MAJOR 1
-#define RG_FORMAT_MINOR 6 /* the highest that the writer writes */
 
 #define RG_MAX_SECTIONS 16u
 #define RG_SECTION_CRITICAL                        \
   1u /* flag: a reader that does not know it stops \
       */
-
-enum rg_section_type {
-  RG_SECTION_CAMERA = 1,
-  RG_SECTION_CENTRAL_GRID = 2,
-  RG_SECTION_REMAP = 3,
-  RG_SECTION_QUALITY = 4,
-  RG_SECTION_LINE_POINTS = 5,
-  RG_SECTION_MASK = 6,
-  RG_SECTION_UNCERTAINTY = 7,
-  RG_SECTION_MODES = 8,
-  RG_SECTION_INVERSE = 10,
-  RG_NUM_SECTION_TYPES = 11, /* those that boards know */
-  RG_SECTION_CAPTURE = 11,   /* whole readers know it alone */
-  RG_SECTION_STACK = 12,     /* on boards rg_set_condition() knows it alone */
-  RG_SECTION_ROW_TIME = 13   /* and rg_row_time() this; boards open without */
-};
 
 #define RG_MAX_IMAGE_SIZE 16384u
 #define RG_MAX_REMAP_SIZE 8192u

@@ -566,9 +566,9 @@ typedef struct rg_kernels rg_kernels;
 
 /** Finds kernels by name, for measurements and tests.
  *
- * @param name "portable", "sse4", "avx2", "avx512", "neon" or "rvv"; NULL: the
- *     fastest that this processor supports, which takes up to a microsecond in
- *     a virtual machine
+ * @param name "portable", or one such as "avx2" or "neon" (README.md,
+ *     "Kernels"); NULL: the fastest that this processor supports, which takes
+ *     up to a microsecond in a virtual machine
  * @return static kernels; NULL if there are none of that name here */
 const rg_kernels* rg_find_kernels(const char* name);
 

@@ -25,6 +25,23 @@ static inline int rg_has_avx2(void) {
          __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & bit_AVX2) != 0;
 }
 
+static inline int rg_has_sse4(void) {
+  uint32_t a, b, c, d;
+  return __get_cpuid(1, &a, &b, &c, &d) && (c & bit_SSE4_1) != 0 &&
+         (c & bit_SSSE3) != 0;
+}
+
+/* Whether there is all that kernels/avx512.c is compiled for, and AVX2, which
+ * it falls back on. */
+static inline int rg_has_avx512(void) {
+  const uint32_t needed =
+      bit_AVX512F | bit_AVX512DQ | bit_AVX512BW | bit_AVX512VL;
+  uint32_t a, b, c, d;
+  return rg_has_avx2() && rg_keeps_registers(RG_MASKS_ZMM) &&
+         __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & needed) == needed &&
+         (c & bit_AVX512VBMI) != 0 && (c & bit_AVX512VBMI2) != 0;
+}
+
 /* Between these, functions are compiled for a processor with such features. */
 #define RG_PRAGMA(text) _Pragma(#text)
 #if defined(__clang__)

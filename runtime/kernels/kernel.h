@@ -1,6 +1,6 @@
 /* A kernel is an inner loop that blends the pixels of a run. This header says
- * what a run is, declares all kernels, and chooses which of them runs. All give
- * the same bits: formats/SPEC.md, "Remap arithmetic". */
+ * what a run is, declares the kernels of kernel_list.h, and chooses which of
+ * them runs. All give the same bits: formats/SPEC.md, "Remap arithmetic". */
 #ifndef RAYGRID_KERNEL_H
 #define RAYGRID_KERNEL_H
 
@@ -8,6 +8,7 @@
 
 #include "config.h"
 #include "kernels/block.h"
+#include "kernels/kernel_list.h"
 #include "kernels/samples.h"
 #include "raygrid.h"
 
@@ -54,20 +55,18 @@ struct rg_kernels {
 #define RG_HAS_VECTORS 1u /* several channels take little longer than one */
 #define RG_HAS_WORDS 2u   /* rg_blend_words_avx2() runs */
 
-rg_blend rg_blend_1, rg_blend_2, rg_blend_3, rg_blend_4;
-rg_blend rg_blend_1_sse4, rg_blend_2_sse4, rg_blend_3_sse4, rg_blend_4_sse4;
-rg_blend rg_blend_1_avx2, rg_blend_2_avx2, rg_blend_3_avx2, rg_blend_4_avx2;
+rg_blend rg_blend_1, rg_blend_2, rg_blend_3, rg_blend_4; /* portable */
+#define RG_KERNEL(name, parts, abilities, runs)                     \
+  rg_blend rg_blend_1_##name, rg_blend_2_##name, rg_blend_3_##name, \
+      rg_blend_4_##name;                                            \
+  rg_blend_parts rg_blend_parts_1_##name, rg_blend_parts_2_##name,  \
+      rg_blend_parts_3_##name, rg_blend_parts_4_##name;
+RG_ALL_KERNELS
+#undef RG_KERNEL
+
 /* All fields of a run of RGB565; 0, and nothing is done, where steps are too
  * large for it. */
 int rg_blend_words_avx2(const rg_run* run);
-rg_blend rg_blend_1_avx512, rg_blend_2_avx512, rg_blend_3_avx512,
-    rg_blend_4_avx512;
-rg_blend_parts rg_blend_parts_1_avx512, rg_blend_parts_2_avx512,
-    rg_blend_parts_3_avx512, rg_blend_parts_4_avx512;
-rg_blend rg_blend_1_neon, rg_blend_2_neon, rg_blend_3_neon, rg_blend_4_neon;
-rg_blend rg_blend_1_helium, rg_blend_2_helium, rg_blend_3_helium,
-    rg_blend_4_helium;
-rg_blend rg_blend_1_rvv, rg_blend_2_rvv, rg_blend_3_rvv, rg_blend_4_rvv;
 
 /* Blends a run of a spread lattice, bilinear, by the kernels for as many
  * channels as its groups have bytes. Rows may not be wider than 64 pixels. */
@@ -81,16 +80,6 @@ void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice);
 void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice);
 
 /* ---- The kernels that run ------------------------------------------------ */
-
-/* A board's built-in kernels are known when it is compiled, and need no spare
- * rows. */
-#if RG_ALL_BUILT_IN && RG_HAVE_HELIUM
-#define RG_BUILT_IN(channels) rg_blend_##channels##_helium
-#elif RG_ALL_BUILT_IN
-#define RG_BUILT_IN(channels) rg_blend_##channels##_rvv
-#else
-#define RG_BUILT_IN(channels) rg_blend_##channels
-#endif
 
 /* Whether kernels that were chosen may run. is_roomy says that the spare rows
  * are there. Where kernels are built in, the chosen ones need none either. */

@@ -19,9 +19,7 @@ static uint8_t edited[sizeof(kStackBlob)] __attribute__((aligned(16)));
 
 /* A value of a field of the section of that type: in kNarrowBlob for the grid,
  * in kBentBlob for a remap, in kViewsBlob for one with a view, in kModesBlob
- * for one of a mode and for modes, in kLinesBlob for line points, in
- * kCaptureBlob for the capture, in kStackBlob for the stack, in kRowTimeBlob
- * for the row time, otherwise in kWideBlob. */
+ * for one of a mode, otherwise in kWideBlob or the first that has it. */
 typedef struct field_value {
   const char* what;
   uint32_t type, offset, num_bytes, value;
@@ -222,37 +220,44 @@ static const field_value kValues[] = {
     {"largest number as deviation", 13, 4, 4, 0xffffffff, RG_ERR_ROW_TIME},
 };
 
+/* Where the entry of a type is in a blob, or 0. */
+static uint32_t find_entry(const golden_blob* blob, uint32_t type) {
+  uint32_t entry = RG_HEADER_SIZE;
+  const uint32_t num = rg_load_u16(blob->bytes + RG_HEADER_SECTION_COUNT);
+  for (uint32_t k = 0; k < num; ++k, entry += RG_SECTION_ENTRY_SIZE)
+    if (rg_load_u16(blob->bytes + entry) == type) return entry;
+  return 0;
+}
+
+#define BLOB(name) \
+  (golden_blob) { (name), sizeof(name) }
+
+/* Of the others kWideBlob or, if it lacks the section, the first that has it.
+ */
+static golden_blob golden_blob_with(uint32_t type) {
+  if (type == RG_SECTION_CENTRAL_GRID) return BLOB(kNarrowBlob);
+  if (type == RG_SECTION_REMAP) return BLOB(kBentBlob);
+  if (type == VIEW) return BLOB(kViewsBlob);
+  if (type == MODE_TABLE) return BLOB(kModesBlob);
+  golden_blob blob = BLOB(kWideBlob);
+  for (uint32_t k = 0; !find_entry(&blob, type); ++k) {
+    assert_true(k < NUM_GOLDEN_BLOBS);
+    blob = kGoldenBlobs[k];
+  }
+  return blob;
+}
+
 static const uint8_t* blob_with(uint32_t type) {
-  return type == RG_SECTION_LINE_POINTS    ? kLinesBlob
-         : type == RG_SECTION_REMAP        ? kBentBlob
-         : type == VIEW                    ? kViewsBlob
-         : type == MODE_TABLE              ? kModesBlob
-         : type == RG_SECTION_MODES        ? kModesBlob
-         : type == RG_SECTION_CENTRAL_GRID ? kNarrowBlob
-         : type == RG_SECTION_CAPTURE      ? kCaptureBlob
-         : type == RG_SECTION_STACK        ? kStackBlob
-         : type == RG_SECTION_ROW_TIME     ? kRowTimeBlob
-                                           : kWideBlob;
+  return golden_blob_with(type).bytes;
 }
 
 static uint32_t size_of_blob_with(uint32_t type) {
-  return type == RG_SECTION_LINE_POINTS    ? sizeof(kLinesBlob)
-         : type == RG_SECTION_REMAP        ? sizeof(kBentBlob)
-         : type == VIEW                    ? sizeof(kViewsBlob)
-         : type == MODE_TABLE              ? sizeof(kModesBlob)
-         : type == RG_SECTION_MODES        ? sizeof(kModesBlob)
-         : type == RG_SECTION_CENTRAL_GRID ? sizeof(kNarrowBlob)
-         : type == RG_SECTION_CAPTURE      ? sizeof(kCaptureBlob)
-         : type == RG_SECTION_STACK        ? sizeof(kStackBlob)
-         : type == RG_SECTION_ROW_TIME     ? sizeof(kRowTimeBlob)
-                                           : sizeof(kWideBlob);
+  return golden_blob_with(type).size;
 }
 
 static uint32_t entry_of_type(uint32_t type) {
-  const uint32_t stored = type >= VIEW ? RG_SECTION_REMAP : type;
-  uint32_t entry = RG_HEADER_SIZE;
-  while (rg_load_u16(blob_with(type) + entry) != stored) entry += 16;
-  return entry;
+  const golden_blob blob = golden_blob_with(type);
+  return find_entry(&blob, type >= VIEW ? RG_SECTION_REMAP : type);
 }
 
 static void store(uint8_t* p, uint32_t num_bytes, uint32_t value) {

@@ -12,20 +12,6 @@
 
 #define MAX_INPUT 8192u
 
-typedef struct golden_blob {
-  const uint8_t* bytes;
-  uint32_t size;
-} golden_blob;
-
-static const golden_blob kBlobs[] = {
-    {kExampleBlob, sizeof(kExampleBlob)}, {kLensBlob, sizeof(kLensBlob)},
-    {kNarrowBlob, sizeof(kNarrowBlob)},   {kWideBlob, sizeof(kWideBlob)},
-    {kLinesBlob, sizeof(kLinesBlob)},     {kBentBlob, sizeof(kBentBlob)},
-    {kViewsBlob, sizeof(kViewsBlob)},     {kModesBlob, sizeof(kModesBlob)},
-    {kCaptureBlob, sizeof(kCaptureBlob)}, {kStackBlob, sizeof(kStackBlob)},
-    {kRowTimeBlob, sizeof(kRowTimeBlob)}};
-#define NUM_BLOBS (sizeof(kBlobs) / sizeof(kBlobs[0]))
-
 static uint32_t state;
 
 static uint32_t below(uint32_t limit) {
@@ -71,9 +57,10 @@ static uint32_t change(uint8_t* input, uint32_t size) {
 
 static int write_corpus(const char* folder) {
   static uint8_t input[MAX_INPUT];
-  for (uint32_t k = 0; k < 8 * NUM_BLOBS; ++k) {
+  for (uint32_t k = 0; k < 8 * NUM_GOLDEN_BLOBS; ++k) {
     char path[1024];
-    const uint32_t size = make_input(&kBlobs[k % NUM_BLOBS], input);
+    const uint32_t size =
+        make_input(&kGoldenBlobs[k % NUM_GOLDEN_BLOBS], input);
     if (snprintf(path, sizeof(path), "%s/%02u", folder, (unsigned)k) >=
         (int)sizeof(path))
       return 1;
@@ -102,8 +89,8 @@ int main(int argc, char** argv) {
       argc > 1 ? (uint32_t)strtoul(argv[1], NULL, 10) : 20000;
   state = argc > 2 ? (uint32_t)strtoul(argv[2], NULL, 10) : 1;
   for (uint32_t k = 0; k < num_inputs; ++k) {
-    uint32_t size = make_input(&kBlobs[k % NUM_BLOBS], input);
-    for (uint32_t n = k < NUM_BLOBS ? 0 : below(6); n != 0; --n)
+    uint32_t size = make_input(&kGoldenBlobs[k % NUM_GOLDEN_BLOBS], input);
+    for (uint32_t n = k < NUM_GOLDEN_BLOBS ? 0 : below(6); n != 0; --n)
       size = change(input, size);
     run(input, size);
   }

@@ -5,6 +5,7 @@
 
 #include "frames/pixel_formats.h"
 #include "fuzz_target.h"
+#include "kernels/kernel_list.h"
 #include "raygrid.h"
 
 #define MAX_PLANE (1u << 20) /* larger ones only take time */
@@ -83,8 +84,8 @@ static int make_image(const rg_camera* camera, const uint8_t* data,
 
 static int make_target(const rg_camera* camera, const uint8_t* data,
                        rg_format format, rg_target* target) {
-  static const char* const kNames[] = {"portable", "sse4", "avx2", "avx512",
-                                       NULL};
+#define RG_KERNEL(name, parts, abilities, runs) #name,
+  static const char* const kNames[] = {RG_KERNELS "portable"};
   uint16_t width = 0, height = 0;
   rg_remap_size(camera, &width, &height);
   memset(target, 0, sizeof(*target));
@@ -96,7 +97,8 @@ static int make_target(const rg_camera* camera, const uint8_t* data,
   }
   target->border = (rg_border)(data[3] / 2 % 4);
   target->sampling = (rg_sampling)(data[3] / 8 % 4 / 2 + (data[3] == 0xff));
-  target->kernels = rg_find_kernels(kNames[data[3] >> 6]);
+  target->kernels =
+      rg_find_kernels(kNames[data[57] % (sizeof(kNames) / sizeof(kNames[0]))]);
   for (uint32_t c = 0; c < 4; ++c)
     target->border_values[c] = (uint16_t)setting(data, 28 + 2 * c);
   for (uint32_t plane = 0; plane < 3; ++plane) {

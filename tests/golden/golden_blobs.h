@@ -13,6 +13,11 @@ typedef struct golden_ray {
   int32_t ray_q30[3];
 } golden_ray;
 
+typedef struct golden_blob {
+  const uint8_t* bytes;
+  uint32_t size;
+} golden_blob;
+
 /* Test image: state = seed; pixel by pixel, row by row,
  *   state = 1664525 state + 1013904223, value = 2 x + y + (state >> 27)
  * and the CRC-32 of the images undistorted from it. */
@@ -3373,5 +3378,21 @@ static const golden_ray kChartRays[] = {
     {2130706432, 2130706432, {262225033, 262225033, -1007669375}},
     {-2130706432, 2130706432, {-262225033, 262225033, -1007669375}},
 };
+
+static const golden_blob kGoldenBlobs[] = {
+    {kExampleBlob, sizeof(kExampleBlob)},
+    {kLensBlob, sizeof(kLensBlob)},
+    {kNarrowBlob, sizeof(kNarrowBlob)},
+    {kWideBlob, sizeof(kWideBlob)},
+    {kLinesBlob, sizeof(kLinesBlob)},
+    {kSeenLinesBlob, sizeof(kSeenLinesBlob)},
+    {kBentBlob, sizeof(kBentBlob)},
+    {kViewsBlob, sizeof(kViewsBlob)},
+    {kModesBlob, sizeof(kModesBlob)},
+    {kCaptureBlob, sizeof(kCaptureBlob)},
+    {kStackBlob, sizeof(kStackBlob)},
+    {kRowTimeBlob, sizeof(kRowTimeBlob)},
+};
+#define NUM_GOLDEN_BLOBS (sizeof(kGoldenBlobs) / sizeof(kGoldenBlobs[0]))
 
 #endif /* RAYGRID_GOLDEN_BLOBS_H */

@@ -8,6 +8,7 @@ import argparse
 import dataclasses
 import functools
 import math
+import re
 import sys
 import tomllib
 import zlib
@@ -1205,6 +1206,17 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
     yield from chart_lines()
     yield "};"
     yield ""
+
+
+def with_list(lines: list[str]) -> Iterator[str]:
+    """The header with a list of its blobs."""
+    yield from lines
+    yield "static const golden_blob kGoldenBlobs[] = {"
+    for name in re.findall(r"^static const uint8_t (\w+)\[", "\n".join(lines), re.MULTILINE):
+        yield f"    {{{name}, sizeof({name})}},"
+    yield "};"
+    yield "#define NUM_GOLDEN_BLOBS (sizeof(kGoldenBlobs) / sizeof(kGoldenBlobs[0]))"
+    yield ""
     yield "#endif /* RAYGRID_GOLDEN_BLOBS_H */"
 
 
@@ -1223,6 +1235,11 @@ typedef struct golden_ray {
   int32_t x, y;
   int32_t ray_q30[3];
 } golden_ray;
+
+typedef struct golden_blob {
+  const uint8_t* bytes;
+  uint32_t size;
+} golden_blob;
 
 /* Test image: state = seed; pixel by pixel, row by row,
  *   state = 1664525 state + 1013904223, value = 2 x + y + (state >> 27)
@@ -1259,7 +1276,7 @@ def expected_files() -> dict[Path, bytes]:
     example, lens, wide = make_example(), make_lens(), make_wide()
     spec = SPEC_PATH.read_text(encoding="utf-8")
     return {
-        HEADER_PATH: ("\n".join(header_lines(example, lens, wide)) + "\n").encode(),
+        HEADER_PATH: ("\n".join(with_list(list(header_lines(example, lens, wide)))) + "\n").encode(),
         SPEC_PATH: spec_with_example(spec, example).encode(),
     }
 

@@ -140,7 +140,7 @@ def entry_field(index: int, field: int) -> int:
     return reference.HEADER.size + index * reference.ENTRY.size + field
 
 
-CAMERA, GRID, REMAP = ((kind, 0) for kind in (reference.TYPE_CAMERA, reference.TYPE_GRID,
+CAMERA, GRID, REMAP = ((kind, 0) for kind in (reference.TYPE_CAMERA, reference.TYPE_CENTRAL_GRID,
                                               reference.TYPE_REMAP))
 INVERSE, STACK = (reference.TYPE_INVERSE, 0), (reference.TYPE_STACK, 0)
 # The last byte of the first knot's last table, in front of its inverse grid.

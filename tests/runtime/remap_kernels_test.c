@@ -21,9 +21,9 @@
 #define NUM_CASES 60u
 #endif
 
+#define RG_KERNEL(name, parts, abilities, runs) #name,
 static const char* const kNames[] = {
-    "portable", "sse4", "avx2", "avx512",
-    "neon",     "rvv",  NULL /* the fastest, or the only one */};
+    "portable", RG_ALL_KERNELS NULL /* the fastest, or the only one */};
 #define NUM_NAMES (sizeof(kNames) / sizeof(kNames[0]))
 
 /* ---- Frames -------------------------------------------------------------- */
@@ -311,13 +311,13 @@ static void fill_source(void) {
 
 /* By name; in place of the fastest ones, those that are built in. */
 static const rg_kernels* find_kernels(uint32_t name) {
-#if defined(__ARM_FEATURE_MVE)
-  static const rg_kernels kHelium = {"helium",
-                                     {rg_blend_1_helium, rg_blend_2_helium,
-                                      rg_blend_3_helium, rg_blend_4_helium},
-                                     {0, 0, 0, 0},
-                                     1};
-  if (!kNames[name]) return &kHelium;
+#if RG_ALL_BUILT_IN
+  static const rg_kernels kBuiltIn = {
+      "built in",
+      {RG_BUILT_IN(1), RG_BUILT_IN(2), RG_BUILT_IN(3), RG_BUILT_IN(4)},
+      {0, 0, 0, 0},
+      RG_HAS_VECTORS};
+  if (!kNames[name]) return &kBuiltIn;
 #endif
   return rg_find_kernels(kNames[name]);
 }

@@ -28,6 +28,7 @@
 #include "dataset/files.h"
 #include "frames/lattice_map.h"
 #include "frames/pixel_formats.h"
+#include "kernels/kernel_list.h"
 #include "packing/remap_fitting.h"
 #include "packing/view_request.h"
 #include "raygrid.h"
@@ -219,7 +220,9 @@ struct Bench {
     std::vector<std::string> names = {"cv::remap"};
     std::vector<std::function<void()>> works = {opencv};
     std::vector<rg_target> targets;
-    for (const char* name : {"portable", "sse4", "avx2", "avx512", "neon"}) {
+#define RG_KERNEL(name, parts, abilities, runs) , #name
+    for (const char* name : {"portable" RG_KERNELS}) {
+#undef RG_KERNEL
       target.kernels = rg_find_kernels(name);
       if (!target.kernels) continue;
       names.push_back(name);
