@@ -13,31 +13,37 @@ DEBIAN_PYTHON = "/usr/bin/python3"
 
 
 def run_python(python, script, *arguments):
-    subprocess.run([python, os.path.join(HERE, script), *map(str, arguments)], check=True)
+    """A script whose last argument is its output, beside which its remarks go."""
+    log = arguments[-1] + ".log"
+    with open(log, "w", encoding="utf-8") as file:
+        done = subprocess.run([python, os.path.join(HERE, script), *arguments], stderr=file, check=False)
+    if done.returncode:
+        raise RuntimeError(f"ends in an error, see {log}")
 
 
-def find_corners(job, options):
-    """With pattern.yaml and split.csv."""
-    sets.write_photograph_folder(job, options.photographs)
-    photographs = os.path.join(options.photographs, job["side"])
-    features = os.path.join(job["folder"], "features.csv")
-    if job["kind"] != "raygrid":
-        run_python(DEBIAN_PYTHON, "corner_finders.py", photographs, job["kind"], features)
-        return
-    pattern = os.path.join(job["folder"], "pattern.yaml")
-    subprocess.run([options.raygrid, "detect", photographs, "--pattern", pattern, "--no-cache", "--quiet",
-                    "-o", features], check=True)
+def find_corners(options, photographs, kind, pattern, features):
+    """features.csv by a detector."""
+    if kind == "raygrid":
+        log = features + ".log"
+        if not raygrid_peer.run(options.raygrid, ["detect", photographs, "--pattern", pattern, "--no-cache", "-o",
+                                                  features], log):
+            raise RuntimeError(f"ends in an error, see {log}")
+    else:
+        run_python(DEBIAN_PYTHON, "corner_finders.py", photographs, kind, pattern, features)
 
 
 def start(job, options):
     """Makes what every peer of a set needs: corners, and poses to start from."""
     if "kind" in job:
-        find_corners(job, options)
-    job["poses"] = raygrid_peer.write_starts(job, options.raygrid)
+        sets.write_photograph_folder(job, options.photographs)
+        find_corners(options, os.path.join(options.photographs, job["side"]), job["kind"],
+                     *(os.path.join(job["folder"], name) for name in ("pattern.yaml", "features.csv")))
+    raygrid_peer.write_starts(job, options.raygrid)
     sets.save(job)
 
 
 def measure_raygrid(job, options, path):
+    job = datasets.read_json(os.path.join(job["work"], "job.json"))
     rows = list(raygrid_peer.rows_of(job, options.raygrid))
     datasets.write_json(path, {"rows": rows, "by_peers_rule": raygrid_peer.localized_by_peers_rule(job)})
 
@@ -59,11 +65,11 @@ def programs(options, job):
 
 
 # Sets that take longer than a small one, all told.
-LENGTH = {"webcam_charuco": 12, "fisheye_190": 15}
+LENGTH = {"webcam_charuco": 12, "fisheye_190": 15, "photo_carnd_wide": 2, "photo_camodocal": 20, "photo_vins": 20}
 
 
 def steps_of(job, options):
-    length = 0.3 if job["few"] else LENGTH.get(job["name"], 1)
+    length = (0.3 if job["few"] else 1) * (job.get("length") or LENGTH.get(job["name"], 1))
 
     def step(name, seconds, output, work):
         path = os.path.join(job["work"], output)
@@ -104,9 +110,13 @@ def steps(options):
 
 
 def results(options):
+    return results_of(sets.photograph_jobs(options.work) + sets.shared_jobs(options.data, options.work)[0], options)
+
+
+def results_of(jobs, options):
     """By set: the job and all rows. Sets and programs that were not measured are not there."""
     found = []
-    for job in sets.photograph_jobs(options.work) + sets.shared_jobs(options.data, options.work)[0]:
+    for job in jobs:
         path = os.path.join(job["work"], "raygrid.json")
         if not os.path.exists(path):
             continue

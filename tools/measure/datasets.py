@@ -16,8 +16,9 @@ class View:
         self.places, self.pixels = [], []
 
     def close(self):
-        self.places = np.array(self.places)
-        self.pixels = np.array(self.pixels)
+        """Row by row."""
+        order = np.argsort(self.places)
+        self.places, self.pixels = np.array(self.places)[order], np.array(self.pixels)[order]
 
 
 class DataSet:
@@ -65,14 +66,18 @@ def read_csv(path):
         return list(csv.DictReader(file))
 
 
+def read_value(path, key):
+    """Of a pattern of one board."""
+    with open(path, encoding="utf-8") as file:
+        values = re.findall(rf"\b{key}: *([\w.-]+)", file.read())
+    if len(values) != 1:
+        raise ValueError(f"{path}: not a pattern of one board with {key}")
+    return values[0]
+
+
 def read_board(path):
     """Columns, rows and square length of a pattern of one board."""
-    with open(path, encoding="utf-8") as file:
-        text = file.read()
-    values = [re.findall(rf"\b{key}: *([0-9.e-]+)", text) for key in ("columns", "rows", "square_m")]
-    if any(len(v) != 1 for v in values):
-        raise ValueError(path + ": not a pattern of one board with columns, rows and square_m")
-    return int(values[0][0]), int(values[1][0]), float(values[2][0])
+    return (int(read_value(path, "columns")), int(read_value(path, "rows")), float(read_value(path, "square_m")))
 
 
 def read_split(folder):

@@ -10,6 +10,7 @@ import both_ways
 import data_files
 import datasets
 import frame_paths
+import images
 import page
 import progress
 import remap
@@ -20,8 +21,10 @@ def parse():
     for name in ("raygrid", "remap-bench", "photographs", "data", "work", "output"):
         parser.add_argument("--" + name, required=True)
     parser.add_argument("--new-python", default="")
-    parser.add_argument("--only", default="")
-    parser.add_argument("--keep", action="store_true")
+    for name in ("only", "images", "pattern"):
+        parser.add_argument("--" + name, default="")
+    for name in ("keep", "few"):
+        parser.add_argument("--" + name, action="store_true")
     return parser.parse_args()
 
 
@@ -73,6 +76,9 @@ def measure(part, options):
 def main():
     options = parse()
     options.data, options.work = os.path.abspath(options.data), os.path.abspath(options.work)
+    if options.images:
+        images.main(options)
+        return
     for part in [options.only] if options.only else PARTS:
         measure(part, options)
     print(f"written: {options.output}")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the tables of benchmarks/README.md between <!-- NAME --> and <!-- end -->, from the CSV files beside it
-and from runtime/COST.md; tools/measure_readme does so, too.
+"""Writes the tables of README.md and benchmarks/README.md between <!-- NAME --> and <!-- end -->, from the CSV files
+of benchmarks/ and from runtime/COST.md; tools/measure_readme does so, too.
 
 Usage: tools/measure/page.py [FOLDER]
 """
@@ -17,13 +17,25 @@ TABLE = re.compile(r"(<!-- (?!end)(\w+) -->\n).*?(?=<!-- end -->)", re.DOTALL)
 # Sets of images, and how the page calls them.
 PHOTOGRAPHS = {"left-sub-pix-5": "left camera, `cornerSubPix`", "left-raygrid": "left camera, `raygrid detect`",
                "right-sub-pix-5": "right camera, `cornerSubPix`", "right-raygrid": "right camera, `raygrid detect`"}
-SETS = {**PHOTOGRAPHS, "picamera_chessboard": "`picamera_chessboard`", "webcam_charuco": "`webcam_charuco`",
-        "fisheye_190": "`fisheye_190`"}
+PUBLISHED = {"photo_carnd_wide": "GoPro", "photo_carnd_cal": "dash camera", "photo_camodocal": "camodocal",
+             "photo_vins": "VINS-Fusion"}
+SETS = {**PHOTOGRAPHS, **{name: f"`{name}`" for name in (*PUBLISHED, "picamera_chessboard", "webcam_charuco",
+                                                         "fisheye_190")}}
+# Columns and rows of README.md's table; the models of a row as a regular expression.
+README_SETS = {**PUBLISHED, "left-sub-pix-5": "OpenCV's left camera", "picamera_chessboard": "Raspberry Pi",
+               "webcam_charuco": "webcam", "fisheye_190": "190° fisheye"}
+PARAMETRIC, GENERIC = "opencv|thin-prism-fisheye", "central-generic|noncentral-generic"
+MODELS = (("OpenCV `calibrateCamera` / `calibrateCameraRO`", "OpenCV", "calibrateCamera.*"),
+          ("OpenCV `cv::fisheye`", "OpenCV", "fisheye.*"), ("mrcal `OPENCV8`, `OPENCV12`", "mrcal", "OPENCV.*"),
+          ("mrcal `SPLINED_STEREOGRAPHIC`", "mrcal", "splined.*"),
+          ("raygrid `opencv`, `thin-prism-fisheye`", "raygrid", PARAMETRIC),
+          ("raygrid `central-generic`, `noncentral-generic`", "raygrid", GENERIC))
 CORNERS = {"sub-pix-5": "`cornerSubPix`, 11 px", "sub-pix-11": "`cornerSubPix`, 23 px",
            "sector": "`findChessboardCornersSB`", "raygrid": "`raygrid detect`"}
 CORNER_ROWS = (("OpenCV", "calibrateCamera, 5 terms", "nominal"), ("raygrid", "central-generic", "nominal"),
                ("mrcal", "OPENCV8", "warp"), ("OpenCV", "calibrateCameraRO, 5 terms", "estimated"),
                ("raygrid", "opencv", "estimated"), ("raygrid", "central-generic", "estimated"))
+MIN_CORNERS = 0.99  # part of a set's held-out corners
 KERNELS = ("portable", "sse4", "avx2", "avx512")
 CORES = ("cortex-m0plus", "cortex-m4", "cortex-m55", "rv32")
 
@@ -57,6 +69,14 @@ def select(rows, **values):
     return [row for row in rows if all(row[key] == value for key, value in values.items())]
 
 
+def read_accuracy(folder):
+    """Rows of accuracy.csv without those that lack more of the held-out corners than others, which are harder ones."""
+    rows, most = read_rows(folder, "accuracy"), {}
+    for row in rows:
+        most[row["set"]] = max(most.get(row["set"], 0), int(row["corners"] or 0))
+    return [row for row in rows if not row["corners"] or int(row["corners"]) >= MIN_CORNERS * most[row["set"]]]
+
+
 def is_estimated(row):
     return row["target"] != "nominal"
 
@@ -69,7 +89,7 @@ def best_of(rows, column):
 def short(model):
     """A model without what the page says once."""
     model = re.sub(r"calibrateCamera(RO)?, ", "", model)
-    return {"fisheye::calibrate": "`cv::fisheye`"}.get(model, model.replace(" × ", "×"))
+    return model.replace("fisheye::calibrate", "`cv::fisheye`").replace(" × ", "×")
 
 
 def best_cell(rows, column):
@@ -77,8 +97,32 @@ def best_cell(rows, column):
     return f"{row[column]} ({short(row['model'])})" if row else "–"
 
 
+def model_lines(found, names, column, is_bold=False):
+    """Lines of MODELS: for each set, the best of the models with nominal and with estimated targets."""
+    def best(name, program, models, estimated):
+        rows = [row for row in select(found, set=name, program=program)
+                if re.fullmatch(models, row["model"]) and is_estimated(row) == estimated]
+        row = best_of(rows, "median_px")
+        return row[column] if row else "–"
+
+    cells = [[[best(name, program, models, estimated) for estimated in (False, True)] for name in names]
+             for _, program, models in MODELS]
+    for i in range(len(names)) if is_bold else ():
+        for k in (0, 1):
+            lowest = min((line[i][k] for line in cells if line[i][k] != "–"), key=float, default="")
+            for line in cells:
+                line[i][k] = f"**{lowest}**" if line[i][k] == lowest else line[i][k]
+    return [[label, *(" / ".join(cell).replace("– / –", "–") for cell in line)]
+            for (label, *_), line in zip(MODELS, cells)]
+
+
+def results_table(folder):
+    return markdown(["model", *README_SETS.values()],
+                    model_lines(read_accuracy(folder), README_SETS, "median_px", is_bold=True))
+
+
 def accuracy_table(folder):
-    found, lines = read_rows(folder, "accuracy"), []
+    found, lines = read_accuracy(folder), []
     for name, title in SETS.items():
         for estimated in (False, True):
             rows = [row for row in select(found, set=name) if is_estimated(row) == estimated]
@@ -160,8 +204,9 @@ def runs_table(folder):
                       row["raygrid"] or "–"] for row in rows])
 
 
-TABLES = {"accuracy": accuracy_table, "corners": corners_table, "deformation": deformation_table,
-          "remap": remap_table, "frames": frames_table, "cost": cost_table, "runs": runs_table}
+TABLES = {"results": results_table, "accuracy": accuracy_table, "corners": corners_table,
+          "deformation": deformation_table, "remap": remap_table, "frames": frames_table, "cost": cost_table,
+          "runs": runs_table}
 
 
 def with_tables(text, folder=FOLDER):
@@ -170,48 +215,10 @@ def with_tables(text, folder=FOLDER):
 
 
 def update(folder=FOLDER):
-    path = os.path.join(folder, "README.md")
-    text = with_tables(read_text(path), folder)
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(text)
-
-
-# ---- README.md -----------------------------------------------------------------
-
-# Columns of its table of results: set, and whether the target is estimated; OpenCV's models in them.
-README_SETS = (("left-sub-pix-5", False), ("left-sub-pix-5", True), ("fisheye_190", False), ("fisheye_190", True))
-README_TERMS = {("left-sub-pix-5", False): "calibrateCamera, 5 terms",
-                ("left-sub-pix-5", True): "calibrateCameraRO, 5 terms", ("fisheye_190", False): "fisheye::calibrate"}
-README_MODELS = ("thin-prism-fisheye", "central-generic", "noncentral-generic")
-# Figures of its text.
-README_TEXT = (("left-sub-pix-5", "OpenCV", "calibrateCameraRO, 14 terms"),
-               ("left-raygrid", "raygrid", "central-generic"), ("left-raygrid", "OpenCV", "calibrateCameraRO, 5 terms"))
-
-
-def readme_cells(folder=FOLDER):
-    """The medians of README.md's table, by row; None where a program does not calibrate."""
-    found = read_rows(folder, "accuracy")
-
-    def median(column, **values):
-        name, estimated = column
-        rows = [row for row in select(found, set=name, **values) if is_estimated(row) == estimated]
-        row = best_of(rows, "median_px")
-        return row["median_px"] if row else None
-
-    splined = {row["model"] for row in found if row["model"].startswith("splined")}
-    opencv = [median(c, program="OpenCV", model=README_TERMS.get(c)) for c in README_SETS]
-    mrcal = [min(filter(None, (median(c, program="mrcal", model=m) for m in splined)), key=float) for c in README_SETS]
-    return [opencv, mrcal, *([median(c, program="raygrid", model=m) for c in README_SETS] for m in README_MODELS)]
-
-
-def readme_figures(folder=FOLDER):
-    """All figures of README.md, as number and unit."""
-    found = read_rows(folder, "accuracy")
-    figures = {(cell, "px") for row in readme_cells(folder) for cell in row if cell}
-    for name, program, model in README_TEXT:
-        figures |= {(row["median_px"], "px") for row in select(found, set=name, program=program, model=model,
-                                                               target="estimated")}
-    return figures | {(row["value"], row["unit"]) for row in read_rows(folder, "blob")}
+    for path in (os.path.join(folder, "README.md"), os.path.join(folder, "..", "README.md")):
+        text = with_tables(read_text(path), folder)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ def run(steps):
         print(f"[{number}/{len(steps)}, about {minutes:.0f} min left] {step.name}", flush=True)
         try:
             step.work()
-        except subprocess.CalledProcessError as error:
+        except (subprocess.CalledProcessError, RuntimeError, OSError) as error:
             print(f"measure_readme: {step.name}: {error}", file=sys.stderr)
             failed.append(step.name)
         done += step.seconds

@@ -31,12 +31,15 @@ def calibrate_arguments(job, output):
 
 
 def write_starts(job, raygrid):
-    """Poses of all images by a camera that is used for nothing else. Returns poses.csv."""
+    """Adds poses.csv of all images, by a camera that is used for nothing else, and its focal length."""
     output = os.path.join(job["work"], "starts")
     arguments = calibrate_arguments(job, output) + ["--model", "thin-prism-fisheye", "--fix-target-geometry"]
     if not run(raygrid, arguments, output + ".log"):
         raise RuntimeError(f"no poses to start from; see {output}.log")
-    return os.path.join(output, "poses.csv")
+    job["poses"] = os.path.join(output, "poses.csv")
+    if not job["focal_px"]:
+        job["focal_px"] = read_parameters(os.path.join(output, "camera.yaml"))["fx"]
+        job["fov_deg"] = round(np.degrees(job["image_size"][0] / job["focal_px"]))
 
 
 def error_norms(output):
@@ -66,11 +69,16 @@ def row_of(job, raygrid, model, is_flat):
 
 # ---- The rule of localisation, in both programs ------------------------------
 
-def read_opencv_camera(path):
-    """Projection of a camera.yaml of model opencv, whose numbers are one a line."""
+def read_parameters(path):
+    """Of a parametric camera.yaml, which has one a line."""
     with open(path, encoding="utf-8") as file:
-        text = file.read()
-    k = {name: float(value) for name, value in re.findall(r"^  (\w+): ([-\d.e]+)$", text, re.MULTILINE)}
+        found = re.findall(r"^  (\w+): ([-\d.e]+)$", file.read(), re.MULTILINE)
+    return {name: float(value) for name, value in found}
+
+
+def read_opencv_camera(path):
+    """Projection of a camera.yaml of model opencv."""
+    k = read_parameters(path)
 
     def project(points):
         x, y = points[:, 0] / points[:, 2], points[:, 1] / points[:, 2]

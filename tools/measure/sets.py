@@ -6,6 +6,11 @@ import datasets
 # Folder, what it is, size, for mrcal a rough focal length and the width of its splines' field of view, and
 # whether a few models do: these are the photographs that others calibrate from.
 SHARED = (
+    ("photo_carnd_wide", "photo_carnd_wide: GoPro, photographs of a course by Udacity", (1280, 960), 566, 130, False),
+    ("photo_carnd_cal", "photo_carnd_cal: dash camera, photographs of a course by Udacity", (1280, 720), 1175, 65,
+     False),
+    ("photo_camodocal", "photo_camodocal: research camera, the example of camodocal", (1280, 960), 384, 190, False),
+    ("photo_vins", "photo_vins: research camera, the example of VINS-Fusion", (752, 480), 470, 92, False),
     ("stereo_left", "stereo_left: OpenCV's photographs, left camera, with published corners", (640, 480), 535, 70,
      True),
     ("stereo_right", "stereo_right: OpenCV's photographs, right camera, with published corners", (640, 480), 535, 70,
@@ -31,7 +36,8 @@ boards:
 """
 
 
-def make_job(work, name, title, folder, size, focal_px, fov_deg, few=False):
+def make_job(work, name, title, folder, size, focal_px=None, fov_deg=None, few=False):
+    """Without a focal length, that of the camera that poses start from."""
     job = {"name": name, "title": title, "folder": folder, "work": os.path.join(work, name),
            "image_size": size, "focal_px": focal_px, "fov_deg": fov_deg, "few": few}
     os.makedirs(job["work"], exist_ok=True)
