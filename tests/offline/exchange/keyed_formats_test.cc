@@ -7,6 +7,7 @@
 #include "exchange/damaged_files.h"
 #include "exchange/format.h"
 #include "exchange/lenses_by_formula.h"
+#include "exchange/table_format.h"
 #include "support.h"
 
 namespace raygrid {
@@ -256,6 +257,21 @@ TEST(KeyedFormats, ReadCalibTexts) {
       "projection\n410 0 322.5 0\n0 411.5 238 0\n0 0 1 0\n");
   EXPECT_EQ(ini.cameras.at(0).name, "front");
   ExpectLens(ini.cameras[0], kPinholeLens, &Lens::Pinhole);
+}
+
+// Poses of TUM have eight numbers a line, too, of which four are a rotation.
+TEST(KeyedFormats, TellLinesOfNumbersFromPoses) {
+  const auto is_tum = [](const std::string& text) {
+    const TableFormat* table = RecognizeTable(text);
+    return table && table->name == "tum";
+  };
+  const std::string line = "410 411.5 322.5 238 -0.21 0.06 0.001 -0.002\n";
+  EXPECT_FALSE(is_tum(line));
+  EXPECT_FALSE(is_tum(line + "640 480\ncrop\n640 480\n"));
+  EXPECT_TRUE(is_tum("1.5 0.1 0.2 0.3 0 0 0.71 0.71\n"));
+  const auto dso = Read(line + "640 480\ncrop\n640 480\n");
+  ExpectLens(dso.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  EXPECT_EQ(dso.cameras[0].lens.size, kImage);
 }
 
 // Each is refused with one line, or is a camera of numbers.
