@@ -274,6 +274,19 @@ TEST(KeyedFormats, TellLinesOfNumbersFromPoses) {
   EXPECT_EQ(dso.cameras[0].lens.size, kImage);
 }
 
+// Both would be cameras of another image.
+TEST(KeyedFormats, JudgeLengthsByTheImage) {
+  ExpectError(ExitCode::kInput, {"f: ", "fx 0.64", "fractions"},
+              [] { Read("0.64 0.86 0.5 0.5\n", kImage); });
+  const std::string line = "410 411.5 322.5 238\n";
+  EXPECT_TRUE(Read(line, kImage).remarks.empty());
+  for (const ImageSize& size : {ImageSize{480, 640}, ImageSize{1920, 1080}}) {
+    const auto read = Read(line, size);
+    ASSERT_EQ(read.remarks.size(), 1u) << size.width;
+    EXPECT_NE(read.remarks[0].find("far from the centre"), std::string::npos);
+  }
+}
+
 // Each is refused with one line, or is a camera of numbers.
 TEST(KeyedFormats, TakeDamagedFilesForNothingElse) {
   const std::vector<std::string> texts = {
