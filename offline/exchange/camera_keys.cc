@@ -140,6 +140,7 @@ std::optional<LensFamily> FamilyOfWord(const std::string& word) {
       {LensFamily::kOther,
        {"inversebrownconrady",
         "scaramuzza",
+        "modifiedbrownconrady",
         "ocam",
         "ocamcalib",
         "eucm",

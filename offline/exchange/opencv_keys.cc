@@ -67,10 +67,20 @@ static const KeyList kHeightKeys = {"image_height",
                                     "image_size/height",
                                     "rows"};
 const KeyList kNameKeys = {"camera_name", "cameraName", "name"};
-const KeyList kModelKeys = {"distortion_model", "distortionModel", "dist_model",
-                            "camera_model",     "cameraModel",     "lens_model",
-                            "model_type",       "camera_type",     "model",
-                            "projection"};
+const KeyList kModelKeys = {"distortion_model",
+                            "distortionModel",
+                            "dist_model",
+                            "camera_model",
+                            "cameraModel",
+                            "lens_model",
+                            "model_type",
+                            "camera_type",
+                            "model",
+                            "projection",
+                            "projection_model",
+                            "distortion_type",
+                            "lens_type",
+                            "type"};
 const KeyList kFisheyeKeys = {"fisheye_model", "is_fisheye", "isFisheye",
                               "use_fisheye", "fisheye"};
 // Keys of OpenCV's and its users' calibrations that say nothing of the lens.
@@ -249,21 +259,25 @@ void TakeIntrinsics(const CameraKeys& keys, const Affixes& affixes,
 
 namespace {
 
-// k1, k2, p1, p2, k3 and so on as numbers of their own; without p1 and p2 the
-// next is k3, as of a fisheye.
-std::vector<double> ScalarCoefficients(const CameraKeys& keys,
-                                       const Affixes& affixes) {
-  const bool is_tangential = keys.Has(affixes.before + "p1" + affixes.behind);
-  std::vector<double> numbers;
-  for (const char* name :
-       is_tangential ? std::vector<const char*>{"k1", "k2", "p1", "p2", "k3",
-                                                "k4", "k5", "k6"}
-                     : std::vector<const char*>{"k1", "k2", "k3", "k4"}) {
-    const std::string key = affixes.before + name + affixes.behind;
-    if (!keys.Has(key)) break;
-    numbers.push_back(FiniteNumber(keys[key], key));
-  }
-  return numbers;
+// k1, k2, p1, p2, k3 and so on as numbers of their own; those that are missing
+// are 0. k1 to k4 alone are those of a fisheye.
+CoefficientsInFile ScalarCoefficients(const CameraKeys& keys,
+                                      const Affixes& affixes) {
+  const auto has = [&](const std::string& name) {
+    return keys.Has(affixes.before + name + affixes.behind);
+  };
+  const auto all = [&](const std::vector<std::string>& names) {
+    std::vector<double> numbers;
+    for (const std::string& name : names) {
+      const std::string key = affixes.before + name + affixes.behind;
+      numbers.push_back(has(name) ? FiniteNumber(keys[key], key) : 0);
+    }
+    return numbers;
+  };
+  if (has("k4") && !has("k5") && !has("p1") && !has("p2"))
+    return {all({"k1", "k2", "k3", "k4"}), false, true};
+  if (has("k4")) return {all({"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"})};
+  return {all({"k1", "k2", "p1", "p2", "k3"})};
 }
 
 }  // namespace
@@ -271,18 +285,22 @@ std::vector<double> ScalarCoefficients(const CameraKeys& keys,
 CoefficientsInFile Coefficients(const CameraKeys& keys,
                                 const Affixes& affixes) {
   const std::string key = FindKey(keys, kDistortionKeys, affixes);
-  if (key.empty() && keys.Has(affixes.before + "k1" + affixes.behind))
-    return {ScalarCoefficients(keys, affixes), false};
+  if (key.empty() && HasCoefficients(keys, affixes))
+    return ScalarCoefficients(keys, affixes);
   if (key.empty())
     throw InputError(
         "'distortion_coefficients' is missing; use 5 zeros for no distortion");
+bool HasCoefficients(const CameraKeys& keys, const Affixes& affixes) {
+  return !FindKey(keys, kDistortionKeys, affixes).empty() ||
+         keys.Has(affixes.before + "k1" + affixes.behind);
+}
+
   const YAML::Node node = keys[key];
   if (node.IsNull()) return {};
   const StoredMatrix matrix = ParseStoredMatrix(node, key);
   if (std::min(matrix.rows, matrix.columns) > 1)
     throw InputError(fmt::format("{}: expected a row or column vector", key));
-  return {matrix.data,
-          node.IsSequence() && matrix.rows == 4 && matrix.columns == 1};
+  return {matrix.data, matrix.rows == 4 && matrix.columns == 1};
 }
 
 const std::array<Affixes, 2>* FindPair(const CameraKeys& keys) {

@@ -48,14 +48,16 @@ ImageSize SizeInFile(const CameraKeys& keys, const Affixes& affixes);
 void TakeIntrinsics(const CameraKeys& keys, const Affixes& affixes,
                     LensInForm* lens);
 
-/// Distortion coefficients, and whether they stand in a column of Python's
-/// lists, as those of cv2.fisheye do and no others.
+/// Distortion coefficients, and whether they are a column of four, as
+/// cv::fisheye writes them (cv::calibrateCamera() has five or more), or have
+/// the names of a fisheye's.
 struct CoefficientsInFile {
   std::vector<double> numbers;
-  bool is_fisheye_column = false;
+  bool is_fisheye_column = false, has_fisheye_names = false;
 };
 CoefficientsInFile Coefficients(const CameraKeys& keys, const Affixes& affixes);
 
+bool HasCoefficients(const CameraKeys& keys, const Affixes& affixes = {});
 }  // namespace opencv_file
 }  // namespace raygrid
 

@@ -54,6 +54,10 @@ TEST(OpenCvFormat, TellsModelsApart) {
   EXPECT_EQ(Parse(four).remarks.size(), 1u);
   EXPECT_EQ(Parse(four, "fisheye").cameras[0].lens.form->name, "fisheye");
   EXPECT_TRUE(Parse(four, "fisheye").remarks.empty());
+  const ExchangeContents column = Parse(
+      TextWith(TextWith(four, "rows: 1", "rows: 4"), "cols: 4", "cols: 1"));
+  EXPECT_EQ(column.cameras[0].lens.form->name, "fisheye");
+  EXPECT_EQ(column.remarks.size(), 1u);
   for (const char* key :
        {"fisheye_model: 1\n", "distortion_model: fisheye\n"}) {
     const ExchangeContents said = Parse(four + key);

@@ -86,6 +86,40 @@ TEST(PythonFormat, FindsCameras) {
              &Lens::Pinhole);
   ExpectError(ExitCode::kInput, {"f: ", "inverse_brown_conrady"},
               [&] { Read(TextWith(real, "[0, 0,", "[0.1, 0,")); });
+  ExpectError(ExitCode::kInput, {"f: ", "modified_brown_conrady"}, [&] {
+    Read(TextWith(TextWith(real, "inverse", "modified"), "[0, 0,", "[0.1, 0,"));
+  });
+}
+
+// Those that are missing are 0; k3 and k4 are no tangential ones.
+TEST(PythonFormat, ReadsCoefficientsByTheirNames) {
+  const auto with = [](const std::string& coefficients) {
+    return Read("{\"fx\": 410, \"fy\": 411.5, \"cx\": 322.5, \"cy\": 238, " +
+                coefficients + ", \"width\": 640, \"height\": 480}");
+  };
+  const Numbers k = {410, 411.5, 322.5, 238};
+  for (const auto& [text, d] : std::vector<std::pair<const char*, Numbers>>{
+           {"\"k1\": -0.1", {-0.1}},
+           {"\"k1\": -0.21, \"k2\": 0.06", {-0.21, 0.06}},
+           {"\"k1\": -0.21, \"k2\": 0.06, \"k3\": 0.01",
+            {-0.21, 0.06, 0, 0, 0.01}},
+           {"\"k1\": 0.1, \"p1\": 0.001, \"p2\": 0.002", {0.1, 0, 1e-3, 2e-3}},
+           {"\"k1\": 0.1, \"k4\": 0.2, \"p1\": 0.001, \"p2\": 0.002",
+            {0.1, 0, 1e-3, 2e-3, 0, 0.2}}}) {
+    const auto read = with(text);
+    SCOPED_TRACE(text);
+    ExpectLens(read.cameras.at(0), {k, d}, &Lens::Pinhole);
+    EXPECT_TRUE(read.remarks.empty());
+  }
+  const auto fisheye =
+      with("\"k1\": 0.03, \"k2\": -0.01, \"k3\": 0.004, \"k4\": -0.001");
+  ExpectLens(fisheye.cameras.at(0), {k, kFisheyeLens.d}, &Lens::Fisheye);
+  EXPECT_EQ(fisheye.remarks.size(), 1u);
+  ExpectError(ExitCode::kInput, {"f: ", "cv::fisheye", "'model'"}, [&] {
+    with(
+        "\"k1\": 0.03, \"k2\": -0.01, \"k3\": 0.004, \"k4\": -0.001, "
+        "\"model\": \"pinhole\"");
+  });
 }
 
 // Names of makers are no models, and numbers may be repeated.
@@ -120,9 +154,11 @@ TEST(PythonFormat, TellsFisheyes) {
   EXPECT_EQ(Read(row, kImage).cameras.at(0).lens.form->name, "opencv4");
   EXPECT_EQ(Read(row, kImage, "fisheye").cameras.at(0).lens.form->name,
             "fisheye");
-  const std::string said =
-      TextWith(row, "\"dim\"", "\"model\": \"fisheye\", \"d\"");
-  EXPECT_EQ(Read(said, kImage).cameras.at(0).lens.form->name, "fisheye");
+  for (const char* key : {"model", "type", "lens_type", "distortion_type"}) {
+    const std::string said = TextWith(
+        row, "\"dim\"", fmt::format("\"{}\": \"fisheye\", \"d\"", key));
+    EXPECT_EQ(Read(said, kImage).cameras.at(0).lens.form->name, "fisheye");
+  }
 }
 
 }  // namespace
