@@ -209,8 +209,9 @@ bool CameraKeys::Has(const std::string& path) const {
 
 bool CameraKeys::IsMatrix(const std::string& path) const {
   const YAML::Node node = Find(path);
-  return node.IsDefined() &&
-         (!node.IsMap() || YAML::Node(node)["data"].IsDefined());
+  if (!node.IsDefined()) return false;
+  if (node.IsSequence()) return node.size() == 0 || !node[0].IsMap();
+  return !node.IsMap() || YAML::Node(node)["data"].IsDefined();
 }
 
 std::string CameraKeys::Word(const std::string& path) const {
@@ -219,6 +220,16 @@ std::string CameraKeys::Word(const std::string& path) const {
 }
 
 YAML::Node CameraKeys::Find(const std::string& path) const {
+bool CameraKeys::HasKeyWith(const std::vector<std::string>& parts) const {
+  return std::any_of(map_.begin(), map_.end(), [&](const auto& entry) {
+    return entry.first.IsScalar() &&
+           std::any_of(parts.begin(), parts.end(), [&](const auto& part) {
+             return Lowercase(entry.first.template as<std::string>())
+                        .find(part) != std::string::npos;
+           });
+  });
+}
+
   YAML::Node node = map_;
   for (size_t at = 0; at <= path.size();) {
     const size_t end = std::min(path.find('/', at), path.size());

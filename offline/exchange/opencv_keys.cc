@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <tuple>
 
 #include "dataset/error.h"
@@ -20,6 +21,8 @@ const KeyList kMatrixKeys = {"camera_matrix",
                              "camera matrix",
                              "cam_matrix",
                              "camMatrix",
+                             "camera_intrinsics",
+                             "camera_intrinsic",
                              "intrinsic_matrix",
                              "intrinsicMatrix",
                              "IntrinsicMatrix",
@@ -46,6 +49,7 @@ const KeyList kDistortionKeys = {"distortion_coefficients",
                                  "distortions",
                                  "distortion",
                                  "distortion_vector",
+                                 "camera_distortion",
                                  "coeffs",
                                  "dist",
                                  "D"};
@@ -161,10 +165,10 @@ namespace {
 const std::vector<std::array<Affixes, 2>> kPairs = [] {
   std::vector<std::array<Affixes, 2>> pairs;
   for (const auto& [first, second, names] :
-       {std::tuple("1", "2", "camera1 camera2"),
-        {"_1", "_2", "camera1 camera2"},
-        {"0", "1", "camera0 camera1"},
+       {std::tuple("0", "1", "camera0 camera1"),
         {"_0", "_1", "camera0 camera1"},
+        {"1", "2", "camera1 camera2"},
+        {"_1", "_2", "camera1 camera2"},
         {"_left", "_right", "left right"},
         {"Left", "Right", "left right"},
         {"L", "R", "left right"},
@@ -246,7 +250,11 @@ void TakeIntrinsics(const CameraKeys& keys, const Affixes& affixes,
                     LensInForm* lens) {
   const std::string key = FindMatrix(keys, affixes);
   if (!key.empty()) {
-    TakeCameraMatrix(ParseStoredMatrix(keys[key], key).data, key, lens);
+    const std::vector<double> k = ParseStoredMatrix(keys[key], key).data;
+    if (k.size() == 4)
+      lens->values = k;  // fx, fy, cx, cy
+    else
+      TakeCameraMatrix(k, key, lens);
     return;
   }
   for (const KeyList& names : kScalarKeys) {
@@ -282,6 +290,11 @@ CoefficientsInFile ScalarCoefficients(const CameraKeys& keys,
 
 }  // namespace
 
+bool HasCoefficients(const CameraKeys& keys, const Affixes& affixes) {
+  return !FindKey(keys, kDistortionKeys, affixes).empty() ||
+         keys.Has(affixes.before + "k1" + affixes.behind);
+}
+
 CoefficientsInFile Coefficients(const CameraKeys& keys,
                                 const Affixes& affixes) {
   const std::string key = FindKey(keys, kDistortionKeys, affixes);
@@ -290,11 +303,6 @@ CoefficientsInFile Coefficients(const CameraKeys& keys,
   if (key.empty())
     throw InputError(
         "'distortion_coefficients' is missing; use 5 zeros for no distortion");
-bool HasCoefficients(const CameraKeys& keys, const Affixes& affixes) {
-  return !FindKey(keys, kDistortionKeys, affixes).empty() ||
-         keys.Has(affixes.before + "k1" + affixes.behind);
-}
-
   const YAML::Node node = keys[key];
   if (node.IsNull()) return {};
   const StoredMatrix matrix = ParseStoredMatrix(node, key);
@@ -303,10 +311,31 @@ bool HasCoefficients(const CameraKeys& keys, const Affixes& affixes) {
   return {matrix.data, matrix.rows == 4 && matrix.columns == 1};
 }
 
-const std::array<Affixes, 2>* FindPair(const CameraKeys& keys) {
-  for (const auto& pair : kPairs)
-    if (HasMatrix(keys, pair[0]) && HasMatrix(keys, pair[1])) return &pair;
-  return nullptr;
+std::vector<Affixes> FindCameras(const CameraKeys& keys) {
+  std::vector<Affixes> found;
+  const auto add = [&](const Affixes& affixes) {
+    if (HasMatrix(keys, affixes)) found.push_back(affixes);
+    return !found.empty() && found.back().camera == affixes.camera;
+  };
+  // EasyMocap lists what stands behind its keys.
+  if (keys.Has("names") && keys["names"].IsSequence())
+    for (const YAML::Node& name : keys["names"])
+      if (name.IsScalar())
+        add({"", "_" + name.as<std::string>(), name.as<std::string>()});
+  if (!found.empty()) return found;
+  for (const auto& pair : kPairs) {
+    if (!HasMatrix(keys, pair[0]) || !HasMatrix(keys, pair[1])) continue;
+    found.assign(pair.begin(), pair.end());
+    // More that are numbered on.
+    const std::string& last = pair[1].behind;
+    for (int number = 2; !last.empty() && std::isdigit(last.back()); ++number)
+      if (number > last.back() - '0' &&
+          !add({"", last.substr(0, last.size() - 1) + std::to_string(number),
+                fmt::format("camera{}", number)}))
+        break;
+    return found;
+  }
+  return found;
 }
 
 }  // namespace opencv_file

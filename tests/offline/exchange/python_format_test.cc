@@ -122,6 +122,36 @@ TEST(PythonFormat, ReadsCoefficientsByTheirNames) {
   });
 }
 
+TEST(PythonFormat, ReadsIntrinsicsAsFourNumbers) {
+  const auto read = Read(
+      "intrinsics: [410, 411.5, 322.5, 238]\nresolution: [640, 480]\n"
+      "distortion: [-0.21, 0.06, 0.001, -0.002, 0]\n");
+  ExpectLens(read.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+}
+
+// A sensor's or renderer's camera, row by row or column by column.
+TEST(PythonFormat, TakesCamerasWithoutDistortion) {
+  for (const char* text :
+       {"{\"fx\": 410, \"fy\": 411.5, \"ppx\": 322.5, \"ppy\": 238, "
+        "\"width\": 640, \"height\": 480}",
+        "{\"intrinsic_matrix\": [410, 0, 0, 0, 411.5, 0, 322.5, 238, 1], "
+        "\"width\": 640, \"height\": 480}"}) {
+    const auto read = Read(text);
+    ExpectLens(read.cameras.at(0), {{410, 411.5, 322.5, 238}, {}},
+               &Lens::Pinhole);
+    ASSERT_EQ(read.remarks.size(), 1u);
+    EXPECT_NE(read.remarks[0].find("no distortion"), std::string::npos);
+  }
+  // It may have coefficients under a name that is not known.
+  ExpectError(ExitCode::kInput, {"f: ", "'distortion_coefficients' is missing"},
+              [] {
+                Read(
+                    "{\"K\": [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]], "
+                    "\"width\": 640, \"height\": 480, \"distort_params\": "
+                    "[0.1, 0.2, 0, 0, 0]}");
+              });
+}
+
 // Names of makers are no models, and numbers may be repeated.
 TEST(PythonFormat, KnowsWhatSaysNothingOfTheLens) {
   const std::string text =
