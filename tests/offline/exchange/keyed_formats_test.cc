@@ -255,8 +255,34 @@ TEST(KeyedFormats, ReadCalibTexts) {
       "camera matrix\n410 0 322.5\n0 411.5 238\n0 0 1\n\ndistortion\n"
       "-0.21 0.06 0.001 -0.002 0\n\nrectification\n1 0 0\n0 1 0\n0 0 1\n\n"
       "projection\n410 0 322.5 0\n0 411.5 238 0\n0 0 1 0\n");
+  EXPECT_TRUE(ini.remarks.empty());
   EXPECT_EQ(ini.cameras.at(0).name, "front");
   ExpectLens(ini.cameras[0], kPinholeLens, &Lens::Pinhole);
+  // The calibrator writes four coefficients of fisheyes, five of others.
+  const auto fisheye = Read(
+      "[image]\n\nwidth\n640\n\nheight\n480\n\n[front]\n\ncamera matrix\n"
+      "290 0 322.5\n0 291.5 238\n0 0 1\n\ndistortion\n0.03 -0.01 0.004 "
+      "-0.001\n");
+  ExpectLens(fisheye.cameras.at(0), kFisheyeLens, &Lens::Fisheye);
+  EXPECT_EQ(fisheye.remarks.size(), 1u);
+  // ost.txt of a pair: what the program printed, and a camera behind the other.
+  const auto side = [](const std::string& name, const char* t) {
+    return "# oST version 5.0 parameters\n\n[image]\n\nwidth\n640\n\nheight\n"
+           "480\n\n[narrow_stereo/" +
+           name +
+           "]\n\ncamera matrix\n410 0 322.5\n0 411.5 238\n0 0 1\n\n"
+           "distortion\n-0.21 0.06 0.001 -0.002 0\n\nrectification\n1 0 0\n"
+           "0 1 0\n0 0 1\n\nprojection\n400 0 320 " +
+           t + "\n0 400 240 0\n0 0 1 0\n\n";
+  };
+  const auto pair = Read("Left:\n('D = ', [-0.21, 0.06])\nNone\n" +
+                         side("left", "0") + side("right", "-40"));
+  ASSERT_EQ(pair.cameras.size(), 2u);
+  EXPECT_TRUE(pair.remarks.empty());
+  EXPECT_EQ(pair.cameras[1].name, "right");
+  ExpectLens(pair.cameras[1], kPinholeLens, &Lens::Pinhole);
+  ASSERT_TRUE(pair.IsRig());
+  EXPECT_NEAR(pair.cameras[1].camera_from_rig->translation.x(), -0.1, 1e-12);
 }
 
 // Poses of TUM have eight numbers a line, too, of which four are a rotation.
