@@ -44,6 +44,7 @@ bool IsParameter(const std::string& plain) {
   static const std::set<std::string> parameters = {
       "xi",          "alpha",      "beta",
       "skew",        "omega",      "mirrorparameters",
+      "alphac",      "alphacleft", "alphacright",
       "affine",      "poly",       "polynomial",
       "invpoly",     "b1",         "b2",
       "k1",          "k2",         "k3",
@@ -139,8 +140,8 @@ std::optional<LensFamily> FamilyOfWord(const std::string& word) {
         "catadioptric"}},
       {LensFamily::kOther,
        {"inversebrownconrady",
-        "scaramuzza",
         "modifiedbrownconrady",
+        "scaramuzza",
         "ocam",
         "ocamcalib",
         "eucm",
@@ -219,7 +220,6 @@ std::string CameraKeys::Word(const std::string& path) const {
   return node.IsDefined() && node.IsScalar() ? node.as<std::string>() : "";
 }
 
-YAML::Node CameraKeys::Find(const std::string& path) const {
 bool CameraKeys::HasKeyWith(const std::vector<std::string>& parts) const {
   return std::any_of(map_.begin(), map_.end(), [&](const auto& entry) {
     return entry.first.IsScalar() &&
@@ -230,6 +230,7 @@ bool CameraKeys::HasKeyWith(const std::vector<std::string>& parts) const {
   });
 }
 
+YAML::Node CameraKeys::Find(const std::string& path) const {
   YAML::Node node = map_;
   for (size_t at = 0; at <= path.size();) {
     const size_t end = std::min(path.find('/', at), path.size());
