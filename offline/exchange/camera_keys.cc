@@ -44,6 +44,7 @@ bool IsParameter(const std::string& plain) {
   static const std::set<std::string> parameters = {
       "xi",          "alpha",      "beta",
       "skew",        "omega",      "mirrorparameters",
+      "alphac",      "alphacleft", "alphacright",
       "affine",      "poly",       "polynomial",
       "invpoly",     "b1",         "b2",
       "k1",          "k2",         "k3",
@@ -139,6 +140,7 @@ std::optional<LensFamily> FamilyOfWord(const std::string& word) {
         "catadioptric"}},
       {LensFamily::kOther,
        {"inversebrownconrady",
+        "modifiedbrownconrady",
         "scaramuzza",
         "ocam",
         "ocamcalib",
@@ -208,13 +210,24 @@ bool CameraKeys::Has(const std::string& path) const {
 
 bool CameraKeys::IsMatrix(const std::string& path) const {
   const YAML::Node node = Find(path);
-  return node.IsDefined() &&
-         (!node.IsMap() || YAML::Node(node)["data"].IsDefined());
+  if (!node.IsDefined()) return false;
+  if (node.IsSequence()) return node.size() == 0 || !node[0].IsMap();
+  return !node.IsMap() || YAML::Node(node)["data"].IsDefined();
 }
 
 std::string CameraKeys::Word(const std::string& path) const {
   const YAML::Node node = Find(path);
   return node.IsDefined() && node.IsScalar() ? node.as<std::string>() : "";
+}
+
+bool CameraKeys::HasKeyWith(const std::vector<std::string>& parts) const {
+  return std::any_of(map_.begin(), map_.end(), [&](const auto& entry) {
+    return entry.first.IsScalar() &&
+           std::any_of(parts.begin(), parts.end(), [&](const auto& part) {
+             return Lowercase(entry.first.template as<std::string>())
+                        .find(part) != std::string::npos;
+           });
+  });
 }
 
 YAML::Node CameraKeys::Find(const std::string& path) const {

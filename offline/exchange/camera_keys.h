@@ -38,8 +38,11 @@ class CameraKeys {
   /// Whether there is such a value. It does not count as read.
   bool Has(const std::string& path) const;
 
-  /// Whether the value is a list, or a map with the key 'data', as matrices
-  /// are.
+  /// Whether a key has one of these parts, in small letters.
+  bool HasKeyWith(const std::vector<std::string>& parts) const;
+
+  /// Whether the value is a list that is not one of maps, or a map with the key
+  /// 'data', as matrices are.
   bool IsMatrix(const std::string& path) const;
 
   /// The word at a key, without counting it as read; "" if there is none.

@@ -53,7 +53,7 @@ bool IsDso(const std::string& text) {
         return word.find_first_not_of("0123456789") == std::string::npos;
       }))
     return false;
-  if (is_number(lens[0])) return lens.size() == 5;
+  if (is_number(lens[0])) return lens.size() == 5 || lens.size() == 8;
   return lens[0] == kDsoFov || std::any_of(DsoForms().begin(), DsoForms().end(),
                                            [&](const LensForm& form) {
                                              return form.name == lens[0];
@@ -89,7 +89,9 @@ ExchangeContents ReadDso(const ReadRequest& request) {
   if (lens.empty() || sides.size() != 2)
     throw InputError(
         "the first two lines must be the intrinsics and the image size");
-  std::string model = lens.size() == 5 ? kDsoFov : "";
+  std::string model = lens.size() == 5   ? kDsoFov
+                      : lens.size() == 8 ? "RadTan"
+                                         : "";
   if (std::isalpha(static_cast<unsigned char>(lens[0][0]))) {
     model = lens[0];
     lens.erase(lens.begin());

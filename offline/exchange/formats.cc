@@ -44,17 +44,63 @@ bool HasByteOrderMark(const std::string& text) {
   return text.compare(0, kByteOrderMark.size(), kByteOrderMark) == 0;
 }
 
+// How far the principal point is from the centre of an image, in parts of it.
+double OffCenter(const LensInForm& lens, double width, double height) {
+  const Eigen::Vector2d point = FromProgram(
+      lens.form->origin, lens.size, {lens.Value("cx"), lens.Value("cy")});
+  return std::max(std::abs(point.x() / width - 0.5),
+                  std::abs(point.y() / height - 0.5));
+}
+
+// Throws for lengths in parts of the image, which some programs have.
+void RequirePixels(const LensInForm& lens) {
+  constexpr double kLeastFocalPx = 10;
+  const auto is_part = [&](const char* name, double most) {
+    return std::abs(lens.Value(name)) < most;
+  };
+  if (lens.form->origin != PixelOrigin::kFirstPixelCenter ||
+      !lens.form->Has("fx") || !lens.form->Has("cx") || lens.Value("cx") <= 0 ||
+      lens.Value("cy") <= 0 ||
+      std::min(lens.size.width, lens.size.height) < kLeastFocalPx)
+    return;
+  if (is_part("fx", kLeastFocalPx) && is_part("fy", kLeastFocalPx) &&
+      is_part("cx", 1) && is_part("cy", 1))
+    throw InputError(fmt::format(
+        "expected pixels, but fx {:g} and cx {:g} are fractions of the image; "
+        "multiply fx and cx by its width, fy and cy by its height",
+        lens.Value("fx"), lens.Value("cx")));
+}
+
+// The image of another resolution, or sides in the order of rows and columns.
+void AddRemarkOnCenter(const std::string& name, const LensInForm& lens,
+                       std::vector<std::string>* remarks) {
+  constexpr double kFar = 0.25, kNear = 0.1, kRatio = 4;
+  if (!lens.form->Has("cx") || lens.values.empty()) return;
+  const ImageSize& size = lens.size;
+  const double off = OffCenter(lens, size.width, size.height);
+  if (off < kFar &&
+      (off < kNear || kRatio * OffCenter(lens, size.height, size.width) > off))
+    return;
+  remarks->push_back(fmt::format(
+      "{}the principal point ({:g}, {:g}) is far from the centre of {} x {} "
+      "px: check that the size is that of the calibration, width first",
+      name, lens.Value("cx"), lens.Value("cy"), size.width, size.height));
+}
+
 // Says what a user may not expect of the lenses, all of which are made.
 void AddRemarksOnLenses(ExchangeContents* contents) {
   constexpr double kFarM = 10;
   double farthest_m = 0;
   for (const ReadLens& camera : contents->cameras) {
+    const std::string name =
+        contents->cameras.size() > 1 ? camera.name + ": " : "";
+    AddRemarkOnCenter(name, camera.lens, &contents->remarks);
     const double part = PartWithoutRays(*MakeLens(camera.lens));
     if (part > 0)
       contents->remarks.push_back(fmt::format(
           "{}no valid rays in {:.1f} % of the image, where the distortion "
           "folds or ends",
-          contents->cameras.size() > 1 ? camera.name + ": " : "", 100 * part));
+          name, 100 * part));
     if (camera.camera_from_rig)
       farthest_m =
           std::max(farthest_m, camera.camera_from_rig->translation.norm());
@@ -82,6 +128,7 @@ void TakeOptions(const Format& format, const ReadRequest& request,
           request.size->width, request.size->height, size.width, size.height,
           static_cast<double>(request.size->width) / size.width));
     if (!format.takes_model) RequireModelOfFile(request, *camera.lens.form);
+    RequirePixels(camera.lens);
     if (camera.lens.skew_px != 0)
       camera.lens = GridOfSkewedLens(camera.lens, &contents->remarks);
   }

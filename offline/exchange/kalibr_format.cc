@@ -103,6 +103,10 @@ void NameCameras(const YAML::Node& root, std::vector<ReadLens>* cameras) {
   }
 }
 
+// DSEC's name of four numbers.
+constexpr char kDsecIntrinsics[] = "camera_matrix";
+constexpr char kDsecRectified[] = "camRect";
+
 LensInForm ReadKalibrLens(const CameraKeys& camera) {
   const auto text_of = [&](const char* key) {
     if (!camera.Has(key)) throw InputError(fmt::format("'{}' is missing", key));
@@ -113,7 +117,9 @@ LensInForm ReadKalibrLens(const CameraKeys& camera) {
       &FindKalibrForm(text_of("camera_model"), text_of("distortion_model"));
   if (camera.Has("resolution"))
     lens.size = SizeOfList(camera["resolution"], "resolution");
-  lens.values = FiniteNumbers(camera["intrinsics"], "intrinsics");
+  const char* const intrinsics =
+      camera.Has("intrinsics") ? "intrinsics" : kDsecIntrinsics;
+  lens.values = FiniteNumbers(camera[intrinsics], intrinsics);
   std::vector<double> coefficients;
   constexpr char kKey[] = "distortion_coeffs";
   if (DistortionOfForm(*lens.form) != "none") {
@@ -160,7 +166,11 @@ std::optional<Pose> PoseFromImu(const CameraKeys& camera) {
 }
 
 ExchangeContents ReadKalibr(const ReadRequest& request) {
-  const YAML::Node root = LoadForeignMap(request.path, request.text);
+  YAML::Node root = LoadForeignMap(request.path, request.text);
+  // DSEC has the chain in a map, with rectified cameras beside.
+  if (const YAML::Node chain = root["intrinsics"];
+      !root["cam0"] && chain && chain.IsMap())
+    root.reset(YAML::Node(chain));
   if (!root["cam0"]) throw InputError("not a camchain: 'cam0' is missing");
   ExchangeContents contents;
   std::optional<Pose> first_from_imu;
@@ -182,7 +192,7 @@ ExchangeContents ReadKalibr(const ReadRequest& request) {
         camera.camera_from_rig = *from_imu * first_from_imu->Inverse();
       }
       keys.Skip({"T_cam_imu", "T_imu_cam", "timeshift_cam_imu", "cam_overlaps",
-                 "rostopic"});
+                 "rostopic", "camera_type", "camera_location", "is_rectified"});
       keys.Finish(*camera.lens.form, &contents.remarks);
       contents.cameras.push_back(std::move(camera));
     } catch (const InputError& error) {
@@ -191,10 +201,16 @@ ExchangeContents ReadKalibr(const ReadRequest& request) {
       throw InputError(fmt::format("{}: {}", key, message));
     }
   }
-  if (contents.cameras.size() != root.size())
+  const size_t num_cameras =
+      root.size() -
+      std::count_if(root.begin(), root.end(), [](const auto& entry) {
+        return entry.first.template as<std::string>().rfind(kDsecRectified,
+                                                            0) == 0;
+      });
+  if (contents.cameras.size() != num_cameras)
     throw InputError(fmt::format(
         "{} keys, but expected only cam0 to cam{}, numbered without gaps",
-        root.size(), root.size() - 1));
+        num_cameras, num_cameras - 1));
   NameCameras(root, &contents.cameras);
   if (first_from_imu)
     contents.remarks.push_back(

@@ -40,6 +40,8 @@ YAML::Node ParseKeyed(const KeyedFormat& format, const ReadRequest& request) {
       return ParseToml(request.text);
     case KeyedSyntax::kLines:
       return ParseKeyLines(request.text);
+    case KeyedSyntax::kAssignments:
+      return ParseKeyLines(request.text, '=');
     case KeyedSyntax::kNumbers:
       return ParseKeyLines("numbers: " + LineOfNumbers(request.text));
     default:
@@ -49,12 +51,21 @@ YAML::Node ParseKeyed(const KeyedFormat& format, const ReadRequest& request) {
   }
 }
 
+// The first key of "KEY|KEY" that is there, or the first one.
+std::string FirstThatIsThere(const CameraKeys& keys, const std::string& names) {
+  const std::vector<std::string> all = PartsOf(names, '|');
+  for (const std::string& name : all)
+    if (keys.Has(name)) return name;
+  return all.empty() ? "" : all[0];
+}
+
 // Whether the file says a model; what it says counts as read then.
 bool IsSaid(const CameraKeys& keys, const KeyedModel& model) {
   const std::vector<std::string> conditions = PartsOf(model.says);
   std::vector<std::string> read;
   for (const std::string& condition : conditions) {
-    const KeyedWord said = Parted(condition, '?', "");
+    KeyedWord said = Parted(condition, '?', "");
+    said.key = FirstThatIsThere(keys, said.key);
     const std::string word = Lowercase(keys.Word(said.key));
     const std::vector<std::string> words = PartsOf(said.words, '|');
     const bool is_absent = word.empty() || word == "null" || word == "~";
@@ -78,21 +89,14 @@ const KeyedModel& FindKeyedModel(const KeyedFormat& format,
     names += (names.empty() ? "" : ", ") + model.form.name;
     said.clear();
     for (const std::string& condition : PartsOf(model.says)) {
-      const std::string key = Parted(condition, '?', "").key;
+      const std::string key =
+          FirstThatIsThere(keys, Parted(condition, '?', "").key);
       said += fmt::format("{}{} '{}'", said.empty() ? "" : ", ", key,
                           Printable(keys.Word(key)));
     }
   }
   throw InputError(
       fmt::format("{}: unsupported model; supported are {}", said, names));
-}
-
-// The first key of "KEY|KEY" that is there, or the first one.
-std::string FirstThatIsThere(const CameraKeys& keys, const std::string& names) {
-  const std::vector<std::string> all = PartsOf(names, '|');
-  for (const std::string& name : all)
-    if (keys.Has(name)) return name;
-  return all.empty() ? "" : all[0];
 }
 
 // The numbers of one entry of KeyedModel::values, by parameter.
@@ -167,6 +171,10 @@ std::optional<Pose> KeyedPoseOf(const KeyedPose& pose, const CameraKeys& keys,
     return Pose{RotationFromVector(
                     Eigen::Map<const Eigen::Vector3d>(numbers[0].data())),
                 Eigen::Map<const Eigen::Vector3d>(numbers[1].data())};
+  }
+  if (pose.kind == PoseKind::kBaselineMm) {
+    require(numbers[0].size() == 1);
+    return Pose{Eigen::Quaterniond::Identity(), {numbers[0][0] / -1000, 0, 0}};
   }
   if (pose.kind == PoseKind::kRAndT) {
     require(numbers[0].size() == 9 && numbers[1].size() == 3);
@@ -260,7 +268,7 @@ void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
         ReadKeyedCamera(format, keys, word, request, &contents->remarks));
     contents->cameras.back().name = fmt::format(
         "{}{}", std::isdigit(static_cast<unsigned char>(word[0])) ? "cam" : "",
-        word);
+        word + (word[0] == '_'));
   }
   if (contents->cameras.size() == first) throw InputError("contains no camera");
   if (!format.words.empty() && contents->cameras.size() == first + 1)
@@ -316,6 +324,9 @@ ExchangeContents ReadKeyed(const KeyedFormat& format,
   if (!root.IsMap()) throw InputError("contains no camera: expected a mapping");
   const std::string place = format.place;
   ExchangeContents contents;
+  // Parameters of ROS 2 are in maps of maps.
+  while (place.empty() && root.size() == 1 && root.begin()->second.IsMap())
+    root.reset(YAML::Node(root.begin()->second));
   if (place.empty()) {
     ReadKeyedMap(format, CameraKeys(root), "", request, &contents);
     return contents;

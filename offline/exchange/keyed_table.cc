@@ -178,6 +178,12 @@ const std::vector<KeyedFormat>& KeyedTable() {
         "System.*",
         "RGBD.*",
         "Stereo.*",
+        "StereoRectifier.model",
+        "Feature.*",
+        "Initializer.*",
+        "Mapping.*",
+        "PangolinViewer.*",
+        "Preprocessing.*",
         "ThDepth",
         "DepthMapFactor",
         "Tbc",
@@ -369,6 +375,95 @@ const std::vector<KeyedFormat>& KeyedTable() {
        false,
        {"Tr*", "R0_rect", "R_rect", "calib_time", "corner_dist"},
        ".txt"},
+      {"svo",
+       "cameras .yaml of SVO Pro and maplab",
+       KeyedSyntax::kYaml,
+       [](const std::string& text) {
+         return HasAllWords(text,
+                            {"T_B_C:", "cameras:", "camera:", "distortion:"});
+       },
+       "cameras",
+       {},
+       {{KeyedPinhole("pinhole-radtan", 4),
+         "camera/type=pinhole camera/distortion/type=radial-tangential",
+         "camera/intrinsics=fx,fy,cx,cy "
+         "camera/distortion/parameters=k1,k2,p1,p2"},
+        {OpenCvFisheyeForm("pinhole-equidistant"),
+         "camera/type=pinhole camera/distortion/type=equidistant",
+         "camera/intrinsics=fx,fy,cx,cy "
+         "camera/distortion/parameters=k1,k2,k3,k4"},
+        {KeyedPinhole("pinhole-none", 0),
+         "camera/type=pinhole camera/distortion/type=none",
+         "camera/intrinsics=fx,fy,cx,cy"},
+        {KeyedOmni("unified-projection"),
+         "camera/type=unified-projection "
+         "camera/distortion/type=radial-tangential",
+         "camera/intrinsics=xi,fx,fy,cx,cy "
+         "camera/distortion/parameters=k1,k2,p1,p2"}},
+       "camera/image_width camera/image_height",
+       {{"T_B_C", PoseKind::kRigFromCamera}},
+       "camera/label",
+       "",
+       false,
+       {"camera/id", "camera/line-delay-nanoseconds", "camera/mask"}},
+      // Images may be scaled by the program; the camera is that of whole ones.
+      {"vikit",
+       "camera .yaml of vikit: SVO, FAST-LIVO and FAST-LIVO2",
+       KeyedSyntax::kYaml,
+       [](const std::string& text) {
+         return HasAllWords(text, {"cam_model:", "cam_fx:"}) ||
+                HasAllWords(text, {"ros__parameters:", "model:", "fx:", "d0:"});
+       },
+       "",
+       {},
+       {{KeyedPinhole("Pinhole", 5), "cam_model|model=Pinhole|PinholeRadTan",
+         "cam_fx|fx=fx cam_fy|fy=fy cam_cx|cx=cx cam_cy|cy=cy cam_d0|d0?=k1 "
+         "cam_d1|d1?=k2 cam_d2|d2?=p1 cam_d3|d3?=p2 cam_d4|d4?=k3"},
+        {OpenCvFisheyeForm("EquidistantCamera"),
+         "cam_model|model=EquidistantCamera|PinholeEquidistant",
+         "cam_fx|fx=fx cam_fy|fy=fy cam_cx|cx=cx cam_cy|cy=cy "
+         "cam_d0|d0|k1=k1 cam_d1|d1|k2=k2 cam_d2|d2|k3=k3 cam_d3|d3|k4=k4"}},
+       "cam_width|width cam_height|height",
+       {},
+       "",
+       "",
+       false,
+       {"scale"}},
+      // The toolbox counts pixels from 0.
+      {"matlab",
+       "Calib_Results.m and Calib_Results_stereo.m of the Camera Calibration "
+       "Toolbox for MATLAB",
+       KeyedSyntax::kAssignments,
+       [](const std::string& text) {
+         return HasAllWords(text, {"fc = [", "cc = [", "kc = ["}) ||
+                HasAllWords(text, {"fc_left = [", "kc_right = ["});
+       },
+       "",
+       {"", "_left", "_right"},
+       {{KeyedPinhole("pinhole", 5), "",
+         "fc@=fx,fy cc@=cx,cy kc@~=k1,k2,p1,p2,k3"}},
+       "nx ny",
+       {{"om T", PoseKind::kVectors, "_right"}},
+       "",
+       "",
+       false,
+       {"fc_*", "cc_*", "kc_*", "alpha_c_error*", "est_*", "center_optim*",
+        "n_ima", "omc_*", "Tc_*", "om_error", "T_error"}},
+      {"middlebury",
+       "calib.txt of the Middlebury stereo benchmark",
+       KeyedSyntax::kAssignments,
+       [](const std::string& text) {
+         return HasAllWords(text, {"cam0=[", "cam1=[", "baseline="});
+       },
+       "",
+       {"cam0", "cam1"},
+       {{KeyedPinhole("pinhole", 0), "", "@=K"}},
+       "width height",
+       {{"baseline", PoseKind::kBaselineMm, "cam1"}},
+       "",
+       "",
+       false,
+       {"doffs", "ndisp", "isint", "vmin", "vmax", "dyavg", "dymax"}},
       {"calib-line",
        "calib.txt of one line, as in DROID-SLAM: fx fy cx cy [k1 k2 p1 p2 "
        "[k3]]",

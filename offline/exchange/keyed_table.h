@@ -15,8 +15,8 @@ namespace raygrid {
 /// behind it may be missing.
 struct KeyedModel {
   LensForm form;
-  /// "KEY=WORD|WORD": what the file says of this model; the first word is
-  /// written.
+  /// "KEY=WORD|WORD": what the file says of this model, at "KEY|KEY" the first
+  /// that is there; the first word is written.
   const char* says;
   /// "KEY=PARAMETER,PARAMETER": a number or a list, at "KEY|KEY" the first
   /// that is there. "KEY=K" is the camera matrix, "KEY=P" a projection matrix
@@ -32,8 +32,9 @@ struct KeyedModel {
 enum class PoseKind {
   kCameraFromRig,  ///< a matrix
   kRigFromCamera,
-  kVectors,  ///< "KEY KEY": rotation vector and translation, camera_from_rig
-  kRAndT     ///< "KEY KEY": rotation matrix and translation, likewise
+  kVectors,     ///< "KEY KEY": rotation vector and translation, camera_from_rig
+  kBaselineMm,  ///< how far it stands to the right, not turned
+  kRAndT        ///< "KEY KEY": rotation matrix and translation, likewise
 };
 
 struct KeyedPose {
@@ -49,8 +50,9 @@ enum class KeyedSyntax {
   kStorage,  ///< YAML of OpenCV's FileStorage
   kJson,
   kToml,
-  kLines,   ///< "KEY: NUMBER NUMBER ..."
-  kNumbers  ///< a line of numbers
+  kLines,        ///< "KEY: NUMBER NUMBER ..."
+  kAssignments,  ///< "KEY = [NUMBER NUMBER; ...];" as MATLAB has it, only read
+  kNumbers       ///< a line of numbers
 };
 
 struct KeyedFormat {

@@ -39,7 +39,14 @@ ReadLens ReadCamera(const CameraKeys& keys, const Affixes& affixes,
   LensInForm& lens = camera.lens;
   lens.size = SizeInFile(keys, affixes);
   TakeIntrinsics(keys, affixes, &lens);
-  CoefficientsInFile coefficients = Coefficients(keys, affixes);
+  CoefficientsInFile coefficients;
+  // Cameras of depth sensors and renderers have none; OpenCV's always do.
+  if (lens.size == ImageSize{} || IsFileStorage(request.text) ||
+      HasCoefficients(keys, affixes) || keys.HasKeyWith({"dist", "coef"}))
+    coefficients = Coefficients(keys, affixes);
+  else
+    remarks->push_back(
+        "no distortion coefficients: assuming a camera without distortion");
   lens.form =
       &FormSaid(keys, affixes, request, lens.skew_px, &coefficients, remarks);
   lens.values.insert(lens.values.end(), coefficients.numbers.begin(),
@@ -71,11 +78,11 @@ ReadLens ReadSingle(const CameraKeys& keys, const YAML::Node& root,
   return camera;
 }
 
-// A file of two cameras as stereo_calib writes it, and the pose if it is
-// there.
-void ReadPair(const CameraKeys& keys, const std::array<Affixes, 2>& pair,
-              const ReadRequest& request, ExchangeContents* contents) {
-  for (const Affixes& affixes : pair) {
+// A file of several cameras, as of the two that stereo_calib writes, and the
+// pose of a pair if it is there.
+void ReadSeveral(const CameraKeys& keys, const std::vector<Affixes>& cameras,
+                 const ReadRequest& request, ExchangeContents* contents) {
+  for (const Affixes& affixes : cameras) {
     contents->cameras.push_back(
         ReadCamera(keys, affixes, request, &contents->remarks));
     contents->cameras.back().name = affixes.camera;
@@ -95,8 +102,7 @@ void ReadNamed(const YAML::Node& root, const ReadRequest& request, int depth,
     if (!node.IsMap() && !node.IsSequence()) continue;
     if (node.IsMap()) {
       const CameraKeys keys(node);
-      if (HasMatrix(keys) &&
-          (!FindKey(keys, kDistortionKeys).empty() || keys.Has("k1"))) {
+      if (HasMatrix(keys) && HasCoefficients(keys)) {
         ReadLens camera = ReadSingle(keys, node, request, &contents->remarks);
         if (root.IsMap() && entry.first.IsScalar())
           camera.name = entry.first.as<std::string>();
@@ -119,8 +125,8 @@ ExchangeContents ReadTree(const YAML::Node& root, const ReadRequest& request) {
         ReadSingle(keys, root, request, &contents.remarks));
     return contents;
   }
-  if (const auto* pair = FindPair(keys)) {
-    ReadPair(keys, *pair, request, &contents);
+  if (const auto cameras = FindCameras(keys); !cameras.empty()) {
+    ReadSeveral(keys, cameras, request, &contents);
     return contents;
   }
   if (const auto pose = PoseInFile(keys)) {

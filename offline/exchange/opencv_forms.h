@@ -33,12 +33,14 @@ inline LensForm OpenCvFisheyeForm(const std::string& name) {
   return form;
 }
 
-/// Sets fx, fy, cx, cy and the skew of a lens by a camera matrix, row by row.
-/// Throws InputError, naming it, for a matrix that is not fx s cx, 0 fy cy,
-/// 0 0 1.
-inline void TakeCameraMatrix(const std::vector<double>& k,
-                             const std::string& name, LensInForm* lens) {
+/// Sets fx, fy, cx, cy and the skew of a lens by a camera matrix, row by row,
+/// or column by column as MATLAB, Open3D and Apple have it. Throws InputError,
+/// naming it, for a matrix that is not fx s cx, 0 fy cy, 0 0 1.
+inline void TakeCameraMatrix(std::vector<double> k, const std::string& name,
+                             LensInForm* lens) {
   if (k.size() != 9) throw InputError(fmt::format("{}: not 3 x 3", name));
+  if (k[2] == 0 && k[5] == 0 && k[6] != 0 && k[7] != 0)
+    k = {k[0], k[3], k[6], k[1], k[4], k[7], k[2], k[5], k[8]};
   if (k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1)
     throw InputError(
         fmt::format("{}: expected the form fx s cx, 0 fy cy, 0 0 1", name));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <tuple>
 
 #include "dataset/error.h"
@@ -20,6 +21,8 @@ const KeyList kMatrixKeys = {"camera_matrix",
                              "camera matrix",
                              "cam_matrix",
                              "camMatrix",
+                             "camera_intrinsics",
+                             "camera_intrinsic",
                              "intrinsic_matrix",
                              "intrinsicMatrix",
                              "IntrinsicMatrix",
@@ -46,6 +49,7 @@ const KeyList kDistortionKeys = {"distortion_coefficients",
                                  "distortions",
                                  "distortion",
                                  "distortion_vector",
+                                 "camera_distortion",
                                  "coeffs",
                                  "dist",
                                  "D"};
@@ -67,10 +71,20 @@ static const KeyList kHeightKeys = {"image_height",
                                     "image_size/height",
                                     "rows"};
 const KeyList kNameKeys = {"camera_name", "cameraName", "name"};
-const KeyList kModelKeys = {"distortion_model", "distortionModel", "dist_model",
-                            "camera_model",     "cameraModel",     "lens_model",
-                            "model_type",       "camera_type",     "model",
-                            "projection"};
+const KeyList kModelKeys = {"distortion_model",
+                            "distortionModel",
+                            "dist_model",
+                            "camera_model",
+                            "cameraModel",
+                            "lens_model",
+                            "model_type",
+                            "camera_type",
+                            "model",
+                            "projection",
+                            "projection_model",
+                            "distortion_type",
+                            "lens_type",
+                            "type"};
 const KeyList kFisheyeKeys = {"fisheye_model", "is_fisheye", "isFisheye",
                               "use_fisheye", "fisheye"};
 // Keys of OpenCV's and its users' calibrations that say nothing of the lens.
@@ -151,10 +165,10 @@ namespace {
 const std::vector<std::array<Affixes, 2>> kPairs = [] {
   std::vector<std::array<Affixes, 2>> pairs;
   for (const auto& [first, second, names] :
-       {std::tuple("1", "2", "camera1 camera2"),
-        {"_1", "_2", "camera1 camera2"},
-        {"0", "1", "camera0 camera1"},
+       {std::tuple("0", "1", "camera0 camera1"),
         {"_0", "_1", "camera0 camera1"},
+        {"1", "2", "camera1 camera2"},
+        {"_1", "_2", "camera1 camera2"},
         {"_left", "_right", "left right"},
         {"Left", "Right", "left right"},
         {"L", "R", "left right"},
@@ -236,7 +250,11 @@ void TakeIntrinsics(const CameraKeys& keys, const Affixes& affixes,
                     LensInForm* lens) {
   const std::string key = FindMatrix(keys, affixes);
   if (!key.empty()) {
-    TakeCameraMatrix(ParseStoredMatrix(keys[key], key).data, key, lens);
+    const std::vector<double> k = ParseStoredMatrix(keys[key], key).data;
+    if (k.size() == 4)
+      lens->values = k;  // fx, fy, cx, cy
+    else
+      TakeCameraMatrix(k, key, lens);
     return;
   }
   for (const KeyList& names : kScalarKeys) {
@@ -249,30 +267,39 @@ void TakeIntrinsics(const CameraKeys& keys, const Affixes& affixes,
 
 namespace {
 
-// k1, k2, p1, p2, k3 and so on as numbers of their own; without p1 and p2 the
-// next is k3, as of a fisheye.
-std::vector<double> ScalarCoefficients(const CameraKeys& keys,
-                                       const Affixes& affixes) {
-  const bool is_tangential = keys.Has(affixes.before + "p1" + affixes.behind);
-  std::vector<double> numbers;
-  for (const char* name :
-       is_tangential ? std::vector<const char*>{"k1", "k2", "p1", "p2", "k3",
-                                                "k4", "k5", "k6"}
-                     : std::vector<const char*>{"k1", "k2", "k3", "k4"}) {
-    const std::string key = affixes.before + name + affixes.behind;
-    if (!keys.Has(key)) break;
-    numbers.push_back(FiniteNumber(keys[key], key));
-  }
-  return numbers;
+// k1, k2, p1, p2, k3 and so on as numbers of their own; those that are missing
+// are 0. k1 to k4 alone are those of a fisheye.
+CoefficientsInFile ScalarCoefficients(const CameraKeys& keys,
+                                      const Affixes& affixes) {
+  const auto has = [&](const std::string& name) {
+    return keys.Has(affixes.before + name + affixes.behind);
+  };
+  const auto all = [&](const std::vector<std::string>& names) {
+    std::vector<double> numbers;
+    for (const std::string& name : names) {
+      const std::string key = affixes.before + name + affixes.behind;
+      numbers.push_back(has(name) ? FiniteNumber(keys[key], key) : 0);
+    }
+    return numbers;
+  };
+  if (has("k4") && !has("k5") && !has("p1") && !has("p2"))
+    return {all({"k1", "k2", "k3", "k4"}), false, true};
+  if (has("k4")) return {all({"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"})};
+  return {all({"k1", "k2", "p1", "p2", "k3"})};
 }
 
 }  // namespace
 
+bool HasCoefficients(const CameraKeys& keys, const Affixes& affixes) {
+  return !FindKey(keys, kDistortionKeys, affixes).empty() ||
+         keys.Has(affixes.before + "k1" + affixes.behind);
+}
+
 CoefficientsInFile Coefficients(const CameraKeys& keys,
                                 const Affixes& affixes) {
   const std::string key = FindKey(keys, kDistortionKeys, affixes);
-  if (key.empty() && keys.Has(affixes.before + "k1" + affixes.behind))
-    return {ScalarCoefficients(keys, affixes), false};
+  if (key.empty() && HasCoefficients(keys, affixes))
+    return ScalarCoefficients(keys, affixes);
   if (key.empty())
     throw InputError(
         "'distortion_coefficients' is missing; use 5 zeros for no distortion");
@@ -281,14 +308,34 @@ CoefficientsInFile Coefficients(const CameraKeys& keys,
   const StoredMatrix matrix = ParseStoredMatrix(node, key);
   if (std::min(matrix.rows, matrix.columns) > 1)
     throw InputError(fmt::format("{}: expected a row or column vector", key));
-  return {matrix.data,
-          node.IsSequence() && matrix.rows == 4 && matrix.columns == 1};
+  return {matrix.data, matrix.rows == 4 && matrix.columns == 1};
 }
 
-const std::array<Affixes, 2>* FindPair(const CameraKeys& keys) {
-  for (const auto& pair : kPairs)
-    if (HasMatrix(keys, pair[0]) && HasMatrix(keys, pair[1])) return &pair;
-  return nullptr;
+std::vector<Affixes> FindCameras(const CameraKeys& keys) {
+  std::vector<Affixes> found;
+  const auto add = [&](const Affixes& affixes) {
+    if (HasMatrix(keys, affixes)) found.push_back(affixes);
+    return !found.empty() && found.back().camera == affixes.camera;
+  };
+  // EasyMocap lists what stands behind its keys.
+  if (keys.Has("names") && keys["names"].IsSequence())
+    for (const YAML::Node& name : keys["names"])
+      if (name.IsScalar())
+        add({"", "_" + name.as<std::string>(), name.as<std::string>()});
+  if (!found.empty()) return found;
+  for (const auto& pair : kPairs) {
+    if (!HasMatrix(keys, pair[0]) || !HasMatrix(keys, pair[1])) continue;
+    found.assign(pair.begin(), pair.end());
+    // More that are numbered on.
+    const std::string& last = pair[1].behind;
+    for (int number = 2; !last.empty() && std::isdigit(last.back()); ++number)
+      if (number > last.back() - '0' &&
+          !add({"", last.substr(0, last.size() - 1) + std::to_string(number),
+                fmt::format("camera{}", number)}))
+        break;
+    return found;
+  }
+  return found;
 }
 
 }  // namespace opencv_file

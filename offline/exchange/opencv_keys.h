@@ -23,13 +23,14 @@ extern const KeyList kNameKeys, kModelKeys, kFisheyeKeys;
 /// other formats.
 extern const KeyList kOtherKeys, kVagueKeys;
 
-/// Texts before and behind the names of keys of one camera of a pair.
+/// Texts before and behind the names of keys of one camera of several.
 struct Affixes {
   std::string before, behind, camera;
 };
 
-/// The affixes of a file of two cameras; null if it has no matrix of each.
-const std::array<Affixes, 2>* FindPair(const CameraKeys& keys);
+/// The affixes of a file of several cameras; none if it has no matrices of
+/// these.
+std::vector<Affixes> FindCameras(const CameraKeys& keys);
 
 /// The first of these keys that stands in a map, or "".
 std::string FindKey(const CameraKeys& keys, const KeyList& names,
@@ -48,13 +49,15 @@ ImageSize SizeInFile(const CameraKeys& keys, const Affixes& affixes);
 void TakeIntrinsics(const CameraKeys& keys, const Affixes& affixes,
                     LensInForm* lens);
 
-/// Distortion coefficients, and whether they stand in a column of Python's
-/// lists, as those of cv2.fisheye do and no others.
+/// Distortion coefficients, and whether they are a column of four, as
+/// cv::fisheye writes them (cv::calibrateCamera() has five or more), or have
+/// the names of a fisheye's.
 struct CoefficientsInFile {
   std::vector<double> numbers;
-  bool is_fisheye_column = false;
+  bool is_fisheye_column = false, has_fisheye_names = false;
 };
 CoefficientsInFile Coefficients(const CameraKeys& keys, const Affixes& affixes);
+bool HasCoefficients(const CameraKeys& keys, const Affixes& affixes = {});
 
 }  // namespace opencv_file
 }  // namespace raygrid

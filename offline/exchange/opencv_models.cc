@@ -80,7 +80,9 @@ std::optional<SaidModel> ModelInFile(const CameraKeys& keys,
     if (!said || is_vague) said = SaidModel{family, key, keys.Word(key)};
   };
   const std::string xi = affixes.before + "xi" + affixes.behind;
-  if (keys.Has(xi)) say(LensFamily::kOmni, xi);
+  // With 0 it is a pinhole's, of programs that have both.
+  if (keys.Has(xi) && AllNumbers(keys[xi], xi) != std::vector<double>{0})
+    say(LensFamily::kOmni, xi);
   for (const std::string& key : kFisheyeKeys) {
     const std::string word = Lowercase(keys.Word(key));
     if (word == "1" || word == "true" || word == "yes")
@@ -136,10 +138,18 @@ const LensForm& FormSaid(const CameraKeys& keys, const Affixes& affixes,
                       request.form, d.size()));
   }
   is_fisheye = is_fisheye || (wanted && wanted->name == kFisheye);
+  if (coefficients->has_fisheye_names && !is_fisheye && (said || wanted))
+    throw InputError(fmt::format(
+        "k1 to k4 without p1 and p2 are those of cv::fisheye, but {} indicates "
+        "a pinhole camera; write p1 and p2, too, if it is one",
+        said ? "'" + said->key + "'" : "--model " + request.form));
   if (!said && !wanted && d.size() == 4) {
-    is_fisheye = coefficients->is_fisheye_column || skew_px != 0;
+    const bool is_named = coefficients->has_fisheye_names;
+    is_fisheye = is_named || coefficients->is_fisheye_column || skew_px != 0;
     remarks->push_back(
-        is_fisheye
+        is_named
+            ? "assuming k1, k2, k3, k4 of cv::fisheye, because of their names"
+        : is_fisheye
             ? "assuming k1, k2, k3, k4 of cv::fisheye, because of the column "
               "vector or the skew; for a pinhole camera use --model opencv4"
             : "assuming k1, k2, p1, p2 of a pinhole camera; for cv::fisheye "

@@ -24,6 +24,7 @@ constexpr char kPhotonSize[] = "resolution";
 constexpr const char* kPhotonDistortion[] = {"distCoeffs", "cameraExtrinsics"};
 constexpr char kLensModel[] = "lensmodel";
 constexpr char kOpenCvLens[] = "LENSMODEL_OPENCV";
+constexpr char kCalibrations[] = "calibrations";
 constexpr char kObservations[] = "observations";
 constexpr char kObjectPoints[] = "locationInObjectSpace";
 constexpr char kImagePoints[] = "locationInImageSpace";
@@ -299,7 +300,7 @@ void AddPhotonViews(const Json& root, ExchangeContents* contents) {
   const std::vector<PhotonView> views = ReadPhotonViews(root, &counts);
   const double spacing = SpacingOf(root, views);
   const Eigen::Vector2i first = FirstPlace(views, spacing);
-  ReadLens& camera = contents->cameras.front();
+  ReadLens& camera = contents->cameras.back();
   for (const PhotonView& view : views) {
     ImageFeatures image = {view.image, {}};
     for (const PhotonCorner& corner : view.corners) {
@@ -326,15 +327,30 @@ void AddPhotonViews(const Json& root, ExchangeContents* contents) {
         "board's origin");
 }
 
+void ReadPhotonCamera(const Json& root, ExchangeContents* contents) {
+  ReadLens& camera = contents->cameras.emplace_back();
+  camera.lens = ReadPhotonLens(root);
+  FinishPhotonKeys(root, *camera.lens.form, &contents->remarks);
+  TakeOwnJson(YAML::Load(ValueAt(root, kOwnKey).dump()), &camera);
+  AddPhotonViews(root, contents);
+}
+
+// A calibration, or the settings of a camera that has one for each size.
 ExchangeContents ReadPhotonVision(const ReadRequest& request) {
   const Json root = ParsePhotonJson(request.text);
   ExchangeContents contents;
-  contents.cameras.emplace_back().lens = ReadPhotonLens(root);
-  FinishPhotonKeys(root, *contents.cameras.front().lens.form,
-                   &contents.remarks);
-  TakeOwnJson(YAML::Load(ValueAt(root, kOwnKey).dump()),
-              &contents.cameras.front());
-  AddPhotonViews(root, &contents);
+  if (ValueAt(root, kCalibrations).is_null()) {
+    ReadPhotonCamera(root, &contents);
+    return contents;
+  }
+  for (const Json& calibration : ListAt(root, kCalibrations)) {
+    ReadPhotonCamera(calibration, &contents);
+    const ImageSize& size = contents.cameras.back().lens.size;
+    contents.cameras.back().name =
+        fmt::format("{}x{}", size.width, size.height);
+  }
+  if (contents.cameras.empty())
+    throw InputError(fmt::format("{}: contains no camera", kCalibrations));
   return contents;
 }
 

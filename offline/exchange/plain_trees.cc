@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -123,17 +124,24 @@ YAML::Node ParseToml(const std::string& text) {
   return root.node();
 }
 
-YAML::Node ParseKeyLines(const std::string& text) {
+YAML::Node ParseKeyLines(const std::string& text, char mark) {
   RequireText(text);
   TreeMap root;
   std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
+    if (mark == '=') {  // MATLAB's brackets, ends and comments
+      line.resize(std::min(line.find('%'), line.size()));
+      std::replace_if(
+          line.begin(), line.end(),
+          [](char c) { return c == '[' || c == ']' || c == ';' || c == ','; },
+          ' ');
+    }
     const std::string words_of_line = WithoutSpaces(line);
     if (words_of_line.empty() || words_of_line[0] == '#') continue;
-    const size_t colon = line.find(':');
+    const size_t colon = line.find(mark);
     if (colon == std::string::npos)
-      RefuseLine(number, "expected 'KEY: NUMBERS'");
+      RefuseLine(number, fmt::format("expected 'KEY{} NUMBERS'", mark));
     YAML::Node list(YAML::NodeType::Sequence);
     std::istringstream words(line.substr(colon + 1));
     for (std::string word; words >> word;) list.push_back(word);

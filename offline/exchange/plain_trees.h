@@ -12,8 +12,9 @@ namespace raygrid {
 YAML::Node ParseToml(const std::string& text);
 
 /// Lines "KEY: NUMBER ...", each a list, or the word that stands there alone:
-/// calib.txt of KITTI.
-YAML::Node ParseKeyLines(const std::string& text);
+/// calib.txt of KITTI. With the mark '=', lines "KEY = [NUMBER; ...]" of
+/// MATLAB.
+YAML::Node ParseKeyLines(const std::string& text, char mark = ':');
 
 /// ROS's .ini: a key is a line, and its numbers follow in the lines below it.
 /// The size is that of [image].

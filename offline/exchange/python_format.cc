@@ -81,12 +81,15 @@ bool HasKeyInText(const std::string& text, const KeyList& names, char mark) {
   return false;
 }
 
-// Whether a text has a camera matrix and coefficients, whose keys end so.
+// Whether a text has a camera matrix, and coefficients or the image's sides,
+// whose keys end so.
 bool HasAnyKey(const std::string& text, char mark) {
   return (HasKeyInText(text, kMatrixKeys, mark) ||
           HasKeyInText(text, {"fx"}, mark)) &&
          (HasKeyInText(text, kDistortionKeys, mark) ||
-          HasKeyInText(text, {"k1"}, mark));
+          HasKeyInText(text, {"k1"}, mark) ||
+          (HasKeyInText(text, {"width"}, mark) &&
+           HasKeyInText(text, {"height"}, mark)));
 }
 
 ExchangeContents ReadPython(const ReadRequest& request) {

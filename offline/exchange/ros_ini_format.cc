@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <map>
 
 #include "dataset/text_encoding.h"
@@ -20,9 +21,13 @@ bool IsRosIni(const std::string& text) {
   return true;
 }
 
+// Such a file does not say the model; the calibrator writes five coefficients
+// of plumb_bob.
+constexpr char kFourCoefficients[] = "equidistant";
+
 // Its keys under the names that the .yaml has.
-ExchangeContents ReadRosIni(const ReadRequest& request) {
-  const YAML::Node ini = ParseRosIni(request.text);
+YAML::Node TreeOfRosIni(const std::string& text) {
+  const YAML::Node ini = ParseRosIni(text);
   const std::map<std::string, std::string> names = {
       {"width", "image_width"},
       {"height", "image_height"},
@@ -39,9 +44,41 @@ ExchangeContents ReadRosIni(const ReadRequest& request) {
   }
   const YAML::Node d = root["distortion_coefficients"];
   if (d.IsDefined())
-    root["distortion_model"] =
-        d.IsSequence() && d.size() > 5 ? "rational_polynomial" : "plumb_bob";
-  return ReadRosCamera(root, request);
+    root["distortion_model"] = !d.IsSequence() ? "plumb_bob"
+                               : d.size() > 5  ? "rational_polynomial"
+                               : d.size() == 4 ? kFourCoefficients
+                                               : "plumb_bob";
+  return root;
+}
+
+// One camera behind the other, as the calibrator has a pair in ost.txt; what it
+// printed before is left out.
+ExchangeContents ReadRosIni(const ReadRequest& request) {
+  const std::string& text = request.text;
+  const std::string image = "[image]";
+  size_t at = text[0] == '[' ? 0 : std::min(text.find("\n["), text.size());
+  ExchangeContents all;
+  for (size_t end = 0; end < text.size(); at = end) {
+    const size_t first = std::min(text.find(image, at), text.size());
+    end = std::min(text.find(image, first + 1), text.size());
+    const auto lines = std::count(text.begin(), text.begin() + at, '\n');
+    ExchangeContents one = ReadRosCamera(
+        TreeOfRosIni(std::string(lines, '\n') + text.substr(at, end - at)),
+        request);
+    if (one.cameras.front().lens.form->name == kFourCoefficients)
+      one.remarks.push_back(
+          "assuming the fisheye model equidistant, of which ROS writes four "
+          "coefficients");
+    all.cameras.push_back(std::move(one.cameras.front()));
+    all.remarks.insert(all.remarks.end(), one.remarks.begin(),
+                       one.remarks.end());
+  }
+  if (all.cameras.size() > 1) {
+    for (ReadLens& camera : all.cameras)  // of "narrow_stereo/left"
+      camera.name.erase(0, camera.name.rfind('/') + 1);
+    FindPosesOfPair(&all.cameras);
+  }
+  return all;
 }
 
 std::string IniRows(const std::string& key, const std::vector<double>& numbers,

@@ -97,7 +97,8 @@ TableOutput WriteTum(const PoseTable& table) {
 
 // ---- Reading ---------------------------------------------------------------
 
-// Whether the first line that is no comment is of eight numbers.
+// Whether the first line that is no comment is of eight numbers, the last four
+// of which are a rotation: those of a camera's line are not.
 bool IsTum(const std::string& bytes) {
   constexpr size_t kMostBytes = 1000;
   size_t at = 0;
@@ -108,11 +109,18 @@ bool IsTum(const std::string& bytes) {
   if (at >= bytes.size()) return false;
   const std::string line =
       bytes.substr(at, std::min(bytes.find('\n', at) - at, kMostBytes));
+  constexpr double kMostOff = 0.1;  // of the length; few digits are written
   std::istringstream words(line);
-  size_t count = 0;
-  for (std::string word; words >> word; ++count)
-    if (!NumberOfWord(word)) return false;
-  return count == kTumWords;
+  std::vector<double> numbers;
+  for (std::string word; words >> word;) {
+    const auto number = NumberOfWord(word);
+    if (!number) return false;
+    numbers.push_back(*number);
+  }
+  return numbers.size() == kTumWords &&
+         std::abs(std::hypot(std::hypot(numbers[4], numbers[5]),
+                             std::hypot(numbers[6], numbers[7])) -
+                  1) < kMostOff;
 }
 
 // The name of an image at a time stamp, of digits: programs also write stamps

@@ -63,9 +63,10 @@ int SidePx(const YAML::Node& node, const std::string& name) {
 }
 
 ImageSize SizeOfList(const YAML::Node& node, const std::string& name) {
-  if (!node.IsSequence() || node.size() != 2)
+  const YAML::Node sides = node.IsMap() ? node["data"] : node;
+  if (!sides.IsDefined() || !sides.IsSequence() || sides.size() != 2)
     throw InputError(fmt::format("{}: expected width and height", name));
-  return {SidePx(node[0], name), SidePx(node[1], name)};
+  return {SidePx(sides[0], name), SidePx(sides[1], name)};
 }
 
 std::string RealText(double number) {

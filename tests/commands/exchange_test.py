@@ -545,9 +545,7 @@ class Rigs(ExchangeTest):
         """Of two and of three cameras, in every format: they come back, or it is said."""
         formats = [entry for entry in json.loads(run("export", "--list", "--json").stdout)
                    if entry["source"] == "a lens" and entry["export"] and entry["import"]
-                   # Whose state has a test of its own, and whose line of eight numbers may be a
-                   # pose of a trajectory, so that it is not imported without its name.
-                   and entry["name"] not in ("puzzlepaint", "calib-line")]
+                   and entry["name"] != "puzzlepaint"]  # whose state has a test of its own
         self.assertGreater(len(formats), 8)
         rigs = {2: self.exact_rig(self.two_of_the_rig(), "two.yaml"),
                 3: self.exact_rig(self.rig, "three.yaml")}

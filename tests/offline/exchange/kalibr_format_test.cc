@@ -41,6 +41,24 @@ TEST(KalibrFormat, ReadsAChain) {
             1e-12);
 }
 
+// DSEC has the chain in a map, with rectified cameras beside.
+TEST(KalibrFormat, ReadsTheChainOfDsec) {
+  std::string chain = "\n" + std::string(kCamchain);
+  while (chain.find("  intrinsics:") != std::string::npos)
+    chain = TextWith(chain, "  intrinsics:", "  camera_matrix:");
+  std::string indented;
+  for (const char c : chain) indented += c == '\n' ? "\n  " : std::string(1, c);
+  const ExchangeContents contents = ParseKalibr(
+      "intrinsics:" + indented +
+      "camRect0:\n    camera_model: pinhole\n    is_rectified: true\n"
+      "    camera_matrix: [1.0, 1.0, 1.0, 1.0]\n"
+      "extrinsics:\n  R_rect0: []\n");
+  ASSERT_TRUE(contents.IsRig());
+  ASSERT_EQ(contents.cameras.size(), 2u);
+  EXPECT_EQ(contents.cameras[0].lens.Value("fx"), 458.5);
+  EXPECT_EQ(contents.cameras[1].lens.Value("fy"), 301.5);
+}
+
 TEST(KalibrFormat, ChainsPoses) {
   const std::string third = TextWith(
       std::string(kCamchain).substr(std::string(kCamchain).find("cam1:")),

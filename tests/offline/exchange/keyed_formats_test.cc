@@ -7,6 +7,7 @@
 #include "exchange/damaged_files.h"
 #include "exchange/format.h"
 #include "exchange/lenses_by_formula.h"
+#include "exchange/table_format.h"
 #include "support.h"
 
 namespace raygrid {
@@ -254,8 +255,189 @@ TEST(KeyedFormats, ReadCalibTexts) {
       "camera matrix\n410 0 322.5\n0 411.5 238\n0 0 1\n\ndistortion\n"
       "-0.21 0.06 0.001 -0.002 0\n\nrectification\n1 0 0\n0 1 0\n0 0 1\n\n"
       "projection\n410 0 322.5 0\n0 411.5 238 0\n0 0 1 0\n");
+  EXPECT_TRUE(ini.remarks.empty());
   EXPECT_EQ(ini.cameras.at(0).name, "front");
   ExpectLens(ini.cameras[0], kPinholeLens, &Lens::Pinhole);
+  // The calibrator writes four coefficients of fisheyes, five of others.
+  const auto fisheye = Read(
+      "[image]\n\nwidth\n640\n\nheight\n480\n\n[front]\n\ncamera matrix\n"
+      "290 0 322.5\n0 291.5 238\n0 0 1\n\ndistortion\n0.03 -0.01 0.004 "
+      "-0.001\n");
+  ExpectLens(fisheye.cameras.at(0), kFisheyeLens, &Lens::Fisheye);
+  EXPECT_EQ(fisheye.remarks.size(), 1u);
+  // ost.txt of a pair: what the program printed, and a camera behind the other.
+  const auto side = [](const std::string& name, const char* t) {
+    return "# oST version 5.0 parameters\n\n[image]\n\nwidth\n640\n\nheight\n"
+           "480\n\n[narrow_stereo/" +
+           name +
+           "]\n\ncamera matrix\n410 0 322.5\n0 411.5 238\n0 0 1\n\n"
+           "distortion\n-0.21 0.06 0.001 -0.002 0\n\nrectification\n1 0 0\n"
+           "0 1 0\n0 0 1\n\nprojection\n400 0 320 " +
+           t + "\n0 400 240 0\n0 0 1 0\n\n";
+  };
+  const auto pair = Read("Left:\n('D = ', [-0.21, 0.06])\nNone\n" +
+                         side("left", "0") + side("right", "-40"));
+  ASSERT_EQ(pair.cameras.size(), 2u);
+  EXPECT_TRUE(pair.remarks.empty());
+  EXPECT_EQ(pair.cameras[1].name, "right");
+  ExpectLens(pair.cameras[1], kPinholeLens, &Lens::Pinhole);
+  ASSERT_TRUE(pair.IsRig());
+  EXPECT_NEAR(pair.cameras[1].camera_from_rig->translation.x(), -0.1, 1e-12);
+}
+
+// One camera a map, and its pose beside it.
+TEST(KeyedFormats, ReadCamerasOfSvo) {
+  const auto camera = [](const std::string& label, const std::string& lens,
+                         const std::string& type, const std::string& numbers,
+                         const std::string& x) {
+    return "- camera:\n    label: " + label +
+           "\n    id: 54\n    line-delay-nanoseconds: 0\n    image_height: "
+           "480\n    image_width: 640\n    type: " +
+           (lens.size() > 22 ? "unified-projection" : "pinhole") +
+           "\n    intrinsics:\n      cols: 1\n      rows: 4\n      data: [" +
+           lens + "]\n    distortion:\n      type: " + type +
+           "\n      parameters:\n        cols: 1\n        rows: 4\n        "
+           "data: [" +
+           numbers +
+           "]\n  T_B_C:\n    cols: 4\n    rows: 4\n    data: [0, -1, 0, " + x +
+           ", 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n";
+  };
+  const std::string text =
+      "label: \"rig\"\ncameras:\n" +
+      camera("left", "410, 411.5, 322.5, 238", "radial-tangential",
+             "-0.21, 0.06, 0.001, -0.002", "0.0") +
+      camera("right", "290, 291.5, 322.5, 238", "equidistant",
+             "0.03, -0.01, 0.004, -0.001", "0.5") +
+      camera("top", "1.25, 910, 911.5, 322.5, 238", "radial-tangential",
+             "-0.11, 0.05, 0.001, -0.002", "1.0") +
+      "imu_params:\n  imu_rate: 800\n";
+  const auto rig = Read(text);
+  ASSERT_EQ(rig.cameras.size(), 3u);
+  ASSERT_TRUE(rig.IsRig());
+  EXPECT_TRUE(rig.remarks.empty());
+  EXPECT_EQ(rig.cameras[1].name, "right");
+  ExpectLens(rig.cameras[0], kPinholeLens, &Lens::Pinhole);
+  ExpectLens(rig.cameras[1], kFisheyeLens, &Lens::Fisheye);
+  ExpectLens(rig.cameras[2], kOmniLens, &Lens::Omni);
+  EXPECT_LT(
+      (*rig.cameras[1].camera_from_rig * Eigen::Vector3d(0.5, 0, 0)).norm(),
+      1e-12);
+  ExpectError(ExitCode::kInput, {"f: ", "cam0: ", "'omni'"},
+              [&] { Read(TextWith(text, "type: pinhole", "type: omni")); });
+}
+
+// Parameters of ROS 2 are in maps of maps, and have shorter names.
+TEST(KeyedFormats, ReadVikit) {
+  const std::string text =
+      "cam_model: Pinhole\ncam_width: 640\ncam_height: 480\nscale: 0.5\n"
+      "cam_fx: 410\ncam_fy: 411.5\ncam_cx: 322.5\ncam_cy: 238\n"
+      "cam_d0: -0.21\ncam_d1: 0.06\ncam_d2: 0.001\ncam_d3: -0.002\n";
+  const auto read = Read(text);
+  ExpectLens(read.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  EXPECT_EQ(read.cameras[0].lens.size, kImage);
+  EXPECT_TRUE(read.remarks.empty());
+  ExpectLens(
+      Read("/**:\n  ros__parameters:\n    camera:\n      model: Pinhole\n"
+           "      width: 640\n      height: 480\n      scale: 0.5\n"
+           "      fx: 410\n      fy: 411.5\n      cx: 322.5\n      cy: 238\n"
+           "      d0: -0.21\n      d1: 0.06\n      d2: 0.001\n"
+           "      d3: -0.002\n")
+          .cameras.at(0),
+      kPinholeLens, &Lens::Pinhole);
+  const std::string fisheye =
+      "cam_model: EquidistantCamera\ncam_width: 640\ncam_height: 480\n"
+      "cam_fx: 290\ncam_fy: 291.5\ncam_cx: 322.5\ncam_cy: 238\n"
+      "k1: 0.03\nk2: -0.01\nk3: 0.004\nk4: -0.001\n";
+  ExpectLens(Read(fisheye).cameras.at(0), kFisheyeLens, &Lens::Fisheye);
+  ExpectError(ExitCode::kInput, {"f: ", "'PinholeAtan'", "supported"},
+              [&] { Read(TextWith(text, "Pinhole", "PinholeAtan")); });
+  ExpectError(ExitCode::kInput, {"f: ", "k1"},
+              [&] { Read(text + "k1: 0.3\n"); });
+}
+
+TEST(KeyedFormats, ReadAssignments) {
+  const std::string text =
+      "% Intrinsic and Extrinsic Camera Parameters\n\n%-- Focal length:\n"
+      "fc = [ 410.0 ; 411.5 ];\ncc = [ 322.5 ; 238.0 ];\nalpha_c = 0.000;\n"
+      "kc = [ -0.21 ; 0.06 ; 0.001 ; -0.002 ; 0.0 ];\n"
+      "fc_error = [ 1.0 ; NaN ];\nnx = 640;\nny = 480;\n"
+      "n_ima = 4;\t\t% Number of images\nomc_1 = [ NaN ; NaN ; NaN ];\n";
+  const auto read = Read(text);
+  ExpectLens(read.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  EXPECT_EQ(read.cameras[0].lens.size, kImage);
+  EXPECT_TRUE(read.remarks.empty());
+  ExpectError(ExitCode::kInput, {"f: ", "'alpha_c'", "0.001"}, [&] {
+    Read(TextWith(text, "alpha_c = 0.000", "alpha_c = 0.001"));
+  });
+  const auto of_side = [](const std::string& side) {
+    return "fc" + side + " = [ 410 ; 411.5 ];\ncc" + side +
+           " = [ 322.5 ; 238 ];\nalpha_c" + side + " = [ 0.0 ];\nkc" + side +
+           " = [ -0.21 ; 0.06 ; 0.001 ; -0.002 ; 0 ];\n";
+  };
+  const auto pair = Read(of_side("_left") + of_side("_right") +
+                             "om = [ 0.0 ; 0.0 ; 1.5707963267948966 ];\n"
+                             "T = [ -100.0 ; 0.0 ; 0.0 ];\n",
+                         kImage);
+  ASSERT_EQ(pair.cameras.size(), 2u);
+  ASSERT_TRUE(pair.IsRig());
+  EXPECT_EQ(pair.cameras[1].name, "right");
+  ExpectLens(pair.cameras[1], kPinholeLens, &Lens::Pinhole);
+  EXPECT_LT((*pair.cameras[1].camera_from_rig * Eigen::Vector3d(1, 0, 0) -
+             Eigen::Vector3d(-100, 1, 0))
+                .norm(),
+            1e-12);
+  const auto rectified = Read(
+      "cam0=[410 0 322.5; 0 410 238; 0 0 1]\n"
+      "cam1=[410 0 350; 0 410 238; 0 0 1]\ndoffs=27.5\nbaseline=193.001\n"
+      "width=640\nheight=480\nndisp=270\n");
+  ASSERT_TRUE(rectified.IsRig());
+  EXPECT_TRUE(rectified.remarks.empty());
+  EXPECT_EQ(rectified.cameras[1].lens.Value("cx"), 350);
+  EXPECT_NEAR(rectified.cameras[1].camera_from_rig->translation.x(), -0.193001,
+              1e-12);
+}
+
+// Settings of a pair that the program rectifies have another model beside.
+TEST(KeyedFormats, ReadRectifiedCamerasOfStella) {
+  const auto read = Read(
+      "Camera.setup: \"stereo\"\nCamera.model: \"perspective\"\n"
+      "Camera.fx: 410\nCamera.fy: 411.5\nCamera.cx: 322.5\nCamera.cy: 238\n"
+      "Camera.k1: -0.21\nCamera.k2: 0.06\nCamera.p1: 0.001\n"
+      "Camera.p2: -0.002\nCamera.k3: 0\nCamera.cols: 640\nCamera.rows: 480\n"
+      "StereoRectifier.model: \"fisheye\"\n"
+      "StereoRectifier.K_left: [190, 0, 254, 0, 190, 256, 0, 0, 1]\n"
+      "Feature.scale_factor: 1.2\n");
+  ExpectLens(read.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  ASSERT_EQ(read.remarks.size(), 1u);
+  EXPECT_NE(read.remarks[0].find("StereoRectifier.K_left"), std::string::npos);
+}
+
+// Poses of TUM have eight numbers a line, too, of which four are a rotation.
+TEST(KeyedFormats, TellLinesOfNumbersFromPoses) {
+  const auto is_tum = [](const std::string& text) {
+    const TableFormat* table = RecognizeTable(text);
+    return table && table->name == "tum";
+  };
+  const std::string line = "410 411.5 322.5 238 -0.21 0.06 0.001 -0.002\n";
+  EXPECT_FALSE(is_tum(line));
+  EXPECT_FALSE(is_tum(line + "640 480\ncrop\n640 480\n"));
+  EXPECT_TRUE(is_tum("1.5 0.1 0.2 0.3 0 0 0.71 0.71\n"));
+  const auto dso = Read(line + "640 480\ncrop\n640 480\n");
+  ExpectLens(dso.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  EXPECT_EQ(dso.cameras[0].lens.size, kImage);
+}
+
+// Both would be cameras of another image.
+TEST(KeyedFormats, JudgeLengthsByTheImage) {
+  ExpectError(ExitCode::kInput, {"f: ", "fx 0.64", "fractions"},
+              [] { Read("0.64 0.86 0.5 0.5\n", kImage); });
+  const std::string line = "410 411.5 322.5 238\n";
+  EXPECT_TRUE(Read(line, kImage).remarks.empty());
+  for (const ImageSize& size : {ImageSize{480, 640}, ImageSize{1920, 1080}}) {
+    const auto read = Read(line, size);
+    ASSERT_EQ(read.remarks.size(), 1u) << size.width;
+    EXPECT_NE(read.remarks[0].find("far from the centre"), std::string::npos);
+  }
 }
 
 // Each is refused with one line, or is a camera of numbers.
@@ -288,6 +470,8 @@ TEST(KeyedFormats, TakeDamagedFilesForNothingElse) {
       "RadTan 410 411.5 322.5 238 -0.21 0.06 0.001 -0.002\n640 480\nnone\n",
       "[image]\n\nwidth\n640\n\nheight\n480\n\n[front]\n\ncamera matrix\n"
       "410 0 322\n0 411 238\n0 0 1\n\ndistortion\n-0.2 0.06 0 0 0\n",
+      "fc = [ 410 ; 411 ];\ncc = [ 322 ; 238 ];\nkc = [ -0.2 ; 0.06 ];\n"
+      "nx = 640;\nny = 480;\n",
       "{\"front\": {\"mtx\": [[410, 0, 322], [0, 411, 238], [0, 0, 1]], "
       "\"dist\": [[-0.2, 0.06, 0, 0, 0]], \"image_size\": [640, 480]}}\n"};
   TestRandom random(7);

@@ -54,6 +54,10 @@ TEST(OpenCvFormat, TellsModelsApart) {
   EXPECT_EQ(Parse(four).remarks.size(), 1u);
   EXPECT_EQ(Parse(four, "fisheye").cameras[0].lens.form->name, "fisheye");
   EXPECT_TRUE(Parse(four, "fisheye").remarks.empty());
+  const ExchangeContents column = Parse(
+      TextWith(TextWith(four, "rows: 1", "rows: 4"), "cols: 4", "cols: 1"));
+  EXPECT_EQ(column.cameras[0].lens.form->name, "fisheye");
+  EXPECT_EQ(column.remarks.size(), 1u);
   for (const char* key :
        {"fisheye_model: 1\n", "distortion_model: fisheye\n"}) {
     const ExchangeContents said = Parse(four + key);
@@ -71,6 +75,14 @@ TEST(OpenCvFormat, TakesZerosForWhatIsNotThere) {
   EXPECT_EQ(Parse(with("0,0,0,0,0,0")).cameras[0].lens.form->model, "opencv");
   EXPECT_EQ(Parse(with("0,0,0,0,0,1e-3")).cameras[0].lens.form->name,
             "opencv14");
+  // Of programs that have omnidir, too; the size is a matrix there.
+  const ExchangeContents generic =
+      Parse(TextWith(TextWith(with("0,0,0,0,0,0"), "image_width", "other"),
+                     "image_height", "another") +
+            "xi: 0.\nresolution: !!opencv-matrix\n   rows: 2\n   cols: 1\n"
+            "   dt: i\n   data: [ 640, 480 ]\n");
+  EXPECT_EQ(generic.cameras.at(0).lens.form->model, "opencv");
+  EXPECT_EQ(generic.cameras[0].lens.size, (ImageSize{640, 480}));
 }
 
 // xi makes another camera of the same matrix and coefficients.
@@ -172,6 +184,33 @@ TEST(OpenCvFormat, ReadsPairs) {
   std::vector<ReadLens> one(1);
   ExpectError(ExitCode::kInput, {"f: ", "R and T", "import"},
               [&] { TakePoseOfPair(Pose{}, "f", &one); });
+}
+
+// As many as are numbered, or named in a list.
+TEST(OpenCvFormat, ReadsSeveralCameras) {
+  const auto camera = [](const std::string& m, const std::string& d,
+                         const char* fx) {
+    return StoredText(m, 3, 3,
+                      std::string(fx) + ", 0, 320, 0, 501, 240, 0, 0, 1") +
+           StoredText(d, 1, 5, "-0.1,0.02,0,0,0.1");
+  };
+  const std::string head = "%YAML:1.0\n---\n";
+  const ExchangeContents numbered =
+      Parse(head + camera("camera_matrix_0", "camera_distortion_0", "500") +
+                camera("camera_matrix_1", "camera_distortion_1", "510") +
+                camera("camera_matrix_2", "camera_distortion_2", "520"),
+            "", ImageSize{640, 480});
+  ASSERT_EQ(numbered.cameras.size(), 3u);
+  EXPECT_EQ(numbered.cameras[2].name, "camera2");
+  EXPECT_EQ(numbered.cameras[2].lens.Value("fx"), 520);
+  EXPECT_TRUE(numbered.remarks.empty());
+  const ExchangeContents named = Parse(
+      head + "names:\n  - \"01\"\n  - \"B2\"\n" +
+          camera("K_01", "dist_01", "500") + camera("K_B2", "dist_B2", "510"),
+      "", ImageSize{640, 480});
+  ASSERT_EQ(named.cameras.size(), 2u);
+  EXPECT_EQ(named.cameras[1].name, "B2");
+  EXPECT_EQ(named.cameras[1].lens.Value("fx"), 510);
 }
 
 TEST(OpenCvFormat, SaysWhatIsMissingOrWrong) {

@@ -55,6 +55,21 @@ TEST(PhotonVisionFormat, ReadsCameraCornersAndPoses) {
             1e-12);
 }
 
+// Settings of a camera have a calibration for each size of its images.
+TEST(PhotonVisionFormat, ReadsSettings) {
+  const std::string other =
+      TextWith(TextWith(kPhotonVision, "640.0", "1280.0"), "480.0", "960.0");
+  const ExchangeContents contents =
+      ParsePhotonVision(std::string("{\"nickname\": \"front\", \"FOV\": 70.0, "
+                                    "\"calibrations\": [") +
+                        kPhotonVision + ", " + other + "]}");
+  ASSERT_EQ(contents.cameras.size(), 2u);
+  EXPECT_EQ(contents.cameras[0].name, "640x480");
+  EXPECT_EQ(contents.cameras[1].name, "1280x960");
+  EXPECT_EQ(contents.cameras[1].lens.size, (ImageSize{1280, 960}));
+  EXPECT_EQ(contents.cameras[1].features.size(), 1u);
+}
+
 TEST(PhotonVisionFormat, WritesWhatItReads) {
   WrittenLens camera;
   camera.lens = ParsePhotonVision(kPhotonVision).cameras[0].lens;

@@ -86,6 +86,70 @@ TEST(PythonFormat, FindsCameras) {
              &Lens::Pinhole);
   ExpectError(ExitCode::kInput, {"f: ", "inverse_brown_conrady"},
               [&] { Read(TextWith(real, "[0, 0,", "[0.1, 0,")); });
+  ExpectError(ExitCode::kInput, {"f: ", "modified_brown_conrady"}, [&] {
+    Read(TextWith(TextWith(real, "inverse", "modified"), "[0, 0,", "[0.1, 0,"));
+  });
+}
+
+// Those that are missing are 0; k3 and k4 are no tangential ones.
+TEST(PythonFormat, ReadsCoefficientsByTheirNames) {
+  const auto with = [](const std::string& coefficients) {
+    return Read("{\"fx\": 410, \"fy\": 411.5, \"cx\": 322.5, \"cy\": 238, " +
+                coefficients + ", \"width\": 640, \"height\": 480}");
+  };
+  const Numbers k = {410, 411.5, 322.5, 238};
+  for (const auto& [text, d] : std::vector<std::pair<const char*, Numbers>>{
+           {"\"k1\": -0.1", {-0.1}},
+           {"\"k1\": -0.21, \"k2\": 0.06", {-0.21, 0.06}},
+           {"\"k1\": -0.21, \"k2\": 0.06, \"k3\": 0.01",
+            {-0.21, 0.06, 0, 0, 0.01}},
+           {"\"k1\": 0.1, \"p1\": 0.001, \"p2\": 0.002", {0.1, 0, 1e-3, 2e-3}},
+           {"\"k1\": 0.1, \"k4\": 0.2, \"p1\": 0.001, \"p2\": 0.002",
+            {0.1, 0, 1e-3, 2e-3, 0, 0.2}}}) {
+    const auto read = with(text);
+    SCOPED_TRACE(text);
+    ExpectLens(read.cameras.at(0), {k, d}, &Lens::Pinhole);
+    EXPECT_TRUE(read.remarks.empty());
+  }
+  const auto fisheye =
+      with("\"k1\": 0.03, \"k2\": -0.01, \"k3\": 0.004, \"k4\": -0.001");
+  ExpectLens(fisheye.cameras.at(0), {k, kFisheyeLens.d}, &Lens::Fisheye);
+  EXPECT_EQ(fisheye.remarks.size(), 1u);
+  ExpectError(ExitCode::kInput, {"f: ", "cv::fisheye", "'model'"}, [&] {
+    with(
+        "\"k1\": 0.03, \"k2\": -0.01, \"k3\": 0.004, \"k4\": -0.001, "
+        "\"model\": \"pinhole\"");
+  });
+}
+
+TEST(PythonFormat, ReadsIntrinsicsAsFourNumbers) {
+  const auto read = Read(
+      "intrinsics: [410, 411.5, 322.5, 238]\nresolution: [640, 480]\n"
+      "distortion: [-0.21, 0.06, 0.001, -0.002, 0]\n");
+  ExpectLens(read.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+}
+
+// A sensor's or renderer's camera, row by row or column by column.
+TEST(PythonFormat, TakesCamerasWithoutDistortion) {
+  for (const char* text :
+       {"{\"fx\": 410, \"fy\": 411.5, \"ppx\": 322.5, \"ppy\": 238, "
+        "\"width\": 640, \"height\": 480}",
+        "{\"intrinsic_matrix\": [410, 0, 0, 0, 411.5, 0, 322.5, 238, 1], "
+        "\"width\": 640, \"height\": 480}"}) {
+    const auto read = Read(text);
+    ExpectLens(read.cameras.at(0), {{410, 411.5, 322.5, 238}, {}},
+               &Lens::Pinhole);
+    ASSERT_EQ(read.remarks.size(), 1u);
+    EXPECT_NE(read.remarks[0].find("no distortion"), std::string::npos);
+  }
+  // It may have coefficients under a name that is not known.
+  ExpectError(ExitCode::kInput, {"f: ", "'distortion_coefficients' is missing"},
+              [] {
+                Read(
+                    "{\"K\": [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]], "
+                    "\"width\": 640, \"height\": 480, \"distort_params\": "
+                    "[0.1, 0.2, 0, 0, 0]}");
+              });
 }
 
 // Names of makers are no models, and numbers may be repeated.
@@ -120,9 +184,11 @@ TEST(PythonFormat, TellsFisheyes) {
   EXPECT_EQ(Read(row, kImage).cameras.at(0).lens.form->name, "opencv4");
   EXPECT_EQ(Read(row, kImage, "fisheye").cameras.at(0).lens.form->name,
             "fisheye");
-  const std::string said =
-      TextWith(row, "\"dim\"", "\"model\": \"fisheye\", \"d\"");
-  EXPECT_EQ(Read(said, kImage).cameras.at(0).lens.form->name, "fisheye");
+  for (const char* key : {"model", "type", "lens_type", "distortion_type"}) {
+    const std::string said = TextWith(
+        row, "\"dim\"", fmt::format("\"{}\": \"fisheye\", \"d\"", key));
+    EXPECT_EQ(Read(said, kImage).cameras.at(0).lens.form->name, "fisheye");
+  }
 }
 
 }  // namespace
