@@ -255,7 +255,7 @@ ResultFigures ParseResultJson(const std::string& path,
   try {
     ResultFigures figures = ParseResult(json);
     if (!figures.result.cameras.empty()) return figures;
-    throw InputError(path + ": holds no camera; calibrate again");
+    throw InputError(path + ": contains no camera; calibrate again");
   } catch (const nlohmann::json::exception& error) {
     throw InputError(
         fmt::format("{}: {}; calibrate again", path, JsonProblem(error)));

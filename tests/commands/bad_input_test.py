@@ -247,7 +247,7 @@ class BadInput(CommandTest):
     def test_half_of_what_a_camera_is_known_by(self):
         self.assert_refused(run("inspect", write(
             self.path("half.yaml"), read(self.path("sim/true_camera.yaml")) + b"uncertainty:\n")),
-            2, "half.yaml", "belong together")
+            2, "half.yaml", "require each other")
 
     def test_more_behind_the_end_of_a_file(self):
         for more, words in (("---\nraygrid_pattern: 1\n", "content after the end"),

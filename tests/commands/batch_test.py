@@ -143,7 +143,7 @@ units:
                            ("vary_with: [temperature, 3]", "vary_with: unknown quantity '3'"),
                            ("operating_points: v.csv", "unit C1: operating_points requires vary_with"),
                            ("vary_with: temperature", "unit C1: vary_with requires the operating point of each image"),
-                           ("rolling_shutter: true", "unit C1: rolling_shutter requires the time stamp of each image"),
+                           ("rolling_shutter: true", "unit C1: rolling_shutter requires the timestamp of each image"),
                            ("timestamps: t.csv", "unit C1: timestamps requires rolling_shutter: true"),
                            ("rolling_shutter: maybe", "key 'rolling_shutter': expected true or false"),
                            ("rolling_shutter: true, vary_with: temperature",
