@@ -112,7 +112,7 @@ class RollingShutterTest(CommandTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("without 2 images of unknown motion", done.stdout)
         facts = json.loads(read(result / "result.json"))
-        self.assertEqual(facts["line_delay"]["not_compensated_images"], 2)
+        self.assertEqual(facts["line_delay"]["uncompensated_images"], 2)
         self.assertEqual([image["image"] for image in facts["images"]["rejected"]], list(gone))
         self.assertIn("unknown motion", facts["images"]["rejected"][0]["reason"])
         self.better(result)
