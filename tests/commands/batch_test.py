@@ -96,7 +96,7 @@ class Batch(CommandTest):
         self.assertEqual(result.returncode, 3, result.stderr)
         lines = result.stderr.splitlines()
         self.assertEqual(len(lines), 2, result.stderr)
-        self.assertIn("A0: error: only 1 images", lines[0])
+        self.assertIn("A0: error: 1 image(s) with", lines[0])
         self.assertIn("B0: error", lines[1])
         self.assertIn("gone", lines[1])
         table = self.table()

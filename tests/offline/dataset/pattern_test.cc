@@ -100,7 +100,7 @@ TEST(Pattern, ListsOfPointsMayHaveRows) {
   for (const char* size :
        {"2", "-3, rows: -2", "6, rows: 2", "65536, rows: 65536", "0, rows: 6"})
     ExpectPatternRefused(WithBoards(start + size + ", " + points),
-                         {"6 points"});
+                         {"found 6"});
 }
 
 TEST(Pattern, BoardsHaveAHundredThousandPointsInAllAtMost) {
