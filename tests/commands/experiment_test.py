@@ -471,7 +471,7 @@ cameras:
         rows, _ = self.small("localization", *data)
         self.assertIn("central-generic (reference)", [row["camera"] for row in rows])
         text = read(self.path("localization-small/localization.csv")).decode()
-        self.assertIn("# truth: unknown; central-generic is the reference", text)
+        self.assertIn("# truth: not available; central-generic serves as reference", text)
         self.assertIn("target geometry estimated", text)
         self.assert_refused(run("experiment", "stereo-depth", "-o", self.path("refused"), *data), 2,
                             "two", "column 'camera'")
