@@ -277,9 +277,8 @@ void AddPack(CLI::App* app, CommonOptions* common) {
       ->option_text("SERIAL");
   command
       ->add_option("--capture-settings", arguments->capture,
-                   "capture settings of the calibration images; frames with "
-                   "other settings are reported; none: do not check (default: "
-                   "from camera.yaml)")
+                   "capture settings expected of each frame; none: do not "
+                   "check them (default: from camera.yaml)")
       ->option_text("KEY=VALUE,...")
       ->allow_extra_args(false);
   AddHugeOption(command);
