@@ -36,7 +36,7 @@ void RequireOfSingleCamera(const CalibrateArguments& arguments, bool is_rig) {
       arguments.image_circle != "none")
     throw Error(ExitCode::kUsage,
                 fmt::format("--image-circle {}: the cameras of a rig have "
-                            "different circles; use auto or none",
+                            "different image circles; use auto or none",
                             arguments.image_circle));
   if (is_rig && !(arguments.name.empty() && arguments.serial.empty()))
     throw Error(
@@ -273,13 +273,13 @@ void RequireSuccess(const Verdict& verdict, bool is_interrupted,
                     const std::string& folder) {
   if (is_interrupted)
     throw Error(ExitCode::kNotConverged,
-                fmt::format("interrupted; {} has the best state so far, "
+                fmt::format("interrupted; {} contains the best state so far; "
                             "continue with --resume",
                             folder));
   if (verdict.word == "fail")
     throw Error(ExitCode::kQuality,
                 fmt::format("verdict: fail: {}; do not use the camera in {} "
-                            "before this is fixed",
+                            "until this is fixed",
                             verdict.failure, folder));
 }
 
@@ -356,8 +356,8 @@ void AddCalibrationInputs(CLI::App* command, CalibrateArguments* arguments) {
                       "images, folders or a capture session");
   command
       ->add_option("--camera", arguments->cameras,
-                   "images of one camera of a rig; repeatable. Images of a "
-                   "frame have the same name in all cameras")
+                   "images of one camera of a rig; repeatable. Synchronized "
+                   "images have the same name in all cameras")
       ->option_text("NAME=DIR")
       ->allow_extra_args(false);
   command
@@ -370,7 +370,7 @@ void AddCalibrationInputs(CLI::App* command, CalibrateArguments* arguments) {
   command
       ->add_option(
           "--features", arguments->features,
-          "features.csv instead of images; with a column camera for a rig")
+          "features.csv instead of images; for a rig, with a column camera")
       ->option_text("FILE");
   command
       ->add_option(
@@ -393,7 +393,7 @@ void AddCalibrationInputs(CLI::App* command, CalibrateArguments* arguments) {
       ->add_option("--mode", arguments->modes,
                    "sensor mode of the images in a folder: crop=X,Y,W,H bin=N "
                    "scale=S size=WxH flip=h|v|hv rotate=180")
-      ->option_text("DIR:WORD=VALUE,...")
+      ->option_text("DIR:KEY=VALUE,...")
       ->allow_extra_args(false);
 }
 

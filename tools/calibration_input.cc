@@ -156,9 +156,9 @@ std::vector<NamedImages> ParseCameras(const CalibrateArguments& arguments) {
   for (const auto& [name, folder] : folders)
     cameras.push_back({name, {folder}});
   if (cameras.size() == 1)
-    throw Error(
-        ExitCode::kUsage,
-        "a rig needs at least two cameras; for a single camera, omit --camera");
+    throw Error(ExitCode::kUsage,
+                "a rig requires at least two cameras; for a single camera, "
+                "omit --camera");
   return cameras;
 }
 
@@ -167,8 +167,8 @@ ImageSize SizeOfSingleCamera(const CalibrateArguments& arguments) {
     throw Error(ExitCode::kUsage, "--features requires --image-size WxH");
   if (arguments.image_sizes.size() > 1)
     throw Error(ExitCode::kUsage,
-                "--image-size is given several times, but the features are of "
-                "one camera");
+                "--image-size is specified several times, but the features "
+                "come from a single camera");
   return ParseImageSize("--image-size", arguments.image_sizes.front());
 }
 
@@ -292,9 +292,9 @@ void RequireTimes(const CalibrateArguments& arguments) {
                 "calibrate at one operating point");
   if (arguments.times.empty() && arguments.session_times.empty())
     throw Error(ExitCode::kUsage,
-                "--rolling-shutter needs time stamps: give --timestamps "
-                "times.csv with the columns image,time_s, or a session of "
-                "raygrid capture --every-frame");
+                "--rolling-shutter requires timestamps: pass --timestamps "
+                "times.csv with the columns image,time_s, or a session "
+                "recorded with raygrid capture --every-frame");
   if (!arguments.times.empty()) ReadImageTimes(arguments.times);
 }
 
@@ -311,7 +311,7 @@ void RequireFewFeatures(const std::string& path,
   if (num_features <= kMost) return;
   throw InputError(
       fmt::format("{}: {} features in {} images exceed the limit of {}; keep "
-                  "one image in {} (a few hundred suffice)",
+                  "one of every {} images (a few hundred suffice)",
                   path, num_features, num_images, kMost,
                   (num_features + kMost - 1) / kMost));
 }
@@ -322,8 +322,9 @@ FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
   if (!arguments.images.empty() + !arguments.features.empty() +
           !arguments.cameras_at.empty() + arguments.HasCameraImages() !=
       1)
-    throw Error(ExitCode::kUsage,
-                "give either images, --camera, --images-at or --features");
+    throw Error(
+        ExitCode::kUsage,
+        "specify exactly one of images, --camera, --images-at and --features");
   if (!arguments.features.empty() && !arguments.modes.empty())
     throw Error(ExitCode::kUsage,
                 "--mode applies to images, not to --features");
@@ -332,8 +333,8 @@ FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
       throw Error(
           ExitCode::kUsage,
           fmt::format(
-              "{}: a table, not an image; pass features as --features {}",
-              image, image));
+              "{}: is a table, not an image; pass it with --features {}", image,
+              image));
   RequireTimes(arguments);
   if (arguments.features.empty()) return {};
   FeaturesByCamera given = ReadFeatures(arguments.features);

@@ -165,7 +165,8 @@ void PrintSingleCamera(const CalibrationResult& result) {
   PrintSize(result);
   if (result.measured_again_rms_px)
     fmt::print(
-        "  features refined with a first calibration: moved by {:.2g} px RMS\n",
+        "  features refined with the initial calibration: displacement {:.2g} "
+        "px RMS\n",
         *result.measured_again_rms_px);
   PrintUnusedImages(result);
   PrintErrors(result);
@@ -180,7 +181,8 @@ void PrintSingleCamera(const CalibrationResult& result) {
     PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
   if (result.model_error_px)
     fmt::print(
-        "  model error: {:.2g} px (median), estimated with a richer model\n",
+        "  model error: {:.2g} px (median), estimated with a more flexible "
+        "model\n",
         *result.model_error_px);
   PrintModelChoice(result);
   if (result.camera.stack) {

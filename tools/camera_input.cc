@@ -25,9 +25,10 @@ CameraFile ParseForeignCamera(const Format& format, const std::string& path,
       ReadExchangeFile(&format, {path, text, "", std::nullopt});
   RequireCameras(contents, path);
   if (contents.cameras.size() != 1)
-    throw InputError(fmt::format(
-        "{}: has {} cameras; use 'raygrid import' to write one file per camera",
-        path, contents.cameras.size()));
+    throw InputError(
+        fmt::format("{}: contains {} cameras; use 'raygrid import' to write "
+                    "one file per camera",
+                    path, contents.cameras.size()));
   for (const std::string& remark : contents.remarks)
     fmt::print(stderr, "raygrid: {}: {}\n", Printable(path), remark);
   return CameraFileOf(contents.cameras.front());
@@ -167,11 +168,11 @@ std::optional<TrustMask> TrustOf(const CameraInput& input) {
 std::optional<TrustMask> ShownWith(const std::string& outside,
                                    const std::string& path,
                                    const CameraInput& input) {
-  if (outside != "trusted") return std::nullopt;
+  if (outside != "border") return std::nullopt;
   if (auto trusted = TrustOf(input)) return trusted;
   throw Error(ExitCode::kUsage,
               path +
-                  ": --outside trusted: the file has no valid region; omit the "
+                  ": --outside border: the file has no valid region; omit the "
                   "option, or use a camera.yaml written by raygrid calibrate");
 }
 

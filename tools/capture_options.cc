@@ -13,18 +13,19 @@ namespace raygrid {
 
 const char kCaptureSyntaxHelp[] =
     "Capture settings, separated by commas:\n"
-    "  crop=X,Y,W,H                   read-out region of the sensor\n"
-    "  lens=DPT, tolerance=DPT        LensPosition in dioptres, and the "
+    "  crop=X,Y,W,H                   sensor crop in sensor pixels\n"
+    "  lens=DPT, tolerance=DPT        lens position in dioptres, and the "
     "largest\n"
-    "                                 difference accepted in a frame\n"
+    "                                 accepted difference of a frame\n"
     "                                 (default: 0.1)\n"
-    "  zoom=FACTOR, orientation=1..8  1 is the widest angle; as in EXIF\n"
+    "  zoom=FACTOR                    digital zoom; 1: full field of view\n"
+    "  orientation=1..8               EXIF orientation\n"
     "  temperature=C, exposure=US, gain=FACTOR\n";
 
 const char kCaptureWordsHelp[] =
-    "crop=X,Y,W,H (read-out region of the sensor), lens=DIOPTRES (LensPosition "
-    "of libcamera), tolerance=DIOPTRES (default: 0.1), zoom=FACTOR (relative "
-    "to the widest), orientation=1..8 (as in EXIF), temperature=CELSIUS, "
+    "crop=X,Y,W,H (sensor crop in sensor pixels), lens=DIOPTRES (LensPosition "
+    "of libcamera), tolerance=DIOPTRES (default: 0.1), zoom=FACTOR (1: full "
+    "field of view), orientation=1..8 (as in EXIF), temperature=CELSIUS, "
     "exposure=MICROSECONDS, gain=FACTOR";
 
 namespace {
@@ -91,7 +92,8 @@ std::optional<Capture> ParseCaptureWords(const std::vector<std::string>& texts,
       if (equals == std::string::npos || !kKnown.count(word))
         RefuseCapture(fmt::format("expected none or {}, not '{}'",
                                   kCaptureWordsHelp, Printable(part)));
-      if (!taken.insert(word).second) RefuseCapture(word + " is given twice");
+      if (!taken.insert(word).second)
+        RefuseCapture(word + " is specified twice");
       TakeWord(word, part.substr(equals + 1), &capture);
     }
   }

@@ -45,11 +45,10 @@ std::vector<std::string> UseSession(const CameraFile& file,
   const std::string folder = arguments->images[0];
   const std::vector<Session> cameras = ReadSession(folder);
   if (cameras.size() > 1)
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format(
-            "{}: is the session of a rig; check one camera with {}/{}/NAME",
-            folder, folder, kSessionFrames));
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}: is a session of a rig; check each camera "
+                            "separately, with {}/{}/NAME",
+                            folder, folder, kSessionFrames));
   arguments->images.clear();
   for (const SessionFrame& frame : cameras[0].frames)
     arguments->images.push_back(SessionFramePath(folder, "", frame.image));
@@ -70,7 +69,8 @@ Dataset Gather(const CheckArguments& arguments, const CommonOptions& common,
     auto cameras = ReadFeatures(arguments.features);
     if (cameras.size() > 1)
       throw InputError(arguments.features +
-                       ": contains several cameras; split it by camera");
+                       ": contains features of several cameras; split it into "
+                       "one file per camera");
     Dataset dataset = cameras.begin()->second;
     dataset.image_size = size;
     RequireConsistent(arguments.features, dataset, pattern);
@@ -134,14 +134,14 @@ nlohmann::ordered_json ToJson(const CameraCheck& check,
 std::string Amount(const CameraChange& change, const Movement& movement) {
   const auto pair = [&movement](double unit, const char* name) {
     return fmt::format(
-        "({}, {}) {}; detectable from {:.2g}",
+        "({0}, {1}) {2}; smallest detectable change {3:.2g} {2}",
         WithDeviation(unit * movement.values[0], unit * movement.deviations[0]),
         WithDeviation(unit * movement.values[1], unit * movement.deviations[1]),
         name, unit * movement.found_from);
   };
   if (movement.name == "scale")
     return fmt::format(
-        "{} %; detectable from {:.2g}",
+        "{} %; smallest detectable change {:.2g} %",
         WithDeviation(100 * movement.values[0], 100 * movement.deviations[0]),
         100 * movement.found_from);
   if (movement.name == "shift") return pair(1, "px");
@@ -156,7 +156,7 @@ void Print(const CameraCheck& check, const std::vector<std::string>& stands) {
   const CameraChange& change = check.change;
   fmt::print("{}", Word(change));
   if (change.is_degraded)
-    fmt::print(": moved {}", fmt::join(change.moved, " and "));
+    fmt::print(": significant change in {}", fmt::join(change.moved, " and "));
   fmt::print(
       "\n  {} images, {} features, noise {:.2g} px per axis; change {:.2g} px "
       "RMS after pose estimation\n",
@@ -165,8 +165,9 @@ void Print(const CameraCheck& check, const std::vector<std::string>& stands) {
     fmt::print("  {:<6} {:>7.1f} sigma  {}\n", movement.name, movement.sigmas,
                Amount(change, movement));
   fmt::print(
-      "  each change tested separately, at 99 % power; shift and tilt are "
-      "hardly distinguishable\n");
+      "  each kind of change is tested separately; the smallest detectable "
+      "change is found in 99 % of cases; shift and tilt are hard to "
+      "distinguish\n");
   for (const std::string& difference : stands)
     fmt::print("  capture settings differ: {}\n", difference);
   for (const RejectedImage& image : check.rejected_images)
@@ -176,7 +177,7 @@ void Print(const CameraCheck& check, const std::vector<std::string>& stands) {
 
 void Run(CheckArguments arguments, const CommonOptions& common) {
   if (arguments.images.empty() == arguments.features.empty())
-    throw Error(ExitCode::kUsage, "check: give either images or --features");
+    throw Error(ExitCode::kUsage, "check: specify either images or --features");
   const CameraInput input = ReadCamera(arguments.camera, common.at);
   const std::vector<std::string> stands = UseSession(input.file, &arguments);
   const Pattern pattern = GivenPattern(PatternPath(arguments));

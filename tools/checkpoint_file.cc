@@ -67,7 +67,7 @@ void KeepFinishedResult(const std::string& folder,
             FormatCheckpoints(checkpoints, inputs), Links::kReplace);
   files.Commit();
   throw Error(ExitCode::kNotConverged,
-              fmt::format("interrupted; {} still holds the previous result, "
+              fmt::format("interrupted; {} still contains the previous result; "
                           "continue this calibration with --resume",
                           folder));
 }

@@ -18,10 +18,10 @@ namespace raygrid {
 namespace {
 
 [[noreturn]] void FailToStart(int error) {
-  throw Error(
-      ExitCode::kOutput,
-      fmt::format("cannot start a process ({}); end others, or try again later",
-                  std::strerror(error)));
+  throw Error(ExitCode::kOutput,
+              fmt::format("cannot start a process ({}); close other programs, "
+                          "or try again later",
+                          std::strerror(error)));
 }
 
 std::vector<char*> TextsOf(std::string* name,

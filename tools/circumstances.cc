@@ -31,7 +31,7 @@ std::vector<std::optional<ImageTimes>> TimesOf(
                        return times[c]->count(image.image) > 0;
                      }))
       throw InputError(fmt::format(
-          "{}: has no time stamps of the images, such as for {}",
+          "{}: lacks timestamps of images, such as {}",
           arguments.times.empty() ? "the session" : arguments.times,
           images.empty() ? "none" : Printable(images.front().image)));
   }

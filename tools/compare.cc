@@ -49,7 +49,8 @@ PredictionComparison Predict(const CompareArguments& arguments,
   auto cameras = ReadFeatures(arguments.features);
   if (cameras.size() > 1)
     throw InputError(arguments.features +
-                     ": contains several cameras; split it by camera");
+                     ": contains features of several cameras; split it into "
+                     "one file per camera");
   Dataset dataset = cameras.begin()->second;
   dataset.image_size = first.image_size();
   RequireConsistent(arguments.features, dataset, pattern);
@@ -233,7 +234,7 @@ void Print(const CompareArguments& arguments,
 void Run(const CompareArguments& arguments, const CommonOptions& common) {
   if (arguments.features.empty() != arguments.pattern.empty())
     throw Error(ExitCode::kUsage,
-                "compare: --features and --pattern must be given together");
+                "compare: --features and --pattern must be used together");
   if (!arguments.output.empty()) {
     const std::filesystem::path folder = arguments.output;
     RequireNoInputReplaced({arguments.first, arguments.second,

@@ -122,7 +122,7 @@ ConditionValues ExifValues(const std::string& path, const std::string& bytes,
     const auto value = ExifCondition(path, bytes, condition);
     if (!value)
       throw InputError(fmt::format(
-          "{}: no {} in EXIF ({}); give {}", path, ConditionName(condition),
+          "{}: no {} in EXIF ({}); specify {}", path, ConditionName(condition),
           ExifTagName(condition), WaysToTell(conditions)));
     values.push_back(*value);
   }
@@ -188,17 +188,17 @@ void RequireConditionOptions(const CalibrateArguments& arguments, bool is_rig) {
   if (conditions.size() > 1 && !arguments.cameras_at.empty())
     throw Error(
         ExitCode::kUsage,
-        "--images-at takes one value per folder; for two quantities give " +
+        "--images-at takes one value per folder; for two quantities use " +
             WaysToTell(conditions));
   if (!arguments.cameras_at.empty() && !arguments.conditions.empty())
     throw Error(ExitCode::kUsage,
-                "give either --images-at or --operating-points, not both");
+                "specify either --images-at or --operating-points, not both");
   if (!has_values && arguments.session_values.empty() && !AreOfExif(arguments))
     throw Error(
         ExitCode::kUsage,
-        fmt::format("--vary-with {}: the images have no operating point; "
-                    "give {}",
-                    NamesOf(conditions), WaysToTell(conditions)));
+        fmt::format(
+            "--vary-with {}: the images have no operating point; specify {}",
+            NamesOf(conditions), WaysToTell(conditions)));
 }
 
 bool AreOfExif(const CalibrateArguments& arguments) {

@@ -55,8 +55,9 @@ ConditionsAt ParseConditionsAt(const std::string& text) {
                               "lens_position or temperature",
                               text, given.name));
     if (!at.named.emplace(*condition, ParseValueAt(given.value)).second)
-      throw Error(ExitCode::kUsage,
-                  fmt::format("--at {}: {} is given twice", text, given.name));
+      throw Error(
+          ExitCode::kUsage,
+          fmt::format("--at {}: {} is specified twice", text, given.name));
   }
   return at;
 }
@@ -66,9 +67,9 @@ HeldConditions HeldOf(const ConditionsAt& at,
                       const std::string& name) {
   HeldConditions held(ranges.size());
   if (at.alone && ranges.size() > 1)
-    RefuseAt(
-        at, name,
-        "varies with two quantities; name both, such as " + ExampleAt(ranges));
+    RefuseAt(at, name,
+             "varies with two quantities; specify both, such as " +
+                 ExampleAt(ranges));
   if (at.alone) held[0] = at.alone;
   for (const auto& [condition, value] : at.named) {
     size_t r = 0;

@@ -237,8 +237,7 @@ void AddDetectionOptions(CLI::App* command, DetectArguments* arguments) {
                    "cache folder for detections (default: raygrid in "
                    "$XDG_CACHE_HOME or ~/.cache)")
       ->option_text("DIR");
-  command->add_flag("--no-cache", arguments->no_cache,
-                    "neither read nor write the cache");
+  command->add_flag("--no-cache", arguments->no_cache, "do not use the cache");
 }
 
 }  // namespace

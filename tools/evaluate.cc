@@ -64,7 +64,9 @@ nlohmann::ordered_json BodiesJson(const Pattern& pattern) {
 Dataset ReadSingleCamera(const std::string& path) {
   const auto datasets = ReadFeatures(path);
   if (datasets.size() > 1)
-    throw InputError(path + ": contains several cameras; split it by camera");
+    throw InputError(path +
+                     ": contains features of several cameras; split it into "
+                     "one file per camera");
   return datasets.begin()->second;
 }
 

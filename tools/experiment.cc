@@ -109,8 +109,8 @@ NamedStereo ReadStereo(const std::string& given_path) {
   const std::string path = FileOrIn(given_path, "rig.yaml");
   const std::vector<RigFileCamera> cameras = ReadRigFile(path);
   if (cameras.size() != 2)
-    throw InputError(fmt::format("{}: has {} cameras; stereo needs two", path,
-                                 cameras.size()));
+    throw InputError(fmt::format("{}: contains {} cameras; stereo requires two",
+                                 path, cameras.size()));
   const auto read = [&path](const RigFileCamera& camera) {
     const auto folder = std::filesystem::path(path).parent_path();
     return ReadNamedCamera((folder / camera.file).string());
@@ -131,11 +131,12 @@ void ReadUsersFeatures(const ExperimentArguments& arguments,
   const size_t num_cameras = arguments.name == "stereo-depth" ? 2 : 1;
   if (num_cameras == 1 && cameras.size() > 1)
     throw InputError(arguments.features +
-                     ": contains several cameras; split it by camera");
+                     ": contains features of several cameras; split it into "
+                     "one file per camera");
   if (cameras.size() != num_cameras)
     throw InputError(fmt::format(
-        "{}: has features of {} camera{}; stereo needs two, named in the "
-        "column 'camera'",
+        "{}: contains features of {} camera{}; stereo requires two, named in "
+        "the column 'camera'",
         arguments.features, cameras.size(), cameras.size() == 1 ? "" : "s"));
   data->pattern = GivenPattern(arguments.pattern);
   for (auto& [name, dataset] : cameras) {
@@ -210,7 +211,7 @@ void Run(const ExperimentArguments& arguments, const CommonOptions& common) {
   }
   if (arguments.name.empty() || arguments.output.empty())
     throw Error(ExitCode::kUsage,
-                "experiment: give a name and -o FOLDER, or --list");
+                "experiment: specify a name and -o FOLDER, or --list");
   const Experiment& experiment = FindExperiment(arguments.name);
   ExperimentOptions options = arguments.options;
   if (!arguments.size.empty())
@@ -249,7 +250,8 @@ void Run(const ExperimentArguments& arguments, const CommonOptions& common) {
 void AddExperiment(CLI::App* app, CommonOptions* common) {
   CLI::App* command =
       AddCommand(app, "experiment",
-                 "Run an experiment of the paper on simulated or real data.",
+                 "Run an experiment of Schöps et al. (CVPR 2020) on simulated "
+                 "or real data.",
                  "raygrid experiment pattern-segments -o results/", common);
   command->footer("Experiments:\n" + ListOfExperiments() + "\n" +
                   command->get_footer());

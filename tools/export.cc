@@ -89,13 +89,13 @@ void RequireNoCsv(const std::string& path, const std::string& bytes) {
   const std::string header = bytes.substr(0, bytes.find('\n'));
   if (header.find(",qw,qx,qy,qz,") != std::string::npos)
     throw InputError(
-        fmt::format("{}: has poses but no camera; export the camera with "
+        fmt::format("{}: contains poses but no camera; export the camera with "
                     "--poses, or the poses alone with --to tum",
                     path));
   if (header.find(",board,column,row,") != std::string::npos)
     throw InputError(
-        fmt::format("{}: has features but no camera; export them with --to "
-                    "puzzlepaint-dataset",
+        fmt::format("{}: contains features but no camera; export them with "
+                    "--to puzzlepaint-dataset",
                     path));
 }
 
@@ -263,8 +263,8 @@ void AddPoses(const ExportArguments& arguments, const Format& format,
   }
   if (!poses.empty())
     throw InputError(fmt::format(
-        "{}: has poses of camera '{}', which is not in {}", arguments.poses,
-        Printable(poses.begin()->first), arguments.input));
+        "{}: contains poses of camera '{}', which is not in {}",
+        arguments.poses, Printable(poses.begin()->first), arguments.input));
 }
 
 // The order in which a format numbers cameras.

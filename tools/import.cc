@@ -57,7 +57,8 @@ ExchangeContents ReadForeignFile(const ImportArguments& arguments,
       arguments.from.empty() ? nullptr : &FindFormat("--from", arguments.from);
   if (format && !format->read)
     throw Error(ExitCode::kUsage,
-                fmt::format("--from {}: export only", format->name));
+                fmt::format("--from {}: this format can only be exported",
+                            format->name));
   for (const char* own : {"raygrid_camera:", "raygrid_rig:"})
     if (request.text.find(own) != std::string::npos)
       throw InputError(path + ": is a raygrid file already; no import needed");
@@ -148,11 +149,10 @@ void ImportCorners(const ExchangeContents& contents,
                    const ImportArguments& arguments,
                    const CommonOptions& common) {
   if (std::filesystem::path(arguments.output).extension() != ".csv")
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format(
-            "-o {}: {} has corners but no camera; name the output features.csv",
-            arguments.output, arguments.files[0]));
+    throw Error(ExitCode::kUsage,
+                fmt::format("-o {}: {} contains corners but no camera; name "
+                            "the output features.csv",
+                            arguments.output, arguments.files[0]));
   const Dataset dataset = {{}, contents.corners};
   RequireNoInputReplaced(arguments.files, {arguments.output});
   OutputFiles outputs;
@@ -337,9 +337,10 @@ std::vector<std::string> FilesIn(const std::filesystem::path& folder) {
       return {(folder / name).string()};
   std::vector<std::string> files = CamerasOfState(folder);
   if (files.empty())
-    throw InputError(folder.string() +
-                     ": folder has neither cameras.bin or cameras.txt (COLMAP) "
-                     "nor intrinsics0.yaml (puzzlepaint); name a file");
+    throw InputError(
+        folder.string() +
+        ": the folder contains neither cameras.bin nor cameras.txt (COLMAP) "
+        "nor intrinsics0.yaml (puzzlepaint); specify a file");
   return files;
 }
 

@@ -431,7 +431,7 @@ std::string ReadSlotsOfDevice(const std::string& path,
   if (!slot_size)
     throw Error(
         ExitCode::kUsage,
-        path + ": is a device; give the size of a slot with --slot-size");
+        path + ": is a block device; specify the slot size with --slot-size");
   std::string bytes(2 * *slot_size, '\0');
   std::ifstream device(path, std::ios::binary);
   if (!device.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
@@ -551,10 +551,9 @@ void Inspect(const std::string& path, const std::optional<uint64_t>& slot_size,
   else
     PrintText(facts);
   if (facts["kind"] == "slots" && !facts.contains("newest"))
-    throw Error(
-        ExitCode::kBlob,
-        path +
-            ": neither slot holds a valid blob; write one with raygrid update");
+    throw Error(ExitCode::kBlob, path +
+                                     ": neither slot contains a valid blob; "
+                                     "write one with raygrid update");
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ void AddAtOption(CLI::App* command, CommonOptions* common) {
           [common](const std::string& text) {
             common->at = ParseConditionsAt(text);
           },
-          "operating point: focus in dioptres or temperature in °C; of both: "
+          "operating point: focus in dioptres or temperature in °C; for both: "
           "lens_position=V,temperature=V (default: centre of the range)")
       ->option_text("VALUE");
 }
@@ -131,7 +131,7 @@ std::string WhyNegative(const std::string& text) {
 // Why an option refuses an empty text, which a script's variable gives that was
 // never set.
 std::string WhyEmpty(const std::string& text) {
-  return text.empty() ? "empty value; give a value or omit the option"
+  return text.empty() ? "empty value; specify a value or omit the option"
                       : std::string();
 }
 
@@ -281,9 +281,11 @@ int Run(int argc, char** argv) {
   } catch (const CLI::RuntimeError& error) {
     return error.get_exit_code();
   } catch (const CLI::ParseError& error) {
-    return Fail(ExitCode::kUsage, std::string(error.what()) +
-                                      "; see raygrid --help, or raygrid "
-                                      "COMMAND --help");
+    const bool has_command = argc > 1 && argv[1][0] != '-';
+    return Fail(
+        ExitCode::kUsage,
+        fmt::format("{}; see raygrid{}{} --help", error.what(),
+                    has_command ? " " : "", has_command ? argv[1] : ""));
   }
   return 0;
 }

@@ -82,8 +82,8 @@ FoldersByMode SortByMode(const std::vector<std::string>& images,
   }
   if (folders.calibrated.empty() && !modes.empty())
     throw Error(ExitCode::kUsage,
-                "--mode: all images are of other sensor modes; some images "
-                "must be of the mode to calibrate");
+                "--mode: all images were taken in other sensor modes; some "
+                "must be taken in the mode to calibrate");
   return folders;
 }
 

@@ -17,14 +17,14 @@ namespace raygrid {
 
 const char kModeSyntaxHelp[] =
     "Sensor modes, NAME: and any of these, separated by commas:\n"
-    "  crop=X,Y,W,H                   read-out region, in pixels of the\n"
+    "  crop=X,Y,W,H                   sensor crop, in pixels of the\n"
     "                                 calibrated image\n"
     "  bin=N or scale=S or size=WxH   binning factor, scale factor, or frame\n"
     "                                 size in px\n"
     "  flip=h|v|hv, rotate=180\n";
 
 const char kModeWordsHelp[] =
-    "NAME: and a comma-separated list of crop=X,Y,W,H (read-out region in "
+    "NAME: and a comma-separated list of crop=X,Y,W,H (sensor crop in "
     "calibrated pixels), bin=N (N x N binning), scale=S (0.5: half "
     "resolution), size=WxH (frame size, instead of bin and scale), "
     "flip=h|v|hv, rotate=180";
@@ -48,7 +48,7 @@ Words ParseWords(const std::string& mode, const std::string& text) {
     if (equals == std::string::npos || !kKnown.count(name))
       Refuse(mode, fmt::format("expected {}, not '{}'", kModeWordsHelp, part));
     if (!words.emplace(name, part.substr(equals + 1)).second)
-      Refuse(mode, name + " is given twice");
+      Refuse(mode, name + " is specified twice");
   }
   return words;
 }
@@ -81,8 +81,7 @@ Area ShownArea(const std::string& mode, const Words& words,
 void SetSize(const Words& words, const Area& shown, SensorMode* mode) {
   const Eigen::Vector2d span(shown.width(), shown.height());
   if (words.count("size") + words.count("bin") + words.count("scale") > 1)
-    Refuse(mode->name,
-           "size, bin and scale exclude each other; give one of them");
+    Refuse(mode->name, "size, bin and scale are mutually exclusive");
   Eigen::Vector2d size = span.array().floor();
   std::optional<double> exact_scale;
   if (words.count("bin")) {
@@ -101,7 +100,7 @@ void SetSize(const Words& words, const Area& shown, SensorMode* mode) {
         ParseImageSize("--mode " + mode->name + ": size", words.at("size"));
     size = Eigen::Vector2d(wanted.width, wanted.height);
   } else if (size != span) {
-    Refuse(mode->name, "crop must be in whole pixels unless size is given");
+    Refuse(mode->name, "crop must be in whole pixels unless size is specified");
   }
   if (!(size.minCoeff() >= 2 && size.maxCoeff() <= 8192))
     Refuse(mode->name,
@@ -161,7 +160,8 @@ std::vector<SensorMode> ParseModes(const std::vector<std::string>& texts,
     modes.push_back(ParseMode(text, calibrated_size));
     RequireBlobText("--mode", modes.back().name);
     if (!names.insert(modes.back().name).second)
-      Refuse(modes.back().name, "duplicate name; give each mode a unique name");
+      Refuse(modes.back().name,
+             "duplicate name; names of modes must be unique");
   }
   return modes;
 }

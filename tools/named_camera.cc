@@ -51,8 +51,8 @@ void RequireDifferentFolders(const std::string& option,
       if (std::filesystem::equivalent(folders[before].value, folders[k].value,
                                       ignored))
         throw Error(ExitCode::kUsage,
-                    fmt::format("{} {}={}: same folder as camera {}; give each "
-                                "camera its own images",
+                    fmt::format("{} {}={}: same folder as camera {}; use "
+                                "different images for each camera",
                                 option, folders[k].name, folders[k].value,
                                 folders[before].name));
     }

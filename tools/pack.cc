@@ -54,9 +54,10 @@ std::string ProjectionText(const ProjectionError& error) {
   std::string text =
       fmt::format("; projection error {:.2g} px", error.trusted.worst_px);
   if (error.others.num_pixels > 0)
-    text +=
-        fmt::format(" in the valid region, converges for {} % elsewhere",
-                    std::floor(1e4 * (1 - error.others.MissedPart())) / 100);
+    text += fmt::format(
+        " in the valid region, Newton projection converges for {} % of the "
+        "other pixels",
+        std::floor(1e4 * (1 - error.others.MissedPart())) / 100);
   return text;
 }
 
@@ -98,8 +99,8 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
   for (size_t k = 0; k < packed.remaps.size(); ++k) {
     const PackedRemap& remap = packed.remaps[k];
     fmt::print(
-        "; remap table {}{} {} {}x{}: error {:.2g} px, chroma {:.2g} chroma "
-        "px, blocks of {} px, tiles of {} px",
+        "; remap table {}{} {} {}x{}: error {:.2g} px, chroma error {:.2g} "
+        "chroma pixels, blocks of {} px, tiles of {} px",
         k, remap.mode.empty() ? "" : fmt::format(" of mode {}", remap.mode),
         remap.distorts ? "inverse, from" : "to", remap.view.size.width,
         remap.view.size.height, remap.error_px, remap.chroma_error_px,
@@ -140,8 +141,8 @@ void RequirePossible(const CameraModel& camera, const RemapWords& words) {
         "--remap: at and plane are for non-central cameras only; omit them");
   if (words.distorts && !camera.IsCentral() && !words.scene)
     throw Error(ExitCode::kUsage,
-                "--remap: direction=distort of a non-central camera needs the "
-                "distance of the scene, at=METRES");
+                "--remap: direction=distort of a non-central camera requires "
+                "the distance of the scene, at=METRES");
 }
 
 RemapRequest MakeRemap(const CameraModel& camera, const RemapWords& words,
@@ -249,18 +250,18 @@ void AddPack(CLI::App* app, CommonOptions* common) {
       ->add_option("--remap", arguments->remaps,
                    "add a remap table for this view; repeatable. Also writes "
                    "the view as NAME.camera.yaml")
-      ->option_text("WxH[,WORD=VALUE...]")
+      ->option_text("WxH[,KEY=VALUE...]")
       ->allow_extra_args(false);
   command
       ->add_option("--mode", arguments->modes,
                    "add remap tables of all views for frames of another sensor "
                    "mode; repeatable")
-      ->option_text("NAME:WORD=VALUE,...")
+      ->option_text("NAME:KEY=VALUE,...")
       ->allow_extra_args(false);
   command
       ->add_option("--max-error-px", arguments->max_error_px,
-                   "largest error of a remap table; if given, also a hard "
-                   "limit for all tables and rays")
+                   "maximum error of a remap table; if specified, packing "
+                   "fails if any table or ray exceeds it")
       ->option_text("PX")
       ->check(AboveZero())
       ->capture_default_str();
@@ -276,9 +277,9 @@ void AddPack(CLI::App* app, CommonOptions* common) {
       ->option_text("SERIAL");
   command
       ->add_option("--capture-settings", arguments->capture,
-                   "settings during calibration, compared with each frame's; "
-                   "none: no comparison (default: camera.yaml)")
-      ->option_text("WORD=VALUE,...")
+                   "capture settings expected of each frame; none: do not "
+                   "check them (default: from camera.yaml)")
+      ->option_text("KEY=VALUE,...")
       ->allow_extra_args(false);
   AddHugeOption(command);
   command->callback([arguments, command, common] {

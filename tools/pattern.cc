@@ -86,8 +86,8 @@ std::string HowToMeasure(const ScreenBoards& plan,
   const bool is_largest = !options.dpi && options.square_px == 0;
   return fmt::format(
       "measure {:g} squares on the screen, from the first {} of a {} to the "
-      "last: {:.2f} mm in pattern.yaml; if it is L mm, run this again with "
-      "{}{} L/{:g}{}",
+      "last: {:.2f} mm in pattern.yaml; if you measure L mm, run this command "
+      "again with {}{} L/{:g}{}",
       length.squares,
       board.kind == "star"        ? "star's centre"
       : board.kind == "aprilgrid" ? "tag's edge"

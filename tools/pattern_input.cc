@@ -16,9 +16,15 @@ bool IsLikelySquare(double square_m) {
   return square_m >= kLeastSquareM && square_m <= kLargestSquareM;
 }
 
-// A length in metres as it was given, or in words of pattern.yaml.
+std::string SquaresOf(double square_m) {
+  return fmt::format("squares of {:g} {}",
+                     square_m < 1 ? 1000 * square_m : square_m,
+                     square_m < 1 ? "mm" : "m");
+}
+
+// A length in metres as the option specifies it, or in words.
 std::string Given(double square_m, const std::string& mm_option) {
-  return mm_option.empty() ? fmt::format("square_m: {:g}", square_m)
+  return mm_option.empty() ? SquaresOf(square_m)
                            : fmt::format("{} {:g}", mm_option, 1000 * square_m);
 }
 
@@ -26,7 +32,8 @@ std::string Given(double square_m, const std::string& mm_option) {
 std::string Suggestion(double square_m, const std::string& mm_option) {
   for (const double factor : {1e-3, 1e3})
     if (IsLikelySquare(factor * square_m))
-      return fmt::format("{}? ", Given(factor * square_m, mm_option));
+      return fmt::format(" (did you mean {}?)",
+                         Given(factor * square_m, mm_option));
   return "";
 }
 
@@ -45,10 +52,11 @@ std::string Question(const Board& board, const std::string& mm_option) {
   const bool has_squares = board.kind != "points";
   if (has_squares && !IsLikelySquare(board.square_m))
     return fmt::format(
-        "{}{} gives squares of {:g} {}", Suggestion(board.square_m, mm_option),
-        Given(board.square_m, mm_option),
-        board.square_m < 1 ? 1000 * board.square_m : board.square_m,
-        board.square_m < 1 ? "mm" : "m");
+        "{}{} implausible{}", Given(board.square_m, mm_option),
+        mm_option.empty()
+            ? " are"
+            : " gives " + SquaresOf(board.square_m) + ", which is",
+        Suggestion(board.square_m, mm_option));
   const double widest_m = std::max(
       WidestM(board),
       has_squares ? board.square_m * (std::max(board.columns, board.rows) - 1)

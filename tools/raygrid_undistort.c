@@ -19,14 +19,20 @@
 enum { DONE = 0, USAGE = 1, INPUT = 2, OUTPUT = 7, BLOB = 8 };
 
 static const char kHelp[] =
-    "Undistort a grey frame with a remap table of a raygrid blob.\n\nUsage: "
-    "raygrid-undistort BLOB IN OUT\n  BLOB  packed with --remap\n  IN    raw "
-    "frame of the blob's image size, 8 bits a pixel or 16\n        "
-    "(little-endian); or PGM of 8 bits\n  OUT   raw frame of as many bits; PGM "
-    "if the name ends in .pgm; neither\n        BLOB nor IN\nPrints the size "
-    "and CRC-32 of the output.\nExit codes: 0 done, 1 usage, 2 blob or frame "
-    "cannot be read, 7 output, 8 blob.\n\nExample:\n  raygrid-undistort "
-    "camera.raygrid frame.raw flat.pgm\n";
+    "Undistort a grey frame with a remap table of a raygrid blob.\n"
+    "\n"
+    "Usage: raygrid-undistort BLOB IN OUT\n"
+    "  BLOB  packed with --remap\n"
+    "  IN    raw frame of the blob's image size, 8 or 16 bits per pixel\n"
+    "        (16: little-endian); or 8-bit PGM\n"
+    "  OUT   raw frame with the same bit depth; PGM if the name ends in .pgm;\n"
+    "        must differ from BLOB and IN\n"
+    "Prints the size and CRC-32 of the output.\n"
+    "Exit codes: 0 done, 1 usage, 2 blob or frame cannot be read, 7 output, 8 "
+    "blob.\n"
+    "\n"
+    "Example:\n"
+    "  raygrid-undistort camera.raygrid frame.raw flat.pgm\n";
 
 static int fail(int code, const char* where, const char* what) {
   fprintf(stderr, "raygrid-undistort: %s: %s\n", where, what);

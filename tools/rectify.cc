@@ -85,7 +85,7 @@ void SetDistance(const std::optional<double>& distance_m,
           ExitCode::kUsage,
           fmt::format(
               "{}: is non-central, so images can be rectified for one distance "
-              "only; give the distance of the scene with --distance METRES",
+              "only; specify the distance of the scene with --distance METRES",
               camera.path));
     camera.at_distance =
         std::make_unique<CameraOfScene>(*camera.input.file.camera, *distance_m);
@@ -100,7 +100,7 @@ std::array<PairCamera, 2> ReadPair(const RectifyArguments& arguments) {
     throw Error(
         ExitCode::kUsage,
         fmt::format(
-            "--left and --right are both {}; give two different cameras",
+            "--left and --right are both {}; specify two different cameras",
             arguments.left));
   const auto cameras = ReadRigFile(arguments.rig);
   std::array<PairCamera, 2> pair = {

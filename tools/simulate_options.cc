@@ -75,23 +75,20 @@ void AddImagingOptions(CLI::App* command, SimulateArguments* arguments) {
       "render images; features.csv then contains exact positions");
   add("--blur-px", imaging.blur_px, "PX", "optical blur, 1 σ", 0, 50);
   add("--read-noise", imaging.read_noise, "LEVELS", "read noise, 1 σ", 0, 255);
-  add("--shot-noise", imaging.shot_noise,
-      "variance of the shot noise per grey level",
-      "variance of shot noise per grey level", 0, 255);
+  add("--shot-noise", imaging.shot_noise, "LEVELS",
+      "shot noise variance per grey level", 0, 255);
   add("--vignetting", imaging.vignetting, "0..1",
       "fraction of light lost in the corners", 0, 0.99);
-  add("--gamma", imaging.gamma, "X", "gamma of the stored levels", 0.1, 10);
-  add("--exposure", imaging.exposure,
-      "exposure factor; multiplies all grey levels", "factor of all levels",
-      0.01, 100);
+  add("--gamma", imaging.gamma, "X", "gamma of the stored grey levels", 0.1,
+      10);
+  add("--exposure", imaging.exposure, "X",
+      "exposure factor, multiplies all grey levels", 0.01, 100);
   add("--max-tilt-deg", arguments->max_tilt_deg, "DEG",
-      "largest tilt of rendered targets", 0, 80);
-  add("--min-square-px", arguments->poses.min_square_px,
-      "smallest square width in rendered images",
-      "smallest width of a square in rendered images", 1, 1000);
-  add("--max-square-px", arguments->poses.max_square_px,
-      "largest square width in rendered images",
-      "largest width of a square in rendered images", 1, 1000);
+      "maximum tilt of rendered targets", 0, 80);
+  add("--min-square-px", arguments->poses.min_square_px, "PX",
+      "smallest square width in rendered images", 1, 1000);
+  add("--max-square-px", arguments->poses.max_square_px, "PX",
+      "largest square width in rendered images", 1, 1000);
   command
       ->add_option("--samples-per-pixel", imaging.samples_per_pixel,
                    "number of samples per pixel along each axis")

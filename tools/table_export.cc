@@ -49,8 +49,8 @@ BlobTable TableOfBlob(const TableFormat& format,
     table.address = ParseAddress(arguments.address);
   else if (format.Takes("address"))
     throw Error(ExitCode::kUsage,
-                fmt::format("--to {}: give the flash address of the blob, such "
-                            "as --address 0x08080000",
+                fmt::format("--to {}: specify the flash address of the blob, "
+                            "such as --address 0x08080000",
                             format.name));
   table.path = arguments.output;
   table.bytes = ReadFile(arguments.input);
@@ -214,8 +214,8 @@ TableOutput MakeCameraTable(const TableFormat& format,
   const double offset_m = LargestOffsetM(*input.file.camera);
   (*json)["offset_m"] = offset_m;
   output.told += fmt::format(
-      "; rays share one origin, up to {:.2g} mm from those of the camera, so "
-      "they hold for distant scenes",
+      "; all rays start at one origin, up to {:.2g} mm from the camera's rays; "
+      "use them for distant scenes only",
       offset_m * 1000);
   return output;
 }
@@ -352,8 +352,8 @@ PoseTable TableOfPoses(const TableFormat& format,
   if (cameras.empty()) throw InputError(path + ": contains no poses");
   if (cameras.size() > 1)
     throw InputError(
-        fmt::format("{}: has poses of {} cameras, but {} holds one trajectory; "
-                    "keep the rows of one camera",
+        fmt::format("{}: contains poses of {} cameras, but {} stores a single "
+                    "trajectory; keep the rows of one camera",
                     path, cameras.size(), format.name));
   const std::vector<BoardPose>& poses = cameras.begin()->second;
   return {path, arguments.output, poses};

@@ -41,7 +41,7 @@ std::string TextOfFeatures(const FeatureTable& features,
   if (output.extension() != ".csv" || EndsWith(output.stem(), "poses"))
     throw Error(
         ExitCode::kUsage,
-        fmt::format("-o {}: {} has features and boards; name the output "
+        fmt::format("-o {}: {} contains features and boards; name the output "
                     "features.csv (pattern.yaml is written beside it)",
                     arguments.output, arguments.files[0]));
   size_t count = 0;
@@ -93,9 +93,10 @@ void ImportPoses(const TableFormat& table, const ImportArguments& arguments,
   const std::string& path = arguments.files[0];
   RequireNoLens(arguments, "poses");
   if (std::filesystem::path(arguments.output).extension() != ".csv")
-    throw Error(ExitCode::kUsage,
-                fmt::format("-o {}: {} has poses; name the output poses.csv",
-                            arguments.output, path));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("-o {}: {} contains poses; name the output poses.csv",
+                    arguments.output, path));
   const std::vector<BoardPose> poses = table.read_poses(path, bytes);
   RequireNoInputReplaced(arguments.files, {arguments.output});
   WriteFile(arguments.output, FormatPoses(poses));
@@ -133,9 +134,10 @@ void RequireNoView(const ImportArguments& arguments) {
   const std::string word =
       arguments.is_reverse ? "inverse" : FirstWord(arguments.view);
   if (!word.empty())
-    throw Error(ExitCode::kUsage,
-                fmt::format("--{}: for STMaps only, and {} is none", word,
-                            arguments.files[0]));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--{}: only supported for STMaps; {} is not an STMap", word,
+                    arguments.files[0]));
 }
 
 void ImportTable(const TableFormat& table, const ImportArguments& arguments,

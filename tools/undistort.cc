@@ -87,8 +87,8 @@ ImageMapper Distortion(const CameraModel& camera, const VirtualView& view,
       std::make_shared<SourceMap>(MapOfDistortion(camera, view, num_threads));
   return {view, [=](const std::string& path, const Image& picture) {
             RequireSize(path, picture.size, view.size, "the view has",
-                        "use images of this view, or specify their view, such "
-                        "as with --size or --view");
+                        "use images of this view, or specify the view of the "
+                        "images, e.g. with --size or --view");
             return DistortedImage(*map, picture, num_threads);
           }};
 }
@@ -114,7 +114,7 @@ ImageMapper TrustedAlone(ImageMapper mapper, const std::string& path,
     throw Error(
         ExitCode::kUsage,
         path +
-            ": --outside trusted: the valid region is empty; omit the option");
+            ": --outside border: the valid region is empty; omit the option");
   const auto map = mapper.map;
   mapper.map = [=](const std::string& image_path, const Image& picture) {
     Image image = map(image_path, picture);
@@ -403,8 +403,8 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
       ->group("");
   command
       ->add_option("--max-error-px", arguments->max_error_px,
-                   "largest error of the remap table; if given, it is an error "
-                   "to exceed it")
+                   "maximum error of the remap table; if specified, the "
+                   "command fails if the error is larger")
       ->option_text("PX")
       ->check(AboveZero())
       ->capture_default_str();

@@ -112,8 +112,8 @@ void RequireSlotSize(uint64_t slot_size, const UpdateArguments& arguments,
   if (SlotSizeFor(blob) > slot_size)
     throw Error(
         ExitCode::kOutput,
-        fmt::format("{}: needs {} bytes with its header, but a slot has {}; "
-                    "reduce the blob, or use a larger --slot-size",
+        fmt::format("{}: requires {} bytes including its header, but a slot "
+                    "has {}; reduce the blob, or use a larger --slot-size",
                     arguments.blob, SlotSizeFor(blob), slot_size));
 }
 
@@ -121,10 +121,10 @@ void RequireSlotSize(uint64_t slot_size, const UpdateArguments& arguments,
 uint64_t SizeOfSlots(const SlotStore& store, const UpdateArguments& arguments) {
   const uint64_t size = store.Size();
   if (store.is_device() && !arguments.slot_size)
-    throw Error(ExitCode::kUsage,
-                arguments.slots +
-                    ": is a device; give the size of its slots "
-                    "with --slot-size");
+    throw Error(
+        ExitCode::kUsage,
+        arguments.slots +
+            ": is a block device; specify the slot size with --slot-size");
   const uint64_t slot_size = arguments.slot_size.value_or(size / 2);
   if (store.is_device() ? 2 * slot_size > size
                         : 2 * slot_size != size || size % 8 != 0)
@@ -141,7 +141,7 @@ void RequireSlots(const BlobSlots& read, const UpdateArguments& arguments) {
   const bool is_erased = first.is_erased && second.is_erased;
   if (!first.is_whole && !second.is_whole && !is_erased && !arguments.is_new)
     throw InputError(arguments.slots +
-                     ": holds no valid blob and is not erased; overwrite it "
+                     ": contains no valid blob and is not erased; overwrite it "
                      "with --initialize");
 }
 
@@ -155,10 +155,10 @@ void Tell(const UpdateArguments& arguments, const CommonOptions& common,
                       {"slot_size", slot_size},
                       {"written", is_written}});
   else
-    fmt::print("{}: slot {} {}, sequence {}, {} of {} bytes\n", arguments.slots,
-               index,
-               is_written ? "written" : "already holds this blob as the newest",
-               sequence, num_bytes, slot_size - SlotSizeFor(""));
+    fmt::print(
+        "{}: slot {} {}, sequence {}, {} of {} bytes\n", arguments.slots, index,
+        is_written ? "written" : "already contains this blob (latest version)",
+        sequence, num_bytes, slot_size - SlotSizeFor(""));
 }
 
 void MakeSlots(const UpdateArguments& arguments, const CommonOptions& common,

@@ -316,8 +316,8 @@ void RequireImageForEach(const ViewArguments& arguments) {
   const size_t images = arguments.images.size();
   if (images > 1 && images != arguments.files.size())
     throw Error(ExitCode::kUsage,
-                fmt::format("{} images for {} files; give one --image for all "
-                            "files, or one per file",
+                fmt::format("{} images for {} files; specify one --image for "
+                            "all files, or one per file",
                             images, arguments.files.size()));
 }
 
@@ -380,7 +380,7 @@ void AddView(CLI::App* app, CommonOptions* common) {
       ->add_option(
           "--remap", arguments->remaps,
           "use this view instead of the view stored in the blob; repeatable")
-      ->option_text("WxH[,WORD=VALUE...]")
+      ->option_text("WxH[,KEY=VALUE...]")
       ->allow_extra_args(false);
   command
       ->add_option("--max-error-px", arguments->max_error_px,

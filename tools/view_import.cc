@@ -101,9 +101,10 @@ RayTable RaysOfViewTable(const TableFormat& format, const ViewImport& import) {
   if (!import.is_reverse && !image_size)
     ThrowMissing(
         "--image-size",
-        fmt::format("give the size of the camera's images, which {} does not "
-                    "store; or --inverse if its pixels are those of the camera",
-                    import.path));
+        fmt::format(
+            "specify the size of the camera's images, which {} does not store, "
+            "or use --inverse if its pixels are those of the camera",
+            import.path));
   const ViewTable table = format.read_view(
       import.path, import.bytes, import.is_reverse ? view_size : image_size);
   const ImageSize size =

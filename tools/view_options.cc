@@ -135,8 +135,8 @@ ViewRequest ParseView(const std::string& option, const std::string& text) {
                   fmt::format("{} {}: expected WIDTHxHEIGHT and {}, not '{}'",
                               option, text, kViewWordsHelp, part));
     if (!seen.emplace(name, "").second)
-      throw Error(ExitCode::kUsage,
-                  fmt::format("{} {}: {} is given twice", option, text, name));
+      throw Error(ExitCode::kUsage, fmt::format("{} {}: {} is specified twice",
+                                                option, text, name));
     AddWord(fmt::format("{} {}: {}", option, text, name), name,
             part.substr(equals + 1), &request);
   }
@@ -193,11 +193,10 @@ bool AddTableWord(const std::string& option, const std::string& text,
   }
   if (name != "at" && name != "plane") return false;
   if (words->scene)
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format(
-            "{} {}: at and plane exclude each other; give one of them, once",
-            option, text));
+    throw Error(ExitCode::kUsage,
+                fmt::format("{} {}: at and plane are mutually exclusive; "
+                            "specify one of them, once",
+                            option, text));
   words->scene = ParseScene(place, name, value);
   return true;
 }
@@ -230,10 +229,13 @@ void AddViewOptions(CLI::App* command, ViewWords* words) {
 void AddOutsideOption(CLI::App* command, std::string* outside) {
   command
       ->add_option("--outside", *outside,
-                   "outside the valid region, fill: extrapolate the camera "
-                   "model; trusted: use the border value")
-      ->check(CLI::IsMember({"fill", "trusted"}))
-      ->option_text("fill|trusted")
+                   "outside the valid region: extrapolate the camera model "
+                   "(fill) or use the border value (border)")
+      ->transform([](const std::string& value) -> std::string {
+        return value == "trusted" ? "border" : value;  // its former name
+      })
+      ->check(CLI::IsMember({"fill", "border"}))
+      ->option_text("fill|border")
       ->group(help_group::kView)
       ->capture_default_str();
 }

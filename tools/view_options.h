@@ -40,7 +40,7 @@ RemapWords ParseRemap(const std::string& option, const std::string& text);
 
 /// Adds --size and an option for each word of a view.
 void AddViewOptions(CLI::App* command, ViewWords* words);
-/// Adds --outside: "fill" or "trusted".
+/// Adds --outside: "fill" or "border".
 void AddOutsideOption(CLI::App* command, std::string* outside);
 /// The view that those options ask for; throws Error(kUsage).
 ViewRequest ParseViewOptions(const ViewWords& words);

@@ -88,10 +88,10 @@ void WarnOfOtherGeometry(const Pattern& given, const Pattern& found,
       continue;
     if (verdict->word == "pass") verdict->word = "warn";
     verdict->reasons.push_back(fmt::format(
-        "the points of board {} are {:.2g} mm (RMS) from where the pattern "
-        "says, {:.2g} % of a square: the print is stretched, or the "
-        "pattern is of another board, and the camera is wrong by it; measure "
-        "the print in both directions, and correct the pattern",
+        "the estimated points of board {} deviate from the pattern by {:.2g} "
+        "mm RMS, {:.2g} % of a square: the print is stretched, or the pattern "
+        "describes another board, which biases the camera; measure the print "
+        "in both directions, and correct the pattern",
         board.id, 1e3 * moved_m, 100 * moved_m / board.square_m));
   }
 }

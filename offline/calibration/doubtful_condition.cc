@@ -211,14 +211,14 @@ std::vector<DoubtfulCondition> PredictValues(
 
 std::string DoubtfulCondition::Text() const {
   return fmt::format(
-      "{} is given as {:g} {}, but its features indicate {:.{}f}", image,
+      "{} is specified as {:g} {}, but its features indicate {:.{}f}", image,
       stated, ConditionUnit(condition), predicted, num_decimals);
 }
 
 std::string UnexplainedCondition::Text() const {
   const std::string name = ConditionName(condition);
   return fmt::format(
-      "the given {} does not explain the differences between images: check "
+      "the specified {} does not explain the differences between images: check "
       "that each value belongs to its image and that all use the same unit, or "
       "calibrate without {}",
       name, name);
@@ -234,15 +234,16 @@ std::string UncertainCondition::Text() const {
                     unit = ConditionUnit(condition);
   if (IsUnobserved())
     return fmt::format(
-        "the images show no change of the camera that goes with {}: the value "
-        "that one image's features fit is uncertain by {:.2g} {} (1 σ), over "
-        "a range of {:.2g}; the effect is too small, or the values are not "
-        "those of the images: check them, or calibrate without {}",
+        "the images show no change of the camera with {}: the value estimated "
+        "from a single image has a standard deviation of {:.2g} {} over a "
+        "range of {:.2g}; the effect is too small, or the values do not belong "
+        "to these images: check them, or calibrate without {}",
         name, deviation, unit, width, name);
   return fmt::format(
-      "the camera changes little with {}: the value that one image's features "
-      "fit is uncertain by {:.2g} {} (1 σ), over a range of {:.2g}, so that a "
-      "single wrong value is noticed from {:.2g} {} on",
+      "the camera changes little with {}: the value estimated from a single "
+      "image has a standard deviation of {:.2g} {} over a range of {:.2g}, so "
+      "that a single wrong value is detected only if its error exceeds {:.2g} "
+      "{}",
       name, deviation, unit, width, noticed, unit);
 }
 

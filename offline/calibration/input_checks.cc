@@ -61,7 +61,7 @@ void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
   }
   if (std::set<std::string>(names.begin(), names.end()).size() < names.size())
     throw Error(ExitCode::kUsage,
-                "duplicate camera name; give each camera a unique name");
+                "duplicate camera name; camera names must be unique");
   std::vector<RejectedImage> rejected;
   CalibrationProblem problem = BuildProblem(datasets, pattern, &rejected);
   std::vector<Pose> unknown_places;
@@ -79,7 +79,7 @@ void RequireImagesOfTheirOwn(const std::vector<CalibrationInput>& cameras) {
       if (!shared) continue;
       throw InputError(fmt::format(
           "cameras '{}' and '{}' share an image: {} and {} have the same "
-          "features; give each camera its own images",
+          "features; use different images for each camera",
           cameras[other].name, cameras[c].name, shared->first, shared->second));
     }
 }
@@ -108,7 +108,7 @@ void RequireLikeCameraFits(const std::vector<CalibrationInput>& cameras,
 void RequireSoundInput(const std::vector<CalibrationInput>& cameras,
                        const Pattern& pattern,
                        const CalibrationOptions& options) {
-  if (cameras.empty()) throw Error(ExitCode::kUsage, "no camera given");
+  if (cameras.empty()) throw Error(ExitCode::kUsage, "no camera specified");
   RequireKnownModel(options.model);
   RequireImagesExist(cameras, options.hold_out);
   RequireLikeCameraFits(cameras, options);

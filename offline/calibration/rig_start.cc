@@ -475,7 +475,7 @@ void RequireConnected(const std::vector<std::string>& names,
       ExitCode::kInitialization,
       fmt::format(
           "the cameras are not connected: no frame shows a board with at least "
-          "{} features in two of the groups {}; take such frames, and give "
+          "{} features in two of the groups {}; capture such frames, and give "
           "synchronized images the same name (or use --sync-by number)",
           kMinViewFeatures, fmt::join(groups, ", ")));
 }

@@ -67,7 +67,7 @@ void NameImagesLeftOut(const CameraInProgress& camera, const Pattern& pattern,
   for (RejectedImage& image : *rejected)
     if (left_out.count(image.image) > 0)
       image = {image.image,
-               "unknown motion: no time stamp, no adjacent frames, or pose "
+               "unknown motion: no timestamp, no adjacent frames, or pose "
                "estimation failed"};
 }
 

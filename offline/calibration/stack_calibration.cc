@@ -110,8 +110,8 @@ void RequireConditions(const Dataset& dataset,
         !std::all_of(found->second.begin(), found->second.end(),
                      [](double value) { return std::isfinite(value); }))
       throw Error(ExitCode::kUsage,
-                  fmt::format("image {} has no {}: give each image a value, or "
-                              "remove the image",
+                  fmt::format("image {} has no {}: specify a value for each "
+                              "image, or remove the image",
                               image.image, names));
     for (const double value : found->second)
       if (std::abs(value) > kMostValue)
@@ -287,8 +287,8 @@ std::vector<std::string> FindUntestedConditions(const CameraStack& stack,
     if (RmsBeyondOrder(t, order) < kLeastPart * RmsBeyondOrder(even, order))
       untested.push_back(fmt::format(
           "a polynomial of order {} interpolates these values of {} exactly, "
-          "so its error between them is untested and not in the predicted "
-          "uncertainty: add images in between, such as at {:.3g} {}",
+          "so its error between them is unknown and not included in the "
+          "predicted uncertainty: add images in between, such as at {:.3g} {}",
           order, ConditionName(range.condition), MiddleOfGap(values),
           ConditionUnit(range.condition)));
   }
@@ -403,7 +403,7 @@ void RequireOneValue(const ImageConditions& conditions,
   if (first == end || second == end || first->second == second->second) return;
   throw InputError(fmt::format(
       "images {} and {} have the same features but different operating points, "
-      "{:g} and {:g}; give each value its own images",
+      "{:g} and {:g}; use different images for each value",
       image, copy, fmt::join(first->second, ","),
       fmt::join(second->second, ",")));
 }

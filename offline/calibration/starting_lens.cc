@@ -296,8 +296,8 @@ void RequireImages(const CalibrationProblem& problem) {
   if (NumImages(problem) < kMinImages)
     throw Error(
         ExitCode::kTooFew,
-        fmt::format("only {} images have at least {} features of a board; need "
-                    "{}, better {}",
+        fmt::format("{} image(s) with at least {} features on a board; at "
+                    "least {} are required, {} are recommended",
                     NumImages(problem), kMinViewFeatures, kMinImages, 20));
 }
 

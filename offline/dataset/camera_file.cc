@@ -39,8 +39,9 @@ BSplineSurface ParseGrid(const YAML::Node& root, const Area& area,
     throw InputError("grid: columns and rows must be 4 to 1027");
   const YAML::Node points = root["control_points"];
   if (static_cast<int>(points.size()) != columns * rows)
-    throw InputError(fmt::format("control_points: {} given, {} x {} expected",
-                                 points.size(), columns, rows));
+    throw InputError(
+        fmt::format("control_points: expected {1} x {2}, found {0}",
+                    points.size(), columns, rows));
   BSplineSurface surface(area, columns, rows);
   int index = 0;
   for (const YAML::Node& point : points) {
@@ -224,8 +225,8 @@ std::optional<CameraUncertainty> ParseUncertainty(const YAML::Node& root,
     return CameraUncertainty::OfMask(ParseMask(root["trusted"], size));
   if (!root["uncertainty"] || !root["trusted"])
     throw InputError(
-        "'uncertainty' and 'trusted' belong together, and one is missing; "
-        "take the whole file");
+        "'uncertainty' and 'trusted' require each other, but one is missing; "
+        "use the complete file");
   CameraUncertainty uncertainty;
   uncertainty.lattice = ParseDeviations(root["uncertainty"]);
   uncertainty.mask = ParseMask(root["trusted"], size);
@@ -273,8 +274,9 @@ CameraFile Parse(const YAML::Node& root) {
   if (size.size() != 2 || size[0] < 1 || size[1] < 1)
     throw InputError("image_size: expected two positive integers");
   if (std::max(size[0], size[1]) > kMaxHugeSidePx)
-    throw InputError(fmt::format(
-        "image_size: at most {} pixels a side are supported", kMaxHugeSidePx));
+    throw InputError(
+        fmt::format("image_size: at most {} pixels per side are supported",
+                    kMaxHugeSidePx));
   if (rectangle.size() != 4 || !(rectangle[0] < rectangle[2]) ||
       !(rectangle[1] < rectangle[3]) || !(rectangle[0] >= -0.5) ||
       !(rectangle[1] >= -0.5) || !(rectangle[2] <= size[0] - 0.5) ||

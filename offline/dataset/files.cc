@@ -30,8 +30,8 @@ void RequireFolderName(const fs::path& folder) {
         ".txt", ".xml", ".yaml", ".yml"})
     if (extension == known && !fs::exists(folder))
       throw Error(ExitCode::kUsage,
-                  fmt::format("{}: the output is a folder, but this names a {} "
-                              "file; give a folder such as {}",
+                  fmt::format("{}: the output is a folder, but this is the "
+                              "name of a {} file; specify a folder such as {}",
                               folder.string(), extension.substr(1),
                               folder.stem().string()));
 }

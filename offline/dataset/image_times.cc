@@ -28,8 +28,8 @@ ImageTimes ParseImageTimes(const std::string& path, const std::string& text) {
     const auto next = images.lower_bound(time_s - kLeastApartS);
     if (next != images.end() && next->first <= time_s + kLeastApartS)
       throw InputError(fmt::format(
-          "{}: {} and {} have the same time stamp; give each image its own, to "
-          "0.1 ms or better",
+          "{}: {} and {} have the same timestamp; timestamps must be unique, "
+          "with a resolution of 0.1 ms or better",
           table.Place(), Printable(image), Printable(next->second)));
     images[time_s] = image;
   }

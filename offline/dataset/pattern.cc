@@ -185,8 +185,8 @@ Board ParseBoard(const std::string& place, const YAML::Node& node) {
     board.rows = node["rows"] ? Value<int>(place, node, "rows") : 1;
     if (std::min(board.columns, board.rows) < 0 ||
         static_cast<int64_t>(board.columns) * board.rows != count)
-      throw InputError(fmt::format("{}: {} points, expected {} x {}", place,
-                                   count, board.columns, board.rows));
+      throw InputError(fmt::format("{0}: expected {2} x {3} points, found {1}",
+                                   place, count, board.columns, board.rows));
   } else {
     board.columns = Value<int>(place, node, "columns");
     board.rows = Value<int>(place, node, "rows");
@@ -207,8 +207,8 @@ Board ParseBoard(const std::string& place, const YAML::Node& node) {
   }
   if (node[points_key]) board.points = ParsePoints(place, node[points_key]);
   if (static_cast<int>(board.points.size()) != board.num_points())
-    throw InputError(fmt::format("{}: {} points, expected {} x {}", place,
-                                 board.points.size(), board.columns,
+    throw InputError(fmt::format("{0}: expected {2} x {3} points, found {1}",
+                                 place, board.points.size(), board.columns,
                                  board.rows));
   return board;
 }
@@ -234,10 +234,10 @@ std::vector<BoardBody> ParseBodies(const std::string& name,
           ParsePose(name + ": first_from_board", pose));
     if (body.boards.size() < 2 ||
         body.first_from_board.size() != body.boards.size())
-      throw InputError(
-          fmt::format("{}: board_bodies: {} boards with {} poses; a body needs "
-                      "at least two boards and one pose per board",
-                      name, body.boards.size(), body.first_from_board.size()));
+      throw InputError(fmt::format(
+          "{}: board_bodies: {} boards with {} poses; a rigid multi-board "
+          "target requires at least two boards and one pose per board",
+          name, body.boards.size(), body.first_from_board.size()));
   }
   return bodies;
 }

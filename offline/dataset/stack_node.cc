@@ -43,7 +43,7 @@ ConditionRange ParseRange(const YAML::Node& node) {
                                  YamlNumber(range[1], what)};
   if (!(parsed.low < parsed.high))
     throw InputError(fmt::format(
-        "{}: {:g} is not less than {:g}; give the lower value first", what,
+        "{}: {:g} is not less than {:g}; specify the lower value first", what,
         parsed.low, parsed.high));
   return parsed;
 }

@@ -22,10 +22,10 @@ std::string ImagePlaceAdvice(const BudgetFacts& facts) {
   if (!facts.IsGrid() && !facts.generic_tried)
     return "use --model central-generic";
   if (!facts.IsGrid())
-    return "add images: central-generic was tried, but needs more of them";
+    return "add images: central-generic was tried, but requires more images";
   if (facts.tried_finer)
-    return "add images: a smaller knot spacing was tried, but needs more of "
-           "them";
+    return "add images: a smaller knot spacing was tried, but requires more "
+           "images";
   if (facts.cell_px > 0)
     return fmt::format("reduce the knot spacing: --knot-spacing-px {:.3g}",
                        facts.cell_px / 2);
@@ -63,9 +63,9 @@ std::string AdviceFor(ErrorCause cause, const BudgetFacts& facts) {
 const char* InWords(ErrorCause cause) {
   switch (cause) {
     case ErrorCause::kImagePlace:
-      return "model error: residuals depend on the position in the image";
+      return "systematic residuals that depend on the position in the image";
     case ErrorCause::kBoardPlace:
-      return "target geometry: residuals depend on the target point";
+      return "systematic residuals that depend on the target point";
     case ErrorCause::kBend:
       return "out-of-plane target deformation that differs between images";
     case ErrorCause::kInPlane:
@@ -74,7 +74,8 @@ const char* InWords(ErrorCause cause) {
       return "image scale or shift that differs between images, such as from "
              "focus or temperature";
     default:
-      return "rolling shutter with motion: residuals grow along the rows";
+      return "residuals that grow along the rows, due to motion and a rolling "
+             "shutter";
   }
 }
 
@@ -99,7 +100,6 @@ std::vector<std::string> AlikeCauses(const ResidualBudget& budget) {
   for (int k = 0; k < kNumErrorCauses; ++k)
     if (budget.causes[static_cast<size_t>(k)].is_alike)
       names.emplace_back(NameOf(static_cast<ErrorCause>(k)));
-  if (budget.column_time_is_alike) names.emplace_back("column time");
   return names;
 }
 
@@ -122,16 +122,18 @@ std::string AdviceOnViewsAlike(const BudgetFacts& facts) {
 
 BudgetVerdict OfViewsAlike(const std::vector<std::string>& causes,
                            const ResidualBudget& budget) {
-  return {"views",
-          fmt::format("effects specific to single images ({} % of the squared "
-                      "residuals), which the data cannot separate: {}",
+  return {"per-view effects",
+          fmt::format("residuals specific to single images ({} % of the "
+                      "squared residuals), whose cause these images do not "
+                      "determine; candidates: {}",
                       Percent(budget.OfViews()), fmt::join(causes, ", ")),
           AdviceOnViewsAlike(budget.facts)};
 }
 
 BudgetVerdict OfCause(ErrorCause cause, const ResidualBudget& budget) {
   const std::vector<std::string> alike = AlikeCauses(budget);
-  if (cause >= ErrorCause::kBend && alike.size() > 1)
+  if (cause >= ErrorCause::kBend &&
+      (alike.size() > 1 || (budget.column_time_is_alike && !alike.empty())))
     return OfViewsAlike(alike, budget);
   return {NameOf(cause),
           fmt::format("{} ({} % of the squared residuals)", InWords(cause),
@@ -140,7 +142,7 @@ BudgetVerdict OfCause(ErrorCause cause, const ResidualBudget& budget) {
 }
 
 BudgetVerdict OfLargeErrors(const ResidualBudget& budget) {
-  return {"large errors",
+  return {"outliers",
           fmt::format("outliers ({} % of the squared residuals are beyond 5 "
                       "standard deviations)",
                       Percent(budget.large)),
@@ -155,7 +157,8 @@ std::string UntoldCauses(const ResidualBudget& budget) {
     if (!budget.causes[static_cast<size_t>(k)].can_be_told)
       names.emplace_back(NameOf(static_cast<ErrorCause>(k)));
   if (names.empty()) return "";
-  return fmt::format("; not observable: {}", fmt::join(names, ", "));
+  return fmt::format("; effects that these images do not determine: {}",
+                     fmt::join(names, ", "));
 }
 
 BudgetVerdict OfNoise(const ResidualBudget& budget) {
@@ -168,7 +171,7 @@ BudgetVerdict OfNoise(const ResidualBudget& budget) {
 }
 
 BudgetVerdict OfRest(const ResidualBudget& budget) {
-  return {"rest",
+  return {"unexplained",
           fmt::format("spatially correlated residuals of unknown cause ({} % "
                       "of the squared residuals){}",
                       Percent(budget.rest), UntoldCauses(budget)),

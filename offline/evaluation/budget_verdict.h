@@ -7,14 +7,14 @@
 
 namespace raygrid {
 
-/// The limit of a calibration: a name as in the table ("noise", "large
-/// errors", "views", "rest", or a cause's), a sentence, and the one thing to
-/// do.
+/// The limit of a calibration: a name as in the table ("noise", "outliers",
+/// "per-view effects", "unexplained", or a cause's), a sentence, and the most
+/// effective remedy.
 struct BudgetVerdict {
   std::string limit, sentence, advice;
   bool IsTold() const { return !limit.empty(); }
   bool IsCause() const {
-    return IsTold() && limit != "noise" && limit != "rest";
+    return IsTold() && limit != "noise" && limit != "unexplained";
   }
 };
 

@@ -89,16 +89,16 @@ std::string FleetDistance::Text() const {
     return px < 99.5 ? fmt::format("{:.2g}", px) : fmt::format("{:.0f}", px);
   };
   return fmt::format(
-      "{} px RMS from the population mean where features are, compared to {} "
-      "px of the fleet's units",
+      "{} px RMS from the population mean at the features, compared with {} px "
+      "for the units of the fleet",
       digits(rms_px), digits(units_px));
 }
 
 std::string FleetDistance::Warning() const {
   return fmt::format(
       "this camera is an outlier of its fleet ({}): if its lens type or focus "
-      "differs, calibrate it without 'prior', which biases it where it has no "
-      "features",
+      "differs, calibrate it without 'prior', which biases the camera where it "
+      "has no features",
       Text());
 }
 

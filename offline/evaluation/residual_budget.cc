@@ -168,17 +168,17 @@ void AddNoise(const BudgetInput& input, double squares,
 const char* NameOf(ErrorCause cause) {
   switch (cause) {
     case ErrorCause::kImagePlace:
-      return "image place";
+      return "lens model";
     case ErrorCause::kBoardPlace:
-      return "board place";
+      return "target geometry";
     case ErrorCause::kBend:
-      return "bends";
+      return "per-view deformation";
     case ErrorCause::kInPlane:
-      return "in-plane";
+      return "in-plane deformation";
     case ErrorCause::kImageAffine:
-      return "image affine";
+      return "image shift/scale";
     default:
-      return "row time";
+      return "rolling shutter";
   }
 }
 

@@ -62,7 +62,7 @@ enum class ErrorCause {
 };
 constexpr int kNumErrorCauses = 6;
 
-/// "image place", ...
+/// "lens model", ...
 const char* NameOf(ErrorCause cause);
 
 /// The share of one cause. Parts are of the sum of all squared residuals.

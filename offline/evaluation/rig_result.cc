@@ -80,7 +80,7 @@ Verdict JudgeRig(const RigResult& result) {
     const int num_shared = NumSharedViews(result, c);
     if (num_shared < kEnoughSharedViews)
       warn(fmt::format(
-          "{}: only {} views in common with other cameras; take {} or more",
+          "{}: only {} views in common with other cameras; capture at least {}",
           camera.camera.name, num_shared, kEnoughSharedViews));
     alone.push_back(camera.held_out);
   }
@@ -88,7 +88,8 @@ Verdict JudgeRig(const RigResult& result) {
     warn(fmt::format(
         "{} and {}: their relative pose is ambiguous by a rotation of the "
         "symmetric board, which their {} common views do not resolve; tilt the "
-        "board in other ways, or use a board with one more row of squares",
+        "board in other directions, or use a board with one more row of "
+        "squares",
         result.cameras[pair.first].camera.name,
         result.cameras[pair.second].camera.name, pair.num_shared_views));
   const auto together = HeldOutFigures(result);

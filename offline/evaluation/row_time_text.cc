@@ -24,7 +24,7 @@ std::string RowTimeText(const RowTimeEstimate& row_time, int num_rows) {
     text += "; rolling-shutter distortion was compensated";
   if (row_time.num_left_out > 0)
     text += fmt::format(
-        ", without {} images of unknown motion (no time stamp or no adjacent "
+        ", except in {} images of unknown motion (no timestamp or no adjacent "
         "frames)",
         row_time.num_left_out);
   return text;

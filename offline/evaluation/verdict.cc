@@ -91,7 +91,7 @@ std::string Counted(const std::vector<std::string>& images) {
 
 void AssessConvergence(const CalibrationFigures& figures, Findings* findings) {
   if (figures.interrupted)
-    findings->Fail("interrupted before it was done; continue with --resume");
+    findings->Fail("interrupted before completion; continue with --resume");
   else if (!figures.converged)
     findings->Fail(
         "bundle adjustment did not converge; add images, or remove blurred "
@@ -107,15 +107,14 @@ void AssessTimestamps(const CalibrationFigures& figures, Findings* findings) {
 void AssessNumberOfImages(const CalibrationFigures& figures,
                           Findings* findings) {
   if (figures.images_used < kEnoughImages)
-    findings->Warn(
-        fmt::format("only {} {}, too few to assess the camera; take {} or more",
-                    figures.images_used,
-                    figures.images_alike > 0 ? "different views" : "images",
-                    kEnoughImages));
+    findings->Warn(fmt::format(
+        "only {} {}, too few to assess the camera; at least {} are required",
+        figures.images_used,
+        figures.images_alike > 0 ? "different views" : "images",
+        kEnoughImages));
   if (figures.images_alike > 0)
     findings->Note(fmt::format(
-        "{} images show {} different views; near-duplicates count "
-        "once",
+        "{} images show {} different views; near-duplicates are counted once",
         figures.images_kept + figures.images_alike, figures.images_kept));
 }
 
@@ -140,21 +139,21 @@ void AssessViews(const CalibrationFigures& figures, Findings* findings) {
         "it between images",
         figures.images_used + figures.images_alike, figures.different_views));
   else if (figures.tilt_rad && *figures.tilt_rad < kEnoughTiltRad)
-    findings->Fail(fmt::format(
-        "the focal length is not observable: the target is parallel in all "
-        "images, to within {:.1f} degrees; tilt it by 30 degrees or more, in "
-        "different directions",
-        *figures.tilt_rad * 180 / M_PI));
+    findings->Fail(
+        fmt::format("the focal length is not observable: the target has the "
+                    "same orientation in all images, within {:.1f} degrees; "
+                    "tilt it by 30 degrees or more, in different directions",
+                    *figures.tilt_rad * 180 / M_PI));
 }
 
 void AssessSides(const CalibrationFigures& figures, Findings* findings) {
   if (figures.images_from_behind.empty()) return;
-  findings->Warn(fmt::format(
-      "the target is seen from behind in {} of {} views ({}): the images are "
-      "mirrored, or columns or rows are counted the other way round in pattern "
-      "or features",
-      figures.images_from_behind.size(), figures.boards_seen,
-      Named(figures.images_from_behind)));
+  findings->Warn(
+      fmt::format("the target is seen from behind in {} of {} views ({}): the "
+                  "images are mirrored, or the row or column order of the "
+                  "pattern or the features is reversed",
+                  figures.images_from_behind.size(), figures.boards_seen,
+                  Named(figures.images_from_behind)));
 }
 
 void AssessRejectedImages(const CalibrationFigures& figures,
@@ -168,13 +167,11 @@ void AssessRejectedImages(const CalibrationFigures& figures,
                     figures.images_with_too_few_features, images));
   else if (figures.images_rejected > fit)
     findings->Warn(
-        fmt::format("{} of {} images were rejected; see which and "
-                    "why",
+        fmt::format("{} of {} images were rejected; check the listed reasons",
                     figures.images_rejected, images));
   else if (figures.images_rejected > fit / 5)
     findings->Note(
-        fmt::format("{} of {} images were rejected; see which and "
-                    "why",
+        fmt::format("{} of {} images were rejected; check the listed reasons",
                     figures.images_rejected, images));
 }
 
@@ -182,19 +179,19 @@ void AssessOutlyingImages(const CalibrationFigures& figures,
                           Findings* findings) {
   if (figures.two_cameras) {
     findings->Warn(fmt::format(
-        "these images look like two cameras: {} and {}, or one whose focus "
-        "changed; calibrate each separately",
+        "these images appear to come from two cameras: {} and {}, or from one "
+        "whose focus changed; calibrate each separately",
         Counted(figures.two_cameras->first),
         Counted(figures.two_cameras->second)));
     return;
   }
   if (figures.images_apart.empty()) return;
-  findings->Warn(fmt::format(
-      "{} {} not fit the others: another camera, focus or target, or misread "
-      "features; calibrate without {}",
-      Counted(figures.images_apart),
-      figures.images_apart.size() == 1 ? "does" : "do",
-      figures.images_apart.size() == 1 ? "it" : "them"));
+  findings->Warn(
+      fmt::format("{} {} inconsistent with the others: another camera, focus "
+                  "or target, or wrong features; calibrate without {}",
+                  Counted(figures.images_apart),
+                  figures.images_apart.size() == 1 ? "is" : "are",
+                  figures.images_apart.size() == 1 ? "it" : "them"));
 }
 
 // Large held-out errors of images whose training errors are as usual: without
@@ -202,8 +199,8 @@ void AssessOutlyingImages(const CalibrationFigures& figures,
 void AssessLoneImages(const CalibrationFigures& figures, Findings* findings) {
   if (figures.images_alone.empty()) return;
   findings->Warn(fmt::format(
-      "the {} of the image is covered by {} only, which nothing confirms; keep "
-      "{}, and take more views there",
+      "the {} of the image is covered by {} only, so that the camera is not "
+      "verified there; keep {}, and add more views there",
       fmt::join(figures.places_alone, ", "), Counted(figures.images_alone),
       figures.images_alone.size() == 1 ? "it" : "them"));
 }
@@ -216,9 +213,9 @@ void AssessMisreadImages(const CalibrationFigures& figures,
   const MisreadImage& worst = figures.most_misread;
   const bool is_one = figures.num_misread_images == 1;
   findings->Warn(fmt::format(
-      "many features of {} were rejected as outliers ({}: {} of {}): columns "
-      "or rows of the target are misread there, or corners are false; detect "
-      "{} again, or calibrate without {}",
+      "many features of {} were rejected as outliers ({}: {} of {}): target "
+      "columns or rows were misidentified, or corners are wrong; detect {} "
+      "again, or calibrate without {}",
       is_one ? "an image"
              : fmt::format("{} images", figures.num_misread_images),
       worst.image, worst.num_rejected, worst.num_features,
@@ -227,20 +224,20 @@ void AssessMisreadImages(const CalibrationFigures& figures,
 
 void AssessTurns(const CalibrationFigures& figures, Findings* findings) {
   if (figures.images_of_doubtful_turn.empty()) return;
-  findings->Warn(fmt::format(
-      "{} leave open which way the target is turned, since it looks the same "
-      "after a turn: printing errors may be attributed to the lens; leave them "
-      "out, or print one row of squares more",
-      Counted(figures.images_of_doubtful_turn)));
+  findings->Warn(
+      fmt::format("the orientation of the symmetric target is ambiguous in {}: "
+                  "printing errors may be attributed to the lens; omit these "
+                  "images, or print a target with one more row of squares",
+                  Counted(figures.images_of_doubtful_turn)));
 }
 
 void AssessFlatTarget(const CalibrationFigures& figures, Findings* findings) {
   if (figures.flat_board_height_m > 0)
-    findings->Warn(fmt::format(
-        "the target's deformation biases the camera: without "
-        "--fix-target-geometry a board is estimated to be {:.3f} mm from flat "
-        "(RMS); calibrate without it",
-        1e3 * figures.flat_board_height_m));
+    findings->Warn(
+        fmt::format("the target's deformation biases the camera: the estimated "
+                    "out-of-plane deformation of a board is {:.3f} mm RMS; "
+                    "calibrate without --fix-target-geometry",
+                    1e3 * figures.flat_board_height_m));
 }
 
 void AssessPopulationDistance(const CalibrationFigures& figures,
@@ -275,10 +272,10 @@ void AssessExtrapolation(const CalibrationFigures& figures,
                     "part, or use the valid region only",
                     ExtrapolationText(*region), 100 * region->share));
   else if (covered < kEnoughArea)
-    findings->Warn(
-        fmt::format("features cover only {:.0f} % of the image, the rest is "
-                    "extrapolated; move the target into the corners",
-                    100 * covered));
+    findings->Warn(fmt::format(
+        "features cover only {:.0f} % of the image, and the remainder is "
+        "extrapolated; move the target into the corners",
+        100 * covered));
   else if (is_large && region->share > 0)
     findings->Note(ExtrapolationText(*region));
 }
@@ -286,8 +283,8 @@ void AssessExtrapolation(const CalibrationFigures& figures,
 void AssessUncertainty(const CalibrationFigures& figures, Findings* findings) {
   if (!figures.median_deviation_px) {
     findings->Warn(
-        "the camera's uncertainty is not observable; take more images, with "
-        "the target tilted in different directions");
+        "the camera's uncertainty is not observable; add images with the "
+        "target tilted in different directions");
     return;
   }
   const double median_px = *figures.median_deviation_px;
@@ -304,19 +301,19 @@ void AssessUncertainty(const CalibrationFigures& figures, Findings* findings) {
   if (*figures.valid_share < kEnoughValid &&
       !IsNegligible(median_px, figures.training))
     findings->Warn(fmt::format(
-        "only {:.0f} % of the image is supported by features and known to {} "
-        "px or better (uncertainty.png shows where); take more views, tilted "
-        "in different directions, near and far, into the corners",
+        "only {:.0f} % of the image is supported by features and has a "
+        "predicted uncertainty below {} px (see uncertainty.png); add views "
+        "near and far, tilted in different directions, and in the corners",
         100 * *figures.valid_share, RoundedPx(*figures.valid_limit_px)));
 }
 
 void AssessPixelAspect(const CalibrationFigures& figures, Findings* findings) {
   const double aspect = figures.pixel_aspect.value_or(1);
   if (aspect > 1 / kMaxAspect && aspect < kMaxAspect) return;
-  findings->Fail(fmt::format(
-      "pixels come out {:.2g} times as wide as high, which no camera has; "
-      "check the images' size and the pattern",
-      aspect));
+  findings->Fail(
+      fmt::format("the estimated pixels are {:.2g} times as wide as high, "
+                  "which is implausible; check the image size and the pattern",
+                  aspect));
 }
 
 // Corners beyond a fisheye's image circle fold over in good calibrations too.
@@ -324,27 +321,27 @@ void AssessFoldOver(const CalibrationFigures& figures, Findings* findings) {
   const FoldOver& fold_over = figures.fold_over;
   if (fold_over.trusted_part > 0)
     findings->Fail(fmt::format(
-        "the model folds over within the valid region ({:.2g} % of the "
+        "the model is not injective within the valid region ({:.2g} % of the "
         "calibrated area): two pixels have the same ray; remove misread "
         "features, or increase --knot-spacing-px",
         100 * fold_over.trusted_part));
   else if (fold_over.part > 0)
-    findings->Note(fmt::format(
-        "the model folds over outside the valid region ({:.2g} % of the "
-        "calibrated area), as beyond a fisheye's image circle; use the valid "
-        "region only",
-        100 * fold_over.part));
+    findings->Note(
+        fmt::format("the model is not injective outside the valid region "
+                    "({:.2g} % of the calibrated area), such as outside a "
+                    "fisheye's image circle; use the valid region only",
+                    100 * fold_over.part));
 }
 
 void AssessOtherModels(const CalibrationFigures& figures, Findings* findings) {
   if (!figures.better_model) return;
   const BetterModel& better = *figures.better_model;
-  findings->Note(fmt::format(
-      "{} predicts held-out images better: {:.4f} px (median{}) instead of "
-      "{:.4f} px; calibrate with --model {}",
-      better.model, better.median_px,
-      figures.boards_bend ? ", rigid target" : "", better.own_median_px,
-      better.model));
+  findings->Note(
+      fmt::format("{} has a lower held-out error: median {:.4f} px{}, compared "
+                  "with {:.4f} px; calibrate with --model {}",
+                  better.model, better.median_px,
+                  figures.boards_bend ? ", rigid target" : "",
+                  better.own_median_px, better.model));
 }
 
 bool HasCorrelatedResiduals(const CalibrationFigures& figures) {
@@ -374,17 +371,17 @@ void AssessCorrelation(const CalibrationFigures& figures, Findings* findings) {
     findings->Add(
         severity,
         fmt::format(
-            "{} of the model or the detector{}; {}", found,
-            correlation > kNearlyAll ? ", or images of several cameras" : "",
+            "{}, caused by the model or the detector{}; {}", found,
+            correlation > kNearlyAll ? ", or by images of several cameras" : "",
             AdviceAgainstSharedErrors(figures.tried)));
 }
 
 // The cause, and what would help, unless AssessCorrelation() has said it.
 std::string AdviceAgainstError(const CalibrationFigures& figures) {
   if (!figures.limit.IsTold())
-    return "; sharper images or a flatter target would lower it";
+    return "; sharper images or a flatter target would reduce it";
   if (HasCorrelatedResiduals(figures) && figures.limit.limit != "noise")
-    return "; the same would lower it";
+    return "; the remedy for systematic errors reduces it, too";
   return fmt::format(": {}; {}", figures.limit.sentence, figures.limit.advice);
 }
 
@@ -397,8 +394,7 @@ void AssessHeldOutError(const CalibrationFigures& figures, Findings* findings) {
   const double held_out_px = figures.held_out->median_px;
   if (held_out_px > kUsableMedianPx)
     findings->Fail(
-        fmt::format("expect errors of {} px: that is the median "
-                    "held-out error{}",
+        fmt::format("expect errors of {} px (median held-out error){}",
                     RoundedPx(held_out_px), AdviceAgainstError(figures)));
   else if (held_out_px > kGoodMedianPx)
     findings->Warn(fmt::format("the median held-out error is {} px{}",
@@ -411,8 +407,8 @@ void AssessHeldOutCopies(const CalibrationFigures& figures,
   const auto& copies = figures.held_out_copies;
   if (copies.empty()) return;
   findings->Warn(fmt::format(
-      "the held-out error is too optimistic: {} held out show views that were "
-      "calibrated with; hold out all images of a view",
+      "the held-out error is too optimistic: {} held out are near-duplicates "
+      "of training images; hold out all images of a view",
       Counted(copies)));
 }
 
@@ -423,12 +419,11 @@ void AssessOverfit(const CalibrationFigures& figures, Findings* findings) {
   if (held_out_px <= kOverfitRatio * training_px ||
       IsNegligible(held_out_px - training_px, figures.training))
     return;
-  findings->Add(
-      held_out_px - training_px > kMattersPx ? Severity::kWarning
-                                             : Severity::kNote,
-      fmt::format("too few images: the held-out error is {} px, the training "
-                  "error {} px; take more",
-                  RoundedPx(held_out_px), RoundedPx(training_px)));
+  findings->Add(held_out_px - training_px > kMattersPx ? Severity::kWarning
+                                                       : Severity::kNote,
+                fmt::format("too few images: the held-out error is {} px, the "
+                            "training error {} px; add images",
+                            RoundedPx(held_out_px), RoundedPx(training_px)));
 }
 
 }  // namespace

@@ -295,8 +295,8 @@ void CameraKeys::Finish(const LensForm& form, std::vector<std::string>* remarks,
                is_nothing = IsNothing(value);
     if (is_selector ? !Agrees(plain, value, form) : is_parameter && !is_nothing)
       throw InputError(fmt::format(
-          "{}'{}'{} contradicts the camera model {} of the other keys; remove "
-          "the key if it is not an intrinsic parameter",
+          "{}'{}'{} contradicts {}, the camera model implied by the other "
+          "keys; remove it if it is not an intrinsic parameter",
           of_camera, Printable(path),
           value.IsScalar()
               ? fmt::format(", '{}',", Printable(value.as<std::string>()))

@@ -103,7 +103,7 @@ ExchangeContents ReadDso(const ReadRequest& request) {
                           SidePx(YAML::Node(sides[1]), "height")};
   if (values.size() < 4)
     throw InputError(
-        fmt::format("{} intrinsics, expected 4 or more", values.size()));
+        fmt::format("expected at least 4 intrinsics, found {}", values.size()));
   // Parts of the image, whose first pixel begins at 0.
   if (values[2] < 1 && values[3] < 1)
     values = [&, parts = values]() mutable {

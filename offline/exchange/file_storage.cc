@@ -176,7 +176,7 @@ StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
   if (matrix.data.size() != static_cast<size_t>(matrix.rows) *
                                 static_cast<size_t>(matrix.columns) *
                                 static_cast<size_t>(num_channels))
-    throw InputError(fmt::format("{}: {} numbers, but its size is {} x {}",
+    throw InputError(fmt::format("{}: {} numbers do not match the size {} x {}",
                                  name, matrix.data.size(), matrix.rows,
                                  matrix.columns * num_channels));
   return matrix;
@@ -203,9 +203,9 @@ StoredMatrix ParseStoredPoints(const YAML::Node& node,
   points.columns = sizes[0];
   if (points.data.size() != 2 * static_cast<size_t>(points.rows) *
                                 static_cast<size_t>(points.columns))
-    throw InputError(fmt::format("{}: {} numbers, but its size is {} x {} x 2",
-                                 name, points.data.size(), points.rows,
-                                 points.columns));
+    throw InputError(
+        fmt::format("{}: {} numbers do not match the size {} x {} x 2", name,
+                    points.data.size(), points.rows, points.columns));
   return points;
 }
 

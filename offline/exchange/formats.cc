@@ -119,7 +119,7 @@ void TakeOptions(const Format& format, const ReadRequest& request,
   for (ReadLens& camera : contents->cameras) {
     ImageSize& size = camera.lens.size;
     if (size == ImageSize{} && !request.size)
-      throw InputError("missing image size; give --image-size WxH");
+      throw InputError("missing image size; specify --image-size WxH");
     if (size == ImageSize{}) size = *request.size;
     if (request.size && *request.size != size)
       throw InputError(fmt::format(
@@ -168,7 +168,7 @@ void AddFiles(const std::vector<BesideFile>& written,
 
 [[noreturn]] void ThrowOnCorners(const std::string& path) {
   throw InputError(
-      fmt::format("{}: has corners but contains no camera; convert it with "
+      fmt::format("{}: contains corners but no camera; convert it with "
                   "'raygrid import' to features.csv for calibrate --features",
                   path));
 }
@@ -287,8 +287,8 @@ void RequireCameraFormat(const Format& format, const std::string& path) {
   if (!format.forms.empty()) return;
   if (format.takes_board) ThrowOnCorners(path);
   throw InputError(
-      fmt::format("{}: has a target but no camera; convert it with 'raygrid "
-                  "import' to pattern.yaml for --pattern",
+      fmt::format("{}: contains a target but no camera; convert it with "
+                  "'raygrid import' to pattern.yaml for --pattern",
                   path));
 }
 
@@ -381,8 +381,8 @@ void TakePoseOfPair(const std::optional<Pose>& second_from_first,
                                     });
   if (!is_pair)
     throw InputError(
-        fmt::format("{}: has R and T of a stereo pair; import it together with "
-                    "the file of its two cameras to get the rig",
+        fmt::format("{}: contains R and T of a stereo pair; import it together "
+                    "with the file of its two cameras to get the rig",
                     files));
   cameras->front().camera_from_rig = Pose{};
   cameras->back().camera_from_rig = *second_from_first;
@@ -396,8 +396,8 @@ void RequireOneBoard(const std::string& program,
       if (!first) first = &pose;
       if (pose.board != first->board)
         throw InputError(
-            fmt::format("--poses: has poses of boards {} and {}, but {} has a "
-                        "single world frame; keep the poses of one board",
+            fmt::format("--poses: contains poses of boards {} and {}, but {} "
+                        "has a single world frame; keep the poses of one board",
                         first->board, pose.board, program));
     }
 }

@@ -134,7 +134,7 @@ LensInForm ReadKalibrLens(const CameraKeys& camera) {
   const size_t num_intrinsics =
       lens.form->parameters.size() - coefficients.size();
   if (lens.values.size() != num_intrinsics)
-    throw InputError(fmt::format("intrinsics: {} numbers, but {} has {}",
+    throw InputError(fmt::format("intrinsics: found {} numbers, but {} has {}",
                                  lens.values.size(), lens.form->name,
                                  num_intrinsics));
   lens.values.insert(lens.values.end(), coefficients.begin(),
@@ -209,12 +209,12 @@ ExchangeContents ReadKalibr(const ReadRequest& request) {
       });
   if (contents.cameras.size() != num_cameras)
     throw InputError(fmt::format(
-        "{} keys, but expected only cam0 to cam{}, numbered without gaps",
+        "found {} keys, but expected only cam0 to cam{}, numbered without gaps",
         num_cameras, num_cameras - 1));
   NameCameras(root, &contents.cameras);
   if (first_from_imu)
     contents.remarks.push_back(
-        "the IMU is ignored: camera poses relative to it, and time shifts");
+        "camera-IMU extrinsics and time offsets are ignored");
   if (contents.cameras.size() > 1 && !contents.IsRig())
     contents.remarks.push_back(
         "importing cameras without a rig: neither T_cn_cnm1 nor T_cam_imu");

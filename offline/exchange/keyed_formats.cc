@@ -137,9 +137,10 @@ void TakeKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
       (is_longer &&
        std::any_of(numbers.begin() + parameters.size(), numbers.end(),
                    [](double number) { return number != 0; })))
-    throw InputError(fmt::format(
-        "{}: {} numbers, but {} of {} has {}", part.key, numbers.size(),
-        camera->lens.form->name, format.name, parameters.size()));
+    throw InputError(
+        fmt::format("{}: found {} coefficients, but {} of {} has {}", part.key,
+                    numbers.size(), camera->lens.form->name, format.name,
+                    parameters.size()));
   for (size_t k = 0; k < std::min(numbers.size(), parameters.size()); ++k)
     (*values)[parameters[k]] = numbers[k];
 }

@@ -180,7 +180,7 @@ std::string LensFitText(const LensFit& fit) {
     text += fmt::format(
         "; {} pixels cannot be represented, up to {:.0f} degrees off axis",
         fit.num_beyond, fit.widest_rad * 180 / M_PI);
-  if (!fit.IsTurned()) return text + "; not rotated";
+  if (!fit.IsTurned()) return text + "; no rotation applied";
   const Eigen::Quaterniond& q = fit.lens_from_camera;
   return text + fmt::format(
                     "; rotated by {:.2g} rad, lens_from_camera (w, x, y, z) "

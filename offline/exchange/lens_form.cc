@@ -39,8 +39,9 @@ void RequireSize(const ImageSize& size) {
   if (size.width < 1 || size.height < 1)
     throw InputError("the image size must be two positive numbers");
   if (std::max(size.width, size.height) > kMaxHugeSidePx)
-    throw InputError(fmt::format(
-        "image size: at most {} pixels a side are supported", kMaxHugeSidePx));
+    throw InputError(
+        fmt::format("image size: at most {} pixels per side are supported",
+                    kMaxHugeSidePx));
 }
 
 void RequireFocalLengths(const Eigen::Vector2d& focal_px) {
@@ -52,8 +53,9 @@ std::unique_ptr<ParametricModel> MakeNamedLens(const LensInForm& lens) {
   const LensForm& form = *lens.form;
   const LensModel& model = *FindLensModel(form.model);
   if (lens.values.size() != form.parameters.size())
-    throw InputError(fmt::format("{}: {} numbers, expected {}", form.name,
-                                 lens.values.size(), form.parameters.size()));
+    throw InputError(fmt::format("{0}: expected {2} numbers, found {1}",
+                                 form.name, lens.values.size(),
+                                 form.parameters.size()));
   RequireNumbers(form, lens.values);
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(model.parameters.size());
   for (size_t k = 0; k < lens.values.size(); ++k) {

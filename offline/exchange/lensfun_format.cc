@@ -223,7 +223,7 @@ ExchangeContents ReadLensfun(const ReadRequest& request) {
       root.name == "lens" ? std::vector<XmlElement>{root} : root.children;
   const std::optional<double> crop_of_camera = CropOfCamera(elements);
   if (!request.size)
-    throw InputError("missing image size; give --image-size WxH");
+    throw InputError("missing image size; specify --image-size WxH");
   ExchangeContents contents;
   for (const XmlElement& lens : elements) {
     const XmlElement* calibration = lens.Child("calibration");

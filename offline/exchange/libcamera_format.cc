@@ -48,7 +48,7 @@ LensInForm ReadDewarp(const CameraKeys& dewarp,
     if (form.parameters.size() == 4 + coefficients.size()) lens.form = &form;
   if (!lens.form)
     throw InputError(
-        fmt::format("{}: {} numbers; libcamera supports 4, 5, 8 and 12",
+        fmt::format("{}: {} coefficients; libcamera supports 4, 5, 8 and 12",
                     kTuningCoefficients, coefficients.size()));
   lens.values.insert(lens.values.end(), coefficients.begin(),
                      coefficients.end());

@@ -187,7 +187,7 @@ ExchangeContents ReadMrcalCorners(const ReadRequest& request) {
   const CornerColumns columns = ColumnsOf(request.text);
   if (!request.board)
     throw InputError(
-        "missing board size; give it in corners with --board-size "
+        "missing board size; specify it in corners with --board-size "
         "COLUMNSxROWS, such as --board-size 10x10");
   CornerCounts counts;
   const std::vector<CornerRows> images = RowsOf(request, columns, &counts);

@@ -37,7 +37,7 @@ ImageSize BoardOf(const YAML::Node& root, const ReadRequest& request,
   }
   if (board.width == 0)
     throw InputError(
-        "image_points: 'board_width' is missing; give the board size in "
+        "image_points: 'board_width' is missing; specify the board size in "
         "corners, such as --board-size 9x6");
   if (int64_t{board.width} * board.height != num_points)
     throw InputError(fmt::format(

@@ -323,8 +323,8 @@ void AddPhotonViews(const Json& root, ExchangeContents* contents) {
   remark(counts.skipped, "image");
   if (!first.isZero())
     contents->remarks.push_back(
-        "board poses are ignored: the first corner is one square from the "
-        "board's origin");
+        "board poses are ignored: PhotonVision's board origin is one square "
+        "from the first corner");
 }
 
 void ReadPhotonCamera(const Json& root, ExchangeContents* contents) {

@@ -80,10 +80,11 @@ std::optional<Pose> WorldFromBoard(
       ((pose * lattice.colwise().homogeneous()).topRows<3>() - points).norm() /
       std::sqrt(static_cast<double>(count));
   if (!(off_m < geometry.cell_m))
-    throw InputError(fmt::format(
-        "points.yaml: its points deviate by {:g} m from the board in "
-        "dataset.bin (cell size {:g} m); both must be of the same calibration",
-        off_m, geometry.cell_m));
+    throw InputError(
+        fmt::format("points.yaml: its points deviate by {:g} m from the board "
+                    "in dataset.bin (cell size {:g} m); both files must come "
+                    "from the same calibration",
+                    off_m, geometry.cell_m));
   return Pose{Eigen::Quaterniond(Eigen::Matrix3d(pose.topLeftCorner<3, 3>()))
                   .normalized(),
               pose.topRightCorner<3, 1>()};

@@ -85,7 +85,7 @@ LensInForm LensOfRadial(const std::string& name, const ImageSize& size,
                         const RadialLens& lens,
                         std::vector<std::string>* remarks) {
   if (size == ImageSize{})
-    throw InputError("missing image size; give --image-size WxH");
+    throw InputError("missing image size; specify --image-size WxH");
   if (!(lens.focal_px.minCoeff() > 0))
     throw InputError("focal lengths must be positive");
   const std::array<double, 4>& c = lens.coefficients;

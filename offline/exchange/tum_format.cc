@@ -49,10 +49,10 @@ bool AreStamps(const std::vector<BoardPose>& poses) {
 void RequireOneBoardOf(const PoseTable& table) {
   for (const BoardPose& pose : table.poses)
     if (pose.board != table.poses.front().board)
-      throw InputError(
-          fmt::format("{}: has poses of boards {} and {}, but a trajectory has "
-                      "a single reference frame; keep the poses of one board",
-                      table.path, table.poses.front().board, pose.board));
+      throw InputError(fmt::format(
+          "{}: contains poses of boards {} and {}, but a trajectory has a "
+          "single reference frame; keep the poses of one board",
+          table.path, table.poses.front().board, pose.board));
 }
 
 std::vector<TumRow> RowsOfPoses(const PoseTable& table) {
@@ -70,8 +70,8 @@ std::vector<TumRow> RowsOfPoses(const PoseTable& table) {
       [](const TumRow& a, const TumRow& b) { return a.seconds < b.seconds; });
   for (size_t k = 1; k < rows.size(); ++k)
     if (rows[k].seconds == rows[k - 1].seconds)
-      throw InputError(fmt::format("{}: duplicate time stamp {}", table.path,
-                                   rows[k].stamp));
+      throw InputError(
+          fmt::format("{}: duplicate timestamp {}", table.path, rows[k].stamp));
   return rows;
 }
 
@@ -86,13 +86,13 @@ TableOutput WriteTum(const PoseTable& table) {
                         row.stamp, t.x() + 0.0, t.y() + 0.0, t.z() + 0.0,
                         q.x() + 0.0, q.y() + 0.0, q.z() + 0.0, q.w() + 0.0);
   }
-  return {{{table.output, text}},
-          fmt::format("{} poses of the camera in the board's frame; time "
-                      "stamps {}",
-                      table.poses.size(),
-                      AreStamps(table.poses)
-                          ? "from the image names"
-                          : "numbered from 0 in the order of the file")};
+  return {
+      {{table.output, text}},
+      fmt::format("{} poses of the camera in the board's frame; timestamps {}",
+                  table.poses.size(),
+                  AreStamps(table.poses)
+                      ? "from the image names"
+                      : "numbered from 0 in the order of the file")};
 }
 
 // ---- Reading ---------------------------------------------------------------
@@ -146,7 +146,7 @@ std::vector<BoardPose> ReadTum(const std::string& path,
                       line.size()));
     const auto number = [&](size_t k) { return line.Get<double>(k); };
     if (!stamps.insert(number(0)).second)
-      line.Refuse(fmt::format("duplicate time stamp {}", line.Text(0)));
+      line.Refuse(fmt::format("duplicate timestamp {}", line.Text(0)));
     const Eigen::Quaterniond rotation(number(7), number(4), number(5),
                                       number(6));
     if (!(std::abs(rotation.norm() - 1) < kRounding))
@@ -165,8 +165,8 @@ TableFormat TumFormat() {
   TableFormat format;
   format.name = "tum";
   format.holds =
-      "TUM trajectory: time stamp, position and quaternion of the camera in "
-      "the board's frame, per line";
+      "TUM trajectory: timestamp, position and quaternion of the camera in the "
+      "board's frame, per line";
   format.write_poses = WriteTum;
   format.recognizes = IsTum;
   format.read_poses = ReadTum;

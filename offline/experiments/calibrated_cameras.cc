@@ -44,9 +44,10 @@ void TakeLastForTruth(const std::string& others, ComparedCameras* compared) {
   NamedCamera& truth = compared->cameras.back();
   compared->conditions.push_back(
       {"truth",
-       fmt::format("unknown; {} is the reference, {}; evaluated where its "
-                   "uncertainty is below {:g} px, or in half of the image",
-                   truth.name, others, kKnownPx)});
+       fmt::format(
+           "not available; {} serves as reference, {}; evaluated where its "
+           "predicted uncertainty is below {:g} px or below its median",
+           truth.name, others, kKnownPx)});
   truth.name += " (reference)";
 }
 
@@ -54,7 +55,7 @@ ComparedCameras UsersCameras(const std::vector<NamedCamera>& users) {
   constexpr size_t kMaxCameras = 6;  // in a chart
   if (users.size() > kMaxCameras)
     throw Error(ExitCode::kUsage,
-                fmt::format("--camera: {} cameras, at most {} are supported",
+                fmt::format("--camera: {} cameras exceed the limit of {}",
                             users.size(), kMaxCameras));
   for (const NamedCamera& camera : users)
     if (camera.model->image_size() != users[0].model->image_size())

@@ -282,14 +282,13 @@ std::vector<Condition> GuidanceConditions(const ExperimentOptions& options) {
           {"board", "11 x 8 features, 25 mm apart"},
           {"features", "at least 11 px from the image border"},
           {"noise", fmt::format("{:g} px per axis", kFeatureNoisePx)},
-          {"operator",
-           fmt::format(
-               "misplaces the board by 3 cm and 5 degrees (1 sigma per axis)")},
+          {"operator", fmt::format("positions the board with errors of 3 cm "
+                                   "and 5 degrees (1 sigma per axis)")},
           {"next view",
            "as in raygrid: largest expected reduction of the mean variance"},
           {"ROS's bars",
-           "of 30 views of the whole board, the one that fills the bars most "
-           "or is new to ROS"},
+           "one of 30 views of the whole board: the one that fills the bars "
+           "most, or one that ROS accepts as new"},
           {"nothing",
            "random position, 0.3 to 1.1 times the image width, tilt up to 50 "
            "degrees; boards may be partly visible, as with the next view"},

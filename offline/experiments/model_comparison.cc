@@ -16,7 +16,7 @@ std::shared_ptr<const CameraModel> GenericCamera(
   constexpr int kCells = 16;
   if (!options.data.cameras.empty()) {
     const NamedCamera& camera = options.data.cameras.front();
-    conditions->push_back({"camera", "the user's, " + camera.model->Name()});
+    conditions->push_back({"camera", "user-provided, " + camera.model->Name()});
     return camera.model;
   }
   const ExperimentFeatures features = FeaturesFor(options);
@@ -45,7 +45,7 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options) {
   table.columns = {"model",  "parameters", "median_px",   "rms_px",
                    "p99_px", "max_px",     "rotation_rad"};
   table.chart.title = "Fit error of parametric models to a generic camera";
-  table.chart.note = "all pixels, after the optimal rotation";
+  table.chart.note = "all pixels, after rotational alignment";
   table.chart.x_label = "model";
   table.chart.y_label = "difference, px";
   ChartSeries median = {"median", {}, false}, rms = {"RMS", {}, false},

@@ -43,8 +43,8 @@ Camera GetCamera(const ExperimentOptions& options) {
   if (camera->IsCentral())
     throw InputError(
         "the camera is central; calibrate with --model noncentral-generic, or "
-        "give --features");
-  return {camera, {{"camera", "the user's, " + camera->Name()}}};
+        "specify --features");
+  return {camera, {{"camera", "user-provided, " + camera->Name()}}};
 }
 
 struct Effect {

@@ -48,7 +48,7 @@ ImageSet Simulated(const std::string& name, const ExperimentOptions& options,
 
 std::vector<ImageSet> SetsFor(const ExperimentOptions& options) {
   if (options.data.features)
-    return {{"the user's", *options.data.features, options.data.pattern}};
+    return {{"user-provided", *options.data.features, options.data.pattern}};
   return {Simulated("white noise", options, 0, 0),
           Simulated("target deformation", options, 3e-4, 0),
           Simulated("correlated noise", options, 0, 0.05)};

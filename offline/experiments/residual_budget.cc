@@ -43,7 +43,7 @@ void AddCauseRow(ErrorCause cause, const CauseShare& share,
       {std::string(NameOf(cause)), InPercent(share.in_turn),
        fmt::format("{:.2f}", 100 * share.alone),
        fmt::format("{:.2f}", 100 * share.chance_high),
-       std::string(share.is_alike   ? "not separable from the largest"
+       std::string(share.is_alike   ? "indistinguishable from the largest"
                    : share.IsTold() ? "significant"
                                     : "not significant")});
 }
@@ -64,7 +64,7 @@ Chart ChartOfBudget(const ResidualBudget& budget) {
   };
   const auto percent = [](double part) { return 100 * std::max(part, 0.0); };
   parts.points.push_back({tick("noise"), percent(budget.noise)});
-  parts.points.push_back({tick("large errors"), percent(budget.large)});
+  parts.points.push_back({tick("outliers"), percent(budget.large)});
   for (int k = 0; k < kNumErrorCauses; ++k) {
     const auto cause = static_cast<ErrorCause>(k);
     const CauseShare& share = budget.Of(cause);
@@ -74,7 +74,7 @@ Chart ChartOfBudget(const ResidualBudget& budget) {
     alone.points.push_back({x, percent(share.alone)});
     chance.points.push_back({x, percent(share.chance_high)});
   }
-  parts.points.push_back({tick("rest"), percent(budget.rest)});
+  parts.points.push_back({tick("unexplained"), percent(budget.rest)});
   chart.series = {alone, chance, parts};  // the last over the others
   return chart;
 }
@@ -93,7 +93,7 @@ BudgetInput InputOfUser(const ExperimentData& data, int num_threads) {
   }
   if (!data.features || data.cameras.size() != 1)
     throw Error(ExitCode::kUsage,
-                "residual-budget: give one --result folder, or --features, "
+                "residual-budget: specify one --result folder, or --features, "
                 "--pattern, --image-size and one --camera");
   const CameraModel& camera = *data.cameras.front().model;
   if (camera.image_size() != data.features->image_size)
@@ -121,16 +121,11 @@ ExperimentResult BudgetOfUser(const ExperimentOptions& options) {
   table.columns = {"cause", "part_percent", "alone_percent",
                    "chance_high_percent", "remark"};
   AddPart("noise", budget.noise, &table);
-  AddPart("large errors", budget.large, &table);
+  AddPart("outliers", budget.large, &table);
   for (int k = 0; k < kNumErrorCauses; ++k)
     AddCauseRow(static_cast<ErrorCause>(k),
                 budget.Of(static_cast<ErrorCause>(k)), &table);
-  if (budget.OfViews() > 0)
-    table.rows.push_back({std::string("column time"), 0.0,
-                          fmt::format("{:.2f}", 100 * budget.column_time),
-                          std::string("-"),
-                          std::string("not physical, as a reference")});
-  AddPart("rest", budget.rest, &table);
+  AddPart("unexplained", budget.rest, &table);
   table.chart = ChartOfBudget(budget);
   return table;
 }
@@ -164,8 +159,8 @@ ExperimentResult BudgetsOfFaults(const ExperimentOptions& options) {
     table.columns.push_back(name);
     table.chart.series.push_back({name, {}, false});
   }
-  table.columns.push_back("large errors");
-  table.columns.push_back("rest");
+  table.columns.push_back("outliers");
+  table.columns.push_back("unexplained");
   for (int f = 0; f < kNumFaults; ++f) {
     const auto fault = static_cast<SimulatedFault>(f);
     const Dataset seen =

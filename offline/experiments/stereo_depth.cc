@@ -165,7 +165,7 @@ ComparedPairs SimulatedPairs(const ExperimentOptions& options) {
 ComparedPairs UsersPairs(const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
   ComparedPairs compared;
-  std::string others = "the others as given";
+  std::string others = "the others as specified";
   if (data.pair_features) {
     const auto& [left, right] = *data.pair_features;
     std::vector<std::string> hold_out = data.hold_out;
@@ -190,9 +190,10 @@ ComparedPairs UsersPairs(const ExperimentOptions& options) {
   }
   compared.conditions.push_back(
       {"truth",
-       fmt::format("unknown; {} is the reference, {}; evaluated where its "
-                   "uncertainty is below {:g} px, or in half of the image",
-                   compared.truth().name, others, kKnownPx)});
+       fmt::format(
+           "not available; {} serves as reference, {}; evaluated where its "
+           "predicted uncertainty is below {:g} px or below its median",
+           compared.truth().name, others, kKnownPx)});
   return compared;
 }
 

@@ -136,10 +136,11 @@ Walk WalkOf(const ColmapModel& model, const Area& area) {
     walk.views.push_back(std::move(view));
   }
   if (static_cast<int>(walk.views.size()) < 2 * kFirstFrames)
-    throw Error(ExitCode::kTooFew,
-                fmt::format("--colmap-model: only {} images have at least {} "
-                            "points in the calibrated area; need {}",
-                            walk.views.size(), kMinSeen, 2 * kFirstFrames));
+    throw Error(
+        ExitCode::kTooFew,
+        fmt::format("--colmap-model: only {} images have at least {} points in "
+                    "the calibrated area; at least {} are required",
+                    walk.views.size(), kMinSeen, 2 * kFirstFrames));
   return walk;
 }
 
@@ -304,12 +305,12 @@ DriftOfCamera AdjustFromStarts(const CameraModel& camera, const Walk& walk,
 ExperimentResult EmptyTable(const std::vector<NamedCamera>& cameras) {
   ExperimentResult table;
   table.columns = {"camera",
-                   "walk",
+                   "trajectory",
                    "residual_median_px",
                    "start_error_percent",
                    "end_error_percent",
                    "from_other_start_percent"};
-  table.chart.title = "Drift at the end of a walk";
+  table.chart.title = "Drift at the end of a trajectory";
   table.chart.note = "intrinsics fixed to each calibration";
   table.chart.is_logarithmic = true;
   for (const NamedCamera& camera : cameras)
@@ -320,11 +321,11 @@ ExperimentResult EmptyTable(const std::vector<NamedCamera>& cameras) {
 void AddStartConditions(ExperimentResult* table) {
   table->conditions.push_back(
       {"start",
-       fmt::format("perturbed per step by {:g} degrees about each axis, {:g} % "
-                   "of the step and {:g} % of the scale; points by {:g} % of "
-                   "their depth (1 sigma); start_error is that of its end",
-                   kTurnDeg, 100 * kStepPart, 100 * kScalePart,
-                   100 * kDepthPart)});
+       fmt::format(
+           "perturbed per step by {:g} degrees about each axis, {:g} % of the "
+           "step and {:g} % of the scale; points by {:g} % of their depth (1 "
+           "sigma); start_error is the position error at its end",
+           kTurnDeg, 100 * kStepPart, 100 * kScalePart, 100 * kDepthPart)});
   table->conditions.push_back({"other start",
                                "another random initialization; both should "
                                "converge to the same error"});
@@ -345,8 +346,8 @@ void AddDriftRow(const NamedCamera& camera, size_t index, int walk,
   table->chart.series[index].points.push_back({walk - 1.0, errors.after[0]});
   if (!drift.Converged())
     table->conditions.push_back(
-        {"warning",
-         fmt::format("{}, walk {}: did not converge", camera.name, walk)});
+        {"warning", fmt::format("{}, trajectory {}: did not converge",
+                                camera.name, walk)});
 }
 
 ExperimentResult AdjustSimulatedWalks(const ExperimentOptions& options) {
@@ -355,16 +356,17 @@ ExperimentResult AdjustSimulatedWalks(const ExperimentOptions& options) {
   ExperimentResult table = EmptyTable(cameras);
   table.conditions = compared.conditions;
   table.conditions.push_back(
-      {"walk", fmt::format("{} images, {:g} m apart, {} points, {:g} px noise "
-                           "per axis; bundle adjustment with fixed intrinsics",
-                           kWalkFrames, kStepM, kPoints, kNoisePx)});
+      {"trajectory",
+       fmt::format("{} images, {:g} m apart, {} points, {:g} px noise "
+                   "per axis; bundle adjustment with fixed intrinsics",
+                   kWalkFrames, kStepM, kPoints, kNoisePx)});
   AddStartConditions(&table);
   table.conditions.push_back(
       {"error",
        fmt::format("of the last position, relative to the path length, after "
                    "aligning the first {} by a similarity",
                    kFirstFrames)});
-  table.chart.x_label = "walk (its noise and points)";
+  table.chart.x_label = "trajectory (with its own noise and points)";
   table.chart.y_label = "final position error, % of the path length";
   for (int k = 0; k < options.num_walks; ++k) {
     table.chart.ticks.push_back({double(k), std::to_string(k + 1)});
@@ -429,21 +431,22 @@ ExperimentResult AdjustUsersWalk(const ExperimentOptions& options) {
   ExperimentResult table = EmptyTable(cameras);
   table.conditions = compared.conditions;
   table.conditions.push_back(
-      {"walk", fmt::format("the user's, {} of {} images, {} points; bundle "
-                           "adjustment with fixed intrinsics",
-                           walk.views.size(), model.images.size(),
-                           model.points.size())});
+      {"trajectory",
+       fmt::format("user-provided, {} of {} images, {} points; bundle "
+                   "adjustment with fixed intrinsics",
+                   walk.views.size(), model.images.size(),
+                   model.points.size())});
   AddStartConditions(&table);
   table.conditions.push_back(
       {"error", fmt::format("of the last position, relative to the path "
                             "length, from that with {}, after aligning the "
                             "points of the first {} images by a similarity",
                             cameras.back().name, kFirstFrames)});
-  table.chart.title = "Difference at the end of a walk";
-  table.chart.x_label = "walk";
+  table.chart.title = "Difference at the end of a trajectory";
+  table.chart.x_label = "trajectory";
   table.chart.y_label = "% of the path length, from " + cameras.back().name;
   table.chart.is_logarithmic = false;
-  table.chart.ticks = {{0, "the user's"}};
+  table.chart.ticks = {{0, "user-provided images"}};
   for (size_t c = 0; c < cameras.size(); ++c)
     AddDriftRow(
         cameras[c], c, 1, drifts[c],

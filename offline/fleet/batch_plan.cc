@@ -191,7 +191,7 @@ void RequireOptionsFit(const BatchUnit& unit, const YAML::Node& node,
   if (has_condition && !unit.features.empty() && !files.count(kOperatingPoints))
     throw InputError(
         fmt::format("unit {}: vary_with requires the operating point of each "
-                    "image in features; give operating_points: FILE.csv",
+                    "image in features; specify operating_points: FILE.csv",
                     unit.serial));
   for (const auto& [value, folder] : unit.cameras_at)
     if (!IsNumber(value))
@@ -199,14 +199,14 @@ void RequireOptionsFit(const BatchUnit& unit, const YAML::Node& node,
                                    unit.serial, Printable(value)));
   if (!unit.cameras_at.empty() &&
       ConditionText(Find(node, plan, kVaryWith)).find(',') != std::string::npos)
-    throw InputError(fmt::format(
-        "unit {}: images_at takes values of one quantity; for both give "
-        "operating_points: FILE.csv",
-        unit.serial));
+    throw InputError(
+        fmt::format("unit {}: images_at takes values of one quantity; for both "
+                    "specify operating_points: FILE.csv",
+                    unit.serial));
   if (has_shutter && !unit.features.empty() && !files.count(kTimestamps))
     throw InputError(
-        fmt::format("unit {}: rolling_shutter requires the time stamp of each "
-                    "image in features; give timestamps: FILE.csv",
+        fmt::format("unit {}: rolling_shutter requires the timestamp of each "
+                    "image in features; specify timestamps: FILE.csv",
                     unit.serial));
   if (!has_shutter && files.count(kTimestamps))
     throw InputError(fmt::format(
@@ -331,7 +331,7 @@ void RequireRepeatsFit(const std::vector<BatchUnit>& units) {
       if (text->empty() != of_first->empty())
         throw InputError(
             fmt::format("unit {}: of the golden units {} and {}, one has no "
-                        "{}; give it for all of them or for none",
+                        "{}; specify it for all of them or for none",
                         unit.serial, first->serial, unit.serial, key));
   }
 }

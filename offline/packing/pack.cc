@@ -270,17 +270,17 @@ class RemapSections {
   void RemarkOnReach(PackedCamera* packed) const {
     const RemapTable& table = tables_.back().front();
     if (table.num_out_of_reach > 0)
-      packed->remarks.push_back(
-          fmt::format("table {}: {} blocks of {} px at the image edge are left "
-                      "as border, since their corners exceed the limit of 8192 "
-                      "px; use a table for smaller frames (--mode)",
-                      tables_.size() - 1, table.num_out_of_reach,
-                      1 << table.section.block_log2));
+      packed->remarks.push_back(fmt::format(
+          "table {}: {} blocks of {} px at the image edge are filled with the "
+          "border value, because their source positions exceed 8192 px; use a "
+          "table for smaller frames (--mode)",
+          tables_.size() - 1, table.num_out_of_reach,
+          1 << table.section.block_log2));
     if (table.num_rough > 0)
       packed->remarks.push_back(fmt::format(
-          "table {}: {} blocks of {} px ({:.2g} % of the view) are left as "
-          "border, since their distortion cannot be represented within {} px; "
-          "increase --max-error-px",
+          "table {}: {} blocks of {} px ({:.2g} % of the view) are filled with "
+          "the border value, because their distortion cannot be represented "
+          "within {} px; increase --max-error-px",
           tables_.size() - 1, table.num_rough, 1 << table.section.block_log2,
           PercentOfPicture(table), table.section.bound_upx * 1e-6));
   }
@@ -434,7 +434,7 @@ MadeGrids MakeGrids(const GridTask& task, double max_error_px) {
     const BSplineSurface& surface = made.models.back().surface();
     if (surface.columns() != like.columns() || surface.rows() != like.rows())
       ThrowDoesNotFitBlob(
-          "the areas of samples over the operating point differ by less than "
+          "the calibrated areas of the operating points differ by less than "
           "1/65536 px");
   }
   return made;
@@ -535,11 +535,12 @@ std::optional<std::string> RemarkOnLeftOut(const GridTask& task,
         100 * (1 - task.region->Part()));
   if (!made.follows_all)
     why += fmt::format(
-        "{}no grid represents it within {} px there (increase --max-error-px)",
+        "{}no grid represents the camera there within {} px (increase "
+        "--max-error-px)",
         why.empty() ? "" : ", or ", max_error_px);
   return fmt::format(
       "{:.2g} % of the image is excluded by the validity mask: {}; remap "
-      "tables show border there",
+      "tables contain the border value there",
       100 * left_out_part, why);
 }
 

@@ -179,7 +179,8 @@ void RequireSensible(const ViewRequest& request) {
                        request.alpha.has_value() + request.like.has_value();
   if (num_ways > 1)
     ThrowUsage(
-        "hfov or vfov, focal, alpha and view exclude each other; give one");
+        "hfov or vfov, focal, alpha and view are mutually exclusive; specify "
+        "one of them");
   if (request.center_px && (request.alpha || request.like))
     ThrowUsage("center cannot be combined with alpha or view");
   if (request.like && (request.projection || request.rotate_deg))
@@ -235,7 +236,7 @@ VirtualView MakeViewWithoutCamera(const ImageSize& size,
                                ? Scaled(*request.like, size)
                                : ViewAround(Plane(request), request, size);
   if (view.focal_px.x() == 0)
-    ThrowUsage("missing field of view; give hfov, vfov, focal or view");
+    ThrowUsage("missing field of view; specify hfov, vfov, focal or view");
   RequireThatBlobsHold(view);
   return view;
 }

@@ -144,7 +144,7 @@ HeldConditions ValuesOfRanges(const std::vector<ConditionRange>& ranges,
                     lens_position ? "lens_position" : "temperature"));
   if (value && ranges.size() > 1)
     throw py::value_error(
-        "the camera varies with two quantities: give lens_position= and "
+        "the camera varies with two quantities: specify lens_position= and "
         "temperature=");
   if (value && held[0]) throw py::value_error("expected a single value");
   if (value) held[0] = value;
@@ -382,7 +382,7 @@ void BindCamera(py::module_* module) {
           "dioptres or ('temperature', lowest, highest) in degrees Celsius. "
           "None without a range, or with two.")
       .def_property_readonly("ranges", &AllRanges,
-                             "List of all ranges, each as range has it.")
+                             "List of all ranges, each in the form of range.")
       .def("project", &Project, py::arg("points"), py::kw_only(),
            py::arg("jacobians") = false, py::arg("threads") = 0,
            docstring::kProject)

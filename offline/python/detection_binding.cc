@@ -212,8 +212,8 @@ std::vector<GivenCamera> TakeCameras(const py::object& given) {
         TakeCamera(py::str(name), py::reinterpret_borrow<py::object>(images)));
   if (cameras.size() < 2)
     throw py::value_error(
-        "images: a rig needs at least two cameras; for a single camera, pass "
-        "its images without a name");
+        "images: a rig requires at least two cameras; for a single camera, "
+        "pass its images without a name");
   for (const GivenCamera& camera : cameras)
     if (!IsRigCameraName(camera.name))
       throw py::value_error(

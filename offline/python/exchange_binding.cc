@@ -235,16 +235,17 @@ void BindExchange(py::module_* module) {
   module->def("import_cameras", &Import, py::arg("paths"), py::arg("format"),
               py::arg("model"), py::arg("size"),
               "(name, camera, camera_from_rig or None) of each camera.");
-  module->def("export_cameras", &Export, py::arg("cameras"), py::arg("path"),
-              py::arg("format"), py::arg("model"), py::arg("max_fit_error"),
-              "Writes cameras of import_cameras(); what the lenses leave.");
+  module->def(
+      "export_cameras", &Export, py::arg("cameras"), py::arg("path"),
+      py::arg("format"), py::arg("model"), py::arg("max_fit_error"),
+      "Write cameras returned by import_cameras(); returns the fit errors.");
   module->def("list_formats", &ListFormats,
-              "(name, what it holds, models, is read, is written, holds rigs) "
-              "of each format.");
+              "(name, contents, models, can be read, can be written, supports "
+              "rigs) of each format.");
   module->def("read_rig", &ReadRig, py::arg("path"),
               "(name, camera, camera_from_rig) of each camera.");
   module->def("write_rig", &WriteRig, py::arg("path"), py::arg("cameras"),
-              "Writes cameras of read_rig(), and rig.yaml.");
+              "Write cameras returned by read_rig(), and rig.yaml.");
 }
 
 }  // namespace raygrid

@@ -22,9 +22,9 @@ struct BudgetPart {
 const char* MeaningOf(ErrorCause cause) {
   switch (cause) {
     case ErrorCause::kImagePlace:
-      return "model error: residuals depend on the position in the image";
+      return "residuals that depend on the position in the image";
     case ErrorCause::kBoardPlace:
-      return "target geometry: residuals depend on the target point";
+      return "residuals that depend on the target point";
     case ErrorCause::kBend:
       return "out-of-plane target deformation per image";
     case ErrorCause::kInPlane:
@@ -33,7 +33,7 @@ const char* MeaningOf(ErrorCause cause) {
       return "image scale or shift per image, such as from focus or "
              "temperature";
     default:
-      return "rolling shutter with motion";
+      return "motion with a rolling shutter";
   }
 }
 
@@ -41,17 +41,17 @@ std::vector<BudgetPart> PartsOf(const ResidualBudget& budget) {
   constexpr const char* kColors[kNumErrorCauses] = {
       "#0072b2", "#009e73", "#d55e00", "#f0e442", "#cc79a7", "#e69f00"};
   std::vector<BudgetPart> parts = {
-      {"noise", "independent between features", budget.noise, nullptr,
-       "#999999"},
-      {"large errors", "single features beyond 5 standard deviations",
-       budget.large, nullptr, "#000000"}};
+      {"noise", "white noise, independent between features", budget.noise,
+       nullptr, "#999999"},
+      {"outliers", "single features beyond 5 standard deviations", budget.large,
+       nullptr, "#000000"}};
   for (int k = 0; k < kNumErrorCauses; ++k) {
     const auto cause = static_cast<ErrorCause>(k);
     const CauseShare& share = budget.Of(cause);
     parts.push_back(
         {NameOf(cause), MeaningOf(cause), share.in_turn, &share, kColors[k]});
   }
-  parts.push_back({"rest", "spatially correlated, of unknown cause",
+  parts.push_back({"unexplained", "spatially correlated, of unknown cause",
                    budget.rest, nullptr, "#56b4e9"});
   return parts;
 }
@@ -107,9 +107,6 @@ std::string BudgetSection(const ResidualBudget& budget) {
   const std::vector<BudgetPart> parts = PartsOf(budget);
   std::vector<HtmlRow> rows;
   for (const BudgetPart& part : parts) rows.push_back(RowOf(part));
-  if (budget.OfViews() > 0)
-    rows.push_back({"column time", "&ndash;", Percent(budget.column_time), "",
-                    "not physical; reference level for the per-image causes"});
   return html + BarOf(parts) + "<div class=\"causes\">" +
          HtmlTable({"", "part", "alone", "chance level", "meaning"}, rows) +
          "</div>" +

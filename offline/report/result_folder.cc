@@ -107,7 +107,7 @@ void RequireMatching(const std::string& folder,
                     result.pattern);
   if (!result.camera.training)
     throw InputError(In(folder, "camera.yaml") +
-                     ": has no training errors; calibrate again");
+                     ": contains no training errors; calibrate again");
 }
 
 std::optional<BeforeAfter> ReadExample(const std::string& folder) {

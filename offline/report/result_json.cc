@@ -83,7 +83,7 @@ Json RowTimeJson(const RowTimeEstimate& row_time) {
   json["images"] = row_time.num_images;
   json["compensated"] = row_time.is_taken_out;
   if (row_time.num_left_out > 0)
-    json["not_compensated_images"] = row_time.num_left_out;
+    json["uncompensated_images"] = row_time.num_left_out;
   return json;
 }
 

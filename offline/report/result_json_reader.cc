@@ -33,7 +33,7 @@ RowTimeEstimate ParseRowTime(const Json& json) {
   RowTimeEstimate row_time;
   row_time.num_images = json.at("images").get<int>();
   row_time.is_taken_out = json.at("compensated").get<bool>();
-  row_time.num_left_out = json.value("not_compensated_images", 0);
+  row_time.num_left_out = json.value("uncompensated_images", 0);
   row_time.value = {NumberIfAny(json, "value_us").value_or(0) * 1e-6,
                     NumberIfAny(json, "sd_us").value_or(0) * 1e-6};
   if (json.contains("not_observable"))
@@ -255,7 +255,7 @@ ResultFigures ParseResultJson(const std::string& path,
   try {
     ResultFigures figures = ParseResult(json);
     if (!figures.result.cameras.empty()) return figures;
-    throw InputError(path + ": holds no camera; calibrate again");
+    throw InputError(path + ": contains no camera; calibrate again");
   } catch (const nlohmann::json::exception& error) {
     throw InputError(
         fmt::format("{}: {}; calibrate again", path, JsonProblem(error)));

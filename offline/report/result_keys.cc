@@ -50,7 +50,7 @@ constexpr RenamedKey kRenamedKeys[] = {
     {"line_delay", "untold", "not_observable"},
     {"line_delay", "times_fit", "timestamps_consistent"},
     {"line_delay", "taken_out", "compensated"},
-    {"line_delay", "left_out", "not_compensated_images"},
+    {"line_delay", "left_out", "uncompensated_images"},
     {"", "line_spread", "noncentrality"},
     {"", "fold_over", "non_injective"},
     {"non_injective", "part", "share"},

@@ -492,9 +492,9 @@ RowTimeEstimate RowTimeAdjustment::Result(int num_images) const {
   result.do_times_fit = wrong.empty();
   if (!wrong.empty())
     result.untold = fmt::format(
-        "the time stamps do not fit the motion ({}): frames were delivered in "
-        "bursts, lost or reordered, or the frame rate changed; use the "
-        "sensor's time stamps",
+        "the timestamps are inconsistent with the motion ({}): frames were "
+        "delivered in bursts, lost or reordered, or the frame rate changed; "
+        "use the sensor's timestamps",
         wrong);
   else if (!moves)
     result.untold =
@@ -502,8 +502,8 @@ RowTimeEstimate RowTimeAdjustment::Result(int num_images) const {
         "target while recording";
   else if (result.value.deviation_s > limit_s && std::abs(bias_s) > limit_s / 2)
     result.untold = fmt::format(
-        "motion is too fast for the frame rate, or time stamps are noisy "
-        "(+-{}); use the sensor's time stamps, move more slowly, or increase "
+        "motion is too fast for the frame rate, or timestamps are noisy "
+        "(+-{}); use the sensor's timestamps, move more slowly, or increase "
         "the frame rate",
         MicrosecondsText(result.value.deviation_s));
   else if (result.value.deviation_s > limit_s)
@@ -516,7 +516,7 @@ RowTimeEstimate RowTimeAdjustment::Result(int num_images) const {
   else if (std::abs(result.value.seconds) > longest_s + 2 * limit_s)
     result.untold = fmt::format(
         "the estimate of {} exceeds the {} possible at this frame rate; check "
-        "that the time stamps belong to these images, in seconds",
+        "that the timestamps belong to these images, in seconds",
         MicrosecondsText(result.value.seconds), MicrosecondsText(longest_s));
   return result;
 }
@@ -560,8 +560,8 @@ RowTimeEstimate EstimateRowTime(const MovingViews& views) {
     none.num_images = num_images;
     none.untold = fmt::format(
         "only {} images have two adjacent frames on either side, each within "
-        "{:g} s; need {}; check that times are in seconds, and record "
-        "consecutive frames of a moving camera",
+        "{:g} s; at least {} are required; check that times are in seconds, "
+        "and record consecutive frames of a moving camera",
         num_images, kMaxFrameGapS, kMinImages);
     return none;
   }

@@ -102,9 +102,13 @@ void MovePoints(double strength_px, const ImageSize& size, Random* random,
 }  // namespace
 
 const char* NameOf(SimulatedFault fault) {
-  constexpr const char* kNames[kNumFaults] = {
-      "none",     "image place",  "board place", "bends",
-      "in-plane", "image affine", "row time"};
+  constexpr const char* kNames[kNumFaults] = {"none",
+                                              "lens model",
+                                              "target geometry",
+                                              "per-view deformation",
+                                              "in-plane deformation",
+                                              "image shift/scale",
+                                              "rolling shutter"};
   return kNames[static_cast<size_t>(fault)];
 }
 

@@ -17,7 +17,7 @@ enum class SimulatedFault {
 };
 constexpr int kNumFaults = 7;
 
-/// "none", "image place", ...
+/// "none", "lens model", ...
 const char* NameOf(SimulatedFault fault);
 
 /// The observations of SimulateObservations() with a fault that moves features

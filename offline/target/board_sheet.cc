@@ -236,12 +236,11 @@ PrintScale MeasuredScale(const BoardSheets& sheets, double measured_x_mm,
                             measured_y_mm / sheets.ruler_mm};
   for (const double s : {scale.x, scale.y})
     if (!(s > 0.5 && s < 2))
-      throw Error(
-          ExitCode::kUsage,
-          fmt::format(
-              "--measured-x-mm {:g}, --measured-y-mm {:g}: implausible, the "
-              "rulers are drawn {} mm long; give their measured lengths in mm",
-              measured_x_mm, measured_y_mm, sheets.ruler_mm));
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--measured-x-mm {:g}, --measured-y-mm {:g}: "
+                              "implausible, since the rulers are drawn {} mm "
+                              "long; specify their measured lengths in mm",
+                              measured_x_mm, measured_y_mm, sheets.ruler_mm));
   return scale;
 }
 

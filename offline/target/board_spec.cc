@@ -39,7 +39,7 @@ double LengthM(std::string text) {
     if (text == "m") return value;
   }
   Refuse(fmt::format(
-      "'{}' is not a length; give a number with unit, such as 25mm", given));
+      "'{}' is not a length; specify a number with unit, such as 25mm", given));
 }
 
 // The parts between the colons, and NAME=VALUE as they are asked for.

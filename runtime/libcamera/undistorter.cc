@@ -60,7 +60,7 @@ void Undistorter::HideUntrusted() {
   if (untrusted_->are_all())
     throw CameraError(CameraExit::kBlob,
                       "blob: its remap table has no pixel in the valid region; "
-                      "omit --outside trusted, or pack another view");
+                      "omit --outside border, or pack another view");
 }
 
 void Undistorter::Start(FrameObserver* observer) {

@@ -49,7 +49,7 @@ class CameraProgram(unittest.TestCase):
                  "corner:crop=0,0,40,30"),
                 ("pack", "known.yaml", "-o", "trusted.raygrid", "--remap",
                  "160x120,hfov=80,center=79.5,59.5", "--mode", "part:crop=20,10,80,60",
-                 "--outside", "trusted"),
+                 "--outside", "border"),
                 ("pack", "scene/true_camera.yaml", "-o", "distorting.raygrid", "--remap",
                  "160x120,hfov=80,direction=distort", "--max-error-px", 2),
                 ("pack", "scene/true_camera.yaml", "-o", "stood.raygrid", "--remap",
@@ -194,7 +194,7 @@ class CameraProgram(unittest.TestCase):
                                    (1, "80x60", [(y, x) for y in range(10, 70)
                                                  for x in range(20, 100)])):
             filled = self.undistorted("modes.raygrid", table, frame, size, "--outside", "fill")
-            shown = self.undistorted("modes.raygrid", table, frame, size, "--outside", "trusted")
+            shown = self.undistorted("modes.raygrid", table, frame, size, "--outside", "border")
             packed = self.undistorted("trusted.raygrid", table, frame, size)
             of_program, of_table, of_area = map(self.border_blocks, (shown, packed, filled))
             # The table leaves out blocks of 16 pixels, or of 8.
@@ -205,7 +205,7 @@ class CameraProgram(unittest.TestCase):
             for k, value in enumerate(shown):
                 is_hidden = (k // WIDTH // 8, k % WIDTH // 8) in of_program
                 self.assertEqual(value, 16 if is_hidden else filled[k], k)
-        recording = ("--from", "frames.yuyv", "--format", "YUYV", "--outside", "trusted")
+        recording = ("--from", "frames.yuyv", "--format", "YUYV", "--outside", "border")
         self.assert_fails(1, "flat.raygrid", *recording, words=["flat.raygrid", "--outside",
                                                                 "camera.yaml"])
         self.assert_fails(8, "modes.raygrid", "--table", 2, "--size", "40x30", *recording,
@@ -304,7 +304,7 @@ class CameraProgram(unittest.TestCase):
         bright = b"\nFRAME\n" + bytes([200]) * len(frame)
         for header, black in ((b"", 16), (b" XCOLORRANGE=FULL", 0)):
             result = self.run_with_input(b"YUV4MPEG2 W160 H120" + header + bright, "-o", "-",
-                                         "--outside", "trusted", blob="modes.raygrid")
+                                         "--outside", "border", blob="modes.raygrid")
             self.assertEqual(min(result.stdout[:WIDTH * HEIGHT]), black)
         result = self.run_with_input(b"YUV4MPEG2 W80 H60\nFRAME\n", "-o", "-")
         self.assertEqual(result.returncode, 8)
@@ -411,7 +411,7 @@ class CameraProgram(unittest.TestCase):
         process = self.start("-o", "-", "--fps", 200)
         time.sleep(1)
         error = self.assert_ends(process, 7, signal.SIGTERM)
-        self.assertIn("does not read", error)
+        self.assertIn("is not reading", error)
 
     # ---- Bad input ----
 
@@ -431,7 +431,7 @@ class CameraProgram(unittest.TestCase):
                           ("flat.raygrid", "--from", "-", "--live", "--every-frame"),
                           ("flat.raygrid", "--benchmark", "--frames", "100"),
                           ("flat.raygrid", "--benchmark", "--points", "-"),
-                          ("flat.raygrid", "--points", "-", "--outside", "trusted"),
+                          ("flat.raygrid", "--points", "-", "--outside", "border"),
                           ("flat.raygrid", "--outside", "trust"),
                           ("flat.raygrid", "--calibrated-crop", "1,2,3"),
                           ("flat.raygrid", "--source", "usb:/dev/video0"),

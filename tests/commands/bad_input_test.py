@@ -96,7 +96,7 @@ class BadInput(CommandTest):
         self.assert_refused(result, 2, "5 x 6")
 
     def test_one_image_only(self):
-        self.assert_refused(self.calibrate_features(features(1)), 3, "images")
+        self.assert_refused(self.calibrate_features(features(1)), 3, "image(s)", "3 are required")
 
     def test_too_few_features(self):
         text = "\n".join(features(8).splitlines()[:6]) + "\n"
@@ -226,7 +226,7 @@ class BadInput(CommandTest):
     def test_half_of_what_a_camera_is_known_by(self):
         self.assert_refused(run("inspect", write(
             self.path("half.yaml"), read(self.path("sim/true_camera.yaml")) + b"uncertainty:\n")),
-            2, "half.yaml", "belong together")
+            2, "half.yaml", "require each other")
 
     def test_more_behind_the_end_of_a_file(self):
         for more, words in (("---\nraygrid_pattern: 1\n", "content after the end"),

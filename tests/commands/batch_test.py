@@ -96,7 +96,7 @@ class Batch(CommandTest):
         self.assertEqual(result.returncode, 3, result.stderr)
         lines = result.stderr.splitlines()
         self.assertEqual(len(lines), 2, result.stderr)
-        self.assertIn("A0: error: only 1 images", lines[0])
+        self.assertIn("A0: error: 1 image(s) with", lines[0])
         self.assertIn("B0: error", lines[1])
         self.assertIn("gone", lines[1])
         table = self.table()
@@ -143,7 +143,7 @@ units:
                            ("vary_with: [temperature, 3]", "vary_with: unknown quantity '3'"),
                            ("operating_points: v.csv", "unit C1: operating_points requires vary_with"),
                            ("vary_with: temperature", "unit C1: vary_with requires the operating point of each image"),
-                           ("rolling_shutter: true", "unit C1: rolling_shutter requires the time stamp of each image"),
+                           ("rolling_shutter: true", "unit C1: rolling_shutter requires the timestamp of each image"),
                            ("timestamps: t.csv", "unit C1: timestamps requires rolling_shutter: true"),
                            ("rolling_shutter: maybe", "key 'rolling_shutter': expected true or false"),
                            ("rolling_shutter: true, vary_with: temperature",

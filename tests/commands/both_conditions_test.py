@@ -85,12 +85,12 @@ class BothConditions(CommandTest):
 
     def test_values_say_whose_they_are(self):
         for at, told in (
-                (3, "varies with two quantities; name both, such as --at "
+                (3, "varies with two quantities; specify both, such as --at "
                     "lens_position=5,temperature=45"),
                 ("lens_position=11", "outside the calibrated range, 0 to 10 dioptres"),
                 ("lens_position=3,temperature=71", "outside the calibrated range, 20 to 70 °C"),
                 ("pressure=3", "unknown quantity 'pressure'"),
-                ("lens_position=3,lens_position=4", "lens_position is given twice"),
+                ("lens_position=3,lens_position=4", "lens_position is specified twice"),
                 ("lens_position=", "expected a number"), ("near", "expected a number")):
             result = run("project", self.camera, "--at", at, "--points", "none.csv")
             self.assert_refused(result, 1, told)

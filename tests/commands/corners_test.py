@@ -569,7 +569,7 @@ boards:
                 ((*to, "--pattern", "chessboard:5x5:30mm", *size), 2, ("5 x 5",)),
                 ((*to, "--pattern", "aprilgrid:6x6:24mm", *size), 2, ("board 0", "AprilGrid")),
                 (("--to", "puzzlepaint", "-o", self.path("never/c.yaml")), 2,
-                 ("has features", "puzzlepaint-dataset"))):
+                 ("contains features", "puzzlepaint-dataset"))):
             with self.subTest(words):
                 self.assert_refused(run("export", self.features, *arguments), code, *words)
         self.assert_nothing_in(self.path("never"))

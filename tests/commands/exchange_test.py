@@ -702,7 +702,7 @@ class Rigs(ExchangeTest):
             with self.subTest(name):
                 file = write(self.path("bad/" + name), text)
                 self.assert_refused(run("import", self.path("bad"), "-o", never), 2, file, words)
-        self.assert_refused(run("import", self.path("sim"), "-o", never), 2, "sim: folder has neither")
+        self.assert_refused(run("import", self.path("sim"), "-o", never), 2, "sim: the folder contains neither")
         self.assert_nothing_in(self.path("never"))
 
     def test_rectified_views_are_an_exact_pair(self):

@@ -215,7 +215,7 @@ class Experiment(CommandTest):
         camera = self.own_camera()
         rows, _ = self.small("localization", "--camera", camera)
         text = read(self.path("localization-small/localization.csv")).decode()
-        self.assertIn(f"# truth: unknown; {camera} is the reference, the others are fitted", text)
+        self.assertIn(f"# truth: not available; {camera} serves as reference, the others are fitted", text)
         rows = {row.pop("camera"): [float(value) for value in row.values()] for row in rows}
         truth = rows.pop(camera + " (reference)")
         self.assertEqual(list(rows), ["opencv", "thin-prism-fisheye", "central-radial"])
@@ -261,12 +261,12 @@ class Experiment(CommandTest):
         self.assert_done(done)
         result = json.loads(read(self.path("result/result.json")))
         budget = result["residual_budget"]
-        self.assertEqual(budget["limited_by"], "bends")
+        self.assertEqual(budget["limited_by"], "per-view deformation")
         self.assertIn("--rigid-target", budget["recommendation"])
         report = read(self.path("result/report.html")).decode()
         self.assertIn("What limits this calibration", report)
         # Terminal, verdict and report say one thing.
-        self.assertIn(f"  limited by bends: {budget['summary']}; remedy: {budget['recommendation']}\n",
+        self.assertIn(f"  limited by per-view deformation: {budget['summary']}; remedy: {budget['recommendation']}\n",
                       done.stdout)
         said = f"{budget['summary']}; {budget['recommendation']}"
         self.assertTrue(any(said in reason for reason in result["reasons"]), result["reasons"])
@@ -274,15 +274,15 @@ class Experiment(CommandTest):
         self.assertEqual(report.count(budget["recommendation"]), 2)
         rows, _ = self.small("residual-budget", "--result", self.path("result"))
         parts = {row["cause"]: float(row["part_percent"]) for row in rows}
-        self.assertGreater(parts["bends"], 40)
+        self.assertGreater(parts["per-view deformation"], 40)
         self.assertAlmostEqual(sum(parts.values()), 100, delta=0.1)
-        bends = [cause for cause in budget["causes"] if cause["cause"] == "bends"][0]
-        self.assertAlmostEqual(100 * bends["share"], parts["bends"], delta=0.5)
+        bends = [cause for cause in budget["causes"] if cause["cause"] == "per-view deformation"][0]
+        self.assertAlmostEqual(100 * bends["share"], parts["per-view deformation"], delta=0.5)
         # The true camera, which localises the images.
         rows, _ = self.small("residual-budget", "--features", features, "--pattern", pattern,
                              *size, "--camera", self.path("bent/true_camera.yaml"))
         parts = {row["cause"]: float(row["part_percent"]) for row in rows}
-        self.assertGreater(parts["bends"], 40)
+        self.assertGreater(parts["per-view deformation"], 40)
 
     def test_residual_budget_says_what_it_needs(self):
         def fails(code, words, *options):
@@ -297,7 +297,7 @@ class Experiment(CommandTest):
         camera = ("--camera", self.path("few/true_camera.yaml"))
         rows, _ = self.small("residual-budget", *few, *camera)
         remarks = {row["cause"]: row["remark"] for row in rows}
-        self.assertEqual(remarks["image place"], "not observable: 2 views, at least 8 required")
+        self.assertEqual(remarks["lens model"], "not observable: 2 views, at least 8 required")
 
     def colmap_model(self, folder, camera, size=(640, 480)):
         """A walk past points on both sides, as structure from motion would have it."""
@@ -471,7 +471,7 @@ cameras:
         rows, _ = self.small("localization", *data)
         self.assertIn("central-generic (reference)", [row["camera"] for row in rows])
         text = read(self.path("localization-small/localization.csv")).decode()
-        self.assertIn("# truth: unknown; central-generic is the reference", text)
+        self.assertIn("# truth: not available; central-generic serves as reference", text)
         self.assertIn("target geometry estimated", text)
         self.assert_refused(run("experiment", "stereo-depth", "-o", self.path("refused"), *data), 2,
                             "two", "column 'camera'")

@@ -155,7 +155,7 @@ class Interruption(CommandTest):
                 break
             part *= 0.7 if code >= 0 else 1.5
         self.assertEqual(code, 5, error)
-        self.assertIn("still holds the previous result", error)
+        self.assertIn("still contains the previous result", error)
         self.assertEqual(error.count("\n"), 1, error)
         after = self.files_in("kept")
         self.assertTrue(after.pop("resume.json"))

@@ -82,7 +82,7 @@ class LargeFiles(CommandTest):
                         for row in range(6) for column in range(9))
         path = write(self.path("video.csv"),
                      HEADER + "".join(lines.format(image) for image in range(9300)))
-        self.refuse(path, ("502200 features in 9300 images", "500000", "one image in 2"),
+        self.refuse(path, ("502200 features in 9300 images", "500000", "one of every 2 images"),
                     "calibrate", "--features", path, "--image-size", "640x480", "--pattern",
                     self.pattern, "-o", self.path("video"))
 

@@ -111,7 +111,7 @@ class Modes(CommandTest):
             self.assertLess(table["error_px"], 0.25)
         for scene, words in (("at=0", ("positive",)), ("at=-1", ("positive",)),
                              ("plane=0,0,0,1", ("non-zero",)), ("plane=0,0,1", ("four numbers",)),
-                             ("at=1,plane=0,0,1,1", ("one of them",))):
+                             ("at=1,plane=0,0,1,1", ("mutually exclusive",))):
             result = run("pack", self.lines, "--remap", "160x120," + scene, "-o",
                          self.path("no/c.raygrid"))
             self.assert_refused(result, 1, *words)
@@ -130,7 +130,7 @@ class Modes(CommandTest):
     def test_impossible_modes_are_refused_in_a_line(self):
         for mode, words in (("half", ("NAME:",)), (":bin=2", ("NAME:",)),
                             ("a:bin=0", ("bin", "1 to 64")), ("a:bin=1.5", ("integer",)),
-                            ("a:bin=2,scale=0.5", ("one of them",)),
+                            ("a:bin=2,scale=0.5", ("mutually exclusive",)),
                             ("a:crop=100,0,80,60", ("within", "160 x 120")),
                             ("a:crop=1,2,3", ("four numbers, such as 320,180,640,360",)), ("a:crop=0,0,1,1", ("2 x 2",)),
                             ("a:crop=nan,0,80,60", ("four numbers",)),

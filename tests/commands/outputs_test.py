@@ -80,7 +80,7 @@ class Outputs(CommandTest):
             for command in (("simulate", "--images", 2, "--pattern", board),
                             ("calibrate", "--features", features, "--image-size", "64x48", "--pattern", board),
                             ("undistort", self.path("c.raygrid"), image)):
-                self.assert_refused(run(*command, "-o", path), 1, path, "give a folder")
+                self.assert_refused(run(*command, "-o", path), 1, path, "specify a folder")
                 self.assertFalse(os.path.exists(path))
 
     def test_a_limit_on_the_size_of_files_is_a_failure_to_write(self):

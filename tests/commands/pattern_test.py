@@ -123,7 +123,7 @@ class PatternCommand(CommandTest):
         _, _, said = made("chessboard", "--columns", 9, "--rows", 6, "--square-mm", 25)
         self.assertIn("measure 8 squares", said)
         self.assertIn("from the first inner corner of a row to the last: 200.00 mm", said)
-        self.assertIn("run this again with --square-mm L/8\n", said)
+        self.assertIn("run this command again with --square-mm L/8\n", said)
         _, _, said = made("aprilgrid", "--tag-columns", 6, "--tag-rows", 3, "--tag-mm", 20)
         self.assertIn("again with --tag-mm L/7.5\n", said)
 
@@ -148,8 +148,8 @@ class PatternCommand(CommandTest):
                  ["--tag-mm 30?", "--yes"])):
             self.refused(kind, *arguments, words=words)
         self.pattern("chessboard", *size, 0.5, "--dpi", 30, "--yes")
-        for spec, words in (("chessboard:9x6:25m", ["square_m: 0.025?", "25 m", "--yes"]),
-                            ("chessboard:9x6:0.025mm", ["square_m: 0.025?", "--yes"]),
+        for spec, words in (("chessboard:9x6:25m", ["squares of 25 mm?", "25 m", "--yes"]),
+                            ("chessboard:9x6:0.025mm", ["squares of 25 mm?", "--yes"]),
                             ("chessboard:9x6:0.9m", ["a board of 7.2 m is", "--yes"])):
             for command in (("detect", self.folder, "-o", self.path("never.csv")),
                             ("calibrate", "--features", self.path("none.csv"), "--image-size",

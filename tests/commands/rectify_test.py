@@ -147,7 +147,7 @@ class Rectify(CommandTest):
     def test_options_that_cannot_be(self):
         for arguments, words in (
                 (("--alpha", "1.5"), ("alpha 1.5",)), (("--alpha", "x"), ("--alpha",)),
-                (("--alpha", 0, "--hfov", 60), ("give one",)), (("--hfov", 180), ("170",)),
+                (("--alpha", 0, "--hfov", 60), ("mutually exclusive",)), (("--hfov", 180), ("170",)),
                 (("--size", "0x10"), ("--size",)), (("--size", "10"), ("640x480",)),
                 (("--size", "9000x9000"), ("8192",)), (("--distance", "2"), ("--distance",)),
                 (("--distance", "-2"), ("--distance",))):

@@ -93,7 +93,7 @@ class RollingShutterTest(CommandTest):
         result = Path(self.path("bursts"))
         done = self.calibrate(self.moving, "--rolling-shutter", "--timestamps", wrong, "-o", result)
         self.assertEqual(done.returncode, 6, done.stderr)
-        self.assertIn("the time stamps do not fit the motion", done.stderr)
+        self.assertIn("the timestamps are inconsistent with the motion", done.stderr)
         self.assertIn("not observable", done.stdout)
         facts = json.loads(read(result / "result.json"))
         self.assertEqual(facts["verdict"], "fail")
@@ -110,9 +110,9 @@ class RollingShutterTest(CommandTest):
         result = Path(self.path("gaps"))
         done = self.calibrate(self.moving, "--rolling-shutter", "--timestamps", times, "-o", result)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("without 2 images of unknown motion", done.stdout)
+        self.assertIn("except in 2 images of unknown motion", done.stdout)
         facts = json.loads(read(result / "result.json"))
-        self.assertEqual(facts["line_delay"]["not_compensated_images"], 2)
+        self.assertEqual(facts["line_delay"]["uncompensated_images"], 2)
         self.assertEqual([image["image"] for image in facts["images"]["rejected"]], list(gone))
         self.assertIn("unknown motion", facts["images"]["rejected"][0]["reason"])
         self.better(result)
@@ -129,16 +129,16 @@ class RollingShutterTest(CommandTest):
             return write(self.path(f"times{len(text)}.csv"), text.encode())
         rows = read(self.moving / "times.csv").decode()
         for options, code, words in (
-                (["--rolling-shutter"], 1, "needs time stamps"),
+                (["--rolling-shutter"], 1, "requires timestamps"),
                 (["--timestamps", self.moving / "times.csv"], 1, "requires --rolling-shutter"),
                 (["--rolling-shutter", "--timestamps", self.moving / "times.csv", "--vary-with",
                   "temperature"], 1, "cannot be combined with --vary-with"),
                 (["--rolling-shutter", "--timestamps", self.path("none.csv")], 2, "none.csv"),
                 (["--rolling-shutter", "--timestamps", times("image,time\na,1\n")], 2, "time_s"),
                 (["--rolling-shutter", "--timestamps", times(rows + "sim0000.png,99\n")], 2, "duplicate image"),
-                (["--rolling-shutter", "--timestamps", times(rows + "other.png,0\n")], 2, "have the same time stamp"),
+                (["--rolling-shutter", "--timestamps", times(rows + "other.png,0\n")], 2, "have the same timestamp"),
                 (["--rolling-shutter", "--timestamps", times("image,time_s\nx.png,1\n")], 2,
-                 "no time stamps of the images")):
+                 "lacks timestamps of images")):
             code_of_it, text = self.refusal(*options)
             self.assertEqual(code_of_it, code, text)
             self.assertTrue(re.search(words, text), text)

@@ -178,7 +178,7 @@ class Session(CommandTest):
     def test_photographs_have_no_times_for_a_rolling_shutter(self):
         self.assert_done(self.capture("--every-frame"))
         self.assert_refused(run("calibrate", self.session, "--rolling-shutter"), 2,
-                            "the session: has no time stamps of the images")
+                            "the session: lacks timestamps of images")
 
     def test_other_videos_are_read_by_ffmpeg(self):
         video = write(self.path("in.y4m"), self.video)
@@ -221,7 +221,7 @@ class Session(CommandTest):
         path = os.path.join(self.session, "pattern.yaml")
         shutil.copy(os.path.join(board, "pattern.yaml"), path)
         before = read(path)
-        self.assert_refused(self.capture(), 7, "pattern.yaml: is of another target", "--pattern")
+        self.assert_refused(self.capture(), 7, "pattern.yaml: describes another target", "--pattern")
         # As the pattern of a capture that keeps nothing it stays as it is, too.
         result = run("capture", "--source", self.photographs, "--pattern", path, "-o", self.session,
                      "--no-calibrate")

@@ -610,7 +610,7 @@ class Isaac(TableTest):
         self.assertGreater(told["offset_m"], 1e-5)
         result = run("export", lines, "--to", "isaac", "--max-fit-error-px", 0.1, "-o",
                      self.path("n.exr"))
-        self.assertIn("mm from those of the camera", result.stdout)
+        self.assertIn("mm from the camera's rays", result.stdout)
 
     def test_same_bytes_with_any_number_of_threads(self):
         for threads in (1, 2):
@@ -763,7 +763,7 @@ class Trajectories(TableTest):
         self.trajectory(names)
         row = "4.png,{},1,0,0,0,0,0,1\n"
         for more, words in ((row.format(7), ("boards 0 and 7",)),
-                            (row.replace("4", "1.0").format(0), ("duplicate time stamp 1",))):
+                            (row.replace("4", "1.0").format(0), ("duplicate timestamp 1",))):
             self.assert_refused(run("export", self.poses(names, more), "--to", "tum", "-o", never), 2,
                                 "poses.csv: ", *words)
         poses = self.poses(names)
@@ -777,7 +777,7 @@ class Trajectories(TableTest):
         good = read(self.path("t.txt")).decode()
         for text, word in ((good + "4 0 0 0 0 0 0\n", "line 5: has 7 fields"),
                            (good + "4 0 0 0 0 0 0 2\n", "line 5: qx qy qz qw"),
-                           (good + "1.0 0 0 0 0 0 0 1\n", "line 5: duplicate time stamp 1.0")):
+                           (good + "1.0 0 0 0 0 0 0 1\n", "line 5: duplicate timestamp 1.0")):
             with self.subTest(word):
                 self.assert_refused(run("import", write(self.path("bad.txt"), text), "-o",
                                         self.path("never/poses.csv")), 2, "bad.txt", word)

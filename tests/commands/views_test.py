@@ -218,21 +218,21 @@ class Views(CommandTest):
                              "-o", self.path("known")))
         camera = self.path("known/camera.yaml")
         shown = {}
-        for outside in ("fill", "trusted"):
+        for outside in ("fill", "border"):
             self.assert_done(run("undistort", camera, self.image, "--alpha", 0,
                                  "--outside", outside, "-o", self.path(outside)))
             shown[outside] = read_png(os.path.join(self.path(outside), "white.png"))[2]
         self.assertEqual(set(shown["fill"]), {255})
-        self.assertEqual(shown["trusted"][60 * 160 + 80], 255)
+        self.assertEqual(shown["border"][60 * 160 + 80], 255)
         for corner in (0, 159, 119 * 160, 119 * 160 + 159):
-            self.assertEqual(shown["trusted"][corner], 0)
+            self.assertEqual(shown["border"][corner], 0)
         # A blob does the same by what it says of trust.
         self.assert_done(run("pack", camera, "-o", self.path("known.raygrid"), "--remap",
                              "160x120", "--quiet"))
         self.assert_done(run("undistort", self.path("known.raygrid"), self.image, "--outside",
-                             "trusted", "-o", self.path("by_blob")))
+                             "border", "-o", self.path("by_blob")))
         self.assertEqual(read_png(os.path.join(self.path("by_blob"), "white.png"))[2][0], 0)
-        result = run("undistort", self.camera, self.image, "--outside", "trusted",
+        result = run("undistort", self.camera, self.image, "--outside", "border",
                      "-o", self.path("unknown"))
         self.assert_refused(result, 1, "has no valid region")
 
@@ -255,26 +255,26 @@ class Views(CommandTest):
                 (blob, ("--remap-index", 3), (40, 30), 80)):
             with self.subTest((camera, words)):
                 shown = {}
-                for outside in ("fill", "trusted"):
+                for outside in ("fill", "border"):
                     self.assert_done(run("undistort", camera, self.image, "--inverse", *words,
                                          "--outside", outside, "-o", self.path(outside)))
                     shown[outside] = read_png(self.path(f"{outside}/white.png"))[2]
                 self.assertEqual(len(shown["fill"]), width * width * 3 // 4)
                 for k, level in enumerate(shown["fill"]):
                     cell = cells[(corner[1] + k // width) // 16][(corner[0] + k % width) // 16]
-                    self.assertEqual(shown["trusted"][k], level if cell == "#" else 0, k)
-                self.assertGreater(sum(level == 255 for level in shown["trusted"]), 1000)
+                    self.assertEqual(shown["border"][k], level if cell == "#" else 0, k)
+                self.assertGreater(sum(level == 255 for level in shown["border"]), 1000)
         # The other direction takes frames of the table's mode, too.
         small = write(self.path("cells/in/small.png"), png([255] * (80 * 60), size=(80, 60)))
-        self.assert_done(run("undistort", blob, small, "--remap-index", 1, "--outside", "trusted",
+        self.assert_done(run("undistort", blob, small, "--remap-index", 1, "--outside", "border",
                              "--max-error-px", 2, "-o", self.path("cells/out")))
         dark = write(self.path("cells/dark.yaml"), read(known).decode().replace("#", "."))
-        self.assert_refused(run("undistort", dark, self.image, "--inverse", "--outside", "trusted",
+        self.assert_refused(run("undistort", dark, self.image, "--inverse", "--outside", "border",
                                 "-o", self.path("never")), 1, "dark.yaml", "valid region is empty")
 
     def test_impossible_views_are_refused_in_a_line(self):
         for view, words in (("hfov=180", ("hfov", "170")), ("alpha=1.5", ("alpha", "0 (largest view")),
-                            ("alpha=0,hfov=90", ("give one",)), ("hfov=90,hfov=80", ("twice",)),
+                            ("alpha=0,hfov=90", ("mutually exclusive",)), ("hfov=90,hfov=80", ("twice",)),
                             ("center=3", ("two numbers",)), ("center=3,nan", ("two numbers",)),
                             ("focal=", ("a number",)), ("focal=-1", ("focal length",)),
                             ("zoom=2", ("zoom=2", "hfov=DEG")),

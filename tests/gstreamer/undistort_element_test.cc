@@ -597,7 +597,7 @@ TEST(UndistortElement, TakesEverySettingWithTheNextFrame) {
                            {"table", {"-1", "0", "1"}},
                            {"border", {"black", "clamp"}},
                            {"sampling", {"bilinear", "nearest"}},
-                           {"outside", {"fill", "trusted"}},
+                           {"outside", {"fill", "border", "trusted"}},
                            {"threads", {"1", "2"}},
                            {"enabled", {"true", "true", "false"}}};
   EXPECT_GT(CountFramesOfRandomSettings(blobs.paths()[0].c_str(), choices, 200),

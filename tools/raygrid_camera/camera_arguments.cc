@@ -23,7 +23,7 @@ BLOB is packed with raygrid pack --remap, and --mode for other sensor modes.
 Input:
   --list                  list cameras, formats, sizes and controls
   --source KIND[:CAMERA]  libcamera:ID or v4l2:/dev/video0 (default: the only
-                          camera of libcamera); without KIND as --list
+                          camera of libcamera); see --list
   --camera ID             same as --source libcamera:ID; part of an ID suffices
   --format NAME           pixel format of libcamera, or MJPEG of V4L2 (default:
                           the camera's)
@@ -43,23 +43,23 @@ Model:
   --serial S              required serial number of the blob
   --calibrated-crop X,Y,WxH  calibrated region of the sensor, to identify other
                           sensor modes
-  --strict                exit with code 8 at a frame whose capture settings
+  --strict                exit with code 8 if the capture settings of a frame
                           differ from the blob's (default: warn and count)
-  --outside WHAT          outside the valid region, fill: extrapolate (default);
-                          trusted: leave border
+  --outside WHAT          outside the valid region: fill (extrapolate, default)
+                          or border (use the border value)
 
 Output:
   -o,--output DIR         frame-000000.raw and so on: a text header up to a line
                           "...", then the planes
   --png                   write PNG files instead
   -o -                    planes to standard output, for ffplay or
-                          gst-launch-1.0; stderr has their arguments
+                          gst-launch-1.0, whose arguments are printed to stderr
   --frames N              exit after N frames
   --every-frame           wait for slow outputs instead of dropping old frames
   --http PORT             serve a page with original and undistorted frames, at
                           127.0.0.1 only
-  --listen ADDRESS        address of the page, 0.0.0.0: all; needs the token of
-                          the printed link
+  --listen ADDRESS        address of the page, 0.0.0.0: all; requires the token
+                          in the printed link
   --token-file FILE       fixed token, also for 127.0.0.1
   --http-name NAME[:PORT] additional host name of the page
   --points FILE           undistort points instead of frames: lines x,y of FILE
@@ -67,8 +67,8 @@ Output:
                           operating point, in dioptres or degrees
 
 Advanced:
-  --check                 undistort one frame, report what was found, write
-                          nothing
+  --check                 undistort one frame and report camera, table and
+                          settings; write no files
   --benchmark             exit after 90 frames and print frame rate and times of
                           reading, remap, output and memory copies
   --threads N             threads per frame (default: all processors but one)
@@ -129,7 +129,7 @@ SensorCrop ParseCrop(const char* text) {
 void ChooseCamera(CameraKind kind, const std::string& camera,
                   CameraArguments* arguments) {
   if (arguments->source != CameraKind::kAny)
-    FailUsage("--source, --camera: more than one camera given");
+    FailUsage("--source, --camera: more than one camera specified");
   arguments->source = kind;
   arguments->camera = camera;
 }
@@ -147,9 +147,10 @@ void ParseSource(const std::string& text, CameraArguments* arguments) {
 
 // Whether only what is trusted is to be shown.
 bool ParseOutside(const std::string& text) {
-  if (text != "fill" && text != "trusted")
-    FailUsage("--outside: " + text + ": expected fill or trusted");
-  return text == "trusted";
+  const bool is_border = text == "border" || text == "trusted";  // former name
+  if (text != "fill" && !is_border)
+    FailUsage("--outside: " + text + ": expected fill or border");
+  return is_border;
 }
 
 void ParseHttp(const std::string& text, CameraArguments* arguments) {
@@ -354,7 +355,7 @@ void CheckTogether(const CameraArguments& arguments) {
   if (arguments.is_live && arguments.recording.empty())
     FailUsage("--live requires --from");
   if (arguments.is_live && arguments.every_frame)
-    FailUsage("--live and --every-frame exclude each other");
+    FailUsage("--live and --every-frame are mutually exclusive");
   if (arguments.recording == "-" && arguments.points == "-")
     FailUsage(
         "--points - cannot be combined with --from -; use a file for one of "
@@ -382,7 +383,7 @@ CameraArguments ParseCameraArguments(int argc, char** argv) {
   }
   if (optind < argc) arguments.blob = argv[optind++];
   if (optind < argc)
-    FailUsage(std::string(argv[optind]) + ": more than one blob given");
+    FailUsage(std::string(argv[optind]) + ": more than one blob specified");
   CheckTogether(arguments);
   return arguments;
 }

@@ -203,10 +203,11 @@ void TellBenchmark(const CameraArguments& arguments,
     std::fputs(benchmark.Describe().c_str(),
                arguments.output == "-" ? stderr : stdout);
   else if (!IsSignalled())
-    throw CameraError(
-        CameraExit::kInput,
-        "--benchmark: only " + std::to_string(benchmark.num_counted()) +
-            " frames received, needs " + std::to_string(Benchmark::kNumFrames));
+    throw CameraError(CameraExit::kInput,
+                      "--benchmark: only " +
+                          std::to_string(benchmark.num_counted()) +
+                          " frames received, requires " +
+                          std::to_string(Benchmark::kNumFrames));
 }
 
 void StreamFrames(const CameraArguments& arguments, rg_camera camera,

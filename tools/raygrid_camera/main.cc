@@ -27,7 +27,7 @@ struct Blob {
   std::optional<rg_capture_section> capture;
 };
 
-// For --outside trusted. rg_is_valid() calls all valid where there is no mask.
+// For --outside border. rg_is_valid() calls all valid where there is no mask.
 void RequireMask(const std::string& path, const std::vector<uint8_t>& bytes) {
   rg_blob blob;
   const rg_status status =
@@ -39,7 +39,7 @@ void RequireMask(const std::string& path, const std::vector<uint8_t>& bytes) {
     throw CameraError(
         CameraExit::kUsage,
         path +
-            ": --outside trusted: the blob has no valid region; omit the "
+            ": --outside border: the blob has no valid region; omit the "
             "option, or pack a camera.yaml written by raygrid calibrate");
 }
 

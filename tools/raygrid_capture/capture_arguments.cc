@@ -66,8 +66,8 @@ void RequireDifferentSources(const std::vector<NamedValue>& sources) {
     for (size_t before = 0; before < k; ++before)
       if (PlaceOf(sources[before].value) == PlaceOf(sources[k].value))
         throw Error(ExitCode::kUsage,
-                    fmt::format("--source {}={}: same source as camera {}; "
-                                "give each camera its own",
+                    fmt::format("--source {}={}: same source as camera {}; use "
+                                "a different source for each camera",
                                 sources[k].name, sources[k].value,
                                 sources[before].name));
 }

@@ -106,7 +106,7 @@ void DescribeRig(const RigGuide& rig, const PairedFrames& frames,
   }
   if (frames.is_unpaired())
     state->remarks.push_back(
-        "the cameras' time stamps differ by more than --pair-within-ms");
+        "the cameras' timestamps differ by more than --pair-within-ms");
 }
 
 }  // namespace raygrid

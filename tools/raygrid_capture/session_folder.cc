@@ -26,9 +26,10 @@ void RequireSameCameras(const std::string& folder,
   throw Error(
       ExitCode::kUsage,
       names.size() == 1
-          ? folder + ": is a session of a single camera; give one --source"
-          : fmt::format("{}: is a session of the cameras {}; give one --source "
-                        "NAME=... for each, in this order",
+          ? folder +
+                ": is a session of a single camera; specify a single --source"
+          : fmt::format("{}: is a session of the cameras {}; specify --source "
+                        "NAME=... for each of them, in this order",
                         folder, fmt::join(names, ", ")));
 }
 
@@ -93,8 +94,8 @@ void SessionFolder::TakePattern(const std::string& path,
     has_made_pattern_ = true;
   } else if (FormatPattern(ReadPattern(path)) != text) {
     throw Error(ExitCode::kOutput, path +
-                                       ": is of another target; pass it as "
-                                       "--pattern, or use another folder");
+                                       ": describes another target; pass it "
+                                       "with --pattern, or use another folder");
   }
 }
 

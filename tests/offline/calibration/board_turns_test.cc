@@ -184,7 +184,8 @@ TEST(CalibrateTurnedBoards, NamesAViewThatDoesNotTellItsTurn) {
   EXPECT_TRUE(std::any_of(
       result.verdict.reasons.begin(), result.verdict.reasons.end(),
       [&](const std::string& reason) {
-        return reason.find("leave open which way the target is turned") !=
+        return reason.find(
+                   "orientation of the symmetric target is ambiguous") !=
                    std::string::npos &&
                reason.find(poor.image) != std::string::npos;
       }));

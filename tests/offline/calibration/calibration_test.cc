@@ -419,7 +419,8 @@ TEST(Calibrate, FailsWhereNoBoardIsTilted) {
   const CalibrationResult result =
       Calibrate(Observe(poses), TestBoard(), HoldingOut({"view11.png"}));
   EXPECT_EQ(result.verdict.word, "fail");
-  EXPECT_TRUE(HasReason(result, "the target is parallel in all images"));
+  EXPECT_TRUE(
+      HasReason(result, "the target has the same orientation in all images"));
 }
 
 TEST(Calibrate, FailsWherePixelsAreLikeNoCameras) {
@@ -481,7 +482,7 @@ TEST(Calibrate, KeepsImagesThatAloneShowASide) {
   const CalibrationResult result = Calibrate(dataset, TestBoard(), Coarse());
   EXPECT_FALSE(result.images_alone.empty());
   EXPECT_TRUE(HasReason(result, "of the image is covered by"));
-  EXPECT_FALSE(HasReason(result, "do not fit the others"));
+  EXPECT_FALSE(HasReason(result, "are inconsistent with the others"));
 }
 
 TEST(Calibrate, NamesAMirroredPattern) {
@@ -547,7 +548,8 @@ TEST(Calibrate, FailsWhereNoFlatBoardOfPointsIsTilted) {
   const CalibrationResult result = Calibrate(
       Observe(poses), PointsOfTestBoard(0), HoldingOut({"view11.png"}));
   EXPECT_EQ(result.verdict.word, "fail");
-  EXPECT_TRUE(HasReason(result, "the target is parallel in all images"));
+  EXPECT_TRUE(
+      HasReason(result, "the target has the same orientation in all images"));
 }
 
 TEST(EvaluateCamera, FindsTheNoiseOfATrueCamera) {

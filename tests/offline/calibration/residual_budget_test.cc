@@ -103,7 +103,7 @@ TEST(ResidualBudget, NamesNoOtherCauseInFewerImages) {
       const auto fault = static_cast<SimulatedFault>(f);
       const BudgetVerdict verdict = JudgeBudget(BudgetWith(fault, seed));
       EXPECT_TRUE(verdict.limit == NameOf(fault) ||
-                  (verdict.limit == "views" &&
+                  (verdict.limit == "per-view effects" &&
                    verdict.sentence.find(NameOf(fault)) != std::string::npos))
           << seed << " " << NameOf(fault) << ": " << verdict.sentence;
     }
@@ -126,7 +126,7 @@ TEST(ResidualBudget, NamesBendsOfACalibrationWithRigidBoards) {
       TestBoard(), options);
   ASSERT_TRUE(result.budget.has_value());
   ResidualBudget budget = *result.budget;
-  EXPECT_EQ(JudgeBudget(budget).limit, "bends");
+  EXPECT_EQ(JudgeBudget(budget).limit, "per-view deformation");
   EXPECT_GT(budget.Of(ErrorCause::kBend).in_turn, 0.4);
   // Only things that were not tried are advised.
   EXPECT_NE(JudgeBudget(budget).advice.find("--rigid-target"),
@@ -142,7 +142,7 @@ TEST(ResidualBudget, LargeErrorsDoNotHideTheNoise) {
   const ResidualBudget budget = MeasureResidualBudget(input);
   EXPECT_GT(budget.large, 0.3);
   EXPECT_NEAR(budget.noise_px.x(), kBudgetNoisePx, 0.1 * kBudgetNoisePx);
-  EXPECT_EQ(JudgeBudget(budget).limit, "large errors");
+  EXPECT_EQ(JudgeBudget(budget).limit, "outliers");
 }
 
 TEST(ResidualBudget, FewViewsDoNotTellPlaces) {
@@ -224,12 +224,12 @@ TEST(JudgeBudget, AdvisesNothingThatWasDone) {
 
 TEST(JudgeBudget, NamesNoCauseThatAnotherExplainsAsWell) {
   ResidualBudget budget = BudgetOf(ErrorCause::kRowTime, {});
-  EXPECT_EQ(JudgeBudget(budget).limit, "row time");
+  EXPECT_EQ(JudgeBudget(budget).limit, "rolling shutter");
   budget.causes[static_cast<size_t>(ErrorCause::kRowTime)].is_alike = true;
-  EXPECT_EQ(JudgeBudget(budget).limit, "row time");
+  EXPECT_EQ(JudgeBudget(budget).limit, "rolling shutter");
   budget.column_time_is_alike = true;
-  EXPECT_EQ(JudgeBudget(budget).limit, "views");
-  EXPECT_NE(JudgeBudget(budget).sentence.find("row time, column time"),
+  EXPECT_EQ(JudgeBudget(budget).limit, "per-view effects");
+  EXPECT_NE(JudgeBudget(budget).sentence.find("candidates: rolling shutter"),
             std::string::npos);
   // The model may be to blame where no cause is.
   budget.facts.model = "opencv";
@@ -263,7 +263,7 @@ TEST(JudgeBudget, AdvisesOfTheRestWhatTheVerdictDoes) {
   budget.rest = 0.7;
   budget.facts.model = "central-generic";
   budget.facts.noncentral_tried = true;
-  EXPECT_EQ(JudgeBudget(budget).limit, "rest");
+  EXPECT_EQ(JudgeBudget(budget).limit, "unexplained");
   EXPECT_EQ(JudgeBudget(budget).advice, "try --knot-spacing-px auto");
   budget.facts.cells_chosen = budget.facts.tried_finer = true;
   EXPECT_NE(JudgeBudget(budget).advice.find("are no better; look for blur"),
@@ -291,7 +291,7 @@ TEST(JudgeBudget, IsTheVerdictOfACalibration) {
   const CalibrationResult result = Calibrate(seen, pattern, options);
   ASSERT_TRUE(result.budget.has_value());
   const BudgetVerdict limit = JudgeBudget(*result.budget);
-  EXPECT_EQ(limit.limit, "row time");
+  EXPECT_EQ(limit.limit, "rolling shutter");
   std::string reasons;
   for (const std::string& reason : result.verdict.reasons)
     reasons += reason + "\n";

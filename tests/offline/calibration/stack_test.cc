@@ -153,8 +153,9 @@ int CountIn(const std::string& text, const std::string& part) {
 
 // The value that an image's features fit, as the verdict says it.
 double PredictedIn(const std::string& verdict, const std::string& image) {
-  const std::string before = "but its features fit ";
-  const size_t at = verdict.find(before, verdict.find(image + " is given as"));
+  const std::string before = "but its features indicate ";
+  const size_t at =
+      verdict.find(before, verdict.find(image + " is specified as"));
   return at == std::string::npos
              ? NAN
              : std::stod(verdict.substr(at + before.size()));

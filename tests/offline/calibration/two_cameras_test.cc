@@ -58,9 +58,9 @@ TEST(TwoCameras, AreNamedByTheirImages) {
     EXPECT_EQ(first.size(), kImages - 1u);  // one is held out
     EXPECT_EQ(second.size(), kImages + 0u);
     EXPECT_EQ(first.back(), has_two_stems ? "left06.png" : "06.png");
-    EXPECT_NE(
-        result.verdict.reasons[0].find("these images look like two cameras"),
-        std::string::npos);
+    EXPECT_NE(result.verdict.reasons[0].find(
+                  "these images appear to come from two cameras"),
+              std::string::npos);
   }
 }
 

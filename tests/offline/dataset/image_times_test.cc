@@ -28,7 +28,7 @@ TEST(ImageTimes, ThatCannotBeAreRefused) {
         std::pair("image,time_s\na.png,1\na.png,2\n",
                   "line 3: duplicate image a.png"),
         std::pair("image,time_s\na.png,1\nb.png,1\n",
-                  "b.png and a.png have the same time stamp"),
+                  "b.png and a.png have the same timestamp"),
         std::pair("image,time_s\na.png,now\n", "line 2"),
         std::pair("image,time_s\na.png,inf\n", "line 2")})
     EXPECT_NE(RefusalOf(text).find(why), std::string::npos)

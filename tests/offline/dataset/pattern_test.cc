@@ -72,8 +72,7 @@ TEST(Pattern, BodiesAreReadAsTheyWereWritten) {
 TEST(Pattern, RefusesBodiesThatAreNone) {
   ExpectPatternRefused(WithBody("[3, 4]", 2), {"board 4"});
   ExpectPatternRefused(WithBody("[3, 3]", 2), {"board 3 is in two bodies"});
-  ExpectPatternRefused(WithBody("[3]", 1),
-                       {"a body needs at least two boards"});
+  ExpectPatternRefused(WithBody("[3]", 1), {"requires at least two boards"});
   ExpectPatternRefused(WithBody("[3, 7]", 1), {"2 boards with 1 poses"});
   ExpectPatternRefused(WithBody("all", 2), {});
   ExpectPatternRefused(ChessboardYaml("4", "3", "0.1") + "board_bodies: 3\n",
@@ -101,7 +100,7 @@ TEST(Pattern, ListsOfPointsMayHaveRows) {
   for (const char* size :
        {"2", "-3, rows: -2", "6, rows: 2", "65536, rows: 65536", "0, rows: 6"})
     ExpectPatternRefused(WithBoards(start + size + ", " + points),
-                         {"6 points"});
+                         {"found 6"});
 }
 
 TEST(Pattern, BoardsHaveAHundredThousandPointsInAllAtMost) {

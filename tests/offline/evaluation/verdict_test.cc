@@ -109,7 +109,7 @@ TEST(Verdict, AnInterruptedCalibrationSaysOnlyThat) {
   EXPECT_EQ(verdict.word, "fail");
   ASSERT_EQ(verdict.reasons.size(), 1u);
   EXPECT_EQ(verdict.reasons[0],
-            "interrupted before it was done; continue with --resume");
+            "interrupted before completion; continue with --resume");
 }
 
 TEST(Verdict, FailsValidPixelsThatFoldOver) {
@@ -117,7 +117,8 @@ TEST(Verdict, FailsValidPixelsThatFoldOver) {
   figures.fold_over = {0.008, 0.001};
   const Verdict verdict = JudgeCalibration(figures);
   EXPECT_EQ(verdict.word, "fail");
-  EXPECT_TRUE(HasReason(verdict, "folds over within the valid region (0.1 %"));
+  EXPECT_TRUE(
+      HasReason(verdict, "is not injective within the valid region (0.1 %"));
 }
 
 TEST(Verdict, RemarksOnOtherPixelsThatFoldOver) {
@@ -125,7 +126,8 @@ TEST(Verdict, RemarksOnOtherPixelsThatFoldOver) {
   figures.fold_over = {0.008, 0};
   const Verdict verdict = JudgeCalibration(figures);
   EXPECT_EQ(verdict.word, "pass");
-  EXPECT_TRUE(HasReason(verdict, "folds over outside the valid region (0.8 %"));
+  EXPECT_TRUE(
+      HasReason(verdict, "is not injective outside the valid region (0.8 %"));
 }
 
 TEST(Verdict, NamesImagesFromBehindHoweverFew) {
@@ -156,8 +158,8 @@ TEST(Verdict, WarnsOfImagesOfTwoCameras) {
   EXPECT_EQ(verdict.word, "warn");
   ASSERT_EQ(verdict.reasons.size(), 1u);
   EXPECT_TRUE(HasReason(verdict,
-                        "these images look like two cameras: 2 images "
-                        "(left1.png, ...) and 1 image (right1.png)"));
+                        "these images appear to come from two cameras: 2 "
+                        "images (left1.png, ...) and 1 image (right1.png)"));
 }
 
 TEST(Verdict, SuspectsSeveralCamerasWhereNearlyAllErrorIsShared) {
@@ -213,11 +215,13 @@ TEST(Verdict, AdvisesWhatTheCauseOfResidualsAsksFor) {
   CalibrationFigures figures = GoodFigures();
   figures.neighbor_correlation = 0.6;
   figures.held_out->median_px = figures.training.median_px = 0.5;
-  figures.limit = {"row time", "errors grow from row to row", "keep still"};
+  figures.limit = {"rolling shutter", "errors grow from row to row",
+                   "keep still"};
   const Verdict verdict = JudgeCalibration(figures);
   ASSERT_EQ(verdict.reasons.size(), 2u);
   EXPECT_EQ(verdict.reasons[0],
-            "the median held-out error is 0.5 px; the same would lower it");
+            "the median held-out error is 0.5 px; the remedy for systematic "
+            "errors reduces it, too");
   EXPECT_EQ(verdict.reasons[1],
             "systematic errors of about 0.1 px (neighbouring residuals are "
             "correlated: 0.60): errors grow from row to row; keep still");
@@ -239,7 +243,7 @@ TEST(Verdict, NoiseThatIsToldBlamesNoBoard) {
   // Neighbours are another matter.
   figures.neighbor_correlation = 0.3;
   const Verdict verdict = JudgeCalibration(figures);
-  EXPECT_TRUE(HasReason(verdict, "of the model or the detector"));
+  EXPECT_TRUE(HasReason(verdict, "by the model or the detector"));
   EXPECT_TRUE(HasReason(verdict, "take sharper images"));
 }
 
@@ -249,9 +253,10 @@ TEST(Verdict, SaysTheWorstFirst) {
   const Verdict pass = JudgeCalibration(figures);
   EXPECT_EQ(pass.word, "pass");
   ASSERT_EQ(pass.reasons.size(), 1u);
-  EXPECT_EQ(pass.reasons[0],
-            "opencv predicts held-out images better: 0.4070 px (median) "
-            "instead of 0.4130 px; calibrate with --model opencv");
+  EXPECT_EQ(
+      pass.reasons[0],
+      "opencv has a lower held-out error: median 0.4070 px, compared with "
+      "0.4130 px; calibrate with --model opencv");
   figures.images_used = 5;
   figures.tilt_rad = 0.02;
   const Verdict verdict = JudgeCalibration(figures);
@@ -272,7 +277,7 @@ TEST(Verdict, AsksForMoreViewsWhereFewShowAPlace) {
   EXPECT_TRUE(HasReason(verdict,
                         "the left, top right of the image is covered by 2 "
                         "images (a.png, ...) only"));
-  EXPECT_FALSE(HasReason(verdict, "do not fit"));
+  EXPECT_FALSE(HasReason(verdict, "are inconsistent"));
 }
 
 // The error of a model whose boards bend is another figure than that of
@@ -283,8 +288,8 @@ TEST(Verdict, ComparesModelsByFiguresOfOneKind) {
   figures.held_out->median_px = 0.0332;
   figures.better_model = {"opencv", 0.0383, 0.0412};
   EXPECT_TRUE(HasReason(JudgeCalibration(figures),
-                        "0.0383 px (median, rigid target) instead of 0.0412 "
-                        "px"));
+                        "median 0.0383 px, rigid target, compared with "
+                        "0.0412 px"));
 }
 
 TEST(Verdict, WarnsOfImagesHeldOutWhoseViewsWereCalibratedWith) {
@@ -342,7 +347,7 @@ TEST(Verdict, AsksForMoreViewsWhereLittleIsValid) {
   EXPECT_EQ(verdict.word, "warn");
   EXPECT_TRUE(HasReason(verdict,
                         "only 45 % of the image is supported by features and "
-                        "known to 0.3 px or better"));
+                        "has a predicted uncertainty below 0.3 px"));
   figures.valid_share = 0.55;
   EXPECT_EQ(JudgeCalibration(figures).word, "pass");
 }
@@ -398,8 +403,9 @@ TEST(Verdict, SaysHowManyImagesShowDifferentViews) {
   const Verdict verdict = JudgeCalibration(figures);
   EXPECT_EQ(verdict.word, "pass");
   ASSERT_EQ(verdict.reasons.size(), 1u);
-  EXPECT_EQ(verdict.reasons[0],
-            "507 images show 13 different views; near-duplicates count once");
+  EXPECT_EQ(
+      verdict.reasons[0],
+      "507 images show 13 different views; near-duplicates are counted once");
 }
 
 TEST(Verdict, CountsViewsWhereImagesAreAlike) {
@@ -408,7 +414,7 @@ TEST(Verdict, CountsViewsWhereImagesAreAlike) {
   figures.images_alike = 30;
   EXPECT_TRUE(HasReason(JudgeCalibration(figures),
                         "only 9 different views, too few to assess the "
-                        "camera; take 10 or more"));
+                        "camera; at least 10 are required"));
   figures.different_views = 2;
   EXPECT_TRUE(HasReason(JudgeCalibration(figures),
                         "39 images show only 2 different views"));

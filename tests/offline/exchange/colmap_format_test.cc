@@ -234,7 +234,7 @@ TEST(ColmapFormat, RefusesInOneLine) {
        {"FOV is a COLMAP model that is not supported"}},
       {TextWith(text, "0.01", "nan"), {"line 4", "'nan' is not a number"}},
       {TextWith(text, "640", "640.5"), {"line 4", "'640.5'"}},
-      {TextWith(text, " 0.002", ""), {"OPENCV", "7 numbers, expected 8"}},
+      {TextWith(text, " 0.002", ""), {"OPENCV", "expected 8 numbers, found 7"}},
       {TextWith(text, "2 SIMPLE", "1 SIMPLE"), {"duplicate camera 1"}},
       {TextWith(text, "640", "0"), {"image size"}},
       {text.substr(0, text.find("1 OPENCV")), {"contains no camera"}},

@@ -114,7 +114,7 @@ TEST(MrcalFormat, ReadsSplines) {
                 [&] { ParseMrcal(TextWith(text, old, by)); });
   };
   refused("order=3", "order=2", {"only splines of order 3"});
-  refused("Nx=4", "Nx=5", {"36 numbers, expected 44"});
+  refused("Nx=4", "Nx=5", {"expected 44 numbers, found 36"});
   refused("Nx=4", "Nx=99999", {"Nx=99999", "expected the form LENSMODEL"});
   refused("Nx=4", "Nx=3", {"4 to 1027"});
   refused("=150", "=360", {"fov_x_deg"});
@@ -126,7 +126,8 @@ TEST(MrcalFormat, RefusesInOneLine) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
       {MrcalWith("OPENCV5", "CAHVOR"),
        {"a.cameramodel", "LENSMODEL_CAHVOR", "LENSMODEL_OPENCV8"}},
-      {MrcalWith("OPENCV5", "OPENCV8"), {"OPENCV8", "9 numbers, expected 12"}},
+      {MrcalWith("OPENCV5", "OPENCV8"),
+       {"OPENCV8", "expected 12 numbers, found 9"}},
       {MrcalWith("0.003", "nan"), {"intrinsics", "expected a finite number"}},
       {MrcalWith(", 480", ""), {"imagersize", "width and height"}},
       {MrcalWith("'imagersize'", "'size'"), {"imagersize"}},

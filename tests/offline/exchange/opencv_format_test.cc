@@ -226,7 +226,7 @@ TEST(OpenCvFormat, SaysWhatIsMissingOrWrong) {
   expect(TextWith(kYaml, "5.00", "x5.00"), {"camera_matrix"});
   expect(TextWith(kYaml, "0., 1. ]", "0., 2. ]"), {"camera_matrix"});
   expect(TextWith(kYaml, "cols: 5", "cols: 6"),
-         {"5 numbers, but its size is 1 x 6"});
+         {"5 numbers do not match the size 1 x 6"});
   expect(TextWith(TextWith(kYaml, ", 0.25", ", 0, 1"), "cols: 5", "cols: 6"),
          {"6 distortion coefficients"});
   expect(kYaml + std::string("distortion_model: brown\n"), {"'brown'"});

@@ -130,7 +130,7 @@ TEST(RosFormat, SaysWhatIsMissingOrWrong) {
   expect("plumb_bob", "Brown Conrady", {"f: ", "'Brown Conrady'", "plumb_bob"});
   expect("501,", ".nan,", {"camera_matrix", "finite"});
   expect("image_width", "other", {"width"});
-  expect(", -0.002, 0]", ", -0.002, 0, 1]", {"10 numbers, expected 9"});
+  expect(", -0.002, 0]", ", -0.002, 0, 1]", {"expected 9 numbers, found 10"});
   expect("plumb_bob", "none", {"'none'", "non-zero"});
   expect("0, 0, 1]\nproj", "0, 0, 5]\nproj", {"rectification_matrix"});
   expect("data: [1,", "data: [", {"rectification_matrix", "9 numbers"});

@@ -446,7 +446,7 @@ TEST(VirtualView, RefusesWhatNoPinholeHas) {
   request.focal_px = -3;
   ExpectRefused(Example(), request, {"focal length"});
   request.hfov_deg = 90;
-  ExpectRefused(Example(), request, {"give one"});
+  ExpectRefused(Example(), request, {"mutually exclusive"});
   request.focal_px.reset();
   request.center_px = Eigen::Vector2d(-5, 100);
   ExpectRefused(Example(), request, {"center outside", "focal length"});
