@@ -56,18 +56,23 @@ def run(*arguments, program=None):
     return result
 
 
-def commands():
-    """The commands that raygrid lists."""
-    return re.findall(r"^  ([a-z]+) ", run("--help").stdout.split("\nOptions:")[0], re.MULTILINE)
+def commands(*path):
+    """The commands that raygrid, or one of its commands, lists."""
+    return re.findall(r"^  ([a-z]+)  ", run(*path, "--help").stdout.split("\nOptions:")[0], re.MULTILINE)
 
 
-def call(command, value):
+def specifications():
+    """A target of each kind."""
+    return re.findall(r"^  ([a-z]+:\S+)", run("pattern", "--help").stdout, re.MULTILINE)
+
+
+def call(value, *path):
     """A command with what its help requires: arguments, which are in capitals, and options. value: the word for a name;
     None if there is none for one of them."""
-    text = run(command, "--help").stdout
+    text = run(*path, "--help").stdout
     names = re.findall(r" ([A-Z]+)\b", re.search(r"^Usage:.*\[OPTIONS\](.*)", text, re.MULTILINE)[1])
     names += re.findall(r"^  (?:-\w,)?(--[\w-]+) (?:.*\n {26})*.*\(required\)", text, re.MULTILINE)
-    words = [command, *(word for name in names for word in (name, value(name))[name.isupper():])]
+    words = [*path, *(word for name in names for word in (name, value(name))[name.isupper():])]
     return None if None in words else words
 
 

@@ -6,10 +6,9 @@ import re
 import resource
 import subprocess
 
-from command_test import (HANG_S, CommandTest, SIMULATED_PATTERN, commands, main, programs, read, run, write)
+from command_test import (HANG_S, CommandTest, SIMULATED_PATTERN, commands, main, programs, read, run, specifications, write)
 
 PAGE = os.path.join(os.path.dirname(__file__), "../../tools/README.md")
-KINDS = ("star", "chessboard", "charuco", "aprilgrid")
 
 
 class Help(CommandTest):
@@ -29,9 +28,14 @@ class Help(CommandTest):
         listed = re.findall(r"^\| `([a-z]+)` \|", page, re.MULTILINE)
         self.assertEqual(sorted({*commands(), "capture"}), sorted(listed))  # not all builds have capture
 
+    def test_kinds_of_targets_are_on_the_page(self):
+        self.assertEqual([word.split(":")[0] for word in specifications()], commands("pattern"))
+        for word in specifications():
+            self.assertIn(f"| `{word}` |", read(PAGE).decode())
+
     def test_help_is_short(self):
         """Lines of 80 characters, options of three lines, one example."""
-        for command in [[]] + [[name] for name in commands()] + [["pattern", kind] for kind in KINDS]:
+        for command in [[]] + [[name] for name in commands()] + [["pattern", kind] for kind in commands("pattern")]:
             text = self.help_of(command)
             self.assertLessEqual(max(map(len, text.splitlines())), 80, command)
             options = text.split("\nExample:")[0]

@@ -154,7 +154,7 @@ class Images(CommandTest):
                   "--features": self.path("sim/features.csv")}
         for name in sorted(set(commands()) - {"capture"}):  # which runs until it is stopped
             for path in (camera, points, pixels, image, pattern):
-                words = call(name, {**values, "--output": path}.get)
+                words = call({**values, "--output": path}.get, name)
                 if not words or path not in words[:-1] or "--output" not in run(name, "--help").stdout:
                     continue
                 with self.subTest(words):

@@ -165,7 +165,7 @@ class Names(CommandTest):
                    ["pack", self.camera, "-o", blob], ["simulate", "--images", 2, *out],
                    ["pattern", "chessboard", "--columns", 4, "--rows", 3, "--square-mm", 20, "--dpi", 30, *out]]
         others = set(commands()) - silent - {words[0] for words in special[1:]}
-        for command in [*special, *(call(name, values.get) for name in sorted(others))]:
+        for command in [*special, *(call(values.get, name) for name in sorted(others))]:
             if command:
                 self.assert_cannot_print("> /dev/full", *command)
         for more in ([], ["--json"]):

@@ -12,7 +12,7 @@ import sys
 import tempfile
 import threading
 
-from command_test import HANG_S, SIMULATED_PATTERN, call, commands, programs, read, run, write
+from command_test import HANG_S, SIMULATED_PATTERN, call, commands, programs, read, run, specifications, write
 from image_size_test import black_png
 from images_test import chunk, exif, png, tiff
 
@@ -32,8 +32,7 @@ FORMATS = ("opencv", "ros", "kalibr", "colmap", "mrcal", "basalt", "nerfstudio",
 TABLE_FORMATS = ("c", "hex", "maps", "stmap", "ffmpeg", "rays", "isaac", "tum", "dw100", "ti-ldc",
                  "vpi", "rockchip-fec", "rockchip-ldch", "hailo", "depthai-mesh",
                  "puzzlepaint-dataset")
-WORDS = ("chessboard:14x10:30mm", "charuco:8x5:28mm:marker=21mm", "aprilgrid:6x6:24mm",
-         "star:16x23:11mm", "chessboard:9x6", "chessboard:1x1:1km", "star:1000x1000:1mm")
+WORDS = ("chessboard:14x10:30mm", "chessboard:9x6", "chessboard:1x1:1km", "star:1000x1000:1mm")
 
 
 class Case:
@@ -149,8 +148,8 @@ class Case:
         if path:
             return path
         if self.chance(0.3):
-            return self.random.choice(WORDS)
-        kind = self.random.choice(("chessboard", "star", "charuco", "aprilgrid", "points", "other"))
+            return self.random.choice([*WORDS, *specifications()])
+        kind = self.random.choice([*commands("pattern"), "points", "other"])
         if self.chance(0.5):
             return self.text("pattern.yaml", ".yaml", 0.8)
         sides = [self.random.choice((2, 3, 8, 14, 100, 1000, 1001, -1, "x")) for _ in range(2)]
@@ -193,7 +192,7 @@ class Case:
         """What the help requires, and in some cases an output."""
         values = {"IMAGES": self.image, "--features": self.features, "--output": self.output, "--pattern": self.pattern,
                   "--pixels": lambda: self.numbers("xy"), "--points": lambda: self.numbers("xyz")}
-        words = call(self.name, lambda name: values.get(name, self.camera)())
+        words = call(lambda name: values.get(name, self.camera)(), self.name)
         more = self.random.choice(([], ["--json"], ["--output", self.output(".csv")]))
         has_output = "--output" in run(self.name, "--help").stdout and "--output" not in words
         return words[1:] + (more if has_output or "--json" in more else [])
@@ -267,11 +266,11 @@ class Case:
         return [self.camera(), "--remap", remap, *capture, "-o", self.output(".raygrid")]
 
     def run_pattern(self):
-        kind = self.random.choice(("chessboard", "star", "charuco", "aprilgrid"))
         side = lambda: self.random.choice(("2", "8", "14", "1000", "0", "-3", "1001"))
-        return [kind, "--columns", side(), "--rows", side(), "--square-mm",
-                self.random.choice(("0.001", "1", "20", "1e6", "1e-300", "nan")), "--dpi",
-                self.random.choice(("1", "50", "72", "1e9")), "-o", self.output()]
+        length = lambda: self.random.choice(("0.001", "1", "20", "1e6", "1e-300", "nan"))
+        words = call(lambda name: self.output() if name == "--output" else length() if name.endswith("-mm") else side(),
+                     "pattern", self.random.choice(commands("pattern")))
+        return [*words[1:], "--dpi", self.random.choice(("1", "50", "72", "1e9"))]
 
     def run_rectify(self):
         rig = self.good("pair/true_rig.yaml") or self.text("pair/true_rig.yaml", ".yaml")
