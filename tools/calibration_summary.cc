@@ -136,7 +136,7 @@ void PrintBoards(const Pattern& pattern) {
   constexpr int kMostLines = 3;
   int num_told = 0;
   for (const Board& board : pattern.boards) {
-    if (board.kind == "points") continue;  // may have depth
+    if (board.IsPointSet()) continue;  // may have depth
     const BoardShape shape = MeasureBoardShape(board);
     if (std::max(shape.rms_height_m, shape.rms_shift_m) < kTellableM) continue;
     if (++num_told > kMostLines) continue;

@@ -4,7 +4,7 @@
 namespace raygrid {
 
 // A program of its own, since it alone needs cameras and a page's server.
-void AddCapture(CLI::App* app) {
+void AddCapture(CLI::App* app, CommonOptions*) {
   CLI::App* command = app->add_subcommand(
       "capture", "Capture calibration images live, guided by coverage.");
   command->set_help_flag();

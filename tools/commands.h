@@ -47,29 +47,10 @@ void AddAtOption(CLI::App* command, CommonOptions* common);
 /// --allow-huge-images, for commands that read images or are given their size.
 void AddHugeOption(CLI::App* command);
 
-void AddBatch(CLI::App* app, CommonOptions* common);
-void AddCalibrate(CLI::App* app, CommonOptions* common);
-/// raygrid capture, with options of its own.
-void AddCapture(CLI::App* app);
-void AddCheck(CLI::App* app, CommonOptions* common);
-void AddCompare(CLI::App* app, CommonOptions* common);
-void AddDetect(CLI::App* app, CommonOptions* common);
-void AddEvaluate(CLI::App* app, CommonOptions* common);
-void AddExperiment(CLI::App* app, CommonOptions* common);
-void AddExport(CLI::App* app, CommonOptions* common);
-void AddFit(CLI::App* app, CommonOptions* common);
-void AddImport(CLI::App* app, CommonOptions* common);
-void AddInspect(CLI::App* app, CommonOptions* common);
-void AddPack(CLI::App* app, CommonOptions* common);
-void AddPattern(CLI::App* app, CommonOptions* common);
-void AddProject(CLI::App* app, CommonOptions* common);
-void AddRectify(CLI::App* app, CommonOptions* common);
-void AddReport(CLI::App* app, CommonOptions* common);
-void AddSimulate(CLI::App* app, CommonOptions* common);
-void AddUndistort(CLI::App* app, CommonOptions* common);
-void AddUnproject(CLI::App* app, CommonOptions* common);
-void AddUpdate(CLI::App* app, CommonOptions* common);
-void AddView(CLI::App* app, CommonOptions* common);
+#define RAYGRID_COMMAND(title, Name) \
+  void Add##Name(CLI::App* app, CommonOptions* common);
+#include "command_list.inc"
+#undef RAYGRID_COMMAND
 
 }  // namespace raygrid
 

@@ -227,48 +227,11 @@ int Run(int argc, char** argv) {
       "tools/README.md and the manual pages.\n\n" +
       ExitCodesHelp());
   CommonOptions common;
-  // The commands that are added next are listed under this title.
-  std::vector<const CLI::App*> listed;
-  const auto list_under = [&app, &listed](const char* title) {
-    for (CLI::App* command : app.get_subcommands({})) {
-      if (std::find(listed.begin(), listed.end(), command) != listed.end())
-        continue;
-      command->group(title);
-      listed.push_back(command);
-    }
-  };
-  AddPattern(&app, &common);
-  AddDetect(&app, &common);
-  list_under("Targets");
-#if RAYGRID_HAS_CAPTURE
-  AddCapture(&app);
-#endif
-  AddCalibrate(&app, &common);
-  AddBatch(&app, &common);
-  AddCheck(&app, &common);
-  list_under("Calibrate");
-  AddEvaluate(&app, &common);
-  AddCompare(&app, &common);
-  AddInspect(&app, &common);
-  AddReport(&app, &common);
-  AddView(&app, &common);
-  AddProject(&app, &common);
-  AddUnproject(&app, &common);
-  list_under("Inspect");
-  AddPack(&app, &common);
-  AddUndistort(&app, &common);
-  AddRectify(&app, &common);
-  AddUpdate(&app, &common);
-  list_under("Deploy");
-  AddFit(&app, &common);
-  AddExport(&app, &common);
-  AddImport(&app, &common);
-  list_under("Exchange");
-#if RAYGRID_HAS_EXPERIMENTS
-  AddSimulate(&app, &common);
-  AddExperiment(&app, &common);
-  list_under("Research");
-#endif
+#define RAYGRID_COMMAND(title, Name) \
+  Add##Name(&app, &common);          \
+  app.get_subcommands({}).back()->group(#title);
+#include "command_list.inc"
+#undef RAYGRID_COMMAND
   RefuseValuesThatAreNone(&app);
   if (argc > 1 && argv[1][0] != '-') RequireCommand(app, argv[1]);
   try {

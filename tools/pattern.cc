@@ -2,7 +2,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -16,7 +15,6 @@
 #include "target/board_on_screen.h"
 #include "target/board_sheet.h"
 #include "target/marker_boards.h"
-#include "target/star_boards.h"
 
 namespace raygrid {
 namespace {
@@ -30,8 +28,6 @@ struct OutputOptions {
   int square_px = 0;
   double measured_x_mm = 0, measured_y_mm = 0;
 };
-
-using MakeBoards = std::function<std::vector<Board>()>;
 
 // "pattern.svg", or "pattern_1.svg" where there are several.
 std::string FileName(const std::vector<Board>& boards, const Board& board,
@@ -88,13 +84,10 @@ std::string HowToMeasure(const ScreenBoards& plan,
       "measure {:g} squares on the screen, from the first {} of a {} to the "
       "last: {:.2f} mm in pattern.yaml; if you measure L mm, run this command "
       "again with {}{} L/{:g}{}",
-      length.squares,
-      board.kind == "star"        ? "star's centre"
-      : board.kind == "aprilgrid" ? "tag's edge"
-                                  : "inner corner",
-      length.is_row ? "row" : "column", 1000 * length.squares * board.square_m,
+      length.squares, KindOf(board).feature, length.is_row ? "row" : "column",
+      1000 * length.squares * board.square_m,
       is_largest ? "" : fmt::format("--square-px {} ", plan.square_px),
-      board.kind == "aprilgrid" ? "--tag-mm" : "--square-mm", length.squares,
+      KindOf(board).LengthOption(), length.squares,
       options.dpi ? " and without --dpi" : "");
 }
 
@@ -191,81 +184,64 @@ void AddOutputOptions(CLI::App* command, OutputOptions* options) {
       ->required();
 }
 
-// Finishes a command; to be called when the options of the board itself are
-// there.
-void Finish(CLI::App* command, const MakeBoards& make_boards,
-            CommonOptions* common) {
-  const auto options = std::make_shared<OutputOptions>();
-  AddOutputOptions(command, options.get());
-  AddYes(command, common);
-  command->callback([command, options, make_boards, common] {
-    const std::vector<Board> boards = make_boards();
-    AskAboutLengths(
-        "", boards,
-        command->get_name() == "aprilgrid" ? "--tag-mm" : "--square-mm",
-        *common);
-    if (options->screen.empty())
-      WriteForPrint(boards, *options, *common);
-    else
-      WriteForScreen(boards, *options, *common);
-  });
-}
+// Adds the options of a kind to its command.
+class CommandOptions : public BoardOptions {
+ public:
+  explicit CommandOptions(CLI::App* command) : command_(command) {}
 
-void AddNumBoards(CLI::App* command, int* num_boards) {
-  command
-      ->add_option("--boards", *num_boards,
-                   "number of boards with distinct markers")
-      ->option_text("N")
-      ->capture_default_str();
-}
+  void Number(const char* name, const char* help, int* value) override {
+    Add(name, help, value)->option_text("N")->capture_default_str();
+  }
+  void Number(const char* name, const char* help, double* value) override {
+    Add(name, help, value)->option_text("RATIO")->capture_default_str();
+  }
+  void Number(const char* name, const char* help, int max,
+              std::optional<int>* value) override {
+    Add(name, help, value)
+        ->option_text("N")
+        ->check(max > 0 ? CLI::Range(1, max) : AboveZero());
+  }
+  void Text(const char* name, const char* help, std::string* value) override {
+    Add(name, help, value)->option_text("NAME")->capture_default_str();
+  }
+  void Word(const char* name, const char* help,
+            const std::vector<std::string>& words,
+            std::optional<std::string>* value) override {
+    Add(name, help, value)->check(CLI::IsMember(words));
+  }
+  void Flag(const char* name, const char* help, bool* value) override {
+    command_->add_flag(std::string("--") + name, *value, help);
+  }
+  void Length(const char* name, const char* help, double* value_mm) override {
+    Add(name + std::string("-mm"), help, value_mm)
+        ->option_text("MM")
+        ->required();
+  }
 
-void AddSize(CLI::App* command, const std::string& what, int* columns,
-             int* rows, double* square_mm) {
-  BeginGroup(command, help_group::kTarget);
-  command->add_option("--columns", *columns, what + " per row")
-      ->option_text("N")
-      ->required();
-  command->add_option("--rows", *rows, what + " per column")
-      ->option_text("N")
-      ->required();
-  command->add_option("--square-mm", *square_mm, "side length of a square")
+ private:
+  template <typename T>
+  CLI::Option* Add(const std::string& name, const char* help, T* value) {
+    return command_->add_option("--" + name, *value, help);
+  }
+
+  CLI::App* command_;
+};
+
+void AddSize(CLI::App* command, const TargetKind& kind, BoardRequest* request) {
+  const auto add_count = [&](const char* word, const char* side, int* count) {
+    CLI::Option* const option =
+        command
+            ->add_option(kind.OptionName(word), *count,
+                         std::string(kind.counted) + side)
+            ->option_text("N")
+            ->required();
+    if (kind.max_count > 0) option->check(CLI::Range(1, kind.max_count));
+  };
+  add_count("columns", " per row", &request->board.columns);
+  add_count("rows", " per column", &request->board.rows);
+  command->add_option(kind.LengthOption(), request->length_mm, kind.length_help)
       ->option_text("MM")
       ->required();
-}
-
-void AddStar(CLI::App* pattern, CommonOptions* common) {
-  CLI::App* command = AddCommand(
-      pattern, "star",
-      "Star pattern with an AprilTag, made for generic camera models.",
-      "raygrid pattern star --columns 16 --rows 23 --square-mm 11 -o board/",
-      common);
-  const auto options = std::make_shared<StarBoardOptions>();
-  AddSize(command, "features", &options->columns, &options->rows,
-          &options->square_mm);
-  command
-      ->add_option("--segments", options->segments,
-                   "number of segments of a star, even, 4 to 32; use fewer for "
-                   "blurred or small images")
-      ->option_text("N")
-      ->capture_default_str();
-  command
-      ->add_option("--tag-id", options->tag_id,
-                   "ID of the first tag (tag36h11)")
-      ->option_text("N")
-      ->capture_default_str();
-  command
-      ->add_option("--tags", options->num_tags,
-                   "tags per board; more tags allow views of smaller parts")
-      ->option_text("N")
-      ->capture_default_str();
-  command
-      ->add_option("--tag-squares", options->tag_squares,
-                   "side length of a tag in squares (default: about 40 mm)")
-      ->option_text("N")
-      ->check(AboveZero());
-  AddNumBoards(command, &options->num_boards);
-  Finish(
-      command, [options] { return StarBoards(*options); }, common);
 }
 
 // Two cameras, or two images, do not show by such a board alone which of its
@@ -280,141 +256,42 @@ void SayIfSymmetric(const Board& board) {
       board.rows + 1);
 }
 
-void AddChessboard(CLI::App* pattern, CommonOptions* common) {
+void AddKind(CLI::App* pattern, const TargetKind& kind, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      pattern, "chessboard", "Chessboard.",
-      "raygrid pattern chessboard --columns 9 --rows 6 --square-mm 25 -o "
-      "board/",
+      pattern, kind.name, kind.summary,
+      fmt::format("raygrid pattern {} {} -o board/", kind.name, kind.example),
       common);
-  const auto board = std::make_shared<Board>();
-  const auto square_mm = std::make_shared<double>();
-  AddSize(command, "inner corners", &board->columns, &board->rows,
-          square_mm.get());
-  const auto make_boards = [board, square_mm, common] {
-    board->kind = "chessboard";
-    board->square_m = *square_mm / 1000;
-    if (!common->quiet) SayIfSymmetric(*board);
-    return std::vector<Board>{*board};
-  };
-  Finish(command, make_boards, common);
-}
-
-void AddCharuco(CLI::App* pattern, CommonOptions* common) {
-  CLI::App* command =
-      AddCommand(pattern, "charuco", "ChArUco board in OpenCV's layout.",
-                 "raygrid pattern charuco --columns 8 --rows 5 --square-mm 28 "
-                 "--marker-mm 21 -o board/",
-                 common);
-  const auto board = std::make_shared<Board>();
-  const auto square_mm = std::make_shared<double>();
-  const auto marker_mm = std::make_shared<double>();
-  board->dictionary = "DICT_4X4_50";
-  AddSize(command, "inner corners", &board->columns, &board->rows,
-          square_mm.get());
-  command->add_option("--marker-mm", *marker_mm, "side length of a marker")
-      ->option_text("MM")
-      ->required();
-  command
-      ->add_option("--dictionary", board->dictionary,
-                   "name of the marker dictionary in OpenCV")
-      ->option_text("NAME")
-      ->capture_default_str();
-  command
-      ->add_option("--first-marker", board->first_marker,
-                   "ID of the first marker")
-      ->option_text("N")
-      ->capture_default_str();
-  command->add_flag("--legacy", board->is_legacy,
-                    "layout of OpenCV before 4.6 (legacy pattern)");
-  const auto num_boards = std::make_shared<int>(1);
-  AddNumBoards(command, num_boards.get());
-  const auto make_boards = [board, square_mm, marker_mm, num_boards] {
-    board->kind = "charuco";
-    board->square_m = *square_mm / 1000;
-    board->marker_m = *marker_mm / 1000;
-    return MarkerBoards(*board, *num_boards);
-  };
-  Finish(command, make_boards, common);
-}
-
-struct PlainTags {
-  bool has_no_squares = false;
-  std::optional<int> border_cells;
-  std::optional<std::string> numbered_from;
-};
-
-void AddAprilGrid(CLI::App* pattern, CommonOptions* common) {
-  CLI::App* command = AddCommand(
-      pattern, "aprilgrid",
-      "AprilGrid in Kalibr's layout, or a grid of separate tags.",
-      "raygrid pattern aprilgrid --tag-columns 6 --tag-rows 6 --tag-mm 24 -o "
-      "board/",
-      common);
-  const auto board = std::make_shared<Board>();
-  const auto tag_mm = std::make_shared<double>();
-  board->tag_family = "tag36h11";
-  board->spacing_ratio = 0.3;
+  command->group("Targets");
+  const auto request = std::make_shared<BoardRequest>();
   BeginGroup(command, help_group::kTarget);
-  command->add_option("--tag-columns", board->columns, "tags per row")
-      ->option_text("N")
-      ->required()
-      ->check(CLI::Range(1, 500));
-  command->add_option("--tag-rows", board->rows, "tags per column")
-      ->option_text("N")
-      ->required()
-      ->check(CLI::Range(1, 500));
-  command
-      ->add_option("--tag-mm", *tag_mm,
-                   "side length of the black square of a tag")
-      ->option_text("MM")
-      ->required();
-  command
-      ->add_option("--spacing-ratio", board->spacing_ratio,
-                   "gap between tags divided by their side length")
-      ->option_text("RATIO")
-      ->capture_default_str();
-  command
-      ->add_option("--family", board->tag_family,
-                   "tag36h11, tag25h9 or tag16h5; with --no-squares also "
-                   "OpenCV dictionaries such as DICT_4X4_50")
-      ->option_text("NAME")
-      ->capture_default_str();
-  const auto tags = std::make_shared<PlainTags>();
-  command->add_flag(
-      "--no-squares", tags->has_no_squares,
-      "no black squares between tags, as in AprilTag mosaics and OpenCV's "
-      "GridBoard");
-  command
-      ->add_option("--border-cells", tags->border_cells,
-                   "width of the black border of a tag, 1 or 2 cells (default: "
-                   "2; 1 with --no-squares)")
-      ->option_text("N")
-      ->check(CLI::Range(1, 2));
-  command
-      ->add_option("--numbered-from", tags->numbered_from,
-                   "row in which the tag IDs start (default: bottom; top with "
-                   "--no-squares)")
-      ->check(CLI::IsMember({"top", "bottom"}));
-  command
-      ->add_option("--first-marker", board->first_marker,
-                   "ID of the first tag, at the left")
-      ->option_text("N")
-      ->capture_default_str();
-  const auto num_boards = std::make_shared<int>(1);
-  AddNumBoards(command, num_boards.get());
-  const auto make_boards = [board, tags, tag_mm, num_boards] {
-    Board made = *board;
-    SetCornerSquares(!tags->has_no_squares, &made);
-    made.border_cells = tags->border_cells.value_or(made.border_cells);
-    if (tags->numbered_from)
-      made.is_numbered_from_top = *tags->numbered_from == "top";
-    made.kind = "aprilgrid";
-    made.columns *= 2;  // features: two for each tag
-    made.rows *= 2;
-    made.square_m = *tag_mm / 1000;
-    return MarkerBoards(made, *num_boards);
-  };
-  Finish(command, make_boards, common);
+  AddSize(command, kind, request.get());
+  CommandOptions target(command);
+  kind.AddOptions(&target, request.get());
+  const auto options = std::make_shared<OutputOptions>();
+  AddOutputOptions(command, options.get());
+  AddYes(command, common);
+  command->callback([&kind, request, options, common] {
+    const std::vector<Board> boards = MakeBoards(kind, *request);
+    if (!common->quiet) SayIfSymmetric(boards.front());
+    AskAboutLengths("", boards, kind.LengthOption(), *common);
+    if (options->screen.empty())
+      WriteForPrint(boards, *options, *common);
+    else
+      WriteForScreen(boards, *options, *common);
+  });
+}
+
+// Specifications of all kinds in two columns.
+std::string SpecificationsHelp() {
+  std::string lines;
+  for (const auto& kind : TargetKinds()) {
+    std::string first = kind->specification;
+    for (const char* line : kind->specification_help) {
+      lines += fmt::format("  {:<28}  {}\n", first, line);
+      first.clear();
+    }
+  }
+  return lines;
 }
 
 }  // namespace
@@ -426,26 +303,16 @@ void AddPattern(CLI::App* app, CommonOptions* common) {
   pattern->require_subcommand(1);
   pattern->get_help_ptr()->description("print this help");
   pattern->footer(
-      "Other commands accept a specification instead of pattern.yaml:\n"
-      "  KIND:COLUMNSxROWS:LENGTH[:NAME=VALUE]...   LENGTH in mm, cm or m\n"
-      "  chessboard:9x6:25mm           inner corners, side length of a square\n"
-      "  charuco:8x5:28mm:marker=21mm  optional: dictionary, legacy,\n"
-      "                                first-marker, boards\n"
-      "  aprilgrid:6x6:24mm            tags, side length of a tag; optional:\n"
-      "                                family, spacing-ratio, first-marker,\n"
-      "                                boards, no-squares, border-cells,\n"
-      "                                numbered-from\n"
-      "  star:16x23:11mm               features, spacing; optional: segments,\n"
-      "                                tags, tag-id, tag-squares, boards\n"
+      std::string(
+          "Other commands accept a specification instead of pattern.yaml:\n"
+          "  KIND:COLUMNSxROWS:LENGTH[:NAME=VALUE]...   LENGTH in mm, cm or "
+          "m\n") +
+      SpecificationsHelp() +
       "\nExample:\n"
       "  raygrid pattern chessboard --columns 9 --rows 6 --square-mm 25 -o "
       "board/");
-  AddStar(pattern, common);
-  AddChessboard(pattern, common);
-  AddCharuco(pattern, common);
-  AddAprilGrid(pattern, common);
-  for (CLI::App* command : pattern->get_subcommands({}))
-    command->group("Targets");
+  for (const auto& kind : TargetKinds())
+    if (kind->is_drawable) AddKind(pattern, *kind, common);
 }
 
 }  // namespace raygrid

@@ -49,7 +49,7 @@ double WidestM(const Board& board) {
 
 // Empty if nothing is strange.
 std::string Question(const Board& board, const std::string& mm_option) {
-  const bool has_squares = board.kind != "points";
+  const bool has_squares = !board.IsPointSet();
   if (has_squares && !IsLikelySquare(board.square_m))
     return fmt::format(
         "{}{} implausible{}", Given(board.square_m, mm_option),

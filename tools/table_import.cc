@@ -165,7 +165,7 @@ void ImportTable(const TableFormat& table, const ImportArguments& arguments,
 
 std::string PatternText(const std::string& path,
                         const std::vector<Board>& boards) {
-  if (boards.front().kind == "points") return BoardsYaml(boards);
+  if (boards.front().IsPointSet()) return BoardsYaml(boards);
   try {
     RequirePossibleBoards(boards);
   } catch (const Error& error) {

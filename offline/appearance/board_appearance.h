@@ -8,11 +8,9 @@
 
 #include "appearance/marker_bits.h"
 #include "camera/area.h"
-#include "dataset/pattern.h"
+#include "dataset/kinds/target_kind.h"
 
 namespace raygrid {
-
-using Polygon = std::vector<Eigen::Vector2d>;
 
 /// Polygons of one colour that do not overlap; layers are painted in order.
 struct InkLayer {
@@ -53,19 +51,11 @@ class BoardAppearance {
   std::vector<InkLayer> Layers() const;
 
  private:
-  bool IsBlackBesideMarkers(const Eigen::Vector2d& point_m) const;
-  void AddStars(InkLayer* layer) const;
-  void AddSquares(InkLayer* layer) const;
-  void AddCornerSquares(InkLayer* layer) const;
-
   Board board_;
+  const TargetKind* kind_;
   Area extent_m_;
   std::vector<PlacedMarker> markers_;
 };
-
-/// Whether segment of a star is black at an offset from the star's centre, in
-/// any unit.
-bool IsBlackInStar(int segments, double right, double down);
 
 }  // namespace raygrid
 

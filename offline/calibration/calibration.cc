@@ -84,8 +84,7 @@ void WarnOfOtherGeometry(const Pattern& given, const Pattern& found,
   for (size_t b = 0; b < given.boards.size(); ++b) {
     const Board& board = given.boards[b];
     const double moved_m = MovedM(board, found.boards[b]);
-    if (!(moved_m > kMostPart * board.square_m) || board.kind == "points")
-      continue;
+    if (!(moved_m > kMostPart * board.square_m) || board.IsPointSet()) continue;
     if (verdict->word == "pass") verdict->word = "warn";
     verdict->reasons.push_back(fmt::format(
         "the estimated points of board {} deviate from the pattern by {:.2g} "

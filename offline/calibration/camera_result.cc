@@ -71,7 +71,7 @@ std::optional<BoardBends> BendsOf(const Pattern& pattern,
 // The direction across a flat board; nothing for points in space.
 std::optional<Eigen::Vector3d> NormalOf(const Board& board) {
   constexpr double kFlatPart = 0.02;  // of its extent
-  if (board.kind != "points") return Eigen::Vector3d::UnitZ();
+  if (!board.IsPointSet()) return Eigen::Vector3d::UnitZ();
   Eigen::Matrix3Xd points(3, board.points.size());
   for (size_t i = 0; i < board.points.size(); ++i)
     points.col(static_cast<Eigen::Index>(i)) = board.points[i];
@@ -105,7 +105,7 @@ double TiltOf(const std::vector<Eigen::Vector3d>& normals) {
 }
 
 // Points alone have no sides.
-bool HasSides(const Board& board) { return board.kind != "points"; }
+bool HasSides(const Board& board) { return !board.IsPointSet(); }
 
 bool IsSeenFromBehind(const BoardPose& seen, const Board& board) {
   const Eigen::Vector3d into_page =

@@ -196,7 +196,7 @@ double HeightOfFlatBoards(const Pattern& pattern,
   AlignBoards(pattern, &adjusted);
   double height_m = 0;
   for (const Board& board : AdjustedPattern(pattern, adjusted).boards)
-    if (board.kind != "points")  // these may have depth
+    if (!board.IsPointSet())  // these may have depth
       height_m = std::max(height_m, MeasureBoardShape(board).rms_height_m);
   return height_m;
 }

@@ -1,136 +1,20 @@
 #include "dataset/pattern.h"
 
-#include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
-#include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/kinds/board_keys.h"
+#include "dataset/kinds/target_kind.h"
 #include "dataset/pose_node.h"
 #include "dataset/yaml_file.h"
 
 namespace raygrid {
 namespace {
 
-constexpr int kMaxFeaturesAlongSide = 1000;
-// Points of all boards together. Every point is adjusted and written, seen or
-// not.
-// No board is beyond these; arithmetic far beyond ends in nonsense.
-constexpr double kMinSquareM = 1e-6, kMaxSquareM = 100;
-constexpr double kMaxCoordinateM = kMaxFeaturesAlongSide * kMaxSquareM;
-
-// A value of a board; throws with the board's number and the key.
-template <typename T>
-T Value(const std::string& place, const YAML::Node& node, const char* key) {
-  if (!node[key])
-    throw InputError(fmt::format("{}: missing key '{}'", place, key));
-  try {
-    return node[key].as<T>();
-  } catch (const YAML::Exception&) {
-    throw InputError(
-        fmt::format("{}: '{}' has a value of the wrong type", place, key));
-  }
-}
-
-template <typename T>
-T OptionalValue(const std::string& place, const YAML::Node& node,
-                const char* key, T otherwise) {
-  return node[key] ? Value<T>(place, node, key) : otherwise;
-}
-
-BoardTag ParseTag(const std::string& place, const YAML::Node& node) {
-  BoardTag tag;
-  tag.family = OptionalValue<std::string>(place, node, "family", tag.family);
-  tag.id = Value<int>(place, node, "id");
-  tag.column = Value<int>(place, node, "column");
-  tag.row = Value<int>(place, node, "row");
-  tag.squares = Value<int>(place, node, "squares");
-  if (tag.family != "tag36h11")
-    throw InputError(fmt::format(
-        "{}: unsupported tag family '{}'; use tag36h11", place, tag.family));
-  return tag;
-}
-
-void ParseStar(const std::string& place, const YAML::Node& node, Board* board) {
-  board->segments = OptionalValue<int>(place, node, "segments", 16);
-  if (board->segments < 4 || board->segments > 64 || board->segments % 2 != 0)
-    throw InputError(fmt::format(
-        "{}: 'segments' must be an even number from 4 to 64", place));
-  if (!node["tags"].IsSequence() || node["tags"].size() == 0)
-    throw InputError(fmt::format(
-        "{}: 'tags' must list at least one tag for a star board", place));
-  for (const YAML::Node& item : node["tags"]) {
-    const BoardTag tag = ParseTag(place, item);
-    if (tag.squares < 1 || tag.column < -1 || tag.row < -1 ||
-        tag.column + tag.squares > board->columns ||
-        tag.row + tag.squares > board->rows)
-      throw InputError(
-          fmt::format("{}: tag {} is outside the board", place, tag.id));
-    board->tags.push_back(tag);
-  }
-}
-
-void ParseCharuco(const std::string& place, const YAML::Node& node,
-                  Board* board) {
-  board->marker_m = Value<double>(place, node, "marker_m");
-  board->dictionary = Value<std::string>(place, node, "dictionary");
-  board->is_legacy = OptionalValue<bool>(place, node, "legacy", false);
-  board->first_marker = OptionalValue<int>(place, node, "first_marker", 0);
-  if (!(board->marker_m > 0 && board->marker_m < board->square_m))
-    throw InputError(
-        fmt::format("{}: 'marker_m' must be between 0 and square_m", place));
-}
-
-void RequireTagFamily(const std::string& place, const Board& board) {
-  const std::string& family = board.tag_family;
-  if (family == "tag36h11" || family == "tag25h9" || family == "tag16h5")
-    return;
-  if (family.compare(0, 5, "DICT_") != 0)
-    throw InputError(
-        fmt::format("{}: unsupported tag family '{}'; use tag36h11, tag25h9, "
-                    "tag16h5 or a dictionary such as DICT_4X4_50",
-                    place, family));
-  if (board.has_corner_squares)
-    throw InputError(fmt::format(
-        "{}: tag family '{}': dictionary markers are supported without corner "
-        "squares only; set 'corner_squares: false' if there are none",
-        place, family));
-}
-
-void ParseAprilGrid(const std::string& place, const YAML::Node& node,
-                    Board* board) {
-  board->tag_family =
-      OptionalValue<std::string>(place, node, "tag_family", "tag36h11");
-  board->spacing_ratio = Value<double>(place, node, "spacing_ratio");
-  board->first_marker = OptionalValue<int>(place, node, "first_marker", 0);
-  SetCornerSquares(OptionalValue<bool>(place, node, "corner_squares", true),
-                   board);
-  board->border_cells =
-      OptionalValue<int>(place, node, "border_cells", board->border_cells);
-  const auto numbered_from = OptionalValue<std::string>(
-      place, node, "numbered_from",
-      board->is_numbered_from_top ? "top" : "bottom");
-  board->is_numbered_from_top = numbered_from == "top";
-  RequireTagFamily(place, *board);
-  if (numbered_from != "top" && numbered_from != "bottom")
-    throw InputError(
-        fmt::format("{}: numbered_from must be top or bottom, not '{}'", place,
-                    numbered_from));
-  if (board->border_cells != 1 && board->border_cells != 2)
-    throw InputError(fmt::format("{}: 'border_cells' must be 1 or 2", place));
-  if (!(board->spacing_ratio > 0 && board->spacing_ratio < 10))
-    throw InputError(
-        fmt::format("{}: 'spacing_ratio' must be positive", place));
-  if (board->columns % 2 != 0 || board->rows % 2 != 0)
-    throw InputError(
-        fmt::format("{}: columns and rows of an AprilGrid must be even, with 2 "
-                    "x 2 features per tag",
-                    place));
-}
+constexpr double kMaxCoordinateM = 1e5;  // of points; no board is beyond
 
 // Two boards with one tag could not be told apart.
 void RequireDistinctTags(const std::string& name, const Pattern& pattern) {
@@ -164,48 +48,14 @@ std::vector<Eigen::Vector3d> ParsePoints(const std::string& place,
   return points;
 }
 
-void RequireFewPoints(const std::string& place, size_t count) {
-  if (count > kMaxPatternPoints)
-    throw InputError(
-        fmt::format("{}: {} feature points exceed the limit of {} per pattern; "
-                    "check columns and rows",
-                    place, count, kMaxPatternPoints));
-}
-
 Board ParseBoard(const std::string& place, const YAML::Node& node) {
   Board board;
   board.id = Value<int>(place, node, "id");
   board.kind = Value<std::string>(place, node, "kind");
-  const char* points_key = "points";
-  if (board.kind == "points") {
-    points_key = "xyz";
-    const int count = static_cast<int>(node["xyz"].size());
-    board.columns =
-        node["columns"] ? Value<int>(place, node, "columns") : count;
-    board.rows = node["rows"] ? Value<int>(place, node, "rows") : 1;
-    if (std::min(board.columns, board.rows) < 0 ||
-        static_cast<int64_t>(board.columns) * board.rows != count)
-      throw InputError(fmt::format("{0}: expected {2} x {3} points, found {1}",
-                                   place, count, board.columns, board.rows));
-  } else {
-    board.columns = Value<int>(place, node, "columns");
-    board.rows = Value<int>(place, node, "rows");
-    board.square_m = Value<double>(place, node, "square_m");
-    if (std::min(board.columns, board.rows) < 2 ||
-        std::max(board.columns, board.rows) > kMaxFeaturesAlongSide)
-      throw InputError(fmt::format("{}: columns and rows must be 2 to {}",
-                                   place, kMaxFeaturesAlongSide));
-    RequireFewPoints(place, board.num_points());
-    if (!(board.square_m >= kMinSquareM && board.square_m <= kMaxSquareM))
-      throw InputError(fmt::format(
-          "{}: square_m is {:g}, but must be 1e-6 (1 µm) to {:g} metres", place,
-          board.square_m, kMaxSquareM));
-    if (board.kind == "star") ParseStar(place, node, &board);
-    if (board.kind == "charuco") ParseCharuco(place, node, &board);
-    if (board.kind == "aprilgrid") ParseAprilGrid(place, node, &board);
-    board.points = board.NominalPoints();
-  }
-  if (node[points_key]) board.points = ParsePoints(place, node[points_key]);
+  const TargetKind& kind = KindOf(board);
+  kind.Read(place, node, &board);
+  if (node[kind.points_key])
+    board.points = ParsePoints(place, node[kind.points_key]);
   if (static_cast<int>(board.points.size()) != board.num_points())
     throw InputError(fmt::format("{0}: expected {2} x {3} points, found {1}",
                                  place, board.points.size(), board.columns,
@@ -255,27 +105,32 @@ YAML::Node BodiesNode(const std::vector<BoardBody>& bodies) {
   return list;
 }
 
-// The place of a column or a row of features.
-double Place(const Board& board, int index) {
-  if (board.kind != "aprilgrid") return index * board.square_m;
-  return board.square_m * (index / 2 * (1 + board.spacing_ratio) + index % 2);
-}
-
 }  // namespace
 
+void RequireFewPoints(const std::string& place, size_t count) {
+  if (count > kMaxPatternPoints)
+    throw InputError(
+        fmt::format("{}: {} feature points exceed the limit of {} per pattern; "
+                    "check columns and rows",
+                    place, count, kMaxPatternPoints));
+}
+
 std::vector<Eigen::Vector3d> Board::NominalPoints() const {
-  if (kind == "points") return points;
+  const TargetKind& of_kind = KindOf(kind);
+  if (of_kind.is_point_set) return points;
   std::vector<Eigen::Vector3d> nominal;
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column)
-      nominal.emplace_back(Place(*this, column), Place(*this, row), 0);
+      nominal.emplace_back(of_kind.PlaceOf(*this, column),
+                           of_kind.PlaceOf(*this, row), 0);
   return nominal;
 }
 
-int Board::NumTurns() const {
-  if (kind != "chessboard" || columns % 2 != rows % 2) return 1;
-  return columns == rows && columns % 2 == 0 ? 4 : 2;
-}
+bool Board::IsPointSet() const { return KindOf(kind).is_point_set; }
+
+bool Board::IsTagGrid() const { return KindOf(kind).is_tag_grid; }
+
+int Board::NumTurns() const { return KindOf(kind).NumTurns(*this); }
 
 std::pair<int, int> Board::Turned(int column, int row, int turn) const {
   const int quarters = 4 / NumTurns() * turn % 4;
@@ -356,7 +211,7 @@ std::string FormatPattern(const Pattern& pattern) {
     }
     YAML::Node board = root["boards"][i];
     board.SetStyle(YAML::EmitterStyle::Block);
-    board[pattern.boards[i].kind == "points" ? "xyz" : "points"] = points;
+    board[KindOf(pattern.boards[i]).points_key] = points;
   }
   root.remove("board_bodies");
   if (!pattern.bodies.empty())
@@ -368,12 +223,6 @@ std::string FormatPattern(const Pattern& pattern) {
   YAML::Emitter emitter;
   emitter << root;
   return std::string(emitter.c_str()) + "\n";
-}
-
-void SetCornerSquares(bool has_corner_squares, Board* board) {
-  board->has_corner_squares = has_corner_squares;
-  board->border_cells = has_corner_squares ? 2 : 1;
-  board->is_numbered_from_top = !has_corner_squares;
 }
 
 Pattern ChessboardPattern(int columns, int rows, double square_m) {

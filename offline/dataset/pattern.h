@@ -25,7 +25,7 @@ struct BoardTag {
 /// A calibration target: columns x rows feature points.
 struct Board {
   int id = 0;
-  std::string kind;  ///< "star", "chessboard", "charuco", "aprilgrid", "points"
+  std::string kind;  ///< see dataset/kinds
   int columns = 0, rows = 0;
   double square_m = 0;  ///< between features; AprilGrid: a tag's black square
 
@@ -61,9 +61,15 @@ struct Board {
   std::pair<int, int> Turned(int column, int row, int turn) const;
   /// Whether the ink around features is symmetric about them, but for markers
   /// and the board's edge: not that of corners on white paper.
-  bool HasSymmetricFeatures() const {
-    return kind != "aprilgrid" || has_corner_squares;
+  bool HasSymmetricFeatures() const { return has_corner_squares; }
+  /// Whether boards are identified by tags or markers.
+  bool HasMarkers() const {
+    return !tags.empty() || !dictionary.empty() || !tag_family.empty();
   }
+  /// Points in space: no lattice, no nominal geometry, no front.
+  bool IsPointSet() const;
+  /// Features are the corners of tags, and not evenly spaced.
+  bool IsTagGrid() const;
   /// False for positions on or inside a tag of a star board.
   bool HasFeature(int column, int row) const;
   /// The nominal points, in the plane z = 0: (column, row) square_m, but for
@@ -88,6 +94,9 @@ struct Pattern {
   /// nullptr if there is no such board.
   const Board* FindBoard(int id) const;
 };
+
+/// Throws InputError for more than kMaxPatternPoints.
+void RequireFewPoints(const std::string& place, size_t count);
 
 /// Throws InputError; name is used in errors.
 Pattern ParsePattern(const std::string& name, const std::string& yaml);

@@ -69,12 +69,12 @@ FeatureTable ReadPuzzlepaintDataset(const std::string& path,
 // The length of a cell, of a board whose features lie in a lattice of squares.
 double CellOf(const Board& board) {
   constexpr double kRounding = 1e-6;  // of the points of pattern.yaml
-  if (board.kind == "aprilgrid")
+  if (board.IsTagGrid())
     throw InputError(
         fmt::format("board {}: puzzlepaint requires a regular lattice of "
                     "features, which an AprilGrid does not have",
                     board.id));
-  if (board.kind != "points") return board.square_m;
+  if (!board.IsPointSet()) return board.square_m;
   const double cell =
       board.columns > 1 && !board.points.empty() ? board.points[1].x() : 0;
   for (int row = 0; row < board.rows; ++row)

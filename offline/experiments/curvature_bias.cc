@@ -8,6 +8,7 @@
 #include "calibration/calibration_problem.h"
 #include "calibration/camera_evaluation.h"
 #include "dataset/error.h"
+#include "dataset/kinds/star.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/model_difference.h"
 #include "evaluation/residual_statistics.h"
@@ -17,7 +18,6 @@
 #include "simulation/image_rendering.h"
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
-#include "target/star_boards.h"
 
 namespace raygrid {
 namespace {

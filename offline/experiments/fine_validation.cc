@@ -11,13 +11,13 @@
 #include "calibration/model_adjustment.h"
 #include "calibration/starting_lens.h"
 #include "dataset/error.h"
+#include "dataset/kinds/star.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/model_difference.h"
 #include "experiments/picture_sheet.h"
 #include "report/pictures.h"
 #include "simulation/bumpy_lens.h"
 #include "simulation/simulated_observations.h"
-#include "target/star_boards.h"
 
 namespace raygrid {
 namespace {

@@ -6,13 +6,13 @@
 #include <optional>
 
 #include "dataset/error.h"
+#include "dataset/kinds/star.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/residual_statistics.h"
 #include "features/pattern_detector.h"
 #include "simulation/image_rendering.h"
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
-#include "target/star_boards.h"
 
 namespace raygrid {
 namespace {

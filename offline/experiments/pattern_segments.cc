@@ -18,7 +18,7 @@ std::vector<DetectedBoard> BoardsOfSegments() {
 }
 
 int Segments(const Board& board) {
-  return board.kind == "star" ? board.segments : kChessboardSegments;
+  return board.segments > 0 ? board.segments : kChessboardSegments;
 }
 
 // Six triangles meet in each of its corners, as in those of a star of six
@@ -27,9 +27,7 @@ constexpr char kDeltille[] = "deltille-like";
 constexpr int kDeltilleSegments = 6;
 
 std::string Name(const Board& board) {
-  return board.kind == "star" && board.segments == kDeltilleSegments
-             ? kDeltille
-             : board.kind;
+  return board.segments == kDeltilleSegments ? kDeltille : board.kind;
 }
 
 Chart EmptySegmentChart(const ExperimentOptions& options) {
@@ -56,7 +54,7 @@ void AddToChart(const Board& board, const LocalizationError& error,
     chart->series[series].points.push_back({x, error.rms_px.mean()});
     chart->series[series + 1].points.push_back({x, error.median_px.mean()});
   };
-  add(board.kind == "star" ? 0 : 2);
+  add(board.segments > 0 ? 0 : 2);
   if (Name(board) == kDeltille) add(4);
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "dataset/image_room.h"
+#include "dataset/kinds/target_kind.h"
 #include "dataset/parallel_for.h"
 #include "features/board_view/low_contrast.h"
 #include "features/marker_board_guess.h"
@@ -14,7 +15,7 @@
 namespace raygrid {
 namespace {
 
-std::optional<Guess> GuessChessboard(const GreyImage& image) {
+std::optional<Guess> GuessChessboard(const GreyImage& image, const Board&) {
   const auto size = SeenChessboardSize(image);
   if (!size) return std::nullopt;
   Guess guess;
@@ -26,37 +27,34 @@ std::optional<Guess> GuessChessboard(const GreyImage& image) {
 
 // The kind that was asked for first: some boards look like several.
 std::optional<Guess> GuessFrom(const GreyImage& image, const Board& asked) {
-  std::vector<std::string> kinds = {"charuco", "aprilgrid", "chessboard"};
-  std::stable_partition(kinds.begin(), kinds.end(),
-                        [&](const auto& kind) { return kind == asked.kind; });
-  for (const std::string& kind : kinds)
-    if (const auto guess = kind == "charuco"     ? GuessCharuco(image, asked)
-                           : kind == "aprilgrid" ? GuessAprilGrid(image, asked)
-                                                 : GuessChessboard(image))
-      return guess;
+  using Guesser = std::optional<Guess> (*)(const GreyImage&, const Board&);
+  std::vector<std::pair<std::string, Guesser>> guessers = {
+      {"charuco", GuessCharuco},
+      {"aprilgrid", GuessAprilGrid},
+      {"chessboard", GuessChessboard}};
+  std::stable_partition(
+      guessers.begin(), guessers.end(),
+      [&](const auto& guesser) { return guesser.first == asked.kind; });
+  for (const auto& [kind, guess_kind] : guessers)
+    if (const auto guess = guess_kind(image, asked)) return guess;
   return std::nullopt;
 }
 
-// dictionary: also an AprilGrid's family.
-std::string Describe(const std::string& kind, int columns, int rows,
-                     const std::string& dictionary, bool has_corner_squares) {
-  if (kind == "charuco")
-    return fmt::format("{} x {} inner corners with markers of {}", columns,
-                       rows, dictionary);
-  if (kind == "aprilgrid")
-    return fmt::format("an AprilGrid of {} x {} tags of {}{}", columns / 2,
-                       rows / 2, dictionary,
-                       has_corner_squares ? "" : " without corner squares");
-  return fmt::format("{} x {} inner corners", columns, rows);
-}
-
-std::string MarkersOf(const Board& board) {
-  return board.kind == "aprilgrid" ? board.tag_family : board.dictionary;
+// The board as it is guessed.
+Board BoardOf(const Guess& guess) {
+  Board board;
+  board.kind = guess.kind;
+  board.columns = guess.columns;
+  board.rows = guess.rows;
+  board.dictionary = DictionaryName(guess.dictionary, guess.max_marker);
+  board.tag_family = board.dictionary;
+  board.has_corner_squares = guess.has_corner_squares;
+  return board;
 }
 
 // The other side of a chessboard may be the longer one.
 void TurnAs(const Board& asked, Guess* guess) {
-  if (guess->kind == "chessboard" && asked.columns < asked.rows)
+  if (!guess->HasMarkers() && asked.columns < asked.rows)
     std::swap(guess->columns, guess->rows);
 }
 
@@ -133,7 +131,7 @@ std::vector<int> ImagesToLookAt(const FolderDetection& found,
   const int num_doubtful = static_cast<int>(doubtful.size());
   // Corners have no numbers: chessboards are seen as they are, or hardly ever.
   // Markers may fit a wrong board in parts.
-  const bool is_chessboard = board.kind == "chessboard";
+  const bool is_chessboard = !board.HasMarkers();
   const double enough = is_chessboard ? 0.25 : 0.9;
   if (count - num_doubtful > enough * count) return {};
   const auto num_told =
@@ -153,7 +151,7 @@ std::string Remedy(const Guess& guess, const Board& asked,
   if (guess.is_mirrored)
     return "mirror the images, or print the board unmirrored";
   if (guess.is_negative) return "print the board in black on white";
-  if (guess.kind == "aprilgrid" && !guess.has_corner_squares)
+  if (!guess.has_corner_squares)
     return fmt::format(
         "use --pattern aprilgrid:{}x{}:LENGTH:no-squares:family={}{}{}, where "
         "LENGTH is the side of a tag",
@@ -165,27 +163,8 @@ std::string Remedy(const Guess& guess, const Board& asked,
   if (guess.kind != asked.kind)
     what = "the target kind";
   else if (!HasMarkersAsAsked(guess, asked))
-    what = guess.kind == "aprilgrid" ? "the tag family" : "the dictionary";
+    what = KindOf(asked).markers;
   return fmt::format("correct {} in {}", what, pattern_name);
-}
-
-// The board, and what of it is read.
-std::string DescribeSought(const Board& board) {
-  const std::string size = Describe(board.kind, board.columns, board.rows,
-                                    MarkersOf(board), board.has_corner_squares);
-  if (board.kind == "charuco")
-    return fmt::format("a ChArUco board of {}, black on white", size);
-  if (board.kind == "aprilgrid")
-    return size +
-           (board.border_cells == 2 ? ", with a border of two cells"
-                                    : ", with a border of one cell") +
-           (board.has_corner_squares ? " and black squares at their corners"
-                                     : "");
-  if (board.kind == "star")
-    return fmt::format("a star board of {} x {} stars with tag {} of {}",
-                       board.columns, board.rows, board.tags.front().id,
-                       board.tags.front().family);
-  return "a chessboard of " + size;
 }
 
 // A line if most of the images show the boards in white on black.
@@ -195,7 +174,7 @@ std::optional<std::string> RemarkOnNegatives(const FolderDetection& found,
                                              const std::vector<int>& chosen,
                                              int num_threads) {
   // A chessboard's negative is a chessboard.
-  if (chosen.empty() || pattern.boards.front().kind == "chessboard")
+  if (chosen.empty() || !pattern.boards.front().HasMarkers())
     return std::nullopt;
   const auto num_seen =
       std::count_if(found.images.begin(), found.images.end(),
@@ -217,7 +196,7 @@ std::string SoughtBoards(const Pattern& pattern,
   const size_t num_others = pattern.boards.size() - 1;
   return fmt::format(
       "searched for {}{}; check that {} describes the target in the images",
-      DescribeSought(pattern.boards.front()),
+      KindOf(pattern.boards.front()).DescribeSought(pattern.boards.front()),
       num_others > 0 ? fmt::format(" and {} more", num_others) : std::string(),
       pattern_name);
 }
@@ -231,7 +210,7 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
   const auto negative = [&] {
     return RemarkOnNegatives(found, pattern, pattern_name, chosen, num_threads);
   };
-  if (pattern.boards.size() > 1 || asked.kind == "star") return negative();
+  if (pattern.boards.size() > 1 || !asked.tags.empty()) return negative();
   std::vector<std::optional<Guess>> guesses(chosen.size());
   ParallelFor(static_cast<int>(chosen.size()), NumThreads(num_threads),
               [&](int i) {
@@ -251,12 +230,8 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
       guess->is_mirrored   ? "a mirrored board of "
       : guess->is_negative ? "an inverted (white on black) board of "
                            : "",
-      Describe(guess->kind, guess->columns, guess->rows,
-               DictionaryName(guess->dictionary, guess->max_marker),
-               guess->has_corner_squares),
-      num_votes, chosen.size(),
-      Describe(asked.kind, asked.columns, asked.rows, MarkersOf(asked),
-               asked.has_corner_squares),
+      KindOf(guess->kind).DescribeLayout(BoardOf(*guess)), num_votes,
+      chosen.size(), KindOf(asked).DescribeLayout(asked),
       Remedy(*guess, asked, pattern_name));
 }
 

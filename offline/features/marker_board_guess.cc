@@ -196,7 +196,7 @@ std::vector<SeenMarker> QuarterTurned(std::vector<SeenMarker> markers,
 // in kind; the other properties of the guess are found here.
 void CompareGrids(const std::vector<SeenMarker>& seen, Guess kind,
                   const Board& asked, BestLayout* best, Guess* guess) {
-  const bool is_asked = asked.kind == "aprilgrid";
+  const bool is_asked = asked.IsTagGrid();
   const double tag_part = 1 / (1 + (is_asked ? asked.spacing_ratio : 0.3));
   if (static_cast<int>(seen.size()) < kMinMarkers) return;
   kind.kind = "aprilgrid";
@@ -222,7 +222,7 @@ void CompareGrids(const std::vector<SeenMarker>& seen, Guess kind,
   }
 }
 
-Guess KindOf(const std::string& family, int border_cells) {
+Guess GuessOfFamily(const std::string& family, int border_cells) {
   Guess guess;
   guess.dictionary = family;
   guess.border_cells = border_cells;
@@ -232,7 +232,7 @@ Guess KindOf(const std::string& family, int border_cells) {
 }  // namespace
 
 bool HasMarkersAsAsked(const Guess& guess, const Board& asked) {
-  if (asked.kind == "aprilgrid")
+  if (asked.IsTagGrid())
     return asked.tag_family.compare(0, guess.dictionary.size(),
                                     guess.dictionary) == 0 &&
            guess.border_cells == asked.border_cells &&
@@ -244,7 +244,7 @@ bool HasMarkersAsAsked(const Guess& guess, const Board& asked) {
 bool IsAsAsked(const Guess& guess, const Board& asked) {
   if (guess.kind != asked.kind || guess.is_mirrored || guess.is_negative)
     return false;
-  if (guess.kind == "chessboard")
+  if (!guess.HasMarkers())
     return guess.columns == asked.columns && guess.rows == asked.rows;
   return guess.columns == asked.columns && guess.rows <= asked.rows &&
          guess.is_numbered_from_top == asked.is_numbered_from_top &&
@@ -252,7 +252,7 @@ bool IsAsAsked(const Guess& guess, const Board& asked) {
 }
 
 std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
-  const bool is_asked = asked.kind == "charuco";
+  const bool is_asked = !asked.dictionary.empty();
   const double marker_part = is_asked ? asked.marker_m / asked.square_m : 0.75;
   std::vector<MarkerLayout> layouts;
   for (const int across : AcrossToTry(is_asked ? asked.columns + 1 : 3))
@@ -312,7 +312,7 @@ std::optional<Guess> GuessAprilGrid(const GreyImage& image,
     }
     const auto tags = FindGridTags(shown, families, search);
     for (const GridTags& kind : tried) {
-      Guess of_kind = KindOf(kind.name, kind.border_cells);
+      Guess of_kind = GuessOfFamily(kind.name, kind.border_cells);
       of_kind.is_mirrored = is_mirrored;
       CompareGrids(SeenOf(tags, kind.family, asked.first_marker), of_kind,
                    asked, &best, &guess);
@@ -330,7 +330,7 @@ std::optional<Guess> GuessAprilGrid(const GreyImage& image,
     const auto [seen, num_squares] =
         ViewOf(readable, dictionary, asked.first_marker);
     if (num_squares < kMinMarkers) break;
-    CompareGrids(seen, KindOf(dictionary.name, 1), asked, &best, &guess);
+    CompareGrids(seen, GuessOfFamily(dictionary.name, 1), asked, &best, &guess);
   }
   if (best.agreement == 0) return std::nullopt;
   return guess;

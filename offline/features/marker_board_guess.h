@@ -27,11 +27,12 @@ struct Guess {
   int border_cells = 2;
   bool is_numbered_from_top = false;
 
+  bool HasMarkers() const { return !dictionary.empty(); }
   /// The key that guesses from images of one board have in common: rows of
   /// markers may be hidden.
   auto Key() const {
     return std::make_tuple(kind, dictionary, is_mirrored, is_negative, columns,
-                           kind == "chessboard" ? rows : 0, border_cells,
+                           HasMarkers() ? 0 : rows, border_cells,
                            is_numbered_from_top);
   }
 };

@@ -17,11 +17,9 @@
 #include "dataset/image_room.h"
 #include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
+#include "features/board_view/locators.h"
 #include "features/board_view/low_contrast.h"
 #include "features/refinement/feature_refinement.h"
-#include "features/squares/aprilgrid.h"
-#include "features/squares/charuco.h"
-#include "features/squares/chessboard.h"
 #include "features/star/star_detection.h"
 
 namespace raygrid {
@@ -29,22 +27,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using Locate = std::function<ImageDetection(const GreyImage&)>;
-
-Locate MakeLocate(const Board& board) {
-  if (board.kind == "chessboard")
-    return [locator = std::make_shared<ChessboardLocator>(board)](
-               const GreyImage& image) { return locator->Locate(image); };
-  if (board.kind == "charuco")
-    return [locator = std::make_shared<CharucoLocator>(board)](
-               const GreyImage& image) { return locator->Locate(image); };
-  if (board.kind == "aprilgrid")
-    return [locator = std::make_shared<AprilGridLocator>(board)](
-               const GreyImage& image) { return locator->Locate(image); };
+[[noreturn]] void RefuseToLocate(const Board& board) {
   throw InputError(
       fmt::format("board {}: detection of kind '{}' is not supported; pass "
                   "features of another detector with --features",
                   board.id, board.kind));
+}
+
+Locator MakeLocator(const Board& board) {
+  using Make = Locator (*)(const Board&);
+  constexpr Make kInOrderOfKinds[] = {
+#define RAYGRID_TARGET_KIND(Name) &Make##Name##Locator,
+#include "dataset/kinds/kind_list.inc"
+#undef RAYGRID_TARGET_KIND
+  };
+  size_t i = 0;
+  for (const auto& kind : TargetKinds()) {
+    if (kind.get() == &KindOf(board)) return kInOrderOfKinds[i](board);
+    ++i;
+  }
+  RefuseToLocate(board);
 }
 
 void Append(ImageDetection part, ImageDetection* whole) {
@@ -71,9 +73,11 @@ void RequireInRange(const DetectionOptions& options) {
 
 }  // namespace
 
+Locator MakePointsLocator(const Board& board) { RefuseToLocate(board); }
+
 struct PatternDetector::Data {
   struct SingleBoard {
-    Locate locate;
+    Locator locate;
     std::unique_ptr<FeatureRefiner> refiner;
   };
   std::unique_ptr<StarDetector> stars;
@@ -88,12 +92,13 @@ PatternDetector::PatternDetector(const Pattern& pattern,
   RequireInRange(options);
   Pattern stars;
   for (const Board& board : pattern.boards) {
-    if (board.kind == "star") {
+    Locator locate = MakeLocator(board);
+    if (!locate) {
       stars.boards.push_back(board);
       continue;
     }
     data_->boards.push_back(
-        {MakeLocate(board), std::make_unique<FeatureRefiner>(board, options)});
+        {std::move(locate), std::make_unique<FeatureRefiner>(board, options)});
   }
   if (!stars.boards.empty())
     data_->stars = std::make_unique<StarDetector>(stars, options);

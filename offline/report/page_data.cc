@@ -197,7 +197,7 @@ Json Vector(const Eigen::Vector3d& v) {
 
 // The corners of the rectangle of a board's features.
 std::vector<Eigen::Vector3d> BoardCorners(const Board& board) {
-  if (board.kind == "points" || board.points.empty()) {
+  if (board.IsPointSet() || board.points.empty()) {
     Eigen::Vector3d low = board.points[0], high = board.points[0];
     for (const Eigen::Vector3d& point : board.points) {
       low = low.cwiseMin(point);

@@ -49,13 +49,9 @@ double LargestScale(const Eigen::Vector2d& size_mm, const Page& page) {
                   FreeHeight(page) / size_mm.y());
 }
 
-std::string SquareOption(const Board& board) {
-  return board.kind == "aprilgrid" ? "--tag-mm" : "--square-mm";
-}
-
 // How many columns and rows of the same squares would fit; empty if too few.
 std::string LargestCounts(const Board& board, const Page& page) {
-  const bool has_gaps = board.kind == "aprilgrid";
+  const bool has_gaps = board.IsTagGrid();
   const double square_mm = board.square_m * 1000;
   const double gap_mm = has_gaps ? square_mm * board.spacing_ratio : square_mm;
   const double pitch_mm = has_gaps ? square_mm + gap_mm : square_mm;
@@ -79,8 +75,9 @@ std::string LargestCounts(const Board& board, const Page& page) {
       std::floor(10 * square_mm * LargestScale(size_mm, better) + 1e-9) / 10;
   std::string advice = "use a larger --page";
   if (largest_mm > 0)
-    advice += fmt::format("; this page fits {} {:.1f}{}", SquareOption(board),
-                          largest_mm, LargestCounts(board, better));
+    advice += fmt::format("; this page fits {} {:.1f}{}",
+                          KindOf(board).LengthOption(), largest_mm,
+                          LargestCounts(board, better));
   throw Error(ExitCode::kUsage,
               fmt::format("a board of {:g} x {:g} mm does not fit a page of "
                           "{:g} x {:g} mm with margins and rulers; {}",
@@ -160,20 +157,8 @@ void DrawSheet(const BoardSheets& sheets, const Board& board, cairo_t* cr) {
   cairo_set_source_rgb(cr, 0, 0, 0);
   DrawRulers(sheets, cr);
   DrawText(fmt::format("{} - print at 100 %: both rulers must be {} mm long",
-                       DescribeBoard(board), sheets.ruler_mm),
+                       KindOf(board).Describe(board), sheets.ruler_mm),
            sheets.page, cr);
-}
-
-std::string TagIds(const Board& board) {
-  std::string ids;
-  for (const BoardTag& tag : board.tags)
-    ids += fmt::format("{}{}", ids.empty() ? "" : ", ", tag.id);
-  return ids;
-}
-
-std::string FromMarker(const Board& board) {
-  return board.first_marker == 0 ? ""
-                                 : fmt::format(" from {}", board.first_marker);
 }
 
 }  // namespace
@@ -204,30 +189,6 @@ BoardSheets PlanBoardSheets(std::vector<Board> boards, const Page& page) {
   sheets.board_mm = PlaceBoard(size_mm, sheets.page);
   sheets.ruler_mm = RulerLength(sheets.page);
   return sheets;
-}
-
-std::string DescribeBoard(const Board& board) {
-  const double square_mm = board.square_m * 1000;
-  const std::string corners =
-      fmt::format("{} x {} inner corners, squares {:g} mm", board.columns,
-                  board.rows, square_mm);
-  if (board.kind == "star")
-    return fmt::format(
-        "star board {}, {} x {} features, squares {:g} mm, {} segments, "
-        "{} {}",
-        board.id, board.columns, board.rows, square_mm, board.segments,
-        board.tags.front().family, TagIds(board));
-  if (board.kind == "charuco")
-    return fmt::format("ChArUco board, {}, markers {:g} mm, {}{}{}", corners,
-                       board.marker_m * 1000, board.dictionary,
-                       FromMarker(board), board.is_legacy ? ", legacy" : "");
-  if (board.kind == "aprilgrid")
-    return fmt::format(
-        "AprilGrid{}, {} x {} tags of {:g} mm, spacing {:g}, {}{}",
-        board.has_corner_squares ? "" : " without corner squares",
-        board.columns / 2, board.rows / 2, square_mm, board.spacing_ratio,
-        board.tag_family, FromMarker(board));
-  return "chessboard, " + corners;
 }
 
 PrintScale MeasuredScale(const BoardSheets& sheets, double measured_x_mm,

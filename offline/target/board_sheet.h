@@ -31,9 +31,6 @@ struct BoardSheets {
 /// Throws Error(kUsage) for boards that cannot be or do not fit the page.
 BoardSheets PlanBoardSheets(std::vector<Board> boards, const Page& page);
 
-/// The line that says what the board is.
-std::string DescribeBoard(const Board& board);
-
 /// The boards with lengths as printed, given that of the rulers as measured;
 /// throws Error(kUsage) if that cannot be.
 PrintScale MeasuredScale(const BoardSheets& sheets, double measured_x_mm,

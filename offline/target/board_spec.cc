@@ -10,7 +10,6 @@
 #include "dataset/error.h"
 #include "target/board_yaml.h"
 #include "target/marker_boards.h"
-#include "target/star_boards.h"
 
 namespace raygrid {
 namespace {
@@ -43,7 +42,7 @@ double LengthM(std::string text) {
 }
 
 // The parts between the colons, and NAME=VALUE as they are asked for.
-class Spec {
+class Spec : public BoardOptions {
  public:
   explicit Spec(const std::string& text) {
     std::vector<std::string> parts;
@@ -71,32 +70,51 @@ class Spec {
     }
   }
 
-  std::string Text(const std::string& name, const std::string& otherwise) {
-    const auto found = values_.find(name);
-    if (found == values_.end()) return otherwise;
-    const std::string value = found->second;
-    values_.erase(found);
-    if (value.empty()) Refuse(fmt::format("'{}' requires a value", name));
-    return value;
+  void Number(const char* name, const char*, int* value) override {
+    TakeValue(name, value);
   }
 
-  template <typename T>
-  T Number(const std::string& name, T otherwise) {
-    std::string text = Text(name, fmt::format("{}", otherwise));
-    const std::string given = text;
-    T value = otherwise;
-    if (!TakeNumber(&text, &value) || !text.empty())
-      Refuse(fmt::format("{}={}: invalid number", name, given));
-    return value;
+  void Number(const char* name, const char*, double* value) override {
+    TakeValue(name, value);
   }
 
-  bool Flag(const std::string& name) {
+  void Number(const char* name, const char*, int,
+              std::optional<int>* value) override {
+    if (values_.count(name) != 0) TakeValue(name, &value->emplace());
+  }
+
+  void Text(const char* name, const char*, std::string* value) override {
+    *value = Text(name, *value);
+  }
+
+  void Word(const char* name, const char*,
+            const std::vector<std::string>& words,
+            std::optional<std::string>* value) override {
+    const std::string word = Text(name, "");
+    if (word.empty()) return;
+    if (std::find(words.begin(), words.end(), word) == words.end())
+      Refuse(fmt::format("{}={}: expected {}", name, word,
+                         fmt::join(words, " or ")));
+    *value = word;
+  }
+
+  void Flag(const char* name, const char*, bool* value) override {
     const auto found = values_.find(name);
-    if (found == values_.end()) return false;
+    if (found == values_.end()) return;
     if (!found->second.empty())
       Refuse(fmt::format("'{}' does not take a value", name));
     values_.erase(found);
-    return true;
+    *value = true;
+  }
+
+  void Length(const char* name, const char*, double* value_mm) override {
+    const std::string length = Text(name, "");
+    if (length.empty())
+      Refuse(
+          fmt::format("missing {0} size, such as {0}=21mm (side of the black "
+                      "square)",
+                      name));
+    *value_mm = 1000 * LengthM(length);
   }
 
   void RequireAllAsked() const {
@@ -110,6 +128,24 @@ class Spec {
   double length_m = 0;
 
  private:
+  std::string Text(const std::string& name, const std::string& otherwise) {
+    const auto found = values_.find(name);
+    if (found == values_.end()) return otherwise;
+    const std::string value = found->second;
+    values_.erase(found);
+    if (value.empty()) Refuse(fmt::format("'{}' requires a value", name));
+    return value;
+  }
+
+  template <typename T>
+  void TakeValue(const char* name, T* value) {
+    if (values_.count(name) == 0) return;
+    std::string text = Text(name, "");
+    const std::string given = text;
+    if (!TakeNumber(&text, value) || !text.empty())
+      Refuse(fmt::format("{}={}: invalid number", name, given));
+  }
+
   void TakeSize(std::string text) {
     const std::string given = text;
     const bool has_columns = TakeNumber(&text, &columns);
@@ -125,73 +161,24 @@ class Spec {
   std::map<std::string, std::string> values_;
 };
 
-std::vector<Board> StarsOf(Spec* spec) {
-  StarBoardOptions options;
-  options.columns = spec->columns;
-  options.rows = spec->rows;
-  options.square_mm = 1000 * spec->length_m;
-  options.segments = spec->Number("segments", options.segments);
-  options.num_tags = spec->Number("tags", options.num_tags);
-  options.tag_id = spec->Number("tag-id", options.tag_id);
-  options.tag_squares = spec->Number("tag-squares", options.tag_squares);
-  options.num_boards = spec->Number("boards", options.num_boards);
-  spec->RequireAllAsked();
-  return StarBoards(options);
-}
-
-std::vector<Board> MarkersOf(Board board, Spec* spec) {
-  board.first_marker = spec->Number("first-marker", 0);
-  const int num_boards = spec->Number("boards", 1);
-  spec->RequireAllAsked();
-  return MarkerBoards(board, num_boards);
-}
-
-std::vector<Board> CharucoOf(Board board, Spec* spec) {
-  const std::string marker = spec->Text("marker", "");
-  if (marker.empty())
-    Refuse(
-        "missing marker size, such as marker=21mm (side of the black square)");
-  board.marker_m = LengthM(marker);
-  board.dictionary = spec->Text("dictionary", "DICT_4X4_50");
-  board.is_legacy = spec->Flag("legacy");
-  return MarkersOf(board, spec);
-}
-
-std::vector<Board> AprilGridOf(Board board, Spec* spec) {
-  constexpr int kMaxTags = 500;
-  if (std::max(board.columns, board.rows) > kMaxTags)
-    Refuse(fmt::format("at most {} tags per side are supported", kMaxTags));
-  board.columns *= 2;  // features: two for each tag
-  board.rows *= 2;
-  board.tag_family = spec->Text("family", "tag36h11");
-  board.spacing_ratio = spec->Number("spacing-ratio", 0.3);
-  SetCornerSquares(!spec->Flag("no-squares"), &board);
-  board.border_cells = spec->Number("border-cells", board.border_cells);
-  const std::string from = spec->Text(
-      "numbered-from", board.is_numbered_from_top ? "top" : "bottom");
-  if (from != "top" && from != "bottom")
-    Refuse(fmt::format("numbered-from={}: expected top or bottom", from));
-  board.is_numbered_from_top = from == "top";
-  return MarkersOf(board, spec);
-}
-
 std::vector<Board> BoardsOf(Spec* spec) {
-  if (spec->kind == "star") return StarsOf(spec);
-  Board board;
-  board.kind = spec->kind;
-  board.columns = spec->columns;
-  board.rows = spec->rows;
-  board.square_m = spec->length_m;
-  if (spec->kind == "charuco") return CharucoOf(board, spec);
-  if (spec->kind == "aprilgrid") return AprilGridOf(board, spec);
-  if (spec->kind != "chessboard")
+  const TargetKind& kind = KindOf(spec->kind);
+  if (!kind.is_drawable)
     Refuse(
-        fmt::format("neither a file nor a known target kind: '{}'; use "
-                    "chessboard, charuco, aprilgrid or star, or a pattern.yaml",
-                    spec->kind));
+        fmt::format("neither a file nor a known target kind: '{}'; use {}, or "
+                    "a pattern.yaml",
+                    spec->kind, DrawableKinds()));
+  BoardRequest request;
+  request.board.columns = spec->columns;
+  request.board.rows = spec->rows;
+  request.length_mm = 1000 * spec->length_m;
+  if (kind.max_count > 0 &&
+      std::max(spec->columns, spec->rows) > kind.max_count)
+    Refuse(fmt::format("at most {} {} per side are supported", kind.max_count,
+                       kind.counted));
+  kind.AddOptions(spec, &request);
   spec->RequireAllAsked();
-  RequirePossibleBoards({board});
-  return {board};
+  return MakeBoards(kind, request);
 }
 
 }  // namespace

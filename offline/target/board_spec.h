@@ -18,10 +18,8 @@ namespace raygrid {
 ///     star:16x23:11.132mm                     stars; distance between them
 ///
 /// A LENGTH is a number with mm, cm or m. NAMEs are those of the command's
-/// options: marker (a LENGTH), dictionary, legacy (without a value) and
-/// first-marker of charuco; spacing-ratio and first-marker of aprilgrid;
-/// segments, tags, tag-id and tag-squares of star; boards of these three.
-/// Throws Error(kUsage).
+/// options, which each kind in dataset/kinds adds; marker is a LENGTH, and
+/// flags take no value. Throws Error(kUsage).
 Pattern ParseBoardSpec(const std::string& spec);
 
 /// Whether a text has a colon and is no file's name.

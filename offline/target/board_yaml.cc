@@ -8,57 +8,6 @@
 namespace raygrid {
 namespace {
 
-std::string StarKeys(const Board& board) {
-  std::string tags;
-  for (const BoardTag& tag : board.tags)
-    tags += fmt::format(
-        "{}{{family: {}, id: {}, column: {}, row: {}, squares: {}}}",
-        tags.empty() ? "" : ", ", tag.family, tag.id, tag.column, tag.row,
-        tag.squares);
-  return fmt::format(", segments: {}, tags: [{}]", board.segments, tags);
-}
-
-std::string KeysOfKind(const Board& board) {
-  if (board.kind == "star") return StarKeys(board);
-  std::string keys;
-  if (board.kind == "charuco")
-    keys = fmt::format(", marker_m: {:.9g}, dictionary: {}", board.marker_m,
-                       board.dictionary);
-  if (board.is_legacy) keys += ", legacy: true";
-  if (board.kind == "aprilgrid")
-    keys = fmt::format(", tag_family: {}, spacing_ratio: {:.9g}",
-                       board.tag_family, board.spacing_ratio);
-  if (!board.has_corner_squares) keys += ", corner_squares: false";
-  if (board.border_cells != (board.has_corner_squares ? 2 : 1))
-    keys += fmt::format(", border_cells: {}", board.border_cells);
-  if (board.is_numbered_from_top == board.has_corner_squares)
-    keys += fmt::format(", numbered_from: {}",
-                        board.is_numbered_from_top ? "top" : "bottom");
-  if (board.first_marker != 0)
-    keys += fmt::format(", first_marker: {}", board.first_marker);
-  return keys;
-}
-
-// A board that is points alone.
-std::string PointsYaml(const Board& board) {
-  std::string yaml = fmt::format(
-      "  - id: {}\n    kind: points\n    columns: {}\n    rows: {}\n    "
-      "xyz:\n",
-      board.id, board.columns, board.rows);
-  for (const Eigen::Vector3d& point : board.points)
-    yaml += fmt::format("      - [{:.9f}, {:.9f}, {:.9f}]\n", point.x(),
-                        point.y(), point.z());
-  return yaml;
-}
-
-std::string BoardYaml(const Board& board) {
-  if (board.kind == "points") return PointsYaml(board);
-  return fmt::format(
-      "  - {{id: {}, kind: {}, columns: {}, rows: {}, square_m: {:.9g}{}}}\n",
-      board.id, board.kind, board.columns, board.rows, board.square_m,
-      KeysOfKind(board));
-}
-
 std::vector<Board> MeanScaled(std::vector<Board> boards,
                               const PrintScale& scale) {
   for (Board& board : boards) {
@@ -84,7 +33,7 @@ std::string WithScaledPoints(const std::string& yaml,
 
 std::string BoardsYaml(const std::vector<Board>& boards) {
   std::string yaml = "raygrid_pattern: 1\nboards:\n";
-  for (const Board& board : boards) yaml += BoardYaml(board);
+  for (const Board& board : boards) yaml += KindOf(board).Format(board);
   return yaml;
 }
 

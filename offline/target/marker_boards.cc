@@ -7,14 +7,6 @@
 #include "target/board_yaml.h"
 
 namespace raygrid {
-namespace {
-
-std::string MoreMarkers(const Board& board) {
-  return board.kind == "charuco" ? "use a larger --dictionary, " : "use ";
-}
-
-}  // namespace
-
 std::vector<Board> MarkerBoards(Board board, int num_boards) {
   if (num_boards < 1 || num_boards > 100)
     throw Error(ExitCode::kUsage, "--boards must be 1 to 100");
@@ -33,9 +25,17 @@ std::vector<Board> MarkerBoards(Board board, int num_boards) {
                 fmt::format("{} boards with {} markers each: {}; {}fewer "
                             "--boards, or a lower --first-marker",
                             num_boards, num_markers, error.what(),
-                            MoreMarkers(boards.back())));
+                            KindOf(board).more_markers));
   }
   return boards;
+}
+
+std::vector<Board> MakeBoards(const TargetKind& kind,
+                              const BoardRequest& request) {
+  const std::vector<Board> boards = kind.MakeBoards(request);
+  return boards.empty()
+             ? MarkerBoards(kind.MakeBoard(request), request.num_boards)
+             : boards;
 }
 
 }  // namespace raygrid

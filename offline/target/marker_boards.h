@@ -3,14 +3,18 @@
 
 #include <vector>
 
-#include "dataset/pattern.h"
+#include "dataset/kinds/target_kind.h"
 
 namespace raygrid {
 
-/// Boards 0, 1, ... like a ChArUco board or AprilGrid, but with markers of
+/// Boards 0, 1, ... like a board with numbered markers, but with markers of
 /// their own: each goes on counting where the one before ended. Throws
 /// Error(kUsage) if there are too few markers.
 std::vector<Board> MarkerBoards(Board board, int num_boards);
+
+/// The boards requested of a kind. Throws Error(kUsage).
+std::vector<Board> MakeBoards(const TargetKind& kind,
+                              const BoardRequest& request);
 
 }  // namespace raygrid
 

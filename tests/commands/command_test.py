@@ -1,6 +1,7 @@
 """Helpers of the command tests: running a program, and a few files to run it on."""
 import argparse
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -53,6 +54,26 @@ def run(*arguments, program=None):
     if arguments and not program and result.returncode in (0, 5, 6):
         check_json(list(map(str, arguments)), result.stdout, start)
     return result
+
+
+def commands(*path):
+    """The commands that raygrid, or one of its commands, lists."""
+    return re.findall(r"^  ([a-z]+)  ", run(*path, "--help").stdout.split("\nOptions:")[0], re.MULTILINE)
+
+
+def specifications():
+    """A target of each kind."""
+    return re.findall(r"^  ([a-z]+:\S+)", run("pattern", "--help").stdout, re.MULTILINE)
+
+
+def call(value, *path):
+    """A command with what its help requires: arguments, which are in capitals, and options. value: the word for a name;
+    None if there is none for one of them."""
+    text = run(*path, "--help").stdout
+    names = re.findall(r" ([A-Z]+)\b", re.search(r"^Usage:.*\[OPTIONS\](.*)", text, re.MULTILINE)[1])
+    names += re.findall(r"^  (?:-\w,)?(--[\w-]+) (?:.*\n {26})*.*\(required\)", text, re.MULTILINE)
+    words = [*path, *(word for name in names for word in (name, value(name))[name.isupper():])]
+    return None if None in words else words
 
 
 def check_json(arguments, stdout, start):

@@ -3,11 +3,8 @@
 import struct
 import zlib
 
-from command_test import CommandTest, SIMULATED_PATTERN, main, run, write
+from command_test import CommandTest, SIMULATED_PATTERN, main, run, specifications, write
 from images_test import chunk, png
-
-BOARDS = ("chessboard:9x6:25mm", "charuco:8x5:28mm:marker=21mm", "aprilgrid:6x6:24mm",
-          "star:16x23:11mm")
 
 
 def black_png(width, height):
@@ -28,7 +25,7 @@ class ImageSize(CommandTest):
         for width, height in ((1, 1), (2, 2), (1, 40), (40, 1), (2, 16384)):
             path = write(self.path(f"{width}x{height}.png"),
                          png([128] * (width * height), size=(width, height)))
-            for board in BOARDS:
+            for board in specifications():
                 with self.subTest(board=board, size=(width, height)):
                     self.assert_refused(self.detect(path, pattern=board), 2,
                                         f"{width} x {height} pixels", "too small to show a board")
@@ -37,13 +34,13 @@ class ImageSize(CommandTest):
         for width, height in ((16384, 40), (40, 16384), (16383, 40)):
             path = write(self.path(f"{width}x{height}.png"),
                          png([128] * (width * height), size=(width, height)))
-            for board in BOARDS:
+            for board in specifications():
                 with self.subTest(board=board, size=(width, height)):
                     self.assert_refused(self.detect(path, pattern=board), 3, "no target found")
 
     def test_longer_than_libraries_count(self):
         path = write(self.path("long.png"), png([128] * 65535 * 33, size=(65535, 33)))
-        for board in BOARDS:
+        for board in specifications():
             with self.subTest(board=board):
                 result = run("detect", path, "--pattern", board, "-o", self.path("f.csv"),
                              "--no-cache", "--threads", 1, "--allow-huge-images")
@@ -62,7 +59,7 @@ class ImageSize(CommandTest):
     def test_many_pixels_of_few_bytes(self):
         for width, height in ((16000, 16000), (8000, 8000)):
             path = write(self.path("black.png"), black_png(width, height))
-            for board in BOARDS:
+            for board in specifications():
                 self.assert_refused(self.detect(path, pattern=board), 2,
                                     f"{width} x {height} pixels", "bytes", "--allow-huge-images")
 

@@ -8,7 +8,7 @@ import subprocess
 import zlib
 
 import png_files
-from command_test import HANG_S, CommandTest, PATTERN, SIMULATED_PATTERN, main, programs, read, run, write
+from command_test import HANG_S, CommandTest, PATTERN, SIMULATED_PATTERN, call, commands, main, programs, read, run, write
 from png_files import chunk, read_png
 
 SIZE = (160, 120)
@@ -146,13 +146,22 @@ class Images(CommandTest):
                 (pattern, ("calibrate", image, "--pattern", pattern, "-o", self.path("png"))),
                 (self.path("sim/features.csv"),
                  ("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
-                  "160x120", "--pattern", pattern, "-o", self.path("sim"))),
-                (camera, ("fit", camera, "--model", "opencv", "-o", camera)),
-                (camera, ("pack", camera, "-o", camera)),
-                (points, ("project", camera, "--points", points, "-o", points)),
-                (pixels, ("unproject", camera, "--pixels", pixels, "-o", pixels))):
+                  "160x120", "--pattern", pattern, "-o", self.path("sim")))):
             with self.subTest(arguments[0]):
                 self.assert_kept(path, read(path), run(*arguments))
+        values = {"CAMERA": camera, "FIRST": camera, "SECOND": camera, "FILES": camera, "IMAGES": image,
+                  "--points": points, "--pixels": pixels, "--model": "opencv", "--pattern": pattern,
+                  "--features": self.path("sim/features.csv")}
+        for name in sorted(set(commands()) - {"capture"}):  # which runs until it is stopped
+            for path in (camera, points, pixels, image, pattern):
+                words = call({**values, "--output": path}.get, name)
+                if not words or path not in words[:-1] or "--output" not in run(name, "--help").stdout:
+                    continue
+                with self.subTest(words):
+                    contents = read(path)
+                    result = run(*words, *(() if "--output" in words else ("-o", path)))
+                    self.assertNotEqual(result.returncode, 0)
+                    self.assertEqual(read(path), contents)
 
     def test_pictures_are_not_written_among_the_images(self):
         folder = self.path("jpg")

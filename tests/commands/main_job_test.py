@@ -388,13 +388,6 @@ class MainJob(CommandTest):
         self.assertEqual(read(self.path("board/pattern.pdf"))[:5], b"%PDF-")
         self.assert_done(run("inspect", self.path("board/pattern.yaml")))
 
-    def test_every_command_has_help_with_an_example(self):
-        for command in ("detect", "calibrate", "evaluate", "pack", "inspect", "undistort",
-                        "unproject", "project", "simulate"):
-            result = run(command, "--help")
-            self.assert_done(result)
-            self.assertIn("raygrid " + command, result.stdout)
-
     def test_photographs(self):
         left = os.path.join(programs.photographs, "left")
         if not os.path.isdir(left):

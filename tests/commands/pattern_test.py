@@ -4,7 +4,7 @@ import json
 import os
 import struct
 
-from command_test import CommandTest, main, read, run
+from command_test import CommandTest, commands, main, read, run
 
 
 class PatternCommand(CommandTest):
@@ -236,7 +236,7 @@ class PatternCommand(CommandTest):
                                     self.path("never.csv")), 1, spec, words)
 
     def test_every_kind_has_help_with_an_example(self):
-        for kind in ("star", "chessboard", "charuco", "aprilgrid"):
+        for kind in commands("pattern"):
             result = run("pattern", kind, "--help")
             self.assert_done(result)
             for words in ("raygrid pattern " + kind, "--measured-x-mm", "--screen"):

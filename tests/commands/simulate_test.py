@@ -6,7 +6,7 @@ import math
 import os
 import re
 
-from command_test import CommandTest, main, read, run, write
+from command_test import CommandTest, main, read, run, specifications, write
 
 OPENCV_CAMERA = """raygrid_camera: 1
 model: opencv
@@ -111,17 +111,17 @@ class Simulate(CommandTest):
         self.assert_projections(folder, 0.02, tolerance=1e-5)
 
     def test_every_kind_of_board(self):
-        for kind, size in (
-                ("star", ("--columns", 8, "--rows", 7, "--square-mm", 15, "--tag-squares", 3)),
-                ("chessboard", ("--columns", 8, "--rows", 5, "--square-mm", 20)),
-                ("charuco", ("--columns", 6, "--rows", 4, "--square-mm", 20, "--marker-mm", 15,
-                             "--boards", 2)),
-                ("aprilgrid", ("--tag-columns", 3, "--tag-rows", 3, "--tag-mm", 20))):
+        sizes = {"star": ("--columns", 8, "--rows", 7, "--square-mm", 15, "--tag-squares", 3),
+                 "chessboard": ("--columns", 8, "--rows", 5, "--square-mm", 20),
+                 "charuco": ("--columns", 6, "--rows", 4, "--square-mm", 20, "--marker-mm", 15, "--boards", 2),
+                 "aprilgrid": ("--tag-columns", 3, "--tag-rows", 3, "--tag-mm", 20)}
+        for word in specifications():
+            kind = word.split(":")[0]
             with self.subTest(kind):
                 folder = self.simulate(
                     "--render", "--lens", "pinhole", "--min-square-px", 30, "--max-square-px", 34,
-                    "--max-tilt-deg", 20, "--pattern", self.board(kind, *size), "--read-noise", 1,
-                    "--shot-noise", 0.02, "--vignetting", 0.3, "--gamma", 2.2, images=4)
+                    "--max-tilt-deg", 20, "--pattern", self.board(kind, *sizes[kind]) if kind in sizes else word,
+                    "--read-noise", 1, "--shot-noise", 0.02, "--vignetting", 0.3, "--gamma", 2.2, images=4)
                 self.assert_detected(folder)
 
     def test_shots_of_a_view_differ_by_noise(self):

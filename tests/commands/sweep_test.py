@@ -12,7 +12,7 @@ import sys
 import tempfile
 import threading
 
-from command_test import HANG_S, SIMULATED_PATTERN, read, write
+from command_test import HANG_S, SIMULATED_PATTERN, call, commands, programs, read, run, specifications, write
 from image_size_test import black_png
 from images_test import chunk, exif, png, tiff
 
@@ -32,8 +32,7 @@ FORMATS = ("opencv", "ros", "kalibr", "colmap", "mrcal", "basalt", "nerfstudio",
 TABLE_FORMATS = ("c", "hex", "maps", "stmap", "ffmpeg", "rays", "isaac", "tum", "dw100", "ti-ldc",
                  "vpi", "rockchip-fec", "rockchip-ldch", "hailo", "depthai-mesh",
                  "puzzlepaint-dataset")
-WORDS = ("chessboard:14x10:30mm", "charuco:8x5:28mm:marker=21mm", "aprilgrid:6x6:24mm",
-         "star:16x23:11mm", "chessboard:9x6", "chessboard:1x1:1km", "star:1000x1000:1mm")
+WORDS = ("chessboard:14x10:30mm", "chessboard:9x6", "chessboard:1x1:1km", "star:1000x1000:1mm")
 
 
 class Case:
@@ -42,9 +41,10 @@ class Case:
     def __init__(self, folder, base, seed, index):
         self.random = random.Random(f"{seed} {index}")
         self.folder, self.base, self.count = folder, base, 0
-        commands = sorted(name[4:] for name in dir(self) if name.startswith("run_"))
-        self.name = commands[index % len(commands)]
-        self.arguments = [self.name] + [str(word) for word in getattr(self, "run_" + self.name)()]
+        names = sorted(set(commands()) - {"capture"})  # which has a page to be closed
+        self.name = names[index % len(names)]
+        words = getattr(self, "run_" + self.name, self.run_by_help)()
+        self.arguments = [self.name] + [str(word) for word in words]
         if self.chance(0.03):
             self.arguments += ["--seed", self.random.choice(("-1", "7", "18446744073709551616"))]
         self.limits = {}
@@ -148,8 +148,8 @@ class Case:
         if path:
             return path
         if self.chance(0.3):
-            return self.random.choice(WORDS)
-        kind = self.random.choice(("chessboard", "star", "charuco", "aprilgrid", "points", "other"))
+            return self.random.choice([*WORDS, *specifications()])
+        kind = self.random.choice([*commands("pattern"), "points", "other"])
         if self.chance(0.5):
             return self.text("pattern.yaml", ".yaml", 0.8)
         sides = [self.random.choice((2, 3, 8, 14, 100, 1000, 1001, -1, "x")) for _ in range(2)]
@@ -188,6 +188,15 @@ class Case:
 
     # ---- Commands ---------------------------------------------------------------
 
+    def run_by_help(self):
+        """What the help requires, and in some cases an output."""
+        values = {"IMAGES": self.image, "--features": self.features, "--output": self.output, "--pattern": self.pattern,
+                  "--pixels": lambda: self.numbers("xy"), "--points": lambda: self.numbers("xyz")}
+        words = call(lambda name: values.get(name, self.camera)(), self.name)
+        more = self.random.choice(([], ["--json"], ["--output", self.output(".csv")]))
+        has_output = "--output" in run(self.name, "--help").stdout and "--output" not in words
+        return words[1:] + (more if has_output or "--json" in more else [])
+
     def run_calibrate(self):
         measured = (["--features", self.features(), "--image-size",
                      "160x120" if self.chance(0.7) else self.size()]
@@ -207,15 +216,9 @@ class Case:
     def run_check(self):
         return [self.camera(), *self.images(), "--pattern", self.pattern()]
 
-    def run_compare(self):
-        return [self.camera(), self.camera(), "-o", self.output()]
-
     def run_detect(self):
         return [*self.images(), "--pattern", self.pattern(), "-o", self.output(".csv"), "--overlay",
                 self.output(), "--no-cache"]
-
-    def run_evaluate(self):
-        return [self.camera(), "--features", self.features(), "--pattern", self.pattern()]
 
     def run_experiment(self):
         return ["curvature-bias", "--features", self.features(), "--image-size", self.size(),
@@ -263,14 +266,11 @@ class Case:
         return [self.camera(), "--remap", remap, *capture, "-o", self.output(".raygrid")]
 
     def run_pattern(self):
-        kind = self.random.choice(("chessboard", "star", "charuco", "aprilgrid"))
         side = lambda: self.random.choice(("2", "8", "14", "1000", "0", "-3", "1001"))
-        return [kind, "--columns", side(), "--rows", side(), "--square-mm",
-                self.random.choice(("0.001", "1", "20", "1e6", "1e-300", "nan")), "--dpi",
-                self.random.choice(("1", "50", "72", "1e9")), "-o", self.output()]
-
-    def run_project(self):
-        return [self.camera(), "--points", self.numbers("xyz"), *self.printed_or_written()]
+        length = lambda: self.random.choice(("0.001", "1", "20", "1e6", "1e-300", "nan"))
+        words = call(lambda name: self.output() if name == "--output" else length() if name.endswith("-mm") else side(),
+                     "pattern", self.random.choice(commands("pattern")))
+        return [*words[1:], "--dpi", self.random.choice(("1", "50", "72", "1e9"))]
 
     def run_rectify(self):
         rig = self.good("pair/true_rig.yaml") or self.text("pair/true_rig.yaml", ".yaml")
@@ -305,9 +305,6 @@ class Case:
                 self.random.choice(("60", "179.99", "1e-9", "0")),
                 *(["--inverse"] if self.chance(0.3) else []), "-o", self.output()]
 
-    def run_unproject(self):
-        return [self.camera(), "--pixels", self.numbers("xy"), *self.printed_or_written()]
-
     def run_batch(self):
         options = self.with_numbers("model: opencv\nimage_size: [ 160 , 120 ]\nlimits: {focal_px: [ 1 , 2 ]}\n")
         serials = [self.random.choice(("A1", "A2", "..", "a b", "7")) for _ in range(2)]
@@ -330,9 +327,6 @@ class Case:
     def foreign(self):
         """Another program's file."""
         return self.text("foreign." + self.random.choice(FORMATS), ".yaml")
-
-    def printed_or_written(self):
-        return self.random.choice(([], ["--json"], ["-o", self.output(".csv")]))
 
 
 def set_limits(limits):
@@ -436,6 +430,7 @@ def sweep():
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", type=int)
     options, _ = parser.parse_known_args()
+    programs.raygrid = options.raygrid
     summary = Summary()
     with tempfile.TemporaryDirectory() as folder:
         os.environ["XDG_CACHE_HOME"] = folder + "/cache"

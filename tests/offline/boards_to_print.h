@@ -2,8 +2,8 @@
 #ifndef RAYGRID_TESTS_OFFLINE_BOARDS_TO_PRINT_H
 #define RAYGRID_TESTS_OFFLINE_BOARDS_TO_PRINT_H
 
+#include "dataset/kinds/star.h"
 #include "dataset/pattern.h"
-#include "target/star_boards.h"
 
 namespace raygrid {
 

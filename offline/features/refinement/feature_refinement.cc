@@ -132,7 +132,7 @@ bool IsAtASeam(const FeatureLattice& lattice, const Place& p) {
 void RejectGroupsApart(const Board& board, FeatureLattice* lattice,
                        ImageDetection* detection) {
   // An AprilGrid's corners are not evenly spaced, and known by their own tags.
-  if (board.kind == "aprilgrid") return;
+  if (board.IsTagGrid()) return;
   const auto groups = Groups(*lattice);
   bool is_in_doubt =
       std::count_if(detection->rejected.begin(), detection->rejected.end(),

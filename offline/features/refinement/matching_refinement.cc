@@ -7,6 +7,7 @@
 #include <random>
 
 #include "appearance/board_appearance.h"
+#include "dataset/kinds/star.h"
 #include "features/refinement/float_lanes.h"
 
 namespace raygrid {

@@ -66,7 +66,7 @@ class LineJudge {
  private:
   std::optional<Eigen::Vector2d> SeenByLens(int column, int row) {
     // The tags' corners of an AprilGrid are not evenly spaced.
-    if (!is_lens_made_ && board_.kind != "aprilgrid")
+    if (!is_lens_made_ && !board_.IsTagGrid())
       lens_ = LatticeLens::Fit(lattice_.Features(), size_);
     is_lens_made_ = true;
     return lens_ ? lens_->Project(Eigen::Vector2d(column, row)) : std::nullopt;

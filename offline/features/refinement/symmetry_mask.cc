@@ -14,12 +14,8 @@ constexpr double kCellSquares = 2 * SymmetryMask::kReach / SymmetryMask::kCells;
 // lies between a corner's edges and a marker's cells at most, or the edges
 // would be lost.
 double MarginSquares(const Board& board) {
-  constexpr double kMargin = 0.15, kBorderCell = 0.1;
-  double between = kMargin / 0.57;
-  if (board.kind == "charuco")
-    between = (board.square_m - board.marker_m) / 2 / board.square_m;
-  if (board.kind == "aprilgrid")
-    between = std::min(kBorderCell * board.border_cells, board.spacing_ratio);
+  constexpr double kMargin = 0.15;
+  const double between = KindOf(board).MarkerDistance(board);
   return std::min(kMargin, std::max(0.57 * between, 1.1 * kCellSquares));
 }
 

@@ -35,7 +35,7 @@ class SymmetryMask {
 /// True for stars of 6, 10, 14 ... segments: point reflection turns black into
 /// white.
 inline bool ReflectionInvertsColors(const Board& board) {
-  return board.kind == "star" && board.segments % 4 == 2;
+  return board.segments % 4 == 2;
 }
 
 }  // namespace raygrid

@@ -61,7 +61,7 @@ double ScatterPx(const LocalMapping& mapping,
 
 const std::optional<LatticeLens>& WindowMappings::Lens() {
   // The tags' corners of an AprilGrid are not evenly spaced.
-  if (!is_lens_made_ && board_.kind != "aprilgrid")
+  if (!is_lens_made_ && !board_.IsTagGrid())
     lens_ = LatticeLens::Fit(lattice_.Features(), size_);
   is_lens_made_ = true;
   return lens_;

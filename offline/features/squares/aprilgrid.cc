@@ -7,11 +7,27 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "features/board_view/locators.h"
 #include "features/squares/aruco_markers.h"
 #include "features/squares/corner_growth.h"
 #include "features/squares/seen_markers.h"
 
 namespace raygrid {
+
+/// Finds the corners of an AprilGrid's tags, approximately: as Kalibr prints
+/// them, with black squares that touch their corners, or on white paper.
+class AprilGridLocator {
+ public:
+  explicit AprilGridLocator(const Board& board);
+  ~AprilGridLocator();
+
+  ImageDetection Locate(const GreyImage& image) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
 namespace {
 
 // Black squares touch the corners of the tags, and blur joins them to one shape
@@ -243,6 +259,11 @@ ImageDetection AprilGridLocator::Locate(const GreyImage& image) const {
     located.remarks.push_back(
         fmt::format("board {} is mirrored", data_->board.id));
   return located;
+}
+
+Locator MakeAprilGridLocator(const Board& board) {
+  return [locator = std::make_shared<AprilGridLocator>(board)](
+             const GreyImage& image) { return locator->Locate(image); };
 }
 
 }  // namespace raygrid

@@ -9,20 +9,6 @@
 
 namespace raygrid {
 
-/// Finds the corners of an AprilGrid's tags, approximately: as Kalibr prints
-/// them, with black squares that touch their corners, or on white paper.
-class AprilGridLocator {
- public:
-  explicit AprilGridLocator(const Board& board);
-  ~AprilGridLocator();
-
-  ImageDetection Locate(const GreyImage& image) const;
-
- private:
-  struct Data;
-  std::unique_ptr<Data> data_;
-};
-
 /// All tags of some families, whatever board they are on; found also where
 /// black squares touch their corners. kQuick leaves out tags that are small or
 /// blurred.

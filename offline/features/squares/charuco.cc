@@ -1,15 +1,31 @@
-#include "features/squares/charuco.h"
-
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "features/board_view/locators.h"
 #include "features/squares/aruco_markers.h"
 #include "features/squares/corner_growth.h"
 #include "features/squares/seen_markers.h"
 
 namespace raygrid {
+
+/// Finds the chessboard corners of a ChArUco board, approximately: each through
+/// the homography of the markers around it, of which at least one touches it.
+class CharucoLocator {
+ public:
+  explicit CharucoLocator(const Board& board);
+  ~CharucoLocator();
+
+  /// Markers may be where OpenCV puts them now, or where it did before 4.6:
+  /// what the board says is tried first, and the other with a remark.
+  ImageDetection Locate(const GreyImage& image) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
 namespace {
 
 // In squares: corners touch markers whose centre is 0.71 away; the next ones
@@ -127,6 +143,11 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
     located.features.clear();  // corners that look alike, numbered by chance
   }
   return located;
+}
+
+Locator MakeCharucoLocator(const Board& board) {
+  return [locator = std::make_shared<CharucoLocator>(board)](
+             const GreyImage& image) { return locator->Locate(image); };
 }
 
 }  // namespace raygrid

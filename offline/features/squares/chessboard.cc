@@ -9,11 +9,37 @@
 #include <optional>
 #include <tuple>
 
+#include "features/board_view/locators.h"
 #include "features/squares/chess_lattice.h"
 #include "features/squares/corner_growth.h"
 #include "features/squares/corner_matching.h"
 
 namespace raygrid {
+
+/// Finds the inner corners of a chessboard, approximately, in pictures that
+/// show it wholly or in part.
+///
+/// Which corner is the first follows from the colours: the square right below
+/// it is dark. That settles it if one side of the board is even and the other
+/// odd; else the first corner is the one that leaves the board upright in the
+/// image. A board that the colours show to be mirrored is numbered as it was
+/// before it was mirrored, with a remark.
+///
+/// Corners have no numbers on them: a part of a board is numbered only if where
+/// the board is seen to end, its size and its colours leave no other way. Else
+/// nothing is found, with a remark.
+class ChessboardLocator {
+ public:
+  explicit ChessboardLocator(const Board& board);
+  ~ChessboardLocator();
+
+  ImageDetection Locate(const GreyImage& image) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
 namespace {
 
 bool IsEven(int value) { return value % 2 == 0; }
@@ -437,6 +463,11 @@ std::optional<ChessboardSize> SeenChessboardSize(const GreyImage& image) {
     return true;
   });
   return size;
+}
+
+Locator MakeChessboardLocator(const Board& board) {
+  return [locator = std::make_shared<ChessboardLocator>(board)](
+             const GreyImage& image) { return locator->Locate(image); };
 }
 
 }  // namespace raygrid

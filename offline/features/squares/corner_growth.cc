@@ -20,10 +20,8 @@ constexpr double kMinNearReachPx = 5;  // more than blur
 // each other. An AprilGrid is like a chessboard as far as the tags' borders and
 // the black squares between them go: the tags' insides may be turned.
 double PatchReach(const Board& board) {
-  constexpr double kHalfSquare = 0.5, kBorderCell = 0.1;
-  return board.kind == "aprilgrid"
-             ? std::min(kBorderCell * board.border_cells, board.spacing_ratio)
-             : kHalfSquare;
+  constexpr double kHalfSquare = 0.5;
+  return board.IsTagGrid() ? KindOf(board).MarkerDistance(board) : kHalfSquare;
 }
 
 // Whether another feature was found at a place.
@@ -100,7 +98,7 @@ CornerGrowth::CornerGrowth(const Board& board) : board_(board) {
     // Corners of a chessboard look as those two rows before them do.
     const size_t index = patches_.size();
     const size_t two_rows = 2 * static_cast<size_t>(board.columns);
-    if (board.kind == "chessboard" && index >= two_rows) {
+    if (!board.HasMarkers() && index >= two_rows) {
       patches_.push_back(DrawnPatch(patches_[index - two_rows]));
       near_patches_.push_back(DrawnPatch(near_patches_[index - two_rows]));
       continue;

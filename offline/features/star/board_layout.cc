@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "appearance/board_appearance.h"
+#include "dataset/kinds/star.h"
 
 namespace raygrid {
 namespace {

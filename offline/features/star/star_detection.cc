@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "features/board_view/locators.h"
 #include "features/board_view/tag_detection.h"
 #include "features/refinement/feature_refinement.h"
 #include "features/star/board_identification.h"
@@ -34,10 +35,10 @@ struct StarBoard {
   FeatureRefiner refiner;
 };
 
-using StarBoards = std::vector<std::unique_ptr<StarBoard>>;
+using StarBoardList = std::vector<std::unique_ptr<StarBoard>>;
 using LooseFinders = std::map<int, std::unique_ptr<LooseLatticeFinder>>;
 
-bool IsOnABoard(const DetectedTag& tag, const StarBoards& boards) {
+bool IsOnABoard(const DetectedTag& tag, const StarBoardList& boards) {
   return std::any_of(boards.begin(), boards.end(), [&](const auto& star) {
     return !SeenTagsOf(star->board(), {tag}).empty();
   });
@@ -46,7 +47,7 @@ bool IsOnABoard(const DetectedTag& tag, const StarBoards& boards) {
 // One image: what is found on each board, by ever more effort.
 class Search {
  public:
-  Search(const GreyImage& image, const StarBoards& boards,
+  Search(const GreyImage& image, const StarBoardList& boards,
          const LooseFinders& finders, const DetectionOptions& options)
       : image_(image),
         boards_(boards),
@@ -229,7 +230,7 @@ class Search {
   }
 
   const GreyImage& image_;
-  const StarBoards& boards_;
+  const StarBoardList& boards_;
   const LooseFinders& finders_;
   const DetectionOptions& options_;
   std::vector<DetectedTag> tags_;
@@ -246,7 +247,7 @@ void Append(const std::vector<RejectedFeature>& from,
 }  // namespace
 
 struct StarDetector::Data {
-  StarBoards boards;
+  StarBoardList boards;
   LooseFinders loose_finders;  // by the number of segments
   DetectionOptions options;
 
@@ -288,7 +289,7 @@ StarDetector::StarDetector(const Pattern& pattern,
   data_->options = options;
   std::map<int, int> max_sides;
   for (const Board& board : pattern.boards) {
-    if (board.kind != "star") continue;
+    if (board.segments == 0) continue;
     data_->boards.push_back(std::make_unique<StarBoard>(board, options));
     int& max_side = max_sides[board.segments];
     max_side = std::max({max_side, board.columns, board.rows});
@@ -317,5 +318,7 @@ ImageDetection StarDetector::Detect(const GreyImage& image) const {
         "stars detected, but no tag to identify the board");
   return detection;
 }
+
+Locator MakeStarLocator(const Board&) { return {}; }
 
 }  // namespace raygrid

@@ -3,6 +3,7 @@
 #include "appearance/board_appearance.h"
 #include "dataset/pattern.h"
 #include "support.h"
+#include "target/board_spec.h"
 
 namespace raygrid {
 namespace {
@@ -32,12 +33,16 @@ const char kAprilGrid[] =
     "kind: aprilgrid, columns: 6, rows: 4, square_m: 0.05, spacing_ratio: 0.3";
 
 std::vector<Board> BoardsOfAllKinds() {
-  return {StarBoard(16),
+  std::vector<Board> boards = {StarBoard(16),
           StarBoard(6),
           ParsedBoard(kCharuco),
           ParsedBoard(std::string(kCharuco) + ", legacy: true"),
           ParsedBoard(kAprilGrid),
           ParsedBoard("kind: chessboard, columns: 4, rows: 3, square_m: 0.02")};
+  for (const auto& kind : TargetKinds())
+    if (kind->is_drawable)
+      boards.push_back(ParseBoardSpec(kind->specification).boards[0]);
+  return boards;
 }
 
 double AreaOf(const Polygon& polygon) {

@@ -3,6 +3,7 @@
 #include "dataset/files.h"
 #include "features/pattern_detector.h"
 #include "photographs.h"
+#include "target/board_spec.h"
 
 namespace raygrid {
 namespace {
@@ -14,6 +15,19 @@ TEST(PatternDetector, TinyImagesShowNothing) {
       EXPECT_TRUE(
           Detected(ToGrey(cv::Mat(side, side, CV_8U, cv::Scalar(9))), pattern)
               .features.empty());
+}
+
+TEST(PatternDetector, BoardsOfAllKindsAreFound) {
+  for (const auto& kind : TargetKinds()) {
+    if (!kind->is_drawable) continue;
+    const Pattern pattern = ParseBoardSpec(kind->specification);
+    const Photograph photograph(pattern.boards[0], kFrontal);
+    const auto features = Detected(photograph.image(), pattern).features;
+    constexpr double kMostOf = 0.8, kDrawingErrorPx = 0.2;
+    EXPECT_GT(features.size(), kMostOf * pattern.boards[0].num_points())
+        << kind->name;
+    EXPECT_LT(photograph.WorstErrorPx(features), kDrawingErrorPx) << kind->name;
+  }
 }
 
 TEST(PatternDetector, OptionsOutOfRangeAreRefused) {

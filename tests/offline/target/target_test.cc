@@ -9,6 +9,7 @@
 #include "appearance/board_appearance.h"
 #include "boards_to_print.h"
 #include "dataset/files.h"
+#include "dataset/kinds/star.h"
 #include "dataset/pattern.h"
 #include "features/pattern_detector.h"
 #include "simulation/image_rendering.h"
@@ -16,8 +17,8 @@
 #include "support.h"
 #include "target/board_on_screen.h"
 #include "target/board_sheet.h"
+#include "target/board_spec.h"
 #include "target/marker_boards.h"
-#include "target/star_boards.h"
 
 namespace raygrid {
 namespace {
@@ -81,6 +82,18 @@ TEST(BoardSheets, YamlKeepsMarkers) {
   EXPECT_EQ(board.columns, 12);
   EXPECT_EQ(board.spacing_ratio, 0.3);
   EXPECT_EQ(board.tag_family, "tag36h11");
+}
+
+TEST(BoardSheets, YamlKeepsBoardsOfAllKinds) {
+  for (const auto& kind : TargetKinds()) {
+    if (!kind->is_drawable) continue;
+    const Pattern pattern = ParseBoardSpec(kind->specification);
+    EXPECT_EQ(pattern.boards[0].kind, kind->name);
+    const std::string yaml = SheetsYaml(
+        PlanBoardSheets(pattern.boards, ParsePage("5000x5000mm")));
+    EXPECT_EQ(BoardsYaml(ParsePattern("sheet", yaml).boards),
+              BoardsYaml(pattern.boards));
+  }
 }
 
 TEST(BoardSheets, MeasuredPrintsHaveTheirOwnLattice) {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "dataset/kinds/star.h"
 #include "features/star/board_layout.h"
 #include "support.h"
-#include "target/star_boards.h"
 
 namespace raygrid {
 namespace {

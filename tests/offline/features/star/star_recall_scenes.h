@@ -13,12 +13,12 @@
 #include <utility>
 #include <vector>
 
+#include "dataset/kinds/star.h"
 #include "features/star/star_detection.h"
 #include "simulation/image_rendering.h"
 #include "simulation/random.h"
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
-#include "target/star_boards.h"
 
 namespace raygrid {
 

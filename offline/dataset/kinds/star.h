@@ -1,5 +1,5 @@
-#ifndef RAYGRID_TARGET_STAR_BOARDS_H
-#define RAYGRID_TARGET_STAR_BOARDS_H
+#ifndef RAYGRID_DATASET_KINDS_STAR_H
+#define RAYGRID_DATASET_KINDS_STAR_H
 
 #include <vector>
 
@@ -26,6 +26,10 @@ int DefaultTagSquares(int columns, int rows, double square_mm);
 /// middle, or half a square left of it or above. Throws Error(kUsage).
 std::vector<Board> StarBoards(const StarBoardOptions& options);
 
+/// Whether segment of a star is black at an offset from the star's centre, in
+/// any unit.
+bool IsBlackInStar(int segments, double right, double down);
+
 }  // namespace raygrid
 
-#endif  // RAYGRID_TARGET_STAR_BOARDS_H
+#endif  // RAYGRID_DATASET_KINDS_STAR_H

@@ -1,0 +1,35 @@
+/// Values of a board in pattern.yaml.
+#ifndef RAYGRID_DATASET_KINDS_BOARD_KEYS_H
+#define RAYGRID_DATASET_KINDS_BOARD_KEYS_H
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <string>
+
+#include "dataset/error.h"
+
+namespace raygrid {
+
+/// A value of a board; throws with the board's number and the key.
+template <typename T>
+T Value(const std::string& place, const YAML::Node& node, const char* key) {
+  if (!node[key])
+    throw InputError(fmt::format("{}: missing key '{}'", place, key));
+  try {
+    return node[key].as<T>();
+  } catch (const YAML::Exception&) {
+    throw InputError(
+        fmt::format("{}: '{}' has a value of the wrong type", place, key));
+  }
+}
+
+template <typename T>
+T OptionalValue(const std::string& place, const YAML::Node& node,
+                const char* key, T otherwise) {
+  return node[key] ? Value<T>(place, node, key) : otherwise;
+}
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_DATASET_KINDS_BOARD_KEYS_H

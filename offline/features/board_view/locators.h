@@ -1,0 +1,22 @@
+/// What locates the features of each kind of target.
+#ifndef RAYGRID_FEATURES_BOARD_VIEW_LOCATORS_H
+#define RAYGRID_FEATURES_BOARD_VIEW_LOCATORS_H
+
+#include <functional>
+
+#include "dataset/kinds/target_kind.h"
+#include "features/board_view/detection.h"
+
+namespace raygrid {
+
+/// Finds a board's features approximately. Empty for star boards, all of which
+/// are detected at once.
+using Locator = std::function<ImageDetection(const GreyImage&)>;
+
+#define RAYGRID_TARGET_KIND(Name) Locator Make##Name##Locator(const Board&);
+#include "dataset/kinds/kind_list.inc"
+#undef RAYGRID_TARGET_KIND
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_FEATURES_BOARD_VIEW_LOCATORS_H
