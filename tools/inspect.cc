@@ -256,7 +256,7 @@ Json LensFacts(const ParametricModel& lens) {
   const Eigen::VectorXd named = lens.Parameters().tail(names.size());
   Json json = Json::object();
   for (const std::string& name :
-       lens.Name() == "opencv" ? OpenCvForm("", 8).parameters : names)
+       lens.Name() == models::kOpenCv ? OpenCvForm("", 8).parameters : names)
     json[name] =
         named[std::find(names.begin(), names.end(), name) - names.begin()];
   return json;

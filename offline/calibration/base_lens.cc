@@ -10,8 +10,8 @@
 namespace raygrid {
 namespace {
 
-const char* const kFisheye = "thin-prism-fisheye";
-const char* const kPinhole = "opencv";
+constexpr const char *kFisheye = models::kThinPrismFisheye,
+                     *kPinhole = models::kOpenCv;
 
 // A lens as it was fitted, and what held its parameters.
 BaseLens BaseLensOf(const CameraPrior& prior, const CameraModel& lens,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "camera/lens_spread.h"
+#include "camera/model_names.h"
 #include "dataset/dataset.h"
 #include "dataset/image_times.h"
 #include "evaluation/rig_result.h"

@@ -225,7 +225,7 @@ AdjustmentSummary AdjustLenses(const std::string& model,
   for (size_t c = 0; c < lenses.size(); ++c) {
     state->cameras[c] = lenses[c]->Clone();
     // A radial lens may start with fewer knots than it is to have.
-    if (lenses[c]->Name() != model || model == "central-radial")
+    if (lenses[c]->Name() != model || model == models::kCentralRadial)
       SetLens(model, *lenses[c], problem, static_cast<int>(c), state);
   }
   return AdjustLenses(problem, options, prior, state);
@@ -258,7 +258,7 @@ AdjustmentSummary Adjust(const std::string& model,
                          GaussianPrior* prior, AdjustmentState* state) {
   if (IsParametricModel(model))
     return AdjustLenses(model, problem, starts.lenses, options, prior, state);
-  if (model == "noncentral-generic")
+  if (model == models::kNonCentralGeneric)
     return AdjustLines(problem, starts, options, prior, state);
   return AdjustGrids(problem, starts, options, prior, state);
 }

@@ -87,7 +87,8 @@ void RequireImagesOfTheirOwn(const std::vector<CalibrationInput>& cameras) {
 void RequireLikeCameraFits(const std::vector<CalibrationInput>& cameras,
                            const CalibrationOptions& options) {
   if (!options.like) return;
-  if ((options.model != "central-generic" && options.model != kAutoModel) ||
+  if ((options.model != models::kCentralGeneric &&
+       options.model != kAutoModel) ||
       cameras.size() > 1)
     throw Error(ExitCode::kUsage,
                 "--prior requires a single camera and --model central-generic");

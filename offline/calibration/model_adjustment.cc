@@ -61,7 +61,7 @@ void PutGridsAroundLenses(const std::string& model, const Starts& starts,
     const CentralGeneric grid = AsGrid(problem, c, starts);
     const std::vector<Eigen::Vector2d> observed_px =
         ObservedPixels(problem, static_cast<int>(c));
-    if (model == "noncentral-generic") {
+    if (model == models::kNonCentralGeneric) {
       adjusted->state.cameras[c] = NonCentralGeneric(grid).Clone();
       adjusted->prior.cameras.push_back(NonCentralPrior(
           grid, observed_px, MeanDistance(problem, c, adjusted->state)));

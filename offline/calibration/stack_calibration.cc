@@ -98,11 +98,10 @@ void RequireConditions(const Dataset& dataset,
   std::string names;
   for (const CameraCondition condition : conditions.conditions)
     names += (names.empty() ? "" : ",") + ConditionName(condition);
-  if (options.model != "central-generic")
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("--vary-with {}: requires model central-generic, not {}",
-                    names, options.model));
+  if (options.model != models::kCentralGeneric)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--vary-with {}: requires model {}, not {}", names,
+                            models::kCentralGeneric, options.model));
   std::vector<ConditionValues> values;
   for (const ImageFeatures& image : dataset.images) {
     const auto found = conditions.values.find(image.image);

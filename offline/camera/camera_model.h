@@ -10,6 +10,7 @@
 
 #include "camera/area.h"
 #include "camera/image_circle.h"
+#include "camera/model_names.h"
 #include "camera/observation_line.h"
 
 namespace raygrid {

@@ -15,7 +15,7 @@ class CentralGeneric : public CameraModel {
   /// The surface's area is the calibrated area.
   CentralGeneric(const ImageSize& image_size, BSplineSurface surface);
 
-  std::string Name() const override { return "central-generic"; }
+  std::string Name() const override { return models::kCentralGeneric; }
   std::unique_ptr<CameraModel> Clone() const override {
     return std::make_unique<CentralGeneric>(*this);
   }

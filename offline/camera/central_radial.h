@@ -27,7 +27,7 @@ class CentralRadial : public ParametricModel {
                 double max_angle_rad, std::vector<double> spline,
                 const OtherParameters& others);
 
-  std::string Name() const override { return "central-radial"; }
+  std::string Name() const override { return models::kCentralRadial; }
   std::unique_ptr<CameraModel> Clone() const override {
     return std::make_unique<CentralRadial>(*this);
   }

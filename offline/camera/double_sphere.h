@@ -12,7 +12,7 @@ namespace raygrid {
 ///   pixel = (fx x + cx, fy y + cy)
 struct DoubleSphereFormula {
   enum { kFx, kFy, kCx, kCy, kXi, kAlpha, kCount };
-  static constexpr char kName[] = "double-sphere";
+  static constexpr const char* kName = models::kDoubleSphere;
   static constexpr double kReachRad = kMaxTheta;
 
   static const std::vector<std::string>& Names() {

@@ -12,7 +12,7 @@ namespace raygrid {
 ///   pixel = (fx x + cx, fy y + cy)
 struct EucmFormula {
   enum { kFx, kFy, kCx, kCy, kAlpha, kBeta, kCount };
-  static constexpr char kName[] = "eucm";
+  static constexpr const char* kName = models::kEucm;
   static constexpr double kReachRad = kMaxTheta;
 
   static const std::vector<std::string>& Names() {

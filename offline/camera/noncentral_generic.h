@@ -22,7 +22,7 @@ class NonCentralGeneric : public CameraModel {
   /// All lines through the origin.
   explicit NonCentralGeneric(const CentralGeneric& central);
 
-  std::string Name() const override { return "noncentral-generic"; }
+  std::string Name() const override { return models::kNonCentralGeneric; }
   std::unique_ptr<CameraModel> Clone() const override {
     return std::make_unique<NonCentralGeneric>(*this);
   }

@@ -14,7 +14,7 @@ namespace raygrid {
 ///   pixel = (fx x' + cx, fy y' + cy)
 struct OmniRadtanFormula {
   enum { kFx, kFy, kCx, kCy, kXi, kK1, kK2, kP1, kP2, kCount };
-  static constexpr char kName[] = "omni-radtan";
+  static constexpr const char* kName = models::kOmniRadtan;
   static constexpr double kReachRad = kMaxTheta;
 
   static const std::vector<std::string>& Names() {

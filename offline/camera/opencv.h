@@ -22,7 +22,7 @@ class OpenCvModel : public ParametricModel {
   OpenCvModel(const ImageSize& image_size, const Area& area,
               const ParameterArray& parameters);
 
-  std::string Name() const override { return "opencv"; }
+  std::string Name() const override { return models::kOpenCv; }
   std::unique_ptr<CameraModel> Clone() const override {
     return std::make_unique<OpenCvModel>(*this);
   }

@@ -35,7 +35,7 @@ struct OpenCv14Formula {
     kTy,
     kCount
   };
-  static constexpr char kName[] = "opencv-14";
+  static constexpr const char* kName = models::kOpenCv14;
   static constexpr double kReachRad = 1.52;  // tan is 20
 
   static const std::vector<std::string>& Names() {

@@ -25,7 +25,7 @@ class ThinPrismFisheye : public ParametricModel {
   ThinPrismFisheye(const ImageSize& image_size, const Area& area,
                    const ParameterArray& parameters);
 
-  std::string Name() const override { return "thin-prism-fisheye"; }
+  std::string Name() const override { return models::kThinPrismFisheye; }
   std::unique_ptr<CameraModel> Clone() const override {
     return std::make_unique<ThinPrismFisheye>(*this);
   }

@@ -287,15 +287,15 @@ CameraFile Parse(const YAML::Node& root) {
   CameraFile file;
   const std::string model = root["model"].as<std::string>();
   std::shared_ptr<CameraModel> camera;
-  if (model == "central-generic")
+  if (model == models::kCentralGeneric)
     camera = ParseCentralGeneric(root, image_size, area);
-  else if (model == "noncentral-generic")
+  else if (model == models::kNonCentralGeneric)
     camera = ParseNonCentralGeneric(root, image_size, area);
   else if (const LensModel* lens = FindLensModel(model))
     camera = ParseLens(root, *lens, image_size, area);
   else if (model == "central-radial")
     camera = ParseCentralRadial(root, image_size, area);
-  else if (model == "splined-stereographic")
+  else if (model == models::kSplinedStereographic)
     camera = ParseSplinedStereographic(root, image_size, area);
   else if (const auto projection = FindProjection(model))
     camera = ParseView(root, *projection, image_size, area);

@@ -51,7 +51,8 @@ class DirectionCamera : public CameraModel {
 }  // namespace
 
 const LensForm& NearestGridForm() {
-  static const LensForm form = {"central-generic", "central-generic", {}};
+  static const LensForm form = {
+      models::kCentralGeneric, models::kCentralGeneric, {}};
   return form;
 }
 

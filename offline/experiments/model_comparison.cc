@@ -21,7 +21,7 @@ std::shared_ptr<const CameraModel> GenericCamera(
   }
   const ExperimentFeatures features = FeaturesFor(options);
   *conditions = features.conditions;
-  const ModelChoice choice = {"central-generic", kCells};
+  const ModelChoice choice = {models::kCentralGeneric, kCells};
   conditions->push_back({"camera", choice.Label() + ", calibrated"});
   return CalibrateModel(features, choice, options).camera.camera;
 }
