@@ -29,7 +29,7 @@
 #include "calibration/starting_lens.h"
 #include "calibration/stopwatch.h"
 #include "calibration/two_cameras.h"
-#include "camera/model_fitting.h"
+#include "camera/lens_models.h"
 #include "dataset/error.h"
 
 namespace raygrid {
@@ -790,6 +790,14 @@ RigResult Calibration::Judge() {
 }
 
 }  // namespace
+
+std::vector<std::string> CalibratedModels() {
+  std::vector<std::string> names =
+      LensNames(ModelUse::kCalibrate,
+                {models::kNonCentralGeneric, models::kCentralGeneric});
+  std::reverse(names.begin(), names.end());
+  return names;
+}
 
 RigResult Calibrate(const std::vector<CalibrationInput>& cameras,
                     const Pattern& pattern, const CalibrationOptions& options) {

@@ -5,7 +5,7 @@
 
 #include "adjustment/reprojection_error.h"
 #include "calibration/cell_search.h"
-#include "camera/model_fitting.h"
+#include "camera/lens_models.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/residual_statistics.h"
 

@@ -13,6 +13,7 @@
 #include "calibration/divergence.h"
 #include "calibration/outlier_removal.h"
 #include "calibration/unseen_nodes.h"
+#include "camera/lens_models.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/board_shape.h"
 #include "evaluation/line_spread.h"
@@ -129,7 +130,7 @@ void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
                            const AdjustmentOptions& options,
                            const Adjusted& start, Adjusted* adjusted) {
   double least_px = MeanErrorPx(*adjusted, start);
-  for (const char* other : {"central-radial", "opencv", "thin-prism-fisheye"}) {
+  for (const std::string& other : LensNames(ModelUse::kCompare)) {
     if (options.should_stop && options.should_stop()) break;
     Adjusted from = start;
     from.base_lenses.clear();

@@ -7,7 +7,7 @@
 #include "calibration/camera_result.h"
 #include "calibration/cell_search.h"
 #include "calibration/grid_choice.h"
-#include "camera/model_fitting.h"
+#include "camera/lens_models.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 
@@ -123,7 +123,7 @@ std::vector<ModelFigures> CompareParametricModels(
     const CameraInProgress& camera, const Pattern& pattern,
     const CalibrationOptions& options, const Beside& beside) {
   std::vector<Candidate> candidates;
-  for (const char* model : {"opencv", "thin-prism-fisheye", "central-radial"})
+  for (const std::string& model : LensNames(ModelUse::kCompare))
     if (model != options.model) candidates.push_back({model});
   if (IsParametricModel(options.model) && camera.grid_cell_px > 0)
     candidates.push_back({models::kCentralGeneric, camera.grid_cell_px});

@@ -13,10 +13,9 @@ CameraFrame FindCameraFrame(const CameraModel& camera,
   constexpr double kNearer = 0.98;
   if (dynamic_cast<const ParametricModel*>(&camera))
     return {camera.Name(), Eigen::Quaterniond::Identity()};
-  const std::vector<std::string> lenses =
-      lens.empty() ? std::vector<std::string>{"opencv", "thin-prism-fisheye",
-                                              "central-radial"}
-                   : std::vector<std::string>{lens};
+  const std::vector<std::string> lenses = lens.empty()
+                                              ? LensNames(ModelUse::kCompare)
+                                              : std::vector<std::string>{lens};
   CameraFrame frame;
   double least_px = INFINITY;
   for (const std::string& name : lenses) {

@@ -38,7 +38,7 @@ struct EucmFormula {
     return depth > 0 ? rho / depth : NAN;
   }
 
-  static std::vector<int> RadialOrders() { return {0, 0, 0, 0, 3, 3}; }
+  static std::vector<int> DistortionOrders() { return {0, 0, 0, 0, 3, 3}; }
 
   static std::vector<std::array<double, kCount>> Starts(double f, double cx,
                                                         double cy) {

@@ -113,9 +113,10 @@ std::vector<std::unique_ptr<ParametricModel>> Starts(
   const ImageSize& size = camera.image_size();
   const Area& area = camera.area();
   std::vector<std::unique_ptr<ParametricModel>> starts;
-  if (const LensModel* model = FindLensModel(name)) {
-    for (const Eigen::VectorXd& parameters : model->starts(f, cx, cy))
-      starts.push_back(model->make(size, area, parameters));
+  const LensModel& model = *FindLensModel(name);
+  if (model.make) {
+    for (const Eigen::VectorXd& parameters : model.starts(f, cx, cy))
+      starts.push_back(model.make(size, area, parameters));
   } else {
     double widest = 0.1;
     for (const Sample& sample : samples)
@@ -434,16 +435,6 @@ std::vector<std::unique_ptr<ParametricModel>> StartsWithout(
 }
 
 }  // namespace
-
-bool IsParametricModel(const std::string& name) {
-  return FindLensModel(name) || name == "central-radial";
-}
-
-std::string ParametricModelNames() {
-  std::string names;
-  for (const LensModel& model : LensModels()) names += model.name + ", ";
-  return names.substr(0, names.size() - 2) + " or central-radial";
-}
 
 FittedModel FitParametricModel(const std::string& name,
                                const CameraModel& camera, const Area& area,

@@ -41,8 +41,8 @@ class OpenCvModel : public ParametricModel {
   void SetParameters(const Eigen::VectorXd& parameters) override;
 
   const std::vector<std::string>& ParameterNames() const override;
-  std::vector<int> RadialOrders() const override {
-    return {0, 0, 0, 0, 3, 5, 7, 3, 5, 7, 0, 0};
+  std::vector<int> DistortionOrders() const override {
+    return {0, 0, 0, 0, 3, 5, 7, 3, 5, 7, -2, -2};
   }
 
   OpenCvModel WithArea(const Area& area) const;

@@ -291,12 +291,12 @@ CameraFile Parse(const YAML::Node& root) {
     camera = ParseCentralGeneric(root, image_size, area);
   else if (model == models::kNonCentralGeneric)
     camera = ParseNonCentralGeneric(root, image_size, area);
-  else if (const LensModel* lens = FindLensModel(model))
-    camera = ParseLens(root, *lens, image_size, area);
-  else if (model == "central-radial")
+  else if (model == models::kCentralRadial)
     camera = ParseCentralRadial(root, image_size, area);
   else if (model == models::kSplinedStereographic)
     camera = ParseSplinedStereographic(root, image_size, area);
+  else if (const LensModel* lens = FindLensModel(model))
+    camera = ParseLens(root, *lens, image_size, area);
   else if (const auto projection = FindProjection(model))
     camera = ParseView(root, *projection, image_size, area);
   else

@@ -245,7 +245,7 @@ BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
   const GridSearch search(camera, *region, trusted, max_error_px / 2);
   BSplineSurface surface;
   if (own && RepresentableArea(camera.area()) == camera.area()) {
-    surface = own->surface();
+    surface = *own;
     DrawIntoChart(*region, false, &surface);
   }
   // Wide cells bend in most of the image where control points are drawn back.

@@ -1,5 +1,7 @@
 #include "packing/view_sources.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <utility>
 
