@@ -17,8 +17,7 @@ constexpr const char *kFisheye = models::kThinPrismFisheye,
 BaseLens BaseLensOf(const CameraPrior& prior, const CameraModel& lens,
                     double residual_variance) {
   BaseLens base;
-  base.model = std::shared_ptr<const ParametricModel>(
-      dynamic_cast<const ParametricModel&>(lens).OverArea(lens.area()));
+  base.model = lens.Parametric()->OverArea(lens.area());
   base.precision = Eigen::VectorXd::Zero(lens.NumParameters());
   for (const PriorGroup& group : prior.groups)
     base.precision += group.weight / residual_variance *

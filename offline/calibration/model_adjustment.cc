@@ -219,7 +219,7 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
 void FinishCameras(Adjusted* adjusted) {
   for (size_t c = 0; c < adjusted->state.cameras.size(); ++c) {
     std::unique_ptr<CameraModel>& camera = adjusted->state.cameras[c];
-    if (const auto* lens = dynamic_cast<const ParametricModel*>(camera.get()))
+    if (const ParametricModel* lens = camera->Parametric())
       camera = lens->OverArea(
           CalibratedArea(adjusted->problem, static_cast<int>(c)));
     LimitUnseenNodes(adjusted->problem, static_cast<int>(c), camera.get());

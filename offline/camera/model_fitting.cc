@@ -5,10 +5,9 @@
 #include <cmath>
 #include <vector>
 
+#include "camera/central_generic.h"
 #include "camera/central_radial.h"
 #include "camera/decentring.h"
-#include "camera/lens_models.h"
-#include "camera/noncentral_generic.h"
 #include "camera/pose.h"
 
 namespace raygrid {
@@ -139,7 +138,7 @@ struct Target {
   double lost_px = kLostPx;  // larger errors have no say
 };
 
-double DistortionCost(const ParametricModel& model, const Target& target) {
+double DistortionCost(const CameraModel& model, const Target& target) {
   return (model.Parameters() - target.start)
       .cwiseAbs2()
       .dot(target.distortion_weights);
@@ -153,7 +152,7 @@ struct Equations {
 };
 
 // How far each sample is projected from its pixel, but for those that are lost.
-std::vector<double> ErrorsPx(const ParametricModel& model,
+std::vector<double> ErrorsPx(const CameraModel& model,
                              const Eigen::Quaterniond& rotation,
                              const Target& target) {
   std::vector<double> errors;
@@ -167,7 +166,7 @@ std::vector<double> ErrorsPx(const ParametricModel& model,
   return errors;
 }
 
-double CostOf(const ParametricModel& model, const Eigen::Quaterniond& rotation,
+double CostOf(const CameraModel& model, const Eigen::Quaterniond& rotation,
               const Target& target) {
   double cost = DistortionCost(model, target);
   const std::vector<double> errors = ErrorsPx(model, rotation, target);
@@ -313,8 +312,7 @@ double Refine(const Target& target, const Freedom& freedom,
       Eigen::Quaterniond rotation = fit->model_from_camera;
       if (freedom.rotation)
         rotation = (RotationFromVector(step.tail<3>()) * rotation).normalized();
-      const double next_cost =
-          CostOf(dynamic_cast<const ParametricModel&>(*next), rotation, target);
+      const double next_cost = CostOf(*next, rotation, target);
       if (!(next_cost < cost)) continue;
       model.SetParameters(next->Parameters());
       fit->model_from_camera = rotation;
@@ -439,8 +437,8 @@ std::vector<std::unique_ptr<ParametricModel>> StartsWithout(
 FittedModel FitParametricModel(const std::string& name,
                                const CameraModel& camera, const Area& area,
                                const FitOptions& options) {
-  if (const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera))
-    return FitParametricModel(name, lines->CentralPart(), area, options);
+  if (!camera.IsCentral() && camera.DirectionGrid())
+    return FitParametricModel(name, CentralPart(camera), area, options);
   const Eigen::Quaterniond start_from_camera =
       options.free_rotation ? LevelFromCamera(camera, area)
                             : Eigen::Quaterniond::Identity();

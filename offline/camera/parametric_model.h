@@ -13,6 +13,7 @@ namespace raygrid {
 /// be asked for any area.
 class ParametricModel : public CameraModel {
  public:
+  const ParametricModel* Parametric() const override { return this; }
   virtual const std::vector<std::string>& ParameterNames() const = 0;
 
   /// Powers of the radius that named parameters move an image by: 3 of OpenCV's

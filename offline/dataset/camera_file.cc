@@ -441,14 +441,10 @@ void EmitGrid(const BSplineSurface& surface, const Eigen::VectorXd& parameters,
 }
 
 void EmitModel(const CameraModel& camera, Digits digits, YAML::Emitter* out) {
-  if (const auto* generic = dynamic_cast<const CentralGeneric*>(&camera)) {
-    EmitGrid(generic->surface(), camera.Parameters(), out);
-  } else if (const auto* lines =
-                 dynamic_cast<const NonCentralGeneric*>(&camera)) {
-    EmitGrid(lines->directions(), camera.Parameters(), out);
-  } else {
-    EmitParameters(dynamic_cast<const ParametricModel&>(camera), digits, out);
-  }
+  if (const BSplineSurface* grid = camera.DirectionGrid())
+    EmitGrid(*grid, camera.Parameters(), out);
+  else
+    EmitParameters(*camera.Parametric(), digits, out);
 }
 
 }  // namespace

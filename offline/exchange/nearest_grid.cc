@@ -102,7 +102,7 @@ LensInForm GridOfSkewedLens(const LensInForm& lens,
   straight.skew_px = 0;
   const auto made = MakeLens(straight);
   // Pixels beside the image come into it.
-  const auto wide = dynamic_cast<const ParametricModel&>(*made).OverArea(
+  const auto wide = made->Parametric()->OverArea(
       {image.x0 - widest, image.y0, image.x1 + widest, image.y1});
   return NearestGrid(
       lens.size,
