@@ -400,10 +400,9 @@ void AddCalibrationInputs(CLI::App* command, CalibrateArguments* arguments) {
 void AddModelOptions(CLI::App* command, CalibrateArguments* arguments) {
   BeginGroup(command, help_group::kModel);
   command
-      ->add_option(
-          "--model", arguments->model,
-          "central-generic, noncentral-generic, central-radial, "
-          "thin-prism-fisheye, opencv, or auto: chosen by cross-validation")
+      ->add_option("--model", arguments->model,
+                   fmt::format("{}, or auto: chosen by cross-validation",
+                               fmt::join(CalibratedModels(), ", ")))
       ->option_text("NAME")
       ->capture_default_str();
   command->add_flag("--allow-noncentral", arguments->allow_noncentral,

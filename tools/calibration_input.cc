@@ -454,7 +454,7 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
   // A camera over a range of values is a stack of central grids.
   const bool is_stack =
       arguments.model == "auto" && !arguments.condition.empty();
-  options.model = is_stack ? "central-generic" : arguments.model;
+  options.model = is_stack ? models::kCentralGeneric : arguments.model;
   options.allow_noncentral = arguments.allow_noncentral;
   options.cell_px = ParseCellPx(arguments.cell_px);
   options.area = arguments.area == "features" ? AreaChoice::kFeatures

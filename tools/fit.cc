@@ -20,7 +20,7 @@
 namespace raygrid {
 namespace {
 
-constexpr char kSplined[] = "splined-stereographic";
+using models::kSplinedStereographic;
 
 struct FitArguments {
   std::string camera, model, spline, output;
@@ -44,7 +44,8 @@ struct Fit {
 };
 
 std::string NamesOfModels() {
-  return std::string(kSplined) + ", " + ParametricModelNames();
+  return fmt::format("{}, {}", kSplinedStereographic,
+                     OrList(LensNames(ModelUse::kFit)));
 }
 
 // COLUMNSxROWS, or COLUMNSxROWS,fov=DEGREES; an angle of 0 is not told.
@@ -73,7 +74,8 @@ SplinedStereographic::Grid ParseSplineGrid(const std::string& text) {
 FittedModel FitModel(const std::string& model, const CameraModel& camera,
                      const std::optional<TrustMask>& trusted,
                      const std::optional<SplinedStereographic::Grid>& grid) {
-  if (model != kSplined) return FitNearestModel(model, camera, camera.area());
+  if (model != kSplinedStereographic)
+    return FitNearestModel(model, camera, camera.area());
   FittedModel fitted;
   fitted.model =
       FitSplinedStereographic(camera, trusted ? &*trusted : nullptr, grid);
@@ -161,13 +163,14 @@ std::string FullName(const CameraModel& camera) {
 }
 
 void Run(const FitArguments& arguments, const CommonOptions& common) {
-  if (!IsParametricModel(arguments.model) && arguments.model != kSplined)
+  if (!IsParametricModel(arguments.model) &&
+      arguments.model != kSplinedStereographic)
     throw Error(ExitCode::kUsage,
                 fmt::format("--model {}: cannot be fitted; use {}",
                             arguments.model, NamesOfModels()));
-  if (!arguments.spline.empty() && arguments.model != kSplined)
-    throw Error(ExitCode::kUsage,
-                fmt::format("--spline requires --model {}", kSplined));
+  if (!arguments.spline.empty() && arguments.model != kSplinedStereographic)
+    throw Error(ExitCode::kUsage, fmt::format("--spline requires --model {}",
+                                              kSplinedStereographic));
   std::optional<SplinedStereographic::Grid> grid;
   if (!arguments.spline.empty()) grid = ParseSplineGrid(arguments.spline);
   RequireNoInputReplaced({arguments.camera}, {arguments.output});

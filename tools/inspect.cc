@@ -256,7 +256,7 @@ Json LensFacts(const ParametricModel& lens) {
   const Eigen::VectorXd named = lens.Parameters().tail(names.size());
   Json json = Json::object();
   for (const std::string& name :
-       lens.Name() == "opencv" ? OpenCvForm("", 8).parameters : names)
+       lens.Name() == models::kOpenCv ? OpenCvForm("", 8).parameters : names)
     json[name] =
         named[std::find(names.begin(), names.end(), name) - names.begin()];
   return json;
@@ -297,8 +297,7 @@ Json CameraFacts(const CameraFile& file) {
     json["image_circle"] = {
         {"center_px", {circle->center.x(), circle->center.y()}},
         {"radius_px", circle->radii_px.x()}};
-  if (const auto* lens =
-          dynamic_cast<const ParametricModel*>(file.camera.get()))
+  if (const ParametricModel* lens = file.camera->Parametric())
     json["intrinsics"] = LensFacts(*lens);
   if (file.training) json["training_error"] = Figures(*file.training);
   if (file.held_out) json["held_out_error"] = Figures(*file.held_out);

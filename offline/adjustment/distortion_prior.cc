@@ -6,8 +6,6 @@
 #include "adjustment/matern_field.h"
 #include "camera/central_radial.h"
 #include "camera/decentring.h"
-#include "camera/opencv.h"
-#include "camera/thin_prism_fisheye.h"
 
 namespace raygrid {
 namespace {
@@ -75,7 +73,8 @@ CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area,
   } else {
     prior.groups.push_back(CoefficientGroup(RadialPixels(lens, area)));
   }
-  prior.groups.push_back(DecentringGroup(lens, area, num_features));
+  PriorGroup decentring = DecentringGroup(lens, area, num_features);
+  if (decentring.rank > 0) prior.groups.push_back(std::move(decentring));
   return prior;
 }
 

@@ -15,11 +15,10 @@ NodeFrames::NodeFrames(const ParameterLayout& layout,
   std::vector<Eigen::Triplet<double>> triplets;
   std::vector<bool> has_frame(layout.size, false);
   for (size_t c = 0; c + 1 < layout.first_camera.size(); ++c) {
-    const auto* camera =
-        dynamic_cast<const NonCentralGeneric*>(state.cameras[c].get());
-    if (!camera) continue;
+    const BSplineSurface* grid = state.cameras[c]->DirectionGrid();
+    if (!grid || state.cameras[c]->IsCentral()) continue;
     int first = layout.first_camera[c] + kFirstOfPoint;
-    for (const Eigen::Vector2d& chart : camera->directions().points()) {
+    for (const Eigen::Vector2d& chart : grid->points()) {
       const Eigen::Matrix3d axes =
           Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(),
                                              FromChart(chart))

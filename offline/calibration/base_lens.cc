@@ -10,15 +10,14 @@
 namespace raygrid {
 namespace {
 
-const char* const kFisheye = "thin-prism-fisheye";
-const char* const kPinhole = "opencv";
+constexpr const char *kFisheye = models::kThinPrismFisheye,
+                     *kPinhole = models::kOpenCv;
 
 // A lens as it was fitted, and what held its parameters.
 BaseLens BaseLensOf(const CameraPrior& prior, const CameraModel& lens,
                     double residual_variance) {
   BaseLens base;
-  base.model = std::shared_ptr<const ParametricModel>(
-      dynamic_cast<const ParametricModel&>(lens).OverArea(lens.area()));
+  base.model = lens.Parametric()->OverArea(lens.area());
   base.precision = Eigen::VectorXd::Zero(lens.NumParameters());
   for (const PriorGroup& group : prior.groups)
     base.precision += group.weight / residual_variance *

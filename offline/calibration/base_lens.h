@@ -8,7 +8,7 @@
 namespace raygrid {
 
 /// The model of the lenses that grids best lie around, and go on as where
-/// nothing is seen: "thin-prism-fisheye"; or "opencv", if the starting lenses
+/// nothing is seen: thin-prism-fisheye; or opencv, if the starting lenses
 /// are of it and grids around it predict the features clearly better
 /// (offline/calibration/DESIGN.md, "Extrapolation").
 std::string ChooseBaseModel(const AdjustmentOptions& options,

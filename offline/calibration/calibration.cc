@@ -29,7 +29,7 @@
 #include "calibration/starting_lens.h"
 #include "calibration/stopwatch.h"
 #include "calibration/two_cameras.h"
-#include "camera/model_fitting.h"
+#include "camera/lens_models.h"
 #include "dataset/error.h"
 
 namespace raygrid {
@@ -204,7 +204,7 @@ Calibration::Calibration(const std::vector<CalibrationInput>& inputs,
     : pattern_(pattern),
       options_(options),
       is_model_auto_(options.model == kAutoModel) {
-  if (is_model_auto_) options_.model = "central-generic";
+  if (is_model_auto_) options_.model = models::kCentralGeneric;
   is_model_auto_ &= options.cell_px == 0 && !options.like;
   for (const CalibrationInput& input : inputs) {
     CameraInProgress& camera = cameras_.emplace_back();
@@ -495,7 +495,7 @@ void Calibration::ChooseGrids() {
     if (IsParametricModel(options_.model)) {
       camera.result.cell_px = 0;
       camera.boards_bend = false;
-    } else if (options_.model == "noncentral-generic") {
+    } else if (options_.model == models::kNonCentralGeneric) {
       camera.result.cell_px =
           std::max(camera.grid_cell_px,
                    MediumCellPx(camera.split.training, options_.model));
@@ -609,7 +609,8 @@ void Calibration::EvaluateHeldOutImages() {
   std::vector<Trial> not_kept;
   // Trials that are kept are those of a given model.
   const bool is_kept =
-      !IsRig() && !(is_model_auto_ && options_.model == "noncentral-generic");
+      !IsRig() &&
+      !(is_model_auto_ && options_.model == models::kNonCentralGeneric);
   ValidationOptions validation = ValidationOptionsOf(options_);
   validation.rigid_boards = AreBoardsRigid();
   validation.bodies = bodies_;
@@ -788,6 +789,14 @@ RigResult Calibration::Judge() {
 }
 
 }  // namespace
+
+std::vector<std::string> CalibratedModels() {
+  std::vector<std::string> names =
+      LensNames(ModelUse::kCalibrate,
+                {models::kNonCentralGeneric, models::kCentralGeneric});
+  std::reverse(names.begin(), names.end());
+  return names;
+}
 
 RigResult Calibrate(const std::vector<CalibrationInput>& cameras,
                     const Pattern& pattern, const CalibrationOptions& options) {

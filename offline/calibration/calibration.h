@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "camera/lens_spread.h"
+#include "camera/model_names.h"
 #include "dataset/dataset.h"
 #include "dataset/image_times.h"
 #include "evaluation/rig_result.h"
@@ -47,10 +48,14 @@ struct CalibrationInput {
   std::optional<ImageTimes> times = {};
 };
 
+/// The models that calibrate, from the one with the most parameters.
+std::vector<std::string> CalibratedModels();
+
 struct CalibrationOptions {
-  /// Or another model, or "auto": the one that predicts held-out images best
-  /// (model_choice.h); central-generic, if cell_px or like is given.
-  std::string model = "central-generic";
+  /// Or another of CalibratedModels(), or "auto": the one that predicts
+  /// held-out images best (model_choice.h); central-generic, if cell_px or like
+  /// is given.
+  std::string model = models::kCentralGeneric;
   bool allow_noncentral = false;  ///< for "auto"
   double cell_px = 0;             ///< 0: chosen by held-out error
   bool any_distance = false;      ///< boards may be more than 20 m away

@@ -53,12 +53,11 @@ int NumFeatures(const CalibrationProblem& problem, int camera) {
 // The prior of a camera from where it is.
 CameraPrior PriorAround(const CameraModel& camera,
                         const CalibrationProblem& problem, int index) {
-  if (const auto* grid = dynamic_cast<const CentralGeneric*>(&camera))
-    return SmoothnessPrior(PolynomialPart(*grid),
-                           ObservedPixels(problem, index));
-  return DistortionPrior(dynamic_cast<const ParametricModel&>(camera),
-                         CalibratedArea(problem, index),
-                         NumFeatures(problem, index));
+  if (const ParametricModel* lens = camera.Parametric())
+    return DistortionPrior(*lens, CalibratedArea(problem, index),
+                           NumFeatures(problem, index));
+  return SmoothnessPrior(PolynomialPart(CentralPart(camera)),
+                         ObservedPixels(problem, index));
 }
 
 // Cameras from where the state is.
@@ -118,9 +117,8 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
         ExpectedGrid(problem, *starts.lenses[c], AsGrid(problem, c, starts)),
         ObservedPixels(problem, static_cast<int>(c)),
         MeanDistance(problem, c, *state), starts.BaseOf(c)));
-    state->cameras[c] = NonCentralGeneric(dynamic_cast<const CentralGeneric&>(
-                                              *state->cameras[c]))
-                            .Clone();
+    state->cameras[c] =
+        NonCentralGeneric(CentralPart(*state->cameras[c])).Clone();
   }
   return AdjustInTwoSteps(problem, options, prior, state);
 }
@@ -137,17 +135,14 @@ AdjustmentSummary AdjustFromOtherSpacing(const CalibrationProblem& problem,
   const double variance = std::pow(other.summary.noise_px, 2);
   AdjustmentState warm = other.state;
   for (size_t c = 0; c < warm.cameras.size(); ++c) {
-    const auto& from = dynamic_cast<const CentralGeneric&>(*warm.cameras[c]);
-    const auto& to = dynamic_cast<const CentralGeneric&>(*state->cameras[c]);
-    const double ratio = static_cast<double>(to.surface().columns()) /
-                         static_cast<double>(from.surface().columns());
+    const CameraModel &from = *warm.cameras[c], &to = *state->cameras[c];
+    const double ratio = static_cast<double>(to.DirectionGrid()->columns()) /
+                         static_cast<double>(from.DirectionGrid()->columns());
     const double finer = std::pow(ratio, 2 * kMaternOrder - 2);
     for (size_t g = 0; g < prior->cameras[c].groups.size(); ++g)
       prior->cameras[c].groups[g].SetWeight(
           other.prior.cameras[c].groups[g].weight * finer, variance);
-    warm.cameras[c] = FitCentralGeneric(from, to.area(), to.surface().columns(),
-                                        to.surface().rows())
-                          .Clone();
+    warm.cameras[c] = to.FittedTo(from);
   }
   prior->points_mean = problem.nominal;
   prior->points_weight = other.prior.points_weight;
@@ -225,7 +220,7 @@ AdjustmentSummary AdjustLenses(const std::string& model,
   for (size_t c = 0; c < lenses.size(); ++c) {
     state->cameras[c] = lenses[c]->Clone();
     // A radial lens may start with fewer knots than it is to have.
-    if (lenses[c]->Name() != model || model == "central-radial")
+    if (lenses[c]->Name() != model || model == models::kCentralRadial)
       SetLens(model, *lenses[c], problem, static_cast<int>(c), state);
   }
   return AdjustLenses(problem, options, prior, state);
@@ -258,7 +253,7 @@ AdjustmentSummary Adjust(const std::string& model,
                          GaussianPrior* prior, AdjustmentState* state) {
   if (IsParametricModel(model))
     return AdjustLenses(model, problem, starts.lenses, options, prior, state);
-  if (model == "noncentral-generic")
+  if (model == models::kNonCentralGeneric)
     return AdjustLines(problem, starts, options, prior, state);
   return AdjustGrids(problem, starts, options, prior, state);
 }

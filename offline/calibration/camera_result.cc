@@ -295,8 +295,8 @@ void AddWhatWasTried(const CalibrationResult& result,
       result.camera.held_out ? result.camera.held_out->median_px : 0;
   double best_px = kBetterPart * own_px;
   for (const ModelFigures& other : result.parametric_models) {
-    tried.noncentral_tried |= other.model == "noncentral-generic";
-    tried.generic_tried |= other.model == "central-generic";
+    tried.noncentral_tried |= other.model == models::kNonCentralGeneric;
+    tried.generic_tried |= other.model == models::kCentralGeneric;
     if (!other.held_out || other.held_out->median_px >= best_px ||
         !PredictsBetter(other, result))
       continue;

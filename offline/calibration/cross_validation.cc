@@ -198,7 +198,7 @@ std::optional<Adjusted> RigidlyAdjusted(const Folds::Fold& fold,
   std::optional<Adjusted> adjusted = is_grid ? fold.lenses : fold.start;
   if (!adjusted) return adjusted;
   std::optional<Adjusted> coarser;
-  if (model == "central-generic")
+  if (model == models::kCentralGeneric)
     if (const auto before_px = SpacingBefore(ladder_px, cells_px))
       coarser = RigidlyAdjusted(fold, ladder_px, pattern, model, {*before_px},
                                 options);

@@ -8,7 +8,7 @@
 
 #include "calibration/value_equations.h"
 #include "calibration/value_regression.h"
-#include "camera/stacked_grid.h"
+#include "camera/camera_stack.h"
 #include "evaluation/residual_statistics.h"
 
 namespace raygrid {
@@ -26,9 +26,7 @@ constexpr double kHardlyNoticed = 0.5;
 constexpr double kMostLeftOut = 1.0 / 3;
 
 const std::vector<ConditionRange>& RangesOf(const Adjusted& adjusted) {
-  return dynamic_cast<const StackedGrid&>(adjusted.state.camera())
-      .stack()
-      .ranges();
+  return adjusted.state.camera().Stack()->ranges();
 }
 
 double WidthOf(const ConditionRange& range) { return range.high - range.low; }

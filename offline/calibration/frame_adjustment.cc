@@ -6,7 +6,7 @@
 #include "adjustment/smoothness_prior.h"
 #include "calibration/divergence.h"
 #include "camera/camera_frame.h"
-#include "camera/noncentral_generic.h"
+#include "camera/central_generic.h"
 
 namespace raygrid {
 namespace {
@@ -22,16 +22,14 @@ CameraPrior TurnedPrior(const CameraPrior& prior, const CameraModel& camera,
                         double residual_variance) {
   const std::unique_ptr<CameraModel> mean = camera.Clone();
   mean->SetParameters(prior.mean);
-  const std::unique_ptr<CameraModel> base = Turned(*mean, turned_from_camera);
+  const CentralGeneric base = CentralPart(*Turned(*mean, turned_from_camera));
   CameraPrior turned;
-  if (const auto* lines = dynamic_cast<const NonCentralGeneric*>(base.get())) {
-    constexpr double kAnyDistanceM = 1;
-    turned = NonCentralPrior(lines->CentralPart(), observed_px, kAnyDistanceM,
-                             prior.base_lens);
-    turned.groups.back() = prior.groups.back();
+  if (camera.IsCentral()) {
+    turned = SmoothnessPrior(base, observed_px, prior.base_lens, prior.spread);
   } else {
-    turned = SmoothnessPrior(dynamic_cast<const CentralGeneric&>(*base),
-                             observed_px, prior.base_lens, prior.spread);
+    constexpr double kAnyDistanceM = 1;
+    turned = NonCentralPrior(base, observed_px, kAnyDistanceM, prior.base_lens);
+    turned.groups.back() = prior.groups.back();
   }
   for (size_t g = 0; g < turned.groups.size(); ++g)
     turned.groups[g].SetWeight(prior.groups[g].weight, residual_variance);

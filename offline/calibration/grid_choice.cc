@@ -5,7 +5,7 @@
 
 #include "adjustment/reprojection_error.h"
 #include "calibration/cell_search.h"
-#include "camera/model_fitting.h"
+#include "camera/lens_models.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/residual_statistics.h"
 
@@ -20,7 +20,7 @@ constexpr int kMedium = 2;  // candidate
 std::vector<double> CellCandidates(const Dataset& dataset,
                                    const std::string& model) {
   const int per_node =
-      model == "noncentral-generic" ? NonCentralGeneric::kPerNode : 2;
+      model == models::kNonCentralGeneric ? NonCentralGeneric::kPerNode : 2;
   const double longer =
       std::max(dataset.image_size.width, dataset.image_size.height);
   const double shorter =

@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "calibration/body_search.h"
 #include "calibration/model_choice.h"
 #include "calibration/rig_start.h"
-#include "camera/model_fitting.h"
+#include "camera/lens_models.h"
 #include "dataset/error.h"
 #include "dataset/repeated_images.h"
 #include "evaluation/residual_statistics.h"
@@ -18,22 +21,17 @@ namespace {
 // Other parametric models have no prior yet that holds what observations do not
 // tell.
 void RequireKnownModel(const std::string& model) {
-  const std::set<std::string> known = {kAutoModel,           "central-generic",
-                                       "noncentral-generic", "central-radial",
-                                       "thin-prism-fisheye", "opencv"};
-  if (known.count(model) > 0) return;
+  std::vector<std::string> known = CalibratedModels();
+  known.insert(known.begin(), kAutoModel);
+  if (std::count(known.begin(), known.end(), model) > 0) return;
   if (IsParametricModel(model))
     throw Error(
         ExitCode::kUsage,
         fmt::format("model '{}' cannot be calibrated directly: calibrate "
-                    "central-generic, then use raygrid fit or export",
-                    model));
-  throw Error(
-      ExitCode::kUsage,
-      fmt::format(
-          "unknown model '{}'; use auto, central-generic, noncentral-generic, "
-          "central-radial, thin-prism-fisheye or opencv",
-          model));
+                    "{}, then use raygrid fit or export",
+                    model, models::kCentralGeneric));
+  throw Error(ExitCode::kUsage,
+              fmt::format("unknown model '{}'; use {}", model, OrList(known)));
 }
 
 void RequireImagesExist(const std::vector<CalibrationInput>& cameras,
@@ -87,10 +85,12 @@ void RequireImagesOfTheirOwn(const std::vector<CalibrationInput>& cameras) {
 void RequireLikeCameraFits(const std::vector<CalibrationInput>& cameras,
                            const CalibrationOptions& options) {
   if (!options.like) return;
-  if ((options.model != "central-generic" && options.model != kAutoModel) ||
+  if ((options.model != models::kCentralGeneric &&
+       options.model != kAutoModel) ||
       cameras.size() > 1)
     throw Error(ExitCode::kUsage,
-                "--prior requires a single camera and --model central-generic");
+                fmt::format("--prior requires a single camera and --model {}",
+                            models::kCentralGeneric));
   const ImageSize size = options.like->image_size(),
                   own = cameras.front().dataset.image_size;
   if (size != own)

@@ -13,6 +13,7 @@
 #include "calibration/divergence.h"
 #include "calibration/outlier_removal.h"
 #include "calibration/unseen_nodes.h"
+#include "camera/lens_models.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/board_shape.h"
 #include "evaluation/line_spread.h"
@@ -61,7 +62,7 @@ void PutGridsAroundLenses(const std::string& model, const Starts& starts,
     const CentralGeneric grid = AsGrid(problem, c, starts);
     const std::vector<Eigen::Vector2d> observed_px =
         ObservedPixels(problem, static_cast<int>(c));
-    if (model == "noncentral-generic") {
+    if (model == models::kNonCentralGeneric) {
       adjusted->state.cameras[c] = NonCentralGeneric(grid).Clone();
       adjusted->prior.cameras.push_back(NonCentralPrior(
           grid, observed_px, MeanDistance(problem, c, adjusted->state)));
@@ -129,7 +130,7 @@ void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
                            const AdjustmentOptions& options,
                            const Adjusted& start, Adjusted* adjusted) {
   double least_px = MeanErrorPx(*adjusted, start);
-  for (const char* other : {"central-radial", "opencv", "thin-prism-fisheye"}) {
+  for (const std::string& other : LensNames(ModelUse::kCompare)) {
     if (options.should_stop && options.should_stop()) break;
     Adjusted from = start;
     from.base_lenses.clear();
@@ -218,7 +219,7 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
 void FinishCameras(Adjusted* adjusted) {
   for (size_t c = 0; c < adjusted->state.cameras.size(); ++c) {
     std::unique_ptr<CameraModel>& camera = adjusted->state.cameras[c];
-    if (const auto* lens = dynamic_cast<const ParametricModel*>(camera.get()))
+    if (const ParametricModel* lens = camera->Parametric())
       camera = lens->OverArea(
           CalibratedArea(adjusted->problem, static_cast<int>(c)));
     LimitUnseenNodes(adjusted->problem, static_cast<int>(c), camera.get());

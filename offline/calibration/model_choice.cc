@@ -1,19 +1,18 @@
 #include "calibration/model_choice.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 #include "calibration/cell_search.h"
 #include "calibration/grid_choice.h"
+#include "camera/lens_models.h"
 #include "dataset/error.h"
 
 namespace raygrid {
 namespace {
 
-constexpr char kGrid[] = "central-generic";
-constexpr char kNoncentralGrid[] = "noncentral-generic";
-constexpr std::array kParametric = {"opencv", "thin-prism-fisheye"};
+using models::kCentralGeneric;
+using models::kNonCentralGeneric;
 
 // Gains over the central grid, in standard errors.
 constexpr double kParametricGain = 1, kNoncentralGain = 2;
@@ -32,9 +31,9 @@ class ModelComparison {
       folds_ =
           MakeLeaveOneOutFolds({camera->split}, {&camera->lens.state.camera()});
       folds_.base_model = camera->lens.problem.base_model;
-      grid_ = CrossValidated(kGrid, camera->result.cell_px);
+      grid_ = CrossValidated(kCentralGeneric, camera->result.cell_px);
     }
-    AddCandidate(kGrid, grid_, 0);
+    AddCandidate(kCentralGeneric, grid_, 0);
     if (IsValid())
       grid_median_px_ = Summarize(0, grid_.alone.front()).median_px;
   }
@@ -60,7 +59,8 @@ class ModelComparison {
   HeldOut CrossValidated(const std::string& model, double cell_px) {
     ValidationOptions validation = ValidationOptionsOf(options_);
     validation.model = model;
-    validation.rigid_boards = model != kNoncentralGrid || !camera_->boards_bend;
+    validation.rigid_boards =
+        model != kNonCentralGeneric || !camera_->boards_bend;
     std::vector<Trial> trials;
     try {
       CrossValidate(pattern_, validation, {{cell_px}}, &folds_, &trials);
@@ -96,7 +96,7 @@ std::string ChooseModel(const Pattern& pattern,
   std::vector<ModelComparison> comparisons;
   for (CameraInProgress& camera : *cameras) {
     comparisons.emplace_back(pattern, options, &camera);
-    if (!comparisons.back().IsValid()) return kGrid;
+    if (!comparisons.back().IsValid()) return kCentralGeneric;
   }
   // The least gain of all cameras counts.
   const auto gain_of = [&](const std::string& model, bool is_grid) {
@@ -111,18 +111,19 @@ std::string ChooseModel(const Pattern& pattern,
     }
     return least;
   };
-  std::string best = kGrid;
+  std::string best = kCentralGeneric;
   double best_gain = kParametricGain;
-  for (const char* model : kParametric) {
-    if (options.ShouldStop()) return kGrid;
+  for (const std::string& model : LensNames(ModelUse::kAuto)) {
+    if (options.ShouldStop()) return kCentralGeneric;
     const double gain = gain_of(model, false);
     if (gain <= best_gain) continue;
     best = model;
     best_gain = gain;
   }
-  if (options.allow_noncentral && best == kGrid && !options.ShouldStop() &&
-      gain_of(kNoncentralGrid, true) >= kNoncentralGain)
-    best = kNoncentralGrid;
+  if (options.allow_noncentral && best == kCentralGeneric &&
+      !options.ShouldStop() &&
+      gain_of(kNonCentralGeneric, true) >= kNoncentralGain)
+    best = kNonCentralGeneric;
   return best;
 }
 

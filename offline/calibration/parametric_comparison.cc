@@ -7,7 +7,7 @@
 #include "calibration/camera_result.h"
 #include "calibration/cell_search.h"
 #include "calibration/grid_choice.h"
-#include "camera/model_fitting.h"
+#include "camera/lens_models.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 
@@ -123,10 +123,10 @@ std::vector<ModelFigures> CompareParametricModels(
     const CameraInProgress& camera, const Pattern& pattern,
     const CalibrationOptions& options, const Beside& beside) {
   std::vector<Candidate> candidates;
-  for (const char* model : {"opencv", "thin-prism-fisheye", "central-radial"})
+  for (const std::string& model : LensNames(ModelUse::kCompare))
     if (model != options.model) candidates.push_back({model});
   if (IsParametricModel(options.model) && camera.grid_cell_px > 0)
-    candidates.push_back({"central-generic", camera.grid_cell_px});
+    candidates.push_back({models::kCentralGeneric, camera.grid_cell_px});
   return Measure(candidates, camera, pattern, options, beside);
 }
 
@@ -138,8 +138,8 @@ std::optional<double> ModelErrorPx(const CalibrationResult& result) {
   const double own_px = ComputeErrorFigures(result.held_out).median_px;
   for (const ModelFigures& other : result.parametric_models) {
     const bool is_richer =
-        (other.model == "noncentral-generic" && own != other.model) ||
-        (other.model == "central-generic" && IsParametricModel(own));
+        (other.model == models::kNonCentralGeneric && own != other.model) ||
+        (other.model == models::kCentralGeneric && IsParametricModel(own));
     if (!is_richer || !other.held_out || other.held_out->median_px >= own_px ||
         GainOver(result.held_out, other.held_out_residuals, own_px) < kSurely)
       continue;
@@ -153,10 +153,10 @@ std::optional<double> ModelErrorPx(const CalibrationResult& result) {
 std::optional<ModelFigures> TryAnotherGrid(const CameraInProgress& camera,
                                            const Pattern& pattern,
                                            const CalibrationOptions& options) {
-  if (options.model == "noncentral-generic") return std::nullopt;
-  const std::string model = options.model == "central-generic"
-                                ? "noncentral-generic"
-                                : "central-generic";
+  if (options.model == models::kNonCentralGeneric) return std::nullopt;
+  const std::string model = options.model == models::kCentralGeneric
+                                ? models::kNonCentralGeneric
+                                : models::kCentralGeneric;
   const Dataset& training = camera.split.training;
   double cell_px = camera.result.cell_px;
   cell_px = std::max(cell_px, MediumCellPx(training, model));

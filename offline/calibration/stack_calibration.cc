@@ -98,11 +98,10 @@ void RequireConditions(const Dataset& dataset,
   std::string names;
   for (const CameraCondition condition : conditions.conditions)
     names += (names.empty() ? "" : ",") + ConditionName(condition);
-  if (options.model != "central-generic")
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("--vary-with {}: requires model central-generic, not {}",
-                    names, options.model));
+  if (options.model != models::kCentralGeneric)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--vary-with {}: requires model {}, not {}", names,
+                            models::kCentralGeneric, options.model));
   std::vector<ConditionValues> values;
   for (const ImageFeatures& image : dataset.images) {
     const auto found = conditions.values.find(image.image);
@@ -232,8 +231,7 @@ std::vector<ConditionValues> ValuesOver(const CameraStack& stack) {
 // The standard deviations of the stack's cameras at values over its ranges.
 std::vector<StackDeviation> StackDeviations(const Adjusted& adjusted,
                                             int num_threads) {
-  const auto& stack =
-      dynamic_cast<const StackedGrid&>(adjusted.state.camera()).stack();
+  const CameraStack& stack = *adjusted.state.camera().Stack();
   std::vector<StackedGrid> cameras;
   std::vector<const CameraModel*> as;
   for (const ConditionValues& values : ValuesOver(stack))
@@ -326,8 +324,7 @@ void StartAnew(const ImageConditions& conditions, const Pattern& pattern,
                const CalibrationOptions& options, Adjusted* adjusted) {
   CalibrationProblem& problem = adjusted->problem;
   AdjustmentState& state = adjusted->state;
-  const CameraStack& before =
-      dynamic_cast<const StackedGrid&>(state.camera()).stack();
+  const CameraStack& before = *state.camera().Stack();
   const BSplineSurface& grid = before.terms().front();
   Dataset dataset = {before.image_size(), {}};
   for (size_t v = 0; v < problem.views.size(); ++v) {
@@ -359,8 +356,7 @@ void StartAnew(const ImageConditions& conditions, const Pattern& pattern,
 void PutResult(const CalibrationInput& input, const ImageConditions& conditions,
                const Pattern& pattern, const CalibrationOptions& options,
                const Adjusted& adjusted, CalibrationResult* result) {
-  const auto& stack =
-      dynamic_cast<const StackedGrid&>(adjusted.state.camera()).stack();
+  const CameraStack& stack = *adjusted.state.camera().Stack();
   result->poses.clear();
   FillResult(pattern, adjusted, 0, input.image_circle, options.num_threads,
              result);
@@ -446,8 +442,8 @@ RigResult CalibrateStack(const CalibrationInput& input,
     return result;
   }
   report("bundle adjustment over the range", 0.8);
-  const CameraStack stack = ChangesOnGrid(
-      *start, dynamic_cast<const CentralGeneric&>(*camera.camera.camera));
+  const CameraStack stack =
+      ChangesOnGrid(*start, CentralPart(*camera.camera.camera));
   Adjusted adjusted =
       StartFrom(camera, UsedOf(turned, camera), conditions, pattern, stack);
   adjusted.problem.area = options.area;

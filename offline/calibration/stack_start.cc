@@ -94,7 +94,7 @@ class OrderChoice {
     const auto num_free =
         static_cast<double>(prior.cameras[0].groups[0].free.cols());
     *needed = num_free * summary.noise_px * summary.noise_px;
-    *stack = dynamic_cast<const StackedGrid&>(state_->camera()).stack();
+    *stack = *state_->camera().Stack();
     return summary.final_cost;
   }
 

@@ -182,7 +182,7 @@ double HandicapOf(const CameraModel& start) {
   constexpr double kPinholeFavour = 0.8;
   // A grid follows any lens, but knows nothing of where no feature was seen.
   constexpr double kGridHandicap = 2;
-  if (start.Name() == "opencv") return kPinholeFavour;
+  if (start.Name() == models::kOpenCv) return kPinholeFavour;
   return IsParametricModel(start.Name()) ? 1 : kGridHandicap;
 }
 
@@ -288,7 +288,8 @@ void TryAll(const Dataset& dataset, const Pattern& pattern,
   if (!grid) return;
   const Area features = FeatureArea(problem, 0);
   trials->Try(
-      *FitParametricModel("central-radial", *grid, features, {true}).model);
+      *FitParametricModel(models::kCentralRadial, *grid, features, {true})
+           .model);
   trials->Try(*grid);
 }
 

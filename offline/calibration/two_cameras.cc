@@ -166,9 +166,8 @@ std::vector<std::string> NamesOf(const Dataset& dataset) {
 
 // The cells of a starting lens that is a grid.
 double CellPxOf(const CameraModel& lens) {
-  const auto* grid = dynamic_cast<const CentralGeneric*>(&lens);
-  if (!grid) return 0;
-  return std::max(grid->surface().cell_width(), grid->surface().cell_height());
+  const BSplineSurface* grid = lens.DirectionGrid();
+  return grid ? std::max(grid->cell_width(), grid->cell_height()) : 0;
 }
 
 // Residuals of a camera of its own whose board may bend, too, from the lens of

@@ -3,20 +3,10 @@
 #include <cmath>
 #include <vector>
 
-#include "camera/central_generic.h"
-#include "camera/noncentral_generic.h"
+#include "camera/bspline_surface.h"
 
 namespace raygrid {
 namespace {
-
-// The grid of a camera's directions; nullptr if it has none.
-const BSplineSurface* GridOf(const CameraModel& camera) {
-  if (const auto* grid = dynamic_cast<const CentralGeneric*>(&camera))
-    return &grid->surface();
-  if (const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera))
-    return &lines->directions();
-  return nullptr;
-}
 
 // Whether a feature depends on each control point.
 std::vector<bool> SeenNodes(const CalibrationProblem& problem, int camera_index,
@@ -39,7 +29,7 @@ std::vector<bool> SeenNodes(const CalibrationProblem& problem, int camera_index,
 void LimitUnseenNodes(const CalibrationProblem& problem, int camera_index,
                       CameraModel* camera) {
   const double farthest = std::tan(150 * M_PI / 180 / 2);
-  const BSplineSurface* grid = GridOf(*camera);
+  const BSplineSurface* grid = camera->DirectionGrid();
   if (!grid) return;
   const std::vector<bool> is_seen = SeenNodes(problem, camera_index, *grid);
   Eigen::VectorXd parameters = camera->Parameters();

@@ -5,17 +5,13 @@
 #include <cmath>
 
 #include "adjustment/linear_response.h"
-#include "camera/stacked_grid.h"
+#include "camera/camera_stack.h"
 
 namespace raygrid {
 namespace {
 
 constexpr double kPartOfRange = 1e-3;  // the step of differences
 constexpr int kNumPose = 6;
-
-const CameraStack& StackOf(const AdjustmentState& state) {
-  return dynamic_cast<const StackedGrid&>(state.camera()).stack();
-}
 
 // The derivatives of projections by a stack's values at those of a view, by
 // differences.
@@ -73,7 +69,7 @@ struct ViewEquations {
 };
 
 ViewEquations EquationsOf(const AdjustmentState& state, const View& view) {
-  const ValueDerivatives by_values(StackOf(state), view);
+  const ValueDerivatives by_values(*state.camera().Stack(), view);
   const Pose camera_from_board = state.CameraFromPattern(view);
   const std::vector<LinearizedResidual> residuals = LinearizeView(state, view);
   const double huber_px = AdjustmentOptions().huber_px;
@@ -150,7 +146,8 @@ ValueStep ValueEquations::StepOf(Eigen::Index unknown) const {
 ValueEquations MakeValueEquations(const Adjusted& adjusted, int num_threads) {
   const std::vector<View>& views = adjusted.problem.views;
   ValueEquations result;
-  result.num_ranges = static_cast<int>(StackOf(adjusted.state).ranges().size());
+  result.num_ranges =
+      static_cast<int>(adjusted.state.camera().Stack()->ranges().size());
   const std::vector<int> image_of =
       NumberImages(adjusted.problem, &result.images);
   const int num_images = static_cast<int>(result.images.size());

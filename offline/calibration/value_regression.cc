@@ -148,8 +148,7 @@ double TruncatedSquares(const TrimmedFit& fit, double scatter) {
 
 std::vector<FreeValue> FitFreeValues(const Adjusted& adjusted, size_t range,
                                      int num_threads) {
-  const CameraStack& stack =
-      dynamic_cast<const StackedGrid&>(adjusted.state.camera()).stack();
+  const CameraStack& stack = *adjusted.state.camera().Stack();
   const std::vector<View>& views = adjusted.problem.views;
   AdjustmentState state = adjusted.state;
   const CameraStack straight = StraightStack(stack, views);

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "camera/model_fitting.h"
-#include "camera/noncentral_generic.h"
 #include "camera/turned_camera.h"
 
 namespace raygrid {
@@ -11,12 +10,11 @@ namespace raygrid {
 CameraFrame FindCameraFrame(const CameraModel& camera,
                             const std::string& lens) {
   constexpr double kNearer = 0.98;
-  if (dynamic_cast<const ParametricModel*>(&camera))
+  if (camera.Parametric())
     return {camera.Name(), Eigen::Quaterniond::Identity()};
-  const std::vector<std::string> lenses =
-      lens.empty() ? std::vector<std::string>{"opencv", "thin-prism-fisheye",
-                                              "central-radial"}
-                   : std::vector<std::string>{lens};
+  const std::vector<std::string> lenses = lens.empty()
+                                              ? LensNames(ModelUse::kCompare)
+                                              : std::vector<std::string>{lens};
   CameraFrame frame;
   double least_px = INFINITY;
   for (const std::string& name : lenses) {
@@ -29,29 +27,10 @@ CameraFrame FindCameraFrame(const CameraModel& camera,
   return frame;
 }
 
-namespace {
-
-// The camera without its image circle.
-std::unique_ptr<CameraModel> TurnedLines(
-    const CameraModel& camera, const Eigen::Quaterniond& turned_from_camera) {
-  const TurnedCamera exact(camera, turned_from_camera);
-  if (const auto* grid = dynamic_cast<const CentralGeneric*>(&camera))
-    return FitCentralGeneric(exact, camera.area(), grid->surface().columns(),
-                             grid->surface().rows())
-        .Clone();
-  if (const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera))
-    return FitNonCentralGeneric(exact, camera.area(),
-                                lines->directions().columns(),
-                                lines->directions().rows())
-        .Clone();
-  return exact.Clone();
-}
-
-}  // namespace
-
 std::unique_ptr<CameraModel> Turned(
     const CameraModel& camera, const Eigen::Quaterniond& turned_from_camera) {
-  std::unique_ptr<CameraModel> turned = TurnedLines(camera, turned_from_camera);
+  std::unique_ptr<CameraModel> turned =
+      camera.FittedTo(TurnedCamera(camera, turned_from_camera));
   turned->SetImageCircle(camera.image_circle());
   return turned;
 }

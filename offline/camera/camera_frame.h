@@ -29,8 +29,8 @@ struct CameraFrame {
 constexpr double kMaxFrameTurnRad = 0.02 * M_PI / 180;
 
 /// The frame that a camera ought to have; that of a parametric one is its own.
-/// Among lenses that are as near to it but for 2 %, the first of opencv,
-/// thin-prism-fisheye, central-radial counts. Given a lens, only that one is
+/// Among lenses that are as near to it but for 2 %, the first of those that are
+/// compared (camera/lens_models.h) counts. Given a lens, only that one is
 /// fitted.
 CameraFrame FindCameraFrame(const CameraModel& camera,
                             const std::string& lens = "");

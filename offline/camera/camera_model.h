@@ -10,9 +10,14 @@
 
 #include "camera/area.h"
 #include "camera/image_circle.h"
+#include "camera/model_names.h"
 #include "camera/observation_line.h"
 
 namespace raygrid {
+
+class BSplineSurface;
+class CameraStack;
+class ParametricModel;
 
 /// A projection and its derivatives. It depends on the nodes (control points)
 /// of a spline around it, all of which act alike but for their weights, and on
@@ -47,6 +52,20 @@ class CameraModel {
   /// The model's name as in camera.yaml: "central-generic", "opencv".
   virtual std::string Name() const = 0;
   virtual std::unique_ptr<CameraModel> Clone() const = 0;
+
+  /// The directions of a generic model's control points; null for others.
+  virtual const BSplineSurface* DirectionGrid() const { return nullptr; }
+  /// This model, if it is parametric; else null.
+  virtual const ParametricModel* Parametric() const { return nullptr; }
+  /// What a camera over a range of conditions is part of; null for others.
+  virtual const CameraStack* Stack() const { return nullptr; }
+
+  /// The generic model with as many control points, over the same area, that
+  /// is closest to another camera; for others, that camera itself.
+  virtual std::unique_ptr<CameraModel> FittedTo(
+      const CameraModel& other) const {
+    return other.Clone();
+  }
 
   const ImageSize& image_size() const { return image_size_; }
   const Area& area() const { return area_; }

@@ -96,6 +96,18 @@ void CentralGeneric::SetParameters(const Eigen::VectorXd& parameters) {
   side_ = UnfoldedSideOf(surface_);
 }
 
+std::unique_ptr<CameraModel> CentralGeneric::FittedTo(
+    const CameraModel& other) const {
+  return FitCentralGeneric(other, area(), surface_.columns(), surface_.rows())
+      .Clone();
+}
+
+CentralGeneric CentralPart(const CameraModel& generic) {
+  CentralGeneric central(generic.image_size(), *generic.DirectionGrid());
+  central.SetImageCircle(generic.image_circle());
+  return central;
+}
+
 CentralGeneric FitCentralGeneric(const CameraModel& model, const Area& area,
                                  int columns, int rows, int samples_per_cell) {
   const BSplineSurface grid(area, columns, rows);

@@ -15,7 +15,7 @@ class CentralGeneric : public CameraModel {
   /// The surface's area is the calibrated area.
   CentralGeneric(const ImageSize& image_size, BSplineSurface surface);
 
-  std::string Name() const override { return "central-generic"; }
+  std::string Name() const override { return models::kCentralGeneric; }
   std::unique_ptr<CameraModel> Clone() const override {
     return std::make_unique<CentralGeneric>(*this);
   }
@@ -40,11 +40,17 @@ class CentralGeneric : public CameraModel {
   void SetParameters(const Eigen::VectorXd& parameters) override;
 
   const BSplineSurface& surface() const { return surface_; }
+  const BSplineSurface* DirectionGrid() const override { return &surface_; }
+  std::unique_ptr<CameraModel> FittedTo(
+      const CameraModel& other) const override;
 
  private:
   BSplineSurface surface_;
   UnfoldedSide side_;
 };
+
+/// The directions of a generic model alone, which are right for far scenes.
+CentralGeneric CentralPart(const CameraModel& generic);
 
 /// The grid model closest to another model: directions at samples_per_cell^2
 /// pixels of each cell, fitted in the chart by least squares.

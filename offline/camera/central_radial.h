@@ -27,7 +27,7 @@ class CentralRadial : public ParametricModel {
                 double max_angle_rad, std::vector<double> spline,
                 const OtherParameters& others);
 
-  std::string Name() const override { return "central-radial"; }
+  std::string Name() const override { return models::kCentralRadial; }
   std::unique_ptr<CameraModel> Clone() const override {
     return std::make_unique<CentralRadial>(*this);
   }
@@ -46,6 +46,9 @@ class CentralRadial : public ParametricModel {
   void SetParameters(const Eigen::VectorXd& parameters) override;
   /// The names of the parameters that are no control points.
   const std::vector<std::string>& ParameterNames() const override;
+  std::vector<int> DistortionOrders() const override {
+    return {0, 0, 0, 0, -2, -2, -2, -2};
+  }
   std::unique_ptr<ParametricModel> OverArea(const Area& area) const override {
     return std::make_unique<CentralRadial>(image_size(), area, max_angle_rad_,
                                            spline_, others_);

@@ -2,11 +2,28 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <string>
 #include <vector>
 
 namespace raygrid {
+
+namespace {
+
+// How far units of the parameters whose orders have this sign move the farthest
+// corner.
+Eigen::VectorXd CornerPixels(const ParametricModel& lens, const Area& area,
+                             int sign) {
+  const int first = FirstCommonParameter(lens);
+  const double radius = CornerRadius(lens, area);
+  const std::vector<int> orders = lens.DistortionOrders();
+  Eigen::VectorXd pixels = Eigen::VectorXd::Zero(lens.NumParameters());
+  for (size_t k = 0; k < orders.size(); ++k)
+    if (sign * orders[k] > 0)
+      pixels[first + static_cast<Eigen::Index>(k)] =
+          lens.Parameters()[first] * std::pow(radius, sign * orders[k]);
+  return pixels;
+}
+
+}  // namespace
 
 int FirstCommonParameter(const ParametricModel& lens) {
   return lens.NumParameters() - static_cast<int>(lens.ParameterNames().size());
@@ -25,34 +42,12 @@ double CornerRadius(const ParametricModel& lens, const Area& area) {
 }
 
 Eigen::VectorXd RadialPixels(const ParametricModel& lens, const Area& area) {
-  const int first = FirstCommonParameter(lens);
-  const double radius = CornerRadius(lens, area);
-  const std::vector<int> orders = lens.RadialOrders();
-  Eigen::VectorXd pixels = Eigen::VectorXd::Zero(lens.NumParameters());
-  for (size_t k = 0; k < orders.size(); ++k)
-    if (orders[k] != 0)
-      pixels[first + static_cast<Eigen::Index>(k)] =
-          lens.Parameters()[first] * std::pow(radius, orders[k]);
-  return pixels;
+  return CornerPixels(lens, area, 1);
 }
 
 Eigen::VectorXd DecentringPixels(const ParametricModel& lens,
                                  const Area& area) {
-  // The order of the radius that a unit of each moves an image by.
-  static const std::map<std::string, int> orders = {
-      {"p1", 2}, {"p2", 2}, {"sx1", 2}, {"sy1", 2}, {"s1", 2},
-      {"s2", 4}, {"s3", 2}, {"s4", 4},  {"tx", 2},  {"ty", 2}};
-  const int first = FirstCommonParameter(lens);
-  const double radius = CornerRadius(lens, area);
-  Eigen::VectorXd pixels = Eigen::VectorXd::Zero(lens.NumParameters());
-  const std::vector<std::string>& names = lens.ParameterNames();
-  for (size_t k = 0; k < names.size(); ++k) {
-    const auto order = orders.find(names[k]);
-    if (order != orders.end())
-      pixels[first + static_cast<Eigen::Index>(k)] =
-          lens.Parameters()[first] * std::pow(radius, order->second);
-  }
-  return pixels;
+  return CornerPixels(lens, area, -1);
 }
 
 }  // namespace raygrid

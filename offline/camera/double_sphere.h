@@ -12,7 +12,7 @@ namespace raygrid {
 ///   pixel = (fx x + cx, fy y + cy)
 struct DoubleSphereFormula {
   enum { kFx, kFy, kCx, kCy, kXi, kAlpha, kCount };
-  static constexpr char kName[] = "double-sphere";
+  static constexpr const char* kName = models::kDoubleSphere;
   static constexpr double kReachRad = kMaxTheta;
 
   static const std::vector<std::string>& Names() {
@@ -38,7 +38,7 @@ struct DoubleSphereFormula {
     return depth > 0 ? rho / depth : NAN;
   }
 
-  static std::vector<int> RadialOrders() { return {0, 0, 0, 0, 3, 3}; }
+  static std::vector<int> DistortionOrders() { return {0, 0, 0, 0, 3, 3}; }
 
   static std::vector<std::array<double, kCount>> Starts(double f, double cx,
                                                         double cy) {

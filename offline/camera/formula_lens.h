@@ -7,7 +7,7 @@
 ///     is seen at this angle from the axis lands, without the terms that tilt
 ///     the lens; not a number where the formula has nothing;
 ///   kReachRad: the angle that the formula never goes beyond;
-///   RadialOrders(): ParametricModel's;
+///   DistortionOrders(): ParametricModel's;
 ///   Starts(f, cx, cy): parameters of lenses with f pixels a radian in the
 ///     centre, which fits start from.
 #ifndef RAYGRID_CAMERA_FORMULA_LENS_H
@@ -98,8 +98,8 @@ class FormulaLens : public ParametricModel {
   const std::vector<std::string>& ParameterNames() const override {
     return Formula::Names();
   }
-  std::vector<int> RadialOrders() const override {
-    return Formula::RadialOrders();
+  std::vector<int> DistortionOrders() const override {
+    return Formula::DistortionOrders();
   }
   std::unique_ptr<ParametricModel> OverArea(const Area& area) const override {
     return std::make_unique<FormulaLens>(image_size(), area, parameters_);

@@ -29,18 +29,17 @@ StartList AsVectors(const std::vector<std::array<double, N>>& arrays) {
   return starts;
 }
 
-template <typename Formula>
-LensModel ModelOfFormula() {
-  return {Formula::kName, Formula::Names(), &MakeModel<FormulaLens<Formula>>,
-          [](double f, double cx, double cy) {
-            return AsVectors(Formula::Starts(f, cx, cy));
-          }};
+template <typename Model>
+LensModel ModelOf(ModelUse use, StartList (*starts)(double, double, double)) {
+  const Model any({1, 1}, {}, {});
+  return {any.Name(), use, any.ParameterNames(), &MakeModel<Model>, starts};
 }
 
-template <typename Model>
-LensModel ModelOfClass(StartList (*starts)(double, double, double)) {
-  const Model any({1, 1}, {}, {});
-  return {any.Name(), any.ParameterNames(), &MakeModel<Model>, starts};
+template <typename Formula>
+LensModel ModelOf(ModelUse use) {
+  return ModelOf<FormulaLens<Formula>>(use, [](double f, double cx, double cy) {
+    return AsVectors(Formula::Starts(f, cx, cy));
+  });
 }
 
 StartList OpenCvStarts(double f, double cx, double cy) {
@@ -59,13 +58,30 @@ StartList FisheyeStarts(double f, double cx, double cy) {
 
 const std::vector<LensModel>& LensModels() {
   static const std::vector<LensModel> models = {
-      ModelOfClass<OpenCvModel>(OpenCvStarts),
-      ModelOfFormula<OpenCv14Formula>(),
-      ModelOfClass<ThinPrismFisheye>(FisheyeStarts),
-      ModelOfFormula<OmniRadtanFormula>(),
-      ModelOfFormula<DoubleSphereFormula>(),
-      ModelOfFormula<EucmFormula>()};
+      ModelOf<OpenCvModel>(ModelUse::kAuto, OpenCvStarts),
+      ModelOf<OpenCv14Formula>(ModelUse::kFit),
+      ModelOf<ThinPrismFisheye>(ModelUse::kAuto, FisheyeStarts),
+      ModelOf<OmniRadtanFormula>(ModelUse::kFit),
+      ModelOf<DoubleSphereFormula>(ModelUse::kFit),
+      ModelOf<EucmFormula>(ModelUse::kFit),
+      {models::kCentralRadial, ModelUse::kCompare, {}, nullptr, nullptr}};
   return models;
+}
+
+std::vector<std::string> LensNames(ModelUse use,
+                                   const std::vector<std::string>& others) {
+  std::vector<std::string> names;
+  for (const LensModel& model : LensModels())
+    if (model.use >= use) names.push_back(model.name);
+  names.insert(names.end(), others.begin(), others.end());
+  return names;
+}
+
+std::string OrList(const std::vector<std::string>& names) {
+  std::string list = names.front();
+  for (size_t k = 1; k < names.size(); ++k)
+    list += (k + 1 < names.size() ? ", " : " or ") + names[k];
+  return list;
 }
 
 const LensModel* FindLensModel(const std::string& name) {

@@ -5,10 +5,9 @@
 #include <cmath>
 #include <vector>
 
+#include "camera/central_generic.h"
 #include "camera/central_radial.h"
 #include "camera/decentring.h"
-#include "camera/lens_models.h"
-#include "camera/noncentral_generic.h"
 #include "camera/pose.h"
 
 namespace raygrid {
@@ -113,9 +112,10 @@ std::vector<std::unique_ptr<ParametricModel>> Starts(
   const ImageSize& size = camera.image_size();
   const Area& area = camera.area();
   std::vector<std::unique_ptr<ParametricModel>> starts;
-  if (const LensModel* model = FindLensModel(name)) {
-    for (const Eigen::VectorXd& parameters : model->starts(f, cx, cy))
-      starts.push_back(model->make(size, area, parameters));
+  const LensModel& model = *FindLensModel(name);
+  if (model.make) {
+    for (const Eigen::VectorXd& parameters : model.starts(f, cx, cy))
+      starts.push_back(model.make(size, area, parameters));
   } else {
     double widest = 0.1;
     for (const Sample& sample : samples)
@@ -138,7 +138,7 @@ struct Target {
   double lost_px = kLostPx;  // larger errors have no say
 };
 
-double DistortionCost(const ParametricModel& model, const Target& target) {
+double DistortionCost(const CameraModel& model, const Target& target) {
   return (model.Parameters() - target.start)
       .cwiseAbs2()
       .dot(target.distortion_weights);
@@ -152,7 +152,7 @@ struct Equations {
 };
 
 // How far each sample is projected from its pixel, but for those that are lost.
-std::vector<double> ErrorsPx(const ParametricModel& model,
+std::vector<double> ErrorsPx(const CameraModel& model,
                              const Eigen::Quaterniond& rotation,
                              const Target& target) {
   std::vector<double> errors;
@@ -166,7 +166,7 @@ std::vector<double> ErrorsPx(const ParametricModel& model,
   return errors;
 }
 
-double CostOf(const ParametricModel& model, const Eigen::Quaterniond& rotation,
+double CostOf(const CameraModel& model, const Eigen::Quaterniond& rotation,
               const Target& target) {
   double cost = DistortionCost(model, target);
   const std::vector<double> errors = ErrorsPx(model, rotation, target);
@@ -312,8 +312,7 @@ double Refine(const Target& target, const Freedom& freedom,
       Eigen::Quaterniond rotation = fit->model_from_camera;
       if (freedom.rotation)
         rotation = (RotationFromVector(step.tail<3>()) * rotation).normalized();
-      const double next_cost =
-          CostOf(dynamic_cast<const ParametricModel&>(*next), rotation, target);
+      const double next_cost = CostOf(*next, rotation, target);
       if (!(next_cost < cost)) continue;
       model.SetParameters(next->Parameters());
       fit->model_from_camera = rotation;
@@ -435,21 +434,11 @@ std::vector<std::unique_ptr<ParametricModel>> StartsWithout(
 
 }  // namespace
 
-bool IsParametricModel(const std::string& name) {
-  return FindLensModel(name) || name == "central-radial";
-}
-
-std::string ParametricModelNames() {
-  std::string names;
-  for (const LensModel& model : LensModels()) names += model.name + ", ";
-  return names.substr(0, names.size() - 2) + " or central-radial";
-}
-
 FittedModel FitParametricModel(const std::string& name,
                                const CameraModel& camera, const Area& area,
                                const FitOptions& options) {
-  if (const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera))
-    return FitParametricModel(name, lines->CentralPart(), area, options);
+  if (!camera.IsCentral() && camera.DirectionGrid())
+    return FitParametricModel(name, CentralPart(camera), area, options);
   const Eigen::Quaterniond start_from_camera =
       options.free_rotation ? LevelFromCamera(camera, area)
                             : Eigen::Quaterniond::Identity();

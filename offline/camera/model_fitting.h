@@ -7,15 +7,9 @@
 #include <vector>
 
 #include "camera/camera_uncertainty.h"
-#include "camera/parametric_model.h"
+#include "camera/lens_models.h"
 
 namespace raygrid {
-
-/// Whether there is such a model: those of camera/lens_models.h, and
-/// central-radial.
-bool IsParametricModel(const std::string& name);
-/// "opencv, ... or central-radial", for errors and help.
-std::string ParametricModelNames();
 
 struct FittedModel {
   /// The fitted model, over the area of the camera that it was fitted to.

@@ -147,6 +147,13 @@ void NonCentralGeneric::SetParameters(const Eigen::VectorXd& parameters) {
   side_ = UnfoldedSideOf(directions_);
 }
 
+std::unique_ptr<CameraModel> NonCentralGeneric::FittedTo(
+    const CameraModel& other) const {
+  return FitNonCentralGeneric(other, area(), directions_.columns(),
+                              directions_.rows())
+      .Clone();
+}
+
 NonCentralGeneric FitNonCentralGeneric(const CameraModel& model,
                                        const Area& area, int columns, int rows,
                                        int samples_per_cell) {

@@ -22,7 +22,7 @@ class NonCentralGeneric : public CameraModel {
   /// All lines through the origin.
   explicit NonCentralGeneric(const CentralGeneric& central);
 
-  std::string Name() const override { return "noncentral-generic"; }
+  std::string Name() const override { return models::kNonCentralGeneric; }
   std::unique_ptr<CameraModel> Clone() const override {
     return std::make_unique<NonCentralGeneric>(*this);
   }
@@ -50,16 +50,13 @@ class NonCentralGeneric : public CameraModel {
   void SetParameters(const Eigen::VectorXd& parameters) override;
 
   const BSplineSurface& directions() const { return directions_; }
+  const BSplineSurface* DirectionGrid() const override { return &directions_; }
+  std::unique_ptr<CameraModel> FittedTo(
+      const CameraModel& other) const override;
   const std::vector<Eigen::Vector3d>& points() const { return points_; }
 
   /// The camera whose frame's origin is at a point of this one's.
   NonCentralGeneric WithOrigin(const Eigen::Vector3d& origin) const;
-  /// The directions alone.
-  CentralGeneric CentralPart() const {
-    CentralGeneric central(image_size(), directions_);
-    central.SetImageCircle(image_circle());
-    return central;
-  }
 
  private:
   struct LineDerivatives;

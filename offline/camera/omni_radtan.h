@@ -14,7 +14,7 @@ namespace raygrid {
 ///   pixel = (fx x' + cx, fy y' + cy)
 struct OmniRadtanFormula {
   enum { kFx, kFy, kCx, kCy, kXi, kK1, kK2, kP1, kP2, kCount };
-  static constexpr char kName[] = "omni-radtan";
+  static constexpr const char* kName = models::kOmniRadtan;
   static constexpr double kReachRad = kMaxTheta;
 
   static const std::vector<std::string>& Names() {
@@ -42,7 +42,9 @@ struct OmniRadtanFormula {
     return depth > 0 ? r * (1 + r2 * (p[kK1] + r2 * p[kK2])) : NAN;
   }
 
-  static std::vector<int> RadialOrders() { return {0, 0, 0, 0, 3, 3, 5, 0, 0}; }
+  static std::vector<int> DistortionOrders() {
+    return {0, 0, 0, 0, 3, 3, 5, -2, -2};
+  }
 
   static std::vector<std::array<double, kCount>> Starts(double f, double cx,
                                                         double cy) {

@@ -22,7 +22,7 @@ class OpenCvModel : public ParametricModel {
   OpenCvModel(const ImageSize& image_size, const Area& area,
               const ParameterArray& parameters);
 
-  std::string Name() const override { return "opencv"; }
+  std::string Name() const override { return models::kOpenCv; }
   std::unique_ptr<CameraModel> Clone() const override {
     return std::make_unique<OpenCvModel>(*this);
   }
@@ -41,8 +41,8 @@ class OpenCvModel : public ParametricModel {
   void SetParameters(const Eigen::VectorXd& parameters) override;
 
   const std::vector<std::string>& ParameterNames() const override;
-  std::vector<int> RadialOrders() const override {
-    return {0, 0, 0, 0, 3, 5, 7, 3, 5, 7, 0, 0};
+  std::vector<int> DistortionOrders() const override {
+    return {0, 0, 0, 0, 3, 5, 7, 3, 5, 7, -2, -2};
   }
 
   OpenCvModel WithArea(const Area& area) const;

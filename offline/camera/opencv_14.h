@@ -35,7 +35,7 @@ struct OpenCv14Formula {
     kTy,
     kCount
   };
-  static constexpr char kName[] = "opencv-14";
+  static constexpr const char* kName = models::kOpenCv14;
   static constexpr double kReachRad = 1.52;  // tan is 20
 
   static const std::vector<std::string>& Names() {
@@ -88,8 +88,8 @@ struct OpenCv14Formula {
     return denominator > 0 ? r * Factor(r2, p) : NAN;
   }
 
-  static std::vector<int> RadialOrders() {
-    return {0, 0, 0, 0, 3, 5, 0, 0, 7, 3, 5, 7, 0, 0, 0, 0, 0, 0};
+  static std::vector<int> DistortionOrders() {
+    return {0, 0, 0, 0, 3, 5, -2, -2, 7, 3, 5, 7, -2, -4, -2, -4, -2, -2};
   }
 
   static std::vector<std::array<double, kCount>> Starts(double f, double cx,

@@ -13,11 +13,13 @@ namespace raygrid {
 /// be asked for any area.
 class ParametricModel : public CameraModel {
  public:
+  const ParametricModel* Parametric() const override { return this; }
   virtual const std::vector<std::string>& ParameterNames() const = 0;
 
-  /// Powers of the radius that named parameters which bend the lens move an
-  /// image by: 3 of OpenCV's k1. 0 of all others, as of those that tilt it.
-  virtual std::vector<int> RadialOrders() const {
+  /// Powers of the radius that named parameters move an image by: 3 of OpenCV's
+  /// k1. Negative for those that tilt the lens, -2 of p1; 0 for focal lengths,
+  /// the centre, and what is none of these.
+  virtual std::vector<int> DistortionOrders() const {
     return std::vector<int>(ParameterNames().size(), 0);
   }
 

@@ -32,7 +32,7 @@ class SplinedStereographic : public ParametricModel {
   SplinedStereographic(const ImageSize& image_size, const Area& area,
                        const Grid& grid, const Eigen::VectorXd& parameters);
 
-  std::string Name() const override { return "splined-stereographic"; }
+  std::string Name() const override { return models::kSplinedStereographic; }
   std::unique_ptr<CameraModel> Clone() const override {
     return std::make_unique<SplinedStereographic>(*this);
   }

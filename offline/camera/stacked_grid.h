@@ -33,6 +33,7 @@ class StackedGrid : public CameraModel {
   void SetParameters(const Eigen::VectorXd& parameters) override;
 
   const CameraStack& stack() const { return stack_; }
+  const CameraStack* Stack() const override { return &stack_; }
   const ConditionValues& values() const { return values_; }
   /// Goes to other values of the conditions.
   void SetValues(ConditionValues values);

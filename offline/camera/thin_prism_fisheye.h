@@ -25,7 +25,7 @@ class ThinPrismFisheye : public ParametricModel {
   ThinPrismFisheye(const ImageSize& image_size, const Area& area,
                    const ParameterArray& parameters);
 
-  std::string Name() const override { return "thin-prism-fisheye"; }
+  std::string Name() const override { return models::kThinPrismFisheye; }
   std::unique_ptr<CameraModel> Clone() const override {
     return std::make_unique<ThinPrismFisheye>(*this);
   }
@@ -43,8 +43,8 @@ class ThinPrismFisheye : public ParametricModel {
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
   const std::vector<std::string>& ParameterNames() const override;
-  std::vector<int> RadialOrders() const override {
-    return {0, 0, 0, 0, 3, 5, 7, 9, 0, 0, 0, 0};
+  std::vector<int> DistortionOrders() const override {
+    return {0, 0, 0, 0, 3, 5, 7, 9, -2, -2, -2, -2};
   }
   std::unique_ptr<ParametricModel> OverArea(const Area& area) const override {
     return std::make_unique<ThinPrismFisheye>(image_size(), area, parameters_);

@@ -58,7 +58,8 @@ void LiveCamera::AdjustAnew() {
       std::max(images_.image_size.width, images_.image_size.height) / kCells;
   try {
     Adjusted adjusted = AdjustStartingLens(images_, pattern_, Options());
-    AdjustRigidly(pattern_, "central-generic", {cell_px}, Options(), &adjusted);
+    AdjustRigidly(pattern_, models::kCentralGeneric, {cell_px}, Options(),
+                  &adjusted);
     adjusted_ = std::move(adjusted);
     num_at_anew_ = images_.images.size();
   } catch (const Error&) {

@@ -289,16 +289,16 @@ CameraFile Parse(const YAML::Node& root) {
   CameraFile file;
   const std::string model = root["model"].as<std::string>();
   std::shared_ptr<CameraModel> camera;
-  if (model == "central-generic")
+  if (model == models::kCentralGeneric)
     camera = ParseCentralGeneric(root, image_size, area);
-  else if (model == "noncentral-generic")
+  else if (model == models::kNonCentralGeneric)
     camera = ParseNonCentralGeneric(root, image_size, area);
+  else if (model == models::kCentralRadial)
+    camera = ParseCentralRadial(root, image_size, area);
+  else if (model == models::kSplinedStereographic)
+    camera = ParseSplinedStereographic(root, image_size, area);
   else if (const LensModel* lens = FindLensModel(model))
     camera = ParseLens(root, *lens, image_size, area);
-  else if (model == "central-radial")
-    camera = ParseCentralRadial(root, image_size, area);
-  else if (model == "splined-stereographic")
-    camera = ParseSplinedStereographic(root, image_size, area);
   else if (const auto projection = FindProjection(model))
     camera = ParseView(root, *projection, image_size, area);
   else
@@ -443,14 +443,10 @@ void EmitGrid(const BSplineSurface& surface, const Eigen::VectorXd& parameters,
 }
 
 void EmitModel(const CameraModel& camera, Digits digits, YAML::Emitter* out) {
-  if (const auto* generic = dynamic_cast<const CentralGeneric*>(&camera)) {
-    EmitGrid(generic->surface(), camera.Parameters(), out);
-  } else if (const auto* lines =
-                 dynamic_cast<const NonCentralGeneric*>(&camera)) {
-    EmitGrid(lines->directions(), camera.Parameters(), out);
-  } else {
-    EmitParameters(dynamic_cast<const ParametricModel&>(camera), digits, out);
-  }
+  if (const BSplineSurface* grid = camera.DirectionGrid())
+    EmitGrid(*grid, camera.Parameters(), out);
+  else
+    EmitParameters(*camera.Parametric(), digits, out);
 }
 
 }  // namespace

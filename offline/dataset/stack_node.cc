@@ -138,8 +138,9 @@ void EmitCondition(const CameraStack& cameras, size_t range,
 std::optional<StackOfCameras> ParseStack(const YAML::Node& node,
                                          const CameraModel& camera) {
   if (!node) return std::nullopt;
-  const auto* grid = dynamic_cast<const CentralGeneric*>(&camera);
-  if (!grid) throw InputError("stack: requires a central-generic camera");
+  if (camera.Name() != models::kCentralGeneric)
+    throw InputError(
+        fmt::format("stack: requires a {} camera", models::kCentralGeneric));
   const std::vector<YAML::Node> nodes = ConditionNodes(node);
   std::vector<ConditionRange> ranges;
   std::vector<int> orders;
@@ -150,7 +151,7 @@ std::optional<StackOfCameras> ParseStack(const YAML::Node& node,
   if (ranges.size() > 1 && !(ranges[0].condition < ranges[1].condition))
     throw InputError(
         "stack: conditions must be lens_position, then temperature");
-  StackOfCameras stack = {CameraStack(ranges, orders, *grid), {}};
+  StackOfCameras stack = {CameraStack(ranges, orders, CentralPart(camera)), {}};
   int term = 1;
   for (const YAML::Node& condition : nodes) {
     int number = 0;

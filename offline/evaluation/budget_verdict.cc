@@ -113,7 +113,7 @@ std::string AdviceOnViewsAlike(const BudgetFacts& facts) {
   if (facts.IsGrid() && !facts.points_free)
     return "first calibrate without --fix-target-geometry, since a wrong "
            "target geometry causes such residuals, too";
-  if (facts.model == "central-generic" && !facts.noncentral_tried)
+  if (facts.model == models::kCentralGeneric && !facts.noncentral_tried)
     return "first use --model noncentral-generic, since a non-central camera, "
            "such as behind glass, causes such residuals, too";
   return "retake the images with camera and target still, a stiff target and "
@@ -205,7 +205,7 @@ std::string AdviceAgainstSharedErrors(const BudgetFacts& facts) {
   else if (!facts.tried_finer && facts.cell_px > 0)
     advice.push_back(fmt::format("try a smaller --knot-spacing-px {:.0f}",
                                  facts.cell_px / 2));
-  if (facts.model == "central-generic" && !facts.noncentral_tried)
+  if (facts.model == models::kCentralGeneric && !facts.noncentral_tried)
     advice.emplace_back(
         "try --model noncentral-generic if the camera may be non-central, such "
         "as behind glass");

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "camera/area.h"
+#include "camera/model_names.h"
 
 namespace raygrid {
 
@@ -37,7 +38,8 @@ struct BudgetFacts {
   bool two_cameras = false;  ///< the images look like those of two
 
   bool IsGrid() const {
-    return model == "central-generic" || model == "noncentral-generic";
+    return model == models::kCentralGeneric ||
+           model == models::kNonCentralGeneric;
   }
 };
 

@@ -27,9 +27,9 @@ double FocalPx(const CentralGeneric& camera) {
 Eigen::Vector2d CenterPx(const CentralGeneric& camera) {
   FitOptions options;
   options.free_rotation = true;
-  const auto lens =
-      FitParametricModel("thin-prism-fisheye", camera, camera.area(), options)
-          .model;
+  const auto lens = FitParametricModel(models::kThinPrismFisheye, camera,
+                                       camera.area(), options)
+                        .model;
   const std::vector<std::string>& names = lens->ParameterNames();
   const Eigen::VectorXd named = lens->Parameters().tail(names.size());
   Eigen::Vector2d center(NAN, NAN);

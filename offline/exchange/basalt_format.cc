@@ -27,12 +27,13 @@ const std::vector<LensForm>& BasaltForms() {
   static const std::vector<LensForm> forms = [] {
     LensForm fisheye = OpenCvFisheyeForm("kb4");
     fisheye.reach_rad = M_PI;
-    return std::vector<LensForm>{OpenCvForm("pinhole", 0),
-                                 OpenCvForm("pinhole-radtan8", 8),
-                                 fisheye,
-                                 FormOf("ds", "double-sphere", {"xi", "alpha"}),
-                                 FormOf("eucm", "eucm", {"alpha", "beta"}),
-                                 FormOf("ucm", "double-sphere", {"alpha"})};
+    return std::vector<LensForm>{
+        OpenCvForm("pinhole", 0),
+        OpenCvForm("pinhole-radtan8", 8),
+        fisheye,
+        FormOf("ds", models::kDoubleSphere, {"xi", "alpha"}),
+        FormOf("eucm", models::kEucm, {"alpha", "beta"}),
+        FormOf("ucm", models::kDoubleSphere, {"alpha"})};
   }();
   return forms;
 }

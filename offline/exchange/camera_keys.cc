@@ -81,10 +81,11 @@ std::string LastOf(const std::string& path) {
 }
 
 LensFamily FamilyOf(const LensForm& form) {
-  if (form.model == "thin-prism-fisheye") return LensFamily::kFisheye;
-  if (form.model == "opencv" || form.model == "opencv-14")
+  if (form.model == models::kThinPrismFisheye) return LensFamily::kFisheye;
+  if (form.model == models::kOpenCv || form.model == models::kOpenCv14)
     return LensFamily::kPinhole;
-  return form.model == "omni-radtan" ? LensFamily::kOmni : LensFamily::kOther;
+  return form.model == models::kOmniRadtan ? LensFamily::kOmni
+                                           : LensFamily::kOther;
 }
 
 // Whether a selector says nothing against a form. "pinhole" is also said of

@@ -29,7 +29,7 @@ LensForm ColmapForm(LensForm form, bool is_only_asked) {
 // COLMAP's fisheyes divide by z, as OpenCV's. The models with one focal length
 // are those of more parameters; versions before 4 lack the last three.
 std::vector<LensForm> MakeColmapForms() {
-  const std::string fisheye = "thin-prism-fisheye";
+  const std::string fisheye = models::kThinPrismFisheye;
   std::vector<LensForm> forms = {
       ColmapForm(OpenCvForm("PINHOLE", 0), false),
       ColmapForm(OpenCvForm("OPENCV", 4), false),
@@ -39,14 +39,14 @@ std::vector<LensForm> MakeColmapForms() {
                         {"k1", "k2", "p1", "p2", "k3", "k4", "sx1", "sy1"}),
                  false)};
   const std::vector<LensForm> asked = {
-      {"SIMPLE_PINHOLE", "opencv", {"f", "cx", "cy"}},
-      {"SIMPLE_RADIAL", "opencv", {"f", "cx", "cy", "k1"}},
-      {"RADIAL", "opencv", {"f", "cx", "cy", "k1", "k2"}},
+      {"SIMPLE_PINHOLE", models::kOpenCv, {"f", "cx", "cy"}},
+      {"SIMPLE_RADIAL", models::kOpenCv, {"f", "cx", "cy", "k1"}},
+      {"RADIAL", models::kOpenCv, {"f", "cx", "cy", "k1", "k2"}},
       {"SIMPLE_RADIAL_FISHEYE", fisheye, {"f", "cx", "cy", "k1"}},
       {"RADIAL_FISHEYE", fisheye, {"f", "cx", "cy", "k1", "k2"}},
       {"SIMPLE_FISHEYE", fisheye, {"f", "cx", "cy"}},
       {"FISHEYE", fisheye, {"fx", "fy", "cx", "cy"}},
-      FormOf("EUCM", "eucm", {"alpha", "beta"})};
+      FormOf("EUCM", models::kEucm, {"alpha", "beta"})};
   for (const LensForm& form : asked) forms.push_back(ColmapForm(form, true));
   return forms;
 }

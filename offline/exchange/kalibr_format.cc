@@ -36,16 +36,16 @@ LensForm KalibrForm(const std::string& name, const std::string& model,
 
 const std::vector<LensForm>& KalibrForms() {
   static const std::vector<LensForm> forms = {
-      KalibrForm("pinhole-none", "opencv", {}, {}, M_PI / 2),
-      KalibrForm("pinhole-radtan", "opencv", {}, {"k1", "k2", "p1", "p2"},
-                 M_PI / 2),
-      KalibrForm("pinhole-equi", "thin-prism-fisheye", {},
+      KalibrForm("pinhole-none", models::kOpenCv, {}, {}, M_PI / 2),
+      KalibrForm("pinhole-radtan", models::kOpenCv, {},
+                 {"k1", "k2", "p1", "p2"}, M_PI / 2),
+      KalibrForm("pinhole-equi", models::kThinPrismFisheye, {},
                  {"k1", "k2", "k3", "k4"}, M_PI / 2),
-      KalibrForm("omni-none", "omni-radtan", {"xi"}, {}, M_PI),
-      KalibrForm("omni-radtan", "omni-radtan", {"xi"}, {"k1", "k2", "p1", "p2"},
-                 M_PI),
-      KalibrForm("ds-none", "double-sphere", {"xi", "alpha"}, {}, M_PI),
-      KalibrForm("eucm-none", "eucm", {"alpha", "beta"}, {}, M_PI)};
+      KalibrForm("omni-none", models::kOmniRadtan, {"xi"}, {}, M_PI),
+      KalibrForm("omni-radtan", models::kOmniRadtan, {"xi"},
+                 {"k1", "k2", "p1", "p2"}, M_PI),
+      KalibrForm("ds-none", models::kDoubleSphere, {"xi", "alpha"}, {}, M_PI),
+      KalibrForm("eucm-none", models::kEucm, {"alpha", "beta"}, {}, M_PI)};
   return forms;
 }
 

@@ -36,7 +36,7 @@ LensForm KeyedPinhole(const char* name, int count) {
 }
 LensForm KeyedPinhole(const char* name,
                       const std::vector<std::string>& coefficients) {
-  LensForm form = FormOf(name, "opencv", coefficients);
+  LensForm form = FormOf(name, models::kOpenCv, coefficients);
   form.reach_rad = M_PI / 2;
   return form;
 }
@@ -46,7 +46,7 @@ LensForm KeyedFisheye(const char* name) {
   return form;
 }
 LensForm KeyedOmni(const char* name) {
-  return FormOf(name, "omni-radtan", {"xi", "k1", "k2", "p1", "p2"});
+  return FormOf(name, models::kOmniRadtan, {"xi", "k1", "k2", "p1", "p2"});
 }
 // OpenSfM's pixels count from the image's middle.
 LensForm FromMiddle(LensForm form) {
@@ -318,18 +318,18 @@ const std::vector<KeyedFormat>& KeyedTable() {
        },
        "*",
        {},
-       {{FromMiddle({"perspective", "opencv", {"f", "k1", "k2"}}),
+       {{FromMiddle({"perspective", models::kOpenCv, {"f", "k1", "k2"}}),
          "projection_type=perspective", "focal=f k1?=k1 k2?=k2", true},
         {FromMiddle(KeyedPinhole("brown", 5)), "projection_type=brown",
          "focal_x=fx focal_y=fy c_x=cx c_y=cy k1?=k1 k2?=k2 p1?=p1 p2?=p2 "
          "k3?=k3"},
-        {FromMiddle(FormOf("simple_radial", "opencv", {"k1"})),
+        {FromMiddle(FormOf("simple_radial", models::kOpenCv, {"k1"})),
          "projection_type=simple_radial",
          "focal_x=fx focal_y=fy c_x=cx c_y=cy k1=k1"},
-        {FromMiddle(FormOf("radial", "opencv", {"k1", "k2"})),
+        {FromMiddle(FormOf("radial", models::kOpenCv, {"k1", "k2"})),
          "projection_type=radial",
          "focal_x=fx focal_y=fy c_x=cx c_y=cy k1=k1 k2=k2"},
-        {FromMiddle({"fisheye", "thin-prism-fisheye", {"f", "k1", "k2"}}),
+        {FromMiddle({"fisheye", models::kThinPrismFisheye, {"f", "k1", "k2"}}),
          "projection_type=fisheye", "focal=f k1?=k1 k2?=k2", true},
         {FromMiddle(KeyedFisheye("fisheye_opencv")),
          "projection_type=fisheye_opencv",

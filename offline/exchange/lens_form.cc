@@ -101,9 +101,10 @@ std::unique_ptr<CameraModel> AsNamedLens(const CameraModel& camera) {
 
 // OpenCV's pinhole among those with a thin prism and a tilt, which are 0.
 std::unique_ptr<CameraModel> WithoutPrism(const CameraModel& pinhole) {
-  const LensModel& model = *FindLensModel("opencv-14");
+  const LensModel& model = *FindLensModel(models::kOpenCv14);
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(model.parameters.size());
-  const std::vector<std::string>& names = FindLensModel("opencv")->parameters;
+  const std::vector<std::string>& names =
+      FindLensModel(models::kOpenCv)->parameters;
   for (size_t k = 0; k < names.size(); ++k)
     parameters[IndexOf(model, names[k])] =
         pinhole.Parameters()[static_cast<Eigen::Index>(k)];
@@ -180,7 +181,7 @@ std::optional<LensInForm> InForm(const LensForm& form,
                                  const CameraModel& camera) {
   if (form.IsGrid()) return std::nullopt;
   std::unique_ptr<CameraModel> lens = AsNamedLens(camera);
-  if (lens->Name() == "opencv" && form.model == "opencv-14")
+  if (lens->Name() == models::kOpenCv && form.model == models::kOpenCv14)
     lens = WithoutPrism(*lens);
   if (lens->Name() != form.model) return std::nullopt;
   if (form.IsSpline())

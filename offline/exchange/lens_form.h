@@ -39,10 +39,10 @@ struct LensForm {
                        const TrustMask* trusted) = nullptr;
 
   /// A spline has as many parameters as it likes.
-  bool IsSpline() const { return model == "splined-stereographic"; }
+  bool IsSpline() const { return model == models::kSplinedStereographic; }
   /// A grid of another kind than raygrid's, which stands for a camera nearly.
-  bool IsGrid() const { return model == "central-generic" || HasLines(); }
-  bool HasLines() const { return model == "noncentral-generic"; }
+  bool IsGrid() const { return model == models::kCentralGeneric || HasLines(); }
+  bool HasLines() const { return model == models::kNonCentralGeneric; }
   bool Has(const std::string& parameter) const;
   /// Parameters of the model that the program lacks.
   std::vector<std::string> Missing() const;

@@ -36,8 +36,8 @@ LensForm LensfunForm(const char* name, const char* model, double reach_rad) {
 
 const std::vector<LensForm>& LensfunForms() {
   static const std::vector<LensForm> forms = {
-      LensfunForm("rectilinear", "opencv", M_PI / 2),
-      LensfunForm("fisheye", "thin-prism-fisheye", M_PI)};
+      LensfunForm("rectilinear", models::kOpenCv, M_PI / 2),
+      LensfunForm("fisheye", models::kThinPrismFisheye, M_PI)};
   return forms;
 }
 

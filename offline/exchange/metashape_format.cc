@@ -20,8 +20,8 @@ constexpr char kRoot[] = "calibration", kDocument[] = "document";
 const std::vector<LensForm>& MetashapeForms() {
   static const std::vector<LensForm> forms = [] {
     std::vector<LensForm> made = {
-        FormOf("frame", "opencv", {"k1", "k2", "k3", "p2", "p1"}),
-        FormOf("fisheye", "thin-prism-fisheye",
+        FormOf("frame", models::kOpenCv, {"k1", "k2", "k3", "p2", "p1"}),
+        FormOf("fisheye", models::kThinPrismFisheye,
                {"k1", "k2", "k3", "k4", "p2", "p1"})};
     for (LensForm& form : made) {
       form.origin = PixelOrigin::kImageMiddle;

@@ -28,7 +28,7 @@ const std::vector<LensForm>& MrcalForms() {
       OpenCvForm("LENSMODEL_OPENCV5", 5),
       OpenCvForm("LENSMODEL_OPENCV8", 8),
       OpenCvForm("LENSMODEL_OPENCV12", 12),
-      {kSplined, "splined-stereographic", {"fx", "fy", "cx", "cy"}}};
+      {kSplined, models::kSplinedStereographic, {"fx", "fy", "cx", "cy"}}};
   return forms;
 }
 

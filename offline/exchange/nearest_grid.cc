@@ -51,7 +51,8 @@ class DirectionCamera : public CameraModel {
 }  // namespace
 
 const LensForm& NearestGridForm() {
-  static const LensForm form = {"central-generic", "central-generic", {}};
+  static const LensForm form = {
+      models::kCentralGeneric, models::kCentralGeneric, {}};
   return form;
 }
 
@@ -101,7 +102,7 @@ LensInForm GridOfSkewedLens(const LensInForm& lens,
   straight.skew_px = 0;
   const auto made = MakeLens(straight);
   // Pixels beside the image come into it.
-  const auto wide = dynamic_cast<const ParametricModel&>(*made).OverArea(
+  const auto wide = made->Parametric()->OverArea(
       {image.x0 - widest, image.y0, image.x1 + widest, image.y1});
   return NearestGrid(
       lens.size,

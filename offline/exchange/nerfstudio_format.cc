@@ -33,9 +33,10 @@ constexpr std::array<const char*, 6> kCoefficients = {"k1", "k2", "k3",
 const std::vector<LensForm>& NerfstudioForms() {
   static const std::vector<LensForm> forms = [] {
     std::vector<LensForm> made = {
-        FormOf("PINHOLE", "opencv", {}),
-        FormOf("OPENCV", "opencv", {"k1", "k2", "k3", "p1", "p2"}),
-        FormOf(kNerfFisheye, "thin-prism-fisheye", {"k1", "k2", "k3", "k4"})};
+        FormOf("PINHOLE", models::kOpenCv, {}),
+        FormOf("OPENCV", models::kOpenCv, {"k1", "k2", "k3", "p1", "p2"}),
+        FormOf(kNerfFisheye, models::kThinPrismFisheye,
+               {"k1", "k2", "k3", "k4"})};
     for (LensForm& form : made) {
       form.origin = PixelOrigin::kImageCorner;
       form.reach_rad = form.name == kNerfFisheye ? M_PI : M_PI / 2;

@@ -324,8 +324,8 @@ FormGrid FitOcamCamera(const CameraModel& camera, const TrustMask* trusted) {
   FitOptions options;
   options.trusted = trusted;
   options.held = {"p1", "p2", "sx1", "sy1"};
-  const FittedModel near =
-      FitNearestModel("thin-prism-fisheye", camera, camera.area(), options);
+  const FittedModel near = FitNearestModel(models::kThinPrismFisheye, camera,
+                                           camera.area(), options);
   const OcamFit fit(camera.image_size(), SamplesOf(camera, trusted), near);
   OcamFit::Fitted best = fit.Fit(kUsualDegree);
   for (int degree = kUsualDegree + 1;

@@ -116,7 +116,7 @@ std::string WriteOcamCalib(const WriteRequest& request) {
 
 const std::vector<LensForm>& OcamForms() {
   static const std::vector<LensForm> forms = [] {
-    LensForm form = {"polynomial", "central-generic", {}};
+    LensForm form = {"polynomial", models::kCentralGeneric, {}};
     form.fit_grid = FitOcamCamera;
     return std::vector<LensForm>{form};
   }();

@@ -19,7 +19,7 @@ inline LensForm OpenCvForm(const std::string& name, int count) {
   const std::vector<std::string> all = {"k1", "k2", "p1", "p2", "k3",
                                         "k4", "k5", "k6", "s1", "s2",
                                         "s3", "s4", "tx", "ty"};
-  LensForm form = FormOf(name, count > 8 ? "opencv-14" : "opencv",
+  LensForm form = FormOf(name, count > 8 ? models::kOpenCv14 : models::kOpenCv,
                          {all.begin(), all.begin() + count});
   form.reach_rad = M_PI / 2;
   return form;
@@ -28,7 +28,8 @@ inline LensForm OpenCvForm(const std::string& name, int count) {
 /// The fisheye of OpenCV, and of all that call it equidistant: k1, k2, k3, k4.
 /// It divides by z: the half space before the camera is its reach.
 inline LensForm OpenCvFisheyeForm(const std::string& name) {
-  LensForm form = FormOf(name, "thin-prism-fisheye", {"k1", "k2", "k3", "k4"});
+  LensForm form =
+      FormOf(name, models::kThinPrismFisheye, {"k1", "k2", "k3", "k4"});
   form.reach_rad = M_PI / 2;
   return form;
 }

@@ -19,7 +19,7 @@ namespace {
 // OpenCV's omnidir: k1, k2, p1, p2, and xi, which stands in a key of its own.
 LensForm OmnidirForm() {
   LensForm form =
-      FormOf(kOmnidir, "omni-radtan", {"k1", "k2", "p1", "p2", "xi"});
+      FormOf(kOmnidir, models::kOmniRadtan, {"k1", "k2", "p1", "p2", "xi"});
   form.is_only_asked = true;
   return form;
 }

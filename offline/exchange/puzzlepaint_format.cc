@@ -25,7 +25,8 @@ constexpr char kFirstX[] = "calibration_min_x";
 
 const std::vector<LensForm>& PuzzlepaintForms() {
   static const std::vector<LensForm> forms = {
-      {kCentral, "central-generic", {}}, {kLines, "noncentral-generic", {}}};
+      {kCentral, models::kCentralGeneric, {}},
+      {kLines, models::kNonCentralGeneric, {}}};
   return forms;
 }
 

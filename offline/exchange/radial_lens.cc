@@ -14,8 +14,6 @@
 namespace raygrid {
 namespace {
 
-constexpr char kGrid[] = "central-generic";
-
 // The angle off the axis of an ideal radius; nothing beyond the projection's
 // end.
 std::optional<double> AngleOf(RadialProjection projection, double radius) {
@@ -65,7 +63,8 @@ LensInForm NamedLens(const std::string& name, const ImageSize& size,
   static std::mutex mutex;
   static std::map<std::pair<std::string, std::string>, LensForm> forms;
   const bool is_pinhole = lens.projection == RadialProjection::kRectilinear;
-  const std::string model = is_pinhole ? "opencv" : "thin-prism-fisheye";
+  const std::string model =
+      is_pinhole ? models::kOpenCv : models::kThinPrismFisheye;
   const std::lock_guard<std::mutex> lock(mutex);
   LensForm& form =
       forms.try_emplace({name, model}, FormOf(name, model, {"k1", "k2"}))
@@ -79,7 +78,9 @@ LensInForm NamedLens(const std::string& name, const ImageSize& size,
 
 }  // namespace
 
-LensForm RadialLensForm(const std::string& name) { return {name, kGrid, {}}; }
+LensForm RadialLensForm(const std::string& name) {
+  return {name, models::kCentralGeneric, {}};
+}
 
 LensInForm LensOfRadial(const std::string& name, const ImageSize& size,
                         const RadialLens& lens,

@@ -14,8 +14,8 @@
 namespace raygrid {
 namespace {
 
-constexpr char kCentralModel[] = "central-generic",
-               kNonCentralModel[] = "noncentral-generic";
+using models::kCentralGeneric;
+using models::kNonCentralGeneric;
 
 // A pixel and its ray.
 struct RaySample {
@@ -80,12 +80,12 @@ bool IsCentralTable(const std::vector<RaySample>& samples) {
 std::string ModelOfTable(const std::string& model,
                          const std::vector<RaySample>& samples) {
   if (model.empty())
-    return IsCentralTable(samples) ? kCentralModel : kNonCentralModel;
-  if (model == kCentralModel || model == kNonCentralModel) return model;
+    return IsCentralTable(samples) ? kCentralGeneric : kNonCentralGeneric;
+  if (model == kCentralGeneric || model == kNonCentralGeneric) return model;
   throw Error(ExitCode::kUsage,
               fmt::format("--model {}: rays can be imported as {} or {} only; "
                           "convert with 'raygrid fit'",
-                          model, kCentralModel, kNonCentralModel));
+                          model, kCentralGeneric, kNonCentralGeneric));
 }
 
 BSplineSurface SurfaceOf(const Area& area, int columns, int rows,
@@ -229,7 +229,7 @@ RayGrid FitRayGrid(const RayTable& rays, const std::string& model,
   constexpr int kFewest = 8, kMost = 96;
   const std::vector<RaySample> samples = SamplesOf(rays);
   RequireCameraAxes(rays, samples);
-  const bool is_central = ModelOfTable(model, samples) == kCentralModel;
+  const bool is_central = ModelOfTable(model, samples) == kCentralGeneric;
   const Area area = AreaOf(samples);
   const double longest = std::max(area.width(), area.height());
   const int most = std::clamp(MostPointsAlong(area, samples), kFewest, kMost);

@@ -112,10 +112,8 @@ UnitGrid::Bounds BoundsOf(const CameraModel& camera) {
 // Numbers of control points: those of a grid, else for cells of this size.
 std::pair<int, int> GridSizeOf(const CameraModel& camera) {
   constexpr double kCellPx = 20, kMostCells = 100;
-  if (const auto* grid = dynamic_cast<const CentralGeneric*>(&camera))
-    return {grid->surface().columns(), grid->surface().rows()};
-  if (const auto* grid = dynamic_cast<const NonCentralGeneric*>(&camera))
-    return {grid->directions().columns(), grid->directions().rows()};
+  if (const BSplineSurface* grid = camera.DirectionGrid())
+    return {grid->columns(), grid->rows()};
   const double width = camera.area().width(), height = camera.area().height();
   const double cell_px =
       std::max(kCellPx, std::max(width, height) / kMostCells);

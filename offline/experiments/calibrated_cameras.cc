@@ -146,7 +146,7 @@ std::vector<FittedCamera> FitModels(const NamedCamera& camera) {
   FitOptions fit;
   fit.free_rotation = true;
   if (camera.known && camera.known->TrustsAny()) fit.trusted = &*camera.known;
-  for (const char* name : {"opencv", "thin-prism-fisheye", "central-radial"}) {
+  for (const std::string& name : LensNames(ModelUse::kCompare)) {
     FittedModel fitted =
         FitParametricModel(name, *camera.model, camera.model->area(), fit);
     if (std::isfinite(fitted.rms_px))
@@ -160,22 +160,22 @@ std::vector<FittedCamera> FitModels(const NamedCamera& camera) {
 }
 
 ComparedCameras CamerasToCompare(const ExperimentOptions& options,
-                                 const std::vector<ModelChoice>& choices) {
+                                 const std::vector<std::string>& models) {
   if (!options.data.cameras.empty()) return UsersCameras(options.data.cameras);
   const ExperimentFeatures features = FeaturesFor(options);
   ComparedCameras compared;
   compared.conditions = features.conditions;
   compared.conditions.push_back({"calibrated", kHowCalibrated});
-  for (const ModelChoice& choice : choices) {
+  for (const std::string& model : models) {
     try {
-      const CameraFile file = CalibrateModel(features, choice, options).camera;
-      compared.cameras.push_back({choice.model, file.camera, KnownPart(file)});
+      const CameraFile file = CalibrateModel(features, {model}, options).camera;
+      compared.cameras.push_back({model, file.camera, KnownPart(file)});
     } catch (const Error& error) {
-      compared.conditions.push_back({choice.Label(), error.what()});
+      compared.conditions.push_back({model, error.what()});
     }
     if (options.progress)
       options.progress(0.5 * double(compared.cameras.size()) /
-                       double(choices.size()));
+                       double(models.size()));
   }
   if (compared.cameras.empty())
     throw Error(ExitCode::kInitialization, "no model could be calibrated");

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "camera/lens_models.h"
 #include "evaluation/calibration_result.h"
 #include "experiments/experiment.h"
 
@@ -65,7 +66,7 @@ struct ComparedCameras {
 /// parametric models are fitted to it, where it is known. Throws Error:
 /// kInitialization if no model can be calibrated.
 ComparedCameras CamerasToCompare(const ExperimentOptions& options,
-                                 const std::vector<ModelChoice>& choices);
+                                 const std::vector<std::string>& models);
 
 /// The models of a camera as another one knows it: parametric ones fitted to
 /// it, where it is known, by any rotation; those that can follow it.

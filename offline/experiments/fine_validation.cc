@@ -10,6 +10,7 @@
 #include "calibration/camera_result.h"
 #include "calibration/model_adjustment.h"
 #include "calibration/starting_lens.h"
+#include "camera/lens_models.h"
 #include "dataset/error.h"
 #include "dataset/kinds/star.h"
 #include "dataset/parallel_for.h"
@@ -29,7 +30,7 @@ constexpr int kMostFeatures = 1050;        // of an image
 constexpr int kTestEvery = 5;
 
 struct FineModel {
-  const char* name;
+  std::string name;
   double cell_px;  // 0 of a parametric model
 
   std::string Label() const {
@@ -37,15 +38,14 @@ struct FineModel {
   }
 };
 
-constexpr FineModel kFineModels[] = {{"opencv", 0},
-                                     {"thin-prism-fisheye", 0},
-                                     {"central-radial", 0},
-                                     {"central-generic", 30},
-                                     {"central-generic", 20},
-                                     {"central-generic", 10},
-                                     {"noncentral-generic", 30},
-                                     {"noncentral-generic", 20},
-                                     {"noncentral-generic", 10}};
+std::vector<FineModel> FineModels() {
+  std::vector<FineModel> models;
+  for (const std::string& name : LensNames(ModelUse::kCompare))
+    models.push_back({name, 0});
+  for (const char* name : {models::kCentralGeneric, models::kNonCentralGeneric})
+    for (const double cell_px : {30, 20, 10}) models.push_back({name, cell_px});
+  return models;
+}
 
 // 62 degrees across the image's width, with barrel distortion.
 BumpyLens FineLens(const ImageSize& size, double bump_width_px, uint64_t seed) {
@@ -185,7 +185,7 @@ FineFigures AddFineRow(const FineModel& model, const CameraModel& truth,
     return number ? Cell(*number) : Cell(std::string("-"));
   };
   table->rows.push_back(
-      {static_cast<int>(bump_width_px), std::string(model.name),
+      {static_cast<int>(bump_width_px), model.name,
        static_cast<int>(model.cell_px), camera.NumParameters(),
        ComputeErrorFigures(figures.training).median_px, figures.test_px,
        or_dash(figures.bias), or_dash(noise_bias),
@@ -242,7 +242,7 @@ ExperimentResult EmptyFineTable(const ExperimentOptions& options) {
   table.chart.x_label = "model";
   table.chart.y_label = "median error, px";
   table.chart.is_logarithmic = true;
-  for (const FineModel& model : kFineModels)
+  for (const FineModel& model : FineModels())
     table.chart.ticks.push_back(
         {double(table.chart.ticks.size()),
          model.cell_px > 0
@@ -257,6 +257,7 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
   ExperimentResult table = EmptyFineTable(options);
   const Pattern pattern = FineBoard();
   const Image wheel = DirectionLegend(96);
+  const std::vector<FineModel> models = FineModels();
   int num_done = 0;
   for (const double width_px : options.bump_widths_px) {
     const BumpyLens truth = FineLens(options.size, width_px, options.seed);
@@ -274,8 +275,8 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
     ChartSeries series = {
         fmt::format("local distortion {:g} px wide", width_px), {}, false};
     std::vector<SheetPicture> pictures;
-    for (size_t i = 0; i < std::size(kFineModels); ++i) {
-      const FineModel& model = kFineModels[i];
+    for (size_t i = 0; i < models.size(); ++i) {
+      const FineModel& model = models[i];
       try {
         const FineFigures figures = AddFineRow(
             model, truth, images, pattern, start, width_px, options, &table);
@@ -289,9 +290,8 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
                                     error.what()});
       }
       if (options.progress)
-        options.progress(
-            double(++num_done) /
-            double(std::size(kFineModels) * options.bump_widths_px.size()));
+        options.progress(double(++num_done) /
+                         double(models.size() * options.bump_widths_px.size()));
     }
     if (pictures.empty())
       throw Error(ExitCode::kInitialization, "no model could be calibrated");

@@ -20,13 +20,6 @@ constexpr double kNearM = 1.5, kFarM = 2.5, kNoisePx = 0.05;
 constexpr int kNumFrames[] = {1, 4, 16, 64};
 constexpr int kMaxFrames = 64;
 
-// The last is the paper's truth, of a user's features.
-const std::vector<ModelChoice> kLocalizedModels = {{"opencv"},
-                                                   {"thin-prism-fisheye"},
-                                                   {"central-radial"},
-                                                   {"noncentral-generic"},
-                                                   {"central-generic"}};
-
 // Points in the true camera's frame, which stands at the origin; at pixels that
 // all cameras know.
 std::vector<PointOnPixel> MakeScene(const ComparedCameras& compared,
@@ -127,7 +120,10 @@ PlaceErrors MeasurePlaces(const CameraModel& camera,
 }  // namespace
 
 ExperimentResult LocalizeByModels(const ExperimentOptions& options) {
-  const ComparedCameras compared = CamerasToCompare(options, kLocalizedModels);
+  // The last is the paper's truth, of a user's features.
+  const ComparedCameras compared = CamerasToCompare(
+      options, LensNames(ModelUse::kCompare, {models::kNonCentralGeneric,
+                                              models::kCentralGeneric}));
   ExperimentResult table;
   table.conditions = compared.conditions;
   table.conditions.push_back(

@@ -21,7 +21,7 @@ std::shared_ptr<const CameraModel> GenericCamera(
   }
   const ExperimentFeatures features = FeaturesFor(options);
   *conditions = features.conditions;
-  const ModelChoice choice = {"central-generic", kCells};
+  const ModelChoice choice = {models::kCentralGeneric, kCells};
   conditions->push_back({"camera", choice.Label() + ", calibrated"});
   return CalibrateModel(features, choice, options).camera.camera;
 }
@@ -56,7 +56,7 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options) {
   double full_scale_px = 0;
   std::vector<ModelDifference> differences;
   std::vector<std::string> names;
-  for (const char* name : {"opencv", "thin-prism-fisheye", "central-radial"}) {
+  for (const std::string& name : LensNames(ModelUse::kCompare)) {
     const FittedModel fitted =
         FitParametricModel(name, *camera, camera->area(), {true});
     differences.push_back(CompareModels(*camera, *fitted.model, step_px));
@@ -68,8 +68,8 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options) {
     }
     names.push_back(name);
     const double place = static_cast<double>(table.chart.ticks.size());
-    table.rows.push_back({std::string(name), fitted.model->NumParameters(),
-                          d.median_px, d.rms_px, d.p99_px, d.max_px,
+    table.rows.push_back({name, fitted.model->NumParameters(), d.median_px,
+                          d.rms_px, d.p99_px, d.max_px,
                           fitted.model_from_camera.angularDistance(
                               Eigen::Quaterniond::Identity())});
     table.chart.ticks.push_back({place, name});

@@ -10,13 +10,15 @@
 namespace raygrid {
 namespace {
 
-const ModelChoice kValidatedModels[] = {{"opencv", 0},
-                                        {"thin-prism-fisheye", 0},
-                                        {"central-radial", 0},
-                                        {"central-generic", 8},
-                                        {"central-generic", 16},
-                                        {"central-generic", 24},
-                                        {"noncentral-generic", 16}};
+std::vector<ModelChoice> ValidatedModels() {
+  std::vector<ModelChoice> choices;
+  for (const std::string& name : LensNames(ModelUse::kCompare))
+    choices.push_back({name});
+  for (const int cells : {8, 16, 24})
+    choices.push_back({models::kCentralGeneric, cells});
+  choices.push_back({models::kNonCentralGeneric, 16});
+  return choices;
+}
 
 // Median error of the rays, after the best rotation; nothing without a truth.
 Cell RayError(const ExperimentFeatures& features,
@@ -90,9 +92,10 @@ ExperimentResult ValidateModels(const ExperimentOptions& options) {
   table.chart.is_logarithmic = true;
   ErrorSeries series;
   std::vector<SheetPicture> pictures;
-  const size_t count = std::size(kValidatedModels);
+  const std::vector<ModelChoice> choices = ValidatedModels();
+  const size_t count = choices.size();
   for (size_t i = 0; i < count; ++i) {
-    const ModelChoice& choice = kValidatedModels[i];
+    const ModelChoice& choice = choices[i];
     try {
       const CalibrationResult result =
           CalibrateModel(features, choice, options);

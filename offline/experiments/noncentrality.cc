@@ -25,7 +25,8 @@ Camera CalibrateLines(const ExperimentOptions& options) {
   constexpr int kCells = 8;
   const ExperimentFeatures features = FeaturesFor(options, "glass");
   Camera camera = {nullptr, features.conditions};
-  for (const char* model : {"central-generic", "noncentral-generic"}) {
+  for (const char* model :
+       {models::kCentralGeneric, models::kNonCentralGeneric}) {
     const CalibrationResult result =
         CalibrateModel(features, {model, kCells}, options);
     camera.conditions.push_back(

@@ -98,10 +98,6 @@ DepthErrors MeasureFrames(const NamedStereo& cameras, const Matching& matching,
 
 // ---- Calibration -----------------------------------------------------------
 
-// The last is the paper's truth, of a user's features.
-constexpr const char* kStereoModels[] = {
-    "opencv", "thin-prism-fisheye", "noncentral-generic", "central-generic"};
-
 // Pairs that are compared. The last is the truth, or taken for it.
 struct ComparedPairs {
   std::vector<NamedStereo> pairs;
@@ -119,7 +115,10 @@ void CalibratePairs(const Dataset& left, const Dataset& right,
   CalibrationOptions calibration;
   calibration.hold_out = hold_out;
   calibration.num_threads = options.num_threads;
-  for (const char* model : kStereoModels) {
+  // The last is the paper's truth, of a user's features.
+  for (const std::string& model :
+       LensNames(ModelUse::kAuto,
+                 {models::kNonCentralGeneric, models::kCentralGeneric})) {
     calibration.model = model;
     const RigResult result =
         Calibrate({{"left", left}, {"right", right}}, pattern, calibration);

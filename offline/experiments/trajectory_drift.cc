@@ -29,10 +29,10 @@ constexpr double kDepthPart = 0.05;
 constexpr int kNumStarts = 2;
 
 // The last is the paper's truth, of a user's features.
-const std::vector<ModelChoice> kDriftModels = {{"opencv"},
-                                               {"thin-prism-fisheye"},
-                                               {"central-generic"},
-                                               {"noncentral-generic"}};
+std::vector<std::string> DriftModels() {
+  return LensNames(ModelUse::kAuto,
+                   {models::kCentralGeneric, models::kNonCentralGeneric});
+}
 
 struct Walk {
   std::vector<Pose> camera_from_world;
@@ -351,7 +351,7 @@ void AddDriftRow(const NamedCamera& camera, size_t index, int walk,
 }
 
 ExperimentResult AdjustSimulatedWalks(const ExperimentOptions& options) {
-  const ComparedCameras compared = CamerasToCompare(options, kDriftModels);
+  const ComparedCameras compared = CamerasToCompare(options, DriftModels());
   const std::vector<NamedCamera>& cameras = compared.cameras;
   ExperimentResult table = EmptyTable(cameras);
   table.conditions = compared.conditions;
@@ -403,7 +403,7 @@ void RequireSize(const ColmapModel& model,
 
 // The user's, or calibrated from the user's features.
 ComparedCameras CamerasForWalk(const ExperimentOptions& options) {
-  if (options.data.features) return CamerasToCompare(options, kDriftModels);
+  if (options.data.features) return CamerasToCompare(options, DriftModels());
   ComparedCameras given;
   given.cameras = options.data.cameras;
   if (given.cameras.size() < 2 || given.cameras.size() > 6)

@@ -228,10 +228,11 @@ void DistrustCells(const Area& area, TrustMask* mask) {
 }  // namespace
 
 bool IsBlobGrid(const CameraModel& camera) {
-  const auto* grid = dynamic_cast<const CentralGeneric*>(&camera);
-  if (!grid || !(RepresentableArea(camera.area()) == camera.area()))
+  const BSplineSurface* grid = camera.DirectionGrid();
+  if (!grid || !camera.IsCentral() ||
+      !(RepresentableArea(camera.area()) == camera.area()))
     return false;
-  const std::vector<Eigen::Vector2d>& points = grid->surface().points();
+  const std::vector<Eigen::Vector2d>& points = grid->points();
   return std::all_of(points.begin(), points.end(),
                      [](const Eigen::Vector2d& point) {
                        return point.cwiseAbs().maxCoeff() <= MaxControlPoint();
@@ -240,12 +241,12 @@ bool IsBlobGrid(const CameraModel& camera) {
 
 BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
                       const TrustMask* trusted, double max_error_px) {
-  const auto* own = dynamic_cast<const CentralGeneric*>(&camera);
-  if (!region) return {*own, std::nullopt, true};
+  if (!region) return {CentralPart(camera), std::nullopt, true};
   const GridSearch search(camera, *region, trusted, max_error_px / 2);
   BSplineSurface surface;
+  const BSplineSurface* own = camera.DirectionGrid();
   if (own && RepresentableArea(camera.area()) == camera.area()) {
-    surface = own->surface();
+    surface = *own;
     DrawIntoChart(*region, false, &surface);
   }
   // Wide cells bend in most of the image where control points are drawn back.

@@ -64,12 +64,10 @@ std::optional<std::string> RemarkOnProjection(
 }
 
 void RequirePackable(const CameraModel& camera) {
-  if (!camera.IsCentral() && !dynamic_cast<const NonCentralGeneric*>(&camera))
-    throw Error(
-        ExitCode::kQuality,
-        fmt::format(
-            "a {} camera cannot be packed; fit noncentral-generic to it first",
-            camera.Name()));
+  if (!camera.IsCentral() && !camera.DirectionGrid())
+    throw Error(ExitCode::kQuality,
+                fmt::format("a {} camera cannot be packed; fit {} to it first",
+                            camera.Name(), models::kNonCentralGeneric));
   if (camera.image_size().width > static_cast<int>(RG_MAX_IMAGE_SIZE) ||
       camera.image_size().height > static_cast<int>(RG_MAX_IMAGE_SIZE))
     ThrowDoesNotFitBlob(fmt::format(
@@ -591,7 +589,7 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   RequireFewTables(file, options);
   // The central part of a camera of lines, which sees far scenes.
   const std::optional<CentralGeneric> far =
-      lines ? std::optional(lines->CentralPart()) : std::nullopt;
+      lines ? std::optional(CentralPart(camera)) : std::nullopt;
   const CameraModel& central = far ? *far : camera;
   const TrustMask* own_trusted =
       file.uncertainty && file.uncertainty->mask.TrustsAny()

@@ -34,8 +34,7 @@ ProjectionError MeasureProjection(const BlobCamera& blob,
                                   const TrustMask* trusted, double max_pixels,
                                   int num_threads) {
   const std::unique_ptr<CameraModel> model = blob.ToModel();
-  const BSplineSurface& surface =
-      dynamic_cast<const CentralGeneric&>(*model).surface();
+  const BSplineSurface& surface = *model->DirectionGrid();
   const Area& area = surface.area();
   const int handedness = MostlyHandedness(surface);
   const int step = static_cast<int>(

@@ -41,10 +41,6 @@ double LeastScale(const RayJacobian& by_ray) {
   return std::sqrt(std::max(0.0, half - root));
 }
 
-bool IsGrid(const CameraModel& camera) {
-  return dynamic_cast<const CentralGeneric*>(&camera) != nullptr;
-}
-
 RegularRegion::Node FindNode(const CameraModel& camera, bool is_grid,
                              const Eigen::Vector2d& pixel) {
   RegularRegion::Node node;
@@ -80,7 +76,7 @@ RegularRegion::RegularRegion(const CameraModel& camera, int num_threads)
       1 +
       std::max(1, static_cast<int>(std::ceil(camera_area_.height() / step_px)));
   FindNodes(camera, num_threads);
-  if (!IsGrid(camera)) LeaveOutSingular();
+  if (!camera.DirectionGrid()) LeaveOutSingular();
   KeepJoined(FirstNode(camera));
   Measure();
 }
@@ -103,7 +99,7 @@ Area RegularRegion::CellArea(int i, int j) const {
 
 void RegularRegion::FindNodes(const CameraModel& camera, int num_threads) {
   nodes_.resize(static_cast<size_t>(columns_) * rows_);
-  const bool is_grid = IsGrid(camera);
+  const bool is_grid = camera.DirectionGrid();
   ParallelFor(rows_, NumThreads(num_threads), [&](int j) {
     for (int k = j * columns_; k < (j + 1) * columns_; ++k)
       nodes_[k] = FindNode(camera, is_grid, PixelOf(k));
@@ -222,7 +218,7 @@ bool RegularRegion::IsRegularRay(const CameraModel& camera,
                                  const Eigen::Vector2d& pixel,
                                  const Eigen::Vector3d& ray) const {
   if (Contains(pixel)) return true;
-  const Node node = FindNode(camera, IsGrid(camera), pixel);
+  const Node node = FindNode(camera, camera.DirectionGrid(), pixel);
   return node.is_regular && (node.ray - ray).norm() <= kSameRayRad &&
          (least_scale_ == 0 || LeastScale(node.by_ray) >= least_scale_);
 }
@@ -277,7 +273,7 @@ bool RegularCamera::Linearize(const Eigen::Vector3d& point,
 
 std::unique_ptr<CameraModel> RegularPartOf(const CameraModel& camera,
                                            int num_threads) {
-  if (!camera.IsCentral() || IsGrid(camera)) return camera.Clone();
+  if (!camera.IsCentral() || camera.DirectionGrid()) return camera.Clone();
   const auto region = std::make_shared<RegularRegion>(camera, num_threads);
   if (region->IsWhole() || region->IsEmpty()) return camera.Clone();
   return std::make_unique<RegularCamera>(camera, region);

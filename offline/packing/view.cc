@@ -110,7 +110,7 @@ std::optional<VirtualView> ViewOfCamera(const CameraModel& camera) {
   VirtualView view;
   if (const auto* own = dynamic_cast<const ViewCamera*>(&camera))
     view.projection = own->projection();
-  else if (camera.Name() != "opencv" ||
+  else if (camera.Name() != models::kOpenCv ||
            !parameters.tail(OpenCvModel::kCount - OpenCvModel::kK1).isZero(0))
     return std::nullopt;
   view.size = camera.image_size();

@@ -46,7 +46,7 @@ Eigen::Matrix3d RotationOfAngles(const Eigen::Vector3d& yaw_pitch_roll_deg);
 Eigen::Vector3d AnglesOfRotation(const Eigen::Matrix3d& camera_from_view);
 
 /// The view as a camera in its own axes, calibrated over its whole image: of a
-/// pinhole the model "opencv" without distortion, otherwise a ViewCamera.
+/// pinhole the model opencv without distortion, otherwise a ViewCamera.
 std::unique_ptr<CameraModel> CameraOfView(const VirtualView& view);
 
 /// A view as a camera in the axes of the one that it is made from.

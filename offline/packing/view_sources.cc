@@ -1,9 +1,11 @@
 #include "packing/view_sources.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <utility>
 
-#include "camera/noncentral_generic.h"
+#include "camera/central_generic.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 #include "packing/source_map.h"
@@ -47,12 +49,12 @@ void LeaveOutUnlit(const CameraModel& camera, bool is_reverse,
 
 std::unique_ptr<CameraModel> CentralCamera(const CameraModel& camera) {
   if (camera.IsCentral()) return camera.Clone();
-  const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);
-  if (!lines)
+  if (!camera.DirectionGrid())
     throw Error(ExitCode::kUsage,
-                "its model is non-central; convert it to noncentral-generic or "
-                "a central model first");
-  return std::make_unique<CentralGeneric>(lines->CentralPart());
+                fmt::format("its model is non-central; convert it to {} or a "
+                            "central model first",
+                            models::kNonCentralGeneric));
+  return CentralPart(camera).Clone();
 }
 
 ViewSources SourcesOfView(const CameraModel& lines, const VirtualView& view,

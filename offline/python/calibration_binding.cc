@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 
@@ -290,7 +291,8 @@ void BindCalibration(py::module_* module) {
       py::arg("image_circle") = "auto", py::arg("name") = "",
       py::arg("serial") = "", py::arg("any_distance") = false,
       py::arg("threads") = 0, py::arg("progress") = py::none(),
-      R"(Calibrate a camera or a rig; Calibration.save() writes the files.
+      fmt::format(
+          R"(Calibrate a camera or a rig; Calibration.save() writes the files.
 
 Ctrl-C and exceptions that progress raises stop the calibration. The calibration
 runs without the GIL.
@@ -300,9 +302,8 @@ Args:
         by camera name, in which images of one frame share a name.
     pattern: path of a pattern.yaml, or a target specification such as
         'chessboard:9x6:25mm'.
-    model: 'auto': the one that predicts held-out images best; or
-        'central-generic', 'noncentral-generic', 'central-radial',
-        'thin-prism-fisheye' or 'opencv'.
+    model: 'auto': the one that predicts held-out images best; or one of
+        '{}'.
     knot_spacing_px: largest knot spacing of the B-spline grid in pixels, 2 to
         1e5; default: chosen by held-out error.
     area: calibrated area: 'image', or 'features' for their bounding box.
@@ -334,7 +335,9 @@ Returns:
 Raises:
     Error: too few images or features (code 3), no initialization (4), no
         convergence (5), or unreadable input (2).
-    ValueError, TypeError: an argument is invalid.)");
+    ValueError, TypeError: an argument is invalid.)",
+          fmt::join(CalibratedModels(), "', '"))
+          .c_str());
 }
 
 }  // namespace raygrid

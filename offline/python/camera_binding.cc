@@ -293,8 +293,7 @@ py::bytes Pack(const PyCamera& self, const std::vector<VirtualView>& views,
 
 py::dict NamedParameters(const PyCamera& self) {
   py::dict named;
-  const auto* lens =
-      dynamic_cast<const ParametricModel*>(self.file.camera.get());
+  const ParametricModel* lens = self.file.camera->Parametric();
   if (!lens) return named;
   const Eigen::VectorXd values = lens->Parameters();
   const std::vector<std::string>& names = lens->ParameterNames();

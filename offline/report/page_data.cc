@@ -7,8 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "camera/central_generic.h"
-#include "camera/noncentral_generic.h"
+#include "camera/bspline_surface.h"
 #include "report/html.h"
 
 namespace raygrid {
@@ -128,14 +127,6 @@ Json Quantiles(const Residuals& residuals) {
 
 // ---- Camera ----------------------------------------------------------------
 
-const BSplineSurface* SurfaceOf(const CameraModel& camera) {
-  if (const auto* central = dynamic_cast<const CentralGeneric*>(&camera))
-    return &central->surface();
-  if (const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera))
-    return &lines->directions();
-  return nullptr;
-}
-
 // How many features depend on each control point.
 std::vector<int> CountSupport(const BSplineSurface& surface,
                               const Residuals& residuals) {
@@ -156,7 +147,7 @@ std::vector<int> CountSupport(const BSplineSurface& surface,
 }
 
 void AddGrid(const CalibrationResult& result, Json* json) {
-  const BSplineSurface* surface = SurfaceOf(*result.camera.camera);
+  const BSplineSurface* surface = result.camera.camera->DirectionGrid();
   if (!surface) return;
   Json angles = Json::array();
   for (const Eigen::Vector2d& point : surface->points())

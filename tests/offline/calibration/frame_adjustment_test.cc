@@ -73,8 +73,7 @@ void ExpectFrameOfTheNearestLens(const std::string& lens,
 }
 
 TEST(CameraFrames, AreThoseOfTheNearestLens) {
-  for (const char* model : {"central-generic", "noncentral-generic",
-                            "central-radial", "thin-prism-fisheye", "opencv"})
+  for (const std::string& model : CalibratedModels())
     ExpectFrameOfTheNearestLens("example", model);
   ExpectFrameOfTheNearestLens("wide", "central-generic");
   ExpectFrameOfTheNearestLens("glass", "noncentral-generic");

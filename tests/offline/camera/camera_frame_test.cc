@@ -8,9 +8,6 @@
 namespace raygrid {
 namespace {
 
-const char* const kLenses[] = {"opencv", "thin-prism-fisheye",
-                               "central-radial"};
-
 double AngleOf(const Eigen::Quaterniond& rotation) {
   return rotation.angularDistance(Eigen::Quaterniond::Identity());
 }
@@ -45,7 +42,7 @@ TEST(CameraFrame, OfALensIsTheLenssOwn) {
 // Least squares alone would turn the lens by degrees to follow the bumps.
 TEST(CameraFrame, IsNotTurnedByBumps) {
   const CentralGeneric camera = GridOf("example");
-  for (const char* lens : kLenses)
+  for (const std::string& lens : LensNames(ModelUse::kCompare))
     EXPECT_LT(FindCameraFrame(camera, lens).AngleRad(), 1 * M_PI / 180) << lens;
 }
 
@@ -57,7 +54,7 @@ TEST(CameraFrame, OnceTurnedNeedsNoRotation) {
   EXPECT_GT(frame.AngleRad(), 30 * M_PI / 180);
   const auto turned = Turned(*off, frame.frame_from_camera);
   EXPECT_LT(FindCameraFrame(*turned).AngleRad(), kMaxFrameTurnRad);
-  for (const char* lens : kLenses)
+  for (const std::string& lens : LensNames(ModelUse::kCompare))
     EXPECT_LT(
         AngleOf(
             FitNearestModel(lens, *turned, turned->area()).model_from_camera),

@@ -69,11 +69,11 @@ TEST(NonCentralGeneric, ProjectsNothingFromBehindOrNowhere) {
   EXPECT_FALSE(camera.Project({NAN, 0, 1}));
   EXPECT_FALSE(camera.Project({0, 0, INFINITY}));
   EXPECT_FALSE(
-      NonCentralGeneric(camera.CentralPart()).Project(Eigen::Vector3d::Zero()));
+      NonCentralGeneric(CentralPart(camera)).Project(Eigen::Vector3d::Zero()));
 }
 
 TEST(NonCentralGeneric, WithAllPointsAtTheOriginIsCentral) {
-  const CentralGeneric central = ExampleLines().CentralPart();
+  const CentralGeneric central = CentralPart(ExampleLines());
   const NonCentralGeneric lines(central);
   TestRandom random(3);
   for (int i = 0; i < 200; ++i) {

@@ -111,6 +111,7 @@ TEST(CameraFile, RoundTripKeepsTheCamera) {
 // asked for.
 TEST(CameraFile, HoldsEveryLensModelExactly) {
   for (const LensModel& model : LensModels()) {
+    if (!model.make) continue;
     Eigen::VectorXd parameters = model.starts(700.0 / 3, 319, 241).front();
     for (Eigen::Index k = 0; k < parameters.size(); ++k)
       parameters[k] += 1e-3 / (3.0 + static_cast<double>(k));

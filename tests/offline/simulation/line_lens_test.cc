@@ -81,13 +81,13 @@ TEST(LineSpread, OfACentralCameraIsZero) {
 TEST(LineSpread, FindsThePointWhereAllLinesMeet) {
   const Eigen::Vector3d point(0.001, -0.002, 0.005);
   const LineSpread spread = MeasureLineSpread(
-      NonCentralGeneric(ExampleLines().CentralPart()).WithOrigin(-point));
+      NonCentralGeneric(CentralPart(ExampleLines())).WithOrigin(-point));
   EXPECT_LT((spread.nearest_point - point).norm(), 1e-9);
   EXPECT_LT(spread.max_m, 1e-9);
 }
 
 TEST(LineSpread, OfTwistedLinesIsTheTwist) {
-  const CentralGeneric directions = ExampleLines().CentralPart();
+  const CentralGeneric directions = CentralPart(ExampleLines());
   NonCentralGeneric camera(directions);
   Eigen::VectorXd parameters = camera.Parameters();
   // A twist about the z axis: no point is nearer to all.
