@@ -50,7 +50,7 @@ BoardShape MeasureBoardShape(const Board& board) {
   shape.rms_height_m = heights.norm() / std::sqrt(count);
   shape.max_height_m = heights.cwiseAbs().maxCoeff();
 
-  if (board.kind == "points") return shape;  // they are what is nominal
+  if (board.kind == "points") return shape;  // they are nominal
   const Eigen::Matrix3Xd nominal = Select(board.NominalPoints(), indices);
   const Eigen::Matrix4d similarity = Eigen::umeyama(nominal, points, true);
   const Eigen::Matrix3Xd difference =
