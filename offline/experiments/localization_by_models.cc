@@ -20,15 +20,14 @@ constexpr double kNearM = 1.5, kFarM = 2.5, kNoisePx = 0.05;
 constexpr int kNumFrames[] = {1, 4, 16, 64};
 constexpr int kMaxFrames = 64;
 
-// The last is the paper's truth, of a user's features.
+// For a user's features, the last is the reference, as in the paper.
 const std::vector<ModelChoice> kLocalizedModels = {{"opencv"},
                                                    {"thin-prism-fisheye"},
                                                    {"central-radial"},
                                                    {"noncentral-generic"},
                                                    {"central-generic"}};
 
-// Points in the true camera's frame, which stands at the origin; at pixels that
-// all cameras know.
+// Points in the true camera's frame, at pixels where all cameras are defined.
 std::vector<PointOnPixel> MakeScene(const ComparedCameras& compared,
                                     const Area& area, Random* random) {
   constexpr int kMaxTries = 10000;
@@ -48,8 +47,8 @@ std::vector<PointOnPixel> MakeScene(const ComparedCameras& compared,
   return scene;
 }
 
-// The errors by number of frames averaged: from the true camera's place, in its
-// frame, to where the camera is found to be; nothing if it is not found.
+// Errors by number of averaged frames: the estimated camera position in the
+// true camera's frame; nothing if localization fails.
 using Errors = std::vector<std::optional<Eigen::Vector3d>>;
 
 Errors LocalizeScene(const CameraModel& camera,
@@ -85,7 +84,7 @@ double MedianLength(const std::vector<Errors>& scenes, size_t k,
   return lengths.empty() ? NAN : Quantile(lengths, 0.5);
 }
 
-// The median in each axis over the scenes of the mean of most frames.
+// The median over scenes, per axis, of the mean of most frames.
 Eigen::Vector3d SharedOffset(const std::vector<Errors>& scenes) {
   Eigen::Vector3d offset;
   for (int axis = 0; axis < 3; ++axis) {
@@ -100,8 +99,8 @@ Eigen::Vector3d SharedOffset(const std::vector<Errors>& scenes) {
 // Medians over scenes.
 struct PlaceErrors {
   std::vector<double> by_frames_m;
-  double shared_m = 0;  // an offset that all scenes have in common
-  double rest_m = 0;    // of the mean of most frames, without it
+  double shared_m = 0;  // an offset common to all scenes
+  double rest_m = 0;    // remainder, for most frames
 };
 
 PlaceErrors MeasurePlaces(const CameraModel& camera,
