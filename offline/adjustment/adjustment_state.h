@@ -11,24 +11,24 @@
 
 namespace raygrid {
 
-/// A pattern point seen at a pixel.
+/// An observation of a target point at a pixel.
 struct Observation {
   int point = 0;
   Eigen::Vector2d pixel;
 };
 
-/// The view that one camera had of a board that stood at one of the poses, or
-/// belonged to a body of several boards that stood there.
+/// One camera's view of a board: of one with a pose of its own, or of a board
+/// of a rigid multi-board target.
 struct View {
   std::vector<Observation> observations;
   int camera = 0, pose = 0;
-  int place = -1;  ///< of the board on the body; -1: its frame is the body's
-  /// Of each of a stack's ranges: the value that its camera was at.
+  int place = -1;  ///< index of the board in body_from_board; -1: identity
+  /// The camera's operating point: one value per axis of the model.
   std::vector<double> conditions;
 };
 
-/// A camera as it was for one view: a stack at the view's values, another
-/// one as it always is. The camera must outlive it.
+/// A camera model for one view: an operating-point model evaluated at the
+/// view's conditions; others unchanged. The camera must outlive it.
 class SeeingCamera {
  public:
   SeeingCamera(const CameraModel& camera, const View& view);
@@ -40,18 +40,18 @@ class SeeingCamera {
   const CameraModel* camera_;
 };
 
-/// The unknowns of bundle adjustment. A single camera is a rig of one. Copies
+/// The variables of bundle adjustment. A single camera is a rig of one. Copies
 /// are deep.
 struct AdjustmentState {
   std::vector<std::unique_ptr<CameraModel>> cameras;
-  std::vector<Pose> camera_from_rig;   ///< the first stays as it is
-  std::vector<Pose> rig_from_pattern;  ///< shared by the cameras of an instant
-  /// Where boards are on their bodies, by View::place.
+  std::vector<Pose> camera_from_rig;   ///< the first is constant: the gauge
+  std::vector<Pose> rig_from_pattern;  ///< shared by the cameras of a frame
+  /// B_b: poses of boards in their rigid multi-board target, by View::place.
   std::vector<Pose> body_from_board;
-  std::vector<Eigen::Vector3d> points;  ///< in the board's frame
-  FlexModes modes;                      ///< none: boards do not bend
+  std::vector<Eigen::Vector3d> points;  ///< p_j, in the board's frame (m)
+  FlexModes modes;                      ///< M; empty: no deformation
   BendScope bend_scope = BendScope::kPose;
-  /// Coefficients of each rig_from_pattern, or of each board.
+  /// Deformation coefficients (m), for each rig_from_pattern or each board.
   std::vector<FlexModes::Coefficients> flex;
 
   AdjustmentState() = default;
@@ -60,7 +60,7 @@ struct AdjustmentState {
   AdjustmentState(const AdjustmentState& other) { *this = other; }
   AdjustmentState& operator=(const AdjustmentState& other);
 
-  /// One camera, which is the rig.
+  /// Sets the only camera of a rig of one.
   void SetCamera(const CameraModel& camera);
   const CameraModel& camera() const { return *cameras.front(); }
 
@@ -68,35 +68,35 @@ struct AdjustmentState {
   SeeingCamera CameraOf(const View& view) const {
     return SeeingCamera(*cameras[view.camera], view);
   }
-  /// A point of a board that stands at a pose, as it is bent there.
+  /// Returns target point p_j + M_j f with the deformation of a pose (m).
   Eigen::Vector3d PointAt(int pose, int point) const {
     if (modes.count() == 0) return points[point];
     const int index =
         bend_scope == BendScope::kPose ? pose : modes.boards[point];
     return points[point] + modes.by_point[point] * flex[index];
   }
-  /// Whether boards are bent, each alike in all views.
+  /// Whether a static deformation of the boards is estimated.
   bool HasShapes() const {
     return modes.count() > 0 && bend_scope == BendScope::kBoard;
   }
-  /// Whether boards bend from view to view.
+  /// Whether a per-view deformation of the boards is estimated.
   bool HasFlex() const {
     return modes.count() > 0 && bend_scope == BendScope::kPose;
   }
-  /// A point of a board as it is bent in all views.
+  /// Returns a target point with the static deformation (m).
   Eigen::Vector3d ShapedPoint(int point) const {
     return HasShapes() ? PointAt(0, point) : points[point];
   }
-  /// The points take the shapes of their boards, which have no bends then.
+  /// Moves the static deformation into the points, and removes the modes.
   void KeepShapes();
-  /// Boards take the bends of their points, from nominal ones, as their shapes.
+  /// Moves the points' deviation from nominal into static modes.
   void TakeShapes(FlexModes flex_modes,
                   const std::vector<Eigen::Vector3d>& nominal);
-  /// Lets boards bend, from no bend on.
+  /// Enables deformation modes, with zero coefficients.
   void SetModes(FlexModes flex_modes, BendScope scope);
-  /// The first camera's frame becomes the rig's.
+  /// Makes the first camera's frame the rig frame.
   void MoveRigToFirstCamera();
-  int NumCameraParameters() const;  ///< of all cameras together
+  int NumCameraParameters() const;  ///< of all cameras
 };
 
 }  // namespace raygrid

@@ -33,7 +33,7 @@ Plane PlaneOf(const std::vector<Eigen::Vector3d>& points) {
   return plane;
 }
 
-// A point's coordinates in the plane, from -1 to 1 over the board.
+// Coordinates of a point in the plane, from -1 to 1 over the board.
 Eigen::Matrix2Xd PlaneCoordinates(const Plane& plane,
                                   const std::vector<Eigen::Vector3d>& points) {
   Eigen::Matrix2Xd coordinates(2, points.size());
@@ -61,14 +61,14 @@ Eigen::ArrayXd Legendre(int order, const Eigen::ArrayXd& x) {
   return value;
 }
 
-// Adds what a height has beyond those before it, of mean square 1; false if
-// the points cannot tell it from them.
+// Orthogonalizes a height field against the previous modes and normalizes it to
+// a mean square of 1; false if the points cannot distinguish it.
 bool AddOrthogonal(const Eigen::VectorXd& height,
                    std::vector<Eigen::VectorXd>* heights) {
   constexpr double kTold = 1e-3;
   const double count = static_cast<double>(height.size());
   Eigen::VectorXd rest = height;
-  for (int pass = 0; pass < 2; ++pass)  // the second against rounding
+  for (int pass = 0; pass < 2; ++pass)  // twice for numerical accuracy
     for (const Eigen::VectorXd& other : *heights)
       rest -= other.dot(rest) / count * other;
   if (!(rest.norm() > kTold * height.norm())) return false;

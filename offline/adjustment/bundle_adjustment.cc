@@ -56,14 +56,14 @@ double TotalCost(const std::vector<Residual>& residuals, double huber_px) {
   return CompareCosts(residuals, residuals, huber_px).first;
 }
 
-// How far a step of the adjustment got.
+// The result of a step.
 struct StepEffect {
-  double decrease = 0;          // of the cost, relative
-  double moved_deviations = 0;  // as MovedDeviations()
+  double decrease = 0;          // relative decrease of the cost
+  double moved_deviations = 0;  // see MovedDeviations()
 };
 
-// How far a step moved the observed points' images beside how far the noise
-// lets the solution scatter (D. Bates, D. Watts, "A Relative Offset
+// The displacement of the observed points' projections by a step, relative to
+// their standard deviation by the noise (D. Bates, D. Watts, "A Relative Offset
 // Orthogonality Convergence Criterion for Nonlinear Least Squares", 1981).
 double MovedDeviations(const std::vector<Residual>& before,
                        const std::vector<Residual>& after, double huber_px,
@@ -82,16 +82,17 @@ int NumValid(const std::vector<Residual>& residuals) {
                     [](const Residual& residual) { return residual.valid; }));
 }
 
-// Costs are compared by the observations that both states can project. So steps
-// that lose an observation lower the cost, and its return raises it: the two
-// may take turns for ever.
+// Costs are compared over the residuals that are valid in both states. A step
+// that loses an observation may therefore lower the cost, and so may its
+// return: without kRefused, the optimization could alternate forever.
 enum class Losses { kAllowed, kRefused };
 
-// A step that takes more than this part of the observations out of the area is
-// none: the cost of the others alone says nothing.
+// Steps that move more than this fraction of the observations out of the area
+// are rejected: the cost of the others is meaningless.
 constexpr double kMaxLostPart = 0.5;
 
-// Tries damped steps until one lowers the cost; nothing is done if none does.
+// Tries steps with increasing damping until one lowers the cost; otherwise
+// leaves the state unchanged.
 StepEffect TakeStep(const NormalEquations& equations,
                     const std::vector<View>& views, const GaussianPrior& prior,
                     const AdjustmentOptions& options, Losses losses,
@@ -134,10 +135,10 @@ void Report(const AdjustmentOptions& options, int iteration,
     options.progress(iteration, TotalCost(residuals, options.huber_px));
 }
 
-// A single step may move little before others that move much, along a valley.
+// In a flat valley, a short step may precede longer ones.
 constexpr int kEnoughStanding = 3;
 constexpr double kStandstillDecrease = 1e-5;
-// Adjustments that end are nearly always done by then.
+// Optimizations that converge have nearly always done so by then.
 constexpr int kStepsWithLosses = 50;
 
 AdjustmentSummary Adjust(const std::vector<View>& views,
@@ -147,7 +148,7 @@ AdjustmentSummary Adjust(const std::vector<View>& views,
   AdjustmentSummary summary;
   summary.residuals = ComputeResiduals(*state, views, options.num_threads);
   summary.initial_cost = TotalCost(summary.residuals, options.huber_px);
-  int num_standing = 0;  // steps in a row
+  int num_standing = 0;  // successive small steps
   while (summary.num_iterations < options.max_iterations &&
          !summary.converged && !ShouldStop(options)) {
     ++summary.num_iterations;
@@ -169,11 +170,11 @@ AdjustmentSummary Adjust(const std::vector<View>& views,
   return summary;
 }
 
-// So little damping that it does not count as knowledge of the parameters.
+// A damping that is negligible as prior information.
 constexpr double kLearningLambda = 1e-6;
 
-// The mean over a board's views of how it bends there is its shape: it moves
-// from the flex to the points and their mean, which changes no residual.
+// Moves the mean per-view deformation of each board from the flex and its mean
+// to the points and their mean, which changes no residual.
 void MoveMeanBends(const std::vector<View>& views, GaussianPrior* prior,
                    AdjustmentState* state) {
   const FlexModes& modes = state->modes;
@@ -199,8 +200,7 @@ void MoveMeanBends(const std::vector<View>& views, GaussianPrior* prior,
   }
 }
 
-// A point's displacement that moves its image by one pixel, squared, on the
-// average over the views.
+// The mean squared displacement of a point per pixel of its projection.
 double SquaredMetresPerPixel(const AdjustmentState& state,
                              const std::vector<View>& views,
                              const AdjustmentOptions& options) {
@@ -213,9 +213,9 @@ double SquaredMetresPerPixel(const AdjustmentState& state,
   return sum > 0 ? count / sum : 1;
 }
 
-// A first guess of weights that are 0: residuals, second differences and bends
-// all scatter alike, and points as far as their observations together leave
-// open.
+// Initializes precisions that are 0: residuals, second differences and
+// deformation have the same variance, and points the variance that their
+// observations leave together.
 void GuessWeights(const std::vector<CameraGroup>& groups,
                   const std::vector<Residual>& residuals, double huber_px,
                   int num_points, double square_metres_per_pixel,
@@ -231,7 +231,7 @@ void GuessWeights(const std::vector<CameraGroup>& groups,
     if (weight == 0) weight = 1 / square_metres_per_pixel;
 }
 
-// How many parameters residuals have been adjusted by.
+// The effective number of parameters of all groups.
 double NumEffectiveParameters(const PriorEvidence& evidence,
                               const ParameterLayout& layout) {
   double count = layout.first_shape + 6.0 * layout.num_poses;
@@ -242,8 +242,8 @@ double NumEffectiveParameters(const PriorEvidence& evidence,
   return count;
 }
 
-// Takes boards for as nominal, and as flat, as observations can tell. Whether
-// they tell less than was adjusted.
+// Fixes points to nominal positions, and deformation to zero, if the evidence
+// does not support them. Returns whether anything was fixed.
 bool LeaveOutWhatIsNotTold(const PriorEvidence& evidence, double variance,
                            const GaussianPrior& prior, bool* fix_points,
                            AdjustmentState* state) {
@@ -265,8 +265,8 @@ bool LeaveOutWhatIsNotTold(const PriorEvidence& evidence, double variance,
   return is_simpler;
 }
 
-// The weights of a prior, from round to round. Updates return how much the
-// weights' logarithms changed at most.
+// Updates the prior precisions iteratively. Updates return the maximum change
+// of their logarithms.
 class PriorUpdate {
  public:
   PriorUpdate(const std::vector<CameraGroup>& groups,
@@ -307,10 +307,11 @@ class PriorUpdate {
   }
 
  private:
-  // Smaller departures are no matter.
+  // Smaller deviations are negligible.
   static constexpr double kNegligiblePx2 = 1e-3 * 1e-3;
 
-  // A view's board bends by a part of its size. A board may be of any shape.
+  // Per-view deformation is bounded relative to the board's size; static
+  // deformation is not.
   static double LeastFlexWeight(const AdjustmentState& state, double variance) {
     if (state.bend_scope == BendScope::kBoard) return 0;
     return variance / std::pow(state.modes.MaxDeviationM(), 2);
@@ -358,7 +359,7 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
   double lambda = kLearningLambda;
   bool is_asked = !options.is_enough, is_enough = false;
   for (int round = 0; round < kMaxRounds && !ShouldStop(options); ++round) {
-    // One step, then what its equations tell of the prior.
+    // One step, then the evidence from its normal equations.
     const FixedParameters fixed_parameters = {fixed.fix_cameras,
                                               fixed.fix_points};
     const ParameterLayout layout(*state, fixed_parameters);

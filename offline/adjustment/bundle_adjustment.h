@@ -13,57 +13,56 @@ namespace raygrid {
 struct AdjustmentOptions {
   bool fix_cameras = false;
   bool fix_points = false;
-  /// Boards are bent alike in all views. Adjustments follow the state, which
-  /// has modes or none; AdjustModel() sets it up so.
+  /// Disables per-view deformation (--rigid-target). Optimization uses the
+  /// modes of the state as they are; AdjustModel() applies this option.
   bool rigid_boards = true;
   double huber_px = 1;       ///< paper, "Bundle Adjustment"
-  int max_iterations = 200;  ///< beyond those that learn the prior
-  /// Converged when a step lowers the cost by less than this part of it.
+  int max_iterations = 200;  ///< excluding those with evidence maximization
+  /// Converged when an iteration lowers the cost by less than this fraction.
   double relative_tolerance = 1e-7;
-  /// Converged, too, when several steps in a row lower the cost next to nothing
-  /// and move the observed points' images by less than this part of the
-  /// standard deviations that the noise gives them.
+  /// Also converged when several successive steps barely lower the cost and
+  /// move the projections of the observed points by less than this fraction of
+  /// their predicted standard deviations.
   double standstill = 0.01;
   int num_threads = 0;
-  /// The result is no more than a start: it ends once steps are small beside
-  /// those that the next adjustment takes.
+  /// The result only initializes another adjustment: stop once steps are small
+  /// compared with those that the next adjustment makes.
   bool is_start = false;
-  /// Asked at most once, with a learned prior: when another step would change
-  /// residuals and prior by no more than per cents, whether they serve as they
-  /// are. Then the adjustment ends.
+  /// Called at most once, with estimated precisions, when another step would
+  /// change residuals and precisions by a few per cent at most. Returning true
+  /// ends the optimization with these residuals.
   std::function<bool(const std::vector<Residual>&)> is_enough;
-  /// Asked between iterations; the best state so far stays.
+  /// Polled between iterations; true stops with the best state so far.
   std::function<bool()> should_stop;
-  /// Told each iteration and its cost; iterations start anew when a stage of
-  /// adjustment does.
+  /// Called after each iteration with its cost; iterations are counted from the
+  /// beginning of each stage.
   std::function<void(int iteration, double cost)> progress;
 };
 
 struct AdjustmentSummary {
   bool converged = false;
   int num_iterations = 0;
-  double initial_cost = 0, final_cost = 0;  ///< each over its valid residuals
+  double initial_cost = 0, final_cost = 0;  ///< over valid residuals
   std::vector<Residual> residuals;          ///< of the final state
-  /// Standard deviation of a residual's coordinate, with a learned prior.
+  /// Standard deviation of the feature noise, if precisions were estimated.
   double noise_px = 0;
-  /// The effective number of parameters, with a learned prior.
+  /// Effective number of parameters, if precisions were estimated.
   double num_effective = 0;
 };
 
-/// Levenberg-Marquardt on the reprojection error over the camera's parameters,
-/// the poses of all views and the pattern's points (paper, "Bundle
-/// Adjustment"), with a prior. Improves *state in place.
+/// Minimizes the objective function of METHOD.md by Levenberg-Marquardt, over
+/// camera parameters, poses, deformation and target points, with fixed prior
+/// precisions. Updates *state in place.
 AdjustmentSummary AdjustBundle(const std::vector<View>& views,
                                const GaussianPrior& prior,
                                const AdjustmentOptions& options,
                                AdjustmentState* state);
 
-/// Finds how strong the prior should be, from the data alone: alternates
-/// adjustment with the evidence approximation (D. MacKay, "Bayesian
-/// Interpolation", 1992, eq. 4.8), which weighs the prior by how far the
-/// adjusted parameters depart from its mean and by how many of them the
-/// observations determine. Starts with the prior's weights where they are not
-/// zero; changes them and *state.
+/// Also estimates the prior precisions by evidence maximization (D. MacKay,
+/// "Bayesian Interpolation", 1992, eq. 4.8): after each Gauss-Newton step, a
+/// precision is updated from the squared distance of the parameters to the
+/// prior mean and from their effective number. Non-zero precisions in the prior
+/// are the initial values. Updates the prior and *state.
 AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
                                          const AdjustmentOptions& options,
                                          GaussianPrior* prior,

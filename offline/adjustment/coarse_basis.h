@@ -11,21 +11,21 @@
 
 namespace raygrid {
 
-constexpr int kCoarsestCells = 12;  ///< along a grid's longer side, at most
+constexpr int kCoarsestCells = 12;  ///< at most, along a grid's longer side
 
-/// All parameters of a layout by few: those of the cameras' coarsest grids, the
-/// cameras' parameters that have no grid, their poses, bends of second order of
-/// boards.
+/// Basis of a coarse space of all parameters: the coarsest grids of the
+/// cameras, camera parameters without a grid, camera poses, and deformation
+/// modes of second order.
 using CoarseBasis = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-/// shapes: of the cameras' grids. Points that are seen in the same poses are of
-/// one board.
+/// shapes: of the cameras' grids. Points that are seen in the same poses are
+/// assumed to belong to one board.
 CoarseBasis MakeCoarseBasis(const ParameterLayout& layout,
                             const std::vector<GridShape>& shapes,
                             const std::vector<ViewJacobian>& jacobians,
                             const std::vector<Eigen::Vector3d>& points);
 
-/// A residual's derivatives by the columns of a basis, most of them zero.
+/// The Jacobian of a residual with respect to the columns of a basis; sparse.
 class SparseRow {
  public:
   explicit SparseRow(const CoarseBasis& basis)
@@ -34,7 +34,7 @@ class SparseRow {
         y_(basis.cols(), 0.0),
         is_used_(basis.cols(), 0) {}
 
-  /// The derivative by a parameter.
+  /// Adds the derivative with respect to a parameter.
   void Add(int parameter, const Eigen::Vector2d& derivative) {
     for (CoarseBasis::InnerIterator it(basis_, parameter); it; ++it) {
       if (!is_used_[it.col()]) {
@@ -46,8 +46,8 @@ class SparseRow {
     }
   }
 
-  /// *with_itself += row^T row, its lower triangle; *with_pose += row^T
-  /// by_pose.
+  /// *with_itself += row^T row, lower triangle only; *with_pose += row^T
+  /// J_pose.
   void AddProductsTo(const Eigen::Matrix2Xd& by_pose,
                      Eigen::MatrixXd* with_itself, Eigen::MatrixXd* with_pose) {
     std::sort(used_.begin(), used_.end());
@@ -55,7 +55,7 @@ class SparseRow {
       const int count = RunFrom(begin), first = used_[begin];
       for (Eigen::Index k = 0; k < by_pose.cols(); ++k)
         AddRun(first, count, by_pose.col(k), &with_pose->coeffRef(first, k));
-      // The sums go to the end of the run, beyond the triangle.
+      // Sums are computed to the end of the run, beyond the triangle.
       for (size_t b = 0; b < begin + count; ++b)
         AddRun(first, count, {x_[used_[b]], y_[used_[b]]},
                &with_itself->coeffRef(first, used_[b]));
@@ -69,14 +69,14 @@ class SparseRow {
   }
 
  private:
-  // How many of the columns in use follow one after the other.
+  // The number of consecutive non-zero columns from begin on.
   int RunFrom(size_t begin) const {
     size_t end = begin + 1;
     while (end < used_.size() && used_[end] == used_[end - 1] + 1) ++end;
     return static_cast<int>(end - begin);
   }
 
-  // sum[k] += the row's column first + k times value
+  // sum[k] += (column first + k of the row) times value
   void AddRun(int first, int count, const Eigen::Vector2d& value,
               double* sum) const {
     const double *x = &x_[first], *y = &y_[first];

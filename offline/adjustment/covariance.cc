@@ -9,10 +9,10 @@
 namespace raygrid {
 namespace {
 
-constexpr int kMinObservations = 3;  // around a pixel that counts as seen
+constexpr int kMinObservations = 3;  // for a pixel to count as observed
 
-// How the projections of the lattice's rays move, two rows a pixel: with the
-// parameters, and when the camera turns.
+// Jacobians of the projections of the lattice's rays, two rows per pixel: with
+// respect to the parameters, and to a rotation of the camera.
 struct LatticeDerivatives {
   Eigen::MatrixXd by_parameters;
   Eigen::MatrixX3d by_rotation;
@@ -76,9 +76,9 @@ void CountObservations(const std::vector<View>& views, int camera,
   }
 }
 
-// D less the rotation of least squares over observations, each where its pixel
-// is. Pixels count alike otherwise, and the least known ones, at the edge,
-// would turn all others.
+// D after removing the rotation fitted by least squares, weighted by the number
+// of observations. With equal weights, the most uncertain pixels, at the edge,
+// would rotate all others.
 Eigen::MatrixXd WithoutRotation(const LatticeDerivatives& derivatives,
                                 const std::vector<PixelUncertainty>& pixels) {
   const Eigen::MatrixX3d& rotation = derivatives.by_rotation;
@@ -92,19 +92,19 @@ Eigen::MatrixXd WithoutRotation(const LatticeDerivatives& derivatives,
              square.ldlt().solve(seen.transpose() * derivatives.by_parameters);
 }
 
-// Covariances of the lattice's pixels, x and y of each.
+// Covariances of x and y of all lattice pixels.
 struct JointCovariances {
   Eigen::MatrixXd by_noise, by_prior;
   Eigen::VectorXd smoothing_px;
 };
 
-// One pixel's block of a matrix over all pixels.
+// The 2 x 2 block of one pixel.
 Eigen::Matrix2d OfPixel(const Eigen::MatrixXd& joint, size_t pixel) {
   return joint.block<2, 2>(2 * static_cast<Eigen::Index>(pixel),
                            2 * static_cast<Eigen::Index>(pixel));
 }
 
-// The derivatives of the lattice's pixels by a camera's parameters.
+// The Jacobian of the lattice pixels with respect to a camera's parameters.
 class Lattice {
  public:
   Lattice(const LinearResponse& response, int camera,
@@ -115,7 +115,7 @@ class Lattice {
   const Eigen::MatrixXd& derivatives() const { return derivatives_; }
   int first() const { return first_; }
 
-  // How pixels move with columns of parameters.
+  // The displacements of pixels for columns of parameters.
   Eigen::MatrixXd Moves(const Eigen::MatrixXd& parameters) const {
     return derivatives_ * parameters.middleRows(first_, derivatives_.cols());
   }
@@ -146,8 +146,8 @@ bool AddExactCovariances(const LinearResponse& response, const Lattice& lattice,
   return true;
 }
 
-// By samples, with H^-1 J^T e and the flex of each view as another error for
-// the noise e, and H^-1 g with gradients g of the covariance P for the prior.
+// Estimates covariances from samples: H^-1 J^T e for noise e, including
+// per-view deformation, and H^-1 g for gradients g of covariance P.
 bool AddSampledCovariances(const LinearResponse& response,
                            const Lattice& lattice, int num_samples,
                            double noise_px, JointCovariances* covariances) {
@@ -176,7 +176,7 @@ bool AddSampledCovariances(const LinearResponse& response,
   return true;
 }
 
-// Standard deviations of rows, the RMS of both axes of each pixel.
+// Standard deviations per pixel, the RMS of both axes.
 Eigen::VectorXd DeviationsOfRows(const Eigen::MatrixXd& joint_px2) {
   Eigen::VectorXd deviations(joint_px2.rows());
   for (Eigen::Index i = 0; i < joint_px2.rows(); i += 2)
@@ -185,9 +185,8 @@ Eigen::VectorXd DeviationsOfRows(const Eigen::MatrixXd& joint_px2) {
   return deviations;
 }
 
-// Scales the modes of the correlation of pixels that features were seen near,
-// until they agree with the jackknife; other pixels as these are scaled in the
-// mean.
+// Scales the eigenmodes of the correlation of observed pixels to agree with the
+// jackknife, and other pixels by their mean factor.
 void ScaleByJackknife(const GroupJackknife& jackknife, const Lattice& lattice,
                       const std::vector<PixelUncertainty>& pixels,
                       JointCovariances* covariances) {
@@ -202,7 +201,7 @@ void ScaleByJackknife(const GroupJackknife& jackknife, const Lattice& lattice,
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
       weights.asDiagonal() * ((total + total.transpose()) / 2) *
       weights.asDiagonal());
-  // The largest variance first; those of other pixels are zeros.
+  // In descending order of variance; those of unobserved pixels are zero.
   const Eigen::Index num_seen = (weights.array() > 0).count();
   const Eigen::MatrixXd modes =
       solver.eigenvectors().rowwise().reverse().leftCols(num_seen);

@@ -8,52 +8,51 @@
 
 namespace raygrid {
 
-/// How well a pixel's ray is known: of where a known direction is seen. Not
-/// numbers where the camera is undefined.
+/// The predicted uncertainty of the projection of a distant point at a pixel.
+/// NaN where the camera is undefined.
 struct PixelUncertainty {
   Eigen::Vector2d pixel;
-  /// How it would scatter, were the noise drawn anew.
+  /// The noise part: the covariance over repeated draws of the feature noise.
   Eigen::Matrix2d noise_px2;
-  /// The move of the pixel by the prior, as estimated: noise apart, the error.
+  /// The estimated bias by the prior.
   Eigen::Vector2d smoothing_px;
-  /// How far it may be from the truth: also what the prior leaves open where
-  /// observations do not tell.
+  /// The sum of noise and prior part, the latter for what the observations do
+  /// not determine.
   Eigen::Matrix2d total_px2;
-  /// By how much the jackknife scaled the standard deviation of total_px2.
+  /// The factor by which the jackknife scaled the standard deviations.
   double jackknife_scale = 1;
-  int num_observations = 0;  ///< nearer to it than to other pixels
+  int num_observations = 0;  ///< the nearest pixel of which is this one
 };
 
-/// Standard deviation of a coordinate: the RMS of both axes.
+/// Standard deviation of a coordinate (1 sigma): the RMS of both axes.
 double AxisDeviation(const Eigen::Matrix2d& covariance);
 
-/// The options of the uncertainty at pixels from corner to corner of a camera's
-/// area, row by row.
+/// Options of the uncertainty, computed on a lattice of pixels over the
+/// calibrated area, row by row.
 struct UncertaintyOptions {
   int columns = 17, rows = 13;
   int num_samples = 64;
 };
 
-/// The uncertainty of an adjusted camera, with poses and points as unknown as
-/// they were. With H = J^T J + P of the normal equations, the prior precision P
-/// and the noise variance s^2, white noise gives the parameters the covariance
-/// s^2 H^-1 J^T J H^-1, and the prior s^2 H^-1 P H^-1 besides. Their mean is
-/// H^-1 P (c - c0) from the truth c, of which the adjusted parameters are an
-/// estimate; c0 is the prior's mean. The gauge, the camera's orientation, is
-/// fixed by least squares to the true rays of the observations. The flex of a
-/// view counts as noise, being drawn anew with each view.
+/// Computes the uncertainty of an estimated camera, marginalized over poses and
+/// target points. With H = J^T J + P of the normal equations, P the Hessian of
+/// the prior and s^2 the noise variance, white noise gives the parameters the
+/// covariance s^2 H^-1 J^T J H^-1, and the prior s^2 H^-1 P H^-1. The bias is
+/// H^-1 P (c - c0), estimated by inserting the estimated parameters; c0 is the
+/// prior mean. The gauge, the camera's orientation, is fixed by least squares
+/// on the rays of the observations. Per-view deformation counts as noise, as it
+/// is drawn anew in each view.
 ///
-/// Residuals of real images are not white. So the covariance over the lattice
-/// is scaled mode by mode until it predicts how much the camera changes if
-/// groups of frames are left out (GroupJackknife).
+/// Residuals of real images are correlated. The covariance is therefore scaled,
+/// in bands of eigenmodes, to the parameter changes observed when groups of
+/// frames are left out (GroupJackknife).
 ///
-/// Exact where the response is; else by samples, which determine a standard
-/// deviation to 1 / sqrt(2 num_samples), 9 %.
-///
-/// @param jackknife of the response; nullptr: the noise is white
-/// @param joint_px2 the covariance of all pixels' x and y, of which total_px2
-///     is a part; may be nullptr
-/// @return empty if the equations are singular
+/// Exact if the response is; otherwise estimated from samples, with a relative
+/// standard error of 1 / sqrt(2 num_samples), 9 %.
+/// @param jackknife of the response; nullptr: white noise is assumed
+/// @param joint_px2 receives the joint covariance of x and y of all pixels,
+///     whose diagonal blocks are total_px2; may be nullptr
+/// @return empty if the normal equations are singular
 std::vector<PixelUncertainty> ProjectionUncertainty(
     const LinearResponse& response, double noise_px,
     const GroupJackknife* jackknife, const std::vector<View>& views,
@@ -61,10 +60,10 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
     const UncertaintyOptions& lattice = {},
     Eigen::MatrixXd* joint_px2 = nullptr);
 
-/// The lattice's pixels, each with the number of observations that are nearest
-/// to it, and how they move with the camera's parameters, two rows each, but
-/// for a rotation that all share: that of least squares over the observations.
-/// No move where the camera is undefined.
+/// The pixels of the lattice, each with the number of observations nearest to
+/// it, and their Jacobian with respect to the camera parameters (2 rows per
+/// pixel), after removing the rotation that best aligns the observed points.
+/// Zero where the camera is undefined.
 Eigen::MatrixXd MovesOfLattice(const std::vector<View>& views,
                                const AdjustmentState& state, int camera,
                                const UncertaintyOptions& lattice,

@@ -7,15 +7,15 @@
 namespace raygrid {
 namespace {
 
-// *matrix -= factor factor^T, lower triangle. In panels of rows whose number
-// does not depend on the threads, so that neither does the result.
+// *matrix -= factor factor^T, lower triangle, in panels of rows. Their number
+// does not depend on the number of threads, for deterministic results.
 void SubtractProduct(const Eigen::MatrixXd& factor, int num_threads,
                      Eigen::MatrixXd* matrix) {
   constexpr int kPanel = 128;
   const int size = static_cast<int>(matrix->rows());
   const int num_panels = (size + kPanel - 1) / kPanel;
   ParallelFor(num_panels, num_threads, [&](int i) {
-    // The last panels are the longest: first.
+    // The last panels are the longest: process them first.
     const int begin = (num_panels - 1 - i) * kPanel;
     const int rows = std::min(kPanel, size - begin);
     matrix->block(begin, 0, rows, begin + rows).noalias() -=
@@ -24,9 +24,9 @@ void SubtractProduct(const Eigen::MatrixXd& factor, int num_threads,
   });
 }
 
-// A residual's derivatives by parameters that no other node shares: global ones
-// of the camera, its pose in the rig, the board's place on a body, its shape,
-// the kept group. Columns ascend.
+// A residual's Jacobians except that of the control points: the camera's global
+// parameters, camera_from_rig, body_from_board, static deformation, and the
+// kept group. Columns ascend.
 struct OtherColumns {
   static constexpr int kMax = LinearizedProjection::kMaxGlobal + 12 +
                               FlexModes::kMaxCount + kMaxPerPose;
@@ -45,13 +45,13 @@ struct OtherColumns {
 
 using ByBlock = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxPerPose>;
 
-// *y += factor * x, of as many numbers.
+// *y += factor * x, vectors of the given size.
 void AddScaled(double factor, const double* x, int size, double* y) {
   for (int n = 0; n < size; ++n) y[n] += factor * x[n];
 }
 
-// The product of a node's derivatives and others, pairs of numbers: as many
-// numbers a column of these.
+// The product J_node^T J_other, stored column by column; Jacobians are stored
+// as pairs.
 void MultiplyPairs(const double* by_node, int size, const double* others,
                    int num_others, double* product) {
   for (int other = 0; other < num_others; ++other)
@@ -60,8 +60,9 @@ void MultiplyPairs(const double* by_node, int size, const double* others,
                                   by_node[2 * n + 1] * others[2 * other + 1];
 }
 
-// A residual's products that its nodes are part of. Loops over plain numbers,
-// since a compiler takes half a minute for as many products of small matrices.
+// A residual's contributions that involve its control points. Loops over
+// scalars, because compiling products of small fixed-size matrices takes half a
+// minute.
 struct NodeContribution {
   const ViewJacobian& jacobian;
   int column, first;  // of the residual, and the camera's first parameter
@@ -69,7 +70,7 @@ struct NodeContribution {
   const ByBlock& by_block;
   const Eigen::Vector2d& error;
 
-  // kPerNode as of WithNumPerNode(). Columns of w are those of the residual's
+  // kPerNode as in WithNumPerNode(). Columns of w are those of the residual's
   // block.
   template <int kPerNode, typename Columns>
   void AddTo(Eigen::MatrixXd* a, Columns* w, Eigen::MatrixXd* gradient) const {
@@ -78,7 +79,7 @@ struct NodeContribution {
     const int size = kPerNode > 0 ? kPerNode : jacobian.num_per_node;
     const int num_block = static_cast<int>(by_block.cols());
     const double* by_node = &jacobian.by_node(0, column);
-    // All nodes act alike, but for their weights.
+    // The Jacobians of all control points are equal except for their weights.
     double node_node[kMax * kMax], node_error[kMax];
     double node_block[kMax * kMaxPerPose];
     double node_others[kMax * OtherColumns::kMax];
@@ -360,7 +361,7 @@ int NumDenseUnknowns(const ParameterLayout& layout) {
 }
 
 bool DenseIsFaster(const ParameterLayout& layout, double large_operations) {
-  constexpr double kSmall = 1100;  // so few are always solved fast
+  constexpr double kSmall = 1100;  // below this, always fast
   if (!layout.has_cameras()) return true;
   const double kept = NumDenseUnknowns(layout);
   const double eliminated =

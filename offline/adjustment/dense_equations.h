@@ -10,16 +10,16 @@
 
 namespace raygrid {
 
-/// The equations in the blocks
-///   [ A   W ] [ cameras, their poses in the rig, and kept group ]
-///   [ W^T V ] [ eliminated group                                ]
-/// The groups are rig poses (6 numbers each, and flex) and points (3 each). A
-/// residual belongs to one pose and one point, so V is block-diagonal for
-/// either; the larger group is eliminated (Schur complement) and a dense system
-/// is left.
+/// The normal equations in block form
+///   [ A   W ] [ cameras, camera_from_rig, and kept group ]
+///   [ W^T V ] [ eliminated group                         ]
+/// The groups are rig poses (6 parameters each, and deformation) and points (3
+/// each). A residual depends on one pose and one point, so V is block-diagonal
+/// for either group; the larger one is eliminated, and the Schur complement is
+/// factored.
 class DenseEquations : public NormalEquations {
  public:
-  /// modes: the ways in which boards may bend.
+  /// modes: the deformation modes of the boards.
   DenseEquations(const ParameterLayout& layout,
                  const std::vector<ViewJacobian>& jacobians,
                  const FlexModes& modes, const PriorEquations& prior,
@@ -31,49 +31,48 @@ class DenseEquations : public NormalEquations {
   int NumCheapSides() const override { return 64; }
 
  private:
-  // Right sides or solutions, of the kept and of the eliminated parameters.
+  // Right-hand sides or solutions: kept and eliminated parameters.
   struct Columns {
     Eigen::MatrixXd kept, eliminated;
   };
-  // A - sum W V^-1 W^T, factored.
+  // The Schur complement A - sum W V^-1 W^T, factored.
   struct Reduced {
     std::vector<Eigen::LLT<PoseMatrix>> blocks;
     Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> dense;
   };
-  // Adds nothing to bends that boards have in all views, unless points are
-  // fixed.
+  // Adds nothing to static deformation unless the points are fixed.
   void AddJacobian(const ViewJacobian& jacobian, const FlexModes& modes);
-  // Gives bends the sums of their points, by ShapeMoves.
+  // Adds static deformation by the chain rule from the points (ShapeMoves).
   void AddBends(const ShapeMoves& moves);
   void AddPrior(const PriorEquations& prior);
   bool Reduce(double lambda, Reduced* reduced) const;
-  // The place of the first pose among the kept, or the eliminated.
+  // The index of the first pose in its group, kept or eliminated.
   int FirstPose() const { return eliminate_points_ ? layout_.first_point : 0; }
-  // Parameters before the kept poses, in the layout too.
+  // The number of parameters before the kept poses, as in the layout.
   int NumCommon() const {
     return eliminate_points_ ? layout_.first_point : layout_.size;
   }
-  // The last one made, if it has this damping.
+  // The last Schur complement, if it was made with this damping.
   const Reduced* ReducedFor(double lambda) const;
   Columns Solution(const Reduced& reduced, Columns right) const;
 
   ParameterLayout layout_;
   int num_threads_;
-  bool eliminate_points_;  // or else the poses
+  bool eliminate_points_;  // otherwise the poses
   int block_size_;
   Eigen::MatrixXd a_;  // lower triangle
   std::vector<PoseMatrix> v_;
-  Eigen::MatrixXd w_;  // the blocks' columns side by side
+  Eigen::MatrixXd w_;  // blocks side by side
   Columns gradient_;
   mutable double last_lambda_ = -1;
   mutable Reduced last_;
 };
 
-/// Unknowns of the dense system.
+/// The dimension of the dense Schur complement.
 int NumDenseUnknowns(const ParameterLayout& layout);
 
 /// Whether a problem of this size is solved faster than by LargeEquations,
-/// whose last solution took so many operations; 0 if there was none.
+/// given the operation count of their last solution; 0 if there was none.
 bool DenseIsFaster(const ParameterLayout& layout, double large_operations);
 
 }  // namespace raygrid

@@ -10,8 +10,8 @@
 namespace raygrid {
 namespace {
 
-// Parameters that are independent, each in the pixels that a unit of it moves
-// an image by; 0 of those that do not belong to the group.
+// Independent parameters, each scaled to the displacement (px) that a unit of
+// it causes; 0 for those that are not in the group.
 PriorGroup CoefficientGroup(const Eigen::VectorXd& pixels) {
   PriorGroup group;
   group.precision.resize(pixels.size(), pixels.size());
@@ -26,12 +26,12 @@ PriorGroup CoefficientGroup(const Eigen::VectorXd& pixels) {
 PriorGroup DecentringGroup(const ParametricModel& lens, const Area& area,
                            int num_features) {
   PriorGroup group = CoefficientGroup(DecentringPixels(lens, area));
-  // An error has two coordinates.
+  // A residual has two coordinates.
   group.firmness = 2.0 * num_features * kDecentringPart * kDecentringPart;
   return group;
 }
 
-// A Matern field over the angle, of the pixels that the factor moves by.
+// A Matern field over the angle, for the displacement (px) by the factor.
 PriorGroup RadialGroup(const CentralRadial& lens) {
   const int count = static_cast<int>(lens.spline().size());
   const double kappa = MaternKappa(lens.max_angle_rad(), lens.cell_rad());

@@ -7,13 +7,13 @@
 
 namespace raygrid {
 
-/// Distortion coefficients around zero, each in the pixels that it moves the
-/// corner of an area by: high orders that the observations say little about
-/// stay small, where they would otherwise fold the image beyond the outermost
-/// features. Focal lengths and centre are free. A radial spline scatters
-/// smoothly around where it is, as a group of its own. So do the terms that
-/// tilt the lens, whose weight is at least what camera/decentring.h asks for
-/// with so many features.
+/// Makes the prior of a parametric model: zero-mean for distortion
+/// coefficients, each scaled to its displacement (px) in the corner of the
+/// area. It regularizes high orders, which could otherwise fold the image
+/// beyond the outermost features. Focal lengths and principal point are free. A
+/// radial spline has a smooth prior about its current values, in a group of its
+/// own; so do tangential and thin-prism terms, with a precision floor for the
+/// number of features (camera/decentring.h).
 CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area,
                             int num_features);
 

@@ -25,18 +25,18 @@ void PriorGroup::HoldFree(const Eigen::VectorXd& holds) {
   const Eigen::MatrixXd& directions = freer_.directions;
   Eigen::MatrixXd square = directions.transpose() * precision * directions;
   square.diagonal() += holds;
-  // Parameters of a lens may be all but dependent.
+  // Parameters of a model may be nearly dependent.
   constexpr double kRidge = 1e-10;
   square.diagonal() *= 1 + kRidge;
   const Eigen::LLT<Eigen::MatrixXd> root(square);
   free = root.matrixL().solve(directions.transpose()).transpose();
-  // Turned among themselves until D^T K D is diagonal.
+  // Rotated to make D^T K D diagonal.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> turn(free.transpose() *
                                                             precision * free);
   free = free * turn.eigenvectors();
   const double part = 1 - kHeld * kHeld;
   freed = std::sqrt(part) * (precision * free);
-  // (I - m K d d^T) b scatters by K - (2 m - m^2 d^T K d) K d d^T K.
+  // (I - m K d d^T) b has the covariance K - (2 m - m^2 d^T K d) K d d^T K.
   rank = full_rank_;
   for (Eigen::Index k = 0; k < free.cols(); ++k) {
     constexpr double kRatherFree = 0.5;

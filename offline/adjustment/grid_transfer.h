@@ -8,35 +8,35 @@
 
 namespace raygrid {
 
-/// Nodes in rows, with a camera's parameters node by node.
+/// The size of a grid of control points and the layout of its parameters.
 struct GridShape {
   int columns = 0, rows = 0, per_node = 0;
 
   int num_nodes() const { return columns * rows; }
   int num_parameters() const { return num_nodes() * per_node; }
-  /// The shape of the grid with cells twice as long.
+  /// The shape of the grid with twice the knot spacing.
   GridShape Halved() const;
 };
 
-/// The shape of the grid that a camera's projections depend on, from what they
-/// say of its nodes; nothing in it if there is no grid.
+/// The shape of a camera's grid, from the Jacobian; empty if the model has no
+/// grid.
 GridShape ShapeOf(const ViewJacobian& jacobian, int num_parameters);
 
-/// Takes fields from a coarse grid over the same area to a fine one: a fine
-/// node's value is the coarse spline's at the fine node's place.
+/// Prolongation of fields from a coarse grid to a fine one over the same area:
+/// a fine control point gets the value of the coarse spline there.
 class GridTransfer {
  public:
   GridTransfer(const GridShape& fine, const GridShape& coarse);
 
   const GridShape& coarse() const { return coarse_; }
 
-  /// *fine += T coarse, of several fields, with a parameter's numbers side by
-  /// side.
+  /// *fine += T coarse, for several fields; the fields of one parameter are
+  /// adjacent in memory.
   void AddProlonged(int num_fields, const double* coarse, double* fine) const;
   /// T^T fine
   Eigen::VectorXd Restricted(int num_fields, const double* fine) const;
 
-  /// The coarse nodes of a fine row or column, and their weights.
+  /// The coarse control points of a fine row or column, with weights.
   struct Support {
     int first = 0;
     double weight[4];

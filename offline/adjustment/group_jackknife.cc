@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kMaxGroups = 16;
 
-// Views without a group of poses, and the state without these poses.
+// The views without a group of poses, and the state without these poses.
 struct Remaining {
   std::vector<View> views;
   AdjustmentState state;
@@ -52,8 +52,8 @@ ViewErrors OfGroup(const LinearResponse& response, ViewErrors errors, int group,
   return errors;
 }
 
-// Residuals that the adjustment leaves of white noise of variance 1, with a
-// prior mean and flex of their own.
+// Draws residuals after optimization, for white noise of variance 1 and a
+// random prior mean and deformation.
 std::vector<ViewErrors> DrawResiduals(const LinearResponse& response,
                                       int count) {
   std::mt19937 random_bits(1);  // the standard fixes its sequence
@@ -73,13 +73,13 @@ std::vector<ViewErrors> DrawResiduals(const LinearResponse& response,
   return residuals;
 }
 
-// An estimate of the logarithm of a ratio of variances, and its variance.
+// An estimate of a log variance ratio, and its variance.
 struct LogRatio {
   double mean = 0, variance = 0;
 };
 
-// Of sums of n independent squares: log chi^2_n / n has a
-// mean of about -1/n and a variance of about 2/n.
+// For sums of n independent squares: log chi^2_n / n has a mean of about -1/n
+// and a variance of about 2/n.
 LogRatio LogRatioOf(double observed, double predicted, double independent) {
   return {std::log(observed / predicted) + 1 / independent, 2 / independent};
 }
@@ -94,7 +94,7 @@ LogRatio Shrunk(const LogRatio& estimate, const LogRatio& prior) {
 struct Band {
   double observed = 0, predicted = 0, squared_sum = 0, sum_of_squares = 0;
 
-  // Parts of the band that contribute alike.
+  // The effective number of independent components of the band.
   double NumIndependent() const {
     return std::max(1.0, squared_sum / sum_of_squares);
   }

@@ -14,8 +14,8 @@ namespace raygrid {
 namespace {
 
 constexpr int kMaxIterations = 300;
-// A preconditioner is renewed when it takes twice the iterations that it took
-// when it was new, and so many more.
+// A preconditioner is recomputed if it needs more than twice the iterations
+// that it needed when new, plus this number.
 constexpr int kMaxWorse = 6;
 
 }  // namespace
@@ -52,8 +52,8 @@ LargeEquations::LargeEquations(const ParameterLayout& layout,
   }
 }
 
-// Work is cut into as many chunks whatever the number of threads, and their
-// sums added in their order.
+// The number of chunks does not depend on the number of threads, and their sums
+// are added in order, for deterministic results.
 int LargeEquations::NumChunks() const {
   return std::min<int>(16, static_cast<int>(poses_.size()));
 }
@@ -97,11 +97,11 @@ void LargeEquations::AccumulatePoses() {
       });
 }
 
-// A where the preconditioner wants it: nodes with nodes, points with
-// themselves, and the rest's diagonal.
+// The entries of A that the preconditioner uses: between control points, the
+// blocks of points, and the diagonal of the remainder.
 Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
   std::vector<Eigen::Triplet<double>> triplets;
-  constexpr int kBandRows = 8;  // more than the 4 that a residual depends on
+  constexpr int kBandRows = 8;  // above 4, the extent of a residual
   for (size_t c = 0; c < shapes_.size(); ++c) {
     const GridShape& shape = shapes_[c];
     if (shape.per_node == 0) continue;
@@ -196,7 +196,7 @@ Columns<kNum> LargeEquations::Apply(const System& system,
   const Columns<kNum> moved = moves_.Moved(x);
   Columns<kNum> y = SumOverPoses<kNum>([&](int p, Columns<kNum>* sum) {
     const std::vector<int>& views = poses_[p].views;
-    std::vector<Columns<kNum>> images;  // of x, by each view
+    std::vector<Columns<kNum>> images;  // of x, by view
     Eigen::Matrix<double, Eigen::Dynamic, kNum, 0, kMaxPerPose, kNum> pose;
     pose.setZero(layout_.per_pose, kNum);
     for (const int v : views) {
@@ -385,7 +385,7 @@ bool LargeEquations::ConjugateGradients(const System& system, bool is_started,
        ++iterations) {
     const Columns<kNum> image = Apply<kNum>(system, direction);
     const Each curvature = dot(direction, image);
-    // A solution stays as it is, so that none depends on others.
+    // A converged solution is not changed, so that solutions are independent.
     const Eigen::Array<bool, 1, kNum> is_open = product > target;
     if ((is_open && !(curvature > 0)).any()) return false;
     const Each length = is_open.select(product / curvature, 0.0);
@@ -428,7 +428,7 @@ bool LargeEquations::SolveColumns(const System& system, bool is_started,
   return is_solved;
 }
 
-// Takes many sides at once: a residual's derivatives are read once for all.
+// Solves for several right-hand sides at once: each Jacobian is read once.
 bool LargeEquations::SolveSystem(const System& system, bool is_started,
                                  Eigen::MatrixXd* sides,
                                  Eigen::MatrixXd* x) const {
@@ -540,14 +540,14 @@ bool LargeEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
                               Eigen::MatrixXd* solution) const {
   Eigen::MatrixXd rest;
   const bool is_solved = SolveAll(lambda, false, right, solution, &rest);
-  memory_->last_solution.resize(0, 0);  // no start for other right sides
+  memory_->last_solution.resize(0, 0);  // no initial value for other sides
   return is_solved;
 }
 
 bool LargeEquations::SolveWithRest(double lambda, const Eigen::MatrixXd& right,
                                    Eigen::MatrixXd* solution,
                                    Eigen::MatrixXd* rest) const {
-  // The solution changes little from one set of equations to the next.
+  // The solution changes little between successive normal equations.
   const Eigen::MatrixXd& last = memory_->last_solution;
   const bool has_last =
       last.rows() == layout_.size && last.cols() == right.cols();

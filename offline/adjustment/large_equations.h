@@ -16,26 +16,25 @@
 
 namespace raygrid {
 
-/// The equations for many parameters, of which no matrix is formed. Rig poses
-/// are eliminated; what is left,
-///   S = A - sum W V^-1 W^T
-/// over cameras, their poses in the rig and points, is applied residual by
-/// residual within conjugate gradients. Their preconditioner adds up
-///   - the inverses of the blocks of A of each node and each point, and of
-///     each node of ever coarser grids: a multilevel preconditioner (Bramble,
-///     Pasciak, Xu, "Parallel multilevel preconditioners", 1990), which
-///     smoothness priors need. Those of a non-central grid have axes of their
-///     own (NodeFrames());
-///   - the inverse of S itself on the coarsest grid, with the points' bends of
-///     second order: there lie the directions that poses can make up for, such
-///     as focal lengths.
+/// Normal equations of large problems; no matrix is formed. Rig poses are
+/// eliminated, and the Schur complement S = A - sum W V^-1 W^T over cameras,
+/// camera_from_rig and points is applied residual by residual in conjugate
+/// gradients. The preconditioner is the sum of
+///   - the inverse diagonal blocks of A for control points and target points,
+///     and for control points of ever coarser grids: a multilevel
+///     preconditioner
+///     (Bramble, Pasciak, Xu, "Parallel multilevel preconditioners", 1990),
+///     which smoothness priors require; in local axes for non-central grids;
+///   - the inverse of S on the coarsest grid, with deformation modes of second
+///     order: it covers the directions that poses nearly compensate, such as
+///     focal lengths.
 class LargeEquations : public NormalEquations {
  public:
   class Memory;
 
-  /// Solutions stop at an error of about tolerance times their size. What
-  /// *memory has of equations of this layout before is used as long as it
-  /// serves; H's diagonal, for the damping, likewise.
+  /// Iterates to a relative error of about tolerance. Reuses what *memory holds
+  /// of earlier equations of this layout while it converges well, and the
+  /// diagonal of H for the damping.
   LargeEquations(const ParameterLayout& layout,
                  std::vector<ViewJacobian> jacobians,
                  const PriorEquations& prior, const AdjustmentState& state,
@@ -56,16 +55,16 @@ class LargeEquations : public NormalEquations {
     PoseMatrix v;
     PoseVector gradient;
   };
-  // S with damping.
+  // The damped Schur complement.
   struct System {
     double lambda = 0;
     Eigen::VectorXd damping;
     std::vector<Eigen::LLT<PoseMatrix>> poses;
   };
-  // Blocks of the inverse, of a grid's nodes.
+  // Inverse blocks of the control points of one grid level.
   struct Level {
     GridTransfer transfer;
-    Eigen::MatrixXd inverse;  // per_node columns a node
+    Eigen::MatrixXd inverse;  // per_node columns per node
   };
   struct CameraLevels {
     int first = 0;
@@ -74,15 +73,15 @@ class LargeEquations : public NormalEquations {
   };
   struct Preconditioner {
     std::vector<CameraLevels> cameras;
-    NodeFrames frames;       // that the cameras' blocks are in
-    Eigen::MatrixXd points;  // three columns a point
+    NodeFrames frames;       // of the cameras' blocks
+    Eigen::MatrixXd points;  // three columns per point
     CoarseBasis basis;
     Eigen::LLT<Eigen::MatrixXd> coarse;
   };
 
   int NumChunks() const;
   int ChunkBegin(int chunk) const;
-  // The sum of what body(pose, &sum) adds over ShapeMoves::moved().
+  // Sums the contributions body(pose, &sum) over ShapeMoves::moved().
   template <int kNum, typename Body>
   Columns<kNum> SumOverPoses(const Body& body) const;
 
@@ -96,17 +95,17 @@ class LargeEquations : public NormalEquations {
                                const Preconditioner& preconditioner) const;
   bool MakePreconditioner(const System& system,
                           Preconditioner* preconditioner) const;
-  // a: in the nodes' frames.
+  // Preconditioner levels of a camera; a: in local axes (NodeFrames).
   CameraLevels LevelsOf(int camera, const Eigen::SparseMatrix<double>& a) const;
   template <int kNum>
   Columns<kNum> Precondition(const Preconditioner& preconditioner,
                              const Columns<kNum>& residual) const;
-  // Solves by conjugate gradients, for several sides at once, from *x or from
-  // zero. *side becomes what is left of it.
+  // Solves by conjugate gradients for several right-hand sides, from *x or from
+  // zero. *side becomes the final residual.
   template <int kNum>
   bool ConjugateGradients(const System& system, bool is_started,
                           Columns<kNum>* side, Columns<kNum>* x) const;
-  // W y of a pose's y, added to *sum; W^T x of a pose. Over
+  // Adds W y of one pose to *sum; returns W^T x of a pose. Over
   // ShapeMoves::moved().
   void AddByPose(int pose, const PoseVector& y, Eigen::VectorXd* sum) const;
   PoseVector OfPose(int pose, const Eigen::VectorXd& x) const;
@@ -116,14 +115,14 @@ class LargeEquations : public NormalEquations {
   // V^-1 (poses - W^T x)
   Eigen::VectorXd PosesBehind(const System& system, const Eigen::VectorXd& x,
                               Eigen::VectorXd poses) const;
-  // Solves with a preconditioner that serves, from *x or from zero. *sides
-  // become what is left of them.
+  // Solves with a suitable preconditioner, from *x or from zero. *sides become
+  // the final residuals.
   bool SolveSystem(const System& system, bool is_started,
                    Eigen::MatrixXd* sides, Eigen::MatrixXd* x) const;
   template <int kNum>
   bool SolveColumns(const System& system, bool is_started, Eigen::Index first,
                     Eigen::MatrixXd* sides, Eigen::MatrixXd* x) const;
-  // From the last solution or from zero; arguments as of SolveWithRest().
+  // Solves from the last solution or from zero; see SolveWithRest().
   bool SolveAll(double lambda, bool is_started, const Eigen::MatrixXd& right,
                 Eigen::MatrixXd* solution, Eigen::MatrixXd* rest) const;
 
@@ -141,16 +140,16 @@ class LargeEquations : public NormalEquations {
   std::shared_ptr<Memory> memory_;
 };
 
-/// The memory of equations: all that later ones can use of them.
+/// State that later equations of the same layout can reuse.
 class LargeEquations::Memory {
  public:
-  /// Iterations of conjugate gradients in the last solution from nothing.
+  /// Conjugate-gradient iterations of the last solution from zero.
   int last_iterations() const { return last_iterations_; }
 
  private:
   friend class LargeEquations;
   Eigen::VectorXd diagonal;           // of H without the prior
-  Eigen::SparseMatrix<double> local;  // LocalMatrix() of the equations at hand
+  Eigen::SparseMatrix<double> local;  // LocalMatrix() of the current equations
   std::unique_ptr<Preconditioner> preconditioner;
   int iterations_when_new = 0, last_iterations_ = 0;
   Eigen::MatrixXd last_solution;  // of SolveWithRest()

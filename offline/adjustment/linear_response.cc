@@ -76,7 +76,7 @@ ViewErrors LinearResponse::DrawNoise(std::mt19937* random_bits) const {
 
 // With P = B B^T + R R^T.
 Eigen::VectorXd LinearResponse::DrawPrior(std::mt19937* random_bits) const {
-  // Drawn in an order that no compiler chooses.
+  // In a fixed order of evaluation, independent of the compiler.
   const Eigen::VectorXd root_signs =
       RandomSigns(prior_root_.size(), random_bits);
   const Eigen::VectorXd other_signs =

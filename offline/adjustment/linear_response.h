@@ -13,16 +13,16 @@
 
 namespace raygrid {
 
-/// Errors of the residuals of each view: a column an observation. Those of
-/// parameters are over all of them, as ParameterLayout has them.
+/// Errors of the residuals of each view, one column per observation. Errors of
+/// parameters are ordered as in ParameterLayout.
 using ViewErrors = std::vector<Eigen::Matrix2Xd>;
 
-/// How an adjusted state answers to other errors of its observations and to
-/// another mean of its prior: H x = J^T e + g, with H = J^T J + P.
+/// The linear response of an estimated state to errors of its observations and
+/// of its prior mean: H x = J^T e + g, with H = J^T J + P.
 class LinearResponse {
  public:
-  /// Factors H up to so many unknowns of DenseEquations; beyond, where that
-  /// takes too much time and memory, solutions are iterated to an error of 1 %.
+  /// Factors H up to a limit on the number of unknowns of DenseEquations;
+  /// larger problems are solved iteratively to an error of 1 %.
   LinearResponse(const std::vector<View>& views, const GaussianPrior& prior,
                  const AdjustmentOptions& options, const AdjustmentState& state,
                  int max_exact_unknowns = 2500);
@@ -39,15 +39,15 @@ class LinearResponse {
 
   /// White errors of variance 1.
   ViewErrors DrawNoise(std::mt19937* random_bits) const;
-  /// A gradient of covariance P, but for the flex's share.
+  /// Draws a gradient of covariance P without the deformation's part.
   Eigen::VectorXd DrawPrior(std::mt19937* random_bits) const;
-  /// A gradient of the covariance of the flex's share of P.
+  /// Draws a gradient of the covariance of the deformation's part of P.
   Eigen::VectorXd DrawFlex(std::mt19937* random_bits) const;
-  /// The prior's own gradient.
+  /// The gradient of the prior.
   Eigen::VectorXd PriorGradient() const;
 
-  /// Solves for several right sides, over all parameters or those before the
-  /// poses. False if H is not positive definite.
+  /// Solves for several right-hand sides, over all parameters or those before
+  /// the poses. False if H is not positive definite.
   bool Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* x) const {
     return equations_->SolveFor(0, right, x);
   }

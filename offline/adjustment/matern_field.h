@@ -8,11 +8,11 @@ namespace raygrid {
 /// The order of the precision (kappa^2 - Laplacian)^kMaternOrder of a Matern
 /// field, whose smoothness is one less (Lindgren, Rue, Lindstrom, "An explicit
 /// link between Gaussian fields and Gaussian Markov random fields", 2011). It
-/// is written as differences of orders 0 to kMaternOrder between neighbours.
+/// is discretized by differences of orders 0 to kMaternOrder.
 constexpr int kMaternOrder = 3;
 
-/// kappa, for cells as the unit, of a field that is correlated over half its
-/// extent: over sqrt(8 (kMaternOrder - 1)) / kappa.
+/// kappa in units of 1 / knot spacing, for a correlation range sqrt(8
+/// (kMaternOrder - 1)) / kappa of half the extent.
 inline double MaternKappa(double extent, double cell) {
   constexpr double kRangePart = 0.5;
   return std::sqrt(8.0 * (kMaternOrder - 1)) / (kRangePart * extent) * cell;
@@ -22,7 +22,7 @@ inline double Binomial(int n, int k) {
   return k == 0 ? 1 : Binomial(n - 1, k - 1) * n / k;
 }
 
-/// Differences of an order between neighbours: 1; -1 1; 1 -2 1; ...
+/// Coefficients of finite differences of an order: 1; -1 1; 1 -2 1; ...
 inline double DifferenceFactor(int order, int index) {
   return Binomial(order, index) * ((order - index) % 2 == 0 ? 1 : -1);
 }

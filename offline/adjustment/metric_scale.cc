@@ -63,8 +63,8 @@ void Apply(const Similarity& similarity, const AlignedBoard& board,
   if (state->HasShapes()) state->flex[state->modes.boards[board.first]] *= s;
 }
 
-// A board's place on its body, when both were brought to their nominal points:
-// x' = s R x + t on the body, and x' = s Q y + u of a point y of the board.
+// Updates body_from_board after alignment to the nominal points: x' = s R x + t
+// for the target, and x' = s Q y + u for a point y of the board.
 void ApplyToPlace(const Similarity& body, const Similarity& board,
                   Pose* body_from_board) {
   Pose& pose = *body_from_board;
@@ -75,7 +75,7 @@ void ApplyToPlace(const Similarity& body, const Similarity& board,
   pose.translation = moved - pose.rotation * board.translation();
 }
 
-// The similarities' scales become one, by least squares over all points.
+// The common scale of similarities, by least squares over all points.
 double CommonScale(const std::vector<Similarity>& similarities) {
   double sum = 0, weight = 0;
   for (const Similarity& similarity : similarities) {
@@ -85,7 +85,7 @@ double CommonScale(const std::vector<Similarity>& similarities) {
   return weight > 0 ? sum / weight : 1;
 }
 
-// Boards of one body get one scale.
+// Assigns one scale to the boards of each rigid multi-board target.
 void ShareScaleOnBodies(const std::vector<AlignedBoard>& boards,
                         std::vector<Similarity>* similarities) {
   for (const AlignedBoard& frame : boards) {
@@ -99,7 +99,7 @@ void ShareScaleOnBodies(const std::vector<AlignedBoard>& boards,
   }
 }
 
-// The places of the boards of a body, of which one is its frame.
+// Updates the poses of a rigid target's boards, one of which is its frame.
 void ApplyToPlaces(const std::vector<AlignedBoard>& boards,
                    const std::vector<Similarity>& similarities, size_t frame,
                    AdjustmentState* state) {
@@ -113,7 +113,7 @@ void ApplyToPlaces(const std::vector<AlignedBoard>& boards,
 
 void AlignToNominal(const std::vector<AlignedBoard>& boards,
                     AdjustmentState* state) {
-  // Lines that do not meet in a point have a scale.
+  // Observation lines that do not intersect determine the scale.
   const bool scale_is_free =
       std::all_of(state->cameras.begin(), state->cameras.end(),
                   [](const auto& camera) { return camera->IsCentral(); });

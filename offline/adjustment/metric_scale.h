@@ -7,25 +7,25 @@
 
 namespace raygrid {
 
-/// A board in a state.
+/// A board to be aligned to its nominal geometry.
 struct AlignedBoard {
-  int first = 0;                         ///< of its points
-  std::vector<Eigen::Vector3d> nominal;  ///< where they ought to be
-  std::vector<int> poses;                ///< that are those of its frame
-  /// Boards of one body have one number. Its frame is that of the board whose
-  /// place is -1.
+  int first = 0;                         ///< index of its first point
+  std::vector<Eigen::Vector3d> nominal;  ///< nominal positions (m)
+  std::vector<int> poses;                ///< poses of its frame
+  /// Boards with the same number form a rigid multi-board target. Its frame is
+  /// that of the board with place -1.
   int body = -1;
-  int place = -1;  ///< as View::place
+  int place = -1;  ///< see View::place
 };
 
-/// Neither scale nor frame of a free pattern can be observed. Brings boards to
-/// their nominal points by the best similarities (Umeyama, 1991), and their
-/// poses with them, so that no reprojection changes. With a single camera, each
-/// body has a scale of its own; the cameras of a rig tie the boards together:
-/// one scale, the boards' mean (weighted by their extent squared), which the
-/// rig's cameras follow. With a camera that is not central, whose lines' points
-/// would have to scale too, only by the best rigid motions: there the points'
-/// prior has held the scale.
+/// Fixes the gauge of an estimated target, whose scale and frame are not
+/// observable: aligns boards to their nominal points by similarity transforms
+/// (Umeyama, 1991) and updates the poses, so that no reprojection changes. With
+/// a single camera, each rigid target has a scale of its own; a rig has one
+/// common scale, the mean over boards (weighted by their squared extent), which
+/// is also applied to the cameras. With non-central cameras, whose line points
+/// would have to be scaled too, only rigid motions are used: the prior of the
+/// points has fixed the scale.
 void AlignToNominal(const std::vector<AlignedBoard>& boards,
                     AdjustmentState* state);
 

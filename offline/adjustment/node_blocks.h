@@ -10,7 +10,7 @@
 
 namespace raygrid {
 
-/// Inverts square blocks that stand side by side.
+/// Inverts square blocks that are stored side by side.
 template <typename Block>
 void InvertBlocks(Eigen::MatrixXd* blocks) {
   const Eigen::Index k = blocks->rows();
@@ -20,9 +20,9 @@ void InvertBlocks(Eigen::MatrixXd* blocks) {
   }
 }
 
-/// InvertBlocks() of a grid's nodes, of any size.
+/// InvertBlocks() for control points with any number of parameters.
 inline void InvertNodeBlocks(Eigen::MatrixXd* blocks) {
-  // A coarse node that nothing reaches has no entries.
+  // A coarse control point without any support has no entries.
   for (Eigen::Index i = 0; i < blocks->cols(); ++i)
     (*blocks)(i % blocks->rows(), i) += kDampingFloor;
   if (blocks->rows() == 2)
@@ -31,8 +31,8 @@ inline void InvertNodeBlocks(Eigen::MatrixXd* blocks) {
     InvertBlocks<Eigen::MatrixXd>(blocks);
 }
 
-/// *product += blocks * vectors, block by block, of several vectors whose
-/// numbers stand beside each other.
+/// *product += blocks * vectors, block by block; corresponding entries of the
+/// vectors are adjacent in memory.
 template <int kNum>
 void AddBlockProduct(const Eigen::MatrixXd& blocks, const double* vectors,
                      double* product) {
@@ -44,7 +44,7 @@ void AddBlockProduct(const Eigen::MatrixXd& blocks, const double* vectors,
             blocks(p, i) * vectors[i * kNum + n];
 }
 
-/// T^T A T's blocks of coarse nodes: T prolongs to the shape's grid, whose
+/// The diagonal blocks of T^T A T: T prolongs to the grid of this shape, whose
 /// parameters begin with the first of A.
 inline Eigen::MatrixXd CoarseBlocks(const GridShape& shape,
                                     const GridTransfer& transfer, int first,

@@ -7,29 +7,29 @@
 
 namespace raygrid {
 
-/// Axes of their own for the points of a non-central grid's nodes: two across
-/// the node's line, in the directions of its stereographic coordinates, and one
-/// along it. What observations tell little of is smooth in these axes, but not
-/// in the camera's: no observation tells how far a point is along its line, and
-/// few tell a shift across it from a turn. Other parameters stay as they are.
+/// Local axes for the points of a non-central grid: two across the observation
+/// line, in the directions of its stereographic coordinates, and one along it.
+/// Weakly observable fields are smooth in these axes, but not in camera axes:
+/// the position along the line is not observable, and shifts across it are
+/// nearly confounded with rotations. Other parameters are unchanged.
 class NodeFrames {
  public:
   NodeFrames() = default;
   NodeFrames(const ParameterLayout& layout, const AdjustmentState& state);
 
-  /// Vectors over a layout's parameters, in these axes.
+  /// Transforms vectors from the layout's axes to local axes.
   template <typename Columns>
   Columns Into(const Columns& vectors) const {
     if (is_same()) return vectors;
     return axes_.transpose() * vectors;
   }
-  /// Vectors in these axes, over the layout's parameters.
+  /// Transforms vectors from local axes to the layout's axes.
   template <typename Columns>
   Columns OutOf(const Columns& in_frames) const {
     if (is_same()) return in_frames;
     return axes_ * in_frames;
   }
-  /// A quadratic form over the layout's parameters, in these axes.
+  /// Transforms a quadratic form from the layout's axes to local axes.
   Eigen::SparseMatrix<double> FormInto(
       const Eigen::SparseMatrix<double>& form) const {
     if (is_same()) return form;
@@ -39,7 +39,7 @@ class NodeFrames {
  private:
   bool is_same() const { return axes_.size() == 0; }
 
-  Eigen::SparseMatrix<double> axes_;  // orthogonal; none if no camera has any
+  Eigen::SparseMatrix<double> axes_;  // orthogonal; empty if there are none
 };
 
 }  // namespace raygrid

@@ -10,10 +10,10 @@
 
 namespace raygrid {
 
-/// The camera's nodes with each other: for each node, per_node x per_node
-/// blocks with the 7 x 7 around it. Residuals are added band by band, those of
-/// the even bands of rows and of the odd ones apart, so that threads do not
-/// meet.
+/// The camera's block of J^T J: for each control point, per_node x per_node
+/// blocks with its 7 x 7 neighbours. Residuals are added in bands of rows,
+/// first the even bands, then the odd ones, so that threads do not write to the
+/// same blocks.
 class NodeProducts {
  public:
   explicit NodeProducts(const GridShape& shape)

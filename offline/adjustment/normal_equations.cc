@@ -15,7 +15,7 @@ int NumFree(const CameraPrior& prior) {
   return count;
 }
 
-// The first columns of the matrices that are the camera's.
+// The index of the first column of the camera in the matrices.
 struct FirstColumns {
   Eigen::Index root = 0, free = 0;
 };
@@ -58,8 +58,8 @@ void AddCameraPrior(const CameraPrior& prior, int first,
       std::sqrt(prior.orientation_weight) * g;
 }
 
-// How many operations conjugate gradients last took, in units of those of
-// products of matrices, which are faster.
+// The operation count of the last conjugate-gradient solution, in units of
+// (faster) matrix-product operations.
 double NumOperations(const std::vector<ViewJacobian>& jacobians,
                      const LargeEquations::Memory& memory) {
   constexpr double kPerObservation = 2000;

@@ -11,42 +11,41 @@
 
 namespace raygrid {
 
-/// A step of all parameters.
+/// A Gauss-Newton step of all parameters.
 struct AdjustmentStep {
-  std::vector<Eigen::VectorXd> cameras;  ///< none if they are fixed
-  std::vector<Eigen::Matrix<double, 6, 1>> camera_poses;  ///< but the first's
-  std::vector<Eigen::Matrix<double, 6, 1>> places;        ///< if not fixed
-  Eigen::VectorXd points;  ///< three numbers a point
+  std::vector<Eigen::VectorXd> cameras;  ///< empty if they are fixed
+  std::vector<Eigen::Matrix<double, 6, 1>> camera_poses;  ///< without the first
+  std::vector<Eigen::Matrix<double, 6, 1>> places;        ///< empty if fixed
+  Eigen::VectorXd points;                                 ///< three per point
   std::vector<Eigen::Matrix<double, 6, 1>> poses;
-  std::vector<FlexModes::Coefficients> flex;  ///< if boards bend
+  std::vector<FlexModes::Coefficients> flex;  ///< if deformation is estimated
 };
 
-/// The parameters without equations; cameras are fixed with their poses in the
-/// rig. Places of boards on bodies, and boards' shapes, are fixed where both
-/// others are.
+/// Parameters that are not optimized; fixed cameras imply a fixed
+/// camera_from_rig. body_from_board and static deformation are fixed if cameras
+/// and points are.
 struct FixedParameters {
   bool cameras = false, points = false;
 };
 
-/// The places of parameters in a vector of them all: cameras, their poses in
-/// the rig, boards' places on bodies, bends that boards have in all views,
-/// points; then, beyond its size, the rig poses, each with the flex of the
-/// board that stands there.
+/// Indices of parameters in a vector: cameras, camera_from_rig,
+/// body_from_board, static deformation, points; then, beyond its size,
+/// rig_from_pattern, each with the per-view deformation of its board.
 struct ParameterLayout {
   ParameterLayout(const AdjustmentState& state, const FixedParameters& fixed);
 
-  std::vector<int> first_camera;  ///< of each, and their end; {0} if fixed
+  std::vector<int> first_camera;  ///< and the end; {0} if fixed
   int first_place = 0, first_shape = 0, first_point = 0, size = 0;
-  int per_board = 0;   ///< bends of a board in all views
+  int per_board = 0;   ///< static modes per board
   int num_points = 0;  ///< 0 if they are fixed
-  int num_poses = 0;   ///< of the rig
-  int per_pose = 6;    ///< parameters of a pose and of the board's flex
+  int num_poses = 0;   ///< rig_from_pattern
+  int per_pose = 6;    ///< of a pose with its deformation
 
   bool has_cameras() const { return first_camera.size() > 1; }
   int NumCameraParameters(int camera) const {
     return first_camera[camera + 1] - first_camera[camera];
   }
-  /// The place of the pose of a camera but the first.
+  /// The index of camera_from_rig of a camera other than the first.
   int CameraPose(int camera) const {
     return first_camera.back() + 6 * (camera - 1);
   }
@@ -59,23 +58,23 @@ struct ParameterLayout {
   int Pose(int pose) const { return size + per_pose * pose; }
   int num_all() const { return Pose(num_poses); }
 
-  /// A step out of its parts.
+  /// Assembles a step from its parts.
   AdjustmentStep Step(const Eigen::VectorXd& parameters,
                       const Eigen::VectorXd& poses) const;
 };
 
-/// The prior's share of the equations, in the layout: P.
+/// The prior's contribution to the normal equations, in the layout: P.
 struct PriorEquations {
   PriorEquations(const GaussianPrior& prior, const AdjustmentState& state,
                  const ParameterLayout& layout);
 
-  /// P = precision + root root^T - freed freed^T, the latter of few columns.
+  /// P = precision + root root^T - freed freed^T, the latter of low rank.
   Eigen::SparseMatrix<double> precision;
   Eigen::MatrixXd root, freed;
   Eigen::MatrixXd free;  ///< as in PriorGroup
   Eigen::VectorXd gradient;
-  FlexModes::Coefficients flex_precision;  ///< of each mode of each pose
-  Eigen::MatrixXd flex_gradient;           ///< a column a pose
+  FlexModes::Coefficients flex_precision;  ///< of each mode, per pose
+  Eigen::MatrixXd flex_gradient;           ///< a column per pose
 
   /// P x, over the layout without the poses.
   Eigen::MatrixXd Times(const Eigen::MatrixXd& x) const {
@@ -84,11 +83,11 @@ struct PriorEquations {
   }
 };
 
-/// A floor for the damping, so that a parameter that nothing depends on does
-/// not make the system singular.
+/// Lower limit of the damping, so that an unconstrained parameter does not make
+/// the system singular.
 constexpr double kDampingFloor = 1e-9;
 
-/// A pose's parameters and flex, and a block of H.
+/// The parameters of a pose with its deformation: a block of H.
 constexpr int kMaxPerPose = 6 + FlexModes::kMaxCount;
 using PoseVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxPerPose, 1>;
 using PoseMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0,
@@ -99,29 +98,29 @@ class NormalEquations {
  public:
   virtual ~NormalEquations() = default;
 
-  /// Solves with Marquardt's damping: lambda times H's diagonal is added.
+  /// Solves with Marquardt damping: lambda times the diagonal of H is added.
   /// False if the system is not positive definite.
   virtual bool Solve(double lambda, AdjustmentStep* step) const = 0;
 
-  /// H x = right, damped likewise, for several right sides: over all
-  /// parameters, or over those before the poses, which stand for sides that are
-  /// zero behind them. *solution is over the same.
+  /// Solves H x = right with the same damping for several right-hand sides:
+  /// over all parameters, or over those before the poses, with zeros for the
+  /// poses. *solution has the same rows.
   virtual bool SolveFor(double lambda, const Eigen::MatrixXd& right,
                         Eigen::MatrixXd* solution) const = 0;
-  /// SolveFor(), which also tells what is left: *rest = right - H x. It is zero
-  /// unless solutions are reached by iterations.
+  /// SolveFor() that also returns the residual of the solution, *rest = right -
+  /// H x, which is zero for direct solvers.
   virtual bool SolveWithRest(double lambda, const Eigen::MatrixXd& right,
                              Eigen::MatrixXd* solution,
                              Eigen::MatrixXd* rest) const {
     rest->setZero(right.rows(), right.cols());
     return SolveFor(lambda, right, solution);
   }
-  /// How many right sides can be afforded for each Solve().
+  /// The number of right-hand sides that cost about as much as one Solve().
   virtual int NumCheapSides() const = 0;
 };
 
-/// Builds equations around one state after the other: DenseEquations for small
-/// problems and where the cameras are fixed, or else LargeEquations.
+/// Builds the normal equations of successive states: DenseEquations for small
+/// problems and fixed cameras, otherwise LargeEquations.
 class EquationsBuilder {
  public:
   EquationsBuilder(const std::vector<View>& views, double huber_px,

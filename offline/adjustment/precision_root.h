@@ -8,18 +8,18 @@
 
 namespace raygrid {
 
-/// B with K = B B^T, of the parameters that a precision K is about; the others'
-/// rows of K are zero.
+/// A root B of a precision matrix, K = B B^T; rows of B are zero for parameters
+/// that K does not involve.
 class PrecisionRoot {
  public:
   explicit PrecisionRoot(const Eigen::SparseMatrix<double>& precision);
 
-  /// Columns of B.
+  /// The number of columns of B.
   Eigen::Index size() const {
     return static_cast<Eigen::Index>(parameters_.size());
   }
 
-  /// B own, over the first num_parameters parameters.
+  /// B own, for the first num_parameters parameters.
   Eigen::VectorXd Times(const Eigen::VectorXd& own,
                         Eigen::Index num_parameters) const;
 
@@ -28,7 +28,7 @@ class PrecisionRoot {
   Eigen::SparseMatrix<double> root_;
 };
 
-/// 1 or -1 each: the covariance is the identity.
+/// Random signs (Rademacher): a vector with identity covariance.
 Eigen::VectorXd RandomSigns(Eigen::Index size, std::mt19937* random_bits);
 
 }  // namespace raygrid

@@ -9,20 +9,20 @@
 namespace raygrid {
 namespace {
 
-// How many parameters of each group of the prior the observations determine.
+// The effective number of parameters of each group of the prior.
 struct Determined {
   std::vector<double> groups;  // of cameras
   double points = 0;
   std::array<double, kNumBendOrders> flex = {};
 };
 
-// The place of a bend among the parameters, and its order.
+// The index of a mode's coefficient among the parameters, and its order.
 struct FlexRow {
   int row;
   BendOrder order;
 };
 
-// Whether a bend moves any point of a board: one of few rows has fewer bends.
+// Whether a mode moves any point of a board: small boards have fewer modes.
 bool IsTold(const FlexModes& modes, int board, int mode) {
   for (size_t i = 0; i < modes.boards.size(); ++i)
     if (modes.boards[i] == board && !modes.by_point[i].col(mode).isZero(0))
@@ -30,7 +30,7 @@ bool IsTold(const FlexModes& modes, int board, int mode) {
   return false;
 }
 
-// The bends of all poses, or those that all boards that are seen may have.
+// The coefficients of all poses, or of all observed boards.
 std::vector<FlexRow> FlexRows(const ParameterLayout& layout,
                               const std::vector<View>& views,
                               const AdjustmentState& state) {
@@ -96,10 +96,10 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
   Eigen::MatrixXd solution, rest;
   if (!equations.SolveWithRest(lambda, right, &solution, &rest))
     return std::nullopt;
-  // Determined parameters are a small difference of large numbers: an error e
-  // of x, which alone makes the trace wrong by b^T e, would drown it. With x^T
-  // (b - H x) added it is e^T H e. Parameters belong to one group: it gets
-  // their part.
+  // The effective number of parameters is a small difference of large numbers:
+  // an error e of x alone changes the trace by b^T e, which would dominate.
+  // Adding x^T (b - H x) reduces it to e^T H e. A parameter belongs to one
+  // group, which gets its share.
   const auto trace = [&](int first, const Eigen::MatrixXd& share) {
     const auto left =
         (share.array() != 0).select(rest.middleRows(first, share.rows()), 0.0);
@@ -115,7 +115,7 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
     result.groups.push_back(
         determined(groups[g].group->rank,
                    trace(layout.first_camera[groups[g].camera], shares[g])));
-  // Nothing is determined of a point that is not seen: it adds 1 to the trace.
+  // A point that is not observed adds 1 to the trace.
   const double num_unseen = layout.num_points - num_seen_points;
   result.points = determined(
       3.0 * num_seen_points,
@@ -132,9 +132,9 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
   return result;
 }
 
-// The sum of squared coefficients of an order. A view that is far from the
-// others is of another board or camera rather than bent so much: it counts as
-// one that is as far as chance lets few be. A board may be bent alone.
+// The sum of squared coefficients of an order. Views that deviate far from the
+// others show another board or camera, rather than a deformation: they are
+// clipped. Static deformation is not, since a single board may be deformed.
 double SquaredFlex(const AdjustmentState& state, BendOrder order) {
   constexpr double kTimesMedian = 9;
   std::vector<double> squares;
@@ -219,7 +219,7 @@ std::optional<PriorEvidence> EvidenceOn(const std::vector<CameraGroup>& groups,
 }
 
 bool IsNextToNothing(const GroupEvidence& evidence) {
-  constexpr double kFewDetermined = 0.02;  // part of a group
+  constexpr double kFewDetermined = 0.02;  // fraction of a group
   return evidence.determined < kFewDetermined * evidence.count;
 }
 
@@ -227,11 +227,11 @@ bool ScattersMore(const GroupEvidence& evidence, double prior_variance) {
   return evidence.squared_distance > prior_variance * evidence.determined;
 }
 
-// With a prior of variance u, and v of what the observations alone tell of the
-// parameters, a part g = u / (u + v) is determined, and their squared distance
-// is g^2 times what it were without a prior, x v. The evidence is greatest
-// where u is distance / (g count), so with g = 1 - count / x. It falls towards
-// there.
+// For a prior variance u and a variance v by the observations alone, a fraction
+// g = u / (u + v) of the parameters is determined, and their squared distance
+// is g^2 times that without a prior, x v. The evidence is maximal where u is
+// distance / (g count), so with g = 1 - count / x, and decreases towards this
+// value.
 bool IsByChance(const GroupEvidence& evidence, double prior_variance) {
   constexpr double kLeastDetermined = 0.7;  // x is 3.3 times the count
   return evidence.determined < kLeastDetermined * evidence.count &&
@@ -244,7 +244,7 @@ double WeightUpdate::Update(const GroupEvidence& group,
   const double variance =
       std::max(group.squared_distance / group.determined, smallest_variance);
   double change = std::log(residual_variance / variance / *weight);
-  // Changes that shrink by the same factor add up to a known sum.
+  // The limit of a geometric series of changes.
   const double factor = change / last_change_;
   last_change_ = change;
   if (factor > 0 && factor < kMaxFactor) {
@@ -256,11 +256,10 @@ double WeightUpdate::Update(const GroupEvidence& group,
   return std::abs(std::log(*weight / before));
 }
 
-// With u and v as above, a distance of g^2 (u0 + v) a parameter, where u0 is
-// the variance that is looked for, lets it be taken for g (u0 + v) next. That
-// changes it by g (u0 - u): so 1 / g of this change is all of it. Where v
-// differs among parameters, that is too much, and the step turns back: then
-// less of it is taken.
+// With u and v as above, the expected distance per parameter is g^2 (u0 + v),
+// u0 being the variance sought; the next estimate is g (u0 + v). The change is
+// g (u0 - u), so 1 / g of it is the full step. If v differs among parameters,
+// that overshoots, and the step changes sign: then it is reduced.
 double ScatterUpdate::Update(const GroupEvidence& group,
                              double residual_variance, double smallest_variance,
                              double* weight) {

@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-// The index of each view's first observation, and their total at the end.
+// The index of each view's first observation, and the total number.
 std::vector<int> FirstObservations(const std::vector<View>& views) {
   std::vector<int> first = {0};
   for (const View& view : views)

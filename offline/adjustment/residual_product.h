@@ -8,21 +8,20 @@
 
 namespace raygrid {
 
-/// Columns of as many vectors, which a product takes at once; a vector's number
-/// stands beside those of the others.
+/// kNum column vectors for one product; the entries of one row are adjacent in
+/// memory.
 template <int kNum>
 using Columns = Eigen::Matrix<double, Eigen::Dynamic, kNum,
                               kNum == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
 
-/// A residual's two numbers of as many vectors.
+/// The two coordinates of a residual for kNum vectors.
 template <int kNum>
 using Pairs = Eigen::Matrix<double, 2, kNum,
                             kNum == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
 
-/// u = J x and y += J^T u for one residual, of a few vectors, over a layout
-/// without bends that boards have in all views (ShapeMoves::moved()). Loops
-/// over plain numbers, since a compiler takes minutes for as many products of
-/// small matrices.
+/// Computes u = J x and y += J^T u for one residual and a few vectors, over a
+/// layout without static deformation (ShapeMoves::moved()). Loops over scalars,
+/// because compiling products of small fixed-size matrices takes minutes.
 class ResidualProduct {
  public:
   ResidualProduct(const ParameterLayout& layout, const ViewJacobian& jacobian)
@@ -74,7 +73,7 @@ class ResidualProduct {
   }
 
  private:
-  // A parameter's numbers, which those of the next parameters follow.
+  // The entries of a parameter, followed by those of the next ones.
   template <int kNum>
   static const double* At(const Columns<kNum>& x, int parameter) {
     return x.data() + static_cast<Eigen::Index>(kNum) * parameter;
@@ -84,8 +83,8 @@ class ResidualProduct {
     return y.data() + static_cast<Eigen::Index>(kNum) * parameter;
   }
 
-  // Calls a body with derivatives by all but the nodes, and with the first
-  // parameter that they are by.
+  // Calls body with each Jacobian except that of the control points, and with
+  // the index of its first parameter.
   template <typename Body>
   void ForOthers(int i, const Body& body) const {
     const ViewJacobian& j = jacobian_;
@@ -95,7 +94,7 @@ class ResidualProduct {
     if (first_point_ >= 0) body(j.by_point, first_point_ + 3 * j.points[i]);
   }
 
-  // *u += D x, with column i of derivatives as D.
+  // *u += D x, where column i of derivatives is column i of D.
   template <int kNum, typename Derivatives>
   static void AddTimes(const Derivatives& derivatives, int i, const double* x,
                        Pairs<kNum>* u) {

@@ -5,8 +5,8 @@
 namespace raygrid {
 namespace {
 
-// The coordinates from the first of a board's points to the last, which bends
-// move; points of other boards between them stay.
+// The coordinates from a board's first to its last point; points of other
+// boards in between are unchanged.
 struct Coordinates {
   int begin = 0, end = 0;
 };

@@ -10,16 +10,16 @@
 
 namespace raygrid {
 
-/// Bends that boards have in all views, as moves of the boards' points: T. A
-/// residual depends on them by its point alone. So its derivatives J over a
-/// layout are J' T, where J' is over cameras, places and all points, and knows
-/// no bends. Equations are summed over J', and taken to the layout once.
+/// Static deformation as displacements T of the points. A residual depends on
+/// it only through its point, so its Jacobian over a layout is J = J' T, where
+/// J' is over cameras, poses and all points. Normal equations are summed over
+/// J', and transformed to the layout once.
 class ShapeMoves {
  public:
   ShapeMoves(const ParameterLayout& layout, const FlexModes& modes);
 
-  /// The layout of J': without bends, with all points. The layout itself if it
-  /// has no bends.
+  /// The layout of J': without static deformation, with all points. Equals the
+  /// layout if that has no static deformation.
   const ParameterLayout& moved() const { return moved_; }
 
   /// T x, from rows of the layout (before the poses) to rows of moved().
@@ -52,7 +52,7 @@ class ShapeMoves {
     return x;
   }
 
-  /// The bends' rows of T^T y alone, from the points' rows of y.
+  /// The rows of T^T y for the deformation only, from the points' rows of y.
   template <typename Derived>
   Eigen::MatrixXd OfPoints(const Eigen::MatrixBase<Derived>& y) const {
     Eigen::MatrixXd bends = Eigen::MatrixXd::Zero(NumBends(), y.cols());
@@ -63,9 +63,9 @@ class ShapeMoves {
     return bends;
   }
 
-  /// Calls body(point, first, move) for the points of each board: the first of
-  /// its bends among all of the layout, and how a unit of each moves the point,
-  /// 3 x N.
+  /// Calls body(point, first, move) for the points of each board: first is the
+  /// index of the board's first coefficient in the layout, move the
+  /// displacement per unit of each coefficient (3 x N).
   template <typename Body>
   void ForPoints(const Body& body) const {
     for (const Board& board : boards_)
@@ -77,8 +77,8 @@ class ShapeMoves {
   int NumBends() const { return layout_.first_point - layout_.first_shape; }
 
  private:
-  // A board's bends in the layout, and how they move coordinates of points,
-  // from the first of the board's on.
+  // The index of a board's coefficients in the layout, and the Jacobian of its
+  // points' coordinates, beginning with the board's first point.
   struct Board {
     int shape, first;
     Eigen::MatrixXd modes;
@@ -86,7 +86,7 @@ class ShapeMoves {
   int NumCoordinates() const { return 3 * moved_.num_points; }
 
   ParameterLayout layout_, moved_;
-  std::vector<Board> boards_;  // none if the layout has no bends
+  std::vector<Board> boards_;  // empty without static deformation
 };
 
 }  // namespace raygrid

@@ -13,13 +13,14 @@
 namespace raygrid {
 namespace {
 
-// A term of a difference: control point and factor.
+// A term of a finite difference: control point and factor.
 struct Term {
   int point;
   double factor;
 };
 
-// The parameters of each control point, out of per_point, that make a field.
+// The parameters of a field: which of the per_point parameters of each control
+// point.
 struct FieldParameters {
   int per_point, first, count;
 
@@ -28,7 +29,7 @@ struct FieldParameters {
 
 class DifferenceRows {
  public:
-  // pixels_per_unit: of the field at each control point.
+  // pixels_per_unit: of the field, for each control point.
   DifferenceRows(const FieldParameters& field,
                  const std::vector<double>& pixels_per_unit)
       : field_(field), scale_(pixels_per_unit) {}
@@ -60,7 +61,7 @@ class DifferenceRows {
   int num_rows_ = 0;
 };
 
-// The mixed differences of these orders, wherever they fit in the grid.
+// Adds the mixed differences of these orders wherever they fit in the grid.
 void AddDerivative(const BSplineSurface& surface, int x_order, int y_order,
                    double factor, DifferenceRows* differences) {
   for (int j = 0; j + y_order < surface.rows(); ++j) {
@@ -96,7 +97,7 @@ PriorGroup SmoothGroup(const BSplineSurface& surface,
   return group;
 }
 
-// The surface's derivative at a control point; beyond the area, at its edge.
+// The Jacobian of the surface at a control point, clamped to the area.
 Eigen::Matrix2d ChartDerivative(const BSplineSurface& surface,
                                 const Eigen::Vector2d& pixel) {
   const Area& area = surface.area();
@@ -107,13 +108,13 @@ Eigen::Matrix2d ChartDerivative(const BSplineSurface& surface,
   return derivative;
 }
 
-// How many pixels a unit of the chart is at a pixel.
+// The scale of the chart at a pixel, in pixels per unit.
 double PixelsPerChartUnitAt(const BSplineSurface& surface,
                             const Eigen::Vector2d& pixel) {
   return 1 / std::sqrt(std::abs(ChartDerivative(surface, pixel).determinant()));
 }
 
-// How many pixels a unit of the chart is around each control point.
+// The scale of the chart at each control point, in pixels per unit.
 std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   std::vector<double> scales;
   for (int i = 0; i < surface.num_points(); ++i)
@@ -121,9 +122,9 @@ std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   return scales;
 }
 
-// The displacements of an image, in pixels, by what is free of a camera of no
-// parametric model: x, y, 1 across and 1 down, then along the radius by its
-// third power, and its fifth and seventh, a pixel in the area's corners.
+// Unpenalized displacements (px) of a camera without a parametric model: x, y,
+// 1 across and 1 down, then radial terms of third, fifth and seventh order,
+// normalized to one pixel in the area's corners.
 Eigen::Matrix2Xd PolynomialDisplacements(const Area& area,
                                          const Eigen::Vector2d& pixel) {
   constexpr int kNumRadial = 3;
@@ -139,9 +140,9 @@ Eigen::Matrix2Xd PolynomialDisplacements(const Area& area,
   return displacements;
 }
 
-// Radial distortion is held a hundredth as much as a pixel of the field: so
-// little holds nothing that features determine, but where they are in a small
-// part of the image, high orders would move the rest by any number of pixels.
+// Radial distortion is penalized a hundredth as much as a pixel of the field.
+// This does not affect what features determine, but if they cover a small part
+// of the image, high orders would displace the rest by any number of pixels.
 Eigen::VectorXd PolynomialHolds() {
   constexpr double kRadialHold = 1e-4;
   Eigen::VectorXd holds = Eigen::VectorXd::Zero(7);
@@ -149,8 +150,8 @@ Eigen::VectorXd PolynomialHolds() {
   return holds;
 }
 
-// How far a unit of each parameter of a lens moves what a pixel sees; beyond
-// where the lens sees anything, as at the last pixel on the way there.
+// The displacement of a pixel per unit of each parameter of a model; outside
+// its image circle, that of the last pixel inside.
 class ParameterDisplacements {
  public:
   ParameterDisplacements(const ParametricModel& lens, const Area& area)
@@ -174,9 +175,9 @@ class ParameterDisplacements {
   Eigen::Vector2d middle_;
 };
 
-// The control points of surfaces with these values at pixels, a column each.
-// Beyond the area they go on as what is inside it does: the smoothness would
-// see a bend there.
+// The control points of surfaces with these values at pixels, one column each.
+// Beyond the area they are extrapolated smoothly, since the smoothness prior
+// would penalize a kink.
 Eigen::MatrixXd ControlValues(
     const BSplineSurface& surface, const FieldParameters& field,
     const std::function<Eigen::MatrixXd(const Eigen::Vector2d&)>& at) {
@@ -196,7 +197,7 @@ Eigen::MatrixXd ControlValues(
   return result;
 }
 
-// How control points move with the parameters of a lens.
+// The Jacobian of control points with respect to the model's parameters.
 FreeDirections FreeParameters(const BSplineSurface& surface,
                               const FieldParameters& field,
                               const BaseLens& lens) {
@@ -212,7 +213,7 @@ FreeDirections FreeParameters(const BSplineSurface& surface,
   return freed;
 }
 
-// How control points move with what is free of a camera of no such model.
+// The Jacobian with respect to the unpenalized polynomials, without a model.
 FreeDirections FreePolynomials(const BSplineSurface& surface,
                                const FieldParameters& field) {
   FreeDirections freed;
@@ -238,8 +239,8 @@ Eigen::MatrixXd MeanRotation(const BSplineSurface& surface,
   Eigen::MatrixXd rotation =
       Eigen::MatrixXd::Zero(field.per_point * surface.num_points(), 3);
   for (const Eigen::Vector2d& pixel : pixels) {
-    // Pixels where the lens folds or is extrapolated count for little: a unit
-    // of the chart is any number of pixels there.
+    // Reduces the weight of pixels where the model folds or is extrapolated,
+    // where a unit of the chart is any number of pixels.
     const double scale = PixelsPerChartUnitAt(surface, pixel) / middle_px;
     const Eigen::Matrix<double, 2, 3> by_rotation =
         std::pow(std::min(scale, 1 / scale), 2) *
@@ -254,8 +255,8 @@ Eigen::MatrixXd MeanRotation(const BSplineSurface& surface,
   return rotation / static_cast<double>(pixels.size());
 }
 
-// Beside what is freed of a lens, how a fleet's lenses differ: by normal
-// numbers, so their firmness is 1.
+// Adds the principal directions of a fleet to those of the model: their
+// coefficients are standard normal, so their precision is 1.
 FreeDirections WithSpread(const FreeDirections& lens,
                           const BSplineSurface& surface,
                           const FieldParameters& field,
@@ -281,9 +282,9 @@ FreeDirections WithSpread(const FreeDirections& lens,
   return all;
 }
 
-// Directions turned back by what the orientation is held against: else a
-// centre that differs would take a turn with it, which the smoothness would
-// have to undo.
+// Removes the rotation about the orientation term's pixels from directions:
+// otherwise, a shift of the principal point would include a rotation, which the
+// smoothness would have to compensate.
 Eigen::MatrixXd WithoutTurns(const Eigen::MatrixXd& directions,
                              const Eigen::MatrixXd& orientation,
                              const BSplineSurface& surface,
@@ -298,8 +299,8 @@ Eigen::MatrixXd WithoutTurns(const Eigen::MatrixXd& directions,
          turns * by_turn.inverse() * (orientation.transpose() * directions);
 }
 
-// The prior of directions, or of how they change, without its mean: two of a
-// control point's parameters.
+// The prior of directions, or of their change with an operating point, without
+// its mean: for two parameters of each control point.
 CameraPrior DirectionsPrior(const BSplineSurface& base,
                             const FieldParameters& field,
                             const std::vector<Eigen::Vector2d>& observed_px,
@@ -310,10 +311,10 @@ CameraPrior DirectionsPrior(const BSplineSurface& base,
   prior.base_lens = lens;
   prior.spread = spread;
   prior.groups = {SmoothGroup(base, field, PixelsPerChartUnit(base))};
-  // The orientation is that of displacements in pixels: in the chart,
-  // displacements behind the camera, which nothing is seen of, would outweigh
-  // all others. The orientation is as firm as the observations, which have no
-  // say in it, are in everything else.
+  // The orientation is defined by displacements in pixels: in chart units,
+  // unobserved directions behind the camera would dominate. Its precision is
+  // similar to that of the other parameters by the observations, which do not
+  // affect it.
   const double middle_px = PixelsPerChartUnitAt(base, base.area().center());
   prior.orientation =
       std::sqrt(base.num_points()) *
@@ -333,9 +334,9 @@ CameraPrior DirectionsPrior(const BSplineSurface& base,
   return prior;
 }
 
-// How firmly a control point's point is held in its place along its line,
-// beside how the differences between neighbours are: no observation tells it,
-// so it is to be none of what is looked for.
+// The relative precision of a point's position along its line, compared with
+// differences between neighbours: it is not observable, and should not be part
+// of the result.
 constexpr double kFirmness = 1e4;
 
 Eigen::SparseMatrix<double> PlacesAlongLines(const BSplineSurface& directions,

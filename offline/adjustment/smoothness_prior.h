@@ -9,45 +9,44 @@
 
 namespace raygrid {
 
-/// Smoothness of a grid's difference from base: K is the precision of a Matern
-/// field (matern_field.h) of the displacement in pixels that separates the two.
-/// Keeps nodes that few observations determine near where
-/// their neighbours and the parametric lens would have them. Also holds the
-/// camera's orientation, the gauge, to base's: the mean rotation of the
-/// directions of observed_px, or of pixels all over the area if there are none.
-/// Over the whole area, the camera could rotate while extrapolated corners
-/// rotate the other way: a valley of the cost in which adjustments creep.
+/// Makes the smoothness prior of a grid: K is the precision of a Matern field
+/// (matern_field.h) of the displacement in pixels from base. It regularizes
+/// control points that few observations determine towards their neighbours and
+/// the base model. The orientation term also fixes the gauge, the camera's
+/// orientation: the mean rotation of the directions of observed_px relative to
+/// base, or of pixels all over the area if observed_px is empty. Over the whole
+/// area, the camera could rotate while extrapolated corners rotate the other
+/// way: a flat valley of the cost with slow convergence.
 ///
-/// The parameters of the lens are free, as far as its own fit left them: they
-/// make up for what it does not follow, and beyond the outermost features they
-/// are no better known than the features allow. Without a lens, focal lengths
-/// and centre are free, and radial distortion of orders 3, 5 and 7 nearly so.
+/// The parameters of the base model are unpenalized, except for the precision
+/// from its own fit: the field represents only deviations that the model
+/// cannot, and extrapolates like the model. Without one, focal lengths and
+/// principal point are unpenalized, and radial distortion of orders 3, 5 and 7
+/// nearly so.
 ///
-/// spread tells how lenses differ from base, if that is a fleet's middle: by
-/// displacements in pixels, each times a standard normal number. Then the
-/// smoothness is about what these and the lens leave, of which no part is to be
-/// a turn.
+/// spread is the covariance of a fleet, if base is its population mean:
+/// displacement fields in pixels, each with a standard normal coefficient. The
+/// smoothness then applies to the remainder, without any rotation.
 CameraPrior SmoothnessPrior(const CentralGeneric& base,
                             const std::vector<Eigen::Vector2d>& observed_px,
                             const BaseLens& lens = {},
                             const std::vector<BSplineSurface>& spread = {});
 
-/// The smoothness priors of a stack's terms, each as that of a grid and a group
-/// of its own: the first around base, those by which the camera changes with
-/// the conditions around none. What the data do not tell of a term's change
-/// stays none. The camera does not turn with a condition: observations cannot
-/// tell, since each has its pose.
+/// Makes the priors of an operating-point model, one group per polynomial term:
+/// the first about base, the others about zero, so that changes which the data
+/// do not determine stay zero. The camera does not rotate with the operating
+/// point: that is not observable, since each observation has its own pose.
 CameraPrior StackPrior(const CentralGeneric& base, int num_terms);
 
-/// The smoothness prior of the directions of a grid of lines, and, as a group
-/// of its own, of the lines' points around the origin: three smooth fields, in
-/// the pixels that their displacement across the line moves a point's image at
-/// distance_m.
+/// Makes the prior of a non-central grid: that of its directions and, as a
+/// second group, three smooth fields about zero for the points of the lines, in
+/// the pixels by which their displacement across the line moves a point's image
+/// at distance_m.
 ///
-/// Observations do not see a shift of all points together, which the poses
-/// undo: the points end where they are smallest and smoothest. Nor do they see
-/// points drift along the lines, o(x) -> o(x) + f(x) d(x): the prior holds each
-/// control point's point in the plane across base's direction.
+/// A common shift of all points is compensated by the poses and thus not
+/// observable: it is chosen by this prior. Neither is drift along the lines,
+/// o(x) -> o(x) + f(x) d(x): the prior penalizes it strongly, so that each
+/// point stays in the plane across base's direction.
 CameraPrior NonCentralPrior(const CentralGeneric& base,
                             const std::vector<Eigen::Vector2d>& observed_px,
                             double distance_m, const BaseLens& lens = {});

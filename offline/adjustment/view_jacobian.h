@@ -9,20 +9,20 @@
 
 namespace raygrid {
 
-/// The valid residuals of a view with their derivatives, all times the square
-/// root of the loss's weight. A column an observation; its derivative by k
+/// The valid residuals of a view and their Jacobians, all scaled by the square
+/// root of the Huber weight. One column per observation; the Jacobian for k
 /// parameters is a column of 2 k numbers.
 struct ViewJacobian {
   int camera = 0, pose = 0, place = -1;
-  /// The numbers and places of parameters, as in LinearizedProjection.
+  /// The counts and indices of parameters, as in LinearizedProjection.
   int num_nodes = 0, num_per_node = 0, num_global = 0, first_global = 0;
 
   std::vector<int> points;
   Eigen::MatrixXi node_parameter;
   Eigen::MatrixXd node_weight, by_node, by_global;
   Eigen::Matrix<double, 12, Eigen::Dynamic> by_camera_pose, by_place;
-  /// By the board's pose and its flex there: a row a parameter, two columns an
-  /// observation.
+  /// J_pose, with the per-view deformation: one row per parameter, two columns
+  /// per observation.
   Eigen::MatrixXd by_pose;
   Eigen::Matrix<double, 6, Eigen::Dynamic> by_point;
   Eigen::Matrix2Xd error;
@@ -31,32 +31,32 @@ struct ViewJacobian {
 
   int count() const { return static_cast<int>(points.size()); }
 
-  /// A column's derivative, 2 x N.
+  /// The Jacobian in a column, 2 x N.
   template <int N, typename Derivatives>
   static Eigen::Map<const Eigen::Matrix<double, 2, N>> Block(
       const Derivatives& derivatives, int column) {
     return Eigen::Map<const Eigen::Matrix<double, 2, N>>(
         derivatives.col(column).data());
   }
-  /// A column of derivatives as a matrix of a size known at run time.
+  /// The Jacobian in a column, with the size as an argument.
   static Eigen::Map<const Eigen::Matrix2Xd> Block(
       const Eigen::MatrixXd& derivatives, int column) {
     return {derivatives.col(column).data(), 2, derivatives.rows() / 2};
   }
 };
 
-/// The weighted Jacobian of the residuals of one view.
+/// Computes the weighted Jacobian of the residuals of one view.
 ViewJacobian WeightedJacobian(const std::vector<LinearizedResidual>& residuals,
                               double huber_px);
 
-/// The weighted Jacobian of each view. Same result for any number of threads.
+/// Computes the weighted Jacobian of each view; deterministic with threads.
 std::vector<ViewJacobian> WeightedJacobians(const AdjustmentState& state,
                                             const std::vector<View>& views,
                                             double huber_px, int num_threads);
 
-/// Calls a body with a node's number of parameters as a constant that the
-/// compiler knows: those of central and non-central grids and of most stacks; 0
-/// for others. Without nodes it is not called.
+/// Calls body with a control point's number of parameters as a compile-time
+/// constant: for central and non-central grids and most operating-point models;
+/// 0 for others. Not called without control points.
 template <typename Body>
 void WithNumPerNode(int num_per_node, const Body& body) {
   switch (num_per_node) {

@@ -7,8 +7,8 @@
 namespace raygrid {
 namespace {
 
-// The homography from a board's plane to the image that is nearest to what a
-// camera sees, and on which side of it the board lies.
+// The homography from a board's plane that best fits the visible part, and the
+// side of the plane at infinity on which the board is.
 struct BoardHomography {
   Eigen::Matrix3d pixel_from_board;
   double sign = 1;
@@ -16,18 +16,18 @@ struct BoardHomography {
   Eigen::Vector2d operator*(const Eigen::Vector3d& point) const {
     Eigen::Vector3d pixel =
         pixel_from_board * Eigen::Vector3d(point.x(), point.y(), 1);
-    // A point in the plane of the pupil would be infinitely far away.
+    // A point in the plane of the pupil would project to infinity.
     const double least = 1e-3 * pixel_from_board.row(2).norm();
     pixel.z() = std::max(sign * pixel.z(), least) * sign;
     return pixel.hnormalized();
   }
 };
 
-// Nothing of fewer than four features.
+// Nothing for fewer than four features.
 std::optional<BoardHomography> FitHomography(const CameraModel& camera,
                                              const Board& board,
                                              const Pose& camera_from_board) {
-  // Lengths near 1 keep the equations well scaled.
+  // Normalization to about 1 for numerical conditioning.
   const double pixels = camera.image_size().width;
   const double metres = std::max(board.columns, board.rows) * board.square_m;
   Eigen::Matrix<double, 9, 9> square = Eigen::Matrix<double, 9, 9>::Zero();

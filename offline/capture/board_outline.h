@@ -10,19 +10,19 @@
 
 namespace raygrid {
 
-/// The steps of each side of an outline.
+/// The number of steps per side of an outline.
 constexpr int kOutlineSteps = 8;
 
-/// The outermost features' outline as a camera sees it, closed, in pixels:
-/// kOutlineSteps points a side, along the first row first, then down the last
-/// column. Where the camera does not tell, beyond its image, the homography
-/// that is nearest to what it sees of the board goes on. Empty if it sees less
-/// than four features.
+/// Returns the closed outline of the outermost features in the image, in
+/// pixels: kOutlineSteps points per side, first along the first row, then down
+/// the last column. Outside the image, the camera is extrapolated by the
+/// homography that best fits the visible part. Empty if fewer than four
+/// features are visible.
 std::vector<Eigen::Vector2d> OutlineOf(const CameraModel& camera,
                                        const Board& board,
                                        const Pose& camera_from_board);
 
-/// The points of an outline on a board, in its own order.
+/// Returns the points of an outline in the board frame, in the same order.
 std::vector<Eigen::Vector3d> OutlinePoints(const Board& board);
 
 }  // namespace raygrid

@@ -7,8 +7,8 @@
 namespace raygrid {
 namespace {
 
-// Pixels per radian around a pixel along an axis of the image; 0 if the camera
-// does not tell.
+// The scale in pixels per radian at a pixel along an image axis; 0 if the
+// camera is undefined.
 double PixelsPerRadian(const CameraModel& camera, const Eigen::Vector2d& pixel,
                        const Eigen::Vector2d& axis) {
   const Area& area = camera.area();

@@ -10,20 +10,20 @@
 
 namespace raygrid {
 
-/// How a board is held before a camera.
+/// The position and orientation of a board relative to a camera.
 struct BoardView {
-  Eigen::Vector2d pixel;  ///< where the board's middle is seen
-  double width_px = 0;    ///< of its longer side there, if it were not tilted
-  /// From facing the camera, around an axis across the line of sight, whose
-  /// angle from the image's x axis is axis_rad.
+  Eigen::Vector2d pixel;  ///< position of the board's centre
+  double width_px = 0;    ///< of its longer side there, without tilt
+  /// Tilt from facing the camera, about an axis perpendicular to the line of
+  /// sight, at axis_rad from the image's x axis.
   double tilt_rad = 0, axis_rad = 0;
-  double turn_rad = 0;  ///< in its own plane
+  double turn_rad = 0;  ///< rotation in its own plane
 };
 
-/// The middle of a board's nominal points.
+/// Returns the centre of a board's nominal points.
 Eigen::Vector3d MiddleOf(const Board& board);
 
-/// camera_from_board; nothing where the camera sees nothing.
+/// Returns camera_from_board; nothing where the camera has no ray.
 std::optional<Pose> PoseOf(const BoardView& view, const Board& board,
                            const CameraModel& camera);
 

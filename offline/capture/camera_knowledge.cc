@@ -13,11 +13,11 @@
 namespace raygrid {
 namespace {
 
-// The features of a view that stand for all of them, each counting for more.
+// A subset of a view's features is used, with a larger weight.
 constexpr size_t kMaxFeatures = 64;
 
-// The derivatives of a view's pixels, two rows a feature. A feature knows few
-// of the camera's parameters: those of the grid's nodes around its pixel.
+// The Jacobian of a view's pixels, two rows per feature. It is sparse: a
+// feature depends on the control points around its pixel.
 struct ViewDerivatives {
   Eigen::SparseMatrix<double, Eigen::RowMajor> by_parameters;
   Eigen::Matrix<double, Eigen::Dynamic, 6> by_pose;
@@ -37,8 +37,8 @@ void AddRows(const LinearizedProjection& linear, int row,
     add(linear.first_global + i, linear.by_global.col(i));
 }
 
-// The derivatives of some features, each counting for more. Those that the
-// camera does not see are left out.
+// The Jacobian of a subset of features, weighted. Features without a projection
+// are omitted.
 ViewDerivatives DerivativesOf(const CameraModel& camera, int num_parameters,
                               const std::vector<Eigen::Vector3d>& points,
                               const std::vector<Eigen::Vector2d>& pixels,
@@ -65,15 +65,14 @@ ViewDerivatives DerivativesOf(const CameraModel& camera, int num_parameters,
   return view;
 }
 
-// The view's pose can make up for by_pose times this times the derivatives.
+// The pose step that compensates the derivatives: times by_pose.
 Eigen::Matrix<double, 6, Eigen::Dynamic> PoseTakenBy(
     const ViewDerivatives& view) {
   const MotionMatrix square = view.by_pose.transpose() * view.by_pose;
   return square.ldlt().solve(view.by_pose.transpose());
 }
 
-// J^T J, where J are the derivatives by the parameters less what the pose can
-// make up for.
+// J^T J, with J the Jacobian after eliminating the pose.
 Eigen::MatrixXd PoseFreeSquare(const ViewDerivatives& view) {
   Eigen::MatrixXd j = view.by_parameters;
   const Eigen::MatrixXd made_up = PoseTakenBy(view) * view.by_parameters;
@@ -81,11 +80,11 @@ Eigen::MatrixXd PoseFreeSquare(const ViewDerivatives& view) {
   return j.transpose() * j;
 }
 
-// J M J^T of a symmetric matrix. The pose is taken out last, so that products
-// have the derivatives' few entries.
+// J M J^T for a symmetric M. The pose is eliminated last, to retain the
+// sparsity of the Jacobian in products.
 Eigen::MatrixXd PoseFreeProduct(const ViewDerivatives& view,
                                 const Eigen::MatrixXd& matrix) {
-  // Whole rows are added where the matrix lies row by row.
+  // Row-major, since whole rows are added.
   using RowMatrix =
       Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const RowMatrix half =

@@ -12,49 +12,49 @@
 
 namespace raygrid {
 
-/// The part of an image in which features are found: a feature's window must
-/// not leave the image.
+/// The area in which features can be detected: a feature's window must be
+/// within the image.
 Area AreaOfFeatures(const ImageSize& size);
 
-/// The features of a board that detection would find, in the board's frame.
+/// Simulates the detection of a board's features; in the board frame.
 std::vector<PointOnPixel> SeenPoints(const CameraModel& camera,
                                      const Board& board,
                                      const Pose& camera_from_board);
 
-/// How well a place of the image is known: the root mean square of how far its
-/// ray may be seen from there.
+/// A pixel with its predicted uncertainty: the RMS displacement of its ray's
+/// projection.
 struct KnownPlace {
   Eigen::Vector2d pixel;
   double deviation_px = 0;
 };
 
-/// Knowledge of a camera that the images so far give, and what one more would
-/// add to it.
+/// The predicted uncertainty of a camera from the images so far, and its
+/// reduction by one more image.
 ///
-/// With the parameters' matrix H = P + sum over views of J^T J, the prior P and
-/// each view's pose eliminated from J, pixels whose moves with the parameters
-/// are D scatter by s^2 D H^-1 D^T. A view with J' more takes away
-///   s^2 D H^-1 J'^T (1 + J' H^-1 J'^T)^-1 J' H^-1 D^T.
-/// Boards are as they are nominally.
+/// With H = P + sum over views of J^T J, the prior's Hessian P, each view's
+/// pose eliminated from J, and D the Jacobian of pixels with respect to the
+/// parameters, the pixels have the covariance s^2 D H^-1 D^T. A view with
+/// Jacobian J' reduces it by s^2 D H^-1 J'^T (1 + J' H^-1 J'^T)^-1 J' H^-1 D^T.
+/// Boards have their nominal geometry.
 class CameraKnowledge {
  public:
-  /// The knowledge of an adjusted camera; nothing if its equations are
-  /// singular.
+  /// Computes the uncertainty of a calibrated camera; nothing if the normal
+  /// equations are singular.
   static std::optional<CameraKnowledge> Of(const Adjusted& adjusted);
 
   const CameraModel& camera() const { return *camera_; }
-  /// From corner to corner of the image, row by row, where the camera tells.
+  /// A lattice over the image, row by row, where the camera is defined.
   const std::vector<KnownPlace>& places() const { return places_; }
-  /// The square root of the mean variance over the places.
+  /// The square root of the mean variance over the lattice.
   double RmsPx() const;
-  /// The deviation that 95 % of the places stay below.
+  /// The 95 % quantile of the standard deviations.
   double Percentile95Px() const;
 
-  /// The part of the mean variance that a view of a board, camera_from_board,
-  /// would take away: from 0, of nothing, to less than 1. It has the features
-  /// that the camera would see, and detection find.
+  /// The fraction, 0 to 1, by which a view of a board at camera_from_board
+  /// would reduce the mean variance. Its features are those that would be
+  /// detected.
   double GainOfView(const Board& board, const Pose& camera_from_board) const;
-  /// The gain of features that are seen.
+  /// The gain of observed features.
   double GainOf(const std::vector<Eigen::Vector3d>& points,
                 const std::vector<Eigen::Vector2d>& pixels,
                 const Pose& camera_from_points) const;

@@ -12,7 +12,7 @@
 namespace raygrid {
 namespace {
 
-// A board in an image, as an adjusted camera has it.
+// A board in an image, with its pose by a calibrated camera.
 struct AdjustedView {
   Pose camera_from_board;
   std::vector<PointOnPixel> seen;
@@ -32,8 +32,8 @@ ViewsByInstant ViewsOf(const Adjusted& adjusted) {
   return views;
 }
 
-// The information that features give of their board's small motion before the
-// camera, for a noise of 1 px.
+// The information matrix of features on a small motion of their board, for a
+// noise of 1 px.
 MotionMatrix MotionInformation(const CameraModel& camera,
                                const std::vector<PointOnPixel>& features,
                                const Pose& camera_from_board) {
@@ -49,7 +49,7 @@ MotionMatrix MotionInformation(const CameraModel& camera,
   return information;
 }
 
-// The small motion of the first frame as the second sees it.
+// The adjoint: a small motion in the first frame, expressed in the second.
 MotionMatrix AdjointOf(const Pose& second_from_first) {
   const Eigen::Matrix3d rotation =
       second_from_first.rotation.toRotationMatrix();
@@ -61,14 +61,14 @@ MotionMatrix AdjointOf(const Pose& second_from_first) {
   return adjoint;
 }
 
-// Zero where a matrix has no inverse.
+// Zero if a matrix is singular.
 MotionMatrix InverseOf(const MotionMatrix& matrix) {
   const Eigen::LDLT<MotionMatrix> factor(matrix);
   if (!(factor.vectorD().minCoeff() > 0)) return MotionMatrix::Zero();
   return factor.solve(MotionMatrix::Identity());
 }
 
-// The motion, small or not so, that takes one pose to another.
+// The motion, not necessarily small, from one pose to another.
 Eigen::Matrix<double, 6, 1> MotionBetween(const Pose& from, const Pose& to) {
   const Pose motion = to * from.Inverse();
   const Eigen::AngleAxisd turn(motion.rotation);
@@ -113,7 +113,7 @@ std::optional<CameraLink> CameraLink::Of(const LiveCamera& first,
   return link;
 }
 
-// The mean of the boards' relative poses, each weighed by its information.
+// The mean of the boards' relative poses, weighted by information.
 void CameraLink::FindPose(const std::vector<SharedBoard>& boards) {
   second_from_first_ =
       boards[0].second_from_board * boards[0].first_from_board.Inverse();

@@ -14,36 +14,36 @@
 
 namespace raygrid {
 
-/// How two cameras of a rig stand to each other, as boards tell it that both
-/// saw at one instant.
+/// The relative pose of two cameras of a rig, from boards that both saw in the
+/// same frame.
 ///
-/// Each camera knows a board's pose with the information H = J^T J / s^2 of its
-/// features, s the noise. A board seen by two of them gives their relative
-/// pose the covariance H_second^-1 + A H_first^-1 A^T, A the adjoint of that
-/// pose. Inverted and added up over the boards it is the information. Where the
-/// boards' relative poses scatter by more than that, as lenses that are not
-/// known well make them, the covariance is as much larger.
+/// Each camera determines a board's pose with the information H = J^T J / s^2
+/// of its features, s the noise. A board seen by both determines the relative
+/// pose with the covariance H_second^-1 + A H_first^-1 A^T, A the adjoint of
+/// that pose. The information of all boards is added. If the relative poses
+/// vary more than this predicts, as with uncertain intrinsics, the covariance
+/// is scaled accordingly.
 class CameraLink {
  public:
-  /// Nothing while a camera is not adjusted, or no instant shows a board to
-  /// both. Images of one name are of one instant.
+  /// Returns nothing if a camera is not calibrated, or no frame shows a board
+  /// to both. Images with equal names belong to one frame.
   static std::optional<CameraLink> Of(const LiveCamera& first,
                                       const LiveCamera& second);
 
   const Pose& second_from_first() const { return second_from_first_; }
-  /// How far points of the boards so far, as the first camera's frame has them,
-  /// may be seen in the second from where they are predicted: root mean square.
+  /// The RMS displacement, in the second image, of board points transferred
+  /// from the first camera's frame, by the uncertainty of the link.
   double RmsPx() const;
 
-  /// A board by its pose before each camera, and the features that each sees.
+  /// A board's pose in each camera, and the features that each sees.
   struct SharedBoard {
     Pose first_from_board, second_from_board;
     std::vector<PointOnPixel> in_first, in_second;
   };
-  /// The part of the variance, RmsPx() squared, that a board would take away.
+  /// The fraction by which a board would reduce the variance (RmsPx() squared).
   /// 0 if one camera sees fewer than 8 features.
   double GainOf(const SharedBoard& shared) const;
-  /// The gain of a board that the cameras would see in a pose.
+  /// The gain of a board at a pose, with simulated features.
   double GainOfView(const Board& board, const Pose& first_from_board) const;
 
  private:
@@ -58,10 +58,9 @@ class CameraLink {
 
   Camera first_, second_;
   Pose second_from_first_;
-  double scatter_ =
-      1;  ///< of the boards, over what noise alone gives; variance
+  double scatter_ = 1;  ///< observed variance over that of noise alone
   MotionMatrix information_ = MotionMatrix::Zero();
-  MotionMatrix weighing_ = MotionMatrix::Zero();  // the mean D^T D of pixels
+  MotionMatrix weighing_ = MotionMatrix::Zero();  // mean D^T D of pixels
 };
 
 }  // namespace raygrid

@@ -11,7 +11,7 @@
 namespace raygrid {
 namespace {
 
-// Between two tilts that count as two, while nothing is known.
+// The minimum angle between distinct tilts before a first calibration.
 constexpr double kOtherTiltRad = 0.25;
 
 std::shared_ptr<const CameraModel> AssumedCamera(const ImageSize& size) {
@@ -24,8 +24,7 @@ std::shared_ptr<const CameraModel> AssumedCamera(const ImageSize& size) {
 }
 
 double AngleBetween(const LocatedBoard& a, const LocatedBoard& b) {
-  // The normal as seen along the line of sight: a board moved aside is not
-  // tilted.
+  // The normal relative to the line of sight: translation is not tilt.
   const auto normal = [](const LocatedBoard& located) -> Eigen::Vector3d {
     const Pose& pose = located.camera_from_board;
     return Eigen::Quaterniond::FromTwoVectors(pose * MiddleOf(*located.board),
@@ -103,7 +102,7 @@ void CaptureGuide::ChooseFirst(const LiveCamera& live) {
       first_views_.push_back(located);
   const Board& board = pattern_->boards.front();
   const ImageSize size = live.images().image_size;
-  // The first of those that is tilted otherwise than all that was kept.
+  // The first of the initial views with a tilt unlike those kept.
   for (int index = 0; index < 2 * kNumFirstViews; ++index) {
     const auto pose = PoseOf(FirstView(index, size), board, *assumed_);
     if (!pose) continue;
@@ -115,7 +114,7 @@ void CaptureGuide::ChooseFirst(const LiveCamera& live) {
   }
 }
 
-// The best view that is none of those kept.
+// The best view unlike those kept.
 std::optional<NextView> CaptureGuide::BestNewView(const Board& board) const {
   std::vector<Pose> avoided = options_.avoided;
   constexpr int kTries = 4;
@@ -128,7 +127,7 @@ std::optional<NextView> CaptureGuide::BestNewView(const Board& board) const {
   return std::nullopt;
 }
 
-// All features of a board in a pose that the camera tells.
+// Simulates all features of a board at a pose that the camera can see.
 ImageFeatures CaptureGuide::ImageOf(const Board& board,
                                     const Pose& camera_from_board) const {
   ImageFeatures image;
@@ -177,7 +176,7 @@ double CaptureGuide::GainOf(const ImageFeatures& image) const {
     };
     return std::any_of(located.begin(), located.end(), is_other) ? 1 : 0;
   }
-  double left = 1;  // of the variance
+  double left = 1;  // fraction of the variance
   for (const LocatedBoard& board : located) {
     std::vector<Eigen::Vector3d> points;
     std::vector<Eigen::Vector2d> pixels;
@@ -194,7 +193,7 @@ bool CaptureGuide::IsWorthKeeping(double gain, bool is_next_view) const {
   if (!knowledge_) return gain > 0.5;
   const double wanted =
       next_ && !is_next_view ? options_.part_of_next * next_->gain : 0;
-  // While images are too few, each that adds anything is one more.
+  // Before the smoothness is determined, every image with any gain counts.
   const double least = is_floor() ? 0 : options_.least_gain;
   return gain > 0 && gain >= std::max(least, wanted);
 }
@@ -211,15 +210,15 @@ bool CaptureGuide::IsNextView(const ImageFeatures& image) const {
 
 std::optional<int> CaptureGuide::num_expected() const {
   if (is_done_) return 0;
-  // Deviations fall faster at first than can be foretold.
+  // At first, standard deviations decrease faster than predicted.
   constexpr int kFewestImages = 6;
   const int num_missing = std::max(1, kEnoughImages - num_images_);
   if (!knowledge_ || !next_ || num_images_ < kFewestImages) return std::nullopt;
-  // The mean variance falls by the n-th image as n to the power of -n gain:
-  // fast at first, and as 1 / n in the end.
+  // The mean variance decreases by the n-th image as n^(-n gain): fast at
+  // first, and as 1 / n in the end.
   const double n = num_images_, power = n * next_->gain;
   if (!(power > 0)) return std::nullopt;
-  // The end is where a view adds least_gain no more, or the target.
+  // Ends when gains fall below least_gain, or the target is reached.
   double most = std::min(1.0, power) / options_.least_gain;
   if (options_.target_px > 0) {
     const double ratio = knowledge_->Percentile95Px() / options_.target_px;

@@ -16,84 +16,82 @@
 namespace raygrid {
 
 struct GuideOptions {
-  /// 95 % of the places are to be known so well; 0: until nothing adds.
+  /// Required 95 % quantile of the uncertainty; 0: until gains are too small.
   double target_px = 0;
-  double least_gain = 0.02;  ///< a view that takes less away is none to take
-  /// An image is kept if its gain is at least this part of the next view's:
-  /// near enough to that view, and no second one of a view just taken.
+  double least_gain = 0.02;  ///< minimum gain of a view
+  /// An image is kept if its gain is at least this fraction of the next view's:
+  /// near enough to that view, and not a repetition of a recent one.
   double part_of_next = 0.5;
-  /// Views, camera_from_board, that nobody could show.
+  /// Views (camera_from_board) that were impossible to take.
   std::vector<Pose> avoided = {};
-  /// Nobody could show a board to two cameras of a rig at once. Each camera's
-  /// own views go on.
+  /// No board can be seen by two cameras at once: skip connecting views,
+  /// continue with views of single cameras.
   bool leaves_connecting = false;
 };
 
-/// The features of one board in an image, with their points in its frame.
+/// Returns one board's features in an image, with board-frame points.
 std::vector<PointOnPixel> MatchesOf(const Board& board,
                                     const ImageFeatures& image);
 
-/// Features' places by board, row and column.
+/// Feature positions by board, row and column.
 using FeaturePlaces = std::map<std::tuple<int, int, int>, Eigen::Vector2d>;
 FeaturePlaces PlacesOf(const ImageFeatures& image);
-/// How far the features that both have lie apart, RMS; nothing if both have
-/// none.
+/// RMS distance of the common features; nothing without any.
 std::optional<double> DistancePx(const FeaturePlaces& a,
                                  const FeaturePlaces& b);
 
-/// A board of the pattern, as an image shows it.
+/// A board of the pattern, and its pose in an image.
 struct LocatedBoard {
   const Board* board = nullptr;  ///< of the guide's pattern
   Pose camera_from_board;
 };
 
-/// The view to take next.
+/// The recommended next view.
 struct GuidedView {
   const Board* board = nullptr;  ///< of the guide's pattern
   Pose camera_from_board;
-  double gain = 0;  ///< part of the mean variance that it takes away
+  double gain = 0;  ///< relative reduction of the mean variance
 };
 
-/// Guidance by the images so far: how well the camera is known, and what to
-/// show it next. It does not change; each image that is kept makes another one.
+/// Capture guidance from the images so far: the camera's uncertainty, and the
+/// recommended next view. Immutable; a new one is made for each kept image.
 ///
-/// Before a camera is known, an assumed one stands for it: equidistant, 65
-/// degrees wide.
+/// Before a first calibration, an equidistant camera of 65 degrees is assumed.
 class CaptureGuide {
  public:
   CaptureGuide(const LiveCamera& live, const Pattern& pattern,
                const GuideOptions& options);
 
-  /// The camera so far, or the assumed one.
+  /// The current estimate of the camera, or the assumed one.
   const CameraModel& camera() const;
-  /// NULL while nothing is known.
+  /// NULL before a first calibration.
   const CameraKnowledge* knowledge() const {
     return knowledge_ ? &*knowledge_ : nullptr;
   }
   int num_images() const { return num_images_; }
 
-  /// The boards that the camera sees.
+  /// Estimates the poses of the boards in an image.
   std::vector<LocatedBoard> Locate(const ImageFeatures& image) const;
-  /// The part of the mean variance that an image would take away. While nothing
-  /// is known: 1 for a board tilted otherwise than all before, else 0. Always 0
-  /// for a view that was kept, whose features moved by less than 1 % of the
-  /// image's longer side since: it tells of noise alone.
+  /// The fraction by which an image would reduce the mean variance. Before a
+  /// first calibration: 1 for a board with a new tilt, otherwise 0. Always 0
+  /// for a near-duplicate of a kept view (features moved by less than 1 % of
+  /// the longer image side), which would only reduce the noise.
   double GainOf(const ImageFeatures& image) const;
-  /// An image with this gain is to be kept. One that shows the next view is, as
-  /// soon as it adds anything: nobody can do better than follow.
+  /// Whether to keep an image with this gain. An image of the recommended view
+  /// is kept if it has any gain, since the operator cannot do better.
   bool IsWorthKeeping(double gain, bool is_next_view) const;
-  /// Whether an image shows the next view, as nearly as a hint would say.
+  /// Whether an image shows the recommended view, within a hint's tolerance.
   bool IsNextView(const ImageFeatures& image) const;
 
-  /// Nothing where no view adds enough.
+  /// Nothing if no view has enough gain.
   const std::optional<GuidedView>& next() const { return next_; }
-  /// Never before there are enough images for a calibration.
+  /// False before there are enough images for a calibration.
   bool is_done() const { return is_done_; }
-  /// Whether deviations are no more than the least that they may be: so few
-  /// images do not determine how stiff the camera's grid should be.
+  /// Whether the uncertainty is at its lower bound: so few images do not
+  /// determine the smoothness of the camera's grid.
   bool is_floor() const;
-  /// How many images are still expected, if they add what the next one does, in
-  /// proportion; nothing while that cannot be told.
+  /// The number of further images expected, assuming proportional gains;
+  /// nothing if it cannot be estimated.
   std::optional<int> num_expected() const;
 
  private:
@@ -110,7 +108,7 @@ class CaptureGuide {
   std::vector<FeaturePlaces> kept_;
   std::shared_ptr<const CameraModel> assumed_;
   std::optional<CameraKnowledge> knowledge_;
-  std::vector<LocatedBoard> first_views_;  // while nothing is known
+  std::vector<LocatedBoard> first_views_;  // before a first calibration
   std::optional<GuidedView> next_;
   bool is_done_ = false;
 };

@@ -48,7 +48,7 @@ const char* RemedyOf(FrameWord word) {
 
 bool FrameJudge::IsMoving(const SeenFrame& frame,
                           const FeaturePlaces& places) const {
-  // Motion spreads the edges that it crosses, and no others.
+  // Motion blurs only the edges across it.
   const FrameQuality& quality = frame.quality;
   const double streak_px =
       std::sqrt(std::max(0.0, std::pow(quality.most_spread_px, 2) -
@@ -57,7 +57,7 @@ bool FrameJudge::IsMoving(const SeenFrame& frame,
   if (streak_px > kMostStreakPx) return true;
   if (!frame.time_s || !last_time_s_) return false;
   const auto moved_px = DistancePx(places, last_places_);
-  if (!moved_px) return true;  // it came just now
+  if (!moved_px) return true;  // just detected
   const double passed_s = *frame.time_s - *last_time_s_;
   if (!(passed_s > 0)) return *moved_px > options_.still_px;
   constexpr double kFrameS = 1 / 30.0;
@@ -69,9 +69,9 @@ bool FrameJudge::IsMoving(const SeenFrame& frame,
 bool FrameJudge::IsBlurred(const FrameQuality& quality) {
   if (!(quality.most_spread_px > 0)) return false;
   constexpr size_t kMostFrames = 500;
-  constexpr double kSharpPx = 1.2;      // no camera's frames are blurred so
-  constexpr double kMostOfSharp = 1.5;  // of a camera's sharper ones
-  constexpr double kAnyPx = 5;          // every camera's are
+  constexpr double kSharpPx = 1.2;      // never blurred
+  constexpr double kMostOfSharp = 1.5;  // relative to the camera's sharp frames
+  constexpr double kAnyPx = 5;          // always blurred
   spreads_px_.push_back(quality.most_spread_px);
   if (spreads_px_.size() > kMostFrames) spreads_px_.pop_front();
   const double sharp_px =

@@ -9,49 +9,48 @@
 
 namespace raygrid {
 
-/// Why a frame is kept or not.
+/// Why a frame is kept or rejected.
 enum class FrameWord {
   kKept,
-  kAbsent,   ///< no board is seen
-  kFew,      ///< too few features of one
-  kDark,     ///< black and white hardly differ
-  kBright,   ///< white is as white as can be: its edges are not where they were
-  kMoving,   ///< features move within the frame's exposure
-  kBlurred,  ///< edges are spread more than this camera's other frames have
-             ///< them
-  kKnown     ///< it would add little
+  kAbsent,   ///< no board detected
+  kFew,      ///< too few features of a board
+  kDark,     ///< too little contrast
+  kBright,   ///< white is saturated, which displaces edges
+  kMoving,   ///< features move during the exposure
+  kBlurred,  ///< edges are more blurred than in other frames
+             ///< of this camera
+  kKnown     ///< too little gain
 };
 
-/// One word, as people see it.
+/// Returns the word that is displayed.
 const char* WordOf(FrameWord word);
-/// The remedy in half a sentence; "" where nothing is to be mended.
+/// Returns a short remedy; "" if there is none.
 const char* RemedyOf(FrameWord word);
 
-/// A frame in which boards were sought.
+/// A frame with its detected boards.
 struct SeenFrame {
   ImageFeatures features;
   FrameQuality quality;          ///< of the board with most features
-  std::optional<double> time_s;  ///< of the video; none: a photograph
+  std::optional<double> time_s;  ///< in the video; nothing: a photograph
   std::optional<double> exposure_s;
 };
 
 struct JudgeOptions {
-  /// A frame is still if its features moved by less, RMS, since the last one
-  /// (longer ago than 1/30 s: in that time), or within its exposure.
+  /// Maximum RMS motion of the features since the last frame (or in 1/30 s if
+  /// longer ago), or during the exposure, of a still frame.
   double still_px = 0.3;
-  /// Frames of a moving camera are kept one after the other: they need not be
-  /// still, sharp or new.
+  /// Keep consecutive frames of a moving camera, whether or not they are still,
+  /// sharp or new.
   bool every_frame = false;
 };
 
-/// Judges frames in the order in which they came.
+/// Decides which frames to keep, in the order of capture.
 class FrameJudge {
  public:
   explicit FrameJudge(const JudgeOptions& options) : options_(options) {}
 
   FrameWord Judge(const SeenFrame& frame, const CaptureGuide& guide);
-  /// The part of the mean variance that the last frame would have taken away;
-  /// 0 if something else was wrong with it.
+  /// The gain of the last frame; 0 if it was rejected for another reason.
   double gain() const { return gain_; }
 
  private:
@@ -61,7 +60,7 @@ class FrameJudge {
   JudgeOptions options_;
   FeaturePlaces last_places_;
   std::optional<double> last_time_s_;
-  std::deque<double> spreads_px_;  // of the newest frames
+  std::deque<double> spreads_px_;  // edge widths of the latest frames
   double gain_ = 0;
 };
 

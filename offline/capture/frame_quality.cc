@@ -11,11 +11,11 @@
 namespace raygrid {
 namespace {
 
-constexpr int kMeasuredFeatures = 48;  // that are measured in an image
+constexpr int kMeasuredFeatures = 48;  // measured per image
 constexpr double kLeastHalfPx = 2.5, kMostHalfPx = 6;
 constexpr double kLeastContrast = 15;  // grey levels
 
-// The grey level between pixels; nothing outside the image.
+// Interpolates the grey level between pixels; nothing outside the image.
 std::optional<double> LevelAt(const ImageSize& size,
                               const std::vector<float>& levels,
                               const Eigen::Vector2d& pixel) {
@@ -30,15 +30,15 @@ std::optional<double> LevelAt(const ImageSize& size,
          down * ((1 - right) * below[0] + right * below[1]);
 }
 
-// An edge as an image shows it.
+// An edge in an image.
 struct SeenEdge {
   Eigen::Vector2d normal;
-  double step = 0;  // from 1 px before it to 1 px behind it, grey levels
+  double step = 0;  // from 1 px before to 1 px after it, grey levels
   double low = 0, high = 0;
   double spread_px = 0;
 };
 
-// The levels along a line across an edge, whose middle is nearly at_px.
+// Measures the profile across an edge near at_px.
 std::optional<SeenEdge> MeasureEdge(const ImageSize& size,
                                     const std::vector<float>& levels,
                                     const Eigen::Vector2d& at_px,
@@ -57,15 +57,15 @@ std::optional<SeenEdge> MeasureEdge(const ImageSize& size,
   edge.low = *std::min_element(profile.begin(), profile.end());
   edge.high = *std::max_element(profile.begin(), profile.end());
   if (edge.high - edge.low < kLeastContrast) return std::nullopt;
-  // The feature may be a pixel beside where it is.
+  // The feature may be a pixel off.
   for (size_t k = 2 * kStepsPerPx; k < profile.size(); ++k)
     edge.step = std::max(edge.step,
                          std::abs(profile[k] - profile[k - 2 * kStepsPerPx]));
   return edge;
 }
 
-// The deviation of a Gaussian that leaves a part of a step within 1 px on both
-// sides: part = erf(1 / (sqrt(2) deviation)).
+// The standard deviation of a Gaussian for the fraction of a step within 1 px
+// on both sides: part = erf(1 / (sqrt(2) deviation)).
 double SpreadOf(double part) {
   double low = 0.05, high = 20;
   for (int halving = 0; halving < 30; ++halving) {
@@ -75,7 +75,7 @@ double SpreadOf(double part) {
   return low;
 }
 
-// S of n^T S n = spread^2, without edges far from it.
+// Fits S of n^T S n = spread^2, without outliers.
 Eigen::Matrix2d SpreadsByNormal(std::vector<SeenEdge> edges) {
   Eigen::Vector3d s = Eigen::Vector3d::Zero();  // xx, xy, yy
   for (int round = 0; round < 3; ++round) {
@@ -108,8 +108,8 @@ Eigen::Matrix2d SpreadsByNormal(std::vector<SeenEdge> edges) {
 
 }  // namespace
 
-// The drawing has one colour on each side, as far as the profile reaches, and
-// goes on so along the edge.
+// Whether the drawing has one colour on each side within the profile, also
+// along the edge.
 bool QualityMeter::IsStep(const Eigen::Vector2d& at, const Edge& edge) const {
   for (const double nearness : {0.85, 1.0, 1.15})
     for (const double part : {0.1, 0.4, 0.7, 1.0}) {
@@ -143,7 +143,7 @@ QualityMeter::QualityMeter(const Board& board)
       if (appearance_.IsBlack(at + radius_m * along(angle - 0.01)) ==
           appearance_.IsBlack(at + radius_m * along(next - 0.01)))
         continue;
-      // The edge lies between the two.
+      // The edge is between both.
       double low = angle - 0.01, high = next - 0.01;
       const bool first = appearance_.IsBlack(at + radius_m * along(low));
       for (int halving = 0; halving < 12; ++halving) {
@@ -176,7 +176,7 @@ FrameQuality QualityMeter::Measure(const ImageSize& size,
   for (const Feature& feature : features)
     at[board_.PointIndex(feature.column, feature.row)] = &feature;
   const std::vector<Eigen::Vector3d> points = board_.NominalPoints();
-  // The image's step from a feature to its neighbours, over the board's.
+  // The local scale of the image, from a feature's neighbours.
   const auto slope = [&](const Feature& feature, int right,
                          int down) -> std::optional<Eigen::Vector2d> {
     const auto place = [&](int side) -> int {
@@ -226,7 +226,7 @@ FrameQuality QualityMeter::Measure(const ImageSize& size,
     blacks.push_back(edge.low);
     clipped += edge.high >= kFull;
   }
-  // Edges between others that are near reach neither.
+  // Intermediate edges nearby reach neither value.
   constexpr double kMost = 0.75;
   quality.white = Quantile(whites, kMost);
   quality.black = Quantile(blacks, 1 - kMost);

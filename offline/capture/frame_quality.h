@@ -10,37 +10,36 @@
 
 namespace raygrid {
 
-/// How a board looks in an image: its edges and its paper. What no feature told
-/// is 0.
+/// Image quality of a board: edge width and grey levels. Undetermined values
+/// are 0.
 struct FrameQuality {
-  /// How far edges are spread, as the standard deviation of a Gaussian, in
-  /// pixels: across edges that are blurred least, and most. A lens out of focus
-  /// spreads all alike, motion those that it crosses.
+  /// Edge width as the standard deviation of a Gaussian, in pixels: in the
+  /// directions of least and most blur. Defocus blurs all directions alike,
+  /// motion blur only edges across it.
   double least_spread_px = 0, most_spread_px = 0;
   double white = 0, black = 0;  ///< grey levels, 0 to 255
-  double clipped = 0;  ///< part of the white that is as white as can be
+  double clipped = 0;  ///< fraction of white samples that are saturated
 };
 
 /// Measures the edges around a board's features.
 ///
-/// Edges leave features radially, wherever the drawing says. Across each the
-/// levels are sampled. The part of the step from black to white that lies
-/// within 1 px on both sides of the edge tells its spread. The squares of the
-/// spreads by the edges' normals n are fitted by n^T S n; the roots of its
-/// eigenvalues are told.
+/// Edges start radially at features, in directions that the drawing determines.
+/// Intensities are sampled across each; its width follows from the part of the
+/// step from black to white within 1 px of the edge. Squared widths by normal n
+/// are fitted by n^T S n; the result is the square roots of the eigenvalues of
+/// S.
 class QualityMeter {
  public:
-  /// Throws InputError: boards that cannot be drawn.
+  /// Throws InputError for boards that cannot be drawn.
   explicit QualityMeter(const Board& board);
 
-  /// levels    row by row, 0 to 255
-  /// features  of this board
+  /// levels: row by row, 0 to 255; features: of this board
   FrameQuality Measure(const ImageSize& size, const std::vector<float>& levels,
                        const std::vector<Feature>& features) const;
 
  private:
   struct Edge {
-    Eigen::Vector2d middle, across;  // from the feature; half a profile, metres
+    Eigen::Vector2d middle, across;  // from the feature; half a profile, m
   };
   bool IsStep(const Eigen::Vector2d& at, const Edge& edge) const;
 

@@ -63,7 +63,7 @@ void LiveCamera::AdjustAnew() {
     adjusted_ = std::move(adjusted);
     num_at_anew_ = images_.images.size();
   } catch (const Error&) {
-    // Later images may tell what these do not.
+    // Later images may determine what these do not.
     if (adjusted_) GoOn();
   }
 }

@@ -11,24 +11,24 @@
 
 namespace raygrid {
 
-/// The camera as images tell it so far: a coarse grid, whose prior makes it as
-/// stiff as a parametric lens while images are few. Boards are as they are
-/// nominally.
+/// The camera estimated from the images so far: a coarse grid, which the prior
+/// keeps close to a parametric model while there are few images. Boards have
+/// their nominal geometry.
 class LiveCamera {
  public:
   LiveCamera(const Pattern& pattern, const ImageSize& size, int num_threads);
 
-  /// One more image. From kNumFirstViews on the camera is adjusted to all of
-  /// them: anew whenever they have become half as many again, else from where
-  /// it was.
+  /// Adds an image. From kNumFirstViews images on, the camera is optimized:
+  /// from scratch whenever their number has grown by half, otherwise from its
+  /// last state.
   void Add(const ImageFeatures& image);
-  /// Some more at once, and the camera anew.
+  /// Adds several images, and estimates the camera from scratch.
   void Add(const std::vector<ImageFeatures>& images);
-  /// All but the image of that name, and the camera of them.
+  /// Removes the image with that name, and estimates the camera again.
   void Remove(const std::string& image);
 
   const Dataset& images() const { return images_; }
-  /// Nothing while images tell no camera.
+  /// Nothing until a camera was estimated.
   const std::optional<Adjusted>& adjusted() const { return adjusted_; }
 
  private:

@@ -23,7 +23,7 @@ class Search {
     if (!pose || !ShowsHalf(*pose) || IsAvoided(*pose)) return;
     found_.push_back({view, *pose, gain_(*pose)});
   }
-  /// Keeps the best few.
+  /// Keeps only the best count candidates.
   void Keep(size_t count) {
     std::stable_sort(
         found_.begin(), found_.end(),
@@ -80,7 +80,7 @@ std::optional<NextView> BestNextView(const CameraModel& camera,
                     0.5,
                     (turn++ % kNumAxes) * 2 * M_PI / kNumAxes,
                     0});
-  // Around each of the best: tilts, and turned by a quarter.
+  // Around each of the best: vary tilt, and rotate by 90 degrees.
   search.Keep(3);
   for (const NextView& start : std::vector<NextView>(search.found())) {
     for (const double turn_rad : {0.0, M_PI / 2}) {
@@ -98,7 +98,7 @@ std::optional<NextView> BestNextView(const CameraModel& camera,
   }
   search.Keep(1);
   if (search.found().empty()) return std::nullopt;
-  // Places and widths between.
+  // Intermediate positions and widths.
   const BoardView best = search.found().front().view;
   for (const double x : {-0.25, 0.0, 0.25})
     for (const double y : {-0.25, 0.0, 0.25})

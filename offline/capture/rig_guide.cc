@@ -8,7 +8,7 @@
 namespace raygrid {
 namespace {
 
-// Sets of cameras that links connect.
+// Sets of cameras connected by links.
 class ConnectedCameras {
  public:
   explicit ConnectedCameras(size_t count) : set_(count) {
@@ -49,7 +49,7 @@ bool RigGuide::IsKnown(size_t camera) const {
   return guide(camera) && guide(camera)->knowledge();
 }
 
-// Keeps those pairs that connect the cameras, the best known ones first.
+// Builds the spanning tree of the most certain links.
 void RigGuide::FindLinks() {
   std::vector<Link> all;
   for (size_t a = 0; a < num_cameras(); ++a)
@@ -90,7 +90,7 @@ void RigGuide::ChooseLinkViews() {
 
 std::optional<Pose> RigGuide::FromCamera(size_t to, size_t from) const {
   if (to == from) return Pose();
-  // Links are a tree: a camera once reached is reached in no other way.
+  // Links form a tree, so each camera is reached only once.
   std::vector<std::optional<Pose>> from_start(num_cameras());
   from_start[from] = Pose();
   for (size_t step = 0; step < links_.size(); ++step)
@@ -163,7 +163,7 @@ bool RigGuide::TellsLink(
     const Link* link, size_t first, size_t second,
     const std::vector<const ImageFeatures*>& images) const {
   const ImageFeatures &in_first = *images[first], &in_second = *images[second];
-  // Views that both cameras have already tell of noise alone.
+  // Views that both cameras already have would only reduce the noise.
   if (guide(first)->GainOf(in_first) <= 0 &&
       guide(second)->GainOf(in_second) <= 0)
     return false;

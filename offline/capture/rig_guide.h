@@ -14,23 +14,22 @@ namespace raygrid {
 /// A camera of a rig, or the only one. Pointers are NULL before its first
 /// frame.
 struct GuidedCamera {
-  const LiveCamera* live = nullptr;  ///< for RigGuide's constructor alone
+  const LiveCamera* live = nullptr;  ///< only for RigGuide's constructor
   std::shared_ptr<const CaptureGuide> guide;
-  std::vector<Pose> avoided;  ///< views, camera_from_board, that nobody shows
+  std::vector<Pose> avoided;  ///< views (camera_from_board) that are impossible
 };
 
-/// The view to take next, before one of the cameras.
+/// The recommended next view, and its camera.
 struct RigView {
   size_t camera = 0;
   GuidedView view;
 };
 
-/// Guidance for several cameras at once: each has its own guide, and between
-/// them are links, their relative poses. Those links are looked at that
-/// connect all cameras and are known best. A rig of one camera is guided by its
-/// own guide alone.
+/// Capture guidance for a rig: one guide per camera, and links, which are
+/// relative poses between cameras. Considers the spanning tree of the most
+/// certain links. A single camera is guided by its own guide only.
 ///
-/// It does not change; each instant that is kept makes another one.
+/// Immutable; a new one is made for each kept frame.
 class RigGuide {
  public:
   RigGuide(const std::vector<GuidedCamera>& cameras, const Pattern& pattern,
@@ -45,27 +44,27 @@ class RigGuide {
   struct Link {
     size_t first = 0, second = 0;  ///< cameras
     CameraLink link;
-    std::optional<GuidedView> next;  ///< before the first; none: it is done
+    std::optional<GuidedView> next;  ///< of the first camera; nothing: done
   };
   const std::vector<Link>& links() const { return links_; }
-  /// Two cameras that no instant connects, to be shown a board at once. Nothing
-  /// while one of all is not known yet.
+  /// Two cameras without a common frame, which need to see a board at once.
+  /// Nothing while a camera is not calibrated.
   const std::optional<std::pair<size_t, size_t>>& to_connect() const {
     return to_connect_;
   }
 
-  /// The view that takes away most, of the cameras' variances and the links'
-  /// together. Views of cameras that are not known yet come first. Nothing
-  /// while cameras are to be connected, and where no view adds enough.
+  /// The view with the largest reduction of the variances of cameras and links
+  /// together. Views of cameras that are not calibrated come first. Nothing
+  /// while cameras are to be connected, and if no view has enough gain.
   const std::optional<RigView>& next() const { return next_; }
-  /// All cameras are known as well as asked for, and how they stand to each
-  /// other.
+  /// Whether all cameras and their relative poses reach the required
+  /// uncertainty.
   bool is_done() const { return is_done_; }
-  /// How many instants are still expected: the most of any camera.
+  /// The number of further frames expected: the maximum over the cameras.
   std::optional<int> num_expected() const;
 
-  /// Whether an instant is to be kept for what it tells of links: images by
-  /// camera, NULL for those of no use.
+  /// Whether to keep a frame for its information on links: images by camera,
+  /// NULL for unusable ones.
   bool TellsLinks(const std::vector<const ImageFeatures*>& images) const;
 
  private:

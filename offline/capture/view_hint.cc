@@ -10,14 +10,13 @@
 namespace raygrid {
 namespace {
 
-// A move of one kind. Its size is 1 where it is just worth a word.
+// A motion component. Its size is 1 at the threshold for a hint.
 struct Move {
   double size = 0;
   std::string words;
 };
 
-// How a board faces the camera where it is: rotation as seen along the line of
-// sight to its middle.
+// The rotation of a board relative to the line of sight to its centre.
 Eigen::Matrix3d FacingFrom(const Board& board, const Pose& pose) {
   const Eigen::Vector3d sight = pose * MiddleOf(board);
   return Eigen::Quaterniond::FromTwoVectors(sight, Eigen::Vector3d::UnitZ())
@@ -25,8 +24,7 @@ Eigen::Matrix3d FacingFrom(const Board& board, const Pose& pose) {
          pose.rotation.toRotationMatrix();
 }
 
-// Which of its sides is farther away, as the picture has them: to the right and
-// down, radians.
+// The tilt towards image right and down, radians: which side is farther away.
 Eigen::Vector2d TiltOf(const Eigen::Matrix3d& facing) {
   const Eigen::Vector3d behind = facing.col(2);  // away from the camera
   const double across = behind.head<2>().norm();
@@ -45,7 +43,7 @@ Move Tilt(double change_rad, const char* plus, const char* minus) {
           std::string("tilt the ") + (change_rad > 0 ? plus : minus) + " away"};
 }
 
-// The moves from one pose to another, the largest first.
+// The motion components between two poses, largest first.
 std::vector<Move> MovesBetween(const CameraModel& camera, const Board& board,
                                const Pose& from, const Pose& to) {
   const Eigen::Vector3d middle = MiddleOf(board);
@@ -68,7 +66,7 @@ std::vector<Move> MovesBetween(const CameraModel& camera, const Board& board,
   const Eigen::Vector2d tilt = TiltOf(then) - TiltOf(now);
   moves.push_back(Tilt(tilt.x(), "right", "left"));
   moves.push_back(Tilt(tilt.y(), "bottom", "top"));
-  // Half a turn is none: boards look alike then, to people and lenses.
+  // Half a turn is ignored: boards look alike then.
   constexpr double kWorthTurn_rad = 0.5;
   const double turn = std::remainder(TurnOf(then) - TurnOf(now), M_PI);
   moves.push_back({std::abs(turn) / kWorthTurn_rad,

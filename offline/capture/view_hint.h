@@ -9,13 +9,13 @@
 
 namespace raygrid {
 
-/// How a board is to be moved from one pose, camera_from_board, to another, in
-/// words for who sees the picture: "closer, tilt the top away". At most three
-/// moves, the largest first; "hold it there" where none is worth a word.
+/// Describes the motion of a board from one pose (camera_from_board) to
+/// another, as seen in the image: "closer, tilt the top away". At most three
+/// motions, largest first; "hold it there" if all are negligible.
 std::string DescribeMove(const CameraModel& camera, const Board& board,
                          const Pose& from, const Pose& to);
 
-/// Whether no move from one pose to another is worth a word.
+/// Whether the motion between two poses is negligible.
 bool IsThere(const CameraModel& camera, const Board& board, const Pose& from,
              const Pose& to);
 

@@ -25,8 +25,8 @@
 namespace raygrid {
 namespace {
 
-// A surface of directions; of what else each control point has,
-// numbers_per_point in all, others gets the rest.
+// A surface of directions; if control points have more values,
+// numbers_per_point in all, others receives the remainder.
 BSplineSurface ParseGrid(const YAML::Node& root, const Area& area,
                          size_t numbers_per_point,
                          std::vector<std::vector<double>>* others) {
@@ -78,7 +78,7 @@ std::shared_ptr<CameraModel> ParseNonCentralGeneric(const YAML::Node& root,
                                              std::move(points));
 }
 
-// The named parameters of a model, into its own.
+// Parses the named parameters of a model.
 void ParseParameters(const YAML::Node& root,
                      const std::vector<std::string>& names,
                      double* parameters) {
@@ -264,7 +264,7 @@ std::optional<RowTime> ParseRowTime(const YAML::Node& root) {
   return value;
 }
 
-// Throws what yaml-cpp throws, and InputError without the file's name.
+// Throws exceptions of yaml-cpp, and InputError without the file's name.
 CameraFile Parse(const YAML::Node& root) {
   RequireKind(root, "camera");
   if (root["raygrid_camera"].as<int>() != 1)
@@ -424,7 +424,7 @@ void EmitParameters(const ParametricModel& lens, Digits digits,
   *out << YAML::EndMap;
 }
 
-// The camera's parameters, as many at each control point.
+// Writes the camera's parameters, with equal numbers per control point.
 void EmitGrid(const BSplineSurface& surface, const Eigen::VectorXd& parameters,
               YAML::Emitter* out) {
   *out << YAML::Key << "grid" << YAML::Value << YAML::Flow << YAML::BeginMap
@@ -498,8 +498,7 @@ std::string FormatCameraFile(const CameraFile& file, Digits digits) {
   if (file.spread) EmitSpread(*file.spread, &out);
   if (file.stack) EmitStack(*file.stack, &out);
   if (file.row_time) EmitRowTime(*file.row_time, &out);
-  // The model, which no camera lacks, comes last: a file that was cut is no
-  // camera.
+  // The required key, the model, comes last: a truncated file is invalid.
   EmitModel(camera, digits, &out);
   out << YAML::EndMap;
   return std::string(out.c_str()) + "\n";

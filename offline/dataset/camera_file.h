@@ -15,47 +15,48 @@
 
 namespace raygrid {
 
-/// Residual norms over a set of features.
+/// Error metrics: residual norms over a set of features.
 struct ErrorFigures {
   double median_px = 0, rms_px = 0, max_px = 0;
   int count = 0;
 };
 
-/// How well a stack is known at a value of each of its conditions.
+/// The predicted uncertainty of an operating-point model at one operating
+/// point.
 struct StackDeviation {
   ConditionValues values;
   DeviationLattice lattice;
 };
 
-/// A camera over ranges of conditions, and how well it is known there.
+/// An operating-point model over ranges of conditions, with its uncertainty.
 struct StackOfCameras {
   CameraStack cameras;
   std::vector<StackDeviation> deviations;  ///< by values, ascending
 };
 
-/// camera.yaml: a camera and what is known of it.
+/// The contents of camera.yaml.
 struct CameraFile {
   std::shared_ptr<const CameraModel> camera;
   std::string name, serial;
   std::string verdict;  ///< the calibration's: "pass", "warn", "fail"; or ""
   std::optional<ErrorFigures> training, held_out;
   std::optional<CameraUncertainty> uncertainty;
-  /// The pose of a view that is turned against the camera it is made from.
+  /// The pose of a rotated view relative to its camera.
   std::optional<Pose> camera_from_view;
-  std::optional<Capture> capture;  ///< knows something, if it is there
-  /// The cameras that it is one of: the one in the middle.
+  std::optional<Capture> capture;  ///< not empty if present
+  /// The operating-point model, of which the camera is the middle.
   std::optional<StackOfCameras> stack;
   std::optional<RowTime> row_time;
-  /// A fleet's middle camera: how its units differ from it.
+  /// If the camera is a population mean: the covariance of its fleet.
   std::optional<LensSpread> spread;
 };
 
 /// Throws InputError.
 CameraFile ReadCameraFile(const std::string& path);
-/// The camera in a file's text; path is used in errors.
+/// Parses a camera file; path is used in errors.
 CameraFile ParseCameraFile(const std::string& path, const std::string& text);
-/// A lens's parameters have 12 digits, or, for those that must come out of the
-/// file as they are, as many as they need.
+/// The number of digits of a lens's parameters: 12, or as many as needed for an
+/// exact round trip.
 enum class Digits { kTwelve, kAll };
 std::string FormatCameraFile(const CameraFile& file,
                              Digits digits = Digits::kTwelve);

@@ -12,7 +12,7 @@ constexpr double kHottestC = 1024, kLongestUs = 1 << 30;
 constexpr double kSmallestGain = 1 / 65536.0, kLargestGain = 1024;
 constexpr int kLargestCrop = 65536, kLargestScale = 64;
 
-// A row or column of a crop that an image shows.
+// Whether an axis of a crop is possible for an image.
 bool IsPossible(int start, int span, int image) {
   return start >= -kLargestCrop && start <= kLargestCrop && span >= 1 &&
          span <= kLargestCrop && span <= int64_t{kLargestScale} * image &&

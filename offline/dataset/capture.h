@@ -8,21 +8,19 @@
 
 namespace raygrid {
 
-/// Frames whose lens is so many dioptres away are taken for calibrated ones:
-/// the image of a lens of 4 mm grows by 0.04 % then, 0.4 px at 1000 px from the
-/// middle.
+/// Tolerance of the lens position in dioptres: frames within it count as
+/// calibrated. The image of a 4 mm lens then changes by 0.04 %, 0.4 px at 1000
+/// px from the centre.
 constexpr double kDefaultLensTolerance = 0.1;
 
-/// How the camera stood while it was calibrated, as the source of its frames
-/// told it.
+/// The capture settings at calibration, from the metadata of its frames.
 struct Capture {
   std::optional<double> lens_position;  ///< dioptres
   double lens_tolerance = kDefaultLensTolerance;
-  /// The part of the sensor that frames show: x, y, width, height in its
-  /// pixels.
+  /// The sensor crop: x, y, width, height in sensor pixels.
   std::optional<std::array<int, 4>> crop;
-  std::optional<double> zoom;      ///< magnification over the widest
-  std::optional<int> orientation;  ///< 1 to 8, as EXIF and libcamera have it
+  std::optional<double> zoom;      ///< relative to the widest setting
+  std::optional<int> orientation;  ///< 1 to 8, as in EXIF and libcamera
   std::optional<double> sensor_temperature_c;  ///< degrees Celsius
   std::optional<double> exposure_us;           ///< microseconds
   std::optional<double> analogue_gain;         ///< a factor
@@ -33,8 +31,8 @@ struct Capture {
   }
 };
 
-/// The name of a value that no camera with images of that size has, and which
-/// ones are possible; NULL if all are.
+/// Returns the name of a value that is impossible for images of that size, with
+/// the valid range; NULL if all are valid.
 const char* FindImpossible(const Capture& capture, const ImageSize& size);
 
 }  // namespace raygrid

@@ -9,9 +9,9 @@
 
 namespace raygrid {
 
-/// Reads the value of "capture" in a camera file; nothing if it is not there.
-/// Throws InputError, without the file's name, of unknown keys and of what no
-/// camera with images of that size has, or what yaml-cpp throws.
+/// Reads "capture" from a camera file; nothing if it is absent. Throws
+/// InputError, without the file's name, for unknown keys and values that are
+/// impossible for images of that size, or exceptions of yaml-cpp.
 std::optional<Capture> ParseCapture(const YAML::Node& node,
                                     const ImageSize& size);
 

@@ -10,8 +10,8 @@ namespace raygrid {
 
 __extension__ using Uint128 = unsigned __int128;
 
-/// Tells contents from others: FNV-1a of 128 bits, no protection from who wants
-/// to deceive. Parts are told apart: "ab", "c" is not "a", "bc".
+/// 128-bit FNV-1a hash of contents; not cryptographic. Parts are delimited:
+/// "ab", "c" differs from "a", "bc".
 class ContentHash {
  public:
   void Add(const std::string& part) {

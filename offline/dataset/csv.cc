@@ -20,7 +20,7 @@ std::string_view Trim(std::string_view text) {
   return text.substr(first, text.find_last_not_of(spaces) - first + 1);
 }
 
-// The records of a CSV text, one after the other.
+// Reads the records of a CSV text sequentially.
 class RecordReader {
  public:
   RecordReader(const std::string& name, const std::string& text)
@@ -41,13 +41,13 @@ class RecordReader {
     return false;
   }
 
-  // The next one whatever it is; false if there is more behind it.
+  // The next record of any kind; false if there are more after it.
   bool ReadLast(std::vector<std::string>* fields) {
     ReadFields(fields);
     return place_ >= text_.size();
   }
 
-  // The line on which the record began that was read last.
+  // The first line of the last record.
   int record_line() const { return record_line_; }
 
  private:
@@ -96,7 +96,7 @@ class RecordReader {
     return field;
   }
 
-  // Skips to the line after the one that ends here.
+  // Skips to the line after the given end of line.
   void Skip(size_t end_of_line) {
     place_ = end_of_line + 1;
     ++line_;

@@ -8,16 +8,16 @@
 
 namespace raygrid {
 
-/// Reads a CSV text with a header line row by row, as RFC 4180 has it: a field
-/// in quotes holds commas, line ends and, written twice, quotes. Beyond it,
-/// lines that begin with '#' and empty lines are skipped, and spaces around
-/// fields are no part of them. Numbers are read without regard to the locale.
-/// It keeps no row but the current one, so memory is that of the text.
+/// Reads a CSV text with a header line row by row, as in RFC 4180: quoted
+/// fields can contain commas, line ends and doubled quotes. In addition, lines
+/// that begin with '#' and empty lines are skipped, and spaces around fields
+/// are ignored. Numbers do not depend on the locale. Only the current row is
+/// stored in addition to the text.
 class CsvReader {
  public:
   /// name is used in errors; name and text must outlive the reader. Throws
   /// InputError if the text is not UTF-8, or its header lacks a required column
-  /// or has one twice.
+  /// or repeats one.
   CsvReader(const std::string& name, const std::string& text,
             const std::vector<std::string>& required_columns);
   CsvReader(CsvReader&&) noexcept;
@@ -25,17 +25,18 @@ class CsvReader {
 
   bool HasColumn(const std::string& column) const;
 
-  /// Goes to the next row; false behind the last one. Throws InputError for a
-  /// row with another number of fields than the header, or more than 1000, and
-  /// for more than max_rows.
+  /// Advances to the next row; false after the last one. Throws InputError if
+  /// the number of fields differs from the header's or exceeds 1000, and for
+  /// more than max_rows rows.
   bool Next();
 
-  /// Throws InputError, naming the limit, in Next() of a longer file.
+  /// Makes Next() throw InputError, with the limit, for longer files.
   void LimitRows(size_t max_rows) { max_rows_ = max_rows; }
 
   /// A field of the current row.
   const std::string& Text(const std::string& column) const;
-  /// Finite number or integer; throws InputError naming file, line and column.
+  /// A finite number or an integer; throws InputError with file, line and
+  /// column.
   double Number(const std::string& column) const;
   int Integer(const std::string& column) const;
 
@@ -52,12 +53,12 @@ class CsvReader {
   size_t num_rows_ = 0, max_rows_ = std::numeric_limits<size_t>::max();
 };
 
-/// The fields of a text of one record, as CsvReader has them, but with no
+/// Parses the fields of a single record, as CsvReader does, but without
 /// comments; name is used in errors. Throws InputError.
 std::vector<std::string> ParseCsvRecord(const std::string& name,
                                         const std::string& text);
 
-/// Text as a field, in quotes if it needs them.
+/// Formats text as a field, quoted if necessary.
 std::string CsvField(const std::string& text);
 
 }  // namespace raygrid

@@ -21,8 +21,8 @@ FeatureKey KeyOf(const Feature& feature) {
   return {feature.board, feature.column, feature.row};
 }
 
-// Collects the features of datasets by the names of their images, in the order
-// in which these first appear. Rows of one image mostly follow each other.
+// Collects features by image name, in the order of first appearance. Rows of
+// one image are mostly consecutive.
 class FeatureCollector {
  public:
   explicit FeatureCollector(std::map<std::string, Dataset>* datasets)
@@ -70,7 +70,7 @@ class FeatureCollector {
   ImageFeatures* image_ = nullptr;
 };
 
-// A feature that an image has twice.
+// A feature that occurs twice in an image.
 std::optional<FeatureKey> FindRepeated(const ImageFeatures& image) {
   std::vector<FeatureKey> keys;
   keys.reserve(image.features.size());
@@ -96,7 +96,7 @@ std::string CameraIn(const CsvReader& table, bool has_camera) {
   return has_camera ? table.Text("camera") : "";
 }
 
-// Throws at the line that states a feature the second time.
+// Throws InputError with the line of the repeated feature.
 void RefuseSecond(const std::string& path, const std::string& text,
                   const std::string& camera, const std::string& image,
                   const FeatureKey& key) {
@@ -137,7 +137,7 @@ std::string PoseLines(const std::string& prefix,
   return text;
 }
 
-// The last digits of a file's name without its extension, leading zeros apart.
+// The last digits of a file name without extension and leading zeros.
 std::string LastNumber(const std::string& file_name) {
   const std::string stem = file_name.substr(0, file_name.rfind('.'));
   const char digits[] = "0123456789";

@@ -12,9 +12,9 @@
 
 namespace raygrid {
 
-/// A feature point of a board, seen in an image.
+/// An observed target point.
 struct Feature {
-  int board = 0;  ///< id in the pattern
+  int board = 0;  ///< board id in the pattern
   int column = 0, row = 0;
   Eigen::Vector2d pixel;
 };
@@ -24,7 +24,7 @@ struct ImageFeatures {
   std::vector<Feature> features;
 };
 
-/// The features that one camera saw.
+/// The features of one camera.
 struct Dataset {
   ImageSize image_size;
   std::vector<ImageFeatures> images;
@@ -32,36 +32,36 @@ struct Dataset {
   size_t num_features() const;
 };
 
-/// Images that tables of features, poses, times and values may name. Hours of
-/// video have fewer; a file of more is refused before it fills the memory.
+/// Maximum number of images in tables of features, poses, times and values.
+/// Hours of video have fewer; larger files are rejected before they exhaust the
+/// memory.
 constexpr size_t kMaxTableImages = 500000;
 
-/// features.csv by camera name ("" where the file has no such column). Images
-/// keep the file's order. Throws InputError for malformed files, non-finite
-/// positions, features stated twice, more than kMaxTableImages images, and
-/// images of more features than a pattern has.
+/// Reads features.csv by camera name ("" if the file has no such column).
+/// Images keep the file's order. Throws InputError for malformed files,
+/// non-finite positions, repeated features, more than kMaxTableImages images,
+/// and images with more features than a pattern has.
 std::map<std::string, Dataset> ReadFeatures(const std::string& path);
-/// The features in a file's text; path is used in errors.
+/// Parses features.csv; path is used in errors.
 std::map<std::string, Dataset> ParseFeatures(const std::string& path,
                                              const std::string& text);
 std::string FormatFeatures(const Dataset& dataset);
 
-/// The features that a camera of a rig saw. Images of one name show one
-/// instant.
+/// The features of one camera of a rig. Images with equal names belong to one
+/// frame.
 struct NamedDataset {
   std::string camera;
   Dataset dataset;
 };
-/// The text of features.csv, led by a column that names the camera.
+/// Formats features.csv, with the camera name as the first column.
 std::string FormatFeatures(const std::vector<NamedDataset>& cameras);
 
-/// Gives images the last number in their file names for a name, without leading
-/// zeros: "left01.jpg" becomes "1". Throws InputError where there is none, and
-/// where two images have the same; source is used in errors.
+/// Renames images to the last number in their file names, without leading
+/// zeros: "left01.jpg" becomes "1". Throws InputError if there is none or two
+/// images have the same; source is used in errors.
 void NameImagesByNumber(const std::string& source, Dataset* dataset);
 
-/// Throws InputError where a feature is not on the pattern, or not in the
-/// image.
+/// Throws InputError if a feature is not on the pattern or outside the image.
 void RequireConsistent(const std::string& name, const Dataset& dataset,
                        const Pattern& pattern);
 
@@ -72,18 +72,18 @@ struct BoardPose {
   Pose camera_from_board;
 };
 
-/// poses.csv.
+/// Formats poses.csv.
 std::string FormatPoses(const std::vector<BoardPose>& poses);
 
-/// The poses of the boards that a camera of a rig saw.
+/// The poses of boards relative to one camera of a rig.
 struct NamedPoses {
   std::string camera;
   std::vector<BoardPose> poses;
 };
 std::string FormatPoses(const std::vector<NamedPoses>& cameras);
 
-/// poses.csv by camera name ("" where the file has no such column). Throws
-/// InputError, also for more than kMaxPoses.
+/// Reads poses.csv by camera name ("" if the file has no such column). Throws
+/// InputError, also for more than kMaxPoses poses.
 constexpr size_t kMaxPoses = 2 * kMaxTableImages;
 std::map<std::string, std::vector<BoardPose>> ReadPoses(
     const std::string& path);

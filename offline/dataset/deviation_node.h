@@ -10,30 +10,29 @@
 
 namespace raygrid {
 
-/// How many places a lattice has across and down.
+/// The number of columns and rows of a lattice.
 struct LatticeSize {
   int columns = 0, rows = 0;
 };
 
-/// columns and rows of a YAML file, from least to most each. Throws InputError
-/// that begins with name.
+/// Reads columns and rows, each within [least, most], from a YAML node. Throws
+/// InputError that begins with name.
 LatticeSize ParseLatticeSize(const YAML::Node& node, const std::string& name,
                              int least, int most);
 
-/// A lattice of standard deviations in a YAML file: columns, rows,
-/// deviation_px. Throws what yaml-cpp throws, and InputError without the file's
-/// name.
+/// Reads a lattice of standard deviations: columns, rows, deviation_px. Throws
+/// exceptions of yaml-cpp, and InputError without the file's name.
 DeviationLattice ParseDeviations(const YAML::Node& node);
 
-/// Adds these keys to the map that is being written.
+/// Writes these keys to the current map.
 void EmitDeviations(const DeviationLattice& lattice, YAML::Emitter* out);
 
-/// displacements_px of a YAML file: lists of dx, dy of num_places places each.
-/// Throws InputError that begins with name.
+/// Reads displacements_px: lists of dx, dy with num_places entries each. Throws
+/// InputError that begins with name.
 std::vector<std::vector<Eigen::Vector2d>> ParseDisplacements(
     const YAML::Node& node, const std::string& name, int num_places);
 
-/// Adds this key to the map that is being written.
+/// Writes this key to the current map.
 void EmitDisplacements(
     const std::vector<std::vector<Eigen::Vector2d>>& displacements_px,
     YAML::Emitter* out);

@@ -10,17 +10,17 @@ namespace raygrid {
 enum class ExitCode {
   kDone = 0,
   kUsage = 1,
-  kInput = 2,           ///< an input cannot be read or is malformed
+  kInput = 2,           ///< an input is unreadable or malformed
   kTooFew = 3,          ///< too few features or images
-  kInitialization = 4,  ///< no starting point was found
+  kInitialization = 4,  ///< initialization failed
   kNotConverged = 5,
   kQuality = 6,  ///< a quality gate failed
-  kOutput = 7,   ///< an output cannot be written
+  kOutput = 7,   ///< an output could not be written
   kBlob = 8      ///< a blob is corrupt, unsupported or does not match
 };
 
-/// An error that stops a command: one line that says what, where, and what to
-/// do.
+/// An error that ends a command: one line with what failed, where, and the
+/// remedy.
 class Error : public std::runtime_error {
  public:
   Error(ExitCode code, const std::string& message)

@@ -8,14 +8,14 @@
 
 namespace raygrid {
 
-/// The tag of EXIF that tells a condition: "SubjectDistance" of a lens
-/// position, "AmbientTemperature".
+/// The EXIF tag of a condition: "SubjectDistance" for a lens position,
+/// "AmbientTemperature".
 std::string ExifTagName(CameraCondition condition);
 
-/// The value of a condition in the EXIF data of a photograph's file, PNG, JPEG
-/// or WebP: 1 / the distance in metres, 0 for infinity, or degrees Celsius.
-/// Nothing if they do not tell it, or say that it is not known. name is used in
-/// errors. Throws InputError as ParseImageHeader() does.
+/// Reads the value of a condition from EXIF data in a PNG, JPEG or WebP file: 1
+/// / distance in metres, 0 for infinity; or degrees Celsius. Nothing if absent
+/// or marked as unknown. name is used in errors. Throws InputError like
+/// ParseImageHeader().
 std::optional<double> ExifCondition(const std::string& name,
                                     const std::string& bytes,
                                     CameraCondition condition);

@@ -21,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Throws if a folder that is to be created has a name as files have it: then
-// the user expects a file.
+// Throws if a folder to be created has a typical file name: then the user
+// expects a file.
 void RequireFolderName(const fs::path& folder) {
   const std::string extension = folder.extension().string();
   for (const char* known :
@@ -49,8 +49,8 @@ std::string TemporaryName(const std::string& path) {
   return fmt::format("{}.part-{}", path, getpid());
 }
 
-// Whether a name is that of a pipe or a device, not of a file: a stream gets
-// the contents and stays what it is.
+// Whether a name is a pipe or a device, which is written to instead of being
+// replaced.
 bool IsStream(const std::string& path, Links links) {
   std::error_code ignored;
   const fs::file_status status = links == Links::kFollow
@@ -60,7 +60,7 @@ bool IsStream(const std::string& path, Links links) {
          !fs::is_symlink(status);
 }
 
-// The file that a link leads to: that one is replaced, and the link stays.
+// The target of a link: it is replaced, and the link is kept.
 std::string FollowLinks(const std::string& path) {
   std::error_code error;
   const fs::path file = fs::canonical(path, error);
@@ -83,10 +83,10 @@ int WriteTo(int file, const std::string& contents) {
   return error;
 }
 
-// How long the other end of a pipe may take to come.
+// The maximum wait for the other end of a pipe.
 constexpr auto kPatience = std::chrono::seconds(5);
 
-// Calls is_there until it returns true; false if it does not for too long.
+// Calls is_there until it returns true; false on timeout.
 bool WaitFor(const std::function<bool()>& is_there) {
   const auto end = std::chrono::steady_clock::now() + kPatience;
   while (!is_there()) {
@@ -124,8 +124,8 @@ class OpenFile {
   int file_;
 };
 
-// Whether something has been written to a pipe, or is going to be: without a
-// writer, there is its end. What is read goes to contents.
+// Whether a pipe has data, or a writer: without a writer, reading yields its
+// end. Data read is appended to contents.
 bool HasWriter(int pipe, std::string* contents) {
   char first;
   const ssize_t size = read(pipe, &first, 1);
@@ -149,7 +149,7 @@ int ReadRest(int file, std::string* contents) {
   }
 }
 
-// A new file; what a program that was killed left under this name goes.
+// Creates a file; removes the remains of a killed program of this name.
 int WriteNew(const std::string& path, const std::string& contents) {
   unlink(path.c_str());
   return WriteTo(

@@ -6,20 +6,18 @@
 
 namespace raygrid {
 
-/// A whole file or pipe as bytes; throws InputError if it cannot be read, for
-/// devices, some of which never end, and for pipes that nobody writes to within
-/// a few seconds.
+/// Reads a whole file or pipe; throws InputError if it is unreadable, a device
+/// (some never end), or a pipe without a writer for a few seconds.
 std::string ReadFile(const std::string& path);
 
-/// Whether a link in the place of a file is the user's, who wants what it leads
-/// to replaced, or is itself in the way.
+/// Whether to follow symbolic links to the file that is to be replaced, or to
+/// replace the links themselves.
 enum class Links { kFollow, kReplace };
 
-/// Files that appear together: all are written beside their targets first, and
-/// renamed only when every one is complete. Throws Error(kOutput) and leaves
-/// nothing behind otherwise. Missing folders are made. Pipes and devices stay,
-/// and get the contents; so do they that links lead to, unless these are
-/// replaced.
+/// Files that are written atomically as a group: temporary files beside the
+/// targets are renamed when all are complete. Otherwise throws Error(kOutput)
+/// and removes them. Creates missing folders. Pipes and devices are written
+/// directly, also by way of links, unless these are replaced.
 class OutputFiles {
  public:
   void Add(const std::string& path, std::string contents,
@@ -34,21 +32,20 @@ class OutputFiles {
   std::vector<File> files_;
 };
 
-/// Throws the Error(kOutput) of a path that cannot be written, for the reason
-/// that errno gave.
+/// Throws Error(kOutput) for a path that cannot be written; error is errno.
 [[noreturn]] void FailToWrite(const std::string& path, int error);
 
-/// One file alone.
+/// Writes a single file.
 void WriteFile(const std::string& path, std::string contents);
 
-/// Throws Error(kOutput) if a file to be written is one that is read, under
-/// whatever name; empty names are none.
+/// Throws Error(kOutput) if an output file is also an input, under any name;
+/// empty names are ignored.
 void RequireNoInputReplaced(const std::vector<std::string>& inputs,
                             const std::vector<std::string>& outputs);
 
-/// Throws Error(kOutput) early if files cannot be made in a folder, which is
-/// created if it does not exist; Error(kUsage) rather than create one with the
-/// name of a file, such as camera.yaml.
+/// Throws Error(kOutput) early if a folder, which is created if missing, is not
+/// writable; Error(kUsage) instead of creating a folder with the name of a
+/// file, such as camera.yaml.
 void RequireWritableFolder(const std::string& folder);
 
 }  // namespace raygrid

@@ -5,10 +5,10 @@
 
 namespace raygrid {
 
-/// From here on memory that is freed stays with the process: adjustments ask
-/// for as much again in each iteration, and the system clears what it gives.
+/// Keeps freed memory in the process from here on: each iteration of an
+/// optimization allocates as much again, and the system would have to clear it.
 inline void KeepFreedMemory() {
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the largest that glibc takes
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the largest value that glibc accepts
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   mallopt(M_TOP_PAD, 64 << 20);
 }

@@ -10,8 +10,8 @@
 namespace raygrid {
 namespace {
 
-// Deviations where one condition is held, which is left out of their values:
-// between two known ones on lattices of one shape.
+// Standard deviations with one condition held, which is removed from their
+// values: interpolated between lattices of equal shape.
 std::vector<StackDeviation> HoldOne(const std::vector<StackDeviation>& known,
                                     size_t range, double value) {
   std::map<ConditionValues, std::vector<const StackDeviation*>> by_others;
@@ -54,7 +54,7 @@ HeldConditions AllHeld(const ConditionValues& values) {
   return {values.begin(), values.end()};
 }
 
-// In place of a camera's deviations, those of another camera of its stack.
+// Replaces a camera's standard deviations by those at another operating point.
 void PutDeviations(const DeviationLattice& lattice, const Area& area,
                    CameraUncertainty* uncertainty) {
   if (lattice.deviation_px.size() != uncertainty->lattice.deviation_px.size())
@@ -115,7 +115,7 @@ std::optional<CameraUncertainty> UncertaintyOverRanges(
     const std::vector<double>& there = known.lattice.deviation_px;
     if (there.size() != most.size()) continue;
     for (size_t i = 0; i < most.size(); ++i)
-      // The camera does not tell where one of them is not a number.
+      // Undefined where one of them is NaN.
       if (!std::isnan(most[i]) && !(there[i] <= most[i])) most[i] = there[i];
   }
   PutDeviations(largest, stack.camera->area(), &worst);

@@ -7,21 +7,20 @@
 
 namespace raygrid {
 
-/// The stack over the conditions that are not held. Deviations are linear
-/// between the values at which they are known.
+/// Restricts an operating-point model to the conditions that are not held.
+/// Standard deviations are interpolated linearly between known values.
 StackOfCameras HoldStack(const StackOfCameras& stack, const HeldConditions& at);
-/// The stack over one of the ranges, with the others in the middle.
+/// Restricts the model to one condition, with the others at mid-range.
 StackOfCameras StackAlong(const StackOfCameras& stack, size_t range);
 
-/// The file of a stack's camera where conditions are held at values in their
-/// ranges, which are recorded as those at which the camera stood. It is a stack
-/// over what is not held, if there is such a condition.
-/// Cells are trusted that are trusted in the middle, and whose deviations at
-/// the values are small enough, too.
+/// The file of the camera at fixed values of conditions, which are recorded as
+/// its capture settings. Contains an operating-point model over the remaining
+/// conditions, if any. A cell is valid if it is in the middle of the ranges,
+/// and if its standard deviation at the values is small enough.
 CameraFile FileAt(const CameraFile& stack, const HeldConditions& at);
 
-/// How well all cameras of a stack are known: in each place, the largest
-/// deviation over the ranges, and cells that are trusted at all values.
+/// The uncertainty over all operating points: at each position, the maximum
+/// standard deviation; cells are valid if they are at all values.
 std::optional<CameraUncertainty> UncertaintyOverRanges(const CameraFile& stack);
 
 }  // namespace raygrid

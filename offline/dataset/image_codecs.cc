@@ -1,4 +1,4 @@
-// jpeglib.h takes the types of stdio.h for granted.
+// jpeglib.h requires the types of stdio.h.
 #include <cstdio>
 // It has to come first.
 #include <jpeglib.h>
@@ -39,8 +39,8 @@ int TypeFor(PixelConversion conversion, int channels, int bits) {
   return CV_MAKETYPE(is_wide ? CV_16U : CV_8U, channels);
 }
 
-// Fixed point, as OpenCV's codecs have it; WebP is turned grey elsewhere there,
-// with a bit more.
+// Fixed-point weights as in OpenCV's codecs; for WebP, OpenCV converts
+// elsewhere, with one more bit.
 struct GreyWeights {
   int blue, green, red, bits;
 };
@@ -95,7 +95,7 @@ struct JpegErrors {
   jmp_buf failure;
 };
 
-// libjpeg fills up what is missing, and only warns.
+// libjpeg fills in missing data, with only a warning.
 bool IsDamage(int warning) {
   return warning == JWRN_ARITH_BAD_CODE || warning == JWRN_EXTRANEOUS_DATA ||
          warning == JWRN_HIT_MARKER || warning == JWRN_HUFF_BAD_CODE ||
@@ -106,7 +106,7 @@ void FailJpeg(j_common_ptr info) {
   longjmp(reinterpret_cast<JpegErrors*>(info->err)->failure, 1);
 }
 
-// Levels from 0 on are traces.
+// Levels from 0 on are trace messages.
 void ReceiveJpegMessage(j_common_ptr info, int level) {
   if (level < 0 && IsDamage(info->err->msg_code)) FailJpeg(info);
 }
@@ -322,7 +322,7 @@ int IgnoreTiffMessage(TIFF*, void*, const char*, const char*, va_list) {
   return 1;
 }
 
-// Bytes that stand for red, green, blue become those of blue, green, red.
+// Converts red, green, blue to blue, green, red.
 void SwapRedAndBlue(cv::Mat* pixels) {
   const int channels = pixels->channels();
   for (int y = 0; y < pixels->rows; ++y)
@@ -337,7 +337,7 @@ void SwapRedAndBlue(cv::Mat* pixels) {
     }
 }
 
-// Samples as they lie in the file, 16 bits each.
+// Reads 16-bit samples as stored in the file.
 bool ReadWideTiff(TIFF* tiff, cv::Mat* pixels) {
   if (!TIFFIsTiled(tiff)) {
     std::vector<uint8_t> row(static_cast<size_t>(TIFFScanlineSize(tiff)));
@@ -372,7 +372,7 @@ bool ReadWideTiff(TIFF* tiff, cv::Mat* pixels) {
   return true;
 }
 
-// Whatever the file has, as 8 bits: libtiff turns it into RGBA.
+// Reads any file as 8 bits: libtiff converts it to RGBA.
 bool ReadNarrowTiff(TIFF* tiff, int channels, cv::Mat* pixels) {
   std::vector<uint32_t> raster(pixels->total());
   if (!TIFFReadRGBAImageOriented(tiff, static_cast<uint32_t>(pixels->cols),
@@ -403,7 +403,7 @@ cv::Mat ReadOpenTiff(TIFF* tiff, PixelConversion conversion) {
   const int rows = static_cast<int>(height), columns = static_cast<int>(width);
   if (rows <= 0 || columns <= 0) return {};
   if (bits > 16 || format != SAMPLEFORMAT_UINT)
-    return cv::Mat(rows, columns, CV_32F);  // so it is refused by its name
+    return cv::Mat(rows, columns, CV_32F);  // rejected with its name
   if (bits == 16 && Keeps16Bits(conversion)) {
     if ((channels != 1 && channels != 3 && channels != 4) ||
         (channels > 1 && planar != PLANARCONFIG_CONTIG))
@@ -422,7 +422,7 @@ cv::Mat ReadOpenTiff(TIFF* tiff, PixelConversion conversion) {
   cv::Mat pixels(rows, columns, CV_MAKETYPE(CV_8U, kept));
   if (!ReadNarrowTiff(tiff, kept, &pixels)) return {};
   if (!is_grey) return Converted(pixels, conversion);
-  // Grey has three channels that are alike.
+  // Grey has three equal channels.
   cv::Mat grey(rows, columns, CV_8U);
   for (int y = 0; y < rows; ++y)
     for (int x = 0; x < columns; ++x) grey.ptr(y)[x] = pixels.ptr(y)[kept * x];
@@ -471,7 +471,7 @@ cv::Mat DecodeWebp(const std::string& bytes, PixelConversion conversion) {
 
 // ---- PGM and PPM
 
-// The next number of a header or of a file in text; -1 for none.
+// The next number of a header or of a text file; -1 if there is none.
 int NextNumber(const std::string& bytes, size_t* position) {
   size_t& at = *position;
   while (at < bytes.size() &&
@@ -520,7 +520,7 @@ cv::Mat DecodePnm(const std::string& bytes, PixelConversion conversion) {
   return Converted(pixels, conversion);
 }
 
-// ---- BMP, as it is written today: without compression
+// ---- BMP, only the common variants without compression
 
 uint32_t Little(const std::string& bytes, size_t at, int count) {
   uint32_t value = 0;

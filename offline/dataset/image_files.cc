@@ -21,13 +21,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// How a JPEG file ends. The decoder fills up what is missing with grey: it says
-// so only of a sequential scan that holds all components.
+// How a JPEG file ends. The decoder fills missing parts with grey, and reports
+// it only for a sequential scan with all components.
 enum class JpegEnd { kMarked, kAfterOnlyScan, kCut };
 
-// Bytes behind the end-of-image marker are not the image's: phones append
-// megabytes of notes and video there. Thumbnails, which have such markers of
-// their own, lie within segments.
+// Bytes after the end-of-image marker are ignored: phones append megabytes of
+// metadata and video. Thumbnails, which have such markers of their own, are
+// within segments.
 JpegEnd EndOfJpeg(const std::string& bytes) {
   const auto byte = [&bytes](size_t at) {
     return at < bytes.size() ? static_cast<uint8_t>(bytes[at]) : 0;
@@ -74,7 +74,7 @@ const std::set<std::string> kOtherKinds = {
     ".arw",  ".avif", ".cr2", ".cr3", ".dng", ".exr", ".gif",
     ".heic", ".heif", ".jp2", ".jxl", ".nef", ".raf"};
 
-// Pictures that calibrate and detect --overlay write into their folders.
+// Pictures that calibrate and detect --overlay write to their folders.
 const std::set<std::string> kOwnPictures = {"coverage.png", "example_after.png",
                                             "example_before.png",
                                             "uncertainty.png"};
@@ -112,7 +112,7 @@ std::string WithoutOrientation(std::string bytes, const ImageHeader& header) {
   return bytes;
 }
 
-// Decodes an image as it is stored; a damaged one is an error.
+// Decodes an image as stored; a corrupt one is an error.
 cv::Mat Decode(const std::string& name, const std::string& file,
                PixelConversion conversion) {
   const ImageHeader header = ParseImageHeader(name, file);
@@ -121,7 +121,7 @@ cv::Mat Decode(const std::string& name, const std::string& file,
     changed = WithoutOrientation(file, header);
   const bool is_jpeg = file.compare(0, 2, "\xff\xd8") == 0;
   const JpegEnd end = is_jpeg ? EndOfJpeg(file) : JpegEnd::kMarked;
-  // With a marker the decoder speaks of what the scan lacks, not of the marker.
+  // With a marker, the decoder reports what the scan lacks, not the marker.
   if (end == JpegEnd::kAfterOnlyScan) changed = file + "\xff\xd9";
   const std::string& bytes = changed.empty() ? file : changed;
   cv::Mat decoded;
@@ -131,8 +131,7 @@ cv::Mat Decode(const std::string& name, const std::string& file,
   return decoded;
 }
 
-// The largest value that a camera can have meant by 16 bits of which it used
-// no more than this.
+// The full scale of a camera whose brightest 16-bit value is this.
 double FullScale(double brightest) {
   for (const int bits : {8, 10, 12, 14})
     if (brightest < 1 << bits) return (1 << bits) - 1;

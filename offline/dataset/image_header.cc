@@ -16,7 +16,7 @@ std::atomic<bool> huge_is_allowed{false};
 
 enum class Order { kBigEndian, kLittleEndian };
 
-// Numbers in a file; std::out_of_range where it has ended.
+// Reads numbers of a file; throws std::out_of_range at its end.
 class Bytes {
  public:
   Bytes(const std::string& bytes, Order order) : bytes_(bytes), order_(order) {}
@@ -39,10 +39,10 @@ class Bytes {
   Order order_;
 };
 
-// Sizes as files have them, before any limit.
+// Sizes as stored in the file, before any limit.
 struct RawHeader {
   uint64_t width = 0, height = 0;
-  // A tile of a TIFF file is decoded whole, however small the image is.
+  // A TIFF tile is decoded as a whole, however small the image is.
   uint64_t tile_width = 0, tile_height = 0;
   int orientation = 1;
   size_t orientation_at = 0, orientation_bytes = 0;
@@ -51,7 +51,7 @@ struct RawHeader {
 
 // ---- TIFF, and EXIF, which is TIFF without an image -------------------------
 
-// A number of a directory's entry: 1, 2, 4 or 8 bytes by its type, else 0.
+// The size of a number in a directory entry: 1, 2, 4 or 8 bytes, else 0.
 size_t BytesOfType(uint64_t type) {
   switch (type) {
     case 1:  // BYTE
@@ -118,7 +118,7 @@ void ParseTiff(const std::string& bytes, size_t start, RawHeader* header) {
   }
 }
 
-// EXIF from start on, which may be cut. A damaged tag turns nothing.
+// Parses EXIF data, which may be truncated. Corrupt tags are ignored.
 void ParseExif(const std::string& bytes, size_t start, size_t count,
                RawHeader* header) {
   if (start > bytes.size()) return;
@@ -175,7 +175,7 @@ void ParseBmp(const std::string& bytes, RawHeader* header) {
   const bool is_old = file.Number(14, 4) == 12;
   header->width = is_old ? file.Number(18, 2) : file.Number(18, 4);
   header->height = is_old ? file.Number(20, 2) : file.Number(22, 4);
-  // Rows from the top downwards have a negative height.
+  // A negative height indicates rows from top to bottom.
   if (!is_old && header->height >> 31)
     header->height = (uint64_t{1} << 32) - header->height;
 }
@@ -249,8 +249,8 @@ void RequireAllowed(const std::string& name, uint64_t width, uint64_t height) {
   if (!why.empty()) throw InputError(name + ": " + why);
 }
 
-// Photographs are not so much smaller than their pixels; what is takes
-// gigabytes of memory for kilobytes of file.
+// Rejects files much smaller than their pixels, which are not photographs: they
+// need gigabytes of memory for kilobytes of file.
 void RequireLikelyContents(const std::string& name, const RawHeader& header,
                            size_t num_bytes) {
   constexpr struct {

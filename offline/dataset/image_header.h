@@ -9,34 +9,33 @@
 
 namespace raygrid {
 
-/// The properties of an image that its file states before the pixels.
+/// Properties of an image from its file header.
 struct ImageHeader {
   ImageSize size;
-  /// EXIF's number: 1 is to be shown as stored, 2 to 8 turned or mirrored.
+  /// EXIF orientation: 1 is unrotated, 2 to 8 are rotated or mirrored.
   int orientation = 1;
-  /// TIFF: where the orientation's number stands in the file, and its bytes.
+  /// TIFF: the offset of the orientation's value in the file, and its size.
   size_t orientation_at = 0, orientation_bytes = 0;
-  /// PNG, JPEG, WebP: the first byte of EXIF's data, which are TIFF's, and how
-  /// many there are; none: 0.
+  /// PNG, JPEG, WebP: the offset and size of the EXIF data, which have TIFF's
+  /// structure; 0 if absent.
   size_t exif_at = 0, exif_bytes = 0;
 };
 
-/// Reads the header of a PNG, JPEG, TIFF, BMP, PNM (PGM and its kin) or WebP
-/// file. Throws InputError: other kinds, damage, sizes that are refused.
+/// Parses the header of a PNG, JPEG, TIFF, BMP, PNM or WebP file. Throws
+/// InputError for other formats, corrupt files, and refused sizes.
 ImageHeader ParseImageHeader(const std::string& name, const std::string& bytes);
 
-/// Larger images are refused unless AllowHugeImages() was called: they take
-/// minutes and gigabytes, and most are no photographs.
+/// Larger images are rejected unless AllowHugeImages() was called: they need
+/// minutes and gigabytes, and most are not photographs.
 constexpr int kMaxSidePx = 16384;
-/// The limits that --allow-huge-images allows: indices of pixels stay within 31
-/// bits.
+/// The limits with --allow-huge-images: pixel indices fit into 31 bits.
 constexpr int kMaxHugeSidePx = 65535;
 constexpr int64_t kMaxHugePixels = int64_t{1} << 30;
 
-/// Allows huge images for the rest of the program.
+/// Allows huge images until the program ends.
 void AllowHugeImages();
 
-/// Why an image may not be of this size; empty if it may.
+/// Why an image of this size is rejected; empty if it is accepted.
 std::string WhySizeIsRefused(uint64_t width, uint64_t height);
 
 }  // namespace raygrid

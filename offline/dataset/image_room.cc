@@ -9,9 +9,9 @@
 namespace raygrid {
 namespace {
 
-// How many pixels all images may have together that are in work at a time.
+// The total number of pixels of images processed at a time.
 int64_t MaxPixels() {
-  constexpr int64_t kBytesPerPixel = 50;  // while boards are sought
+  constexpr int64_t kBytesPerPixel = 50;  // during detection
   const int64_t pages = sysconf(_SC_PHYS_PAGES);
   const int64_t bytes = std::max<int64_t>(0, pages) * sysconf(_SC_PAGESIZE);
   return bytes / 2 / kBytesPerPixel;

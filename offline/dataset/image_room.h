@@ -7,10 +7,10 @@
 
 namespace raygrid {
 
-/// Room for one image that is decoded and worked on, of what there is for those
-/// of all threads: half of the machine's memory, however many threads there
-/// are. Who makes one waits for room. An image that needs more than there is
-/// gets it when it is alone. A thread has one at a time.
+/// Reserves memory for decoding and processing one image, out of half of the
+/// machine's memory for all threads together. The constructor waits until
+/// enough is available; an image that needs more than the total waits until it
+/// is the only one. A thread must hold only one at a time.
 class ImageRoom {
  public:
   explicit ImageRoom(const ImageSize& size);

@@ -6,17 +6,16 @@
 
 namespace raygrid {
 
-/// When images were taken, seconds from any instant, by name.
+/// Capture times of images in seconds, from any origin, by image name.
 using ImageTimes = std::map<std::string, double>;
 
 /// Reads a CSV with the columns image and time_s. Throws InputError for
-/// malformed files, an image that stands there twice, and two images of one
-/// time.
+/// malformed files, repeated images, and two images with equal times.
 ImageTimes ReadImageTimes(const std::string& path);
-/// The times in a file's text; path is used in errors.
+/// Parses such a CSV; path is used in errors.
 ImageTimes ParseImageTimes(const std::string& path, const std::string& text);
 
-/// The text of such a CSV.
+/// Formats such a CSV.
 std::string FormatImageTimes(const ImageTimes& times);
 
 }  // namespace raygrid

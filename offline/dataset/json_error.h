@@ -6,8 +6,8 @@
 
 namespace raygrid {
 
-/// The fault of a JSON file, "type must be number, but is array", without the
-/// library's name of the exception.
+/// Describes a JSON error, "type must be number, but is array", without the
+/// name of the library's exception.
 inline std::string JsonProblem(const nlohmann::json::exception& error) {
   const std::string text = error.what();
   const size_t name_end = text.find("] ");

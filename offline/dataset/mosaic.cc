@@ -17,8 +17,8 @@ float At(const GreyLevels& image, int x, int y) {
   return image.levels[static_cast<size_t>(y) * image.size.width + x];
 }
 
-// The mean around a pixel that has a quarter of each phase, and that a ramp
-// leaves alone.
+// The mean around a pixel with equal weights of the phases, exact for linear
+// gradients.
 float MeanAround(const GreyLevels& image, int x, int y) {
   const auto row = [&](int r) {
     return At(image, x - 1, r) + 2 * At(image, x, r) + At(image, x + 1, r);
@@ -33,8 +33,8 @@ T MedianOf(std::vector<T> values) {
   return *middle;
 }
 
-// How much brighter the pixels of each phase are than their surroundings in a
-// block of the image, as parts of its mean.
+// The relative brightness of each phase compared with its surroundings, in a
+// block of the image.
 using Excess = std::array<double, kNumPhases>;
 
 constexpr int kBlockPx = 16;
@@ -87,7 +87,7 @@ bool IsMosaic(const GreyLevels& image) {
   return false;
 }
 
-// The levels of a phase as a line of those around them.
+// The levels of a phase as a linear function of those around them.
 struct Line {
   double slope = 1, offset = 0;
 };
@@ -115,8 +115,8 @@ std::vector<Sample> SamplesOf(const GreyLevels& image, int phase) {
   return samples;
 }
 
-// Least squares in which what is off the line, as colours and edges are, has
-// little weight.
+// Robust least squares: outliers, such as colours and edges, have little
+// weight.
 Line FitLine(const std::vector<Sample>& samples) {
   constexpr int kNumRounds = 8;
   Line line;
@@ -153,7 +153,7 @@ bool BalanceMosaic(GreyLevels* image) {
   constexpr double kMinSlope = 0.02, kFullScale = 255;
   constexpr size_t kMinSamples = 100;
   std::array<Line, kNumPhases> lines;
-  double brightest = kFullScale;  // that all phases can show
+  double brightest = kFullScale;  // representable by all phases
   for (int phase = 0; phase < kNumPhases; ++phase) {
     const std::vector<Sample> samples = SamplesOf(*image, phase);
     if (samples.size() < kMinSamples) return false;

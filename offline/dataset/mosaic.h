@@ -5,10 +5,10 @@
 
 namespace raygrid {
 
-/// Makes a raw colour mosaic (Bayer), stored as a grey image, a grey image:
-/// each of the four phases of 2 x 2 pixels is scaled so that what is grey in
-/// the scene is as bright in all of them, as a board is. Other images stay as
-/// they are. Whether it was a mosaic.
+/// Balances a raw colour mosaic (Bayer) that is stored as a grey image: scales
+/// each of the four phases of 2 x 2 pixels so that grey surfaces, such as a
+/// board, have equal values in all of them. Other images are unchanged. Returns
+/// whether it was a mosaic.
 bool BalanceMosaic(GreyLevels* image);
 
 }  // namespace raygrid

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 // The hidden folder's name within the folder, before its number.
 constexpr char kWithin[] = ".raygrid-";
 
-// Empties and locks a folder; 0, or an errno.
+// Empties and locks a folder; returns 0, or an errno.
 int LockEmptied(const std::string& path, int file) {
   struct stat status;
   if (fstat(file, &status) != 0) return errno;
@@ -39,9 +39,8 @@ int LockEmptied(const std::string& path, int file) {
   return is_empty ? 0 : ENOTEMPTY;
 }
 
-// The folder of this name, locked: a new one, or what is left of a program that
-// was killed, emptied. None if another program is at work there, or it is
-// another user's.
+// Locks the folder of this name: a new one, or the remains of a killed program,
+// emptied. Nothing if another program uses it, or it is another user's.
 std::optional<int> LockNewFolder(const std::string& path) {
   const bool is_new = mkdir(path.c_str(), 0700) == 0;
   if (!is_new && errno != EEXIST) FailToWrite(path, errno);
@@ -50,7 +49,7 @@ std::optional<int> LockNewFolder(const std::string& path) {
   const int error = file < 0 ? errno : LockEmptied(path, file);
   if (error == 0) return file;
   if (file >= 0) close(file);
-  if (is_new && error != EWOULDBLOCK) {  // the next one would fail likewise
+  if (is_new && error != EWOULDBLOCK) {  // others would fail, too
     rmdir(path.c_str());
     FailToWrite(path, error);
   }
@@ -71,7 +70,7 @@ bool IsWorkingDirectoryIn(const fs::path& folder) {
                  .first == folder.end();
 }
 
-// Beside the folder if they can change places; else within it.
+// Beside the folder if they can be exchanged; otherwise within it.
 std::string HiddenPrefix(const fs::path& folder) {
   const fs::path parent = folder.parent_path();
   const bool is_beside = folder.has_relative_path() &&
@@ -91,7 +90,7 @@ struct Contents {
   Paths files, folders;
 };
 
-// All that is in a folder but a hidden folder of ours; links are files.
+// Lists a folder's contents except our hidden folder; links are files.
 Contents List(const std::string& folder, const std::string& hidden) {
   Contents contents;
   std::error_code error;
@@ -113,8 +112,8 @@ bool Has(const Paths& paths, const std::string& path) {
   return paths.count(path) > 0;
 }
 
-// Whether a file is there no more when the new ones are: one of the same name
-// takes its place, or none does.
+// Whether a file is removed by the replacement: one of the same name replaces
+// it, or it is stale.
 bool IsToGo(const std::string& path, const Contents& written,
             const Paths& stale) {
   return Has(written.files, path) || Has(written.folders, path) ||
@@ -136,7 +135,7 @@ void Synchronize(const std::string& path) {
   if (error != 0 && error != EINVAL) FailToWrite(path, error);
 }
 
-// Brings the written files of a folder to the disk, not those of others.
+// Flushes the written files of a folder to disk, not those of others.
 void SynchronizeAll(const std::string& folder, const Contents& written) {
   for (const std::string& path : written.files)
     Synchronize(folder + "/" + path);
@@ -157,8 +156,8 @@ bool CopyOwner(const std::string& from, const std::string& to) {
          chown(to.c_str(), status.st_uid, status.st_gid) == 0;
 }
 
-// The old folder's files that are neither replaced nor stale, under a second
-// name in the new one; false, and none of them, if one cannot have that.
+// Links the old folder's other files, neither replaced nor stale, into the new
+// one; false, without any links, if one fails.
 bool LinkOthers(const std::string& folder, const Contents& old,
                 const std::string& hidden, const Contents& written,
                 const Paths& stale) {
@@ -188,8 +187,8 @@ bool HasFoldersOfOthers(const Contents& old, const Contents& written,
       });
 }
 
-// The old files are now in the hidden folder: those that were listed go, and
-// what somebody added since is put back.
+// The old files are now in the hidden folder: those listed are removed, and
+// files added since are moved back.
 void RemoveOld(const std::string& hidden, const std::string& folder,
                const Contents& listed) {
   const Contents now = List(hidden, "");
@@ -205,7 +204,7 @@ void RemoveOld(const std::string& hidden, const std::string& folder,
   rmdir(hidden.c_str());
 }
 
-// False if the folders cannot change places.
+// False if the folders cannot be exchanged.
 bool Exchange(const std::string& folder, const Contents& old,
               const std::string& hidden, const Contents& written,
               const Paths& stale) {
@@ -227,8 +226,8 @@ bool Exchange(const std::string& folder, const Contents& old,
 
 // ---- One by one ------------------------------------------------------------
 
-// The hidden folder is within the folder, so that no step is one to another
-// file system.
+// The hidden folder is within the folder, so that moves stay in one file
+// system.
 void MoveOneByOne(const std::string& folder, const Contents& old,
                   const std::string& hidden, const Contents& written,
                   const Paths& stale) {
@@ -272,7 +271,7 @@ OutputFolder::~OutputFolder() {
   std::error_code error, ignored;
   if (!hidden_.empty()) fs::remove_all(hidden_, error);
   close(lock_);
-  // The lock's descriptor may be the one that there was none for.
+  // The lock's descriptor may have been the last one available.
   if (error) fs::remove_all(hidden_, ignored);
 }
 

@@ -6,37 +6,37 @@
 
 namespace raygrid {
 
-/// A folder whose files are replaced all at once. They are written into a
-/// hidden folder beside it first, which then takes its place in one step: a
-/// program that is killed leaves the old files or the new ones, never some of
-/// each. Files of others in the folder stay.
+/// A folder whose files are replaced atomically. They are first written to a
+/// hidden folder beside it, which is then exchanged with it in one step: after
+/// a crash, all old or all new files are there, never a mixture. Other files in
+/// the folder are kept.
 ///
-/// The old files go one by one, before the new ones come, where folders cannot
-/// change places (a mount point, the working directory, a folder of others
-/// within, a file system that cannot do it): whoever is killed then leaves some
-/// of the new ones.
+/// Where folders cannot be exchanged (a mount point, the working directory, a
+/// folder with other subfolders, an unsupported file system), the old files are
+/// removed one by one, before the new ones are moved: a crash then leaves some
+/// of the new files.
 class OutputFolder {
  public:
-  /// Makes the folder if there is none, and the hidden one. Throws
+  /// Creates the folder if necessary, and the hidden one. Throws
   /// Error(kOutput).
   explicit OutputFolder(const std::string& folder);
-  /// Removes the hidden folder, and with it all that was not committed.
+  /// Removes the hidden folder, and with it everything not committed.
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// The hidden folder: where to write.
+  /// The hidden folder, for writing.
   const std::string& path() const { return hidden_; }
 
-  /// Puts what was written in the place of the folder's files of the same
-  /// names, and of stale ones: those, given by their paths in the folder, go.
-  /// Throws Error(kOutput), and the folder is as it was.
+  /// Replaces the folder's files by those of the same names, and removes stale
+  /// ones, given by their relative paths. Throws Error(kOutput), leaving the
+  /// folder unchanged.
   void Commit(const std::set<std::string>& stale);
 
  private:
-  std::string folder_;  // without links
+  std::string folder_;  // without symbolic links
   std::string hidden_;
-  int lock_ = -1;  // on the hidden folder, while this lives
+  int lock_ = -1;  // of the hidden folder, during the lifetime
 };
 
 }  // namespace raygrid

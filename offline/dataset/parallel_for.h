@@ -16,10 +16,10 @@ inline int NumThreads(int requested) {
   return std::max(1u, std::thread::hardware_concurrency());
 }
 
-/// Calls body(i) once for each i in [0, count), on several threads. Results are
-/// the same for every number of threads as long as body(i) writes only what
-/// belongs to i. Fewer threads do it where no more can be made. The first
-/// exception is rethrown here.
+/// Calls body(i) once for each i in [0, count), on several threads.
+/// Deterministic for any number of threads if body(i) writes only what belongs
+/// to i. Uses fewer threads if no more can be created. Rethrows the first
+/// exception.
 template <typename Body>
 void ParallelFor(int count, int num_threads, const Body& body) {
   num_threads = std::min(num_threads, count);
@@ -44,7 +44,7 @@ void ParallelFor(int count, int num_threads, const Body& body) {
   std::vector<std::thread> threads;
   try {
     for (int t = 1; t < num_threads; ++t) threads.emplace_back(work);
-  } catch (const std::exception&) {  // those there are do the rest's work, too
+  } catch (const std::exception&) {  // continue with the existing threads
   }
   work();
   for (std::thread& thread : threads) thread.join();

@@ -9,12 +9,12 @@
 
 namespace raygrid {
 
-/// A pose in a YAML file: rotation, a unit quaternion w, x, y, z, and
-/// translation in metres. Throws InputError, naming the key that it stands
-/// under, or what yaml-cpp throws.
+/// Parses a pose in a YAML file: rotation, a unit quaternion w, x, y, z, and
+/// translation in metres. Throws InputError, with the given key, or exceptions
+/// of yaml-cpp.
 Pose ParsePose(const std::string& key, const YAML::Node& node);
 
-/// The two keys and values of a pose, each line behind an indentation.
+/// Formats the two keys and values of a pose, each line indented.
 std::string FormatPose(const Pose& pose, const std::string& indentation);
 
 }  // namespace raygrid

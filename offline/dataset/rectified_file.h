@@ -9,15 +9,15 @@
 
 namespace raygrid {
 
-/// rectified.yaml: two views with common rows.
+/// The contents of rectified.yaml: two views with common rows.
 struct RectifiedFile {
   std::array<std::string, 2> names;  ///< left and right
   ImageSize size;                    ///< of both
-  /// Projections of points in the left view's axes, with one K.
+  /// Projections of points in the left view's axes, with a common K.
   std::array<Eigen::Matrix<double, 3, 4>, 2> p;
 };
 
-/// The pair in a file's text; path is used in errors. Throws InputError.
+/// Parses the file; path is used in errors. Throws InputError.
 RectifiedFile ParseRectifiedFile(const std::string& path,
                                  const std::string& text);
 

@@ -9,22 +9,21 @@
 
 namespace raygrid {
 
-/// For each image, the index of the first before it that shows the same
-/// features, none more than 0.001 px from the other's, or nothing: a copy,
-/// since no two photographs have the same noise. Nothing for images without
-/// features.
+/// For each image, the index of the first previous one with the same features
+/// within 0.001 px, or nothing: a copy, since the noise of two photographs
+/// differs. Nothing for images without features.
 std::vector<std::optional<size_t>> RepeatedImages(const Dataset& dataset);
 
-/// An image of each of two datasets.
+/// One image from each of two datasets.
 struct ImagePair {
   std::string first, second;
 };
 
-/// Two images that show the same features, none more than 0.001 px from the
-/// other's, as a photograph that was given to two cameras; or else the first
-/// two of one name, if most features of all images of one name lie less than
-/// 0.05 px apart, as photographs that were saved again: two cameras that stand
-/// apart do not see so. Nothing if there are none.
+/// Finds two images with the same features within 0.001 px, as if a photograph
+/// was assigned to two cameras; otherwise the first two of equal name, if most
+/// features of all images of equal names differ by less than 0.05 px, as in
+/// re-encoded photographs: separate cameras would not see this. Nothing if
+/// there are none.
 std::optional<ImagePair> FindSharedImage(const Dataset& first,
                                          const Dataset& second);
 

@@ -11,17 +11,17 @@ namespace raygrid {
 /// A camera of a rig.
 struct RigFileCamera {
   std::string name;
-  std::string file;  ///< camera.yaml or blob, from the rig file's folder
+  std::string file;  ///< camera.yaml or blob, relative to the rig file
   Pose camera_from_rig;
 };
 
-/// Whether a camera may be called so: names become folders, and links in the
-/// report. They have letters, digits, '-' and '_'.
+/// Whether a camera name is valid: names become folders, and links in the
+/// report. They consist of letters, digits, '-' and '_'.
 bool IsRigCameraName(const std::string& name);
 
-/// rig.yaml, in the file's order. Throws InputError.
+/// Reads rig.yaml, in the file's order. Throws InputError.
 std::vector<RigFileCamera> ReadRigFile(const std::string& path);
-/// The rig in a file's text; path is used in errors.
+/// Parses rig.yaml; path is used in errors.
 std::vector<RigFileCamera> ParseRigFile(const std::string& path,
                                         const std::string& text);
 std::string FormatRigFile(const std::vector<RigFileCamera>& cameras);

@@ -6,29 +6,28 @@
 
 namespace raygrid {
 
-/// How much later than the row above it a sensor reads a row of an image.
+/// Line delay: the readout time per row of a rolling shutter.
 struct RowTime {
-  double seconds = 0;  ///< negative: rows are read from the last to the first
-  double deviation_s = 0;  ///< standard; 0: not known
+  double seconds = 0;      ///< negative: from the last row to the first
+  double deviation_s = 0;  ///< standard deviation; 0: unknown
 
-  /// Whether the 0 of a global shutter is within two deviations.
+  /// Whether 0, a global shutter, is within two standard deviations.
   bool MayBeGlobal() const { return !(std::abs(seconds) > 2 * deviation_s); }
 };
 
-/// The largest row time and deviation that files hold: a second for a thousand
-/// rows.
+/// The maximum line delay and deviation in files: a second per thousand rows.
 constexpr double kLongestRowTimeS = 1e-3;
 
-/// The row time that a calibration found, or why it cannot be told.
+/// The estimated line delay, or why it is not observable.
 struct RowTimeEstimate {
   RowTime value;
-  std::string untold;  ///< and what to do; empty: it is told
-  /// False: times are none of these images', which says why it is not told.
+  std::string untold;  ///< reason and remedy; empty: estimated
+  /// False: the time stamps contradict the images, as untold explains.
   bool do_times_fit = true;
-  int num_images = 0;  ///< that told it, those with neighbours in time
-  /// Whether features were moved to where they would have been seen at once.
+  int num_images = 0;  ///< used, with neighbours in time
+  /// Whether the features were compensated for the rolling shutter.
   bool is_taken_out = false;
-  int num_left_out = 0;  ///< images whose motion is not known, if it was
+  int num_left_out = 0;  ///< images without a motion estimate, if so
 
   bool IsTold() const { return untold.empty(); }
 };

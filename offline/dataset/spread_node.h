@@ -9,11 +9,11 @@
 
 namespace raygrid {
 
-/// spread in a camera file: columns, rows, displacements_px. Nothing of a file
-/// without it. Throws InputError without the file's name.
+/// Reads spread from a camera file: columns, rows, displacements_px. Nothing if
+/// it is absent. Throws InputError without the file's name.
 std::optional<LensSpread> ParseSpread(const YAML::Node& node);
 
-/// Adds this key to the map that is being written.
+/// Writes this key to the current map.
 void EmitSpread(const LensSpread& spread, YAML::Emitter* out);
 
 }  // namespace raygrid

@@ -19,7 +19,7 @@ CameraCondition ParseCondition(const std::string& name) {
   return *condition;
 }
 
-// The nodes of a stack's conditions: of a single one the stack's own.
+// The nodes of a model's conditions: for a single one, the model's own.
 std::vector<YAML::Node> ConditionNodes(const YAML::Node& node) {
   const YAML::Node several = node["conditions"];
   if (!several) return {node};
@@ -63,7 +63,7 @@ int ParseOrder(const YAML::Node& node) {
   return static_cast<int>(count);
 }
 
-// what: which list it is, for messages.
+// what: the name of the list, for messages.
 void ParseTerm(const YAML::Node& node, const std::string& what,
                BSplineSurface* term) {
   const size_t expected = 2 * term->points().size();
@@ -82,7 +82,7 @@ void ParseTerm(const YAML::Node& node, const std::string& what,
   }
 }
 
-// A number, or of several conditions a list of one each.
+// A number, or for several conditions a list.
 ConditionValues ParseValues(const YAML::Node& node, size_t count) {
   const char* const kName = "stack: deviations: at";
   if (count == 1) return {YamlNumber(node, kName)};
@@ -114,7 +114,7 @@ void EmitNumbers(const std::vector<double>& numbers, YAML::Emitter* out) {
   *out << YAML::EndSeq;
 }
 
-// The keys of one condition, in the map that is being written.
+// Writes the keys of one condition to the current map.
 void EmitCondition(const CameraStack& cameras, size_t range,
                    YAML::Emitter* out) {
   const ConditionRange& over = cameras.ranges()[range];

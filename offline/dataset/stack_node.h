@@ -9,16 +9,15 @@
 
 namespace raygrid {
 
-/// The stack of a camera.yaml: condition, range, changes (each term's control
-/// points a, b one after the other, from the first power on), or a list of
-/// these, conditions; and deviations. camera: the file's, the one in the middle
-/// of the ranges. Nothing if the node
-/// is not there. Throws what yaml-cpp throws, and InputError without the file's
-/// name.
+/// Reads the operating-point model of a camera.yaml: condition, range, changes
+/// (the control points a, b of each term, from the first power on), or a list
+/// of these, conditions; and deviations. camera: that of the file, in the
+/// middle of the ranges. Nothing if the node is absent. Throws exceptions of
+/// yaml-cpp, and InputError without the file's name.
 std::optional<StackOfCameras> ParseStack(const YAML::Node& node,
                                          const CameraModel& camera);
 
-/// Adds the key "stack" to the map that is being written.
+/// Writes the key "stack" to the current map.
 void EmitStack(const StackOfCameras& stack, YAML::Emitter* out);
 
 }  // namespace raygrid

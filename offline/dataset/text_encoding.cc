@@ -17,7 +17,7 @@ struct Character {
   size_t num_bytes = 0;  // 0: not UTF-8
 };
 
-// The character that text begins with; text is not empty.
+// The first character of text, which must not be empty.
 Character FirstCharacter(std::string_view text) {
   const auto lead = static_cast<uint8_t>(text[0]);
   if (lead < 0x80) return {lead, 1};
@@ -37,7 +37,7 @@ Character FirstCharacter(std::string_view text) {
 }
 
 // Control characters of ASCII and Latin-1; line and paragraph separators; and
-// what changes the direction of the text around it.
+// characters that change the text direction.
 bool IsControl(uint32_t code) {
   return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x200e ||
          code == 0x200f || (code >= 0x2028 && code <= 0x202e) ||

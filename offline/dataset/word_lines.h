@@ -9,16 +9,17 @@
 
 namespace raygrid {
 
-/// Words of a text, line by line, without lines that begin with '#'.
+/// Reads a text word by word and line by line, skipping lines that begin with
+/// '#'.
 class WordLines {
  public:
-  /// Errors name the path, and say what was expected: "a text model as COLMAP
+  /// Errors name the path and the expected format: "a text model as COLMAP
   /// writes it".
   WordLines(const std::string& path, const std::string& text,
             const std::string& expected)
       : path_(path), expected_(expected), stream_(text) {}
 
-  /// The next line, which may be empty, or false at the end.
+  /// Advances to the next line, which may be empty; false at the end.
   bool Next();
   bool NextWithWords();
 

@@ -17,12 +17,11 @@
 namespace raygrid {
 namespace {
 
-// The largest number in a file: squares of such numbers and of their products
-// are numbers too.
+// The largest number in a file: its squares and products stay finite.
 constexpr double kLargestNumber = 1e12;
 
-// Hears what a document consists of, and throws at the second key of a name.
-// Aliases are not followed, so the work grows with the file alone.
+// Processes the events of a document, and throws at the second key of a name.
+// Aliases are not followed, so the work is linear in the file size.
 class DuplicateKeyFinder : public YAML::EventHandler {
  public:
   explicit DuplicateKeyFinder(const std::string& path) : path_(path) {}
@@ -54,7 +53,7 @@ class DuplicateKeyFinder : public YAML::EventHandler {
   }
   void OnMapEnd() override { open_.pop_back(); }
 
-  // Whether the document is a map, as those of cameras, patterns and rigs are.
+  // Whether the document is a map, as for cameras, patterns and rigs.
   bool is_map() const { return is_map_; }
 
  private:
@@ -64,7 +63,7 @@ class DuplicateKeyFinder : public YAML::EventHandler {
     std::set<std::string> keys;
   };
 
-  // key is empty for what is no scalar.
+  // key is empty for non-scalars.
   void OnValue(const YAML::Mark& mark, const std::string& key) {
     if (open_.empty() || !open_.back().is_map) return;
     Collection& map = open_.back();
@@ -79,8 +78,8 @@ class DuplicateKeyFinder : public YAML::EventHandler {
   bool is_map_ = false;
 };
 
-// A number or word that the last line ends with may have been longer, unless
-// the line ends.
+// A number or word at the end of the last line may be truncated, unless the
+// line ends.
 void RequireWholeLastLine(const std::string& path, const std::string& text) {
   const size_t last = text.find_last_not_of(" \t\r");
   if (last == std::string::npos || std::strchr("\n}]", text[last])) return;
@@ -89,7 +88,7 @@ void RequireWholeLastLine(const std::string& path, const std::string& text) {
       ": truncated within a line; use the complete file, or end the last line");
 }
 
-// The parser takes a quote that nothing follows for an empty text.
+// The parser reads a final quote as an empty text.
 void RequireClosedQuote(const std::string& path, const std::string& text) {
   const size_t last = text.find_last_not_of(" \t\r\n");
   if (last == std::string::npos || !std::strchr("\"'", text[last])) return;
@@ -102,7 +101,7 @@ void RequireClosedQuote(const std::string& path, const std::string& text) {
         path + ": truncated within a quoted string; use the complete file");
 }
 
-// Parsers of one document do not look at what follows it.
+// Parsers of one document ignore what follows it.
 void RequireNothingMore(const std::string& path, YAML::Parser* parser) {
   const char* const what = "unexpected content after the end of the document";
   DuplicateKeyFinder ignored(path);
@@ -134,7 +133,7 @@ void RequireYamlFile(const std::string& path, const std::string& text,
   try {
     parser.HandleNextDocument(finder);
   } catch (const YAML::Exception&) {
-    return;  // parsing it says what is wrong
+    return;  // reported by parsing
   }
   RequireNothingMore(path, &parser);
   RequireClosedQuote(path, text);
@@ -172,7 +171,7 @@ void RequireYamlList(const YAML::Node& node, const char* name, int size) {
 }
 
 InputError YamlError(const std::string& path, const YAML::Exception& error) {
-  // A missing key has no line in the file to name.
+  // A missing key has no line number.
   const std::string place =
       error.mark.is_null()
           ? path

@@ -10,35 +10,35 @@
 
 namespace raygrid {
 
-/// Whether the last line of a file may lack its end, as programs of others
-/// write it. raygrid's own files end with one, so that a cut shows.
+/// Whether the last line of a file may lack its end, as in files of other
+/// programs. raygrid's own files end with one, so that truncation is detected.
 enum class LastLine { kEnds, kMayLackEnd };
 
-/// Throws InputError if a YAML file is no text file, is too large for what
-/// raygrid keeps in such files (RequireSmallTree()), ends within a line, has
-/// more behind its end, or has a key twice in one mapping, of which parsers
-/// take the first or the last as they like. Says nothing of text that is no
-/// YAML: parsing it does.
+/// Throws InputError if a YAML file is not text, exceeds the limits
+/// (RequireSmallTree()), ends within a line, has content after its end, or
+/// repeats a key in one mapping, which parsers handle differently. Syntax
+/// errors are left to the parser.
 void RequireYamlFile(const std::string& path, const std::string& text,
                      LastLine last_line = LastLine::kEnds);
 
-/// Throws InputError, without the file's name, if a file is not of a kind, such
-/// as "camera" or "rig"; it says which other kind of ours it is.
+/// Throws InputError, without the file's name, if a file is not of the given
+/// kind, such as "camera" or "rig"; names the actual kind if it is one of
+/// raygrid's.
 void RequireKind(const YAML::Node& root, const std::string& kind);
 
-/// Any number that a file consists of: neither NaN nor beyond arithmetic.
-/// Throws InputError with the name and the line.
+/// Parses a finite number within the supported range. Throws InputError with
+/// the name and the line.
 double YamlNumber(const YAML::Node& node, const std::string& name);
 
-/// Throws InputError with the name if a node is no list of that size.
+/// Throws InputError with the name if a node is not a list of that size.
 void RequireYamlList(const YAML::Node& node, const char* name, int size);
 
-/// The InputError of a parser's exception: path, line if it has one, and what
-/// is wrong.
+/// Converts a parser's exception to InputError: path, line if available, and
+/// reason.
 InputError YamlError(const std::string& path, const YAML::Exception& error);
 
-/// The result of read(). Errors of the parser, and InputErrors of what it
-/// parsed, become InputErrors that begin with the path.
+/// Returns read(). Parser exceptions, and InputErrors about parsed values,
+/// become InputErrors that begin with the path.
 template <typename Read>
 auto ReadNamingFile(const std::string& path, const Read& read) {
   try {

@@ -9,8 +9,7 @@
 namespace raygrid {
 namespace {
 
-// Root mean square deviations of pairs over all their instants, and what would
-// be expected.
+// RMS deviations of pairs over all their frames, and their expectation.
 struct PairDeviation {
   double square_m2 = 0, square_rad2 = 0;
   double expected_m2 = 0, expected_rad2 = 0;

@@ -8,21 +8,21 @@
 
 namespace raygrid {
 
-/// How two boards stood to each other that were seen at one instant.
+/// The relative pose of two boards that were seen in the same frames.
 struct BoardPair {
   int first = 0, second = 0;  ///< ids
-  int num_instants = 0;       ///< at which both are seen
-  bool fixed = false;         ///< to each other, for all that can be told
-  /// RMS of the second board's middle and turn, in the frame of the first, from
-  /// where they are on the average; and what would be expected of noise.
+  int num_instants = 0;       ///< in which both are seen
+  bool fixed = false;         ///< to each other, within the uncertainty
+  /// RMS deviation of the second board's centre and rotation, in the frame of
+  /// the first, from their mean; and the deviation expected from noise.
   double deviation_m = 0, deviation_rad = 0;
   double expected_m = 0, expected_rad = 0;
 };
 
-/// "0, 1 and 2".
+/// Formats a list: "0, 1 and 2".
 std::string Enumerated(const std::vector<int>& ids);
 
-/// One sentence on each body, and one on boards that move against others.
+/// Describes rigid multi-board targets, and boards that move independently.
 std::vector<std::string> BodySentences(const std::vector<BoardBody>& bodies,
                                        const std::vector<BoardPair>& pairs);
 

@@ -7,13 +7,13 @@
 
 namespace raygrid {
 
-/// How far a board is from the plane that is nearest to its points, and these
-/// from where they are nominally.
+/// A board's deviation from its best-fitting plane, and from its nominal
+/// points.
 struct BoardShape {
-  /// Above the plane, by point; not a number where the board has no feature.
+  /// Above the plane, by point; NaN where the board has no feature.
   std::vector<double> height_m;
   double rms_height_m = 0, max_height_m = 0;
-  /// Within the plane, after the best motion and scale.
+  /// In-plane deviation after the best similarity transform.
   double rms_shift_m = 0;
 };
 

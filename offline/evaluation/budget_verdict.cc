@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kWorthwhile = 0.1;  // part of the squared residuals
+constexpr double kWorthwhile = 0.1;  // fraction of the squared residuals
 
 std::string BetterModelAdvice(const BudgetFacts& facts) {
   return fmt::format("use --model {}, which has a lower held-out error",
@@ -32,7 +32,7 @@ std::string ImagePlaceAdvice(const BudgetFacts& facts) {
   return "reduce --knot-spacing-px";
 }
 
-// The thing to do against a cause, if it was not done yet.
+// The recommendation for a cause, unless it was already tried.
 std::string AdviceFor(ErrorCause cause, const BudgetFacts& facts) {
   switch (cause) {
     case ErrorCause::kImagePlace:
@@ -92,9 +92,9 @@ std::optional<ErrorCause> LargestCause(const ResidualBudget& budget) {
 
 int Percent(double part) { return static_cast<int>(std::lround(100 * part)); }
 
-// The causes that explain the views as well as the largest. Few tilts or a
-// narrow field of view do not tell them apart. Nor is a cause told that
-// explains no more than motion from column to column.
+// The causes that explain the views as well as the largest does: few tilts or a
+// narrow field of view cannot separate them. A cause that explains no more than
+// the control, column-wise motion, is not identified either.
 std::vector<std::string> AlikeCauses(const ResidualBudget& budget) {
   std::vector<std::string> names;
   for (int k = 0; k < kNumErrorCauses; ++k)
@@ -103,8 +103,8 @@ std::vector<std::string> AlikeCauses(const ResidualBudget& budget) {
   return names;
 }
 
-// Models that do not follow the lens and boards that are not as told leave such
-// errors, too, and cost no images to try.
+// Model errors and incorrect target geometry also cause such errors, and can be
+// tested without new images.
 std::string AdviceOnViewsAlike(const BudgetFacts& facts) {
   if (!facts.better_model.empty()) return BetterModelAdvice(facts);
   if (!facts.IsGrid() && !facts.generic_tried)
@@ -150,7 +150,7 @@ BudgetVerdict OfLargeErrors(const ResidualBudget& budget) {
           "features there"};
 }
 
-// "; image place and ... cannot be told", or nothing.
+// "; image place and ... cannot be told", or empty.
 std::string UntoldCauses(const ResidualBudget& budget) {
   std::vector<std::string> names;
   for (int k = 0; k < kNumErrorCauses; ++k)

@@ -18,12 +18,12 @@ struct BudgetVerdict {
   }
 };
 
-/// A cause that explains a tenth of the squared residuals comes before noise:
-/// noise is averaged away by more features, errors that features share are not.
+/// Finds the limiting cause. A cause of a tenth of the squared residuals
+/// precedes noise: noise averages out over features, correlated errors do not.
 BudgetVerdict JudgeBudget(const ResidualBudget& budget);
 
-/// The things to do against errors that neighbours share, and of which no cause
-/// is told: nothing that was done already.
+/// Recommendations against correlated errors without an identified cause; omits
+/// what was already tried.
 std::string AdviceAgainstSharedErrors(const BudgetFacts& facts);
 
 }  // namespace raygrid

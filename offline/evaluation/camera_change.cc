@@ -12,15 +12,15 @@
 namespace raygrid {
 namespace {
 
-constexpr double kAlarmSigmas = 3.09;  // one in a thousand
-constexpr double kFoundSigmas = 2.33;  // 99 in a hundred
+constexpr double kAlarmSigmas = 3.09;  // p = 1/1000
+constexpr double kFoundSigmas = 2.33;  // power of 99 %
 constexpr double kClipSigmas = 5;      // of a feature's error
 constexpr int kScale = 0, kShift = 1, kTilt = 3, kNumSmooth = 5;
 constexpr int kLocalColumns = 6, kLocalRows = 4;
 constexpr int kNumLocal = 2 * kLocalColumns * kLocalRows;
 constexpr int kNumMovements = kNumSmooth + kNumLocal;
 
-// Local movements are bumps, bilinear between the lattice's nodes.
+// Local changes are bumps, bilinear between the lattice's nodes.
 double LocalWeight(const Area& area, const Eigen::Vector2d& pixel, int node) {
   const double x = (pixel.x() - area.x0) / area.width() * (kLocalColumns - 1);
   const double y = (pixel.y() - area.y0) / area.height() * (kLocalRows - 1);
@@ -30,9 +30,9 @@ double LocalWeight(const Area& area, const Eigen::Vector2d& pixel, int node) {
 
 using Displacements = Eigen::Matrix<double, 2, kNumMovements>;
 
-// How pixels move: with the part by which the image grows, with a shift in
-// pixels, with a turn of the sensor about its vertical and horizontal axes in
-// radians, and by local movements in pixels.
+// The Jacobian of a pixel with respect to the scale (relative), a shift in
+// pixels, a tilt of the sensor about its vertical and horizontal axes in
+// radians, and local changes in pixels.
 Displacements DisplacementsAt(const KnownCamera& camera,
                               const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d p(pixel.x() - (camera.size.width - 1) / 2.0,
@@ -52,7 +52,7 @@ Displacements DisplacementsAt(const KnownCamera& camera,
 
 // ---- Equations -------------------------------------------------------------
 
-// The errors of a view and what may explain them, less what its pose explains.
+// The errors and Jacobians of a view, after eliminating its pose.
 struct ReducedView {
   Eigen::MatrixXd by_modes, by_movements;
   Eigen::VectorXd error;
@@ -67,9 +67,8 @@ ReducedView Reduce(const KnownCamera& camera, const PlacedView& view,
   for (size_t i = 0; i < view.size(); ++i) {
     const PlacedFeature& feature = view[i];
     const Eigen::Index row = 2 * static_cast<Eigen::Index>(i);
-    // The pixel where the feature is projected: at the pixel observed, a
-    // movement that poses nearly make up for would differ from them by its
-    // gradient times the noise, and explain noise by noise.
+    // Evaluated at the projection: at the observed pixel, the noise would
+    // correlate with a change that poses nearly compensate, by its gradient.
     const Eigen::Vector2d pixel = feature.pixel - feature.error_px;
     by_pose.middleRows<2>(row) = feature.by_pose;
     for (Eigen::Index k = 0; k < num_modes; ++k)
@@ -88,8 +87,8 @@ ReducedView Reduce(const KnownCamera& camera, const PlacedView& view,
           reduced.middleCols<kNumMovements>(num_modes), reduced.rightCols<1>()};
 }
 
-// Information on the movements and its right side, in units of the noise, once
-// the camera's own errors are allowed for; and the squared errors.
+// The information on the changes and its right-hand side, in units of the noise
+// including the camera's own uncertainty; and the squared errors.
 struct Information {
   Eigen::MatrixXd matrix;
   Eigen::VectorXd right;
@@ -120,9 +119,9 @@ Information Gather(const std::vector<ReducedView>& views, double noise_px) {
   return information;
 }
 
-// A symmetric matrix in units in which all its diagonal elements are one, and
-// its directions that are told apart from nothing. A pinhole's board sees a
-// shift of the image and a tilt of the sensor as the same.
+// The eigenvectors of a symmetric matrix, scaled to unit diagonal, whose
+// eigenvalues differ from zero. For a pinhole, a shift of the image and a tilt
+// of the sensor are not distinguishable on a board.
 struct ToldApart {
   Eigen::VectorXd unit;     // of each parameter
   Eigen::MatrixXd vectors;  // columns
@@ -136,14 +135,14 @@ ToldApart DirectionsTold(const Eigen::MatrixXd& matrix) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
       told.unit.asDiagonal() * matrix * told.unit.asDiagonal());
   const Eigen::Index size = matrix.rows();
-  Eigen::Index first = 0;  // they are in increasing order
+  Eigen::Index first = 0;  // eigenvalues ascend
   while (first < size && solver.eigenvalues()[first] < kSmallest) ++first;
   told.vectors = solver.eigenvectors().rightCols(size - first);
   told.values = solver.eigenvalues().tail(size - first);
   return told;
 }
 
-// Some movements, all others being zero.
+// The estimate of some changes, all others being zero.
 struct Estimate {
   Eigen::VectorXd values, deviations;
   double chi_squared = 0;
@@ -180,17 +179,17 @@ Estimate EstimateOf(const Information& information,
   return estimate;
 }
 
-// ChiSquaredSigmas(), solved. Of one degree of freedom, it is no use below.
+// The inverse of ChiSquaredSigmas(). Inaccurate below one degree of freedom.
 double ChiSquaredAt(double sigmas, int freedoms) {
-  constexpr double kLeast = 0.02;  // of the degrees of freedom
+  constexpr double kLeast = 0.02;  // times the degrees of freedom
   const double k = freedoms;
   const double root = 1 - 2 / (9 * k) + sigmas * std::sqrt(2 / (9 * k));
   return k * std::max(kLeast, std::pow(root, 3));
 }
 
-// The number of standard deviations that something must move by in order to
-// raise an alarm 99 times in a hundred: a chi-squared variable that is not
-// central has a nearly normal cube root (Abdel-Aty, 1954).
+// The displacement in standard deviations that is detected with a power of 99
+// %: the cube root of a noncentral chi-squared variable is nearly normal
+// (Abdel-Aty, 1954).
 double MovementFound(int freedoms) {
   const double k = freedoms, alarm = ChiSquaredAt(kAlarmSigmas, freedoms);
   double low = 0, high = 1e3;
@@ -204,14 +203,14 @@ double MovementFound(int freedoms) {
   return std::sqrt(high);
 }
 
-// The findings of a test of some movements, each of which the calibration's own
-// errors may be, with a standard deviation in every direction.
+// The result of testing some changes, with an additional standard deviation per
+// direction for the calibration's own errors.
 struct GroupTest {
   double chi_squared = 0;
   int freedoms = 0;
-  double information = 0;  // summed over the directions
+  double information = 0;  // sum over the directions
   Eigen::VectorXd values, deviations;
-  double found_from = 0;  // whichever the direction, 99 times in a hundred
+  double found_from = 0;  // in any direction, with a power of 99 %
 };
 
 GroupTest TestGroup(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right,
@@ -241,7 +240,7 @@ GroupTest TestGroup(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right,
   return test;
 }
 
-// Local movements, once smooth ones are allowed for.
+// Normal equations of local changes, after eliminating the smooth ones.
 struct LocalEquations {
   Eigen::MatrixXd matrix;
   Eigen::VectorXd right;
@@ -251,7 +250,7 @@ LocalEquations WithoutSmooth(const Information& information) {
   const auto& matrix = information.matrix;
   const ToldApart told =
       DirectionsTold(matrix.topLeftCorner<kNumSmooth, kNumSmooth>());
-  // R with R R^T the inverse of what smooth movements are told by.
+  // R with R R^T the inverse of the information on smooth changes.
   const Eigen::MatrixXd root =
       told.unit.asDiagonal() * told.vectors *
       told.values.cwiseSqrt().cwiseInverse().asDiagonal();
@@ -287,7 +286,7 @@ GroupTests TestGroups(const Information& information, const ErrorModes& modes) {
 
 // ---- Noise -----------------------------------------------------------------
 
-// The errors left once all movements are fitted.
+// The residuals after fitting all changes.
 std::vector<Eigen::VectorXd> Remainders(const std::vector<ReducedView>& views,
                                         const Eigen::VectorXd& movements) {
   std::vector<Eigen::VectorXd> remainders;
@@ -296,9 +295,8 @@ std::vector<Eigen::VectorXd> Remainders(const std::vector<ReducedView>& views,
   return remainders;
 }
 
-// The factor by which variances of smooth sums grow if neighbours err alike:
-// errors that are correlated by r from one feature to the next, in both
-// directions.
+// The variance inflation of smooth sums by correlated residuals: an AR(1)
+// correlation of r between features, in both directions.
 double Inflation(const std::vector<PlacedView>& views,
                  const std::vector<Eigen::VectorXd>& remainders) {
   std::vector<FeatureResidual> residuals;
@@ -344,8 +342,8 @@ Movement MovementOf(const std::string& name,
   return movement;
 }
 
-// The fewest smooth movements that leave nothing significant; of as many, those
-// that leave the least.
+// The smallest set of smooth changes that leaves nothing significant; of equal
+// sizes, the one with the smallest remainder.
 std::vector<std::string> Explain(const Information& information,
                                  double smooth_chi_squared) {
   struct Candidate {
@@ -377,8 +375,8 @@ std::vector<std::string> Explain(const Information& information,
   return {"scale", "shift", "tilt"};
 }
 
-// Directions that are hardly seen count as little as they are, if movements
-// are as large in all others as their chi-squared variable says.
+// Weakly observable directions are shrunk, assuming changes as large in all
+// others as their chi-squared variable indicates.
 void FindLargestLocal(const KnownCamera& camera, const LocalEquations& local,
                       const GroupTest& test, CameraChange* change) {
   const double moved_px2 =
@@ -400,8 +398,8 @@ void FindLargestLocal(const KnownCamera& camera, const LocalEquations& local,
   }
 }
 
-// The errors of views, and information on movements at the noise that they are
-// judged by.
+// The errors of views, and the information on changes for the noise used in the
+// test.
 struct Judged {
   std::vector<ReducedView> reduced;
   Information information;
@@ -410,7 +408,7 @@ struct Judged {
 };
 
 Judged Judge(const KnownCamera& camera, const std::vector<PlacedView>& views) {
-  // The median norm of two-dimensional normal noise is 1.18 of its deviation.
+  // The median norm of 2D normal noise is 1.18 standard deviations.
   const double clip_px =
       kClipSigmas * std::max(camera.noise_px, MedianErrorPx(views) / 1.18);
   Judged judged;
@@ -481,7 +479,7 @@ CameraChange TestForChange(const KnownCamera& camera,
   const GroupTest& of_local = tests[3];
   const Movement local = MovementOf("local", {}, of_local);
   change.local_sigmas = local.sigmas;
-  // A local change looks a little like smooth ones.
+  // A local change is partly explained by smooth ones.
   const bool is_local = change.local_sigmas > kAlarmSigmas;
   const bool is_mostly_smooth = of_smooth.chi_squared > of_local.chi_squared;
   if (change.smooth_sigmas > kAlarmSigmas && (!is_local || is_mostly_smooth))
@@ -510,7 +508,7 @@ CameraChange TestForChange(const KnownCamera& camera,
 MovementErrors ErrorsBeyond(
     const KnownCamera& camera,
     const std::vector<std::vector<PlacedView>>& unchanged) {
-  constexpr double kChanceSigmas = 1.645;  // one in twenty
+  constexpr double kChanceSigmas = 1.645;  // p = 1/20
   std::array<double, kNumGroups> chi_squared = {}, information = {};
   std::array<int, kNumGroups> freedoms = {};
   for (const std::vector<PlacedView>& views : unchanged) {
@@ -525,15 +523,15 @@ MovementErrors ErrorsBeyond(
   const auto is_more_than_chance = [&](int g) {
     return ChiSquaredSigmas(chi_squared[g], freedoms[g]) > kChanceSigmas;
   };
-  // A local movement looks a little like the others, whose few degrees of
-  // freedom may not show it: they get the deviation that is larger in one of
+  // A local change partly resembles the others, which may not show it with
+  // their few degrees of freedom: they get the limit that is exceeded in one of
   // six cases.
   constexpr int kLocal = 3;
   const bool is_local = is_more_than_chance(kLocal);
   std::array<double, kNumGroups> deviations = {};
   for (int g = 0; g < kNumGroups; ++g) {
     if (!is_local && !is_more_than_chance(g)) continue;
-    // The chi-squared variable is smaller as rarely as that.
+    // The chi-squared variable is below this equally rarely.
     const double below = is_more_than_chance(g) ? -kChanceSigmas : -1;
     const double largest = chi_squared[g] / ChiSquaredAt(below, freedoms[g]);
     deviations[g] =

@@ -1,4 +1,4 @@
-/// Whether a camera is still the one that was calibrated, by what it sees.
+/// Tests whether images are consistent with an existing calibration.
 #ifndef RAYGRID_EVALUATION_CAMERA_CHANGE_H
 #define RAYGRID_EVALUATION_CAMERA_CHANGE_H
 
@@ -10,80 +10,79 @@
 
 namespace raygrid {
 
-/// A feature against the projection by the camera as it was calibrated.
+/// A feature, and its reprojection error with the existing calibration.
 struct PlacedFeature {
   Eigen::Vector2d pixel;
   Eigen::Vector2d error_px;             ///< observed - projected
-  Eigen::Matrix<double, 2, 6> by_pose;  ///< d projected / d the view's pose
-  int column = 0, row = 0;              ///< on its board
+  Eigen::Matrix<double, 2, 6> by_pose;  ///< J_pose of the view
+  int column = 0, row = 0;              ///< on the board
 };
 using PlacedView = std::vector<PlacedFeature>;
 
-/// The known properties of the camera.
+/// The existing calibration, with its uncertainty.
 struct KnownCamera {
   ImageSize size;
   Area area;
-  double focal_px = 0;  ///< of the middle of the image
-  double noise_px = 0;  ///< of its features, in an axis
+  double focal_px = 0;  ///< at the image centre
+  double noise_px = 0;  ///< of its features, per coordinate
   ErrorModes modes;
 };
 
-/// How something may have moved. A parameter is what displaces pixels, in
-/// units of its own.
+/// A type of change. Its parameters cause pixel displacements, and have units
+/// of their own.
 struct Movement {
   std::string name;  ///< "scale", "shift", "tilt", "local"
   std::vector<std::string> parameters;
-  std::vector<double> values, deviations;  ///< each with its standard deviation
-  double sigmas = 0;                       ///< significance, all else as it was
-  /// How much would be found 99 times in a hundred; not told of "local".
+  std::vector<double> values, deviations;  ///< with standard deviations
+  double sigmas = 0;                       ///< significance, others being zero
+  /// The magnitude detected with a probability of 99 %; not for "local".
   double found_from = 0;
 };
 
 struct CameraChange {
   int num_features = 0;
-  double noise_px = 0;       ///< as judged by, in an axis
-  double smooth_sigmas = 0;  ///< of scale, shift or tilt, whichever is most
+  double noise_px = 0;       ///< used in the test, per coordinate
+  double smooth_sigmas = 0;  ///< largest significance of scale, shift and tilt
   double local_sigmas = 0;
-  /// Root mean square displacement that the movements make, less what poses
-  /// make up for, and the largest over the image with where that is.
+  /// RMS displacement by the change, after re-estimating the poses; the maximum
+  /// over the image, and its position.
   double rms_px = 0;
   double largest_local_px = 0;
   Eigen::Vector2d largest_local_pixel = Eigen::Vector2d::Zero();
   std::vector<Movement> movements;  ///< scale, shift, tilt, local
   bool is_degraded = false;
-  /// Whether a change of scale, or a shift, by a hundredth of the image would
-  /// be found 99 times in a hundred; else nothing found means nothing.
+  /// Whether a change of scale, or a shift, by 1 % would be detected with a
+  /// probability of 99 %; otherwise a negative result is inconclusive.
   bool can_tell = false;
-  std::vector<std::string> moved;  ///< names of what explains it
+  std::vector<std::string> moved;  ///< names of significant changes
 };
 
-/// Displacements of an unchanged camera are noise, errors of the calibration,
-/// with the covariance that its modes have, and those that poses make up for.
-/// Any other displacement is tested for being a change of scale, a shift of the
-/// image, a tilt of the sensor, or local, on a lattice of 6 x 4; each by
-/// generalised least squares. Degraded if one of the four has a probability
-/// below 1/1000. One test of all that is smooth would have five degrees of
-/// freedom where a shift needs two, and find less.
+/// For an unchanged camera, displacements consist of noise, calibration errors
+/// with the covariance of its modes, and displacements compensated by poses.
+/// The remainder is tested for a change of scale, a shift of the image, a tilt
+/// of the sensor, and local changes on a 6 x 4 lattice; each by generalized
+/// least squares. The camera is degraded if one of the four has p < 1/1000. A
+/// single test of all smooth changes would have five degrees of freedom where a
+/// shift needs two, and thus less power.
 ///
-/// Noise is the camera's, or that of the features at hand if they are worse,
-/// and counts for more where neighbours err alike.
+/// The noise is the larger one of calibration and current features, and is
+/// inflated for correlated residuals.
 CameraChange TestForChange(const KnownCamera& camera,
                            const std::vector<PlacedView>& views);
 
-/// How much more than a camera's modes say images of it move that are not of a
-/// changed camera, and did not calibrate it: in groups of a few images each, as
-/// many as will be tested. What they share beyond noise has causes that no
-/// covariance contains: a model that does not follow its lens, errors that
-/// features share. Zero for what chance makes once in twenty; otherwise the
-/// standard deviation that is larger in one of twenty cases only. If local
-/// movements are more than chance, others that are not get the one that is
-/// larger in one of six cases.
+/// Estimates the displacement errors of an unchanged camera beyond its
+/// covariance, from images that were not used for the calibration, in groups of
+/// as many images as will be tested. Their common errors, beyond noise, have
+/// causes that the covariance does not include: model errors and correlated
+/// feature errors. Zero if insignificant (p > 0.05); otherwise the upper 95 %
+/// limit of the standard deviation. If local changes are significant,
+/// insignificant others get the limit that is exceeded in one of six cases.
 MovementErrors ErrorsBeyond(
     const KnownCamera& camera,
     const std::vector<std::vector<PlacedView>>& unchanged);
 
-/// How many standard deviations of a normal variable, one-sided, are as rare as
-/// a chi-squared variable of this size or more (Wilson, Hilferty, 1931).
+/// Converts a chi-squared value to a one-sided normal quantile of equal
+/// probability (Wilson, Hilferty, 1931).
 double ChiSquaredSigmas(double chi_squared, int freedoms);
 
 }  // namespace raygrid

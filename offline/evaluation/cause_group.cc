@@ -16,7 +16,7 @@ CauseShare& ShareOf(ErrorCause cause, ResidualBudget* budget) {
   return budget->causes[static_cast<size_t>(cause)];
 }
 
-// A cause must explain more than this, so that it is told from chance.
+// The minimum share of a cause to be significant.
 double LeastTold(const CauseShare& share) {
   constexpr double kNegligible = 0.002;
   return std::max(share.chance_high, kNegligible);
@@ -31,7 +31,7 @@ double SumOf(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-// Whether chance may make one cause explain more than another.
+// Whether the difference of two causes' shares is insignificant.
 bool MayBeAlike(const std::vector<double>& more,
                 const std::vector<double>& less) {
   constexpr double kByChance = 0.01;
@@ -49,7 +49,7 @@ double CauseGroup::Gain(const CrossFit& fit, const Halves& errors) const {
          squares_;
 }
 
-// Errors of the same sizes in the same places, whose signs are tossed.
+// Simulates errors of equal size at the same positions, with random signs.
 void CauseGroup::MeasureChance(const Eigen::VectorXd& errors,
                                ResidualBudget* budget) const {
   constexpr double kDeviations = 3;
@@ -76,7 +76,7 @@ void CauseGroup::MeasureChance(const Eigen::VectorXd& errors,
   }
 }
 
-// The cause that explains most of what is left, if it is told from chance.
+// The cause with the largest significant share of the remainder.
 std::optional<size_t> CauseGroup::NextCause(const Halves& left,
                                             const std::vector<bool>& is_taken,
                                             ResidualBudget* budget) const {
@@ -94,7 +94,7 @@ std::optional<size_t> CauseGroup::NextCause(const Halves& left,
   return best;
 }
 
-// Each feature's errors by the coefficients that the other half tells.
+// Each feature's errors, with coefficients estimated from the other half.
 Eigen::VectorXd CauseGroup::Join(const Halves& left) const {
   Eigen::VectorXd joined = left[0];
   for (Eigen::Index at = 0; !fits_.empty() && at < joined.size(); at += 2) {
@@ -112,8 +112,8 @@ Eigen::VectorXd CauseGroup::Explain(const Eigen::VectorXd& errors,
     share.alone = Gain(named.fit, {errors, errors});
   }
   MeasureChance(errors, budget);
-  // Each half goes on with what its own coefficients leave: nothing of the
-  // other half comes in.
+  // Each half continues with the remainder by its own coefficients, so that the
+  // halves stay independent.
   Halves left = {errors, errors};
   std::vector<bool> is_taken(fits_.size(), false);
   while (const auto next = NextCause(left, is_taken, budget)) {

@@ -17,21 +17,21 @@ struct NamedFit {
   CrossFit fit;
 };
 
-/// Causes that are told by the same halves of the features.
+/// Causes that are estimated from the same halves of the features.
 class CauseGroup {
  public:
-  /// Tossed errors have no part that a motion of the boards explains, if poses
-  /// are given. Shares are parts of a sum of squares.
+  /// Simulated errors have no component along board motions if poses are given.
+  /// Shares are fractions of a sum of squares.
   CauseGroup(std::vector<NamedFit> fits, const PoseParts* pose, double squares)
       : fits_(std::move(fits)), pose_(pose), squares_(squares) {}
 
-  /// Fills in the causes' shares. Returns the errors that are left of each
-  /// feature by predictions of the other half.
+  /// Computes the causes' shares. Returns each feature's error that remains
+  /// after prediction from the other half.
   Eigen::VectorXd Explain(const Eigen::VectorXd& errors,
                           ResidualBudget* budget) const;
 
-  /// Fills in which causes, or the control, explain units as well as the
-  /// largest cause.
+  /// Marks the causes, or the control, that explain the units as well as the
+  /// largest cause does.
   void FindAlike(const Eigen::VectorXd& errors, const CrossFit& control,
                  ResidualBudget* budget) const;
 

@@ -11,33 +11,32 @@ namespace raygrid {
 
 /// The held-out residuals of each camera.
 struct HeldOut {
-  std::vector<std::vector<FeatureResidual>> alone;  ///< by each camera alone
-  /// Of a rig: each board localised once for all cameras that see it.
+  std::vector<std::vector<FeatureResidual>> alone;  ///< localized by one camera
+  /// For rigs: each board localized once by all cameras that see it.
   std::vector<std::vector<FeatureResidual>> together;
-  /// With boards that may bend: of half of the features, predicted from the
-  /// others; of a rig by all cameras.
+  /// With per-view deformation: residuals of half of the features, predicted
+  /// from the others; in a rig, by all cameras.
   std::vector<std::vector<FeatureResidual>> flexed;
 };
 
-/// A part of a cross-validation: cells of the grid of each camera, tested with
-/// the images of one fold.
+/// One fold of a cross-validation: the knot spacing of each camera, and the
+/// held-out residuals of the fold.
 struct Trial {
   int fold = 0;
   std::vector<double> cells_px;
-  bool rigid_boards = false;  ///< in calibrating; or else they may bend
-  HeldOut held_out;         ///< empty where a rig falls apart without the fold
-  bool has_bodies = false;  ///< of several boards
-  /// With rigid boards: the part of the squared residuals that bends would
-  /// take.
+  bool rigid_boards = false;  ///< false: per-view deformation is estimated
+  HeldOut held_out;           ///< empty if the rig falls apart without the fold
+  bool has_bodies = false;    ///< rigid multi-board targets
+  /// With rigid boards: the fraction of the squared residuals that per-view
+  /// deformation would explain.
   double share_of_bends = 1;
 };
 
-/// The finished stages that an interrupted calibration of one camera need not
-/// do again, each of which gives the same again. An adjustment that was under
-/// way starts anew; from where it was it would end elsewhere, by what its
-/// tolerance allows.
+/// The finished stages of an interrupted calibration, whose results are reused.
+/// An optimization in progress is repeated from its start; from its last state,
+/// it would converge to a result that differs within its tolerance.
 struct Checkpoint {
-  /// Features as measured through a first camera.
+  /// Features as refined with a first camera.
   std::optional<Dataset> measured_again;
 
   std::vector<Trial> trials;

@@ -27,7 +27,7 @@ CrossFit::CrossFit(LinearCause cause) : cause_(std::move(cause)) {
   }
 }
 
-// The errors of a half, times the columns, in the frames of the eigenvectors.
+// The errors of a half times the columns, in the eigenvector basis.
 Eigen::MatrixXd CrossFit::Products(int half,
                                    const Eigen::VectorXd& errors) const {
   const Eigen::Index k = cause_.columns.rows();
@@ -45,9 +45,9 @@ Eigen::MatrixXd CrossFit::Products(int half,
   return products;
 }
 
-// The coefficients, in the frames of the eigenvectors, with the deviation of
-// the largest marginal likelihood. It is the likelihood of the ratio of this
-// deviation to that of noise; noise has the variance that is then likeliest.
+// The coefficients in the eigenvector basis, with the prior variance of maximum
+// marginal likelihood, as a function of its ratio to the noise variance, which
+// has its maximum-likelihood value.
 Eigen::MatrixXd CrossFit::Shrink(int half, double squares, double count,
                                  const Eigen::MatrixXd& products) const {
   constexpr int kDoublings = 24;
@@ -55,9 +55,9 @@ Eigen::MatrixXd CrossFit::Shrink(int half, double squares, double count,
   const Eigen::ArrayXXd d = values_[half].array();
   const Eigen::ArrayXXd products_squared = products.array().square();
   const double largest = d.size() > 0 ? d.maxCoeff() : 0;
-  double best_likelihood = 0, best_ratio = 0;  // no errors of this cause
+  double best_likelihood = 0, best_ratio = 0;  // without this cause
   for (int i = 0; largest > 0 && i < kDoublings; ++i) {
-    const double ratio = std::ldexp(kLeast, i) / largest;  // of the squares
+    const double ratio = std::ldexp(kLeast, i) / largest;  // squared
     const Eigen::ArrayXXd more = 1 + ratio * d;
     const double left = squares - (products_squared * (ratio / more)).sum();
     if (!(left > 0)) break;

@@ -8,24 +8,24 @@
 
 namespace raygrid {
 
-/// Errors that units, such as views or places, have of their own: those of a
-/// unit's features are X c, where a unit has its coefficients c. An error has
-/// two coordinates, one after the other.
+/// Errors specific to units, such as views or image regions: those of a unit's
+/// features are X c, with coefficients c for each unit. An error has two
+/// coordinates, one after the other.
 struct LinearCause {
   int num_units = 0;
-  std::vector<int> unit;    ///< of each feature; -1: of none
-  std::vector<int> half;    ///< 0 or 1, of each feature
+  std::vector<int> unit;    ///< of each feature; -1: none
+  std::vector<int> half;    ///< 0 or 1, per feature
   Eigen::MatrixXd columns;  ///< X, transposed: k x 2 features
 };
 
-/// Fits a cause to one half of the features, and predicts with it. Coefficients
-/// scatter around zero by a deviation that all units together tell (the largest
-/// marginal likelihood): of noise alone it is zero, and so is the prediction.
+/// Fits a cause to one half of the features, and predicts the other. The
+/// zero-mean prior of the coefficients maximizes the marginal likelihood of all
+/// units: for pure noise, its variance and the prediction are zero.
 class CrossFit {
  public:
   explicit CrossFit(LinearCause cause);
 
-  /// The errors of all features as half of them tell the coefficients.
+  /// Predicts the errors of all features from one half.
   Eigen::VectorXd Predict(int half, const Eigen::VectorXd& errors) const;
 
   int num_units() const { return cause_.num_units; }
@@ -42,13 +42,12 @@ class CrossFit {
 
   LinearCause cause_;
   // For each half: eigenvectors of the units' normal equations side by side,
-  // and eigenvalues, a column a unit.
+  // and eigenvalues, one column per unit.
   std::array<Eigen::MatrixXd, 2> vectors_, values_;
 };
 
-/// By how much predictions of the other half lower the squared errors of each
-/// unit; negative, if they raise them. Each half of the coefficients has errors
-/// of its own, and its predictions.
+/// The reduction of each unit's squared errors by predicting each half from the
+/// other; negative if the prediction increases them.
 std::vector<double> ExplainedSquares(
     const CrossFit& fit, const std::array<Eigen::VectorXd, 2>& errors,
     const std::array<Eigen::VectorXd, 2>& predicted);

@@ -3,8 +3,8 @@
 
 namespace raygrid {
 
-/// The fewest images that show how much a camera may differ from a lens of few
-/// parameters, and so how well it is known.
+/// The minimum number of images from which the deviation from a parametric
+/// model, and thus the uncertainty, can be estimated.
 constexpr int kEnoughImages = 10;
 
 }  // namespace raygrid

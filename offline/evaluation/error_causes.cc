@@ -13,7 +13,7 @@ Eigen::Index ColumnOf(size_t feature) {
   return 2 * static_cast<Eigen::Index>(feature);
 }
 
-// Images near to each other in time are alike: they are in one half.
+// Consecutive images are similar: they are assigned to one half.
 std::vector<int> HalvesByView(const BudgetInput& input) {
   const int num_views = static_cast<int>(CountByView(input).size());
   std::vector<int> half;
@@ -22,8 +22,8 @@ std::vector<int> HalvesByView(const BudgetInput& input) {
   return half;
 }
 
-// Neighbours share errors of a kind that no cause here has. Blocks keep most of
-// them within a half.
+// Neighbours share errors of unmodelled causes. Blocks keep most of them within
+// one half.
 std::vector<int> HalvesByLattice(const BudgetInput& input) {
   constexpr int kBlocksAlongBoard = 6;
   int columns = 1, rows = 1;
@@ -40,7 +40,7 @@ std::vector<int> HalvesByLattice(const BudgetInput& input) {
   return half;
 }
 
-// Cells have about 16 features.
+// Chosen for about 16 features per cell.
 double CellPx(const BudgetInput& input) {
   constexpr double kFeaturesInCell = 16, kMinCellPx = 16, kMinCells = 6;
   Area area = {1e9, 1e9, -1e9, -1e9};
@@ -87,7 +87,8 @@ std::vector<BoardPlane> PlanesOf(const BudgetInput& input) {
   return planes;
 }
 
-// How a point moves by stretches along both axes of its board, and a shear.
+// The Jacobian of a point for stretches along both axes of its board, and a
+// shear.
 Eigen::Matrix3d StretchesAt(const BoardPlane& plane,
                             const Eigen::Vector3d& point) {
   const double x = plane.x.dot(point - plane.center);
@@ -97,9 +98,9 @@ Eigen::Matrix3d StretchesAt(const BoardPlane& plane,
   return moves;
 }
 
-// The feature's place in the image, where it is projected. Where it is seen its
-// noise is in the place: a column of such places explains noise by noise, once
-// the pose has taken up all else of it.
+// The feature's projected position: the observed one contains its noise, so
+// that a column of observed positions would fit noise, after eliminating the
+// pose.
 Eigen::Vector2d ProjectedFromCenter(const BudgetInput& input,
                                     const BudgetFeature& feature) {
   return feature.pixel + feature.error_px -
@@ -108,7 +109,7 @@ Eigen::Vector2d ProjectedFromCenter(const BudgetInput& input,
              2;
 }
 
-// A feature's errors by the coefficients of a cause that views have.
+// The Jacobian of a feature for the coefficients of a per-view cause.
 Eigen::Matrix2Xd ErrorsBy(ErrorCause cause, const BudgetInput& input,
                           const std::vector<BoardPlane>& planes,
                           const BudgetFeature& feature) {
@@ -125,12 +126,12 @@ Eigen::Matrix2Xd ErrorsBy(ErrorCause cause, const BudgetInput& input,
       errors << from_center / width, Eigen::Matrix2d::Identity();
       return errors;
     }
-    default:  // rows are taken one after the other
+    default:  // rolling shutter
       return feature.by_pose * (from_center.y() / height);
   }
 }
 
-// Columns of a root mean square of 1.
+// Scales columns to an RMS of 1.
 void ScaleRows(Eigen::MatrixXd* columns) {
   const double count = static_cast<double>(columns->cols());
   for (Eigen::Index k = 0; k < columns->rows(); ++k) {
@@ -139,7 +140,7 @@ void ScaleRows(Eigen::MatrixXd* columns) {
   }
 }
 
-// A cause that views have, by the errors of each feature by its coefficients.
+// Makes a per-view cause from the Jacobian of each feature.
 template <typename Errors>
 LinearCause OfViews(const BudgetInput& input, const PoseParts& pose,
                     const Errors& errors_of) {

@@ -10,12 +10,12 @@
 
 namespace raygrid {
 
-/// The parts of errors that a motion of each view's board explains.
+/// The components of errors along the motions of each view's board.
 class PoseParts {
  public:
   explicit PoseParts(const BudgetInput& input);
 
-  /// Takes the part away: of errors, or of each row of columns (k x 2
+  /// Removes these components from errors, or from each row of columns (k x 2
   /// features).
   void Remove(Eigen::VectorXd* errors) const;
   void RemoveFromRows(Eigen::MatrixXd* columns) const;
@@ -28,21 +28,21 @@ class PoseParts {
   std::vector<OfView> views_;
 };
 
-/// The errors that features of one place of the image or point of the board
-/// share. Halves are of views: blocks of neighbours in time.
+/// Errors shared by features in one region of the image, or at one target
+/// point. Halves are blocks of views that are consecutive in time.
 LinearCause ImagePlaceCause(const BudgetInput& input);
 LinearCause BoardPlaceCause(const BudgetInput& input);
 
-/// The errors that each view has of its own, beyond the board's motion. Halves
-/// are of the board's lattice: blocks in a checkerboard. Nothing for boards
-/// without such modes.
+/// Errors specific to a view beyond the board's motion. Halves are blocks of
+/// the board's lattice, in a checkerboard. Nothing for boards without
+/// deformation modes.
 std::optional<LinearCause> ViewCause(ErrorCause cause, const BudgetInput& input,
                                      const PoseParts& pose);
 
-/// Motion from column to column, to compare row time with.
+/// Motion during a column-wise readout, as a control for the line delay.
 LinearCause ColumnTimeControl(const BudgetInput& input, const PoseParts& pose);
 
-/// Views with fewer features are no units.
+/// Views with fewer features are not used as units.
 constexpr int kMinBudgetViewFeatures = 24;
 std::vector<int> CountByView(const BudgetInput& input);
 

@@ -11,8 +11,8 @@
 namespace raygrid {
 namespace {
 
-// How the middle's image moves with a turn of the camera about each axis, a
-// place's two rows after another; zero where it sees nothing.
+// The Jacobian of the mean camera's projections with respect to a rotation
+// about each axis, two rows per pixel; zero where it is undefined.
 Eigen::MatrixXd DisplacementsByTurn(
     const CameraModel& middle, const std::vector<Eigen::Vector2d>& places) {
   Eigen::MatrixXd by_turn = Eigen::MatrixXd::Zero(2 * places.size(), 3);
@@ -20,7 +20,7 @@ Eigen::MatrixXd DisplacementsByTurn(
     const auto ray = middle.Unproject(places[i]);
     LinearizedProjection projection;
     if (!ray || !middle.Linearize(*ray, &places[i], 1, &projection)) continue;
-    Eigen::Matrix3d cross;  // w x ray, by w
+    Eigen::Matrix3d cross;  // w x ray, for w
     cross << 0, ray->z(), -ray->y(), -ray->z(), 0, ray->x(), ray->y(),
         -ray->x(), 0;
     by_turn.middleRows<2>(2 * i) = projection.by_point * cross;
@@ -38,15 +38,15 @@ Eigen::MatrixXd Stacked(const LensSpread& spread, const Area& area,
   return columns;
 }
 
-// The sum of squares of columns, less what turns make up for.
+// The sum of squares of columns, after removing rotations.
 double SquaresWithoutTurns(const Eigen::MatrixXd& by_turn,
                            const Eigen::MatrixXd& columns) {
   return (columns - by_turn * by_turn.colPivHouseholderQr().solve(columns))
       .squaredNorm();
 }
 
-// The sum of squared distances between what the camera sees and what the middle
-// does.
+// The sum of squared distances between the rays of the camera and those of the
+// mean.
 double SquaredDistances(const CameraModel& middle, const CameraModel& camera,
                         const std::vector<Eigen::Vector2d>& places) {
   const PixelField field = DisplacementsOf(middle, camera, places);
@@ -84,7 +84,7 @@ bool FleetDistance::IsStranger() const {
 }
 
 std::string FleetDistance::Text() const {
-  // Two digits, or all before the point.
+  // Two significant digits, or all integer digits.
   const auto digits = [](double px) {
     return px < 99.5 ? fmt::format("{:.2g}", px) : fmt::format("{:.0f}", px);
   };

@@ -11,24 +11,24 @@
 
 namespace raygrid {
 
-/// How far a camera lies from a fleet's middle camera, beside how far units of
-/// the fleet do.
+/// The distance of a camera from a fleet's population mean, compared with the
+/// spread of the fleet's units.
 struct FleetDistance {
-  double rms_px = 0;    ///< of the camera; at least, if it looks far beyond
+  double rms_px = 0;    ///< a lower bound if it looks far outside
   double units_px = 0;  ///< expected of a unit, with the camera's own errors
 
-  /// Whether so far off no unit of the fleet is to be expected.
+  /// Whether the camera is an outlier of the fleet.
   bool IsStranger() const;
   /// "4.1 px from the fleet's middle ..., units of the fleet 0.3 px".
   std::string Text() const;
-  /// Text() of a stranger, with what to do.
+  /// Text() for an outlier, with a recommendation.
   std::string Warning() const;
 };
 
-/// Root mean squares over some of the camera's pixels, less what the turn does
-/// that brings the camera nearest to the middle there. A stated deviation of
-/// the camera, in each axis, counts as a difference of units. Nothing where the
-/// middle camera's area has none of the pixels.
+/// Computes RMS distances over a sample of the camera's pixels, after the
+/// rotation that best aligns it to the mean. deviation of the camera, per axis,
+/// is added to the spread of the units. Returns nothing if none of the pixels
+/// is in the area of the mean camera.
 std::optional<FleetDistance> MeasureFleetDistance(
     const CameraModel& middle, const LensSpread& spread,
     const CameraModel& camera, const DeviationLattice* deviations,

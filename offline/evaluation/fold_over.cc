@@ -11,7 +11,7 @@ namespace {
 constexpr double kCellPx = 8;
 constexpr double kMaxCells = 20000;
 
-// Middles of the area's cells, row by row.
+// The centres of the area's cells, row by row.
 std::vector<Eigen::Vector2d> CellMiddles(const Area& area) {
   const double cell_px =
       std::max(kCellPx, std::sqrt(area.width() * area.height() / kMaxCells));
@@ -27,8 +27,8 @@ std::vector<Eigen::Vector2d> CellMiddles(const Area& area) {
   return middles;
 }
 
-// The sign of the volume that a pixel's ray and its derivatives span: +1 or -1,
-// or 0 where there is no ray.
+// The sign of the determinant of a pixel's ray and its derivatives: +1 or -1,
+// or 0 without a ray.
 int Handedness(const CameraModel& camera, const Eigen::Vector2d& pixel) {
   constexpr double kStepPx = 0.25;
   const auto here = camera.Unproject(pixel);

@@ -6,15 +6,14 @@
 
 namespace raygrid {
 
-/// The part of a camera that is mirrored against most of its area, so that two
-/// pixels look along one ray.
+/// The part of the area where the camera is mirrored relative to most of it, so
+/// that two pixels share a ray (the distortion folds).
 struct FoldOver {
-  double part = 0;          ///< of the area
-  double trusted_part = 0;  ///< of the area: folded and trusted
+  double part = 0;          ///< fraction of the area
+  double trusted_part = 0;  ///< fraction of the area: folded, in valid region
 };
 
-/// Measures the fold by the middles of square cells of the area. nullptr trusts
-/// none.
+/// Measures the fold at the centres of square cells. nullptr: no valid region.
 FoldOver MeasureFoldOver(const CameraModel& camera, const TrustMask* trusted);
 
 }  // namespace raygrid

@@ -7,14 +7,14 @@
 
 namespace raygrid {
 
-/// How far a camera's lines pass by the point that is nearest to all of them:
-/// zero for a central camera.
+/// The distances of a camera's observation lines from the point closest to all
+/// of them: zero for a central camera.
 struct LineSpread {
   Eigen::Vector3d nearest_point = Eigen::Vector3d::Zero();
   double rms_m = 0, max_m = 0;
 };
 
-/// The spread of lines all over the area.
+/// Computes the spread of the lines over the area.
 LineSpread MeasureLineSpread(const CameraModel& camera);
 
 }  // namespace raygrid

@@ -10,14 +10,13 @@
 namespace raygrid {
 namespace {
 
-// The lines along which a pixel looks in two cameras, far away or at a
-// distance.
+// The lines of a pixel in two cameras, at infinity or at a distance.
 struct LinePair {
   Eigen::Vector2d pixel;
   ObservationLine first, second;
   double inverse_distance = 0;
-  // The derivative of the first camera's pixel by the direction from its line's
-  // origin.
+  // The Jacobian of the first camera's pixel with respect to the direction from
+  // its line's origin.
   Eigen::Matrix<double, 2, 3> pixel_by_direction;
 };
 
@@ -48,7 +47,7 @@ std::vector<LinePair> SampleLines(const CameraModel& first,
   return pairs;
 }
 
-// The second line's point, from the first camera, over its distance.
+// The point on the second line, seen from the first camera, over its distance.
 Eigen::Vector3d Sight(const LinePair& pair, const Pose& first_from_second) {
   return first_from_second.rotation * pair.second.direction +
          pair.inverse_distance *
@@ -74,7 +73,7 @@ Eigen::Quaterniond WeightedRotation(const std::vector<LinePair>& pairs,
                                             svd.matrixV().transpose()));
 }
 
-// Huber's, in units of twice the median.
+// Huber weights with a threshold of twice the median.
 std::vector<double> Weights(const std::vector<LinePair>& pairs,
                             const Pose& first_from_second) {
   std::vector<double> norms;
@@ -87,7 +86,7 @@ std::vector<double> Weights(const std::vector<LinePair>& pairs,
   return weights;
 }
 
-// One step of Gauss and Newton, in pixels.
+// A Gauss-Newton step, in pixels.
 Pose Improved(const std::vector<LinePair>& pairs, const Pose& pose) {
   const std::vector<double> weights = Weights(pairs, pose);
   Eigen::Matrix<double, 6, 6> matrix = Eigen::Matrix<double, 6, 6>::Zero();
@@ -96,7 +95,7 @@ Pose Improved(const std::vector<LinePair>& pairs, const Pose& pose) {
     const double q = pairs[i].inverse_distance;
     const Eigen::Vector3d turned = pose.rotation * (pairs[i].second.direction +
                                                     q * pairs[i].second.origin);
-    Eigen::Matrix<double, 3, 6> by_update;  // as UpdatedPose() has it
+    Eigen::Matrix<double, 3, 6> by_update;             // as in UpdatedPose()
     by_update << 0, turned.z(), -turned.y(), q, 0, 0,  //
         -turned.z(), 0, turned.x(), 0, q, 0,           //
         turned.y(), -turned.x(), 0, 0, 0, q;

@@ -8,30 +8,29 @@
 
 namespace raygrid {
 
-/// Two cameras compared where both are calibrated.
+/// The difference of two cameras where both are calibrated.
 struct ModelDifference {
-  Pose first_from_second;  ///< best motion between their lines
+  Pose first_from_second;  ///< best alignment of their lines
   std::vector<Eigen::Vector2d> pixels;
   std::vector<Eigen::Vector2d> error_px;  ///< by the first camera's projection
-  /// The inverse distances of what was seen there, 1/m; empty for two central
-  /// cameras.
+  /// Inverse scene distances of the errors, 1/m; empty for two central cameras.
   std::vector<double> inverse_distances;
   double median_px = 0, rms_px = 0, p99_px = 0, max_px = 0;
 };
 
-/// Compares rays on a lattice of every step_px pixels of the second camera's
-/// area. No calibration can tell its camera's rotation from that of all poses,
-/// so the best one is taken out first: Huber's loss on the angles (Wahba's
-/// problem, reweighted).
+/// Compares rays at every step_px pixels of the second camera's area. A
+/// camera's rotation relative to all poses is a gauge freedom, so the best
+/// rotation is removed first: Huber loss of the angles (Wahba's problem,
+/// iteratively reweighted).
 ///
-/// Unless both cameras are central, each pixel counts twice, by what it sees
-/// infinitely far and distance_m away, between which the error is a mean of the
-/// two; and the best translation is taken out as well.
+/// Unless both cameras are central, each pixel is evaluated at infinity and at
+/// distance_m, between which the error is a weighted mean; the best translation
+/// is removed as well.
 ModelDifference CompareModels(const CameraModel& first,
                               const CameraModel& second, double step_px,
                               double distance_m = 1);
 
-/// The difference of two central cameras after a rotation that is known.
+/// Compares two central cameras after a given rotation.
 ModelDifference CompareTurnedModels(
     const CameraModel& first, const CameraModel& second, double step_px,
     const Eigen::Quaterniond& first_from_second);

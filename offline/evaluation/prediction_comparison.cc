@@ -17,8 +17,8 @@ Key KeyOf(const FeatureResidual& residual) {
   return {residual.image, residual.board, residual.column, residual.row};
 }
 
-// The probability that ranks 1 to n with random signs have positive ones of
-// this sum or less.
+// The probability that the positive ones of ranks 1 to n with random signs have
+// at most this sum.
 double ExactProbability(size_t n, size_t sum) {
   std::vector<double> probability(n * (n + 1) / 2 + 1, 0);
   probability[0] = 1;

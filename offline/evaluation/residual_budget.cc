@@ -24,13 +24,13 @@ double SquaresOf(const BudgetInput& input) {
   return squares;
 }
 
-// The standard deviation in an axis, by the error in the middle.
+// The standard deviation per coordinate, from the median norm.
 double DeviationOf(std::vector<double> norms) {
   return Quantile(std::move(norms), 0.5) / std::sqrt(2 * std::log(2.0));
 }
 
-// How long errors of each view may be: five deviations of its own, or of all.
-// Views differ, since causes do; few large errors would hide all else.
+// Limits of errors per view: five standard deviations, of its own or of all.
+// Views differ, depending on the causes; few large errors would mask all else.
 std::vector<double> LongestByView(const BudgetInput& input) {
   constexpr double kDeviations = 5;
   std::vector<std::vector<double>> norms(CountByView(input).size());
@@ -46,7 +46,7 @@ std::vector<double> LongestByView(const BudgetInput& input) {
   return longest;
 }
 
-// Errors one after the other, without what is too long.
+// The errors in sequence, without those beyond the limit.
 Eigen::VectorXd ErrorsWithin(const BudgetInput& input) {
   const std::vector<double> longest = LongestByView(input);
   Eigen::VectorXd errors(2 * input.features.size());
@@ -83,7 +83,7 @@ Eigen::VectorXd ExplainByPlaces(const BudgetInput& input, double squares,
   return CauseGroup(std::move(fits), nullptr, squares).Explain(errors, budget);
 }
 
-// Whether half of the features are in views that have many.
+// Whether half of the features are in views with many features.
 bool HaveViewsMany(const BudgetInput& input) {
   size_t in_these = 0;
   for (const int count : CountByView(input))
@@ -120,8 +120,8 @@ void ExplainByViews(const BudgetInput& input, double squares,
 
 // ---- Noise -----------------------------------------------------------------
 
-// The variance of what a feature has of its own, by the differences of three in
-// a row of the lattice: these take away what is even, or changes evenly.
+// The variance of a feature's white noise, from second differences along the
+// lattice: these remove constant and linear components.
 Eigen::Vector2d NoiseVariance(const BudgetInput& input,
                               const Eigen::VectorXd& errors) {
   constexpr double kVarianceOfDifferences = 1 + 4 + 1;
@@ -156,7 +156,8 @@ void AddNoise(const BudgetInput& input, double squares,
               const Eigen::VectorXd& errors, ResidualBudget* budget) {
   const Eigen::Vector2d variance = NoiseVariance(input, errors);
   budget->noise_px = variance.cwiseSqrt();
-  // Parameters follow the noise that they are fitted to, by one in so many.
+  // Fitted parameters reduce the variance by their number over that of the
+  // observations.
   const double count = static_cast<double>(input.features.size());
   const double left = std::max(
       0.0, 1 - (input.num_parameters + 6.0 * budget->num_views) / (2 * count));

@@ -1,4 +1,4 @@
-/// The causes of a calibration's residuals, told apart by prediction: a cause
+/// Attributes the residuals of a calibration to causes by prediction: a cause
 /// fitted to one half of the features explains what it predicts of the other.
 #ifndef RAYGRID_EVALUATION_RESIDUAL_BUDGET_H
 #define RAYGRID_EVALUATION_RESIDUAL_BUDGET_H
@@ -13,29 +13,29 @@
 
 namespace raygrid {
 
-/// A residual, and how it depends on what may be its cause.
+/// A residual, and its Jacobians with respect to possible causes.
 struct BudgetFeature {
-  int view = 0;   ///< of one board in one image; they count on
-  int point = 0;  ///< of all boards' points
+  int view = 0;   ///< index of a view: one board in one image
+  int point = 0;  ///< index over all boards
   int column = 0, row = 0;
   Eigen::Vector2d pixel, error_px;
   Eigen::Matrix<double, 2, 3> by_point;  ///< in the board's frame
-  /// By a rotation and a translation in the camera's frame.
+  /// With respect to a rotation and a translation in the camera frame.
   Eigen::Matrix<double, 2, 6> by_pose;
 };
 
-/// Steps that a calibration has done: they are not to be advised again.
+/// What a calibration already includes: it is not recommended again.
 struct BudgetFacts {
   std::string model;
-  double cell_px = 0;         ///< of a grid
-  bool cells_chosen = false;  ///< by held-out error, of several
-  bool tried_finer = false;   ///< a finer grid predicted no better
-  bool points_free = false;   ///< the board's points were estimated
-  bool bends_tried = false;   ///< bends of each view were tried, or adjusted
-  /// Other models that were tried beside this one.
+  double cell_px = 0;         ///< knot spacing of a grid
+  bool cells_chosen = false;  ///< knot spacing was selected by held-out error
+  bool tried_finer = false;   ///< a finer grid did not predict better
+  bool points_free = false;   ///< target points were estimated
+  bool bends_tried = false;   ///< per-view deformation was tried or estimated
+  /// Models that were compared with this one.
   bool generic_tried = false, noncentral_tried = false;
-  std::string better_model;  ///< of them, if it predicts held-out images better
-  bool two_cameras = false;  ///< the images look like those of two
+  std::string better_model;  ///< of them, if its held-out error is lower
+  bool two_cameras = false;  ///< the images seem to be from two
 
   bool IsGrid() const {
     return model == models::kCentralGeneric ||
@@ -45,66 +45,65 @@ struct BudgetFacts {
 
 struct BudgetInput {
   ImageSize image_size;
-  std::vector<BudgetFeature> features;  ///< those of a view in a row
-  std::vector<Eigen::Vector3d> points;  ///< of all boards, in their frames
-  std::vector<int> boards;              ///< of each point
-  /// The ways in which boards bend, 3 x k for each point; or none.
+  std::vector<BudgetFeature> features;  ///< contiguous for each view
+  std::vector<Eigen::Vector3d> points;  ///< in board frames
+  std::vector<int> boards;              ///< by point
+  /// The deformation modes, 3 x k for each point; may be empty.
   std::vector<Eigen::Matrix3Xd> bends;
-  int num_parameters = 0;  ///< that were fitted to these residuals
+  int num_parameters = 0;  ///< fitted to these residuals
   BudgetFacts facts;
 };
 
 enum class ErrorCause {
-  kImagePlace,   ///< shared by features in one place of the image
-  kBoardPlace,   ///< shared by features of one point of the board
-  kBend,         ///< the board bends out of its plane, by view
-  kInPlane,      ///< the board is stretched or sheared in its plane, by view
-  kImageAffine,  ///< the image is scaled or shifted, by view
-  kRowTime,      ///< rows are taken while the camera moves, by view
+  kImagePlace,   ///< shared by features in one region of the image
+  kBoardPlace,   ///< shared by features of one target point
+  kBend,         ///< out-of-plane deformation of the board, per view
+  kInPlane,      ///< in-plane deformation of the board, per view
+  kImageAffine,  ///< scale or shift of the image, per view
+  kRowTime,      ///< rolling shutter with camera motion, per view
 };
 constexpr int kNumErrorCauses = 6;
 
 /// "lens model", ...
 const char* NameOf(ErrorCause cause);
 
-/// The share of one cause. Parts are of the sum of all squared residuals.
+/// The share of one cause, as a fraction of the sum of squared residuals.
 struct CauseShare {
   bool can_be_told = false;
-  std::string untold;  ///< why not
-  double alone = 0;    ///< before other causes are taken away; may be negative
-  double in_turn = 0;  ///< of what the causes before it leave; these add up
-  double chance_mean = 0, chance_high = 0;  ///< `alone`, of errors by chance
-  /// Of views' causes: it explains the views as well as the largest of these
-  /// does, as far as the differences between views tell.
+  std::string untold;  ///< why it is not determined
+  double alone = 0;    ///< before removing other causes; may be negative
+  double in_turn = 0;  ///< of the remainder after previous causes; they add up
+  double chance_mean = 0, chance_high = 0;  ///< `alone` for random errors
+  /// For per-view causes: explains the views as well as the largest of these,
+  /// within the significance of the differences.
   bool is_alike = false;
   bool IsTold() const { return can_be_told && in_turn > 0; }
 };
 
 struct ResidualBudget {
-  std::string untold;  ///< why nothing can be told; else empty
+  std::string untold;  ///< why nothing is determined; otherwise empty
   int num_features = 0, num_views = 0;
-  double rms_px = 0;  ///< in an axis
-  /// The standard deviation of noise in x and y: what each feature has of its
-  /// own.
+  double rms_px = 0;  ///< per coordinate
+  /// Standard deviation of the white noise in x and y.
   Eigen::Vector2d noise_px = Eigen::Vector2d::Zero();
-  double noise = 0;  ///< part of the squared residuals
-  double large = 0;  ///< what single errors have beyond five deviations
+  double noise = 0;  ///< fraction of the squared residuals
+  double large = 0;  ///< excess of single errors beyond five sigma
   std::array<CauseShare, kNumErrorCauses> causes;
-  /// Motion from column to column explains this alone. No camera has it, so a
-  /// cause that views have must explain more.
+  /// The share of a motion during column-wise readout alone. No camera has it,
+  /// so a per-view cause must explain more.
   double column_time = 0;
   bool column_time_is_alike = false;
-  double rest = 0;  ///< what nothing explains; may be negative
+  double rest = 0;  ///< unexplained; may be negative
   BudgetFacts facts;
 
   const CauseShare& Of(ErrorCause cause) const {
     return causes[static_cast<size_t>(cause)];
   }
-  /// All causes that views have of their own, together.
+  /// The sum of all per-view causes.
   double OfViews() const;
 };
 
-/// Results are the same on any machine.
+/// Computes the budget; deterministic on any machine.
 ResidualBudget MeasureResidualBudget(const BudgetInput& input);
 
 }  // namespace raygrid

@@ -23,8 +23,8 @@ int BinOf(double value) {
   return std::clamp(static_cast<int>(std::floor(position)), 0, kBins - 1);
 }
 
-// Probabilities of the bins under a standard normal variable; the outermost
-// ones take the tails.
+// Probabilities of the bins for a standard normal variable; the outermost ones
+// include the tails.
 std::array<double, kBins> NormalBins() {
   std::array<double, kBins> bins;
   const auto cumulative = [](double x) {
@@ -152,7 +152,7 @@ std::optional<double> NoiseBias(const std::vector<FeatureResidual>& residuals,
   std::vector<FeatureResidual> noise = residuals;
   double sum = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
-    for (FeatureResidual& residual : noise) {  // Box and Muller
+    for (FeatureResidual& residual : noise) {  // Box-Muller
       const double radius = std::sqrt(-2 * std::log(uniform()));
       const double angle = 2 * M_PI * uniform();
       residual.error_px = {radius * std::cos(angle), radius * std::sin(angle)};

@@ -11,7 +11,7 @@
 
 namespace raygrid {
 
-/// A feature, where the calibrated camera projects it, and where it belongs.
+/// A feature, its reprojection error, and its image and board.
 struct FeatureResidual {
   std::string image;
   int board = 0, column = 0, row = 0;
@@ -19,39 +19,39 @@ struct FeatureResidual {
   Eigen::Vector2d error_px;  ///< projected - observed
 };
 
-/// The p-quantile (0 to 1) of values, which are reordered; linear between
-/// order statistics. 0 for none.
+/// Returns the p-quantile (0 to 1) of values, which are reordered; linear
+/// interpolation between order statistics. 0 if empty.
 double Quantile(std::vector<double> values, double p);
 
 ErrorFigures ComputeErrorFigures(const std::vector<FeatureResidual>& residuals);
 
-/// How far the residuals of a place are from pure noise: the median, over a
-/// 50 x 50 grid of the area, of the Kullback-Leibler divergence of a cell's
-/// normalised residuals (8 x 8 histogram) from a standard normal distribution
-/// (paper, "Camera Model Validation"). Cells with fewer than 5 residuals do
-/// not count; nothing if none has as many.
+/// The bias of residuals in a region: the median, over a 50 x 50 grid of the
+/// area, of the Kullback-Leibler divergence of a cell's normalized residuals (8
+/// x 8 histogram) from a standard normal distribution (paper, "Camera Model
+/// Validation"). Cells with fewer than 5 residuals are ignored; nothing if no
+/// cell has as many.
 std::optional<double> ComputeBias(const std::vector<FeatureResidual>& residuals,
                                   const Area& area);
 
-/// The bias that pure noise would have in the same places: a histogram of a few
-/// residuals is never quite the distribution that they are drawn from.
+/// The bias expected for pure noise at the same positions, due to the finite
+/// number of residuals per histogram.
 std::optional<double> NoiseBias(const std::vector<FeatureResidual>& residuals,
                                 const Area& area);
 
-/// The divergence of each cell, row by row, not a number in cells with fewer
-/// than 5 residuals.
+/// The divergence of each cell, row by row; NaN in cells with fewer than 5
+/// residuals.
 constexpr int kBiasCells = 50;  ///< along each side
 std::vector<double> BiasOfCells(const std::vector<FeatureResidual>& residuals,
                                 const Area& area);
 
-/// The correlation of residuals of features that are neighbours on a board in
-/// one image: 0 for noise, near 1 where the errors are the model's. Nothing for
-/// too few neighbours to tell.
+/// The correlation of residuals of neighbouring features on a board in one
+/// image: 0 for white noise, near 1 for model errors. Nothing if there are too
+/// few neighbours.
 std::optional<double> NeighborCorrelation(
     const std::vector<FeatureResidual>& residuals);
 
-/// Images whose features err many times more than those of the others, by
-/// their medians: another camera's, or of another board.
+/// Images with median residuals many times those of the others: outliers, from
+/// another camera or another board.
 std::set<std::string> ImagesApart(
     const std::vector<FeatureResidual>& residuals);
 

@@ -6,8 +6,8 @@ namespace raygrid {
 namespace {
 
 constexpr int kEnoughSharedViews = 5;
-// With noise alone, a board localised by several cameras fits each of them
-// nearly as well as if the camera were alone.
+// With pure noise, a board localized by several cameras fits each of them
+// nearly as well as if localized by it alone.
 constexpr double kMaxTogetherRatio = 1.5;
 
 ErrorFigures FiguresOfAll(

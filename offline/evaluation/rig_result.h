@@ -12,55 +12,55 @@
 
 namespace raygrid {
 
-/// How two cameras of a rig stand to each other.
+/// The relative pose of two cameras of a rig.
 struct Baseline {
   size_t first = 0, second = 0;  ///< cameras
-  int num_shared_views = 0;      ///< of a board at one instant
+  int num_shared_views = 0;      ///< with a board in a common frame
   double distance_m = 0;         ///< between their centres
-  double angle_rad = 0;          ///< of the rotation between them
-  /// Standard deviation of the distance, as the residuals and the adjustment
-  /// make it, and the RMS angle by which the rotation may be off.
+  double angle_rad = 0;          ///< of the relative rotation
+  /// Standard deviations of the distance, from the residuals and the normal
+  /// equations, and of the rotation (RMS angle).
   std::optional<double> distance_sd_m, rotation_sd_rad;
 };
 
-/// Two cameras whose relative pose may be a turn of a board off, since all
-/// views that they share agree with both.
+/// Two cameras whose relative pose is ambiguous by a symmetry rotation of the
+/// board, since all shared views are consistent with both.
 struct AmbiguousPair {
   size_t first = 0, second = 0;
   int num_shared_views = 0;
 };
 
-/// The result of calibrating the cameras of a rig, or a single one. Each
-/// camera's held-out residuals are those of images localised alone.
+/// The calibration result of a rig or a single camera. Each camera's held-out
+/// residuals are of images localized by it alone.
 struct RigResult {
   std::vector<CalibrationResult> cameras;
-  std::vector<Pose> camera_from_rig;  ///< the first camera's frame is the rig's
-  Pattern pattern;                    ///< points where they were found to be
-  std::vector<Baseline> baselines;    ///< of every two cameras
-  std::vector<BoardPair> board_pairs;  ///< that were seen together often enough
+  std::vector<Pose> camera_from_rig;   ///< the first is the identity
+  Pattern pattern;                     ///< with the estimated points
+  std::vector<Baseline> baselines;     ///< of each pair of cameras
+  std::vector<BoardPair> board_pairs;  ///< with enough common frames
   std::vector<BoardBody> bodies;
   std::vector<AmbiguousPair> ambiguous_pairs;
-  /// The held-out residuals by camera, with each board localised once for an
-  /// instant by all cameras that see it: what the cameras' poses are worth.
+  /// Held-out residuals by camera, with each board localized once per frame by
+  /// all cameras that see it: these also evaluate the camera poses.
   std::vector<std::vector<FeatureResidual>> held_out;
   bool cross_validated = false;
   bool converged = false;
   Verdict verdict;
-  std::map<std::string, double> seconds;  ///< by stage, of all cameras together
+  std::map<std::string, double> seconds;  ///< by stage, over all cameras
 
   bool IsRig() const { return cameras.size() > 1; }
 };
 
-/// Distances and angles; without standard deviations and views.
+/// Computes distances and angles; not standard deviations and views.
 std::vector<Baseline> ComputeBaselines(
     const std::vector<Pose>& camera_from_rig);
 
-/// Residuals of all cameras as one.
+/// Computes metrics over the residuals of all cameras.
 ErrorFigures TrainingFigures(const RigResult& result);
 std::optional<ErrorFigures> HeldOutFigures(const RigResult& result);
 
-/// The worst of the cameras' verdicts, and what the rig adds; a single camera's
-/// own.
+/// Returns the worst status of the cameras, with the reasons of the rig; that
+/// of a single camera unchanged.
 Verdict JudgeRig(const RigResult& result);
 
 }  // namespace raygrid

@@ -5,12 +5,12 @@
 
 namespace raygrid {
 
-/// An estimate and its standard deviation, both to two significant digits of
-/// the latter: "120.041 +- 0.023", with the separator given.
+/// Formats an estimate and its standard deviation to two significant digits of
+/// the latter, with the given separator: "120.041 +- 0.023".
 std::string WithDeviation(double value, double deviation,
                           const std::string& separator = " +- ");
 
-/// Three significant digits, and at most the integer digits of large values:
+/// Formats three significant digits, or all integer digits of larger values:
 /// "0.0383", "12.3", "1234".
 std::string ThreeDigits(double value);
 

@@ -7,7 +7,7 @@
 
 namespace raygrid {
 
-/// The finding on the time of a row, in words, for images of so many rows.
+/// Describes the estimated line delay, for images of num_rows rows.
 std::string RowTimeText(const RowTimeEstimate& row_time, int num_rows);
 
 }  // namespace raygrid

@@ -11,8 +11,8 @@
 namespace raygrid {
 namespace {
 
-// Pixels per radian in the middle of the area: the root of their product along
-// two axes across the line of sight.
+// Pixels per radian at the centre of the area: the geometric mean along two
+// axes perpendicular to the line of sight.
 double FocalPx(const CentralGeneric& camera) {
   const Eigen::Vector2d pixel = camera.area().center();
   const auto direction = camera.Unproject(pixel);
@@ -40,8 +40,8 @@ Eigen::Vector2d CenterPx(const CentralGeneric& camera) {
   return center;
 }
 
-// How far the images of far points move from pixels of a camera to another one;
-// not a number where one of them does not see them.
+// The displacements of distant points' projections between two cameras, from
+// pixels of the first; NaN where one of them is undefined.
 std::vector<Eigen::Vector2d> MovesOf(
     const CentralGeneric& from, const CentralGeneric& to,
     const std::vector<Eigen::Vector2d>& pixels) {
@@ -56,8 +56,8 @@ std::vector<Eigen::Vector2d> MovesOf(
   return moves;
 }
 
-// Takes away from moves what growth about a centre and a shift explain, and
-// returns the growth; nothing of fewer than three.
+// Removes from displacements what a scale about a centre and a shift explain,
+// and returns the scale; nothing for fewer than three.
 std::optional<double> TakeGrowthAndShift(
     const Eigen::Vector2d& center, const std::vector<Eigen::Vector2d>& pixels,
     std::vector<Eigen::Vector2d>* moves) {

@@ -11,15 +11,15 @@
 namespace raygrid {
 namespace {
 
-// A cell of the image, and how many of its pixels count.
+// A cell of the image, and the number of its pixels that count.
 struct CountedCell {
   int cell = 0;
   Eigen::Vector2d center;
   double num_pixels = 0;
-  bool is_calibrated = false;  // lies in the camera's area
+  bool is_calibrated = false;  // in the camera's area
 };
 
-// The cells of the image, or of its image circle.
+// Lists the cells of the image, or of its image circle.
 std::vector<CountedCell> CellsOf(const CameraModel& camera,
                                  const std::optional<ImageCircle>& circle,
                                  const TrustMask& mask) {
@@ -47,7 +47,7 @@ double SumOf(const std::vector<CountedCell>& cells) {
   return sum;
 }
 
-// The thirds of the image, across or down, that a pixel is in: 0 to 2.
+// The third of the image, across or down, that contains a pixel: 0 to 2.
 int ThirdOf(double position, int extent) {
   return std::clamp(static_cast<int>(3 * (position + 0.5) / extent), 0, 2);
 }
@@ -72,8 +72,8 @@ constexpr ImagePlace kCorners[] = {{"top left", 0, 0},
                                    {"bottom left", 0, 2},
                                    {"bottom right", 2, 2}};
 
-// The sides and corners where much is extrapolated, in words. Corners of a side
-// that is named go without saying.
+// Describes the sides and corners with much extrapolation. Corners of a named
+// side are omitted.
 std::string PlacesInWords(const std::array<std::array<double, 3>, 3>& shares) {
   constexpr double kMuchOfSide = 0.2, kMuchOfCorner = 0.03;
   std::vector<std::string> sides, corners;

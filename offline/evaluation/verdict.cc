@@ -18,20 +18,20 @@ constexpr double kEnoughArea = 0.5;    // share of the image
 constexpr double kGoodMedianPx = 0.3;  // corners of a sharp chessboard
 constexpr double kUsableMedianPx = 2;
 constexpr double kOverfitRatio = 1.5;
-// Systematic errors above this deserve a warning, below it a note.
+// Larger systematic errors cause a warning, smaller ones a note.
 constexpr double kMattersPx = 0.15;
-// Nothing is said of less than this, nor of a tenth of the noise.
+// Smaller errors, or below a tenth of the noise, are not reported.
 constexpr double kNegligiblePx = 0.02, kNegligiblePart = 0.1;
-// A median uncertainty that deserves a warning, and one that no use allows.
+// Median uncertainties that cause a warning, and a failure.
 constexpr double kUncertainPx = 1, kUselessPx = 5;
 constexpr double kMaxAspect = 4;  // anamorphic lenses have 2
 // Shares of the image: valid, at least; extrapolated, at most.
 constexpr double kEnoughValid = 0.5, kMostExtrapolated = 0.05;
-// The correlation of neighbouring residuals that is too much: five standard
-// errors where there are fewest pairs; and nearly all of the error.
+// Correlations of neighbouring residuals: significant by five standard errors
+// with the fewest pairs; and dominating the error.
 constexpr double kCorrelated = 0.25, kNearlyAll = 0.9;
 
-// What was found, and how bad it is.
+// A finding, and its severity.
 enum class Severity { kNote, kWarning, kFailure };
 struct Finding {
   Severity severity;
@@ -47,7 +47,7 @@ class Findings {
     findings_.push_back({severity, text});
   }
 
-  // The worst first.
+  // Most serious first.
   Verdict Conclude() const {
     Verdict verdict = {"pass", {}};
     for (const Severity severity :
@@ -98,7 +98,7 @@ void AssessConvergence(const CalibrationFigures& figures, Findings* findings) {
         "ones");
 }
 
-// The motion of rows bends the camera, and could not be compensated.
+// Uncompensated rolling-shutter motion biases the camera.
 void AssessTimestamps(const CalibrationFigures& figures, Findings* findings) {
   if (!figures.wrong_times.empty())
     findings->Fail("the line delay is not observable: " + figures.wrong_times);
@@ -119,8 +119,8 @@ void AssessNumberOfImages(const CalibrationFigures& figures,
 }
 
 void AssessImageSize(const CalibrationFigures& figures, Findings* findings) {
-  // Pixels are counted from the top left corner: features measured in smaller
-  // images lie there.
+  // Pixel coordinates start at the top left corner: features measured in
+  // smaller images are there.
   constexpr double kHalf = 0.55;
   const Area& area = figures.features_area;
   const ImageSize& size = figures.image_size;
@@ -194,8 +194,8 @@ void AssessOutlyingImages(const CalibrationFigures& figures,
                   figures.images_apart.size() == 1 ? "it" : "them"));
 }
 
-// Large held-out errors of images whose training errors are as usual: without
-// them, the camera is extrapolated there.
+// Large held-out errors of images with normal training errors: without them,
+// the camera is extrapolated there.
 void AssessLoneImages(const CalibrationFigures& figures, Findings* findings) {
   if (figures.images_alone.empty()) return;
   findings->Warn(fmt::format(
@@ -205,8 +205,8 @@ void AssessLoneImages(const CalibrationFigures& figures, Findings* findings) {
       figures.images_alone.size() == 1 ? "it" : "them"));
 }
 
-// Images that lost more features to outlier rejection than chance, or a corner
-// at the target's edge, explains: what is left of them fits.
+// Images with more outliers than expected by chance, or from a corner at the
+// target's edge: the remaining features fit.
 void AssessMisreadImages(const CalibrationFigures& figures,
                          Findings* findings) {
   if (figures.num_misread_images == 0) return;
@@ -316,7 +316,7 @@ void AssessPixelAspect(const CalibrationFigures& figures, Findings* findings) {
                   aspect));
 }
 
-// Corners beyond a fisheye's image circle fold over in good calibrations too.
+// Corners outside a fisheye's image circle fold in good calibrations, too.
 void AssessFoldOver(const CalibrationFigures& figures, Findings* findings) {
   const FoldOver& fold_over = figures.fold_over;
   if (fold_over.trusted_part > 0)
@@ -350,7 +350,7 @@ bool HasCorrelatedResiduals(const CalibrationFigures& figures) {
                   figures.held_out ? *figures.held_out : figures.training);
 }
 
-// An identified cause comes before guesses.
+// An identified cause takes precedence over hypotheses.
 void AssessCorrelation(const CalibrationFigures& figures, Findings* findings) {
   if (!HasCorrelatedResiduals(figures)) return;
   const double correlation = *figures.neighbor_correlation;
@@ -376,7 +376,7 @@ void AssessCorrelation(const CalibrationFigures& figures, Findings* findings) {
             AdviceAgainstSharedErrors(figures.tried)));
 }
 
-// The cause, and what would help, unless AssessCorrelation() has said it.
+// The cause and the remedy, unless AssessCorrelation() reported them.
 std::string AdviceAgainstError(const CalibrationFigures& figures) {
   if (!figures.limit.IsTold())
     return "; sharper images or a flatter target would reduce it";
@@ -448,7 +448,7 @@ Verdict JudgeCalibration(const CalibrationFigures& figures) {
        {AssessConvergence, AssessNumberOfImages, AssessImageSize, AssessViews,
         AssessSides, AssessRejectedImages})
     assess(figures, &findings);
-  // Errors of an unfinished calibration mean nothing.
+  // Errors of an interrupted calibration are meaningless.
   if (figures.interrupted) return findings.Conclude();
   for (const auto assess :
        {AssessTimestamps, AssessOutlyingImages, AssessLoneImages, AssessTurns,

@@ -14,90 +14,89 @@
 
 namespace raygrid {
 
-/// Another model, and the held-out errors of both, with rigid boards: other
-/// figures of a model whose boards bend do not compare with these.
+/// Another model, and the held-out errors of both, with rigid boards: errors
+/// with per-view deformation are not comparable.
 struct BetterModel {
   std::string model;
   double median_px = 0;
-  double own_median_px = 0;  ///< of the model that was asked for
+  double own_median_px = 0;  ///< of the requested model
 };
 
-/// The images of two cameras that were taken for one's.
+/// The images of two cameras that were assumed to be one.
 struct TwoCameras {
   std::vector<std::string> first, second;
 };
 
-/// An image that lost many of its features to outlier rejection.
+/// An image from which many features were removed as outliers.
 struct MisreadImage {
   std::string image;
   int num_rejected = 0, num_features = 0;
 };
 
-/// The figures that a verdict is formed on.
+/// The metrics from which the status is derived.
 struct CalibrationFigures {
   bool converged = false, interrupted = false;
   ImageSize image_size;
   Area features_area;  ///< the rectangle of the features
   int images_used = 0, images_rejected = 0;
-  /// Images that are used or held out, and those that show the same views.
+  /// Images that are used or held out, and their near-duplicates.
   int images_kept = 0, images_alike = 0;
-  /// Images held out that show views which the camera was calibrated with.
+  /// Held-out images that are near-duplicates of calibration images.
   std::vector<std::string> held_out_copies;
-  int images_with_too_few_features = 0;  ///< of those rejected
+  int images_with_too_few_features = 0;  ///< of the rejected images
   ErrorFigures training;
-  /// The held-out errors; their boards bend where those of training do.
+  /// The held-out errors; with per-view deformation if training has it.
   std::optional<ErrorFigures> held_out;
   bool boards_bend = false;
-  /// Without images apart: of held-out errors, or of training errors if that
-  /// is less; what a camera of few images errs by, only the former share.
+  /// Without outlier images: of held-out errors, or of training errors if
+  /// smaller; model errors due to few images appear only in the former.
   std::optional<double> neighbor_correlation;
-  std::vector<std::string> images_apart;  ///< that err far more than others
-  /// Images that err far more than others only where they are held out, since
-  /// they alone show some places of the image, and these places.
+  std::vector<std::string> images_apart;  ///< with much larger errors
+  /// Images with large errors only when held out, since they alone cover some
+  /// regions of the image, and these regions.
   std::vector<std::string> images_alone, places_alone;
-  std::vector<std::string> images_of_doubtful_turn;  ///< CalibrationResult's
+  std::vector<std::string> images_of_doubtful_turn;  ///< see CalibrationResult
   int num_misread_images = 0;
-  MisreadImage most_misread;  ///< if there is one
+  MisreadImage most_misread;  ///< if any
   std::optional<TwoCameras> two_cameras;
   int boards_seen = 0, different_views = 0;
-  /// The image of each time that a board is seen from behind.
+  /// One image for each time that a board is seen from behind.
   std::vector<std::string> images_from_behind;
-  std::optional<double> tilt_rad;  ///< between two boards; of flat ones only
-  /// The predicted uncertainty, median over the rectangle of the features; the
-  /// share of the image that is valid, and the limit that makes it so.
+  std::optional<double> tilt_rad;  ///< between two boards; only if planar
+  /// The median predicted uncertainty over the rectangle of the features; the
+  /// valid fraction of the image, and the limit that defines it.
   std::optional<double> median_deviation_px, valid_share, valid_limit_px;
   std::optional<ExtrapolatedRegion> extrapolated;
   FoldOver fold_over;
-  /// How far from flat boards are that were taken for flat, RMS: where they may
-  /// be, they surely are. 0 where nothing says so.
+  /// RMS deviation from planarity of boards assumed to be planar, if it is
+  /// significant; otherwise 0.
   double flat_board_height_m = 0;
   std::optional<FleetDistance> fleet_distance;
-  /// The model that predicts held-out images best, of those that were tried and
-  /// are better.
+  /// The model with the best held-out error, if it is better than the chosen
+  /// one.
   std::optional<BetterModel> better_model;
-  BudgetFacts tried;    ///< what needs no advice any more
-  BudgetVerdict limit;  ///< by the residuals' causes; may be untold
-  /// Why the times of images are none of their motion's; empty if they may be.
+  BudgetFacts tried;    ///< what was already tried
+  BudgetVerdict limit;  ///< by causes of the residuals; may be undetermined
+  /// Why the time stamps contradict the motion; empty if they do not.
   std::string wrong_times;
-  std::optional<double> pixel_aspect;  ///< width by height, in the middle
+  std::optional<double> pixel_aspect;  ///< pixel width / height, image centre
 };
 
 /// "pass": a careful engineer would accept the camera for its images; "warn":
-/// not everywhere, or not without a look; "fail": no use. And why, with what to
-/// do: the worst reason first. Reasons of a "pass" are worth knowing, no more.
+/// not everywhere, or only after inspection; "fail": unusable. Reasons, with
+/// remedies, the most serious first; those of a "pass" are for information.
 struct Verdict {
   std::string word;
   std::vector<std::string> reasons;
   std::string failure = {};  ///< the first reason of a "fail"
 };
 
-/// Whether more of the errors than noise is shared by neighbours, and so much
-/// that it matters.
+/// Whether correlated errors exceed the noise, by an amount that matters.
 bool ErrAlike(double neighbor_correlation, const ErrorFigures& errors);
 
 double ShareOfImage(const Area& area, const ImageSize& size);
 
-/// Pixels with two digits, or all before the point.
+/// Formats pixels with two significant digits, or all integer digits.
 std::string RoundedPx(double px);
 
 Verdict JudgeCalibration(const CalibrationFigures& figures);

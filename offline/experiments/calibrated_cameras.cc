@@ -39,7 +39,8 @@ constexpr char kHowCalibrated[] =
     "target geometry estimated, knot spacing by cross-validation, as in "
     "calibrate";
 
-// Says so in the conditions (paper, "Camera Pose Estimation").
+// Uses the last as the reference, and states it in the conditions (paper,
+// "Camera Pose Estimation").
 void TakeLastForTruth(const std::string& others, ComparedCameras* compared) {
   NamedCamera& truth = compared->cameras.back();
   compared->conditions.push_back(

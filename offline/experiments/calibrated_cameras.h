@@ -1,4 +1,4 @@
-/// Cameras that experiments calibrate, from simulated observations or a user's.
+/// Cameras calibrated for experiments, from simulated or user's features.
 #ifndef RAYGRID_EXPERIMENTS_CALIBRATED_CAMERAS_H
 #define RAYGRID_EXPERIMENTS_CALIBRATED_CAMERAS_H
 
@@ -13,7 +13,7 @@
 
 namespace raygrid {
 
-/// The features to calibrate with, and the images to test with.
+/// The features for calibration, and the held-out images.
 struct ExperimentFeatures {
   Dataset dataset;
   Pattern pattern;
@@ -22,54 +22,54 @@ struct ExperimentFeatures {
   std::vector<Condition> conditions;         ///< in words
 };
 
-/// The user's features, or else simulated ones: a chessboard of 30 x 24 points,
-/// at most 240 of them in an image, 0.05 px of noise. A fifth of the images is
-/// held out unless the user says which.
+/// Returns the user's features, or simulates a chessboard of 30 x 24 points, at
+/// most 240 of them in an image, 0.05 px of noise. A fifth of the images is
+/// held out unless the user specifies it.
 ExperimentFeatures FeaturesFor(const ExperimentOptions& options,
                                const std::string& lens = "example");
 
-/// A model and the part of the image's longer side that a cell is.
+/// A model, and its knot spacing relative to the longer image side.
 struct ModelChoice {
   std::string model;
-  /// Along the longer side; 0 for a parametric model, and for a grid whose
-  /// cells are chosen by held-out error.
+  /// Number along the longer side; 0 for a parametric model, and for a grid
+  /// whose knot spacing is selected by held-out error.
   int cells = 0;
 
   std::string Label() const;
 };
 
-/// Calibrates as `raygrid calibrate` does by default: the board's points are
-/// free, those of a simulated board, too.
+/// Calibrates like `raygrid calibrate` with default options: target points are
+/// estimated, also for simulated boards.
 CalibrationResult CalibrateModel(const ExperimentFeatures& features,
                                  const ModelChoice& choice,
                                  const ExperimentOptions& options);
 
-/// The cells in which a camera is known to kKnownPx, or to the median of its
-/// stated deviations if that is more: half of the image counts at least. That
-/// is more than what is trusted, which depends on how good the camera is. Of a
-/// file that only says where it can be trusted, these cells; nothing if it does
-/// not.
+/// The cells with a predicted uncertainty below kKnownPx, or below the median
+/// if that is larger, so at least half of the image. This is larger than the
+/// valid region, which depends on the camera's quality. For a file with only a
+/// validity mask, that mask; nothing without one.
 std::optional<TrustMask> KnownPart(const CameraFile& file);
 constexpr double kKnownPx = 0.1;
 
-/// Cameras that an experiment compares. The last is the truth, or taken for it.
+/// Cameras compared in an experiment. The last is the reference: the truth, or
+/// assumed to be.
 struct ComparedCameras {
   std::vector<NamedCamera> cameras;
-  std::vector<Condition> conditions;  ///< also says what the truth is
+  std::vector<Condition> conditions;  ///< also describes the reference
 
   const CameraModel& truth() const { return *cameras.back().model; }
 };
 
-/// Cameras of the models, calibrated from simulated features, and the true one;
-/// or from the user's features, where the last model's is taken for the truth.
-/// Of the user's cameras, the last is taken for it; if there is no other,
-/// parametric models are fitted to it, where it is known. Throws Error:
-/// kInitialization if no model can be calibrated.
+/// Calibrates the models from simulated features and adds the true camera; or
+/// from the user's features, with the last model as the reference. Of the
+/// user's cameras, the last is the reference; if it is the only one, parametric
+/// models are fitted to it in its valid region. Throws Error: kInitialization
+/// if no model can be calibrated.
 ComparedCameras CamerasToCompare(const ExperimentOptions& options,
                                  const std::vector<std::string>& models);
 
-/// The models of a camera as another one knows it: parametric ones fitted to
-/// it, where it is known, by any rotation; those that can follow it.
+/// Parametric models fitted to another camera in its valid region, with any
+/// rotation; those that converge.
 struct FittedCamera {
   NamedCamera camera;
   Eigen::Quaterniond fitted_from_camera;
@@ -79,8 +79,8 @@ std::vector<FittedCamera> FitModels(const NamedCamera& camera);
 /// The area in which all cameras are calibrated.
 Area CommonArea(const std::vector<NamedCamera>& cameras);
 
-/// Whether all cameras have a line for the pixel, and a camera taken for the
-/// truth is known there.
+/// Whether all cameras have a line for the pixel, and it is in the valid region
+/// of an assumed reference.
 bool AllKnow(const ComparedCameras& compared, const Eigen::Vector2d& pixel);
 
 }  // namespace raygrid

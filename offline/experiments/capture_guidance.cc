@@ -21,12 +21,12 @@ namespace {
 constexpr double kTargetPx = 0.02;
 constexpr double kFeatureNoisePx = 0.05;
 constexpr int kMostImages = 200;
-// From so many on, the camera is looked at after each ten, unless the next view
-// depends on it.
+// From kManyImages on, the camera is evaluated only after each ten, unless the
+// next view depends on it.
 constexpr int kManyImages = 80, kAtOnce = 10;
-constexpr double kHandM = 0.03, kHandRad = 5 * M_PI / 180;  // of operators
+constexpr double kHandM = 0.03, kHandRad = 5 * M_PI / 180;  // operator's error
 
-// 50 to 140 degrees across the image's width, somewhat off centre.
+// 50 to 140 degrees horizontally, with an offset principal point.
 ThinPrismFisheye RandomLens(const ImageSize& size, uint64_t seed) {
   Random random(seed);
   const double half_rad = random.Uniform(25, 70) * M_PI / 180;
@@ -58,7 +58,7 @@ Pattern GuidanceBoard() {
   return pattern;
 }
 
-// Somewhere in the image, near or far, tilted and turned.
+// Anywhere in the image, at random distance, tilt and rotation.
 BoardView RandomView(const ImageSize& size, Random* random) {
   BoardView view;
   view.pixel = {random->Uniform(0, size.width),
@@ -70,12 +70,12 @@ BoardView RandomView(const ImageSize& size, Random* random) {
   return view;
 }
 
-// ---- What ROS asks for ------------------------------------------------------
+// ---- ROS's criteria ---------------------------------------------------------
 
 constexpr int kNumBars = 4;
 using Bars = Eigen::Array<double, kNumBars, 1>;
 
-// Place, size and skew of a whole board, as ROS's camera_calibration has them.
+// Position, size and skew of a whole board, as in ROS's camera_calibration.
 Bars BarsOf(const std::vector<Feature>& features, const Board& board,
             const ImageSize& size) {
   Eigen::Vector2d corner[4], mean = Eigen::Vector2d::Zero();
@@ -102,7 +102,7 @@ Bars BarsOf(const std::vector<Feature>& features, const Board& board,
   return bars;
 }
 
-// How full the bars are, together.
+// The total fill level of the bars.
 double Fullness(const std::vector<Bars>& frames) {
   const Bars ranges = {0.7, 0.7, 0.4, 0.5};
   Bars low = frames.front(), high = frames.front();
@@ -110,7 +110,7 @@ double Fullness(const std::vector<Bars>& frames) {
     low = low.min(frame);
     high = high.max(frame);
   }
-  low.tail<2>().setZero();  // size and skew count from none
+  low.tail<2>().setZero();  // size and skew count from 0
   return ((high - low) / ranges).min(1).sum();
 }
 
@@ -118,7 +118,7 @@ double Fullness(const std::vector<Bars>& frames) {
 
 enum class Follows { kNextView, kBars, kNothing };
 
-constexpr size_t kFewest = 20;  // features of an image that is taken
+constexpr size_t kFewest = 20;  // minimum features of a kept image
 
 struct Operator {
   Follows follows;
@@ -133,7 +133,7 @@ struct Operator {
     Eigen::Matrix<double, 6, 1> off;
     for (int k = 0; k < 6; ++k)
       off[k] = random.Normal() * (k < 3 ? kHandRad : kHandM);
-    // The hand turns the board around its middle.
+    // The hand rotates the board about its centre.
     const Eigen::Vector3d middle = MiddleOf(board());
     Pose held = asked;
     held.rotation = RotationFromVector(off.head<3>()) * asked.rotation;
@@ -141,8 +141,8 @@ struct Operator {
     return held;
   }
 
-  // The features that the camera sees when the operator tries for a view; few
-  // if the try fails.
+  // The features visible when the operator attempts a view; few if the attempt
+  // fails.
   std::vector<Feature> Try(const BoardView& view) {
     const auto pose = PoseOf(view, board(), truth);
     if (!pose) return {};
@@ -167,8 +167,8 @@ struct Operator {
     }
   }
 
-  // The view among some that fills the bars most; once they are full, any that
-  // ROS takes for new.
+  // The view, among some, that fills the bars most; once they are full, any
+  // that ROS accepts as new.
   std::vector<Feature> ByBars() {
     constexpr int kTries = 30;
     constexpr double kNew = 0.2;
@@ -230,8 +230,8 @@ double TrueError95(const CameraModel& truth, const CameraModel& camera) {
   return norms.empty() ? INFINITY : Quantile(norms, 0.95);
 }
 
-// How many images an operator took until the camera was known, if it ever was,
-// and what was predicted of it then.
+// The number of images until the camera was determined, if ever, and the
+// uncertainty predicted then.
 struct CaptureRun {
   int num_images = 0;
   bool is_done = false;
@@ -299,7 +299,7 @@ std::vector<Condition> GuidanceConditions(const ExperimentOptions& options) {
           {"seed", std::to_string(options.seed)}};
 }
 
-// The sums of a column of rows, over the first column's.
+// The sum of a column over rows, relative to that of the first column.
 double PartOf(const std::vector<CaptureRun>& captures, int follower) {
   double guided = 0, other = 0;
   for (size_t i = 0; i < captures.size(); i += kNumOperators) {

@@ -42,7 +42,7 @@ double RoundStep(double at_least) {
   return 10 * power;
 }
 
-// The axes of a chart, from values to places in the picture.
+// The axes of a chart: maps values to positions in the picture.
 class Axes {
  public:
   explicit Axes(const Chart& chart) : is_logarithmic_(chart.is_logarithmic) {
@@ -135,7 +135,7 @@ std::string Marker(int style, double x, double y) {
   }
 }
 
-// Whether ticks are so crowded that every second label stands lower.
+// Whether ticks are so dense that every second label is placed lower.
 bool AreTicksCrowded(const Chart& chart, const Axes& axes) {
   constexpr double kLetter = 7.5;
   for (size_t i = 1; i < chart.ticks.size(); ++i) {
@@ -196,7 +196,7 @@ std::string Legend(const Chart& chart) {
 
 std::string Series(const ChartSeries& series, int style, const Axes& axes) {
   std::string path, markers;
-  bool goes_on = false;  // not across a point that cannot be shown
+  bool goes_on = false;  // not across a missing point
   for (const ChartPoint& point : series.points) {
     const bool went_on = std::exchange(goes_on, axes.Shows(point));
     if (!goes_on) continue;

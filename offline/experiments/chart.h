@@ -13,7 +13,7 @@ struct ChartPoint {
 struct ChartSeries {
   std::string name;
   std::vector<ChartPoint> points;
-  bool has_line = true;  ///< between its points
+  bool has_line = true;  ///< connects its points
 };
 
 struct ChartTick {
@@ -21,18 +21,18 @@ struct ChartTick {
   std::string label;
 };
 
-/// Up to six series over labelled places on the x axis. Units stand in the
-/// axes' labels.
+/// Up to six series over labelled positions on the x axis. Axis labels include
+/// units.
 struct Chart {
-  std::string title, note;  ///< the note stands below the title
+  std::string title, note;  ///< the note is below the title
   std::string x_label, y_label;
   std::vector<ChartTick> ticks;
-  bool is_logarithmic = false;  ///< the y axis; else it starts at 0
+  bool is_logarithmic = false;  ///< the y axis; otherwise it starts at 0
   std::vector<ChartSeries> series;
 };
 
-/// A picture for any browser, dark text on white. Series differ in colours that
-/// the colour-blind tell apart (Okabe and Ito), and in their markers.
+/// Draws the chart as SVG, dark text on white. Series differ in colours that
+/// are distinguishable with colour blindness (Okabe and Ito), and in markers.
 std::string ChartSvg(const Chart& chart);
 
 }  // namespace raygrid

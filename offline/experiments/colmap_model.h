@@ -9,11 +9,10 @@
 
 namespace raygrid {
 
-/// The structure from motion of a user's images. Its camera's parameters are of
-/// no use here.
+/// The structure from motion of a user's images. The intrinsics are not read.
 struct ColmapModel {
   struct Observation {
-    Eigen::Vector2d pixel;  ///< (0, 0) in the middle of the first pixel
+    Eigen::Vector2d pixel;  ///< (0, 0) is the centre of the first pixel
     int point = 0;          ///< index
   };
   struct Image {
@@ -23,13 +22,13 @@ struct ColmapModel {
   };
 
   ImageSize size;
-  std::vector<Image> images;  ///< by their names
+  std::vector<Image> images;  ///< by name
   std::vector<Eigen::Vector3d> points;
 };
 
-/// cameras.txt, images.txt and points3D.txt of a folder, as `colmap
-/// model_converter --output_type TXT` writes them. All cameras must have images
-/// of one size. Throws InputError.
+/// Reads cameras.txt, images.txt and points3D.txt of a folder, as written by
+/// `colmap model_converter --output_type TXT`. All cameras must have the same
+/// image size. Throws InputError.
 ColmapModel ReadColmapModel(const std::string& folder);
 
 }  // namespace raygrid

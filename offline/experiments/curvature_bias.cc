@@ -28,7 +28,7 @@ constexpr int kNumWindows = 4;
 constexpr int kBiasColumns = 14, kBiasRows = 10;
 constexpr double kBiasSquareM = 0.02;
 
-// The ways of measuring: without and with the curvature of the mapping within
+// The refinement methods: without and with the curvature of the mapping within
 // the window.
 enum Way { kHomography, kCurved, kNumWays };
 
@@ -42,8 +42,8 @@ Board MakeBoard() {
   return board;
 }
 
-// The homography whose second derivatives are nearest to those of the mapping:
-// A s (1 - h s) in place of A s + W (u^2, u v, v^2).
+// The homography whose second derivatives best approximate those of the
+// mapping: A s (1 - h s) instead of A s + W (u^2, u v, v^2).
 LocalMapping WithoutCurvature(LocalMapping mapping) {
   const Eigen::Matrix<double, 2, 3> bend =
       mapping.linear.inverse() * mapping.curvature.leftCols<3>();
@@ -53,10 +53,10 @@ LocalMapping WithoutCurvature(LocalMapping mapping) {
   return mapping;
 }
 
-// Features of an image in each way and window, in the order of the truth.
+// Features of an image by method and window, in the order of the truth.
 struct Measured {
   std::vector<Feature> truth;
-  std::vector<std::vector<Feature>> found;  // by way, then window
+  std::vector<std::vector<Feature>> found;  // by method, then window
 };
 
 class Photographer {
@@ -76,7 +76,7 @@ class Photographer {
 
   const Board& board() const { return board_; }
 
-  // With curvature, then all the same but for it.
+  // Refines with curvature, then identically without it.
   Measured Take(const Pose& pose, int number) const {
     ImagingOptions imaging;
     imaging.blur_px = options_.blur_px;
@@ -138,7 +138,7 @@ struct Outcome {
   double feature_error_px = 0, residual_px = 0, ray_error_px = 0;
 };
 
-// Root mean square distance of features from where they truly are.
+// RMS distance of features from their true positions.
 double FeatureErrorPx(const std::vector<Measured>& images, size_t kind) {
   double sum = 0;
   int count = 0;
@@ -179,7 +179,7 @@ struct Photograph {
   std::map<int, Pose> poses;  // by board
 };
 
-// The images that features are given of, with the boards that stand in them.
+// The images with given features, and the boards in them.
 std::vector<Photograph> FindPhotographs(const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
   std::map<std::string, Photograph> by_name;
@@ -210,7 +210,7 @@ std::vector<Photograph> FindPhotographs(const ExperimentOptions& options) {
   return photographs;
 }
 
-// Features of one window, measured in each way.
+// Features of one window, refined by each method.
 struct ShiftedFeatures {
   Dataset measured[kNumWays];
   double shift_rms_px = 0, shift_max_px = 0;

@@ -7,9 +7,9 @@
 
 namespace raygrid {
 
-/// The result for people: the conditions, and the table in aligned columns.
+/// Formats the conditions, and the table in aligned columns.
 std::string FormatExperimentText(const ExperimentResult& result);
-/// The conditions as comments, then the table.
+/// Formats the conditions as comments, then the table.
 std::string FormatExperimentCsv(const ExperimentResult& result);
 /// {"experiment": name, "conditions": {...}, "rows": [{...}, ...]}.
 std::string FormatExperimentJson(const std::string& name,

@@ -25,8 +25,8 @@ namespace {
 
 constexpr double kBumpHeightPx = 0.2;
 constexpr double kFinePupilShiftM = 2e-4;  // at one radian
-constexpr double kFineNoisePx = 0.03;      // in an axis
-constexpr int kMostFeatures = 1050;        // of an image
+constexpr double kFineNoisePx = 0.03;      // per coordinate
+constexpr int kMostFeatures = 1050;        // per image
 constexpr int kTestEvery = 5;
 
 struct FineModel {
@@ -47,7 +47,7 @@ std::vector<FineModel> FineModels() {
   return models;
 }
 
-// 62 degrees across the image's width, with barrel distortion.
+// 62 degrees horizontally, with barrel distortion.
 BumpyLens FineLens(const ImageSize& size, double bump_width_px, uint64_t seed) {
   constexpr double kBeyondPx = 50;
   const Area area = {-1, -1, double(size.width), double(size.height)};
@@ -82,7 +82,7 @@ bool IsInACorner(const Eigen::Vector2d& pixel, const ImageSize& size) {
          is_at_an_end(pixel.y(), size.height);
 }
 
-// Features of a board, any point of which looks out of any pixel.
+// Features of a board, any point of which projects to any pixel.
 std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
                                   uint64_t seed) {
   Random random(seed);
@@ -93,8 +93,8 @@ std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
                   board.square_m, 1, {}, seed)
           .front();
   std::vector<Feature> seen = VisibleFeatures(camera, board, pose);
-  // Fewer boards reach into corners than elsewhere. So all is taken there, and
-  // of the others each with the chance that leaves as many as are to be taken.
+  // Fewer boards extend into corners. So all features there are used, and
+  // others with the probability that yields the required number.
   const auto others = std::stable_partition(
       seen.begin(), seen.end(), [&camera](const Feature& feature) {
         return IsInACorner(feature.pixel, camera.image_size());
@@ -111,7 +111,7 @@ std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
   return taken;
 }
 
-// Images to calibrate with, and others to test with.
+// Calibration images and held-out images.
 struct FineImages {
   Dataset training, test;
 };
@@ -134,7 +134,7 @@ FineImages SimulateFineImages(const CameraModel& camera, const Board& board,
   return split;
 }
 
-// The fewest residuals of a cell of the bias's grid.
+// The minimum number of residuals in a cell of the bias's grid.
 int FewestInACell(const std::vector<FeatureResidual>& residuals,
                   const Area& area) {
   std::vector<int> counts(kBiasCells * kBiasCells);
@@ -155,8 +155,8 @@ struct FineFigures {
   std::vector<FeatureResidual> training;
 };
 
-// The model from the starting lens: adjusted as calibrate adjusts it, the
-// board's points free.
+// Optimizes the model from the initial camera as calibrate does, with estimated
+// target points.
 FineFigures AddFineRow(const FineModel& model, const CameraModel& truth,
                        const FineImages& images, const Pattern& pattern,
                        const Adjusted& start, double bump_width_px,
@@ -194,7 +194,7 @@ FineFigures AddFineRow(const FineModel& model, const CameraModel& truth,
   return figures;
 }
 
-// Short enough to stand over a picture.
+// Short enough for a picture's caption.
 std::string CaptionOf(const FineModel& model, const FineFigures& figures) {
   std::string label = model.Label();
   const size_t generic = label.find("-generic");

@@ -41,8 +41,8 @@ std::vector<PointOnPixel> MakeScene(const ComparedCameras& compared,
   return scene;
 }
 
-// The errors by number of frames averaged: from the true camera's place, in its
-// frame, to where the camera is found to be; nothing if it is not found.
+// Errors by number of averaged frames: the estimated camera position in the
+// true camera's frame; nothing if localization fails.
 using Errors = std::vector<std::optional<Eigen::Vector3d>>;
 
 Errors LocalizeScene(const CameraModel& camera,
@@ -78,7 +78,7 @@ double MedianLength(const std::vector<Errors>& scenes, size_t k,
   return lengths.empty() ? NAN : Quantile(lengths, 0.5);
 }
 
-// The median in each axis over the scenes of the mean of most frames.
+// The median over scenes, per axis, of the mean of most frames.
 Eigen::Vector3d SharedOffset(const std::vector<Errors>& scenes) {
   Eigen::Vector3d offset;
   for (int axis = 0; axis < 3; ++axis) {
@@ -93,8 +93,8 @@ Eigen::Vector3d SharedOffset(const std::vector<Errors>& scenes) {
 // Medians over scenes.
 struct PlaceErrors {
   std::vector<double> by_frames_m;
-  double shared_m = 0;  // an offset that all scenes have in common
-  double rest_m = 0;    // of the mean of most frames, without it
+  double shared_m = 0;  // an offset common to all scenes
+  double rest_m = 0;    // remainder, for most frames
 };
 
 PlaceErrors MeasurePlaces(const CameraModel& camera,

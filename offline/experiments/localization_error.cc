@@ -31,7 +31,7 @@ ImagingOptions Imaging(const ExperimentOptions& options, int image) {
   return imaging;
 }
 
-// The ink reaches a square beyond the features.
+// The ink extends a square beyond the features.
 bool IsWhollySeen(const CameraModel& camera, const Pose& pose) {
   const Area image = WholeImage(camera.image_size());
   for (const double column : {-1, kBoardColumns}) {
@@ -71,7 +71,7 @@ std::vector<Pose> ChoosePoses(const CameraModel& camera,
   return chosen;
 }
 
-// The errors by PointIndex(): detected less true, where a feature was found.
+// Errors by PointIndex(): detected minus true, if a feature was found.
 using FeatureErrors = std::vector<std::optional<Eigen::Array2d>>;
 
 FeatureErrors ErrorsOf(const std::vector<Feature>& found,
@@ -88,7 +88,7 @@ FeatureErrors ErrorsOf(const std::vector<Feature>& found,
   return errors;
 }
 
-// One board: its look, and a detector for each way.
+// One board: its appearance, and a detector for each method.
 class BoardTrial {
  public:
   explicit BoardTrial(const DetectedBoard& detected)
@@ -100,7 +100,7 @@ class BoardTrial {
 
   struct Outcome {
     int num_visible = 0;
-    std::vector<FeatureErrors> errors;  // by way
+    std::vector<FeatureErrors> errors;  // by method
   };
   Outcome Run(const CameraModel& camera, const PixelRays& rays,
               const Pose& pose, const ImagingOptions& imaging) const {
@@ -155,7 +155,7 @@ bool IsFoundInAll(const Outcomes& outcomes, int image, int index) {
   return true;
 }
 
-// The indices, by image, of the features found in all boards in all ways.
+// The indices, by image, of the features found in all boards by all methods.
 std::vector<std::vector<int>> FoundInAll(const Outcomes& outcomes,
                                          int num_images) {
   std::vector<std::vector<int>> found(num_images);

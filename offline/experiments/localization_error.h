@@ -1,4 +1,4 @@
-/// How far from the truth features are found in rendered images.
+/// The localization error of features in rendered images.
 #ifndef RAYGRID_EXPERIMENTS_LOCALIZATION_ERROR_H
 #define RAYGRID_EXPERIMENTS_LOCALIZATION_ERROR_H
 
@@ -11,39 +11,39 @@
 
 namespace raygrid {
 
-/// A board, and the ways in which its features are sought.
+/// A board, and the detection methods to compare.
 struct DetectedBoard {
   Board board;
   std::vector<DetectionOptions> ways;
 };
 
-/// The error of one board and one way of detecting it, over all images.
+/// The error of one board and one detection method, over all images.
 struct LocalizationError {
   int num_visible = 0, num_found = 0;
-  int num_compared = 0;      ///< found in every board and way
+  int num_compared = 0;      ///< found with every board and method
   Eigen::Array2d median_px;  ///< of |x| and |y|
   Eigen::Array2d rms_px;     ///< of x and y
   double largest_px = 0;     ///< distance
 };
 
-/// The boards of all experiments: 12 x 9 features, squares of 12 mm.
+/// The board of all experiments: 12 x 9 features, squares of 12 mm.
 Board ExperimentStarBoard(int segments);
 Board ExperimentChessboard();
 
-/// Renders every board in the same poses, wholly seen, with the same noise.
-/// Compares with the truth what is found in all boards in all ways (paper,
-/// "Calibration Pattern Evaluation": "for fairness"). In the order of the
-/// boards and their ways. Throws Error(kUsage) if the boards do not fit the
-/// image, Error(kTooFew) if nothing is found in all.
+/// Renders every board in the same poses, fully visible, with the same noise.
+/// Evaluates only features that are found in all boards by all methods (paper,
+/// "Calibration Pattern Evaluation": "for fairness"). Ordered by board and
+/// method. Throws Error(kUsage) if the boards do not fit into the image,
+/// Error(kTooFew) if no feature is found by all.
 std::vector<LocalizationError> MeasureLocalization(
     const std::vector<DetectedBoard>& boards, const ExperimentOptions& options);
 
-/// The conditions of MeasureLocalization(), in words.
+/// Describes the conditions of MeasureLocalization().
 std::vector<Condition> LocalizationConditions(const ExperimentOptions& options);
-/// The conditions of MeasureLocalization() on a line.
+/// The conditions of MeasureLocalization() in one line.
 std::string LocalizationNote(const ExperimentOptions& options);
 
-/// Columns of a table after the first ones, and their cells.
+/// The last columns of a table, and their cells.
 std::vector<std::string> LocalizationColumns(std::vector<std::string> first);
 std::vector<Cell> LocalizationCells(std::vector<Cell> first,
                                     const LocalizationError& error);

@@ -29,7 +29,7 @@ Cell RayError(const ExperimentFeatures& features,
       .median_px;
 }
 
-// Too few features in any place say nothing of bias.
+// Without enough features in any cell, there is no bias.
 Cell NumberOrDash(const std::optional<double>& number) {
   if (number) return *number;
   return std::string("-");

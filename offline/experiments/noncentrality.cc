@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kDistancesM[] = {0.1, 0.2, 0.3, 0.5, 1, 2, 5, 10, 100};
 
-// A camera of lines, and what is said of how it came about.
+// A non-central camera, and the description of its origin.
 struct Camera {
   std::shared_ptr<const CameraModel> model;
   std::vector<Condition> conditions;
@@ -52,8 +52,8 @@ struct Effect {
   double rms_px = 0, max_px = 0;
 };
 
-// How far a central camera at the point nearest to all lines, right at one
-// distance, is wrong at another.
+// The error of a central camera at the point closest to all lines, exact at one
+// distance, at another distance.
 Effect EffectAt(const CameraModel& camera, const Eigen::Vector3d& center,
                 double right_at_m, double distance_m) {
   constexpr int kSteps = 40;
@@ -66,7 +66,7 @@ Effect EffectAt(const CameraModel& camera, const Eigen::Vector3d& center,
         area.y0 + area.height() * (k / (kSteps + 1)) / kSteps);
     const auto line = camera.Line(pixel);
     if (!line) continue;
-    // The line's point that is nearest to the centre.
+    // The line's point that is closest to the centre.
     const Eigen::Vector3d start =
         line->origin +
         line->direction * line->direction.dot(center - line->origin);

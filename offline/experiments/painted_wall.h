@@ -1,4 +1,4 @@
-/// A wall with paint on it, for stereo.
+/// A textured wall for stereo.
 #ifndef RAYGRID_EXPERIMENTS_PAINTED_WALL_H
 #define RAYGRID_EXPERIMENTS_PAINTED_WALL_H
 
@@ -10,8 +10,8 @@
 
 namespace raygrid {
 
-/// The wall z = distance + kSlope x in a camera's frame. Paint is as coarse as
-/// is far off.
+/// The wall z = distance + kSlope x in a camera's frame. The texture's scale is
+/// proportional to the distance.
 class PaintedWall {
  public:
   static constexpr double kSlope = 0.15;
@@ -20,10 +20,10 @@ class PaintedWall {
 
   double distance_m() const { return distance_m_; }
 
-  /// The point that a line sees; nothing if it looks along the wall, or away.
+  /// Intersects a line with the wall; nothing if it is parallel or points away.
   std::optional<Eigen::Vector3d> Seen(const ObservationLine& line) const;
 
-  /// A photograph without noise, as 32-bit floats; 0 where no wall is seen.
+  /// Renders an image without noise, as 32-bit floats; 0 outside the wall.
   cv::Mat Photograph(const CameraModel& camera, const Pose& wall_from_camera,
                      int num_threads) const;
 

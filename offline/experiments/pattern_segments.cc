@@ -4,8 +4,8 @@
 namespace raygrid {
 namespace {
 
-// The paper's numbers. Its deltilles, on a triangular lattice, are no kind of
-// board here; stars of 6 segments stand for them.
+// The paper's numbers. Its deltilles, on a triangular lattice, are not
+// supported; stars of 6 segments are used instead.
 constexpr int kSegmentCounts[] = {4, 6, 8, 12, 16, 20, 24, 28, 32};
 constexpr int kChessboardSegments = 4;  // that meet in a corner
 

@@ -14,12 +14,12 @@ struct SheetPicture {
   Image image;
 };
 
-/// Pictures side by side with their captions, three in a row, all as wide; the
-/// note stands below, and a legend beside it, if there is one.
+/// Draws pictures with captions, three per row, of equal width; the note is
+/// below, with a legend beside it, if there is one.
 Image PictureSheet(const std::vector<SheetPicture>& pictures,
                    const std::vector<std::string>& note, const Image* legend);
 
-/// A bar of a scale's colours, with what stands at its ends.
+/// Draws a colour bar with labels at its ends.
 Image ColorLegend(ColorScale scale, const std::string& low,
                   const std::string& high);
 

@@ -21,9 +21,9 @@ namespace raygrid {
 namespace {
 
 constexpr int kPairs = 10;
-constexpr double kKnownPx = 3;  // worse, errors are not linear any more
+constexpr double kKnownPx = 3;  // above it, errors are not linear
 
-// A set of images, of which each half is to give the same camera.
+// A set of images, whose halves should yield the same camera.
 struct ImageSet {
   std::string name;
   Dataset dataset;
@@ -54,7 +54,7 @@ std::vector<ImageSet> SetsFor(const ExperimentOptions& options) {
           Simulated("correlated noise", options, 0, 0.05)};
 }
 
-// The names of the images in two random halves.
+// Splits the image names randomly into two halves.
 std::array<std::vector<std::string>, 2> Halves(const Dataset& dataset,
                                                Random* random) {
   std::vector<int> order(dataset.images.size());
@@ -67,19 +67,19 @@ std::array<std::vector<std::string>, 2> Halves(const Dataset& dataset,
   return halves;
 }
 
-// A pixel that both cameras have features around and state to know, and how it
-// moves as the camera turns.
+// A pixel between features of both cameras and in both valid regions, and its
+// Jacobian with respect to the camera's rotation.
 struct Place {
-  int index = 0;  // of all that may be looked at
+  int index = 0;  // of all candidates
   Eigen::Vector2d pixel, difference_px;
   Eigen::Matrix<double, 2, 3> by_rotation;
-  double stated_px = 0;   // by the deviations of both, which a user sees
-  double scatter_px = 0;  // by the noise of both, RMS of both axes
+  double stated_px = 0;   // predicted uncertainty of both, as reported
+  double scatter_px = 0;  // noise of both, RMS of both axes
   bool is_trusted = false;
 };
 
-// Whether features are on all sides of a pixel, no farther away to the left or
-// right and up or down. Elsewhere a camera is continued, not measured.
+// Whether features are on all sides of a pixel, within a limit to the left or
+// right and up or down. Elsewhere, a camera is extrapolated.
 bool IsAmong(const Dataset& features, const Eigen::Vector2d& pixel,
              double near_px) {
   std::array<bool, 4> sides = {};
@@ -133,11 +133,11 @@ std::vector<Place> PlacesOf(const CalibrationResult& first,
   return places;
 }
 
-// No image tells how a camera is turned. Places count as far as they are known;
-// those that differ by more than stated, less.
+// Removes the rotation, a gauge freedom. Pixels are weighted by their
+// uncertainty; those that differ by more than predicted, less.
 void TakeRotationOut(std::vector<Place>* places) {
   constexpr int kSteps = 10;
-  constexpr double kFar = 2;  // stated deviations
+  constexpr double kFar = 2;  // standard deviations
   for (int step = 0; step < kSteps; ++step) {
     Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -155,8 +155,8 @@ void TakeRotationOut(std::vector<Place>* places) {
   }
 }
 
-// Sums over places: of squared differences in an axis, of what is stated and
-// of how far noise scatters them; and the squared quotients of differences by
+// Sums over pixels: of squared differences per coordinate, of predicted
+// variances and of noise variances; and the squared ratios of differences to
 // both.
 struct Spread {
   double difference2 = 0, stated2 = 0, scatter2 = 0;
@@ -192,8 +192,8 @@ double RootMean(const std::vector<double>& squares) {
   return std::sqrt(sum / static_cast<double>(squares.size()));
 }
 
-// For two independent axes this is about the RMS. Where all places move
-// together it is less, and a few places that are far off do not count.
+// For two independent axes this is about the RMS. If all pixels move together
+// it is smaller, and a few outliers are ignored.
 double TypicalRoot(const std::vector<double>& squares) {
   constexpr double kMedianOfNormal = M_LN2;  // of half a sum of two squares
   return std::sqrt(Quantile(squares, 0.5) / kMedianOfNormal);
@@ -201,13 +201,12 @@ double TypicalRoot(const std::vector<double>& squares) {
 
 struct Repetition {
   Spread trusted, known;
-  // Each place's difference by how far noise scatters it.
+  // Each pixel's difference relative to its noise.
   std::map<int, Eigen::Vector2d> by_scatter;
 };
 
-// The RMS ratio that draws of so many independent normal numbers have in nine
-// of ten cases, if it ought to be 1: roots of chi-squared quantiles (Wilson and
-// Hilferty 1931).
+// The 90 % range of the RMS of this many independent standard normal numbers:
+// roots of chi-squared quantiles (Wilson and Hilferty 1931).
 std::array<double, 2> ChanceRange(double numbers) {
   constexpr double kQuantile95 = 1.6449;
   const double variance = 2 / (9 * numbers);
@@ -219,8 +218,8 @@ std::array<double, 2> ChanceRange(double numbers) {
   return {root(-1), root(1)};
 }
 
-// How many independent numbers the differences of all pairs are. Fields of n
-// numbers, drawn independently, have a mean squared cosine of 1 / n.
+// The effective number of independent differences in all pairs. Independent
+// random fields of n numbers have a mean squared cosine of 1 / n.
 std::optional<double> IndependentNumbers(
     const std::vector<std::optional<Repetition>>& repetitions) {
   std::map<int, size_t> times;
@@ -248,7 +247,7 @@ std::optional<double> IndependentNumbers(
   return static_cast<double>(num_pairs) * count / sum;
 }
 
-// The cells and whether boards bend are those of all images together.
+// Knot spacing and per-view deformation as chosen for all images together.
 std::optional<Repetition> Repeat(const ImageSet& set,
                                  const CalibrationResult& all, uint64_t seed) {
   Random random(seed);

@@ -102,12 +102,12 @@ DepthErrors MeasureFrames(const NamedStereo& cameras, const Matching& matching,
 struct ComparedPairs {
   std::vector<NamedStereo> pairs;
   std::vector<Condition> conditions;
-  bool is_simulated = false;  // truth, and all
+  bool is_simulated = false;  // the truth, and everything else
 
   const NamedStereo& truth() const { return pairs.back(); }
 };
 
-// Calibrates as `raygrid calibrate` does by default: the points are free.
+// Calibrates like `raygrid calibrate` by default: target points are estimated.
 void CalibratePairs(const Dataset& left, const Dataset& right,
                     const Pattern& pattern,
                     const std::vector<std::string>& hold_out,
@@ -203,7 +203,7 @@ Image DepthLegend(double limit_mm) {
 
 // ---- A user's pair ---------------------------------------------------------
 
-// The focal length that shows the middle as sharply as the left image.
+// The focal length with the resolution of the left image's centre.
 double MiddleFocalPx(const CameraModel& camera) {
   constexpr double kStepPx = 4;
   const Eigen::Vector2d middle = camera.area().center(), step(kStepPx, 0);
@@ -226,7 +226,7 @@ cv::Mat ReadLevels(const std::string& path, const CameraModel& camera) {
       .clone();
 }
 
-// Depths of a user's images, less those of the last pair.
+// Depths from a user's images, minus those of the last pair.
 ExperimentResult CompareOnImages(const ComparedPairs& compared,
                                  const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
@@ -312,8 +312,7 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
 
 // ---- A painted wall --------------------------------------------------------
 
-// Disparities of a wall in front of a pair, whose slope makes some of it
-// nearer.
+// Disparities of a wall in front of a pair, with a margin for its slope.
 Matching MatchingOnWall(const NamedStereo& pair) {
   constexpr double kFarPart = 0.48, kNearPart = 1.9;
   Matching matching;
@@ -326,7 +325,7 @@ Matching MatchingOnWall(const NamedStereo& pair) {
   return matching;
 }
 
-// Depths of a wall that the last pair sees, whose images are rendered.
+// Depths of a wall from images rendered with the last pair.
 ExperimentResult CompareOnWall(const ComparedPairs& compared,
                                const ExperimentOptions& options) {
   const NamedStereo& truth = compared.truth();

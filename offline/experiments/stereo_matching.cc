@@ -22,8 +22,8 @@ Eigen::Vector3d RightCenter(const NamedStereo& cameras) {
   return cameras.right_from_left.Inverse().translation;
 }
 
-// The rectified frame: x towards the right camera, z about where the middle of
-// the left image looks.
+// The rectified frame: x towards the right camera, z approximately along the
+// ray of the left image's centre.
 Eigen::Matrix3d RectifiedFromLeft(const NamedStereo& cameras) {
   const CameraModel& left = *cameras.left;
   const Eigen::Vector3d x = RightCenter(cameras).normalized();
@@ -41,7 +41,7 @@ Eigen::Vector3d RectifiedRay(const Matching& matching, const ImageSize& size,
           (v - (size.height - 1) / 2.0) / matching.focal_px, 1};
 }
 
-// A camera of lines is rectified for points at that depth.
+// A non-central camera is rectified for points at that depth.
 cv::Mat Rectified(const cv::Mat& image, const CameraModel& camera,
                   const Eigen::Matrix3d& camera_from_rectified, double depth_m,
                   const Matching& matching, int num_threads) {
@@ -62,7 +62,7 @@ cv::Mat Rectified(const cv::Mat& image, const CameraModel& camera,
 
 // ---- Matching --------------------------------------------------------------
 
-// Zero-mean normalised cross-correlation of two windows in a row.
+// Zero-mean normalized cross-correlation of two windows in a row.
 double Correlation(const cv::Mat& left, const cv::Mat& right, int u, int v,
                    int disparity) {
   double a = 0, b = 0, aa = 0, bb = 0, ab = 0;
@@ -89,7 +89,7 @@ bool IsWhole(const cv::Mat& image, int u, int v) {
   return true;
 }
 
-// The best disparity of all, with a parabola through its neighbours.
+// The best disparity, with parabolic interpolation.
 std::optional<double> Match(const cv::Mat& left, const cv::Mat& right,
                             const Matching& matching, int u, int v) {
   constexpr double kMinCorrelation = 0.8;
@@ -111,14 +111,14 @@ std::optional<double> Match(const cv::Mat& left, const cv::Mat& right,
 
 // ---- Depth -----------------------------------------------------------------
 
-// The depth of the middle of the disparities.
+// The depth of the mean of the disparity range.
 double MiddleDepthM(const NamedStereo& cameras, const Matching& matching) {
   return RightCenter(cameras).norm() * matching.focal_px * 2 /
          (matching.min_disparity + matching.max_disparity);
 }
 
-// The middle between the lines of two pixels where they are nearest, in the
-// left camera's frame; nothing if that is not before the cameras.
+// The midpoint of the closest approach of two pixels' lines, in the left
+// camera's frame; nothing if it is not in front of the cameras.
 std::optional<Eigen::Vector3d> NearestToBoth(const NamedStereo& cameras,
                                              const Eigen::Vector2d& left,
                                              const Eigen::Vector2d& right) {
@@ -189,7 +189,7 @@ StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
 
 Surface SurfaceOf(const StereoCloud& cloud, const NamedStereo& cameras,
                   const Matching& matching) {
-  constexpr double kSmooth = 0.03;  // of inverse depth, from node to node
+  constexpr double kSmooth = 0.03;  // of inverse depth, between nodes
   const ImageSize size = cameras.left->image_size();
   const Eigen::Matrix3d rectified_from_left = RectifiedFromLeft(cameras);
   const double depth_m = MiddleDepthM(cameras, matching);
@@ -201,7 +201,7 @@ Surface SurfaceOf(const StereoCloud& cloud, const NamedStereo& cameras,
     const Eigen::Vector3d origin = rectified_from_left * line->origin;
     const Eigen::Vector3d direction = rectified_from_left * line->direction;
     if (direction.z() <= 0) return std::nullopt;
-    // The rectified image shows this point at this pixel.
+    // The point at this pixel of the rectified image.
     const Eigen::Vector3d ray =
         origin + direction * ((depth_m - origin.z()) / direction.z());
     const double x = (ray.x() / ray.z() * matching.focal_px +
@@ -232,9 +232,9 @@ Surface SurfaceOf(const StereoCloud& cloud, const NamedStereo& cameras,
 
 namespace {
 
-// The similarity (Umeyama, 1991) from points of a cloud to those seen, without
-// matches that are wrong: by more than six times the median error of depth,
-// which grows with the depth's square.
+// The similarity (Umeyama, 1991) from points of a cloud to the surface, without
+// outliers: depth errors above six times the median, relative to the squared
+// depth.
 Eigen::Matrix4d SimilarityOfMost(const StereoCloud& cloud,
                                  const std::vector<size_t>& matched,
                                  const std::vector<Eigen::Vector3d>& seen) {

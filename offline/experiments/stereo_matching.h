@@ -1,4 +1,4 @@
-/// Depth by a rectified pair of images.
+/// Depth from a rectified pair of images.
 #ifndef RAYGRID_EXPERIMENTS_STEREO_MATCHING_H
 #define RAYGRID_EXPERIMENTS_STEREO_MATCHING_H
 
@@ -11,25 +11,25 @@
 
 namespace raygrid {
 
-/// Exhaustive along rows, by zero-mean normalised cross-correlation, with a
-/// parabola through the best disparity and its neighbours.
+/// Exhaustive search along rows by zero-mean normalized cross-correlation, with
+/// parabolic interpolation of the best disparity.
 struct Matching {
   static constexpr int kStepPx = 5, kHalfWindowPx = 10;
 
-  double focal_px = 0;  ///< of the rectified images, as large as the given ones
+  double focal_px = 0;  ///< of the rectified images, of the original size
   int min_disparity = 0, max_disparity = 0;
 };
 
 double BaselineM(const NamedStereo& cameras);
 
-/// A point before the left camera, in that camera's frame.
+/// A point in the left camera's frame.
 struct StereoPoint {
   Eigen::Vector2d left_pixel;
   Eigen::Vector3d point;
 };
 
 /// The points over a lattice of the rectified left image, row by row; nothing
-/// where nothing matched.
+/// without a match.
 struct StereoCloud {
   int columns = 0;
   std::vector<std::optional<StereoPoint>> points;
@@ -40,17 +40,17 @@ StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
                         const cv::Mat& left, const cv::Mat& right,
                         int num_threads);
 
-/// The point that a pixel of the left image shows, in the left camera's frame.
+/// The point at a pixel of the left image, in the left camera's frame.
 using Surface =
     std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>;
 
-/// A cloud of the same images taken for the surface, where it is smooth.
+/// Uses a cloud of the same images as the surface, where it is smooth.
 Surface SurfaceOf(const StereoCloud& cloud, const NamedStereo& cameras,
                   const Matching& matching);
 
-/// How far a cloud is beyond a surface once both are brought together by a
-/// similarity (Umeyama, 1991), over the cloud's lattice; not a number where
-/// there is none. Throws Error(kTooFew).
+/// Evaluates the depth errors of a cloud relative to a surface after alignment
+/// by a similarity (Umeyama, 1991), over the cloud's lattice; NaN where there
+/// is none. Throws Error(kTooFew).
 struct DepthErrorMap {
   int columns = 0, num_matched = 0;
   std::vector<double> error_mm;

@@ -15,15 +15,15 @@
 namespace raygrid {
 namespace {
 
-// A walk along a corridor that bends to and fro.
+// A walk along a winding corridor.
 constexpr int kWalkFrames = 120, kPoints = 1500;
 constexpr double kStepM = 0.1, kReachM = 6, kMinDepthM = 0.7;
 constexpr double kNoisePx = 0.3;  // of features of natural scenes
-constexpr int kFirstFrames = 12;  // which the paths are aligned by
+constexpr int kFirstFrames = 12;  // for alignment of the paths
 
-// How far off a walk's start is, as odometry's would be: in each step by a turn
-// about each axis, a part of the step, and of the scale from there on, which
-// add up; each point in its depth. Standard deviations.
+// Errors of the initial path, as from odometry: rotation about each axis,
+// relative translation and scale errors of each step, which accumulate; and
+// depth errors of points. Standard deviations.
 constexpr double kTurnDeg = 0.1, kStepPart = 0.02, kScalePart = 0.005;
 constexpr double kDepthPart = 0.05;
 constexpr int kNumStarts = 2;
@@ -70,7 +70,7 @@ std::vector<Pose> MakePath() {
   return path;
 }
 
-// Things on the walls, floor and ceiling around the path.
+// Points on the walls, floor and ceiling around the path.
 std::vector<Eigen::Vector3d> MakePoints(const std::vector<Pose>& path,
                                         Random* random) {
   std::vector<Eigen::Vector3d> points;
@@ -86,7 +86,7 @@ std::vector<Eigen::Vector3d> MakePoints(const std::vector<Pose>& path,
   return points;
 }
 
-constexpr size_t kMinSeen = 8;  // points in an image
+constexpr size_t kMinSeen = 8;  // points per image
 
 Walk MakeWalk(const ComparedCameras& compared, uint64_t seed) {
   const CameraModel& truth = compared.truth();
@@ -117,7 +117,7 @@ Walk MakeWalk(const ComparedCameras& compared, uint64_t seed) {
   return walk;
 }
 
-// A user's, less what some of the cameras are not calibrated for.
+// A user's walk, without pixels outside some camera's area.
 Walk WalkOf(const ColmapModel& model, const Area& area) {
   Walk walk;
   walk.points = model.points;
@@ -144,9 +144,9 @@ Walk WalkOf(const ColmapModel& model, const Area& area) {
   return walk;
 }
 
-// ---- Start -----------------------------------------------------------------
+// ---- Initialization --------------------------------------------------------
 
-// The places at which an adjustment of a walk begins, or ends.
+// The poses and points before or after an optimization of a walk.
 struct Reconstruction {
   std::vector<Pose> camera_from_world;
   std::vector<Eigen::Vector3d> points;
@@ -162,8 +162,8 @@ Eigen::Vector3d RandomVector(Random* random) {
   return {x, y, random->Normal()};
 }
 
-// The walk with errors that add up along the way. Points move with the first
-// image that sees them.
+// The walk with accumulated errors. Points move with the first image that
+// observes them.
 Reconstruction PerturbedStart(const Walk& walk, uint64_t seed) {
   Random random(seed);
   const double turn_rad = kTurnDeg * M_PI / 180;
@@ -194,15 +194,13 @@ Reconstruction PerturbedStart(const Walk& walk, uint64_t seed) {
   return start;
 }
 
-// ---- Adjustment ------------------------------------------------------------
+// ---- Optimization ----------------------------------------------------------
 
-// Nothing but where points are at the start tells where the whole is, and how
-// large.
+// The gauge and the scale are fixed only by the prior of the points.
 Adjusted AdjustWalk(const CameraModel& camera, const Walk& walk,
                     const Reconstruction& start,
                     const ExperimentOptions& options) {
-  constexpr double kWeakPx =
-      0.01;  // for a point as far off as the path is long
+  constexpr double kWeakPx = 0.01;  // relative to the path's length
   AdjustmentState state;
   state.SetCamera(camera);
   state.rig_from_pattern = start.camera_from_world;
@@ -223,10 +221,10 @@ Adjusted AdjustWalk(const CameraModel& camera, const Walk& walk,
           summary.converged};
 }
 
-// ---- Where it ends ---------------------------------------------------------
+// ---- End-point error -------------------------------------------------------
 
-// How far apart two ends of a walk are, of its length, when what belongs
-// together is brought together by a similarity (Umeyama, 1991).
+// The distance between two end points of a walk, relative to its length, after
+// alignment of corresponding points by a similarity (Umeyama, 1991).
 double EndErrorPercent(const Walk& walk, const std::vector<Pose>& path,
                        const std::vector<Pose>& reference,
                        const std::vector<Eigen::Vector3d>& from,
@@ -242,8 +240,7 @@ double EndErrorPercent(const Walk& walk, const std::vector<Pose>& path,
   return 100 * (end - CentersOf(reference).back()).norm() / walk.Length();
 }
 
-// The error of the walk's end against the truth, the first places being brought
-// together.
+// The end-point error relative to the truth, after aligning the first poses.
 double EndErrorPercent(const Reconstruction& found, const Walk& truth) {
   std::vector<Eigen::Vector3d> from = CentersOf(found.camera_from_world),
                                to = CentersOf(truth.camera_from_world);
@@ -253,9 +250,9 @@ double EndErrorPercent(const Reconstruction& found, const Walk& truth) {
                          truth.camera_from_world, from, to);
 }
 
-// The difference of the walk's end from that of another adjustment of the same
-// observations, whose noise is the same: points that the first images see are
-// brought together, which tell more than places that may lie on a line.
+// The difference of the end point from another optimization of the same
+// observations, with the same noise: aligned by points in the first images,
+// which constrain it better than positions that may be collinear.
 double EndDifferencePercent(const Reconstruction& found,
                             const Reconstruction& reference, const Walk& walk) {
   std::set<int> seen;
@@ -273,7 +270,7 @@ double EndDifferencePercent(const Reconstruction& found,
 
 // ---- Experiment ------------------------------------------------------------
 
-// One camera's adjustments of a walk.
+// One camera's optimizations of a walk.
 struct DriftOfCamera {
   std::vector<Adjusted> by_start;
 
@@ -331,8 +328,8 @@ void AddStartConditions(ExperimentResult* table) {
                                "converge to the same error"});
 }
 
-// The errors of the end by start, before the adjustment of the first, and after
-// each.
+// The end-point errors by initial path, before the first optimization, and
+// after each one.
 struct EndErrors {
   double before = 0;
   std::array<double, kNumStarts> after = {};
@@ -401,7 +398,7 @@ void RequireSize(const ColmapModel& model,
   }
 }
 
-// The user's, or calibrated from the user's features.
+// The user's cameras, or calibrated from the user's features.
 ComparedCameras CamerasForWalk(const ExperimentOptions& options) {
   if (options.data.features) return CamerasToCompare(options, DriftModels());
   ComparedCameras given;

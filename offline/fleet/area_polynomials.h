@@ -7,13 +7,13 @@
 
 namespace raygrid {
 
-/// How many PolynomialsAt() has of a degree.
+/// The number of polynomials of PolynomialsAt() up to a degree.
 constexpr int NumPolynomials(int degree) {
   return (degree + 1) * (degree + 2) / 2;
 }
 
-/// Products of Legendre polynomials of a pixel's place in an area, up to a
-/// degree: 1, x, y, x^2, ...; each from -1 to 1.
+/// Evaluates products of Legendre polynomials of a pixel's position in an area,
+/// up to a degree: 1, x, y, x^2, ...; coordinates are scaled to -1 to 1.
 Eigen::VectorXd PolynomialsAt(const Area& area, const Eigen::Vector2d& pixel,
                               int degree);
 

@@ -25,8 +25,8 @@ constexpr char kOperatingPoints[] = "operating_points";
 constexpr char kTimestamps[] = "timestamps";
 constexpr char kPrior[] = "prior";
 
-// Keys of a plan or a unit, and the options of raygrid calibrate that they
-// become: with a value, or without one.
+// Keys of a plan or a unit, and the options of raygrid calibrate to which they
+// are converted: with a value, or without one.
 const std::vector<std::pair<std::string, std::string>> kValueOptions = {
     {"model", "--model"},
     {"knot_spacing_px", "--knot-spacing-px"},
@@ -170,7 +170,7 @@ bool IsNumber(const std::string& text) {
          *end == 0;
 }
 
-// Calibrate would refuse these of each unit after the other.
+// Options that calibrate would reject for one unit after the other.
 void RequireOptionsFit(const BatchUnit& unit, const YAML::Node& node,
                        const YAML::Node& plan) {
   const bool has_condition = Find(node, plan, kVaryWith).IsDefined();
@@ -299,8 +299,8 @@ FigureLimits ReadLimits(const YAML::Node& node) {
   return limits;
 }
 
-// A repeat is of a unit of its own, and all calibrations of golden units tell
-// their operator, or none does, and their station.
+// Checks that each repeat refers to a unit, and that all calibrations of golden
+// units state their operator, or none does, and likewise their station.
 void RequireRepeatsFit(const std::vector<BatchUnit>& units) {
   std::set<std::string> goldens, repeats;
   for (const BatchUnit& unit : units)

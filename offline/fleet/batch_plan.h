@@ -8,38 +8,38 @@
 
 namespace raygrid {
 
-/// A camera, or a rig, that is to be calibrated by itself.
+/// A camera or a rig to be calibrated.
 struct BatchUnit {
-  std::string serial;   ///< letters, digits and . _ - +; also its folder's name
-  std::string pattern;  ///< as in the plan: a file, or a board in a word
-  /// Either a folder of images, or features, or the folder of each camera, or
-  /// of each value of a condition.
+  std::string serial;   ///< letters, digits and . _ - +; also the folder's name
+  std::string pattern;  ///< as in the plan: a file, or the name of a board
+  /// Either a folder of images, or features, or one folder per camera, or per
+  /// value of an operating condition.
   std::string images, features;
   std::map<std::string, std::string> cameras, cameras_at;
-  /// Options of raygrid calibrate, in one order for the same plan.
+  /// Options of raygrid calibrate, in an order that depends only on the plan.
   std::vector<std::string> options;
-  /// Files that options of raygrid calibrate read, by the options' names.
+  /// Files read by options of raygrid calibrate, by option name.
   std::map<std::string, std::string> option_files;
   std::string lens_batch;  ///< the batch of lenses that it has one of, or ""
-  /// The golden unit that this is another calibration of, or "".
+  /// The golden unit of which this is a repeat calibration, or "".
   std::string repeats;
   std::string person, station;  ///< who calibrated it, and where, or ""
 };
 
-/// The least and the most that a figure may be; both may be infinite.
+/// Lower and upper limits of metrics; both may be infinite.
 using FigureLimits = std::map<std::string, std::pair<double, double>>;
 
-/// plan.yaml of raygrid batch: offline/fleet/README.md.
+/// The plan.yaml of raygrid batch; see offline/fleet/README.md.
 struct BatchPlan {
-  std::vector<BatchUnit> units;  ///< in the order of their serials' bytes
-  FigureLimits limits;           ///< of names in FigureNames()
+  std::vector<BatchUnit> units;  ///< sorted by serial (bytewise)
+  FigureLimits limits;           ///< keys are FigureNames()
 };
 
-/// The figures of a unit that a plan may limit.
+/// The metrics of a unit that a plan can limit.
 const std::vector<std::string>& FigureNames();
 
-/// Throws InputError that names the path and what is wrong: no plan, a key that
-/// is not known, a serial that is no name of a folder or stands twice.
+/// Throws InputError naming the path and the fault: not a plan, an unknown key,
+/// a serial that is not a valid folder name or is repeated.
 BatchPlan ParseBatchPlan(const std::string& path, const std::string& text);
 
 }  // namespace raygrid

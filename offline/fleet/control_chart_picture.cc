@@ -63,7 +63,7 @@ void SpanAxis(DrawnChart* chart) {
   chart->axis.high = high + margin;
 }
 
-// Squares, which have an upper limit alone, are drawn as logarithms, from a
+// Charts of squares, with an upper limit only, are drawn as logarithms, from a
 // thousandth of the limit on.
 DrawnChart DrawnOf(const ControlChart& chart) {
   DrawnChart drawn{chart.values, chart.middle, chart.lower, chart.upper};
@@ -82,7 +82,7 @@ DrawnChart DrawnOf(const ControlChart& chart) {
 
 // ---- Axes ------------------------------------------------------------------
 
-// Ordinates of round figures.
+// Ordinates of round numbers.
 std::vector<double> TicksOf(const VerticalAxis& axis) {
   const double low = axis.FigureOf(axis.low), high = axis.FigureOf(axis.high);
   if (!axis.is_logarithmic) return EvenTicks(low, high);
@@ -132,7 +132,7 @@ std::string AxesSvg(const VerticalAxis& axis,
 
 // ---- Lines -----------------------------------------------------------------
 
-// The middle moved by an offset: straight from jump to jump.
+// The centre line plus an offset: straight between jumps.
 std::string LineSvg(const DrawnChart& chart, const std::vector<int>& jumps,
                     double offset, const char* kind) {
   const size_t count = chart.values.size();
@@ -149,7 +149,7 @@ std::string LineSvg(const DrawnChart& chart, const std::vector<int>& jumps,
   return fmt::format("<path class=\"{}\" d=\"{}\"/>", kind, path);
 }
 
-// Figures at the right ends of lines, apart from each other.
+// Labels at the right ends of lines, without overlap.
 std::string LineFiguresSvg(const DrawnChart& chart) {
   std::vector<double> offsets;
   if (std::isfinite(chart.upper)) offsets.push_back(chart.upper);
@@ -169,8 +169,7 @@ std::string LineFiguresSvg(const DrawnChart& chart) {
 
 // ---- Units -----------------------------------------------------------------
 
-// One path, whose size is bounded by the picture's: points on others are left
-// out.
+// A single path of bounded size: coincident points are omitted.
 std::string PointsSvg(const DrawnChart& chart,
                       const std::vector<bool>& is_beyond) {
   std::set<std::pair<int, int>> places;

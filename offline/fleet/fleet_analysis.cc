@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-// Golden units that are calibrated again, each with itself if it is a unit.
+// Repeat calibrations of golden units, including the unit itself if present.
 GaugeStudy StudyRepeats(const std::vector<UnitRow>& rows,
                         const std::vector<std::string>& folders,
                         const FleetInput& fleet, const FigureLimits& limits) {

@@ -11,17 +11,17 @@
 
 namespace raygrid {
 
-/// Units and what is known of them together.
+/// The units of a fleet, and the statistics over them.
 struct FleetAnalysis {
-  std::vector<UnitRow> rows;     ///< of all units, with what is unusual
-  std::vector<size_t> compared;  ///< rows of the units below, in their order
+  std::vector<UnitRow> rows;     ///< of all units, with their outlying metrics
+  std::vector<size_t> compared;  ///< rows of the units below, in the same order
   FleetStatistics statistics;
   BatchComparison batches;
   GaugeStudy gauge;
 };
 
 /// Compares the units of a table with each other. Repeats of golden units are
-/// no units of the fleet. folders are those of the rows' units.
+/// excluded. folders: of the rows' units.
 FleetAnalysis AnalyseFleet(const std::vector<UnitRow>& rows,
                            const std::vector<std::string>& folders,
                            const FigureLimits& limits);

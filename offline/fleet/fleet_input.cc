@@ -33,7 +33,7 @@ std::vector<std::optional<Eigen::Vector2d>> PixelsOf(
   return pixels;
 }
 
-// Figures that scatter by themselves; the others follow from the lens.
+// Independent metrics; the others follow from the camera.
 FleetFigure FigureOf(const std::string& name, bool is_positive,
                      const std::vector<UnitRow>& rows,
                      const std::vector<size_t>& compared) {

@@ -9,16 +9,16 @@
 
 namespace raygrid {
 
-/// The units that can be compared, and what they are compared by.
+/// The units that can be compared, and the metrics for comparison.
 struct ComparedUnits {
-  std::vector<size_t> rows;  ///< of the table, in its order
+  std::vector<size_t> rows;  ///< of the table, in the same order
   FleetInput input;
 };
 
-/// Takes those of the chosen rows' units with a camera of the size that the
-/// first one has; rigs and units without a result are left out. They see 9 x 7
-/// directions, evenly over the first one's image, as far as all of them do.
-/// folders are those of the rows' units.
+/// Selects the units among the given rows whose camera has the image size of
+/// the first; rigs and units without a result are omitted. The units are
+/// compared by 9 x 7 directions, evenly spaced over the first one's image, as
+/// far as all of them see these. folders: of the rows' units.
 ComparedUnits CompareUnits(const std::vector<UnitRow>& rows,
                            const std::vector<std::string>& folders,
                            const std::vector<size_t>& chosen);

@@ -18,7 +18,7 @@
 namespace raygrid {
 namespace {
 
-// The cameras of usual units; empty if one is not central.
+// The cameras of inlier units; empty if one is not central.
 std::vector<CameraFile> UsualCameras(const FleetAnalysis& fleet,
                                      const std::vector<std::string>& folders) {
   std::vector<size_t> usual;
@@ -35,7 +35,7 @@ std::vector<CameraFile> UsualCameras(const FleetAnalysis& fleet,
   return cameras;
 }
 
-// The area that holds all of theirs.
+// The union of their areas.
 Area JoinedArea(const std::vector<CameraFile>& cameras) {
   Area area = cameras[0].camera->area();
   for (const CameraFile& file : cameras) {
@@ -46,7 +46,7 @@ Area JoinedArea(const std::vector<CameraFile>& cameras) {
   return area;
 }
 
-// The coordinates' medians over those of most units that have any.
+// The medians of coordinates, if most of the units have values.
 std::optional<Eigen::Vector2d> MedianOfMost(
     const std::vector<PixelField>& units, size_t pixel) {
   std::vector<double> x, y;
@@ -59,7 +59,7 @@ std::optional<Eigen::Vector2d> MedianOfMost(
   return Eigen::Vector2d(Median(x), Median(y));
 }
 
-// A grid in which pixels have the medians of values; nothing if none has one.
+// Fits a grid to the medians of values; nothing if there is none.
 std::optional<BSplineSurface> MedianSurface(
     const BSplineSurface& grid, const std::vector<Eigen::Vector2d>& pixels,
     const std::vector<PixelField>& units) {
@@ -87,8 +87,8 @@ constexpr int kDegree = 5, kNumPolynomials = NumPolynomials(kDegree);
 using Polynomials = Eigen::Matrix<double, kNumPolynomials, 1>;
 using SmoothFit = Eigen::Matrix<double, kNumPolynomials, 2>;
 
-// The smooth part of displacements. A unit goes astray where it saw nothing:
-// what is far from the fit counts little.
+// The smooth part of displacements, robust to poor extrapolation: values far
+// from the fit have little weight.
 SmoothFit FitSmooth(const PixelField& displacements,
                     const std::vector<Polynomials>& polynomials) {
   constexpr int kRounds = 15;
@@ -111,13 +111,13 @@ SmoothFit FitSmooth(const PixelField& displacements,
       right += weight * polynomials[i] * displacements[i]->transpose();
     }
     fit = square.selfadjointView<Eigen::Lower>().llt().solve(right);
-    // Those of the round before, at first of none.
+    // The residuals of the previous round, at first zero.
     if (round > 0) far_px = std::max(kLeastFarPx, Median(sizes));
   }
   return fit;
 }
 
-// Which of them are nowhere far beyond most.
+// The units without large deviations anywhere.
 std::vector<bool> UsualOf(const std::vector<SmoothFit>& fits,
                           const std::vector<Polynomials>& polynomials) {
   constexpr double kTimesMost = 5;
@@ -156,10 +156,10 @@ SmoothFit MeanOfUsual(const std::vector<SmoothFit>& fits,
   return count > 0 ? SmoothFit(sum / count) : sum;
 }
 
-// A reference moved to the middle of units. Lenses differ smoothly, and by far
-// more than they are wrong: the middle of that is a mean, since a median goes
-// over from one unit to another from pixel to pixel. The rest is a median.
-// Tells which units the mean is of.
+// Shifts a reference to the population mean. The smooth differences between
+// lenses exceed their errors: they are averaged, since a median would switch
+// between units from pixel to pixel. For the remainder, the median is used.
+// Returns which units were averaged.
 BSplineSurface MovedToMiddle(const CentralGeneric& reference,
                              const std::vector<CameraFile>& cameras,
                              const std::vector<Eigen::Vector2d>& pixels,

@@ -10,15 +10,15 @@
 
 namespace raygrid {
 
-/// The middle camera of a fleet, as a grid: each pixel's direction is the
-/// median over the usual units that see it, in both coordinates of the chart,
-/// so a unit that goes astray where it saw nothing counts for nothing. At most
-/// 200 units are taken, evenly. Nothing of a fleet without charts, or of lenses
-/// whose lines do not meet. folders are those of the rows' units.
+/// Computes the population mean camera of a fleet, as a grid: each pixel's
+/// direction is the median over the inliers that see it, in both coordinates of
+/// the chart, so that poor extrapolation by single units has no effect. At most
+/// 200 units are used, evenly spaced. Returns nothing for a fleet without
+/// charts, or with non-central cameras. folders: of the rows' units.
 std::optional<CameraFile> MeanCamera(const FleetAnalysis& fleet,
                                      const std::vector<std::string>& folders);
 
-/// The middle of central cameras, whatever their number; nothing of none.
+/// Computes the mean of any number of central cameras; nothing if empty.
 std::optional<CameraFile> MeanCamera(const std::vector<CameraFile>& cameras);
 
 }  // namespace raygrid

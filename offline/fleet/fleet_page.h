@@ -7,10 +7,9 @@
 
 namespace raygrid {
 
-/// fleet.html: one file without references to others but to the units' own
-/// reports, and without a script. What is unusual comes first, then changes of
-/// means, charts with their limits, batches of lenses, the gauge, and all
-/// units.
+/// Formats fleet.html: a self-contained file without a script, except for links
+/// to the units' own reports. Outliers come first, then changes of means,
+/// charts with their limits, lens batches, the gauge study, and all units.
 std::string FormatFleetPage(const FleetAnalysis& fleet);
 
 }  // namespace raygrid

@@ -11,9 +11,9 @@
 namespace raygrid {
 namespace {
 
-// Smooth displacements have a factor for each polynomial, in x and then in y.
-// The polynomials' mean square over the area is 1: a factor is an RMS
-// displacement.
+// Smooth displacements have a coefficient for each polynomial, in x and then in
+// y. The polynomials' mean square over the area is 1, so a coefficient is an
+// RMS displacement.
 constexpr int kSpreadDegree = 7;
 constexpr int kNumShapes = NumPolynomials(kSpreadDegree);
 constexpr int kNumFactors = 2 * kNumShapes;
@@ -27,7 +27,7 @@ Eigen::VectorXd ShapesAt(const Area& area, const Eigen::Vector2d& pixel) {
   return shapes;
 }
 
-// Fits factors to displacements of places all over an area.
+// Fits coefficients to displacements over an area.
 class SmoothFactors {
  public:
   explicit SmoothFactors(const Area& area) : area_(area) {
@@ -41,7 +41,7 @@ class SmoothFactors {
   }
   const std::vector<Eigen::Vector2d>& places() const { return places_; }
 
-  // A place that is not seen counts for nothing.
+  // Pixels without a value are ignored.
   Eigen::VectorXd Of(const PixelField& displacements) const {
     constexpr double kHold = 1e-3;
     Eigen::MatrixXd square =
@@ -56,10 +56,10 @@ class SmoothFactors {
     return Eigen::Map<const Eigen::VectorXd>(factors.data(), kNumFactors);
   }
 
-  // The factors' covariance by the errors that a unit's file states.
+  // The coefficients' covariance by the uncertainty in a unit's file.
   Eigen::MatrixXd ErrorsOf(const CameraFile& unit) const {
     constexpr double kLeastPx = 1e-4;
-    // The rest that modes leave is alike over about so many parts of an image.
+    // The residual correlates within this fraction of an image.
     constexpr double kPartsOfRest = 192;
     Eigen::MatrixXd errors =
         kLeastPx * kLeastPx *
@@ -83,8 +83,8 @@ class SmoothFactors {
   std::vector<Eigen::VectorXd> shapes_;
 };
 
-// The covariance C that makes differences most likely which scatter by C and
-// errors of their own around none (expectation maximization).
+// The maximum-likelihood covariance C of differences that vary by C and by
+// errors of their own about zero (expectation maximization).
 Eigen::MatrixXd LikeliestCovariance(
     const std::vector<Eigen::VectorXd>& differences,
     const std::vector<Eigen::MatrixXd>& errors) {
@@ -107,7 +107,7 @@ Eigen::MatrixXd LikeliestCovariance(
   return covariance;
 }
 
-// The directions of a covariance whose deviations are worth a word.
+// The principal directions with non-negligible standard deviations.
 std::vector<Eigen::VectorXd> Directions(const Eigen::MatrixXd& covariance) {
   constexpr double kLeastPx = 0.002;
   constexpr int kMost = 24;
@@ -144,7 +144,7 @@ std::optional<LensSpread> SpreadAround(const CameraModel& middle,
     errors.push_back(factors.ErrorsOf(unit));
     of_middle += errors.back() / (count * count);
   }
-  // Units lie nearer to their own middle than a further one does.
+  // Units are closer to their own mean than another unit is.
   const Eigen::MatrixXd covariance =
       (count + 1) / (count - 1) * LikeliestCovariance(differences, errors) +
       of_middle;

@@ -9,11 +9,11 @@
 
 namespace raygrid {
 
-/// How a further unit is expected to differ from the middle of units: by the
-/// covariance of their smooth displacements, less the errors that the units'
-/// files state, and with what is not known of the middle. The strongest
-/// directions come first, with signs that are the same whatever finds them.
-/// Nothing of fewer than 8 units, or of units that do not differ.
+/// Estimates the covariance of the units about their mean: principal directions
+/// of their smooth displacements, less the predicted uncertainty in the units'
+/// files, plus the uncertainty of the mean. The strongest directions come
+/// first, with reproducible signs. Returns nothing for fewer than 8 units, or
+/// for units that do not differ.
 std::optional<LensSpread> SpreadAround(const CameraModel& middle,
                                        const std::vector<CameraFile>& units);
 

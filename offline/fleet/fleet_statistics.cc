@@ -15,23 +15,21 @@
 namespace raygrid {
 namespace {
 
-// The deviations that a value exceeds with that chance, where the deviation is
-// DeviationByNeighbours() of that many: it scatters as one of 0.31 times as
-// many degrees of freedom does.
+// The control limit in standard deviations for a probability, if estimated by
+// DeviationByNeighbours(), which has 0.31 times as many degrees of freedom.
 double DeviationsAt(double chance, double count) {
   return boost::math::quantile(
       boost::math::complement(boost::math::students_t(0.31 * count), chance));
 }
 
-// T^2 of a new unit, of as many usual ones.
+// The limit of T^2 for a new unit, from count inliers.
 double HotellingLimit(double chance, double count, double size) {
   const boost::math::fisher_f f(size, count - size);
   return size * (count * count - 1) / (count * (count - size)) *
          boost::math::quantile(boost::math::complement(f, chance));
 }
 
-// The limit of a sum of squares by its mean and variance (Box 1954), which are
-// those of some units.
+// The limit of a sum of squares from the mean and variance of units (Box 1954).
 double SquaresLimit(double chance, const std::vector<double>& usual) {
   double mean = 0, variance = 0;
   for (const double value : usual) mean += value / usual.size();
@@ -45,10 +43,10 @@ double SquaresLimit(double chance, const std::vector<double>& usual) {
          boost::math::quantile(boost::math::complement(distribution, chance));
 }
 
-// The limit of a unit that is itself one of those that the directions and
-// variances come from (Tracy, Young, Mason, "Multivariate control charts for
-// individual observations", 1992): it cannot be farther off than
-// (n - 1)^2 / n, which the limit of another unit may be beyond.
+// The limit of T^2 for a unit that contributed to the directions and variances
+// (Tracy, Young, Mason, "Multivariate control charts for individual
+// observations", 1992): its T^2 cannot exceed (n - 1)^2 / n, unlike that of a
+// new unit.
 double OwnHotellingLimit(double chance, double count, double num_directions) {
   const double rest = count - num_directions - 1;
   if (rest < 1) return INFINITY;
@@ -58,7 +56,7 @@ double OwnHotellingLimit(double chance, double count, double num_directions) {
          boost::math::quantile(boost::math::complement(distribution, chance));
 }
 
-// Columns of which the mean of lenses is made: one for each part, or a line.
+// Design matrix of the mean: one column for each segment, or a line.
 Eigen::MatrixXd MeansOf(const MeanChanges& changes, Eigen::Index count) {
   if (!changes.drifts.empty()) {
     Eigen::MatrixXd line(count, 2);
@@ -77,13 +75,13 @@ Eigen::MatrixXd MeansOf(const MeanChanges& changes, Eigen::Index count) {
   return parts;
 }
 
-// Lenses about medians of single pixels, and what their mean may do.
+// Lenses relative to medians of pixels, and the design matrix of their mean.
 struct CenteredLenses {
   Eigen::MatrixXd rows, means;
 };
 
-// About the mean of usual lenses, which is one of them. Medians of pixels are
-// not: what no lens is would be the shape of all units of a part.
+// Relative to the mean of inliers, which is a possible lens. Medians of pixels
+// are not: the difference would appear in the shape of all units of a segment.
 Eigen::MatrixXd AboutUsual(const CenteredLenses& lenses,
                            const std::vector<bool>& is_usual) {
   Eigen::MatrixXd rows = lenses.rows, means = lenses.means;
@@ -96,15 +94,15 @@ Eigen::MatrixXd AboutUsual(const CenteredLenses& lenses,
          lenses.means * means.completeOrthogonalDecomposition().solve(rows);
 }
 
-// The two charts of lenses whose jumps are taken out, and the directions.
+// The two charts of lenses after removing jumps, and the directions.
 struct LensCharts {
   std::vector<double> lens, shape;
   double lens_limit = 0, shape_limit = 0;
   LensDirections directions;
 };
 
-// A part whose mean one lens pulled away seems unusual as a whole, and would
-// never have a mean of its own again: the half of it that is nearest is usual.
+// A segment whose mean is distorted by an outlier would be rejected as a whole,
+// and never recover: its half nearest to the mean is always an inlier.
 void KeepUsualOfEachPart(const CenteredLenses& lenses,
                          const std::vector<double>& shape,
                          std::vector<bool>* is_usual) {
@@ -124,12 +122,11 @@ void KeepUsualOfEachPart(const CenteredLenses& lenses,
   }
 }
 
-// Limits come from usual units alone: those beyond them are left out, and all
-// is reckoned again.
+// Limits are computed from inliers only: outliers are removed iteratively.
 LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
   const auto count = static_cast<size_t>(lenses.rows.rows());
   std::vector<bool> is_usual(count, true);
-  // At first the half that is nearest to the middle, by each pixel.
+  // Initially, the half closest to the median, by pixels.
   std::vector<double> distances;
   for (Eigen::Index i = 0; i < lenses.rows.rows(); ++i)
     distances.push_back(lenses.rows.row(i).squaredNorm());
@@ -153,7 +150,7 @@ LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
                              charts.directions.variances.transpose().array())
                                 .sum());
     }
-    // Units so far off would widen the limit that is to tell them.
+    // Extreme outliers would inflate the limit that detects them.
     constexpr double kFarOff = 20;
     const double far_off = kFarOff * Median(charts.shape);
     for (size_t i = 0; i < count; ++i)
@@ -178,7 +175,7 @@ LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
   return charts;
 }
 
-// The directions in which neighbours differ, which jumps do not enlarge.
+// Principal directions of neighbours' differences, robust to jumps.
 LensDirections NeighbourDirections(const Eigen::MatrixXd& pixels) {
   const Eigen::Index count = pixels.rows() - 1;
   const Eigen::MatrixXd differences =
@@ -204,7 +201,7 @@ void AddNamed(const std::string& name, const MeanChanges& changes,
   }
 }
 
-// The lenses, with what their mean does along their directions taken out.
+// Removes the changes of the mean along the principal directions.
 CenteredLenses AboutTheirMean(const Eigen::MatrixXd& pixels, double chance,
                               FleetStatistics* statistics) {
   const Eigen::Index count = pixels.rows();
@@ -240,7 +237,7 @@ void AddFigureChart(const FleetFigure& figure, double chance,
     drift.last = figure_of(middle.back());
   }
   AddNamed(figure.name, changes, statistics);
-  // Most neighbours are alike, as numbers of few digits are: no limit is known.
+  // Most neighbours are equal, as with few digits: no limit can be estimated.
   const double deviation = DeviationByNeighbours(values);
   const auto count = static_cast<double>(values.size());
   const double most = deviation > 0
@@ -277,7 +274,7 @@ FleetStatistics FindOutliers(const FleetInput& input) {
   FleetStatistics statistics;
   const Eigen::Index count = input.pixels.rows();
   if (count < kFewestFleetUnits || input.pixels.cols() == 0) return statistics;
-  // Lenses share it with each figure.
+  // The probability is shared between lenses and each metric.
   const double change_chance =
       kFleetChance / (1 + static_cast<double>(input.figures.size()));
   const CenteredLenses centered =

@@ -9,64 +9,63 @@
 
 namespace raygrid {
 
-/// A figure of each unit in their order; NaN where it is not known.
+/// A metric of each unit, in their order; NaN if unknown.
 struct FleetFigure {
   std::string name;
   std::vector<double> values;
-  bool is_positive = false;  ///< its logarithm is what scatters evenly
+  bool is_positive = false;  ///< its logarithm is normally distributed
 
-  /// The values, or their logarithms: NaN of what is not positive.
+  /// The values or their logarithms; NaN for values that are not positive.
   std::vector<double> Scattering() const;
 };
 
-/// Units in their order, which is that of time.
+/// The units in chronological order.
 struct FleetInput {
-  /// A row for each unit: the pixels at which it sees some directions, all the
-  /// same ones for all units.
+  /// One row per unit: its pixels of the common directions.
   Eigen::MatrixXd pixels;
   std::vector<FleetFigure> figures;
 };
 
-/// A value of each unit, and the limits that one of a fleet without outliers
-/// leaves with the chance that FindOutliers() states.
+/// The values of all units, and limits for a fleet without outliers, with the
+/// false-alarm probability of FindOutliers().
 struct ControlChart {
   std::string name;
   std::vector<double> values;
-  std::vector<double> middle;   ///< of the units before and behind each jump
-  double lower = 0, upper = 0;  ///< from the middle; infinite: no limit
-  bool is_logarithm = false;    ///< values and middle are those of a figure
+  std::vector<double> middle;   ///< piecewise by jumps, of each unit
+  double lower = 0, upper = 0;  ///< relative to middle; infinite: no limit
+  bool is_logarithm = false;    ///< values and middle are logarithms
 };
 
 struct UnusualUnit {
   int unit = 0;
-  std::vector<std::string> charts;  ///< whose limits it leaves
+  std::vector<std::string> charts;  ///< whose limits it exceeds
 };
 
 struct FleetStatistics {
   std::vector<ControlChart> charts;
   std::vector<MeanJump> jumps;       ///< by unit
-  std::vector<MeanDrift> drifts;     ///< in the order of charts
+  std::vector<MeanDrift> drifts;     ///< ordered as charts
   std::vector<UnusualUnit> unusual;  ///< by unit
-  int num_directions = 0;            ///< in which the fleet's lenses vary
+  int num_directions = 0;            ///< principal directions of the lenses
 };
 
-/// The fewest units of which limits can be told.
+/// The minimum number of units for control limits.
 constexpr int kFewestFleetUnits = 20;
-/// The chance of any alarm in a fleet in which nothing is unusual, and that of
-/// any change of a steady mean.
+/// The probability of any false alarm in a fleet without outliers, and of any
+/// reported change of a constant mean.
 constexpr double kFleetChance = 0.05;
 
-/// Finds what is unusual in a fleet. Changes of a mean come first
-/// (FindMeanChanges()). About the changing means, there are two charts of the
-/// lenses themselves: "lens" is Hotelling's T^2 over the principal directions
-/// in which lenses vary, "shape" the squared distance in pixels from these
-/// directions, which no usual lens has. Then a chart for each figure.
+/// Finds the outliers of a fleet. Changes of the mean are found first
+/// (FindMeanChanges()). Two charts about the changing mean describe the lenses:
+/// "lens" is Hotelling's T^2 over the principal directions of variation,
+/// "shape" the squared distance in pixels from the space of these directions,
+/// in which inliers do not vary. Each metric has a chart of its own.
 ///
-/// A fleet without outliers gives an alarm with a chance of kFleetChance, all
-/// charts and units together, and a steady one a jump or a drift with another
-/// kFleetChance.
+/// A fleet without outliers raises an alarm with probability kFleetChance over
+/// all charts and units, and one with a constant mean a jump or a drift with
+/// another kFleetChance.
 ///
-/// Fewer than kFewestFleetUnits units have no charts.
+/// With fewer than kFewestFleetUnits units, there are no charts.
 FleetStatistics FindOutliers(const FleetInput& input);
 
 }  // namespace raygrid

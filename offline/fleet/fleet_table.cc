@@ -89,7 +89,7 @@ void AddCamera(const CameraFile& file, UnitRow* row) {
   if (worst > 0) row->figures["max_uncertainty_px"] = worst;
 }
 
-// The first figure that is beyond its limits; empty if all are within.
+// The first metric beyond its limits; empty if all are within.
 std::string WhyBeyond(const UnitRow& row, const FigureLimits& limits) {
   for (const auto& [name, range] : limits) {
     const auto figure = row.figures.find(name);
@@ -104,8 +104,8 @@ std::string WhyBeyond(const UnitRow& row, const FigureLimits& limits) {
   return "";
 }
 
-// A field of words. Spreadsheets run what begins as a formula does; behind an
-// apostrophe it is text.
+// Formats a text field. Spreadsheets execute text that looks like a formula,
+// unless it begins with an apostrophe.
 std::string TextField(const std::string& text) {
   const size_t first = text.find_first_not_of(" \t\r\n");
   const bool is_formula =

@@ -1,4 +1,4 @@
-/// The words of figures and changes, for page and terminal alike.
+/// Text about metrics and changes, for page and terminal.
 #ifndef RAYGRID_FLEET_FLEET_WORDS_H
 #define RAYGRID_FLEET_FLEET_WORDS_H
 
@@ -9,33 +9,33 @@
 
 namespace raygrid {
 
-/// A figure in words, as sentences have it: "the focal length".
+/// The name of a metric in sentences: "the focal length".
 std::string TitleOfFigure(const std::string& name);
-/// The unit behind its values, with a space; empty if it has none.
+/// The unit of measurement, with a space; empty if it has none.
 std::string UnitOfFigure(const std::string& name);
 
-/// A piece for each chart in which a unit is unusual: "the focal length
-/// (focal_px) is 812.4, usual are 798.1 to 803.2 px". unit is a compared one.
+/// One clause for each chart in which a unit is an outlier: "the focal length
+/// (focal_px) is 812.4, usual are 798.1 to 803.2 px". unit: a compared one.
 std::vector<std::string> WhatIsUnusual(const FleetStatistics& statistics,
                                        int unit);
 
-/// A sentence for each jump and drift of a mean, names of units in it, and of
-/// the batch if a jump is where one begins.
+/// One sentence for each jump and drift of a mean, with the names of units, and
+/// of the batch if a jump coincides with its first unit.
 std::vector<std::string> ChangesTold(const FleetAnalysis& fleet);
 
-/// A sentence for each figure whose batches differ.
+/// One sentence for each metric that differs between batches.
 std::vector<std::string> BatchesTold(const BatchComparison& batches);
 
-/// A sentence on each figure of the gauge, then on what cannot be told.
+/// One sentence on each gauge metric, then on what is not determined.
 std::vector<std::string> GaugeTold(const GaugeStudy& gauge);
 
-/// The seconds that units took, in a sentence; empty if none are known.
+/// One sentence on the units' calibration times; empty if unknown.
 std::string SecondsTold(const std::vector<UnitRow>& rows);
 
-/// "12.34 px", or "1.2 %" of a part.
+/// "12.34 px", or "1.2 %" of a relative deviation.
 std::string GaugeDeviation(const GaugeFigure& figure, double deviation);
 
-/// "< 0.0001", or its figure.
+/// "< 0.0001", or the value.
 std::string ChanceText(double chance);
 
 }  // namespace raygrid

@@ -35,7 +35,7 @@ Eigen::MatrixXd BasisOf(const Eigen::MatrixXd& columns) {
   return Eigen::MatrixXd(qr.householderQ()).leftCols(qr.rank());
 }
 
-// The sum of squares of what a basis leaves of columns.
+// The residual sum of squares of columns after projection to a basis.
 double Remaining(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& columns) {
   return (columns - basis * (basis.transpose() * columns)).squaredNorm();
 }
@@ -108,8 +108,8 @@ GaugeModel MakeModel(const std::vector<GaugeRepeat>& repeats,
 
 // ---- Figures ---------------------------------------------------------------
 
-// values: a column for each of several figures of one kind, which are taken
-// together by the mean of their variances.
+// values: one column for each metric of a kind, combined by the mean of their
+// variances.
 GaugeFigure Analyse(const std::string& name, const Eigen::MatrixXd& values,
                     const GaugeModel& model) {
   GaugeFigure figure;

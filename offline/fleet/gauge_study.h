@@ -10,51 +10,51 @@
 
 namespace raygrid {
 
-/// A calibration of a golden unit, one of several.
+/// One of several calibrations of a golden unit.
 struct GaugeRepeat {
-  std::string golden;           ///< the unit's serial
+  std::string golden;           ///< serial of the unit
   std::string person, station;  ///< "" where it is not told
 };
 
-/// The part of operators, or of stations, in the spread.
+/// The contribution of operators or stations to the variance.
 struct GaugeFactor {
   std::string name;              ///< "operator" or "station"
-  double deviation = 0;          ///< of their means; 0 if they explain nothing
-  std::optional<double> chance;  ///< of such differences between equal ones
+  double deviation = 0;          ///< between their means; 0 if insignificant
+  std::optional<double> chance;  ///< p-value of equal means
 };
 
-/// How well a figure is measured.
+/// The measurement uncertainty of a metric.
 struct GaugeFigure {
   std::string name;  ///< of the figure; "pixels": the RMS over all directions
-  bool is_logarithm = false;         ///< deviations are parts of the figure
-  double repeatability = 0;          ///< deviation of repeats in one setting
-  std::vector<GaugeFactor> factors;  ///< that can be told apart from others
-  double gauge = 0;                  ///< deviation of repeats and factors
-  /// The fleet's deviation of units, the gauge's part of it and the number of
-  /// classes of units that can be told apart, sqrt(2) unit / gauge.
+  bool is_logarithm = false;         ///< deviations are relative
+  double repeatability = 0;          ///< deviation under equal conditions
+  std::vector<GaugeFactor> factors;  ///< those that can be separated
+  double gauge = 0;                  ///< of repeats and factors combined
+  /// The standard deviation of units in the fleet, the gauge's fraction of it,
+  /// and the number of distinct categories, sqrt(2) unit / gauge.
   std::optional<double> fleet, part_of_fleet, num_classes;
-  /// The part of the plan's limits that six deviations of the gauge take.
+  /// The fraction of the plan's tolerance that six gauge deviations take up.
   std::optional<double> part_of_limits;
 };
 
 struct GaugeStudy {
   int num_repeats = 0, num_goldens = 0;
-  int freedoms = 0;  ///< of the repeatability
+  int freedoms = 0;  ///< degrees of freedom of the repeatability
   std::vector<GaugeFigure> figures;
-  /// Why there are no figures, or which factor cannot be told; empty if all is.
+  /// Why there are no results, or which factor is not determined; else empty.
   std::vector<std::string> untold;
 };
 
 /// Gauge repeatability and reproducibility by analysis of variance. A value is
-/// the sum of its golden unit's, its operator's, its station's and chance's
-/// part. Repeats need not be balanced: variances are those by which reductions
-/// of squares are as expected (Henderson 1953, method 3). What operators do to
-/// one golden unit alone counts as chance.
+/// the sum of the effects of golden unit, operator and station, and noise.
+/// Repeats need not be balanced: variance components equate the reductions of
+/// the sum of squares with their expectations (Henderson 1953, method 3).
+/// Interactions of operator and unit count as noise.
 ///
-/// input: the repeats, whose temperature is no measurement and is left out, and
-/// so is a figure that some do not have, or all have alike. fleet: the units
-/// that they are compared with, if there are kFewestFleetUnits. Each is in the
-/// order of its units.
+/// input: the repeats. Metrics that some of them lack or that are constant are
+/// ignored, and so is the temperature, which is not a measurement. fleet: the
+/// units for comparison, if there are at least kFewestFleetUnits. Both are in
+/// the order of their units.
 GaugeStudy StudyGauge(const FleetInput& input,
                       const std::vector<GaugeRepeat>& repeats,
                       const FleetInput& fleet, const FigureLimits& limits);

@@ -84,8 +84,8 @@ BatchedFigure CompareFigure(const FleetFigure& figure,
   return compared;
 }
 
-// Pillai's trace of the lenses' places along the directions in which they vary,
-// and its approximation by F.
+// Pillai's trace of the lenses' coefficients along the principal directions,
+// and its F approximation.
 BatchedFigure CompareLenses(const Eigen::MatrixXd& pixels,
                             const UnitsOfBatch& units) {
   BatchedFigure compared;

@@ -8,36 +8,36 @@
 
 namespace raygrid {
 
-/// A figure by batches of lenses, or "lens": the lenses themselves.
+/// A metric by lens batches, or "lens": the principal directions.
 struct BatchedFigure {
   std::string name;
-  bool differs = false;  ///< beyond what the chance of a comparison explains
-  double chance = 1;     ///< of such differences between equal batches
-  /// Of each batch, and the deviation of units within batches. Geometric for
-  /// figures whose logarithm scatters evenly, with a deviation of that
-  /// logarithm; "lens" has none.
+  bool differs = false;  ///< significant at the level per comparison
+  double chance = 1;     ///< p-value of equal batches
+  /// Mean of each batch, and the standard deviation within batches. Geometric
+  /// for metrics with normally distributed logarithms, with the deviation of
+  /// the logarithm; "lens" has none.
   std::vector<double> means;
   double deviation_within = 0;
 };
 
-/// How batches differ.
+/// The differences between batches.
 struct BatchComparison {
-  std::vector<std::string> batches;  ///< in the order of their bytes
-  std::vector<int> num_units;        ///< compared, of each batch
+  std::vector<std::string> batches;  ///< sorted bytewise
+  std::vector<int> num_units;        ///< compared, in each batch
   std::vector<BatchedFigure> figures;
 };
 
-/// The fewest units of a batch that is compared.
+/// The minimum number of units of a batch that is compared.
 constexpr int kFewestBatchUnits = 3;
 
-/// Compares batches by analysis of variance: each figure by its F, the lenses
-/// along the directions in which they vary by Pillai's trace. Units that are
-/// unusual and those without a batch are left out, and so are batches of fewer
-/// than kFewestBatchUnits others. Equal batches differ in any figure with a
-/// chance of kFleetChance.
+/// Compares batches by analysis of variance: each metric by its F statistic,
+/// lenses along their principal directions by Pillai's trace. Outliers, units
+/// without a batch and batches of fewer than kFewestBatchUnits other units are
+/// omitted. For equal batches, the probability of any significant difference is
+/// kFleetChance.
 ///
-/// batches: the name of each unit's, or "". Fewer than two batches have nothing
-/// to compare: the result is empty.
+/// batches: the name of each unit's batch, or "". The result is empty for fewer
+/// than two batches.
 BatchComparison CompareLensBatches(const FleetInput& input,
                                    const std::vector<std::string>& batches,
                                    const std::vector<UnusualUnit>& unusual);

@@ -12,8 +12,8 @@ struct LensDirections {
   Eigen::VectorXd variances;
 };
 
-/// The directions that make up 99.9 % of the variance about 0 of the usual
-/// rows, at most one for four of these.
+/// Computes the directions that explain 99.9 % of the variance about 0 of the
+/// inlier rows, at most one per four rows.
 LensDirections DirectionsOf(const Eigen::MatrixXd& rows,
                             const std::vector<bool>& is_usual);
 

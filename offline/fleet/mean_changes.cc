@@ -9,12 +9,12 @@
 namespace raygrid {
 namespace {
 
-// A part of a series, from begin up to end.
+// A segment [begin, end) of a series.
 struct SeriesPart {
   int begin = 0, end = 0;
 };
 
-// A series in standard deviations of its own, and its sums up to each place.
+// A standardized series, and its cumulative sums.
 struct StandardSeries {
   std::vector<double> values, sums;
 
@@ -39,8 +39,8 @@ std::vector<StandardSeries> Standardize(
   return all;
 }
 
-// Cuts a part where the means change most, if the sum of the changes' squares
-// is beyond the limit, and searches both.
+// Splits a segment where the means change most, if the sum of squared changes
+// exceeds the limit, and recurses into both.
 void FindJumps(const std::vector<StandardSeries>& series,
                const SeriesPart& part, double limit,
                std::vector<MeanJump>* jumps) {
@@ -63,7 +63,7 @@ void FindJumps(const std::vector<StandardSeries>& series,
   FindJumps(series, {best.unit, part.end}, limit, jumps);
 }
 
-// The sum of squares that means of parts explain, beyond one mean.
+// The sum of squares explained by piecewise means, beyond a single mean.
 double ExplainedByParts(const StandardSeries& series,
                         const std::vector<int>& cuts) {
   const int count = static_cast<int>(series.values.size());
@@ -101,7 +101,7 @@ MeanChanges FindMeanChanges(const std::vector<std::vector<double>>& series,
   const std::vector<StandardSeries> standard = Standardize(series);
   if (standard.empty()) return changes;
   const int count = static_cast<int>(standard[0].values.size());
-  // A sum of squares of normal values whose scatter is estimated, too.
+  // A sum of squares of normal values with an estimated standard deviation.
   const auto size = static_cast<double>(standard.size());
   const boost::math::fisher_f f(size, count - size - 1);
   const auto limit_of = [&](double part) {
@@ -114,7 +114,8 @@ MeanChanges FindMeanChanges(const std::vector<std::vector<double>>& series,
     by_parts += ExplainedByParts(one, changes.Cuts());
     by_line += ExplainedByLine(one);
   }
-  // A jump costs a place and a mean of each series, the line a slope of each.
+  // Number of parameters: a position and a mean per series for each jump, a
+  // slope per series for the line.
   const double penalty = std::log(count);
   const auto num_jumps = static_cast<double>(changes.jumps.size());
   if (by_line > limit_of(chance / 2) &&

@@ -6,44 +6,43 @@
 
 namespace raygrid {
 
-/// The mean of a figure changes from one unit to the next, or that of the
-/// lenses along any of the directions in which they vary.
+/// A jump of the mean of a metric between consecutive units, or of the lenses
+/// along any of their principal directions.
 struct MeanJump {
   std::string name;              ///< of the figure, or "lens"
   int unit = 0;                  ///< the first one with the new mean
-  double before = 0, after = 0;  ///< middle values of the figure; lenses: 0
-  double sigmas = 0;             ///< the change over its standard deviation
+  double before = 0, after = 0;  ///< medians of the metric; lenses: 0
+  double sigmas = 0;             ///< change over its standard deviation
 };
 
-/// The mean of a figure, or that of the lenses, moves evenly from the first
+/// A linear drift of the mean of a metric, or of the lenses, from the first
 /// unit to the last one.
 struct MeanDrift {
   std::string name;            ///< of the figure, or "lens"
-  double first = 0, last = 0;  ///< middle values of the figure; lenses: 0
-  double sigmas = 0;           ///< the slope over its standard deviation
+  double first = 0, last = 0;  ///< at the ends of the line; lenses: 0
+  double sigmas = 0;           ///< slope over its standard deviation
 };
 
-/// How a mean changes: by jumps, by a drift, or not at all. Names and values
-/// are left to the caller.
+/// The changes of a mean: jumps, a drift, or none. Names and values are left to
+/// the caller.
 struct MeanChanges {
   std::vector<MeanJump> jumps;    ///< by unit
-  std::vector<MeanDrift> drifts;  ///< one or none
+  std::vector<MeanDrift> drifts;  ///< at most one
   std::vector<int> Cuts() const;
 };
 
-/// Finds how the means of series change together, which have a value for each
-/// unit, NaN where it is not known. A jump is where the sum of squares over all
-/// series changes most, and each part is searched again. A line takes the
-/// place of the jumps where it explains the series better for its number of
-/// parameters (BIC).
+/// Finds common changes of the means of several series, which have a value for
+/// each unit, NaN if unknown. A jump is where it reduces the sum of squares
+/// over all series most; each part is searched recursively. A line replaces the
+/// jumps if its Bayesian information criterion (BIC) is better.
 ///
-/// Steady series have a jump with half of the chance, and a drift with the
-/// other half.
+/// For constant series, a jump is found with half of the probability, and a
+/// drift with the other half.
 MeanChanges FindMeanChanges(const std::vector<std::vector<double>>& series,
                             double chance);
 
-/// The middle that units scatter about: medians of the parts between jumps, or
-/// a line.
+/// The trend about which units vary: piecewise medians between jumps, or a
+/// line.
 std::vector<double> MiddleOf(const std::vector<double>& values,
                              const MeanChanges& changes);
 

@@ -1,4 +1,4 @@
-/// Figures of a series that jumps and outliers do not change much.
+/// Robust statistics of series with jumps and outliers.
 #ifndef RAYGRID_FLEET_ROBUST_SERIES_H
 #define RAYGRID_FLEET_ROBUST_SERIES_H
 
@@ -6,24 +6,24 @@
 
 namespace raygrid {
 
-/// The upper one of two middle values; NaN of none.
+/// Returns the upper median; NaN if empty.
 double Median(std::vector<double> values);
 
-/// The standard deviation by the differences of neighbours, which neither jumps
-/// nor outliers enlarge; 0 of fewer than two known values. NaN is not known.
+/// The standard deviation estimated from differences of neighbours, robust to
+/// jumps and outliers; 0 for fewer than two known values. NaN is unknown.
 double DeviationByNeighbours(const std::vector<double>& values);
 
-/// A series with values beyond three deviations from their neighbours' median
-/// moved there, so a single one is no jump. Unknown ones, NaN, get the median.
+/// Clamps values to three deviations from the median of their neighbours, so
+/// that a single outlier is no jump. NaN (unknown) becomes the median.
 std::vector<double> Clipped(const std::vector<double>& values,
                             double deviation);
 
-/// The median of the part that each value is in; parts begin at cuts, which
+/// The median of the segment of each value; segments begin at cuts, which
 /// ascend.
 std::vector<double> MiddleOfParts(const std::vector<double>& values,
                                   const std::vector<int>& cuts);
 
-/// The line of least squares through a series' values, clipped first.
+/// Fits a line to the clipped values of a series by least squares.
 std::vector<double> MiddleLine(const std::vector<double>& values);
 
 }  // namespace raygrid

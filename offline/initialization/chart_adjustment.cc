@@ -15,13 +15,13 @@ constexpr double kSmoothnessPx = 2;  // of second differences between nodes
 constexpr int kNumNodes = 16;
 
 // The reprojection error to first order: (ds/dx)^-1 (s(x) - chart(p)). The
-// derivative is the current surface's, or shrinking the surface would shrink
-// the errors.
+// Jacobian is that of the current surface; with a fixed one, shrinking the
+// surface would reduce the residuals.
 struct SurfaceError {
   SplineSupport support;
   Eigen::Vector3d point;
 
-  // Blocks: 16 nodes, rotation, translation.
+  // Parameter blocks: 16 control points, rotation, translation.
   template <typename T>
   bool operator()(const T* const* blocks, T* error) const {
     const T on_board[3] = {T(point.x()), T(point.y()), T(point.z())};
@@ -48,7 +48,7 @@ struct SurfaceError {
   }
 };
 
-// Second difference of three nodes in a line, from that of the start.
+// The second difference of three control points, minus its initial value.
 struct SmoothnessError {
   Eigen::Vector2d start;
   double weight;
@@ -87,7 +87,7 @@ void AddObservation(const ChartObservation& observation,
   problem->AddResidualBlock(cost, new ceres::HuberLoss(1), blocks);
 }
 
-// A typical pixel, in chart coordinates.
+// The typical pixel size in chart coordinates.
 double ChartPerPixel(const BSplineSurface& surface) {
   Eigen::Matrix2d derivative;
   surface.Evaluate(surface.area().center(), &derivative);

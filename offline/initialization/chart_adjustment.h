@@ -8,18 +8,18 @@
 
 namespace raygrid {
 
-/// A board's point and the pixel that shows it.
+/// A target point and its observation.
 struct ChartObservation {
-  int pose = 0;  ///< index of camera_from_board
+  int pose = 0;  ///< index into camera_from_board
   Eigen::Vector3d point;
   Eigen::Vector2d pixel;
 };
 
-/// Adjusts a starting surface of chart coordinates and all poses jointly, which
-/// averaging view by view does not: views localised one on the other drift. The
-/// errors are those between the surface at a pixel and the chart coordinates of
-/// its point, in pixels to first order (Huber, 1 px), so that nothing need be
-/// projected; how nodes without observations differ from the start is smooth.
+/// Optimizes an initial surface of chart coordinates and all poses jointly,
+/// which avoids the drift of localizing view by view. Residuals are the
+/// differences between the surface at a pixel and the chart coordinates of its
+/// point, in pixels to first order (Huber loss, 1 px), so that no projection is
+/// needed; deviations from the initial surface are regularized by smoothness.
 void AdjustInChart(const std::vector<ChartObservation>& observations,
                    BSplineSurface* surface, std::vector<Pose>* poses);
 

@@ -10,9 +10,9 @@ namespace raygrid {
 namespace {
 
 constexpr int kPixelsAlong = 160;
-constexpr int kMaxWidth = 3;  // of a square, in those of the board
+constexpr int kMaxWidth = 3;  // of a square, in board squares
 
-// A square's corners, in turn: in the image, or on the board.
+// A square's corners in cyclic order: in the image, or on the board.
 using Corners = std::array<Eigen::Vector2d, 4>;
 
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -43,7 +43,7 @@ Eigen::Matrix3d ProjectiveBasis(const Corners& corners) {
   return basis * lengths.asDiagonal();
 }
 
-// The features of a view, by place.
+// The features of a view, indexed by column and row.
 class ViewFeatures {
  public:
   ViewFeatures(const Board& board, const ImageFeatures& image)
@@ -54,8 +54,8 @@ class ViewFeatures {
         pixels_[board.PointIndex(feature.column, feature.row)] = feature.pixel;
   }
 
-  // The corners of the square that is width wide and begins at a place; false
-  // unless all of its features are there.
+  // Finds the corners of the square of the given width at a position; false
+  // unless all of its features exist.
   bool FindSquare(int column, int row, int width, Corners* pixels,
                   Corners* points) const {
     const int dx[4] = {0, width, width, 0}, dy[4] = {0, 0, width, width};
@@ -76,7 +76,7 @@ class ViewFeatures {
 
 using PointsByPixel = std::vector<std::optional<Eigen::Vector2d>>;
 
-// Fills what has no point yet.
+// Sets lattice pixels without a point.
 void FillSquare(const Corners& pixels, const Corners& points,
                 const PixelLattice& lattice, PointsByPixel* filled) {
   Eigen::Vector2d low = pixels[0], high = pixels[0];

@@ -8,8 +8,8 @@
 
 namespace raygrid {
 
-/// The pixels that views are compared at: every step_px-th of every step_px-th
-/// row, by number.
+/// The lattice of pixels at which views are compared: every step_px-th pixel of
+/// every step_px-th row.
 struct PixelLattice {
   int columns = 0, rows = 0, step_px = 1;
 
@@ -19,31 +19,31 @@ struct PixelLattice {
   }
 };
 
-/// About 160 pixels along the longer side.
+/// Makes a lattice of about 160 pixels along the longer side.
 PixelLattice LatticeOf(const ImageSize& size);
 
-/// A point of a board's plane, in metres, seen at a pixel of the lattice.
+/// A point of a board's plane, in metres, at a lattice pixel.
 struct DenseMatch {
   int pixel = 0;
   Eigen::Vector2d point;
 };
 
-/// One board in one image.
+/// The dense matches of one board in one image.
 struct DenseView {
   int image = 0;                    ///< index in the dataset
   int board = 0;                    ///< index in the pattern
   std::vector<DenseMatch> matches;  ///< by pixel
 };
 
-/// The board's points between a view's features (paper's supplement,
-/// "Calibration initialization"): by the homography of each square of
-/// neighbouring features; of two or three squares' width where features are
-/// missing. Boards count as flat. Views without any such square are left out.
+/// Interpolates board points between features (paper's supplement, "Calibration
+/// initialization") by the homography of each square of neighbouring features,
+/// two or three spacings wide where features are missing. Boards are assumed to
+/// be planar. Views without any such square are omitted.
 std::vector<DenseView> FormDenseViews(const Dataset& dataset,
                                       const Pattern& pattern,
                                       const PixelLattice& lattice);
 
-/// The points that three views show at the pixels that all of them cover.
+/// Returns the matches of three views at the pixels that all of them cover.
 std::vector<BoardPointTriple> CommonMatches(const DenseView& first,
                                             const DenseView& second,
                                             const DenseView& third);

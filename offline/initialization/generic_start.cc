@@ -14,7 +14,7 @@
 namespace raygrid {
 namespace {
 
-// Triplets that a model is grown from; the best model is taken.
+// The number of triplets from which models are grown; the best is used.
 constexpr int kNumGrown = 3;
 constexpr size_t kMaxAdjustedFeatures = 60;  // of a view
 
@@ -31,7 +31,7 @@ Area AreaOfFeatures(const Dataset& dataset) {
   return area;
 }
 
-// The model that explains most pixels of most views.
+// Returns the model that covers most pixels of most views.
 std::optional<PixelwiseModel> GrowBestModel(
     const std::vector<DenseView>& views, const PixelLattice& lattice,
     const GenericStartOptions& options) {
@@ -63,7 +63,7 @@ ChartValues ChartOf(const PixelwiseModel& model) {
   return chart;
 }
 
-// Least-squares coefficients of functions of the pixel.
+// Fits coefficients of functions of the pixel by least squares.
 template <int N, typename Functions>
 Eigen::Matrix<double, N, 2> FitFunctions(const PixelLattice& lattice,
                                          const ChartValues& chart,
@@ -79,7 +79,7 @@ Eigen::Matrix<double, N, 2> FitFunctions(const PixelLattice& lattice,
   return normal.ldlt().solve(right);
 }
 
-// Turns camera axes.
+// Rotates the camera axes.
 void Turn(const Eigen::Quaterniond& rotation, PixelwiseModel* model) {
   for (auto& direction : model->directions)
     if (direction) direction = rotation * *direction;
@@ -95,8 +95,8 @@ void TurnMeanForward(PixelwiseModel* model) {
        model);
 }
 
-// x right and y down: about z, until the chart's linear part by the pixel has
-// no rotation. False if the image is mirrored.
+// Makes x point right and y down: rotates about z until the linear part of the
+// chart's Jacobian has no rotation. False if the image is mirrored.
 bool TurnUpright(const PixelLattice& lattice, PixelwiseModel* model) {
   const Eigen::Matrix2d linear =
       FitFunctions<3>(lattice, ChartOf(*model),
@@ -123,7 +123,7 @@ Cubic CubicMonomials(const Eigen::Vector2d& pixel, const Area& area) {
   return monomials;
 }
 
-// The mean of the neighbours that have values.
+// The mean of the neighbours with values.
 std::optional<Eigen::Vector2d> MeanAround(const ChartValues& values,
                                           const PixelLattice& lattice,
                                           int index) {
@@ -144,7 +144,7 @@ std::optional<Eigen::Vector2d> MeanAround(const ChartValues& values,
   return sum / count;
 }
 
-// Gives values to what has none, ring by ring. There is one at least.
+// Extrapolates values ring by ring. At least one must exist.
 void FillFromNeighbours(const PixelLattice& lattice, ChartValues* values) {
   for (bool complete = false; !complete;) {
     complete = true;
@@ -157,8 +157,8 @@ void FillFromNeighbours(const PixelLattice& lattice, ChartValues* values) {
   }
 }
 
-// The chart at all pixels of an area: where no view was, the cubic polynomial
-// through all others, and how the neighbours differ from it.
+// The chart at all pixels of an area: extrapolated by a cubic polynomial fitted
+// to the observed pixels, plus the neighbours' deviations from it.
 std::vector<SurfaceSample> CompleteSamples(const ChartValues& seen,
                                            const PixelLattice& lattice,
                                            const Area& area) {
@@ -182,7 +182,7 @@ std::vector<SurfaceSample> CompleteSamples(const ChartValues& seen,
   return samples;
 }
 
-// The features of the localised views, count of each at most; a pose each.
+// The features of the localized views, at most count each; one pose per view.
 std::vector<ChartObservation> ObservationsOf(
     const std::vector<StartingView>& views, const Dataset& dataset,
     const Pattern& pattern, size_t max_count) {
@@ -211,7 +211,7 @@ BSplineSurface FitGrid(const PixelwiseModel& model, const PixelLattice& lattice,
                     CompleteSamples(ChartOf(model), lattice, area));
 }
 
-// The grid and the views of a model, adjusted.
+// The grid and the views of a model, after optimization.
 GenericStart AdjustedStart(const PixelwiseModel& model,
                            const std::vector<DenseView>& dense,
                            const PixelLattice& lattice, const Dataset& dataset,

@@ -11,16 +11,16 @@
 namespace raygrid {
 
 struct GenericStartOptions {
-  /// Cells of the grid along the image's longer side.
+  /// Number of grid cells along the image's longer side.
   int cells_along = 16;
   int max_triplets = 500;
-  uint64_t seed = 0;  ///< of the sample of triplets
+  uint64_t seed = 0;  ///< for sampling triplets
   int num_threads = 1;
-  /// The area that the camera is to be over; none: that of all features.
+  /// The calibrated area; nothing: the extent of all features.
   std::optional<Area> area;
 };
 
-/// A board in an image, localised with the starting camera.
+/// A board in an image, with its pose in the initial camera.
 struct StartingView {
   int image = 0;  ///< index in the dataset
   int board = 0;  ///< index in the pattern
@@ -30,15 +30,15 @@ struct StartingView {
 struct GenericStart {
   CentralGeneric camera;
   std::vector<StartingView> views;
-  /// The median of the reprojection errors of the localised views' features;
-  /// features that have no projection count as infinite.
+  /// The median reprojection error of the localized views' features; features
+  /// without a projection count as infinite.
   double median_error_px = 0;
 };
 
-/// A first camera from planar boards, for any central lens: nothing is assumed
-/// but that neighbouring pixels look along similar directions (Ramalingam and
-/// Sturm, as in the paper's supplement, "Calibration initialization"). Nothing
-/// if no three views of tilted boards overlap and agree.
+/// Initializes a central generic camera from planar boards, assuming only that
+/// neighbouring pixels have similar directions (Ramalingam and Sturm, as in the
+/// paper's supplement, "Calibration initialization"). Returns nothing if no
+/// three overlapping views of tilted boards are consistent.
 std::optional<GenericStart> StartFromThreeViews(
     const Dataset& dataset, const Pattern& pattern,
     const GenericStartOptions& options);

@@ -9,8 +9,8 @@ namespace {
 
 constexpr size_t kMinSights = 4;
 
-// A match seen along a line, and how a direction near the line's, from its
-// origin, moves its pixel.
+// A match with its observation line, and the Jacobian of the pixel with respect
+// to directions near the line's, from its origin.
 struct Sight {
   Eigen::Vector3d point;
   Eigen::Vector3d origin, ray;
@@ -21,9 +21,8 @@ std::vector<Sight> FormSights(const CameraModel& camera,
                               const std::vector<PointOnPixel>& matches) {
   std::vector<Sight> sights;
   for (const PointOnPixel& match : matches) {
-    // Linearised at a metre's distance, which matters little: what pixels per
-    // radian depend on distance by is how fast origins move from pixel to
-    // pixel.
+    // Linearized at a distance of a metre, which is uncritical: the scale
+    // depends on distance only by the displacement of origins between pixels.
     const auto line = camera.Line(match.pixel);
     LinearizedProjection projection;
     if (line && camera.Linearize(line->origin + line->direction, &match.pixel,
@@ -34,15 +33,15 @@ std::vector<Sight> FormSights(const CameraModel& camera,
   return sights;
 }
 
-// Rotation that turns the rays' mean forward, so that even a board seen at a
-// right angle to the axis has a perspective image.
+// A rotation of the mean ray to the z axis, so that even a board at a right
+// angle to the optical axis has a perspective image.
 Eigen::Quaterniond FacingRotation(const std::vector<Sight>& sights) {
   Eigen::Vector3d mean(0, 0, 0);
   for (const Sight& sight : sights) mean += sight.ray;
   return Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ());
 }
 
-// About as large as the board, and a power of two, which loses no digits.
+// About the board's size, and a power of two, for exact scaling.
 double UnitOf(const std::vector<Sight>& sights) {
   double extent = 0;
   for (const Sight& sight : sights)
@@ -50,8 +49,8 @@ double UnitOf(const std::vector<Sight>& sights) {
   return extent > 0 ? std::exp2(std::ceil(std::log2(extent))) : 1;
 }
 
-// OpenCV takes points closer together than some millimetres for a single one,
-// so they are told it in another unit than metres.
+// OpenCV considers points within some millimetres identical, so lengths are
+// scaled.
 std::optional<Pose> PoseFromPerspective(const std::vector<Sight>& sights) {
   if (sights.empty()) return std::nullopt;
   const double unit = UnitOf(sights);
@@ -87,10 +86,9 @@ std::optional<Pose> PoseFromPerspective(const std::vector<Sight>& sights) {
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-// The cost of a pose's reprojection errors under Huber's loss of 1 px, and its
-// Gauss-Newton equations by the update of UpdatedPose(). Errors are of first
-// order in the angle between ray and point: the Jacobian by_ray is blind to
-// lengths.
+// The cost of the reprojection errors of a pose (Huber loss, 1 px), and its
+// Gauss-Newton equations for the update of UpdatedPose(). Errors are of first
+// order in the angle between ray and point; by_ray does not depend on lengths.
 struct PoseEquations {
   double cost = 0;
   Vector6d gradient = Vector6d::Zero();
@@ -122,11 +120,11 @@ PoseEquations EquationsOf(const std::vector<Sight>& sights, const Pose& pose) {
   return equations;
 }
 
-// Levenberg and Marquardt's method.
+// Levenberg-Marquardt.
 std::optional<Pose> Refine(const std::vector<Sight>& sights, Pose pose) {
   constexpr int kMaxSteps = 50;
-  constexpr double kTolerance = 1e-12;      // of the cost, relative
-  constexpr double kNegligiblePx2 = 1e-20;  // of the cost, a sight
+  constexpr double kTolerance = 1e-12;      // relative, of the cost
+  constexpr double kNegligiblePx2 = 1e-20;  // of the cost, per sight
   double lambda = 1e-4;
   PoseEquations equations = EquationsOf(sights, pose);
   for (int step = 0; step < kMaxSteps && std::isfinite(equations.cost);
@@ -174,8 +172,8 @@ double MedianErrorPx(const std::vector<Sight>& sights, const Pose& pose) {
   return *middle;
 }
 
-// The best pose from all sights; should most of them not agree, also from parts
-// of them, which hold fewer outliers.
+// The best pose from all sights; if most are inconsistent with it, also from
+// subsets, which contain fewer outliers.
 std::optional<Pose> BestPose(const std::vector<Sight>& sights) {
   constexpr size_t kParts = 6;
   constexpr double kGoodPx = 1;
@@ -200,7 +198,7 @@ std::optional<Pose> BestPose(const std::vector<Sight>& sights) {
   return best;
 }
 
-// The sights that a pose does not leave far from where most are.
+// The sights without outliers relative to a pose.
 std::vector<Sight> Consistent(const std::vector<Sight>& sights,
                               const Pose& pose) {
   constexpr double kTimesMedian = 6, kAlwaysPx = 3;

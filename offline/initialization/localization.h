@@ -9,17 +9,17 @@
 
 namespace raygrid {
 
-/// A known point and the pixel that shows it.
+/// A known point and its observation.
 struct PointOnPixel {
   Eigen::Vector3d point;
   Eigen::Vector2d pixel;
 };
 
-/// camera_from_pattern for a camera that is known: SQPnP on the pixels' rays
-/// (Terzakis and Lourakis, 2020), then the least robust reprojection error
-/// (Huber, 1 px), linearised at each pixel; once more without gross outliers,
-/// if there are any. Pixels outside the calibrated area are left out; nothing
-/// if fewer than four remain or no pose is found.
+/// Estimates camera_from_pattern with fixed intrinsics (resection): SQPnP on
+/// rays (Terzakis and Lourakis, 2020), then least robust reprojection error
+/// (Huber, 1 px), linearized at each pixel; repeated without gross outliers.
+/// Ignores pixels outside the calibrated area; returns nothing if fewer than
+/// four remain or no pose is found.
 std::optional<Pose> Localize(const CameraModel& camera,
                              const std::vector<PointOnPixel>& matches);
 

@@ -6,7 +6,7 @@
 
 namespace raygrid {
 
-/// The value in the middle, the upper one of two; 0 of no values.
+/// Returns the median, the upper one of an even number; 0 if empty.
 inline double Median(std::vector<double> values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + values.size() / 2;

@@ -9,11 +9,11 @@ namespace raygrid {
 namespace {
 
 constexpr size_t kMaxParametricViews = 16;
-// Worse than this, the fit has found nothing of the lens.
+// If the error is larger, the fit has failed.
 constexpr double kMaxRmsPart = 0.02;  // of the image's width
 
-// LAPACK, which OpenCV calls, rounds differently from one run to the next, as
-// its data happen to be aligned: a start is as good without the last digits.
+// LAPACK, which OpenCV calls, rounds differently with the alignment of its
+// data: the last digits are discarded for reproducible results.
 constexpr int kPixelBits = 6, kRatioBits = 20;
 double Rounded(double value, int bits) {
   return std::ldexp(std::round(std::ldexp(value, bits)), -bits);

@@ -8,10 +8,10 @@
 
 namespace raygrid {
 
-/// A first camera from planar boards (Z. Zhang, "A flexible new technique for
-/// camera calibration", 2000, as OpenCV implements it), with radial and
-/// tangential distortion, over a sample of the images. Its area is the whole
-/// image. Nothing if that fails: few images, or a lens far from a pinhole.
+/// Initializes a camera from planar boards (Z. Zhang, "A flexible new technique
+/// for camera calibration", 2000, as in OpenCV), with radial and tangential
+/// distortion, from a sample of the images. The area is the whole image.
+/// Returns nothing on failure: few images, or a lens far from a pinhole.
 std::optional<OpenCvModel> StartFromPlanarBoards(const Dataset& dataset,
                                                  const Pattern& pattern);
 

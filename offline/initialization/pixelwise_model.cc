@@ -18,10 +18,10 @@ constexpr double kMinRaysAhead = 0.9;
 constexpr double kOutlierAngles = 6;
 constexpr int kHomographyRounds = 3;
 constexpr int kPoseIterations = 15;
-// How much of a view must have directions; the more, the sooner it is added.
+// Minimum fractions of a view with directions, in order of preference.
 constexpr double kOverlapParts[] = {0.7, 0.5, 0.3};
 constexpr int kAveragingRounds = 3;
-// Beyond this a view is not explained by the directions that others gave.
+// Views with larger errors are inconsistent with the existing directions.
 constexpr double kMaxErrorPx = 8;
 
 Eigen::Vector3d RayOf(const Pose& pose, const Eigen::Vector2d& point) {
@@ -36,8 +36,8 @@ std::vector<double> AngleErrors(const std::vector<PointOnRay>& matches,
   return errors;
 }
 
-// The homography from homogeneous points, in units of the board about its seen
-// part, to rays.
+// The homography from homogeneous points to rays; lengths are relative to the
+// visible part of the board.
 struct BoardHomography {
   Eigen::Vector2d centroid;
   double unit_m = 1;
@@ -49,7 +49,7 @@ struct BoardHomography {
   }
 };
 
-// Least algebraic error of ray x (H point) = 0.
+// Minimizes the algebraic error of ray x (H point) = 0.
 void FitRays(const std::vector<PointOnRay>& matches,
              const std::vector<bool>& use, BoardHomography* homography) {
   using Matrix9 = Eigen::Matrix<double, 9, 9>;
@@ -68,7 +68,7 @@ void FitRays(const std::vector<PointOnRay>& matches,
   const Eigen::SelfAdjointEigenSolver<Matrix9> eigen(normal);
   const Eigen::Matrix<double, 9, 1> h = eigen.eigenvectors().col(0);
   homography->rays_from_board = Eigen::Map<const Eigen::Matrix3d>(h.data());
-  // The camera is before the board's front: z axis away from it.
+  // The camera is in front of the board: its z axis points away.
   if (homography->rays_from_board.determinant() < 0)
     homography->rays_from_board *= -1;
 }
@@ -123,7 +123,7 @@ Pose PoseOf(const BoardHomography& homography) {
   return pose;
 }
 
-// Sum of Cauchy's loss of the angles.
+// The sum of the Cauchy loss of the angles.
 double RobustCost(const std::vector<PointOnRay>& matches, const Pose& pose,
                   double scale) {
   double cost = 0;
@@ -132,7 +132,7 @@ double RobustCost(const std::vector<PointOnRay>& matches, const Pose& pose,
   return cost;
 }
 
-// Levenberg and Marquardt's method, reweighted.
+// Levenberg-Marquardt, iteratively reweighted.
 Pose RefinePose(const std::vector<PointOnRay>& matches, const Pose& start) {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -180,7 +180,7 @@ Pose RefinePose(const std::vector<PointOnRay>& matches, const Pose& start) {
   return pose;
 }
 
-// The matches of a view whose pixels have directions.
+// The matches of a view at pixels with directions.
 std::vector<PointOnRay> MatchesWithDirections(const DenseView& view,
                                               const PixelwiseModel& model) {
   std::vector<PointOnRay> matches;
@@ -198,7 +198,7 @@ std::vector<PointOnRay> Thinned(const std::vector<PointOnRay>& all) {
   return some;
 }
 
-// Angle between pixels of the lattice that are neighbours in a row.
+// The typical angle between adjacent lattice pixels.
 double TypicalRadiansPerPixel(const PixelLattice& lattice,
                               const PixelwiseModel& model) {
   std::vector<double> angles;
@@ -211,7 +211,7 @@ double TypicalRadiansPerPixel(const PixelLattice& lattice,
   return Median(angles);
 }
 
-// Directions as the means over all views that are localised.
+// Averages the directions of all localized views.
 void AverageDirections(const std::vector<DenseView>& views,
                        const PixelLattice& lattice, PixelwiseModel* model) {
   std::vector<Eigen::Vector3d> sums(lattice.size(), Eigen::Vector3d::Zero());
@@ -227,7 +227,7 @@ void AverageDirections(const std::vector<DenseView>& views,
   model->radians_per_px = TypicalRadiansPerPixel(lattice, *model);
 }
 
-// Views to localise, and their poses where that succeeds.
+// Localizes views; nothing where it fails.
 std::vector<std::optional<Pose>> LocalizeSome(
     const std::vector<DenseView>& views, const PixelwiseModel& model,
     const std::vector<int>& which, int num_threads) {
@@ -242,8 +242,8 @@ std::vector<std::optional<Pose>> LocalizeSome(
   return poses;
 }
 
-// Adds the views of which at least a part has directions; false if there is
-// none that can be localised.
+// Adds the views with the given fraction of known directions; false if none can
+// be localized.
 bool AddViews(const std::vector<DenseView>& views, const PixelLattice& lattice,
               double overlap_part, int num_threads, PixelwiseModel* model) {
   std::vector<int> candidates;

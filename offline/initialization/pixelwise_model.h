@@ -10,7 +10,7 @@
 
 namespace raygrid {
 
-/// A point of a board's plane and the unit direction that it is seen along.
+/// A point of a board's plane and the unit direction of its ray.
 struct PointOnRay {
   Eigen::Vector2d point;
   Eigen::Vector3d ray;
@@ -21,27 +21,26 @@ struct LocalizedBoard {
   double median_error_rad = 0;
 };
 
-/// The pose of a board seen from its front, for rays in any direction: the
-/// homography from board to rays, then the least angles (Cauchy's loss).
+/// Estimates the pose of a board seen from its front, for rays in any
+/// direction: board-to-ray homography, then least angles (Cauchy loss).
 std::optional<LocalizedBoard> LocalizeOnRays(
     const std::vector<PointOnRay>& matches);
 
-/// A direction for each pixel of a lattice that a localised view covers, and
-/// the views' poses.
+/// A direction for each lattice pixel covered by a localized view, and the
+/// views' poses.
 struct PixelwiseModel {
   std::vector<std::optional<Eigen::Vector3d>> directions;
-  std::vector<std::optional<Pose>> camera_from_board;  ///< of each view
-  double radians_per_px = 0;                           ///< typically
-  double median_error_px = 0;  ///< of directions, within localised views
+  std::vector<std::optional<Pose>> camera_from_board;  ///< per view
+  double radians_per_px = 0;                           ///< typical value
+  double median_error_px = 0;  ///< of directions between localized views
 
   int num_localized() const;
 };
 
-/// Grows a model from a triplet (paper's supplement, "Calibration
-/// initialization"): views that see enough of what has directions are
-/// localised, and give directions to what else they cover; directions are
-/// averaged over views. Once no view is left to add, all are localised anew
-/// and averaged a few times.
+/// Grows a per-pixel model from a triplet (paper's supplement, "Calibration
+/// initialization"): localizes views with enough overlap and adds directions
+/// for the other pixels that they cover; directions are averaged over views.
+/// When no view can be added, all are localized again and averaged a few times.
 PixelwiseModel GrowPixelwiseModel(const std::vector<DenseView>& views,
                                   const PixelLattice& lattice,
                                   const SolvedTriplet& triplet,

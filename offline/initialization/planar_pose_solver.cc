@@ -48,13 +48,13 @@ constexpr double kMinPartAhead = 0.9;
 constexpr double kOutlierMedians = 6;
 constexpr double kMinLossScaleM = 1e-9;
 
-// Points of two boards that a pixel saw.
+// Points of two boards at the same pixel.
 struct PlaneMatch {
   Eigen::Vector2d from, to;
 };
 
-// Coordinates of a board, from its matches' centroid, in units that all boards
-// share.
+// Coordinates of a board relative to the centroid of its matches, in a unit
+// common to all boards.
 struct Normalization {
   std::array<Eigen::Vector2d, 3> centroid;
   double unit_m = 1;
@@ -107,7 +107,7 @@ Eigen::Matrix3d FitHomography(const std::vector<PlaneMatch>& matches) {
   return homography;
 }
 
-// Twice: the second time without those that the first one leaves far off.
+// Two passes: the second without the outliers of the first.
 Eigen::Matrix3d FitHomographyRobustly(const std::vector<PlaneMatch>& matches) {
   const Eigen::Matrix3d first = FitHomography(matches);
   std::vector<double> errors;
@@ -120,8 +120,8 @@ Eigen::Matrix3d FitHomographyRobustly(const std::vector<PlaneMatch>& matches) {
   return near.size() == matches.size() ? first : FitHomography(near);
 }
 
-// Signed so that the points seen lie ahead; nothing if many cannot, or if the
-// board would be seen from behind.
+// Signed so that observed points are in front of the camera; nothing if many
+// cannot be, or if the board would be seen from behind.
 std::optional<Eigen::Matrix3d> FacingHomography(
     const std::vector<PlaneMatch>& matches) {
   Eigen::Matrix3d homography = FitHomographyRobustly(matches);
@@ -137,7 +137,7 @@ std::optional<Eigen::Matrix3d> FacingHomography(
   return homography / homography.leftCols<2>().norm();
 }
 
-// Coefficients of a' W b by (w1, w2, w3, w4).
+// Coefficients of a' W b with respect to (w1, w2, w3, w4).
 Eigen::RowVector4d ConicRow(const Eigen::Vector3d& a,
                             const Eigen::Vector3d& b) {
   return {a.x() * b.x() + a.y() * b.y(), a.x() * b.z() + a.z() * b.x(),
@@ -164,18 +164,18 @@ std::optional<Eigen::Vector3d> SolveCenter(const Eigen::Matrix3d& h2,
   return Eigen::Vector3d(ox, oy, -std::sqrt(d_squared));
 }
 
-// K of a centre in the first board's frame.
+// K for a centre in the first board's frame.
 Eigen::Matrix3d PinholeAt(const Eigen::Vector3d& center) {
   Eigen::Matrix3d k;
   k << -center.z(), 0, center.x(), 0, -center.z(), center.y(), 0, 0, 1;
   return k;
 }
 
-// The pose first_from_board of a homography, given the centre.
+// Computes first_from_board from a homography and the centre.
 Pose PoseOfHomography(const Eigen::Matrix3d& homography,
                       const Eigen::Vector3d& center) {
   const Eigen::Matrix3d columns = PinholeAt(center).inverse() * homography;
-  // The orthonormal pair nearest to the first two columns, and their length.
+  // The closest orthonormal pair to the first two columns, and their scale.
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(
       columns.leftCols<2>(), Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Eigen::Matrix<double, 3, 2> pair =
@@ -215,8 +215,8 @@ ThreeViews InMetres(const ThreeViews& normalized,
   return views;
 }
 
-// The point of the first board where the centre sees another board's point,
-// less the point where it is on the first board.
+// The projection of another board's point through the centre to the first
+// board, minus its matching point there.
 struct TransferError {
   const BoardPointTriple& match;
 
@@ -240,7 +240,7 @@ struct TransferError {
   }
 };
 
-// The unknowns of three views, for Ceres.
+// The parameter blocks of three views, for Ceres.
 class ParameterBlocks {
  public:
   explicit ParameterBlocks(const ThreeViews& views) : center_(views.center) {
@@ -270,7 +270,7 @@ class ParameterBlocks {
   std::array<Eigen::Vector3d, 2> rotation_, translation_;
 };
 
-// Median over the matches of the larger of both distances.
+// The median over matches of the larger of both distances.
 double MedianError(const std::vector<BoardPointTriple>& matches,
                    const ThreeViews& views) {
   std::array<Eigen::Matrix3d, 3> homography;
@@ -298,7 +298,7 @@ double DistanceFromBoard(const std::vector<BoardPointTriple>& matches,
   return Median(distances);
 }
 
-// Standard deviation of the centre, for errors of unit deviation.
+// The standard deviation of the centre, for errors of unit deviation.
 double CenterDeviation(ceres::Problem* problem, ParameterBlocks* blocks) {
   ceres::Problem::EvaluateOptions options;
   options.parameter_blocks = blocks->Pointers();

@@ -10,11 +10,10 @@
 namespace raygrid {
 namespace {
 
-constexpr size_t kMinFeatures = 8, kMaxFeatures = 80;  // of a view
+constexpr size_t kMinFeatures = 8, kMaxFeatures = 80;  // per view
 
-// The features without gross outliers, which are far from the middles between
-// their neighbours on either side. Features beside an outlier on an edge may go
-// too.
+// Removes gross outliers, which are far from the midpoints of their neighbours
+// on either side. Features next to an outlier at an edge may be removed, too.
 std::vector<Feature> WithoutOutliers(const std::vector<Feature>& features) {
   constexpr double kTimesMedian = 8, kAlwaysPx = 2;
   std::map<std::pair<int, int>, const Feature*> at;

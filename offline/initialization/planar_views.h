@@ -8,16 +8,16 @@
 
 namespace raygrid {
 
-/// The features of one board in one image: where they are nominally in the
-/// board's plane, and in the image.
+/// The features of one board in one image: nominal positions in the board's
+/// plane, and observations.
 struct PlanarView {
   std::vector<Eigen::Vector2d> points;
   std::vector<Eigen::Vector2d> pixels;
 };
 
-/// Views of enough features, without gross outliers, each thinned to a number
-/// that is quick, evenly in its order; and of the views, no more than
-/// max_views, evenly.
+/// Samples views with enough features, without gross outliers, each thinned
+/// evenly to a number that is fast to process, and at most max_views of them,
+/// evenly spaced.
 std::vector<PlanarView> SamplePlanarViews(const Dataset& dataset,
                                           const Pattern& pattern,
                                           size_t max_views);

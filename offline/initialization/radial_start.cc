@@ -25,8 +25,8 @@ double MedianOf(const std::vector<double>& values) {
   return QuantileOf(values, 0.5);
 }
 
-// Weights for the next round of reweighted least squares: outliers, far beyond
-// the median, have none.
+// Weights for iteratively reweighted least squares: zero for outliers, which
+// are far above the median.
 std::vector<double> RobustWeights(const std::vector<double>& errors) {
   std::vector<double> sizes;
   for (const double error : errors) sizes.push_back(std::abs(error));
@@ -57,7 +57,7 @@ std::vector<double> LineErrors(const PlanarView& view,
   return errors;
 }
 
-// Reweighted for distances instead of algebraic errors, and for outliers.
+// Reweighted for geometric instead of algebraic errors, and for outliers.
 Rows FitRows(const PlanarView& view, const Eigen::Vector2d& center) {
   constexpr int kRounds = 6;
   std::vector<double> weights(view.points.size(), 1);
@@ -89,7 +89,7 @@ Rows FitRows(const PlanarView& view, const Eigen::Vector2d& center) {
   return side < 0 ? Rows(-rows) : rows;
 }
 
-// Sum of absolute errors, of which outliers have a limited share.
+// The sum of absolute errors, limited for outliers.
 double CenterCost(const std::vector<PlanarView>& views,
                   const Eigen::Vector2d& center) {
   constexpr double kCapPx = 10;
@@ -100,8 +100,8 @@ double CenterCost(const std::vector<PlanarView>& views,
   return cost;
 }
 
-// Finds the centre by pattern search around the image's centre, within a tenth
-// of its size.
+// Finds the centre by pattern search around the image centre, within a tenth of
+// the image size.
 Eigen::Vector2d FindCenter(const std::vector<PlanarView>& views,
                            const ImageSize& size) {
   const Eigen::Vector2d middle((size.width - 1) / 2.0, (size.height - 1) / 2.0);
@@ -126,9 +126,9 @@ Eigen::Vector2d FindCenter(const std::vector<PlanarView>& views,
   return best;
 }
 
-// ---- Step 2: poses, but for signs and forward translations -----------------
+// ---- Step 2: poses, except signs and forward translations ------------------
 
-// A view in cylindrical coordinates, lengths in the image in units of half its
+// A view in cylindrical coordinates; image lengths are relative to half the
 // diagonal.
 struct CylindricalView {
   std::vector<double> r;     // of pixels
@@ -168,10 +168,10 @@ double Polynomial(const Coefficients& g, double r) {
 
 struct RadialSolution {
   Coefficients g = Coefficients::Unit(0);
-  std::vector<double> signs, forward;  // s and t3 of each view
+  std::vector<double> signs, forward;  // s and t3 by view
 };
 
-// theta of a point less that of its pixel.
+// theta of a point minus that of its pixel.
 double AngleError(const CylindricalView& view, size_t i, double sign,
                   double forward, const Coefficients& g) {
   return std::atan2(view.rho[i], sign * view.tilt[i] + forward) -
@@ -186,14 +186,14 @@ std::vector<double> AzimuthErrors(const CylindricalView& view, double sign,
   return errors;
 }
 
-// The equation's error is this often the angle's.
+// The ratio of the equation's error to that of the angle.
 double ErrorPerAngle(const CylindricalView& view, size_t i,
                      const Coefficients& g) {
   const double r = view.r[i], along = Polynomial(g, r);
   return view.rho[i] * (r * r + along * along) / std::max(r, 1e-6);
 }
 
-// t3 of a view by the median of what each point asks for, given its sign and G.
+// t3 of a view as the median over its points, given its sign and G.
 double MedianForward(const CylindricalView& view, double sign,
                      const Coefficients& g) {
   std::vector<double> forward;
@@ -205,15 +205,14 @@ double MedianForward(const CylindricalView& view, double sign,
 }
 
 double SumOfAbsolute(const std::vector<double>& errors) {
-  constexpr double kCap = 0.2;  // radians; outliers' share
+  constexpr double kCap = 0.2;  // radians; limit for outliers
   double sum = 0;
   for (const double error : errors) sum += std::min(std::abs(error), kCap);
   return sum;
 }
 
-// All forward translations and G for the signs that there are; views of sign 0
-// take no part. Angles in the first round are weighted as those of a lens of
-// the solution's G.
+// Solves for all forward translations and G with given signs; views with sign 0
+// are ignored. In the first round, angles are weighted by the solution's G.
 bool SolveForwards(const std::vector<CylindricalView>& views,
                    int num_coefficients, RadialSolution* solution) {
   constexpr int kRounds = 5;
@@ -257,7 +256,7 @@ bool SolveForwards(const std::vector<CylindricalView>& views,
     solution->g.setZero();
     solution->g.head(num_coefficients) = x.tail(num_coefficients);
     solution->forward.assign(x.data(), x.data() + num_views);
-    if (solution->g[0] < 0) {  // the mirrored solution, which is as good
+    if (solution->g[0] < 0) {  // mirrored, an equivalent solution
       solution->g = -solution->g;
       for (int v = 0; v < num_views; ++v) {
         solution->forward[v] *= -1;
@@ -268,7 +267,7 @@ bool SolveForwards(const std::vector<CylindricalView>& views,
   return true;
 }
 
-// The better sign of each view.
+// Chooses the better sign of each view.
 bool ChooseSigns(const std::vector<CylindricalView>& views,
                  RadialSolution* solution) {
   bool changed = false;
@@ -288,14 +287,14 @@ bool ChooseSigns(const std::vector<CylindricalView>& views,
   return changed;
 }
 
-// How many coefficients G has, for one view and for all: more than a lens asks
-// for do harm.
+// The number of coefficients of G, for one view and for all: more than the lens
+// requires are harmful.
 struct Degrees {
   int first, all;
 };
 constexpr Degrees kDegrees[] = {{1, 1}, {1, 2}, {1, 3}, {2, 3}, {2, 4}};
 
-// Solves from one view to all.
+// Solves for one view, and adds the others.
 std::optional<RadialSolution> SolveFromView(
     const std::vector<CylindricalView>& views, size_t first,
     const Degrees& degrees) {
@@ -313,7 +312,7 @@ std::optional<RadialSolution> SolveFromView(
   return solution;
 }
 
-// The outermost radius seen, but for outliers.
+// The maximum observed radius, without outliers.
 double FarthestRadius(const std::vector<CylindricalView>& views) {
   std::vector<double> radii;
   for (const CylindricalView& view : views)
@@ -329,7 +328,7 @@ double AnglePerRadius(const Coefficients& g, double r) {
   return (along - r * r * slope) / (r * r + along * along);
 }
 
-// Sum of absolute errors of radii, of which outliers have a limited share.
+// The sum of absolute errors of radii, limited for outliers.
 double CostOf(const std::vector<CylindricalView>& views, double farthest,
               const RadialSolution& solution) {
   constexpr double kCap = 0.05;
@@ -351,7 +350,7 @@ double CostOf(const std::vector<CylindricalView>& views, double farthest,
 
 // ---- Step 4 ----------------------------------------------------------------
 
-// f, f k1, f k2 by least squares over the radii seen.
+// Fits f, f k1, f k2 by least squares over the observed radii.
 std::optional<ThinPrismFisheye> ToLens(const Coefficients& g, double farthest,
                                        double unit_px,
                                        const Eigen::Vector2d& center,
@@ -378,7 +377,7 @@ std::optional<ThinPrismFisheye> ToLens(const Coefficients& g, double farthest,
   return std::nullopt;
 }
 
-// Around their means and in units of the largest, for the sake of numbers.
+// Relative to their means and maximum, for numerical conditioning.
 void NormalizeViews(std::vector<PlanarView>* views) {
   double largest = 0;
   for (PlanarView& view : *views) {

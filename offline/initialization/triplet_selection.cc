@@ -13,7 +13,7 @@ namespace {
 constexpr int kMaxTries = 100000;
 constexpr size_t kMinOverlap = 150;  // pixels of the lattice
 constexpr size_t kMaxRefined = 48;
-constexpr size_t kMaxMatches = 200;  // for one solution
+constexpr size_t kMaxMatches = 200;  // per solution
 
 // The pixels that a view covers.
 class Coverage {
@@ -38,8 +38,8 @@ class Coverage {
 
 using ViewIndices = std::array<int, 3>;
 
-// Different triplets that overlap, any order in each: the first view's board is
-// the one that the others are seen on.
+// Draws different overlapping triplets, with any order: the first view's board
+// is the reference.
 std::vector<ViewIndices> SampleTriplets(const std::vector<DenseView>& views,
                                         const PixelLattice& lattice,
                                         const TripletOptions& options) {
@@ -91,8 +91,8 @@ Candidate Solve(const std::vector<DenseView>& views,
   const ThreeViewsSolution solution = SolveThreeViews(candidate.matches);
   if (solution.status != ThreeViewsStatus::kSolved) return candidate;
   candidate.triplet.poses = solution.views;
-  // Noise, in units of the overlap's width, acts on the solution by the inverse
-  // of the conditioning.
+  // The effect of noise, in units of the overlap's width, is inversely
+  // proportional to the conditioning.
   candidate.promise =
       solution.conditioning * static_cast<double>(matches.size());
   return candidate;

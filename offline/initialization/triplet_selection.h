@@ -10,7 +10,7 @@
 
 namespace raygrid {
 
-/// Three views whose relative poses are known.
+/// Three views with estimated relative poses.
 struct SolvedTriplet {
   std::array<int, 3> views;  ///< indices
   size_t num_matches = 0;
@@ -19,16 +19,16 @@ struct SolvedTriplet {
 };
 
 struct TripletOptions {
-  int max_triplets = 500;  ///< that are sampled
+  int max_triplets = 500;  ///< number sampled
   uint64_t seed = 0;
   int num_threads = 1;
 };
 
-/// Samples triplets that overlap, solves them, and returns the count best ones,
-/// the best first. The paper takes the one with most matches; but it may be of
-/// nearly parallel boards. So all are solved linearly, those that promise most
-/// are refined, and the best has the least uncertain centre, to which overlap,
-/// tilts, and how well the points agree all contribute.
+/// Samples overlapping triplets, solves them, and returns the count best ones,
+/// best first. The paper chooses the triplet with most matches, whose boards
+/// may be nearly parallel. Instead, all are solved linearly, the most promising
+/// ones are refined, and ranked by the uncertainty of the centre, to which
+/// overlap, tilt and residuals contribute.
 std::vector<SolvedTriplet> SelectTriplets(const std::vector<DenseView>& views,
                                           const PixelLattice& lattice,
                                           int count,

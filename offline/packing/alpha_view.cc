@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-// The pixels of a camera's area that count, as tables have them.
+// The usable pixels of a camera's area, as in tables.
 struct Inside {
   Area area;
   std::optional<ImageCircle> circle;
@@ -18,7 +18,7 @@ struct Inside {
 };
 
 Inside InsideOf(const CameraModel& camera) {
-  // Tables are off by less, unless their bound is larger: they do not lead to
+  // Tables have smaller errors, unless their limit is larger: keeps sources off
   // the border.
   constexpr double kInsetPx = 0.25;
   const Area& area = camera.area();
@@ -46,7 +46,8 @@ class BorderlessSearch {
     if (!start) return std::nullopt;
     Eigen::Vector2d middle = *start;
     double focal_px = Widest(middle, kMaxFocalPx);
-    // A search by steps in eight directions, in parts of the half image.
+    // Pattern search in eight directions, with steps relative to half the
+    // image.
     for (double step = 0.25; step > 1e-3 && focal_px > ShortestPx();) {
       bool is_better = false;
       for (int k = 0; k < 8 && !is_better; ++k) {
@@ -70,8 +71,8 @@ class BorderlessSearch {
     return ViewOfMiddle(cameras_[camera].plane, size_, middle, focal_px);
   }
 
-  // The mean of what the middles of the areas see; of several cameras, if need
-  // be, another point that all see.
+  // The mean direction of the areas' centres; for several cameras, if
+  // necessary, another point in all areas.
   std::optional<Eigen::Vector2d> Start() const {
     Eigen::Vector2d sum(0, 0);
     Eigen::AlignedBox2d common(Eigen::Vector2d::Constant(-1e9),
@@ -100,8 +101,7 @@ class BorderlessSearch {
     return std::nullopt;
   }
 
-  // Wider views, around the axis, show too much of what is far off, or the same
-  // twice.
+  // Wider views would show too much far off the axis, or repetitions.
   double ShortestPx() const {
     const double far = std::tan(kUsefulStretchRad);
     const double width = size_.width / 2.0, height = size_.height / 2.0;
@@ -120,7 +120,7 @@ class BorderlessSearch {
     return std::hypot(width, height) / M_PI;
   }
 
-  // The least focal length, below one that is too long or long enough.
+  // The shortest focal length without border, at most long_px.
   double Widest(const Eigen::Vector2d& middle, double long_px) const {
     double least = ShortestPx();
     if (IsWithoutBorder(middle, least)) return least;
@@ -138,8 +138,8 @@ class BorderlessSearch {
     return true;
   }
 
-  // Asks along the edges, each point from its neighbour's source on, and
-  // within.
+  // Evaluates points along the edges, each initialized with its neighbour's
+  // source, and some interior points.
   bool IsWithoutBorder(size_t c, const VirtualView& view) const {
     constexpr int kSteps = 64;
     const double right = size_.width - 1, bottom = size_.height - 1;
@@ -238,7 +238,7 @@ ViewOfAll SmallestOfAll(const std::vector<CameraAndPlane>& cameras,
     box.extend(area.box);
   }
   if (box.isEmpty() || all.most_stretch_rad > kMostStretchRad) return all;
-  // Half a pixel on each side for what lies between the samples.
+  // A margin of half a pixel for positions between the samples.
   const Eigen::Vector2d room(std::max(1, size.width - 2),
                              std::max(1, size.height - 2));
   all.view = ViewOfMiddle(cameras.front().plane, size, box.center(),

@@ -14,7 +14,7 @@
 namespace raygrid {
 namespace {
 
-// Whether bytes are those that all blobs begin with, as far as there are any.
+// Whether bytes begin with the magic number of blobs, as far as they go.
 bool BeginsAsBlob(const std::string& bytes) {
   const std::string magic = "RAYGRID";
   return bytes.compare(0, magic.size(), magic, 0, bytes.size()) == 0;
@@ -26,7 +26,7 @@ bool BeginsAsBlob(const std::string& bytes) {
                           rg_status_text(status)));
 }
 
-// Fraction bits that leave a point's coordinates below 2^30, if 0 or more.
+// The number of fraction bits, >= 0, with which coordinates are below 2^30.
 int FractionBits(const Eigen::Vector3d& point) {
   int exponent = 0;
   std::frexp(point.cwiseAbs().maxCoeff(), &exponent);
@@ -78,7 +78,7 @@ BlobCamera::BlobCamera(const std::string& name, const std::string& bytes)
   const uint32_t size = static_cast<uint32_t>(bytes.size());
   rg_status status = rg_blob_open(words_.data(), size, &blob_);
   if (status == RG_OK) status = rg_camera_open(&camera_, words_.data(), size);
-  // A text is no blob, however short it is.
+  // Text is reported as such, however short it is.
   if (status == RG_ERR_TRUNCATED && !BeginsAsBlob(bytes)) status = RG_ERR_MAGIC;
   if (status != RG_OK) Refuse(name, status);
 }
@@ -143,7 +143,7 @@ void BlobCamera::SetCondition(double value) {
   if (status != RG_OK && status != RG_EXTRAPOLATED) Refuse("stack", status);
 }
 
-// A control point of the grid in use, or of the one so many knots above it.
+// A control point of the current grid, or of a later sample.
 Eigen::Vector2d BlobCamera::ControlPoint(const Eigen::Vector2i& place,
                                          int knots_above) const {
   rg_blob there = blob_;

@@ -23,10 +23,10 @@ namespace raygrid {
 /// A blob in memory, opened by the runtime.
 class BlobCamera {
  public:
-  /// Throws Error(kBlob) if the runtime refuses the bytes; name is for errors.
+  /// Throws Error(kBlob) if the runtime rejects the blob; name is for errors.
   BlobCamera(const std::string& name, const std::string& bytes);
 
-  // The runtime's camera points into words_, which a move keeps in place.
+  // The runtime's camera points into words_, which moving does not relocate.
   BlobCamera(BlobCamera&&) = default;
   BlobCamera& operator=(BlobCamera&&) = default;
   BlobCamera(const BlobCamera&) = delete;
@@ -37,56 +37,57 @@ class BlobCamera {
   ImageSize image_size() const;
   bool has_remap() const { return blob_.remap != 0; }
   uint32_t NumRemaps() const;
-  /// Those that undistort frames as calibrated.
+  /// The tables for frames as calibrated.
   std::vector<uint32_t> TablesOfCalibratedFrames() const;
 
-  /// The range of the stack's values, as a camera.yaml has it; nothing if the
-  /// blob has no stack.
+  /// The range of the operating-point model, as in camera.yaml; nothing if the
+  /// blob has none.
   std::optional<ConditionRange> Range() const;
-  /// Goes to a value in the stack's range. Throws Error(kBlob).
+  /// Sets the operating point within its range. Throws Error(kBlob).
   void SetCondition(double value);
 
   bool CanProject() const { return camera_.inverse; }
 
-  /// The ray of a pixel by the runtime, in fixed point.
+  /// Unprojects a pixel by the runtime, in fixed point.
   std::optional<Eigen::Vector3d> Unproject(const Eigen::Vector2d& pixel) const;
 
-  /// The pixel of a point by the runtime, in fixed point; of a direction, too,
-  /// if the camera is central.
+  /// Projects a point by the runtime, in fixed point; also a direction, if the
+  /// camera is central.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point) const;
 
   std::optional<ObservationLine> Line(const Eigen::Vector2d& pixel) const;
 
-  /// The control points in double precision, for what the runtime does not do.
+  /// The control points in double precision, for functions that the runtime
+  /// does not have.
   std::unique_ptr<CameraModel> ToModel() const;
 
-  /// The cells that the blob calls valid; nothing if it has no mask.
+  /// The blob's validity mask; nothing if it has none.
   std::optional<TrustMask> Trusted() const;
 
-  /// How the camera stood while it was calibrated; nothing if the blob does not
-  /// say.
+  /// The capture settings at calibration; nothing if the blob does not have
+  /// them.
   std::optional<Capture> CaptureAtCalibration() const;
-  /// The time of a row; nothing if the blob does not say.
+  /// The line delay; nothing if the blob does not have it.
   std::optional<RowTime> TimeOfRow() const;
 
-  /// The view of a remap table, the size of what it takes, and its direction.
-  /// Throw Error(kBlob) if there is none of that number.
+  /// The view of a remap table, the frame size of its source, and its
+  /// direction. Throw Error(kBlob) if there is no table of that index.
   VirtualView ViewOfRemap(uint32_t remap_index) const;
   ImageSize FrameSize(uint32_t remap_index) const;
-  /// Whether a table makes images of the camera out of pictures of the view.
+  /// Whether a table is an inverse remap, from the view to the camera's image.
   bool Distorts(uint32_t remap_index) const;
 
-  /// The sensor modes that tables may be of.
+  /// The sensor modes for which there can be tables.
   std::vector<SensorMode> Modes() const;
-  /// The mode of a table; nothing if it is for frames as calibrated. Throws as
-  /// ViewOfRemap().
+  /// The mode of a table; nothing if it is for frames as calibrated. Throws
+  /// like ViewOfRemap().
   std::optional<SensorMode> ModeOfRemap(uint32_t remap_index) const;
-  /// The first table for frames of the mode of this name; nothing if there is
+  /// The first table for frames of the mode with this name; nothing if there is
   /// none.
   std::optional<uint32_t> FindTableOfMode(const std::string& name) const;
 
   /// Undistorts an image by the runtime and one of the blob's remap tables,
-  /// each channel on its own, of 8 or 16 bits; the image must have the table's
+  /// channel by channel, 8 or 16 bits; the image must have the table's
   /// FrameSize().
   Image Undistort(const Image& image, uint8_t border,
                   uint32_t remap_index = 0) const;
@@ -94,7 +95,7 @@ class BlobCamera {
  private:
   Eigen::Vector2d ControlPoint(const Eigen::Vector2i& place,
                                int knots_above) const;
-  // With a remap table in use; throws Error(kBlob).
+  // The camera with a remap table selected; throws Error(kBlob).
   rg_camera WithTable(uint32_t remap_index) const;
 
   std::vector<uint32_t> words_;
@@ -104,7 +105,7 @@ class BlobCamera {
 
 VirtualView ViewOfTable(const rg_remap_section& table);
 
-/// True if the file's name or first bytes are those of a blob.
+/// Whether the file's name or first bytes are those of a blob.
 bool IsBlob(const std::string& path, const std::string& bytes);
 
 }  // namespace raygrid

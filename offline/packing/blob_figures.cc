@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-// A figure in its integer unit, rounded up; unknown if there is none.
+// A metric in its integer unit, rounded up; unknown without a value.
 uint32_t Figure(std::optional<double> value, double unit) {
   if (!value) return RG_UNKNOWN_FIGURE;
   return static_cast<uint32_t>(

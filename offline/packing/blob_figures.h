@@ -10,7 +10,7 @@
 
 namespace raygrid {
 
-/// The sections that say how well a camera is known, from its file, in the
+/// The sections with a camera's predicted uncertainty, from its file, in the
 /// format's integers.
 struct UncertaintySections {
   rg_uncertainty_section uncertainty = {};
@@ -18,8 +18,8 @@ struct UncertaintySections {
   std::vector<uint16_t> values_q12;
   std::vector<uint8_t> bits;
 
-  /// Adds the mask to contents, and the deviations if there are any. They point
-  /// to memory that lives as long as this.
+  /// Adds the mask to contents, and the standard deviations if there are any.
+  /// They point to memory owned by this object.
   void AddTo(rg_blob_contents* contents);
 };
 
@@ -27,13 +27,13 @@ struct UncertaintySections {
 UncertaintySections QuantizeUncertainty(const CameraUncertainty& known,
                                         const rg_grid_section& grid);
 
-/// How the camera stood while it was calibrated, in the format's integers.
+/// Converts the capture settings at calibration to the format's integers.
 rg_capture_section QuantizeCapture(const Capture& capture);
 
-/// The time of a row in the format's integers.
+/// Converts the line delay to the format's integers.
 rg_row_time_section QuantizeRowTime(const RowTime& row_time);
 
-/// The errors of calibration, as the file has them, and of packing; rounded up.
+/// The errors of calibration, as in the file, and of packing; rounded up.
 rg_quality_section QualityOf(const CameraFile& file,
                              const UnprojectionError& packing);
 

@@ -16,7 +16,7 @@ int32_t Q16(double value) {
   return static_cast<int32_t>(std::lround(value * 65536));
 }
 
-// The area inside camera's that the format can say.
+// The largest area within camera's that the format can represent.
 Area RepresentableArea(const Area& area) {
   constexpr double kUnit = 65536;
   return {
@@ -29,7 +29,7 @@ double MaxControlPoint() {
   return std::ldexp(RG_CONTROL_POINT_LIMIT - 1.0, -RG_CONTROL_POINT_BITS);
 }
 
-// The control points that a regular pixel's ray depends on.
+// The control points on which regular pixels' rays depend.
 std::vector<bool> UsedControlPoints(const BSplineSurface& surface,
                                     const RegularRegion& region) {
   std::vector<bool> is_used(surface.num_points(), false);
@@ -44,9 +44,9 @@ std::vector<bool> UsedControlPoints(const BSplineSurface& surface,
   return is_used;
 }
 
-// Draws control points beyond what the format holds back to it, and those that
-// no regular pixel depends on near to the others: 16 bits then hold them more
-// finely. As in the corners around a fisheye's image circle.
+// Moves control points into the format's range, and those without regular
+// pixels near the others, so that 16 bits have a finer resolution. Both occur
+// outside a fisheye's image circle.
 void DrawIntoChart(const RegularRegion& region, bool is_fitted,
                    BSplineSurface* surface) {
   constexpr double kNear = 1.25;
@@ -68,7 +68,7 @@ void DrawIntoChart(const RegularRegion& region, bool is_fitted,
   }
 }
 
-// The search for a grid that follows a camera in its regular region.
+// Searches for a grid that fits a camera in its regular region.
 class GridSearch {
  public:
   GridSearch(const CameraModel& camera, const RegularRegion& region,
@@ -89,7 +89,7 @@ class GridSearch {
     }
   }
 
-  // Whether the grid follows the camera at each node, as far as that counts.
+  // Whether the fit error is within the limit, at each relevant node.
   std::vector<bool> FollowedBy(const BSplineSurface& surface) const {
     std::vector<bool> is_followed(counts_.size(), true);
     for (size_t k = 0; k < counts_.size(); ++k) {
@@ -102,7 +102,7 @@ class GridSearch {
     return is_followed;
   }
 
-  // The part of the nodes that count at which it does not follow.
+  // The fraction of relevant nodes at which it is not.
   double LostPart(const std::vector<bool>& is_followed) const {
     const auto num_lost =
         std::count(is_followed.begin(), is_followed.end(), false);
@@ -115,7 +115,8 @@ class GridSearch {
     return LostPart(FollowedBy(surface)) > kNegligiblePart;
   }
 
-  // The coarsest grid that follows all, or else one that loses about the least.
+  // The coarsest grid that fits everywhere, otherwise one that loses about the
+  // least.
   BSplineSurface Find() const {
     std::vector<Candidate> candidates;
     double least = INFINITY;
@@ -140,16 +141,16 @@ class GridSearch {
   }
 
  private:
-  // 2 to 128 cells; for rough cameras more, of 4 px or more. Near a fold that
-  // would gain a few pixels for four times the bytes.
+  // 2 to 128 cells; more for rough cameras, with a spacing of 4 px or more.
+  // Near a fold that would gain a few pixels for four times the size.
   static constexpr int kUsualHalfLog2 = 14, kFinestHalfLog2 = 16;
   static constexpr double kLeastCellPx = 4, kRoughPart = 0.01;
   static constexpr double kHardlyCut = 0.999;
   static constexpr double kNegligiblePart = 0.002, kAlmostLeast = 1.25;
-  // Rays that hardly turn from pixel to pixel are not measured in pixels.
+  // Rays that hardly change between pixels are not evaluated in pixels.
   static constexpr double kHardlyTurn = 20;
   static constexpr int kSamplesPerCell = 4;
-  // Beyond the region a grid continues smoothly.
+  // Regularization that extrapolates the grid smoothly outside the region.
   static constexpr double kSmoothnessBeyond = 1e-7;
 
   struct Candidate {
@@ -157,8 +158,7 @@ class GridSearch {
     double lost = 1;
   };
 
-  // The grid through the rays of the regular pixels that an earlier one could
-  // follow.
+  // Fits a grid to the rays of the regular pixels that a previous one fitted.
   BSplineSurface Fit(const Area& area, double cell_px,
                      const std::vector<bool>& is_good) const {
     const int columns = NumControlPoints(area.width(), cell_px),
@@ -182,8 +182,8 @@ class GridSearch {
     return surface;
   }
 
-  // Rays that cannot be followed, as those of pixels near a fold, bend the grid
-  // beside them: it is fitted once more without.
+  // Rays that cannot be fitted, as near a fold, distort the grid next to them:
+  // it is fitted again without them.
   Candidate FitTrimmed(const Area& area, double cell_px) const {
     Candidate best;
     std::vector<bool> is_good(counts_.size(), true);
@@ -204,8 +204,8 @@ class GridSearch {
   int64_t num_counting_ = 0;
 };
 
-// A mask of cells half as large as usual, all of which are trusted: the edge of
-// what is regular is where the camera's model says.
+// A mask with cells half as large as usual, all valid: the limit of the regular
+// region is precise.
 TrustMask FineMask(const ImageSize& size) {
   constexpr int kLeastCellPx = 4;
   TrustMask mask = TrustMask::Over(size);
@@ -216,7 +216,7 @@ TrustMask FineMask(const ImageSize& size) {
   return mask;
 }
 
-// Leaves the cells out that touch an area.
+// Invalidates the cells that overlap an area.
 void DistrustCells(const Area& area, TrustMask* mask) {
   const int first = mask->CellOf({area.x0, area.y0}),
             last = mask->CellOf({area.x1, area.y1});
@@ -249,7 +249,7 @@ BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
     surface = *own;
     DrawIntoChart(*region, false, &surface);
   }
-  // Wide cells bend in most of the image where control points are drawn back.
+  // With wide cells, clamped control points distort most of the image.
   if (surface.num_points() == 0 || search.LosesMuch(surface)) {
     BSplineSurface fitted = search.Find();
     if (surface.num_points() == 0 ||

@@ -14,28 +14,29 @@
 
 namespace raygrid {
 
-/// The grid that stands for a central camera in a blob, and where it does.
+/// The grid that approximates a central camera in a blob, and where.
 struct BlobGrid {
   CentralGeneric grid;
-  /// The trusted cells but those that are not regular all over, and those in
-  /// which the grid does not follow the camera; nothing if that is all of them.
+  /// The valid cells, except those that are not completely regular, and those
+  /// in which the grid's error exceeds the bound; nothing if that is all of
+  /// them.
   std::optional<TrustMask> valid;
-  /// Whether the grid follows the camera in all of its regular region.
+  /// Whether the fit error is within the bound in the whole regular region.
   bool follows_all = true;
 };
 
-/// The grid that stands for a central camera in a blob: its own, or the
-/// coarsest of up to 128 cells that follows it to half of a bound in its
-/// regular region, of the cells that are trusted if there is a mask; or else,
-/// of up to 256 cells, one that leaves out about the least of it. Control
-/// points that the format cannot hold are drawn back to it. The region is that
-/// of the camera, or NULL for a grid that the format holds as it is. Throws
-/// Error(kQuality) if no grid follows the camera anywhere.
+/// Makes the grid that approximates a central camera in a blob: its own, or the
+/// coarsest of up to 128 cells with a fit error of at most half the bound in
+/// its regular region, restricted to the valid region if there is a mask;
+/// otherwise, a grid of up to 256 cells that excludes about the smallest part.
+/// Control points outside the format's range are moved into it. region: of the
+/// camera, or NULL for a grid that the format represents exactly. Throws
+/// Error(kQuality) if no grid fits the camera anywhere.
 BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
                       const TrustMask* trusted, double max_error_px);
 
-/// Whether the format holds a camera as it is: a grid over an area of whole
-/// 1/65536 px, all of whose control points are within the chart's reach.
+/// Whether the format represents a camera without a fit: a grid whose area is
+/// in whole 1/65536 px, with all control points within the range of the chart.
 bool IsBlobGrid(const CameraModel& camera);
 
 /// A grid in the format's integers: area and scale, control points in q29.
@@ -44,12 +45,12 @@ struct GridSection {
   ControlPoints control_points;
 };
 
-/// Throws Error(kQuality) for cells of a pixel or less.
+/// Throws Error(kQuality) for a knot spacing of a pixel or less.
 GridSection QuantizeGrid(const CentralGeneric& camera);
 
-/// The points of a camera's lines in q28 metres, x, y, z for each control point
-/// of the grid; fitted anew if the grid is not the camera's own. Throws
-/// Error(kQuality) for points that the format cannot hold.
+/// The points of the observation lines in q28 metres, x, y, z for each control
+/// point; fitted if the grid is not the camera's own. Throws Error(kQuality)
+/// for points outside the format's range.
 std::vector<int32_t> QuantizeLinePoints(const NonCentralGeneric& camera,
                                         const BSplineSurface& grid);
 

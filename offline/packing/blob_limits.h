@@ -7,12 +7,12 @@
 
 namespace raygrid {
 
-/// Un-projection error that a blob may add.
+/// Unprojection error that a blob may add.
 constexpr double kMaxPackingErrorPx = 0.002;
-/// Un-projection error that a blob with control points of 16 bits may add.
+/// Unprojection error that a blob with 16-bit control points may add.
 constexpr double kMaxNarrowErrorRad = 1e-6;
 
-/// Throws Error(kQuality): the format cannot hold the camera; what says why.
+/// Throws Error(kQuality): the format cannot represent the camera; what: why.
 [[noreturn]] inline void ThrowDoesNotFitBlob(const std::string& what) {
   throw Error(ExitCode::kQuality,
               "this camera cannot be stored in a blob: " + what);

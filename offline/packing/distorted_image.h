@@ -8,14 +8,14 @@
 
 namespace raygrid {
 
-/// The places in a view's picture of the pixels of a camera's image, those that
-/// the lens lights.
+/// Computes the positions, in a view's picture, of the pixels of a camera's
+/// image within its image circle.
 SourceMap MapOfDistortion(const CameraModel& camera, const VirtualView& view,
                           int num_threads);
 
-/// A view's picture as the real camera shows it, bilinear between pixels, with
-/// the channels and depth of the picture; 0 where the view shows nothing. The
-/// picture has the size of the view, the result that of the camera.
+/// Distorts a view's picture to the camera's image, by bilinear interpolation,
+/// with the channels and depth of the picture; 0 outside the view. The picture
+/// has the size of the view, the result that of the camera.
 Image DistortedImage(const SourceMap& map, const Image& picture,
                      int num_threads);
 

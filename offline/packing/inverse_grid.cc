@@ -9,32 +9,32 @@
 namespace raygrid {
 namespace {
 
-// The numbers of cells along the longer side; beyond kMaxCellsForMore only for
-// trusted pixels' sake.
+// The numbers of cells along the longer side; above kMaxCellsForMore only if
+// valid pixels require it.
 constexpr int kNumCells[] = {6, 8, 10, 13, 16, 20, 24, 32, 40, 48, 64};
 constexpr int kMaxCellsForMore = 24;
-// One step from there is right to what the runtime promises.
+// From this error, one step reaches the runtime's accuracy.
 constexpr double kCloseEnoughPx = 1.0 / 32;
 constexpr double kCloseEnoughSlope = 0.02;  // relative
-// About three samples a cell along each axis.
+// About three samples per cell along each axis.
 constexpr int kSamplesAcross = 200;
 constexpr int kEdgeSamples = 1000;
-// Trusted pixels outvote the others where both cannot be had.
+// Valid pixels outweigh the others if both cannot be fitted.
 constexpr double kOthersWeight = 0.01;
-// Relative to the samples' weight: far below what it could do to them, but
-// keeps control points in reach that hardly any of them supports.
+// Relative to the samples' weight: negligible for supported control points, but
+// keeps unsupported ones in range.
 constexpr double kSmoothness = 1e-4;
 // Chart positions have magnitudes below 4, and pixels below 16384.
 constexpr double kMaxChart = 4;
 constexpr double kMaxPixel = 16000;
 constexpr double kFewPixels = 3e4, kManyPixels = 1e6;
 
-// Pixels by chart position: what is found by chart position is the pixel.
+// Pixels as a function of chart position.
 struct InverseSamples {
   std::vector<SurfaceSample> trusted, others;
 };
 
-// A surface's samples but where it is folded.
+// Samples of a surface, except where it folds.
 class SurfaceSampling {
  public:
   SurfaceSampling(const BSplineSurface& surface, const TrustMask* trusted)
@@ -79,7 +79,7 @@ class SurfaceSampling {
   const int handedness_;
 };
 
-// A rectangle of the chart around all samples.
+// The bounding rectangle of all samples in the chart.
 Area ChartAround(const std::vector<SurfaceSample>& samples) {
   Eigen::Array2d low = samples.front().pixel, high = low;
   for (const SurfaceSample& sample : samples) {
@@ -92,7 +92,7 @@ Area ChartAround(const std::vector<SurfaceSample>& samples) {
   return {low.x(), low.y(), high.x(), high.y()};
 }
 
-// c |c| of the widest sample, less a little.
+// c |c| of the widest sample, with a margin.
 double CosineLimit(const std::vector<SurfaceSample>& samples) {
   double cosine = 1;
   for (const SurfaceSample& sample : samples) {
@@ -115,7 +115,7 @@ ControlPoints Quantize(const BSplineSurface& inverse) {
   return points;
 }
 
-// The inverse of a surface over a rectangle of the chart.
+// Fits the inverse of a surface over a rectangle of the chart.
 class InverseFitting {
  public:
   InverseFitting(const BSplineSurface& surface, const Area& chart,
@@ -130,7 +130,7 @@ class InverseFitting {
                       kSmoothness);
   }
 
-  // Nothing if 16 bits do not hold it.
+  // Nothing if 16 bits cannot represent it.
   std::optional<InverseGrid> InFixedPoint(
       const BSplineSurface& fit,
       uint32_t max_fraction_bits = RG_NARROW_MAX_BITS) const {
@@ -154,8 +154,8 @@ class InverseFitting {
     return inverse;
   }
 
-  // Whether one step from the inverse's pixel, with its derivative, is enough
-  // for all these samples.
+  // Whether one step from the inverse's pixel, with its Jacobian, suffices for
+  // all samples.
   bool IsCloseEnough(const BSplineSurface& inverse,
                      const std::vector<SurfaceSample>& samples) const {
     return std::all_of(
@@ -184,8 +184,8 @@ bool IsBetter(const MeasuredInverse& a, const MeasuredInverse& b) {
   return faults(a) < faults(b);
 }
 
-// Searches the number of cells; *best is replaced by what is better. The sample
-// of few pixels only spares the one of many.
+// Searches the number of cells; replaces *best if better. The sample of few
+// pixels avoids evaluating many.
 void SearchCells(const InverseFitting& fitting,
                  const std::vector<SurfaceSample>& trusted,
                  const MeasureInverse& measure,
@@ -239,8 +239,8 @@ std::optional<MeasuredInverse> FitInverseGrid(const BSplineSurface& surface,
 
 namespace {
 
-// The inverses of several surfaces with so many cells, of alike fields; nothing
-// if 16 bits do not hold one of them.
+// The inverses of several surfaces with this number of cells, of equal layout;
+// nothing if 16 bits cannot represent one of them.
 std::optional<std::vector<MeasuredInverse>> FitAlike(
     const std::vector<InverseFitting>& fittings,
     const std::vector<InverseSamples>& samples, int cells) {
@@ -267,7 +267,7 @@ std::optional<std::vector<MeasuredInverse>> FitAlike(
   return made;
 }
 
-// How much all of them miss.
+// The fraction missed by all of them.
 double MissedPart(const std::vector<MeasuredInverse>& inverses) {
   double missed = 0;
   for (const MeasuredInverse& inverse : inverses)

@@ -19,38 +19,38 @@ struct InverseGrid {
   NarrowGrid points;
 };
 
-/// Measures the runtime's projection with an inverse grid, by about so many
-/// pixels; nothing if the format does not hold the grid.
+/// Measures the runtime's projection with an inverse grid, on about max_pixels
+/// pixels; nothing if the format cannot represent the grid.
 using MeasureInverse = std::function<std::optional<ProjectionError>(
     const InverseGrid&, double max_pixels)>;
 
 struct MeasuredInverse {
   InverseGrid grid;
   ProjectionError error;
-  bool is_close = false;  ///< one step is right everywhere
+  bool is_close = false;  ///< one Newton step suffices everywhere
 };
 
-/// The inverse of a surface over the image, with a pixel for each chart
-/// position: the least-squares spline through samples of the whole area but
-/// where it is folded, with as few cells as let the runtime find all trusted
-/// pixels again, and up to 24 cells if that brings it there in one step or
-/// finds more of the others. If trusted pixels are lost even so, the spline
-/// through samples of their surroundings alone, or else the one that loses
-/// fewest. nullptr trusts all. Nothing if no trusted pixel can be found by one.
+/// Fits the inverse of a surface over the image, a pixel for each chart
+/// position: the least-squares spline of samples of the whole area except where
+/// it folds, with the fewest cells for which the runtime projects to all valid
+/// pixels, and up to 24 cells if that then takes one step or finds more of the
+/// other pixels. If valid pixels are lost, samples only near them are used, or
+/// the grid that loses fewest. nullptr: all pixels are valid. Nothing if no
+/// valid pixel can be found by any grid.
 std::optional<MeasuredInverse> FitInverseGrid(const BSplineSurface& surface,
                                               const TrustMask* trusted,
                                               const MeasureInverse& measure);
 
 /// Measures the runtime's projection with the inverse grid of one of several
-/// surfaces; otherwise as MeasureInverse.
+/// surfaces; otherwise like MeasureInverse.
 using MeasureOneInverse = std::function<std::optional<ProjectionError>(
     size_t surface, const InverseGrid&, double max_pixels)>;
 
-/// The inverses of the surfaces of one camera at several conditions, alike but
-/// for their control points: over a rectangle and a cone that do for all, with
-/// as few cells, up to 24, as let the runtime find all trusted pixels of each
-/// surface in one step, or else with those that lose fewest. Nothing if 16 bits
-/// hold none.
+/// Fits the inverses of the surfaces of one camera at several operating points,
+/// which differ only in control points: over a common rectangle and cone, with
+/// the fewest cells, up to 24, for which the runtime finds all valid pixels of
+/// each surface in one step, otherwise those that lose fewest. Nothing if none
+/// can be stored in 16 bits.
 std::optional<std::vector<MeasuredInverse>> FitAlikeInverseGrids(
     const std::vector<const BSplineSurface*>& surfaces,
     const TrustMask* trusted, const MeasureOneInverse& measure);

@@ -12,8 +12,8 @@ int32_t Rounded(double value) {
       std::lround(std::clamp(value, -2147483647.0, 2147483647.0)));
 }
 
-// The plane between opposite edges' means, of one coordinate. Where 32 bits do
-// not hold it, control points are far from what it then is.
+// The plane through opposite edges' means, for one coordinate. It is clamped to
+// 32 bits.
 void FitPlane(const ControlPoints& points, int c, rg_narrow_grid* narrow) {
   const int right = points.columns - 1, bottom = points.rows - 1;
   const auto mean = [&](int i0, int i1, int j0, int j1) {
@@ -34,7 +34,7 @@ void FitPlane(const ControlPoints& points, int c, rg_narrow_grid* narrow) {
       Rounded(middle - across * right / 2 - down * bottom / 2);
 }
 
-// The differences of control points from their plane.
+// The residuals of control points relative to the plane.
 std::vector<int64_t> BeyondPlane(const ControlPoints& points,
                                  const rg_narrow_grid& plane) {
   std::vector<int64_t> beyond;

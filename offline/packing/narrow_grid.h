@@ -9,25 +9,26 @@
 
 namespace raygrid {
 
-/// Pairs of 32 bits, row by row.
+/// Pairs of 32-bit values, row by row.
 struct ControlPoints {
   int columns = 0, rows = 0;
   std::vector<int32_t> values;  // 2 * columns * rows
 };
 
-/// Control points as a plane and residuals of 16 bits.
+/// Control points as a plane and 16-bit residuals.
 struct NarrowGrid {
   rg_narrow_grid section = {};  // its residuals are not set
   std::vector<int16_t> residuals;
 };
 
-/// The grid with as many fraction bits as fit, up to a limit; nothing where 16
-/// bits do not reach.
+/// Narrows a grid with as many fraction bits as fit, up to a limit; nothing if
+/// 16 bits do not suffice.
 std::optional<NarrowGrid> Narrow(
     const ControlPoints& points,
     uint32_t max_fraction_bits = RG_NARROW_MAX_BITS);
 
-/// Grids with the same number of fraction bits; nothing where one has none.
+/// Narrows grids with a common number of fraction bits; nothing if one does not
+/// fit.
 std::optional<std::vector<NarrowGrid>> NarrowAlike(
     const std::vector<ControlPoints>& grids);
 

@@ -64,11 +64,10 @@ CellSums::Products WholeProducts() {
   return products;
 }
 
-// The weights of a block's nodes in the position of one of its pixels: those of
-// the four vertices, then, if the block is bent, of the bends of the upper,
-// lower, left and right edge. Bends count most in the middle of their edge, not
-// at all at its ends and on the opposite edge; between the corners of the parts
-// all is linear.
+// The weights of a block's nodes at one of its pixels: the four vertices, then,
+// if edges are bent, the upper, lower, left and right edge. A bend's weight is
+// maximal at its edge's midpoint, and zero at its ends and on the opposite
+// edge; it is linear between tile corners.
 template <int kNodes>
 class BlockBasis {
  public:
@@ -148,7 +147,7 @@ class BlockBasis {
 };
 
 // The least-squares problem of the nodes of used blocks. Second differences of
-// nodes of a kind are made small where pixels do not determine them.
+// equal nodes are regularized where pixels do not determine them.
 template <int kNodes>
 class NodeEquations {
  public:
@@ -165,9 +164,9 @@ class NodeEquations {
     AddSmoothness(blocks);
   }
 
-  // Solves by conjugate gradients, for both coordinates at once, until no node
-  // alone could lessen the sum of squared errors by more than kTolerancePx
-  // squared.
+  // Solves by conjugate gradients, for both coordinates at once, until no
+  // single node could reduce the sum of squared errors by more than
+  // kTolerancePx squared.
   NodePositions Solve() const {
     NodePositions nodes = Start(), product(nodes.rows(), 2);
     Multiply(nodes, &product);
@@ -225,7 +224,7 @@ class NodeEquations {
                 int j) {
     Block block = {i, j, basis.NodesOf(i, j), BlockPositions::Zero(), kWhole};
     const int cells = basis.num_cells();
-    // The last block may reach beyond the cells.
+    // The last block may extend beyond the cells.
     const int columns = std::min(cells, sums.columns() - i * cells);
     const int rows = std::min(cells, sums.rows() - j * cells);
     bool is_whole = columns == cells && rows == cells;
@@ -269,8 +268,8 @@ class NodeEquations {
     }
   }
 
-  // Vertices as the affine map closest to the pixels of each of their blocks
-  // has them; no bends.
+  // Initializes vertices by affine maps fitted to the pixels of their blocks;
+  // no bends.
   NodePositions Start() const {
     // An affine map that starts at a block, at its nodes.
     Eigen::Matrix<double, kNodes, 3> at_nodes =
@@ -299,7 +298,7 @@ class NodeEquations {
       normal = at_nodes.transpose() * normals_[block.normal] * at_nodes;
       right = at_nodes.transpose() * block.right - normal * expected;
       const double num_pixels = normal(0, 0);
-      // Few pixels do not tell the steps.
+      // Regularization, since few pixels do not determine the steps.
       normal.diagonal() += Eigen::Vector3d(kHold, 1e-2, 1e-2);
       const Affine found = expected + normal.ldlt().solve(right);
       for (int k = 0; k < 4; ++k) {
@@ -351,7 +350,7 @@ NodePositions Balance(const SourceMap& map, const Blocks& blocks,
                       const NodePositions& fitted) {
   NodePositions moves = NodePositions::Zero(fitted.rows(), 2);
   const std::vector<bool> needed = NeededNodes(blocks);
-  // The move that an output pixel lacks; nothing where it is not known.
+  // The correction that an output pixel needs; nothing without a source.
   const auto lack = [&](int x, int y, const Eigen::RowVector2d& position) {
     if (x >= map.width || y >= map.height || !map.IsKnown(x, y))
       return Eigen::RowVector2d(0, 0);
@@ -368,7 +367,7 @@ NodePositions Balance(const SourceMap& map, const Blocks& blocks,
                  fitted.row(vertex));
     }
   }
-  // The edge from vertex a to b, whose middle is output pixel (x, y).
+  // The edge from vertex a to b, whose midpoint is output pixel (x, y).
   const auto balance = [&](int a, int b, int bend, int x, int y) {
     const Eigen::RowVector2d line = (fitted.row(a) + fitted.row(b)) / 2;
     const Eigen::RowVector2d moved = (moves.row(a) + moves.row(b)) / 2;

@@ -9,14 +9,14 @@
 
 namespace raygrid {
 
-/// Sums over the pixels of each cell whose sources are known. They are all that
-/// a least-squares fit needs: positions in a block are bilinear within a cell.
+/// Moments of each cell over the pixels with a source. They suffice for a
+/// least-squares fit, since positions are bilinear within a cell.
 class CellSums {
  public:
-  /// The sums of 1, x, y, x y of a cell's pixel (x, y) times its source, in
-  /// pixels.
+  /// The sums of 1, x, y, x y of a cell's pixels (x, y) times their source
+  /// (px).
   using Sources = Eigen::Matrix<double, 4, 2, Eigen::RowMajor>;
-  /// The sums of 1, x, y, x y times each other.
+  /// The sums of products of 1, x, y, x y with each other.
   using Products = Eigen::Matrix4d;
 
   CellSums(const SourceMap& map, int num_threads);
@@ -29,7 +29,7 @@ class CellSums {
   const Products& products(int column, int row) const {
     return products_[which_[row * columns_ + column]];
   }
-  /// Whether no source is unknown.
+  /// Whether all pixels of a cell have a source.
   bool IsWhole(int column, int row) const {
     return which_[row * columns_ + column] == kWhole;
   }
@@ -41,13 +41,13 @@ class CellSums {
   int columns_, rows_;
   std::vector<Sources> sources_;
   std::vector<Products> products_;
-  std::vector<int> which_;  // of the products
+  std::vector<int> which_;  // index into products
 };
 
-/// The source of each vertex and the bends, in pixels, row by row of nodes.
+/// The source of each vertex and the bends of edges, in px, row by row.
 using NodePositions = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
-/// The nodes, of used blocks only, that give about the least largest error.
+/// Fits the nodes of used blocks to approximately minimize the maximum error.
 NodePositions FitNodes(const SourceMap& map, const CellSums& sums,
                        const Blocks& blocks);
 

@@ -35,8 +35,8 @@ std::string PaddedText(const char* what, const std::string& text) {
   return padded;
 }
 
-// Why projection is not what the runtime promises; nothing if it is. Without an
-// error the blob has no inverse grid.
+// Why projection does not reach the guaranteed accuracy; nothing if it does.
+// Without an error the blob has no inverse grid.
 std::optional<std::string> RemarkOnProjection(
     const std::optional<ProjectionError>& error, bool has_mask) {
   if (!error)
@@ -101,8 +101,8 @@ void ThrowIfStopped(const PackOptions& options) {
                 "with raygrid pack");
 }
 
-// Tables of the view that is as sharp as the first camera's image, or else of
-// its calibrated area; none, if neither can be.
+// Tables of the view with the resolution of the first camera's image, or
+// otherwise of its calibrated area; empty if neither is possible.
 std::vector<RemapTable> FitDefaultTables(
     const std::vector<const CameraModel*>& cameras, double max_error_px,
     int num_threads, const std::function<void()>& go_on,
@@ -133,8 +133,8 @@ std::vector<RemapTable> FitDefaultTables(
   }
 }
 
-// The camera that a table's real frames are of: of lines, one that is central
-// for the scene that is asked for.
+// The camera of a table's source frames: for a non-central one, the central
+// approximation for the requested scene.
 std::unique_ptr<CameraModel> CameraOfRequest(const CameraModel& central,
                                              const NonCentralGeneric* lines,
                                              const RemapRequest& request) {
@@ -146,8 +146,8 @@ std::unique_ptr<CameraModel> CameraOfRequest(const CameraModel& central,
   return camera;
 }
 
-// The largest distance in pixels of what two cameras show where a view looks,
-// at every eighth of its pixels.
+// The maximum distance in pixels between two cameras' projections of a view's
+// rays, at every eighth pixel.
 double FarError(const CameraModel& near, const CameraModel& far,
                 const VirtualView& view) {
   constexpr int kStep = 8;
@@ -163,7 +163,7 @@ double FarError(const CameraModel& near, const CameraModel& far,
   return worst_px;
 }
 
-// A mode but for its name.
+// A mode without its name.
 rg_mode_section QuantizeMode(const SensorMode& mode) {
   const auto q16 = [](double value) { return std::lround(value * 65536); };
   rg_mode_section section = {};
@@ -178,7 +178,7 @@ rg_mode_section QuantizeMode(const SensorMode& mode) {
   return section;
 }
 
-// The pixels of frames of a mode, or as calibrated, in trusted cells.
+// The pixels of frames of a mode, or as calibrated, in valid cells.
 ShownPixels TrustedPixels(const TrustMask& trusted,
                           const std::optional<SensorMode>& mode) {
   return [&trusted, mode](const Eigen::Vector2d& pixel) {
@@ -189,10 +189,9 @@ ShownPixels TrustedPixels(const TrustMask& trusted,
 // Remap tables as rg_blob_write() takes them.
 class RemapSections {
  public:
-  // Fits the tables that are asked for, and tells packed of them: of the first
-  // camera, and alike ones of the others.
-  // lines: NULL of a central camera, which the first one always is. trusted:
-  // what alone they show, or NULL.
+  // Fits the requested tables, and records them in packed: of the first camera,
+  // and with equal layout of the others. lines: NULL for a central camera; the
+  // first one is always central. trusted: restricts what they show, or NULL.
   void Fit(const std::vector<const CameraModel*>& cameras,
            const NonCentralGeneric* lines, const PackOptions& options,
            const TrustMask* trusted, int num_threads,
@@ -228,8 +227,8 @@ class RemapSections {
     RemarkOnReach(packed);
   }
 
-  // Adds the first camera's tables to contents, which point to memory that
-  // lives as long as this.
+  // Adds the first camera's tables to contents, which point to memory owned by
+  // this object.
   void AddTo(rg_blob_contents* contents) {
     for (std::vector<RemapTable>& tables : tables_) {
       contents_.resize(tables.size());

@@ -17,8 +17,7 @@
 
 namespace raygrid {
 
-/// A table that is asked for: of a view, from frames as calibrated or of a
-/// mode.
+/// A requested remap table: of a view, for frames as calibrated or of a mode.
 struct RemapRequest {
   RemapRequest(const VirtualView& wanted_view,
                const std::optional<SensorMode>& frames_mode = std::nullopt)
@@ -26,54 +25,54 @@ struct RemapRequest {
 
   VirtualView view;
   std::optional<SensorMode> mode;
-  /// The surface of the scenes that a table of a camera of lines is for;
-  /// nothing: far away. Central cameras do not ask.
+  /// The scene surface for a table of a non-central camera; nothing: at
+  /// infinity. Ignored for central cameras.
   std::optional<SceneSurface> scene;
-  /// The other direction: the view's pictures become frames of the camera.
+  /// An inverse remap: from the view's picture to frames of the camera.
   bool distorts = false;
 };
 
-/// A central camera at several values of a condition, between which boards
-/// blend it.
+/// A central camera at sampled operating points of one condition, between which
+/// devices interpolate.
 struct StackKnots {
   rg_condition condition = RG_CONDITION_LENS_POSITION;
-  std::vector<double> values;  ///< ascending; dioptres, or degrees Celsius
-  /// One camera a value, with grids of one size over one area.
+  std::vector<double> values;  ///< ascending; dioptres or degrees Celsius
+  /// One camera per value, with grids of equal size over one area.
   std::vector<CentralGeneric> cameras;
 };
 
-/// Chooses knots for a camera over a range of a condition: evenly spaced ones,
-/// as few as keep the blend between any two within a bound of the camera, in
-/// pixels over its area, at three values between them. All cameras have grids
-/// of one size over one area. Throws Error(kQuality) if 64 knots do not keep
-/// the bound.
+/// Chooses evenly spaced samples for a camera over a range of a condition: the
+/// fewest for which interpolation between neighbours is within the bound, in
+/// pixels over the area, at three intermediate values. All cameras have grids
+/// of equal size over one area. Throws Error(kQuality) if 64 samples do not
+/// suffice.
 StackKnots ChooseKnots(rg_condition condition, double low, double high,
                        const std::function<CentralGeneric(double)>& camera_at,
                        double max_error_px = 0.01);
 
-/// The knots of a stack over one condition that was calibrated.
+/// Samples an operating-point model with one calibrated condition.
 StackKnots KnotsOf(const CameraStack& stack);
 
 struct PackOptions {
-  std::vector<RemapRequest> remaps;  ///< one table each
-  /// One more of the view that the camera can give; a remark if it has none.
+  std::vector<RemapRequest> remaps;  ///< one table for each
+  /// Also adds the default view of the camera; a warning if it has none.
   bool has_default_remap = false;
-  double max_error_px = 0.05;  ///< their geometric error
-  /// Where small blocks do not keep that, tables may be off by as much as a
-  /// pixel; a remark then says by how much.
+  double max_error_px = 0.05;  ///< limit of their geometric error
+  /// If small blocks do not reach the limit, allow errors of up to a pixel, and
+  /// report them in a warning.
   bool is_table_bound_soft = false;
-  /// The error of un-projection that a fitted grid may have: at most
-  /// kMaxPackingErrorPx where that can be had everywhere, and this elsewhere.
+  /// Limit of the unprojection error of a fitted grid: kMaxPackingErrorPx where
+  /// that is attainable everywhere, and this elsewhere.
   double max_ray_error_px = kMaxPackingErrorPx;
-  /// The pixels that tables show: blocks in which none is are border. Without,
-  /// all are shown.
+  /// The pixels shown by tables: blocks without any are border. Nothing: all
+  /// pixels.
   std::optional<TrustMask> shown;
-  /// A stack beside the camera, which is the one at a reference. Without, that
-  /// of the camera's file, if it has one.
+  /// An operating-point model in addition to the camera, which is its
+  /// reference. Nothing: that of the camera's file, if there is one.
   std::optional<StackKnots> stack;
-  bool is_narrow_allowed = true;  ///< control points of 16 bits
+  bool is_narrow_allowed = true;  ///< 16-bit control points
   int num_threads = 0;
-  /// Once true, packing ends by Error(kNotConverged).
+  /// Returning true aborts packing with Error(kNotConverged).
   std::function<bool()> should_stop = {};
 };
 
@@ -82,51 +81,50 @@ struct PackedRemap {
   VirtualView view;
   std::string mode;  ///< of its frames; empty: as calibrated
   bool distorts = false;
-  /// How far off sources are of what is far away, at most, where the table is
-  /// for a scene.
+  /// The maximum source error for points at infinity, if the table is for a
+  /// scene.
   std::optional<double> far_error_px;
   double error_px = 0;
-  double chroma_error_px = 0;  ///< in chroma's own pixels
+  double chroma_error_px = 0;  ///< in chroma pixels
   int block_size = 0;
-  int part_size = 0;  ///< of bent blocks; otherwise as block_size
+  int part_size = 0;  ///< of blocks with bent edges; otherwise block_size
 };
 
-/// A blob and the errors that packing added.
+/// A blob and the errors due to packing.
 struct PackedCamera {
   std::string blob;
-  /// The errors of un-projection over the pixels of the area; in pixels, those
-  /// of trusted cells.
+  /// The maximum unprojection error over the pixels of the area; in pixels over
+  /// valid cells.
   double unproject_error_px = 0;
   double unproject_error_rad = 0;
-  std::optional<ProjectionError> projection;  ///< none: cannot project
+  std::optional<ProjectionError> projection;  ///< nothing: no projection
   std::vector<PackedRemap> remaps;
-  /// The part of the image, of what is calibrated and trusted, that the blob
-  /// calls invalid: there the camera is not regular, or no grid follows it.
+  /// The fraction of the image, of its calibrated and valid part, that is
+  /// invalid in the blob: the camera is not regular there, or no grid fits it.
   double left_out_part = 0;
-  std::vector<std::string> remarks;  ///< on what it lacks
+  std::vector<std::string> remarks;  ///< warnings: what it lacks
 };
 
-/// Packs a camera of any model; a central one that is not central-generic is
-/// fitted with the coarsest grid that follows it in its regular region
-/// (packing/regular_region.h). What is left out is invalid in the blob's mask,
-/// the region's outside is border in its tables, and a remark says how much.
-/// The errors are measured with the runtime's own arithmetic on the finished
-/// blob, and stored in it. A central camera gets an inverse grid if one can be
-/// had; remarks say where it does not lead back to trusted pixels. The remap of
-/// a noncentral-generic camera is that of its directions, right for far scenes,
-/// or that for the distance.
-/// Throws Error(kQuality) if the bounds cannot be kept anywhere or the format
-/// cannot hold the camera.
+/// Packs a camera of any model; a central one other than central-generic is
+/// approximated by the coarsest grid that fits it in its regular region
+/// (packing/regular_region.h). The remainder is invalid in the blob's mask and
+/// border in its tables, and reported in a warning. Errors are measured with
+/// the runtime's own arithmetic on the finished blob, and stored in it. A
+/// central camera gets an inverse grid if possible; warnings state where it
+/// does not find valid pixels. The remap of a noncentral-generic camera uses
+/// its directions, which is exact for points at infinity, or the given scene.
+/// Throws Error(kQuality) if the limits cannot be met anywhere or the format
+/// cannot represent the camera.
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options);
 
-/// Throws Error(kUsage) for a name or a serial number that no blob can hold;
-/// what says which.
+/// Throws Error(kUsage) for a camera name or serial number that a blob cannot
+/// store; what: which of them.
 void RequireBlobText(const char* what, const std::string& text);
 
-/// A blob with a table as large as the camera's images: as sharp as they are in
-/// the middle, or else of the calibrated area alone. Remarks say why it lacks
-/// the table or the stack, or why there are no bytes at all; nothing is thrown
-/// for that, nor if it is told to stop.
+/// Makes a blob with a default table of the camera's image size, of the
+/// resolution of the image centre, otherwise of the calibrated area only.
+/// Warnings state why it lacks the table or the operating-point model, or why
+/// there is no blob; nothing is thrown for these reasons, nor if interrupted.
 PackedCamera PackWhatCanBe(const CameraFile& file, int num_threads,
                            const std::function<bool()>& should_stop = {});
 

@@ -13,7 +13,7 @@
 namespace raygrid {
 namespace {
 
-// Whether the format holds the contents with these control points.
+// Whether the format can represent the contents with these control points.
 bool IsWritable(const rg_blob_contents& contents) {
   std::vector<uint32_t> words((rg_blob_size(&contents) + 3) / 4);
   return rg_blob_write(&contents, words.data(),

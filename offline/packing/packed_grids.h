@@ -17,27 +17,27 @@
 
 namespace raygrid {
 
-/// The blob with these contents. Throws Error(kQuality) if the format does not
-/// hold them.
+/// Writes the blob with these contents. Throws Error(kQuality) if the format
+/// cannot represent them.
 std::string WriteBlob(const rg_blob_contents& contents);
 
-/// The control points of grids that are alike, of which the first is the blob's
-/// own and others are of knots: of 16 bits where all keep the bounds.
+/// The control points of grids with equal layout, the first in the blob itself
+/// and others in samples: 16 bits if all are within the limits.
 class GridPoints {
  public:
-  /// Makes contents those of the first grid. truths: of each grid; the grids
-  /// are referred to. Control points are of 32 bits where those of 16 are not
-  /// allowed, or do not keep the bound.
+  /// Sets the control points of the first grid in contents. truths: for each
+  /// grid; the grids must outlive this object. Control points have 32 bits if
+  /// 16 are not allowed or exceed the limit.
   GridPoints(const std::vector<GridSection>& grids, bool is_allowed,
              const std::vector<PackingTruth>& truths, double max_error_px,
              int num_threads, rg_blob_contents* contents);
   GridPoints(const GridPoints&) = delete;
   GridPoints& operator=(const GridPoints&) = delete;
 
-  /// The worst of all grids.
+  /// The maximum error over all grids.
   const UnprojectionError& error() const { return error_; }
 
-  /// Makes contents of a blob, or of a knot, those of a grid.
+  /// Sets a grid's control points in the contents of a blob or sample.
   template <typename Contents>
   void Point(size_t k, Contents* contents) const {
     contents->control_points_q29 = grids_[k].control_points.values.data();
@@ -45,7 +45,7 @@ class GridPoints {
   }
 
  private:
-  // Measures all; false if the format does not hold one of them.
+  // Measures all; false if the format cannot represent one of them.
   bool Measure(const std::vector<PackingTruth>& truths, int num_threads,
                rg_blob_contents* contents);
 
@@ -54,12 +54,12 @@ class GridPoints {
   UnprojectionError error_ = {INFINITY, INFINITY};
 };
 
-/// The inverse grids that lead back to the pixels of grids.
+/// The inverse grids for projection by the blob's grids.
 class InverseSections {
  public:
-  /// Makes the first one that of contents, which has the other sections that
-  /// projection needs. surfaces: of each grid. go_on is called now and then,
-  /// and may throw.
+  /// Sets the first one in contents, which has the other sections for
+  /// projection. surfaces: of each grid. go_on is called regularly, and may
+  /// throw.
   InverseSections(const std::vector<const BSplineSurface*>& surfaces,
                   const GridPoints& points, const TrustMask* trusted,
                   int num_threads, const std::function<void()>& go_on,
@@ -67,7 +67,7 @@ class InverseSections {
   InverseSections(const InverseSections&) = delete;
   InverseSections& operator=(const InverseSections&) = delete;
 
-  /// The worst of them; nothing if there are none.
+  /// The maximum error over all; nothing if there are none.
   std::optional<ProjectionError> error() const;
 
   /// NULL if there are none.

@@ -9,17 +9,17 @@
 
 namespace raygrid {
 
-/// How many pixels the runtime's projection finds again by what they see.
+/// The number of pixels that the runtime finds by projecting their rays.
 struct FoundPixels {
-  int64_t num_pixels = 0;      ///< of those that can be found
-  int64_t num_unfindable = 0;  ///< where the surface is folded, or looks 151
+  int64_t num_pixels = 0;      ///< with a unique projection
+  int64_t num_unfindable = 0;  ///< where the surface folds, or 151
                                ///< degrees from the z axis or more
-  int64_t num_lost = 0;        ///< not seen
+  int64_t num_lost = 0;        ///< projection fails
   int64_t num_off = 0;         ///< by more than kMaxProjectionErrorPx
-  double worst_px = 0;         ///< of those seen
+  double worst_px = 0;         ///< of those found
 
   bool AreAllFound() const { return num_lost == 0 && num_off == 0; }
-  /// The part lost or off.
+  /// The fraction lost or off.
   double MissedPart() const {
     return static_cast<double>(num_lost + num_off) /
            std::max<int64_t>(num_pixels, 1);
@@ -27,20 +27,20 @@ struct FoundPixels {
 };
 
 struct ProjectionError {
-  FoundPixels trusted;  ///< of the whole area if there is no mask
+  FoundPixels trusted;  ///< of the whole area without a mask
   FoundPixels others;
 };
 
-/// How far from the z axis the runtime looks, in the chart: tan(151 / 2
-/// degrees), less a little.
+/// The maximum radius in the runtime's chart: tan(151 / 2 degrees), less a
+/// margin.
 constexpr double kMaxChartRadius = 3.85;
 
-/// The largest error that the runtime's projection may have.
+/// Limit of the runtime's projection error.
 constexpr double kMaxProjectionErrorPx = 0.002;
 
-/// Measures the projection over the pixels of the area and its edge, or, if
-/// these are more than max_pixels, those of every few rows and columns, against
-/// the blob's own surface in double precision. The blob has an inverse grid.
+/// Measures projection over the pixels of the area and its edge, subsampled to
+/// at most max_pixels, against the blob's own surface in double precision. The
+/// blob must have an inverse grid.
 ProjectionError MeasureProjection(const BlobCamera& blob,
                                   const TrustMask* trusted, double max_pixels,
                                   int num_threads);

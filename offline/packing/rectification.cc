@@ -19,7 +19,7 @@ namespace {
               fmt::format("{} and {}: {}", first.name, second.name, why));
 }
 
-// From the first camera to the second, in the axes of each.
+// The vector from the first camera to the second, in the axes of each.
 struct StereoBaseline {
   Eigen::Vector3d in_first, in_second;
   bool is_vertical = false;
@@ -54,8 +54,8 @@ Eigen::Matrix3d FirstFromView(const StereoBaseline& baseline,
   return axes;
 }
 
-// The part of the first camera's pixels of which the second camera sees, far
-// away, what they see.
+// The fraction of the first camera's pixels that the second camera also sees,
+// at infinity.
 double FarOverlap(const StereoCamera& first, const StereoCamera& second,
                   const Eigen::Quaterniond& second_from_first) {
   constexpr int kSteps = 48;
@@ -113,8 +113,8 @@ void RequireRectifiable(const StereoCamera& first, const StereoCamera& second,
                           first.name, second.name));
 }
 
-// The view around the same middle, no wider than a field that people and
-// matchers make use of: a pinhole stretches what is 60 degrees off fourfold.
+// Narrows the view to a useful field, with the same centre: a pinhole stretches
+// the image fourfold at 60 degrees.
 VirtualView NarrowedToUse(const VirtualView& view) {
   constexpr double kUsefulRad = 60 * M_PI / 180;
   const Eigen::Vector2d last(view.size.width - 1, view.size.height - 1);

@@ -12,55 +12,55 @@
 
 namespace raygrid {
 
-/// A camera of a pair, for errors by its name.
+/// A camera of a pair, with its name for errors.
 struct StereoCamera {
   std::string name;
   const CameraModel& camera;  ///< a central one
   Pose camera_from_rig;
 };
 
-/// The pair that is asked for.
+/// The requested pair.
 struct RectificationRequest {
   ImageSize size = {0, 0};  ///< 0 x 0: as the first camera's image
-  /// ViewRequest's, alpha of both cameras together; at most one is given.
-  /// Without them alpha is 0, and the view at most about 120 degrees wide.
+  /// As in ViewRequest, alpha for both cameras together; at most one is given.
+  /// Without either, alpha is 0, and the view is limited to about 120 degrees.
   std::optional<double> alpha, hfov_deg;
 };
 
-/// Two pinhole views with one K that are turned alike, so that a point is seen
-/// in the same row of both, or in the same column of a vertical pair.
+/// Two pinhole views with equal K and rotation, so that a point has the same
+/// row in both, or the same column in a vertical pair.
 struct Rectification {
-  bool is_vertical = false;          ///< the second camera stands below
-  double baseline_m = 0;             ///< from the first to the second, above 0
+  bool is_vertical = false;          ///< the second camera is below the first
+  double baseline_m = 0;             ///< distance between the centres, positive
   std::array<VirtualView, 2> views;  ///< camera_from_view in cameras' frames
   double angle_deg = 0;              ///< between the cameras' z axes
-  /// The part of the first camera's image that the second one sees, too, of
-  /// what is far away.
+  /// The fraction of the first camera's image that overlaps the second one's,
+  /// at infinity.
   double overlap = 0;
 
-  /// Axes of a camera to those of its view.
+  /// The rotation from a camera's axes to those of its view.
   Eigen::Matrix3d R(int camera) const {
     return views[camera].camera_from_view.transpose();
   }
-  /// The views' projections of a point in the first view's axes, and the matrix
-  /// from pixel and disparity to that point, all as OpenCV's stereoRectify has
-  /// them with one principal point for both.
+  /// Projection matrices of the views for points in the first view's axes, and
+  /// the matrix Q from pixel and disparity to that point, as in OpenCV's
+  /// stereoRectify with a common principal point.
   Eigen::Matrix<double, 3, 4> P(int camera) const;
   Eigen::Matrix4d Q() const;
 };
 
-/// The views' axes are the baseline, x of a pair side by side and y of one on
-/// top of the other, and the direction across it that is nearest to the mean of
-/// the cameras' z axes. It is vertical if the cameras' own y axes say so. Alpha
-/// 0 is the largest view of whose pixels none lacks a source in either camera,
-/// 1 the smallest that shows all of both. Throws Error(kUsage): cameras at one
-/// place, without overlap, one behind the other, or named the wrong way around,
-/// and sizes or alphas that cannot be.
+/// Computes a rectification. The view axes are the baseline, x for a horizontal
+/// and y for a vertical pair, and the perpendicular direction closest to the
+/// mean of the cameras' z axes. The pair is vertical if the cameras' y axes
+/// indicate it. Alpha 0 is the largest view without border in either camera, 1
+/// the smallest that shows all of both. Throws Error(kUsage) for coincident
+/// cameras, no overlap, one camera behind the other or in reverse order, and
+/// invalid sizes or alphas.
 Rectification Rectify(const StereoCamera& first, const StereoCamera& second,
                       const RectificationRequest& request);
 
-/// Whether the second camera stands to the left of the first, or above it, in
-/// both cameras' images.
+/// Whether the second camera is to the left of the first, or above it, in both
+/// cameras' images.
 bool IsOrderReversed(const Pose& second_from_first);
 
 }  // namespace raygrid

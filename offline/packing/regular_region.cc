@@ -16,10 +16,10 @@ namespace {
 
 // Cells of the lattice along the longer side, of a pixel at least.
 constexpr int kMostCells = 400;
-// How far the projection of a pixel's ray may be off it.
+// The tolerance for the projection of a pixel's ray.
 constexpr double kBackPx = 1e-5;
-// The least of a Jacobian's singular values is this part of the usual one where
-// a distortion is about to fold.
+// The minimum singular value of a Jacobian relative to a typical one, below
+// which the distortion is about to fold.
 constexpr double kSingularPart = 0.02;
 // Rays of a pixel that is found again.
 constexpr double kSameRayRad = 1e-6;
@@ -120,8 +120,7 @@ void RegularRegion::LeaveOutSingular() {
     if (!(LeastScale(node.by_ray) >= least_scale_)) node.is_regular = false;
 }
 
-// The regular node nearest to where the camera looks along its z axis, or else
-// to the middle.
+// The regular node nearest to the pixel on the z axis, otherwise to the centre.
 int RegularRegion::FirstNode(const CameraModel& camera) const {
   const Eigen::Vector2d place =
       camera.Project(Eigen::Vector3d(0, 0, 1)).value_or(camera_area_.center());
@@ -134,7 +133,7 @@ int RegularRegion::FirstNode(const CameraModel& camera) const {
   return nearest;
 }
 
-// Whether rays turn by far more between two nodes than their Jacobians say.
+// Whether rays differ between nodes by far more than Jacobians predict.
 bool RegularRegion::IsJump(int from, int to) const {
   constexpr double kFar = 4;
   const double least =

@@ -11,18 +11,18 @@ namespace raygrid {
 
 /// The part of a central camera's area in which its model is regular. A pixel
 /// is regular if
-///   - it looks along a ray, whose projection is the pixel again,
-///   - the Jacobian of the projection has a positive determinant there, and no
-///     direction in which it nearly vanishes: the distortion does not fold,
-///   - the ray is within 151 degrees of the z axis, as far as the chart of
-///   blobs
-///     reaches,
-///   - regular pixels join it to the one that looks along the z axis, or else
-///     to the middle of the area, without a jump of the rays.
-/// Of a grid only the last two are asked for: where it folds, it projects
-/// nothing. The region is found on a lattice of pixels, up to 400 across; in
-/// cells of it that are regular in some corners, each pixel is asked. The same
-/// with any number of threads.
+///   - it has a ray, whose projection is the pixel again,
+///   - the Jacobian of the projection has a positive determinant there, and is
+///     not nearly singular: the distortion does not fold,
+///   - the ray is within 151 degrees of the z axis, the range of the blob's
+///     chart,
+///   - it is connected by regular pixels, without a jump of the rays, to the
+///     pixel on the z axis, or otherwise to the centre of the area.
+/// For grids, only the last two are required: where a grid folds, projection
+/// already fails.
+/// The region is computed on a lattice of up to 400 pixels per side; in cells
+/// with only some regular corners, each pixel is evaluated. Deterministic for
+/// any number of threads.
 class RegularRegion {
  public:
   /// A regular pixel's ray, and the Jacobian of its projection.
@@ -40,24 +40,24 @@ class RegularRegion {
   const std::vector<Node>& nodes() const { return nodes_; }
   Eigen::Vector2d PixelOf(int node) const;
 
-  /// Whether all of the camera's area is regular; and how large a part is.
+  /// Whether all of the camera's area is regular; and the regular fraction.
   bool IsWhole() const { return part_ == 1; }
   double Part() const { return part_; }
-  /// A rectangle around it, no larger than the lattice makes it.
+  /// The bounding rectangle, at the resolution of the lattice.
   const Area& area() const { return area_; }
   bool IsEmpty() const { return part_ == 0; }
-  /// Whether a pixel is in a cell that is regular in all corners; or in one.
+  /// Whether a pixel's cell has only regular corners; or at least one.
   bool Contains(const Eigen::Vector2d& pixel) const;
   bool Touches(const Eigen::Vector2d& pixel) const;
-  /// Whether a ray of a pixel in a touched cell is regular; camera: the one
-  /// that the region is of.
+  /// Whether the ray of a pixel in a touched cell is regular; camera: that of
+  /// the region.
   bool IsRegularRay(const CameraModel& camera, const Eigen::Vector2d& pixel,
                     const Eigen::Vector3d& ray) const;
-  /// Contains(), but of cells all of whose corners are good.
+  /// Contains(), but for cells with good corners only.
   bool ContainsAmong(const std::vector<bool>& is_good,
                      const Eigen::Vector2d& pixel) const;
 
-  /// Calls visit(area) for each cell of the lattice one of whose corners is not
+  /// Calls visit(area) for each cell of the lattice with a corner that is not
   /// regular, or not good.
   template <typename Visit>
   void ForOtherCells(const std::vector<bool>& is_good,
@@ -74,7 +74,7 @@ class RegularRegion {
     return is_good[k] && is_good[k + 1] && is_good[k + columns_] &&
            is_good[k + columns_ + 1];
   }
-  // The cell of a pixel of the area: of its upper left node.
+  // The index of the cell of a pixel: that of its upper left node.
   int CellOf(const Eigen::Vector2d& pixel) const;
   bool IsRegularCell(int i, int j) const {
     const int k = j * columns_ + i;
@@ -103,7 +103,7 @@ class RegularRegion {
   std::vector<Node> nodes_;
 };
 
-/// A camera in its regular region alone: it answers nothing elsewhere.
+/// A camera restricted to its regular region: undefined elsewhere.
 class RegularCamera : public CameraWrapper {
  public:
   RegularCamera(const CameraModel& camera,
@@ -125,14 +125,15 @@ class RegularCamera : public CameraWrapper {
                  LinearizedProjection* projection) const override;
 
  private:
-  // Whether a pixel, or the area's nearest one, is regular and shows the point.
+  // Whether a pixel, or the nearest one in the area, is regular and sees the
+  // point.
   bool Shows(const Eigen::Vector2d& pixel, const Eigen::Vector3d& point) const;
 
   std::shared_ptr<const RegularRegion> region_;
 };
 
-/// The camera in its regular region; a copy of one that is regular everywhere,
-/// is a grid within the chart's reach, or is not central.
+/// Restricts a camera to its regular region; a copy if it is regular
+/// everywhere, a grid within the chart's range, or not central.
 std::unique_ptr<CameraModel> RegularPartOf(const CameraModel& camera,
                                            int num_threads);
 

@@ -7,20 +7,20 @@
 
 namespace raygrid {
 
-/// Sizes of blocks and, where their edges are bent, of the parts that the
-/// runtime cuts them into.
+/// Sizes of blocks and, if their edges are bent, of the tiles into which the
+/// runtime divides them.
 struct BlockLayout {
   int block_log2 = 0;
-  int part_log2 = 0;  ///< 0: not bent
+  int part_log2 = 0;  ///< 0: straight edges
 
   bool IsBent() const { return part_log2 != 0; }
   int SmallestLog2() const { return IsBent() ? part_log2 : block_log2; }
 };
 
-/// The blocks of a table, and which of them have a source. What is fitted are
-/// nodes: the vertices, and behind them as many bends of the edges to the left
-/// of each vertex, and of those above it. A bend is how far an edge's middle
-/// lies from the straight line.
+/// The blocks of a table, and which of them have a source. The fitted nodes are
+/// the vertices, followed by the bends of the edges to the left of each vertex,
+/// and of those above it. A bend is the displacement of an edge's midpoint from
+/// the straight line.
 struct Blocks {
   BlockLayout layout;
   int columns = 0, rows = 0;
@@ -42,7 +42,7 @@ struct Blocks {
 
 Blocks CutBlocks(const SourceMap& map, const BlockLayout& layout);
 
-/// Nodes of used blocks; others may be anything.
+/// The nodes of used blocks; others are arbitrary.
 std::vector<bool> NeededNodes(const Blocks& blocks);
 
 }  // namespace raygrid

@@ -27,8 +27,8 @@ std::vector<uint32_t> SectionWords(const RemapTable& table) {
 }
 
 // The error of an output pixel: the distance of its position from the exact
-// one, which may be off by the margin; for a pixel without exact position, how
-// far inside the rectangle the table puts it.
+// one, which may be uncertain by the margin; for a pixel without exact
+// position, how far inside the rectangle the table's position is.
 double PixelError(const Area& rectangle,
                   const std::optional<Eigen::Vector2d>& exact, double margin_px,
                   const Eigen::Vector2d& position) {
@@ -44,7 +44,7 @@ double PixelError(const Area& rectangle,
   return std::max(1.0, inside.minCoeff());
 }
 
-// The errors of a table, with the integers of the board.
+// The errors of a table, in the runtime's integer arithmetic.
 class TableErrors {
  public:
   TableErrors(const CameraModel& camera, const OutputImage& output,
@@ -59,8 +59,8 @@ class TableErrors {
         part_(1 << blocks.layout.SmallestLog2()),
         num_part_rows_((map.height + part_ - 1) / part_) {}
 
-  // The worst PixelError; nothing if it is above the limit. First by the map,
-  // then by the camera for the pixels that may be the worst.
+  // The maximum PixelError; nothing if it exceeds the limit. First evaluated by
+  // the map, then by the camera for candidates of the maximum.
   std::optional<double> Worst(double limit_px) const {
     std::vector<double> worst(num_part_rows_, 0);
     std::atomic<bool> fails{false};
@@ -82,7 +82,7 @@ class TableErrors {
     return exact;
   }
 
-  // Whether a part has an error beyond a limit, row by row.
+  // Whether a tile has an error beyond a limit, row by row.
   std::vector<bool> Beyond(double limit_px) const {
     const int num_columns = (map_.width + part_ - 1) / part_;
     std::vector<uint8_t> is_beyond(
@@ -97,7 +97,7 @@ class TableErrors {
   }
 
  private:
-  // Calls visit(x, block) for parts of a row of parts, with their first column.
+  // Calls visit(x, block) for the tiles of a row, with their first column.
   template <typename Visit>
   void ForParts(int j, const Visit& visit) const {
     const auto* section = reinterpret_cast<const uint8_t*>(words_.data());
@@ -111,7 +111,7 @@ class TableErrors {
     }
   }
 
-  // Calls visit(x, y, position) for the pixels of a part.
+  // Calls visit(x, y, position) for the pixels of a tile.
   template <typename Visit>
   void ForPixels(int x0, int y0, const rg_block& block,
                  const Visit& visit) const {
@@ -137,7 +137,7 @@ class TableErrors {
     return true;
   }
 
-  // Calls visit(x0, worst) for each part of a row of parts.
+  // Calls visit(x0, worst) for each tile of a row.
   template <typename Visit>
   void ForErrorsOfParts(int j, const Visit& visit) const {
     ForParts(j, [&](int x0, const rg_block& block) {
@@ -177,7 +177,7 @@ class TableErrors {
     return PixelError(map_.rectangle, source, 0, position);
   }
 
-  // The worst error of a part all of whose pixels have sources in the
+  // The maximum error of a tile all of whose pixels have sources in the
   // rectangle.
   double WorstOfWholePart(int x0, int y0, const rg_block& block) const {
     constexpr int kLanes = SourceMap::kCellSize;
@@ -206,7 +206,7 @@ class TableErrors {
            SourceMap::kUnitsPerPx;
   }
 
-  // The worst error of a row of parts, of the pixels that are enough off.
+  // The maximum error of a row of tiles, over pixels above a threshold.
   double ExactWorstOfPartRow(int j, double enough) const {
     double worst = 0;
     ForParts(j, [&](int x0, const rg_block& block) {
@@ -227,8 +227,8 @@ class TableErrors {
   const int num_threads_, part_, num_part_rows_;
 };
 
-// The worst error of a lattice of chroma, by the map: a source is the mean of
-// those of the output pixels that a sample stands for.
+// The maximum error of a chroma component, by the map: a source is the mean of
+// those of the output pixels of a sample.
 double WorstOfChroma(const SourceMap& map, const std::vector<uint32_t>& words,
                      const rg_lattice& lattice, int num_threads) {
   const auto* section = reinterpret_cast<const uint8_t*>(words.data());

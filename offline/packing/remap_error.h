@@ -11,10 +11,11 @@
 
 namespace raygrid {
 
-/// The worst error of a table over all output pixels, px, with the integers of
-/// the board: the distance of a pixel's position from its exact source; for a
-/// pixel without a source, how far inside the rectangle the table puts it.
-/// Nothing if it is above the limit. The same with any number of threads.
+/// The maximum error of a table over all output pixels, px, in the runtime's
+/// integer arithmetic: the distance of a pixel's position from its exact
+/// source; for a pixel without a source, how far inside the rectangle its
+/// position is. Nothing if it exceeds the limit. Deterministic for any number
+/// of threads.
 std::optional<double> WorstRemapError(const CameraModel& camera,
                                       const OutputImage& output,
                                       const SourceMap& map,
@@ -22,21 +23,21 @@ std::optional<double> WorstRemapError(const CameraModel& camera,
                                       const RemapTable& table, double limit_px,
                                       int num_threads);
 
-/// The blocks, all of them parts, in which an error as above is beyond a limit,
-/// by the map; row by row.
+/// The blocks, all with tiles of their own size, in which this error exceeds a
+/// limit, according to the map; row by row.
 std::vector<bool> BlocksBeyond(const CameraModel& camera,
                                const OutputImage& output, const SourceMap& map,
                                const Blocks& blocks, const RemapTable& table,
                                double limit_px, int num_threads);
 
-/// The worst error of U and V in NV12 and YUYV, in their own pixels, by the
-/// map.
+/// The maximum error of U and V in NV12 and YUYV, in chroma pixels, according
+/// to the map.
 double WorstChromaError(const SourceMap& map, const RemapTable& table,
                         int num_threads);
 
-/// No table with parts of a size has a smaller worst error: no bilinear
-/// function is closer to the sources at the corners, the edges' middles and the
-/// centre of each part.
+/// A lower bound of the maximum error of any table with this tile size: the
+/// error of the best bilinear function at the corners, edge midpoints and
+/// centre of each tile.
 double LeastRemapError(const SourceMap& map, int part_log2);
 
 }  // namespace raygrid

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kQ12 = 4096;
 
-// Large parts, which remap faster, before small ones; then few bytes.
+// Large tiles, which remap faster, before small ones; then few bytes.
 constexpr BlockLayout kLayouts[] = {{6, 5}, {5, 0}, {6, 4}, {5, 4}, {4, 0},
                                     {6, 3}, {5, 3}, {4, 3}, {3, 0}};
 
@@ -73,8 +73,8 @@ void RequireFormatLimits(const ImageSize& source, const ImageSize& output) {
               size.width, size.height, limit));
 }
 
-// The pixels of a camera's frames that are shown: those that are asked for, and
-// that the lens throws light on. Nothing: all.
+// The pixels of a camera's frames that are shown: those requested, within the
+// image circle. Nothing: all.
 ShownPixels ShownOfCamera(const CameraModel& camera, const ShownPixels& asked) {
   if (!camera.image_circle()) return asked;
   return [&camera, asked](const Eigen::Vector2d& pixel) {
@@ -82,7 +82,7 @@ ShownPixels ShownOfCamera(const CameraModel& camera, const ShownPixels& asked) {
   };
 }
 
-// Hides cells no pixel of which is shown.
+// Hides cells without any shown pixel.
 template <typename Shows>
 void HideCells(const Shows& shows, SourceMap* map) {
   constexpr int kCell = SourceMap::kCellSize;
@@ -99,15 +99,15 @@ void HideCells(const Shows& shows, SourceMap* map) {
   }
 }
 
-// One of several alike tables is made from this: an output image whose source
-// is a camera's image, and which cells of its map are border.
+// The input for one of several tables of equal layout: an output image whose
+// source is a camera's image, and which cells of its map are border.
 struct TableInput {
   const CameraModel* camera;
   OutputImage output;
   std::function<void(SourceMap*)> hide;
 };
 
-// A table's input, and what does not depend on its blocks.
+// A table's input, and precomputed data independent of its blocks.
 struct MappedInput {
   MappedInput(const TableInput& table, int num_threads)
       : input(table),
@@ -131,9 +131,9 @@ struct MappedInput {
   }
 };
 
-// Moves nodes that a table lacks, where no block of it has a source, to where
-// those of the nearest other table lie, by the affine map that is closest to
-// how the two differ elsewhere.
+// Extrapolates nodes that a table lacks, where no block of it has a source,
+// from those of the nearest other table, by the affine map that best fits their
+// differences elsewhere.
 void ContinueNodes(const Blocks& all, const std::vector<Blocks>& own,
                    size_t table, std::vector<NodePositions>* nodes) {
   const std::vector<bool> needed = NeededNodes(all);
@@ -175,8 +175,8 @@ Blocks UnionOf(const std::vector<Blocks>& own) {
   return all;
 }
 
-// Leaves out the blocks with a vertex so far beyond what the format holds that
-// an error is added. Returns their number.
+// Excludes blocks with a vertex so far outside the format's range that clamping
+// causes an error. Returns their number.
 int LeaveOutOfReach(const NodePositions& nodes, double max_error_px,
                     Blocks* blocks) {
   const double reach_px = RG_VERTEX_LIMIT_Q12 / kQ12 + max_error_px / 2;
@@ -196,8 +196,8 @@ int LeaveOutOfReach(const NodePositions& nodes, double max_error_px,
   return num_left_out;
 }
 
-// Tables with blocks of a layout, as far as the format holds them; nothing if
-// it does not. Small blocks that it does not hold are left out of own and all.
+// Tables with blocks of a layout, if the format can represent them. Small
+// blocks that it cannot represent are excluded from own and all.
 std::optional<std::vector<RemapTable>> FitWithLayout(
     const std::vector<std::unique_ptr<MappedInput>>& inputs,
     double max_error_px, const VirtualView& view,
@@ -227,8 +227,8 @@ std::optional<std::vector<RemapTable>> FitWithLayout(
   return tables;
 }
 
-// Measures a table in the blocks in which it has sources itself; false if it is
-// off by more than the limit.
+// Measures a table in the blocks in which it has sources; false if its error
+// exceeds the limit.
 bool MeasureTable(const MappedInput& input, const Blocks& own,
                   double max_error_px, double limit_px, int num_threads,
                   RemapTable* table) {
@@ -250,8 +250,8 @@ bool MeasureTable(const MappedInput& input, const Blocks& own,
   return true;
 }
 
-// Marks the blocks of the smallest layout in which a table of own is beyond the
-// bound as left out, in all tables.
+// Excludes the blocks of the smallest layout in which a table of own exceeds
+// the limit, in all tables.
 void LeaveOutRough(const std::vector<std::unique_ptr<MappedInput>>& inputs,
                    const std::vector<RemapTable>& tables, double max_error_px,
                    int num_threads, std::vector<Blocks>* own) {
@@ -272,10 +272,9 @@ void LeaveOutRough(const std::vector<std::unique_ptr<MappedInput>>& inputs,
       if (is_rough[k]) blocks.used[k] = false;
 }
 
-// Tables of the smallest blocks without the few that do not keep the bound, as
-// where a distortion nearly folds, or runs off the image; nothing if they are
-// more. Each table is fitted again without them, since they bend it beside
-// them.
+// Tables of the smallest blocks without the few that exceed the limit, as where
+// the distortion nearly folds, or leaves the image; nothing if they are more.
+// Each table is fitted again without them, since they affect their neighbours.
 std::optional<std::vector<RemapTable>> FitWithoutRough(
     const std::vector<std::unique_ptr<MappedInput>>& inputs,
     double max_error_px, const VirtualView& view, int num_threads,
@@ -312,8 +311,8 @@ std::optional<std::vector<RemapTable>> FitWithoutRough(
   return std::nullopt;
 }
 
-// Tables that are alike but for residuals, bends and errors; the view is what
-// they are said to be of.
+// Tables that differ only in residuals, bends and errors; view is stored as
+// their view.
 std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
                                   const VirtualView& view, double max_error_px,
                                   int num_threads,
@@ -364,7 +363,7 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
                                    go_on, own, *std::move(tables));
     if (without) return *std::move(without);
   }
-  // More is no picture that anybody means.
+  // Larger errors make an image unusable.
   constexpr double kUsefulErrorPx = 1;
   throw Error(
       ExitCode::kQuality,

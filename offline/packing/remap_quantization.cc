@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kVertexUnits = 4096;  // a pixel
 
-// The affine map closest to the vertices of used blocks: origin, column step,
+// The affine map fitted to the vertices of used blocks: origin, column step,
 // row step.
 Eigen::Matrix<double, 3, 2> FitAffine(const Blocks& blocks,
                                       const NodePositions& nodes) {
@@ -29,7 +29,7 @@ Eigen::Matrix<double, 3, 2> FitAffine(const Blocks& blocks,
   return normal.ldlt().solve(right);
 }
 
-// The smallest shift that lets all values fit into a range.
+// The smallest shift with which all values fit into a range.
 int FittingShift(double largest, double limit) {
   int shift = 0;
   while (largest / (1 << shift) > limit) ++shift;
@@ -74,8 +74,8 @@ void QuantizePlane(const Blocks& blocks,
   }
 }
 
-// How far vertices lie from the section's affine map; those that are not needed
-// are brought near. *largest grows to the largest that is needed.
+// The residuals of vertices from the section's affine map; unused ones are
+// clamped. *largest is raised to the maximum of the used ones.
 std::vector<double> ResidualsQ12(const Blocks& blocks,
                                  const NodePositions& vertices,
                                  const rg_remap_section& s, double* largest) {
@@ -91,7 +91,7 @@ std::vector<double> ResidualsQ12(const Blocks& blocks,
         const double target = needed[k] ? vertices(k, c) * kVertexUnits
                                         : std::clamp(base[c], 0.0, 1.0);
         residuals_q12.push_back(std::clamp(target, -kLimit, kLimit) - base[c]);
-        // Those that are not needed may lie anywhere within the limit.
+        // Unused ones are arbitrary within the limit.
         *largest =
             std::max(*largest, needed[k] ? std::abs(residuals_q12.back())
                                          : std::abs(base[c]) - kLimit + 1);

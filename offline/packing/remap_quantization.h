@@ -9,15 +9,16 @@
 
 namespace raygrid {
 
-/// Vertices of alike tables in q12: origin and steps, which are the closest to
-/// the first table's vertices, and residuals with the smallest shift that lets
-/// all that are needed of all tables fit. False if none does.
+/// Quantizes vertices of tables with common layout in q12: origin and steps are
+/// fitted to the first table's vertices; residuals have the smallest shift with
+/// which those of all used vertices fit. False if none does.
 bool QuantizeVertices(const Blocks& blocks,
                       const std::vector<NodePositions>& vertices,
                       std::vector<RemapTable>* tables);
 
-/// Their bends in 8 bits, as 4 / N of how far an edge of N parts bends, with
-/// the smallest shift that lets all of all tables fit; false if none does.
+/// Quantizes their bends to 8 bits, as 4 / N of the bend of an edge of N tiles,
+/// with the smallest shift with which those of all tables fit; false if none
+/// does.
 bool QuantizeBends(const Blocks& blocks,
                    const std::vector<NodePositions>& nodes,
                    std::vector<RemapTable>* tables);

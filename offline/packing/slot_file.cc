@@ -21,7 +21,7 @@ std::vector<uint32_t> AlignedWords(const std::string& bytes) {
   return words;
 }
 
-// Whether a slot's header, with a right CRC, is at a place.
+// Whether a slot's header with a correct CRC is at an offset.
 bool HasHeaderAt(const std::string& bytes, size_t at) {
   if (bytes.compare(at, sizeof(kSlotMagic), kSlotMagic, sizeof(kSlotMagic)) !=
           0 ||
@@ -33,14 +33,14 @@ bool HasHeaderAt(const std::string& bytes, size_t at) {
          rg_crc32(0, header, RG_SLOT_HEADER_CRC);
 }
 
-// Whether a place may be the first of a slot that was damaged or half written.
+// Whether an offset may be the start of a corrupt or partially written slot.
 bool MayBeSlotAt(const std::string& bytes, size_t at) {
   const std::string begin = bytes.substr(at, sizeof(kSlotMagic));
   return begin == std::string(kSlotMagic, sizeof(kSlotMagic)) ||
          begin == std::string(sizeof(kSlotMagic), kErased);
 }
 
-// Why neither all of a board's calls nor the host take a blob.
+// Why the device's functions or the host reject a blob.
 std::string FaultOf(const std::string& blob) {
   const std::vector<uint32_t> words = AlignedWords(blob);
   const auto size = static_cast<uint32_t>(blob.size());
@@ -67,7 +67,7 @@ BlobSlot ReadSlot(const std::string& bytes) {
   return slot;
 }
 
-// The one that a board would choose among those that a condition admits.
+// The slot that a device would choose among those that meet a condition.
 template <typename Admits>
 std::optional<uint32_t> NewestOf(const std::array<BlobSlot, 2>& slots,
                                  Admits admits) {

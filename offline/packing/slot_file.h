@@ -12,47 +12,47 @@ namespace raygrid {
 /// One of the two slots of a device's flash (formats/SPEC.md, "Slots").
 struct BlobSlot {
   bool is_erased;         ///< all bytes are FFh
-  bool is_whole;          ///< its header and its CRCs are right
-  uint32_t sequence = 0;  ///< of a whole one, and its bytes
+  bool is_whole;          ///< header and CRCs are correct
+  uint32_t sequence = 0;  ///< and contents, if whole
   std::string blob;
-  /// Why the runtime does not open these bytes; empty if it does.
+  /// Why the runtime rejects the contents; empty if it opens them.
   std::string fault;
 
-  /// Whether it holds a blob that a board opens.
+  /// Whether it contains a blob that a device can open.
   bool IsUsable() const { return is_whole && fault.empty(); }
 };
 
-/// Two slots, each half of the bytes, whose number is a multiple of 8.
+/// Two slots of equal size; the total is a multiple of 8 bytes.
 struct BlobSlots {
   std::array<BlobSlot, 2> slots;
-  std::optional<uint32_t> newest;  ///< usable one; nothing if neither is
+  std::optional<uint32_t> newest;  ///< usable one; nothing if there is none
 };
 
-/// Bytes that a slot must have for a blob.
+/// The slot size in bytes that a blob requires.
 uint64_t SlotSizeFor(const std::string& blob);
 
-/// Whether bytes are two slots: one has a slot's header, or both begin as a
-/// header or as erased flash does. A blob is none, whatever its name is.
+/// Whether bytes are two slots: one has a slot header, or both begin with a
+/// header or erased flash. False for a blob, whatever its name.
 bool IsSlotFile(const std::string& bytes);
 
 BlobSlots ReadSlots(const std::string& bytes);
 
-/// The place of a slot that is neither the first one nor in the middle of the
-/// bytes: these are not the two slots of a device, or not all of them.
+/// The offset of a slot that is neither at the start nor in the middle: the
+/// bytes are not the two slots of a device, or incomplete.
 std::optional<uint64_t> FindMisplacedSlot(const std::string& bytes);
 
-/// Bytes to be written at a place.
+/// Bytes to be written at an offset.
 struct SlotWrite {
-  uint64_t offset;  ///< from the first slot's first byte
+  uint64_t offset;  ///< from the start of the first slot
   std::string bytes;
 };
 
-/// The writes that bring a blob into the slot that is not the newest usable
-/// one, or, if none is usable, not the newest whole one.
+/// The writes that store a blob in the slot other than the newest usable one,
+/// or, without any, other than the newest whole one.
 struct SlotUpdate {
   uint32_t index, sequence;
-  /// In this order. Each one must be on disk before the next one begins: then
-  /// a cut at any moment leaves the newest blob that was there.
+  /// In this order. Each must be on disk before the next begins, so that the
+  /// newest blob survives a power loss at any time.
   std::vector<SlotWrite> writes;
 };
 

@@ -9,10 +9,10 @@ namespace raygrid {
 namespace {
 
 constexpr int kCell = SourceMap::kCellSize;
-// Sources are known up to so far outside of the rectangle, so that fits are not
-// one-sided at its edge.
+// The margin around the rectangle with sources, so that fits are not one-sided
+// at its edge.
 constexpr double kMarginPx = 1.5;
-// The deviation of interpolation above which the model is asked.
+// The interpolation error above which the model is evaluated.
 constexpr double kMaxDeviationPx = 2e-3;
 constexpr double kRoundingPx = 1.0 / SourceMap::kUnitsPerPx;  // at most
 
@@ -36,9 +36,8 @@ std::optional<Eigen::Vector2d> SourceOf(const CameraModel& camera,
 
 // The sources of the cells' corners and of two more rows and columns on each
 // side of the image, as far as they are in the rectangle, and of two points
-// around those. It is spread from point to point, beginning in the middle, so
-// that each starts from its neighbour's source: a camera that folds over shows
-// some directions twice.
+// around those. Computed by propagation from the centre, each point initialized
+// with its neighbour's source: a camera that folds sees some directions twice.
 class Lattice {
  public:
   Lattice(const CameraModel& camera, const OutputImage& output,
@@ -60,14 +59,14 @@ class Lattice {
     FindDeviations();
   }
 
-  // The upper left corner of a cell; NaN if it is not known.
+  // The upper left corner of a cell; NaN without a source.
   const Eigen::Vector2d& At(int column, int row) const {
     return points_[Index(column + kRing, row + kRing)].source;
   }
   bool IsSeen(int column, int row) const {
     return points_[Index(column + kRing, row + kRing)].is_seen;
   }
-  // How far off interpolation near a corner is at most; NaN if not known.
+  // The maximum interpolation error near a corner; NaN if unknown.
   double Deviation(int column, int row) const {
     return points_[Index(column + kRing, row + kRing)].deviation;
   }
@@ -102,7 +101,7 @@ class Lattice {
     seen_.push_back(index);
   }
 
-  // The corners of the cell that a source is seen in.
+  // Starts from the corners of the cell that contains a source.
   void StartFromSource(const Eigen::Vector2d& source) {
     const auto ray = camera_.Unproject(source);
     const auto pixel = ray ? output_.pixel(*ray) : std::nullopt;
@@ -119,8 +118,8 @@ class Lattice {
     }
   }
 
-  // The rectangle's corners, which may be seen in thin tips of the image, and
-  // what lies between, in case that what is seen is not connected.
+  // Starts from points between the rectangle's corners, which may be in thin
+  // tips of the image, in case the visible part is not connected.
   void StartFromSources() {
     constexpr int kSteps = 32;
     for (int j = 0; j <= kSteps; ++j)
@@ -129,8 +128,8 @@ class Lattice {
                          rectangle_.y0 + rectangle_.height() * j / kSteps});
   }
 
-  // The image's corners and middles, in case that it is but a small part of the
-  // rectangle.
+  // Starts from the image's corners and midpoints, in case it is a small part
+  // of the rectangle.
   void StartFromImage() {
     for (int k = 0; k < 9; ++k) {
       const int index =
@@ -171,10 +170,9 @@ class Lattice {
     }
   }
 
-  // Finds by how much the interpolation deviates: where fourth derivatives are
-  // constant, cubic interpolation between points with a fourth difference d is
-  // off by 3/128 d at most. 1/8 d leaves room for others, such as those of a
-  // spline.
+  // Estimates the interpolation error: for constant fourth derivatives, cubic
+  // interpolation between points with a fourth difference d has an error of at
+  // most 3/128 d. 1/8 d is conservative for others, such as those of a spline.
   void FindDeviations() {
     const auto fourth_difference = [&](int index, int step) {
       const auto at = [&](int k) -> const Eigen::Vector2d& {
@@ -200,8 +198,8 @@ class Lattice {
   size_t num_spread_ = 0;  // of seen_
 };
 
-// How far off interpolation in a cell is at most; infinite where it cannot be,
-// NaN where nothing is seen.
+// The maximum interpolation error in a cell; infinite where it cannot be
+// interpolated, NaN where nothing is visible.
 double CellDeviation(const Lattice& lattice, int column, int row) {
   double worst = -1;
   bool is_seen = false;
@@ -271,7 +269,7 @@ CellSources InterpolateCell(const Lattice& lattice, int column, int row) {
   return sources;
 }
 
-// A start is what was found before, or else the cell's corner.
+// The initial value is the previous result, or the cell's corner.
 CellSources ProjectCell(const CameraModel& camera, const OutputImage& output,
                         int column, int row, const Eigen::Vector2d& corner) {
   CellSources sources;
@@ -368,8 +366,8 @@ class CutOffSearch {
     return false;
   }
 
-  // Whether a pixel would be seen in the rectangle, as its neighbour is, if the
-  // camera showed it at all.
+  // Whether a pixel would be visible in the rectangle, like its neighbour, if
+  // the camera were defined there.
   bool IsCutOffFrom(int x, int y, int dx, int dy) const {
     const Eigen::Vector2d beside = map_.At(x + dx, y + dy);
     const int far_x = x + 2 * dx, far_y = y + 2 * dy;

@@ -10,8 +10,8 @@
 namespace raygrid {
 namespace {
 
-// The largest distance, in pixels, of what a camera sees from what the blend of
-// two others does, over a lattice of its area.
+// The maximum distance in pixels between a camera and the interpolation of two
+// others, over a lattice of its area.
 double BlendError(const CentralGeneric& lower, const CentralGeneric& upper,
                   double weight, const CentralGeneric& truth) {
   constexpr int kSteps = 24;
@@ -35,7 +35,7 @@ double BlendError(const CentralGeneric& lower, const CentralGeneric& upper,
   return worst;
 }
 
-// So many evenly spaced knots; nothing if they do not keep the bound.
+// Makes count evenly spaced samples; nothing if they exceed the limit.
 std::optional<StackKnots> MakeKnots(
     int num_knots, double low, double high,
     const std::function<CentralGeneric(double)>& camera_at,

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kMaxMeasuredPixels = 1.6e7;
 
-// How many pixels lie along a radian of rays where they turn fastest, across
-// the middle of the area; a fisheye's are alike everywhere in its image circle.
+// The number of pixels per radian where rays change fastest, across the centre
+// of the area; fisheyes are uniform within their image circle.
 double FewestPixelsPerRadian(const CameraModel& camera) {
   constexpr int kSteps = 16;
   const Area& area = camera.area();

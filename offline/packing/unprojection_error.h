@@ -8,14 +8,14 @@
 
 namespace raygrid {
 
-/// The largest errors that packing adds to un-projection: in pixels over
-/// trusted cells, in radians over the whole area.
+/// The maximum unprojection errors due to packing: in pixels over valid cells,
+/// in radians over the whole area.
 struct UnprojectionError {
   double px = 0, rad = 0;
 };
 
-/// A blob is measured against the camera where it is trusted, if it is
-/// anywhere, and elsewhere against the grid that is left of it there.
+/// The reference for measuring a blob: the camera in its valid region, if there
+/// is one, and elsewhere the fitted grid.
 struct PackingTruth {
   const CameraModel& camera;
   const CameraModel& elsewhere;
@@ -26,11 +26,11 @@ struct PackingTruth {
   }
 };
 
-/// The runtime's un-projection by a blob against the truth, at every pixel of
-/// the blob's area, or at those of every few rows and columns if these are more
-/// than 16 million. In pixels it is measured where the camera is trusted, and
-/// not where rays hardly turn from pixel to pixel, as outside a fisheye's image
-/// circle. Throws Error(kQuality) if the runtime refuses the blob.
+/// Measures the runtime's unprojection by a blob against the truth, at every
+/// pixel of the blob's area, subsampled to at most 16 million. Errors in pixels
+/// are measured in the valid region, except where rays hardly change between
+/// pixels, as outside a fisheye's image circle. Throws Error(kQuality) if the
+/// runtime rejects the blob.
 UnprojectionError MeasureUnprojection(const PackingTruth& truth,
                                       const std::string& blob, int num_threads);
 

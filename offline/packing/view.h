@@ -10,8 +10,7 @@
 
 namespace raygrid {
 
-/// The virtual camera that an undistorted image seems to come from. It stands
-/// where the real one does.
+/// The virtual camera of an undistorted image, at the real camera's centre.
 struct VirtualView {
   ImageSize size;
   ViewProjection projection = ViewProjection::kPinhole;
@@ -21,27 +20,27 @@ struct VirtualView {
 
   bool IsTurned() const { return !camera_from_view.isIdentity(0); }
 
-  /// The direction in camera axes, of any length, that a pixel looks along;
-  /// nothing for pixels beyond what the projection shows.
+  /// The direction in camera axes, of any length, of a pixel; nothing for
+  /// pixels outside the range of the projection.
   std::optional<Eigen::Vector3d> Direction(const Eigen::Vector2d& pixel) const;
-  /// The pixel, also of those beyond the image, that looks along a direction in
-  /// camera axes.
+  /// Projects a direction in camera axes to a pixel, which may be outside the
+  /// image.
   std::optional<Eigen::Vector2d> Pixel(const Eigen::Vector3d& direction) const;
 
   /// Between the outer edges of the first and the last pixels, along the row
-  /// and the column of the centre.
+  /// and the column of the principal point.
   double HorizontalFieldOfViewDeg() const;
   double VerticalFieldOfViewDeg() const;
 };
 
-/// The angle between the outer edges of an image's first and last pixels along
-/// an axis, 0 for x and 1 for y, in degrees; of an image beyond the ends of its
-/// projection, between these.
+/// The angle in degrees between the outer edges of an image's first and last
+/// pixels along an axis, 0 for x and 1 for y; limited to the range of the
+/// projection.
 double FieldOfViewDeg(ViewProjection projection, int axis, double focal_px,
                       double center_px, int pixels);
 
-/// Turns a view to the right, then up, then clockwise, in degrees: axes of the
-/// view to camera axes.
+/// The rotation of a view to the right, then up, then clockwise, in degrees:
+/// from view axes to camera axes.
 Eigen::Matrix3d RotationOfAngles(const Eigen::Vector3d& yaw_pitch_roll_deg);
 Eigen::Vector3d AnglesOfRotation(const Eigen::Matrix3d& camera_from_view);
 
@@ -49,11 +48,11 @@ Eigen::Vector3d AnglesOfRotation(const Eigen::Matrix3d& camera_from_view);
 /// pinhole the model opencv without distortion, otherwise a ViewCamera.
 std::unique_ptr<CameraModel> CameraOfView(const VirtualView& view);
 
-/// A view as a camera in the axes of the one that it is made from.
+/// The view as a camera in the axes of the original camera.
 std::unique_ptr<CameraModel> CameraOfTurnedView(const VirtualView& view);
 
-/// The view, not turned, that such a camera is; nothing if it has distortion or
-/// is of another model.
+/// The unrotated view that is equivalent to such a camera; nothing if it has
+/// distortion or is of another model.
 std::optional<VirtualView> ViewOfCamera(const CameraModel& camera);
 
 }  // namespace raygrid

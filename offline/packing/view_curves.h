@@ -10,32 +10,32 @@
 
 namespace raygrid {
 
-/// Points of an image, in pixels, to be joined by straight strokes.
+/// A polyline in an image, in pixels.
 using PixelCurve = std::vector<Eigen::Vector2d>;
 
-/// Lines that are straight in the world, as a view shows them: those that cut
-/// the walls of a room into squares. The room is a cube around the camera,
-/// whose walls lie one unit from it along the room's axes. Curves end where the
-/// view shows them no more, and reach beyond its image.
+/// Straight lines in space projected to a view: a grid of squares on the walls
+/// of a room, a cube centred at the camera with walls at a distance of 1 along
+/// the room's axes. Curves end at the limits of the projection, and extend
+/// beyond the image.
 std::vector<PixelCurve> LinesOfRoom(const VirtualView& view,
                                     const Eigen::Matrix3d& camera_from_room,
                                     double square);
 
-/// The side of the squares, 2 / 2^k, that gives a view about ten lines across.
+/// The side of the squares, 2 / 2^k, for about ten lines across a view.
 double SquareOfView(const VirtualView& view);
 
-/// The edges between trusted and other cells, and those at the image's edge.
+/// The edges of the valid region, also those at the image's edge.
 std::vector<PixelCurve> OutlineOfTrusted(const TrustMask& mask,
                                          const ImageSize& size);
 std::vector<PixelCurve> OutlineOfArea(const Area& area);
 
-/// Curves of a camera's image as a view shows them. Points up to a pixel beyond
-/// the camera's area count as its edge.
+/// Transforms curves from a camera's image to a view. Points up to a pixel
+/// outside the camera's area are clamped to its edge.
 std::vector<PixelCurve> CurvesInView(const CameraModel& camera,
                                      const VirtualView& view,
                                      const std::vector<PixelCurve>& curves);
 
-/// The edge of a view's image, as far as the camera's area shows it.
+/// The edge of a view's image, where the camera's area covers it.
 std::vector<PixelCurve> EdgeOfView(const CameraModel& camera,
                                    const VirtualView& view);
 

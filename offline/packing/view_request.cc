@@ -14,9 +14,8 @@
 namespace raygrid {
 namespace {
 
-// The field of view that projections may have along x and along y, degrees. An
-// image whose projection stretches without bound has little room for the rest
-// if it shows more of what is far off.
+// The maximum field of view of projections along x and y, degrees. Projections
+// with unbounded stretch would otherwise leave little room for the centre.
 Eigen::Vector2d LargestFieldDeg(ViewProjection projection) {
   switch (projection) {
     case ViewProjection::kPinhole:
@@ -50,8 +49,8 @@ VirtualView Plane(const ViewRequest& request) {
   return plane;
 }
 
-// Pixels per radian where the view looks straight ahead, or else where the
-// camera does, or in the middle of its area.
+// Pixels per radian at the view's principal point, or otherwise at the
+// camera's, or at the centre of its area.
 double CentralFocalLength(const CameraModel& camera, const VirtualView& plane) {
   LinearizedProjection projection;
   const auto ray = camera.Unproject(camera.area().center());
@@ -127,8 +126,7 @@ VirtualView Scaled(const VirtualView& view, const ImageSize& size) {
   return result;
 }
 
-// A view around a centre with the focal lengths that are asked for; 0 if none
-// is.
+// A view about a centre with the requested focal lengths; 0 if none is.
 VirtualView ViewAround(const VirtualView& plane, const ViewRequest& request,
                        const ImageSize& size) {
   VirtualView view = plane;
@@ -152,7 +150,7 @@ VirtualView ViewAround(const VirtualView& plane, const ViewRequest& request,
   return view;
 }
 
-// Such a view, as sharp as the camera where no focal length is asked for.
+// Such a view, with the camera's resolution if no focal length is given.
 VirtualView ViewAsSharp(const CameraModel& camera, const VirtualView& plane,
                         const ViewRequest& request, const ImageSize& size) {
   VirtualView view = ViewAround(plane, request, size);

@@ -13,7 +13,7 @@
 namespace raygrid {
 namespace {
 
-// The camera's own answer for every pixel of an output image that it sees.
+// The exact source of every pixel of an output image.
 std::vector<Eigen::Vector2d> ExactSources(const CameraModel& camera,
                                           const OutputImage& output,
                                           int num_threads) {
@@ -34,7 +34,7 @@ std::vector<Eigen::Vector2d> ExactSources(const CameraModel& camera,
   return sources;
 }
 
-// Leaves out the pixels of the camera that its lens throws no light on.
+// Excludes the camera's pixels outside the image circle.
 void LeaveOutUnlit(const CameraModel& camera, bool is_reverse,
                    ViewSources* view) {
   for (size_t k = 0; k < view->sources.size(); ++k) {

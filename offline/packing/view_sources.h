@@ -10,22 +10,22 @@
 
 namespace raygrid {
 
-/// The places in a camera's image that the pixels of a view show, or the other
-/// way around, by the camera's own answer for every pixel.
+/// The source positions of a view's pixels in a camera's image, or the inverse,
+/// evaluated exactly for every pixel.
 struct ViewSources {
   ImageSize size, source_size;
-  /// Row by row; NaN where a pixel has none, as beyond the image circle.
+  /// Row by row; NaN where there is none, as outside the image circle.
   std::vector<Eigen::Vector2d> sources;
 };
 
-/// A camera of lines as it sees what is far away, which is what the tables of
-/// blobs are of; a copy of a central camera. Throws Error(kUsage), without the
-/// file's name, for cameras of other lines.
+/// The central camera that approximates a non-central one at infinity, which
+/// the blob's tables use; a copy of a central camera. Throws Error(kUsage),
+/// without the file's name, for other non-central cameras.
 std::unique_ptr<CameraModel> CentralCamera(const CameraModel& camera);
 
-/// The sources of a view's pixels; if is_reverse, those of the camera's pixels
-/// in the view. Of a camera of lines they are those of what is far away. Throws
-/// as CentralCamera() does.
+/// Computes the sources of a view's pixels; if is_reverse, of the camera's
+/// pixels in the view. Non-central cameras are evaluated at infinity. Throws
+/// like CentralCamera().
 ViewSources SourcesOfView(const CameraModel& camera, const VirtualView& view,
                           bool is_reverse, int num_threads);
 

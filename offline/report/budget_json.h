@@ -7,8 +7,8 @@
 
 namespace raygrid {
 
-/// "residual_budget" of result.json: parts of the squared residuals, and the
-/// verdict on them, which readers form anew.
+/// Formats "residual_budget" of result.json: fractions of the sum of squared
+/// residuals, and the limiting cause, which readers derive again.
 nlohmann::ordered_json BudgetJson(const ResidualBudget& budget);
 /// Throws nlohmann::json::exception.
 ResidualBudget ParseBudget(const nlohmann::ordered_json& json);

@@ -7,8 +7,8 @@
 
 namespace raygrid {
 
-/// "What limits this calibration": a sentence, the one thing to do, a bar of
-/// the parts of the squared residuals, and their table.
+/// Formats "What limits this calibration": a sentence, the recommendation, a
+/// bar of the fractions of the squared residuals, and their table.
 std::string BudgetSection(const ResidualBudget& budget);
 
 }  // namespace raygrid

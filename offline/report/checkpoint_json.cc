@@ -15,8 +15,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 4;
 
-// A checksum over what the checkpoint is about and what it holds: the result
-// goes by both.
+// A checksum over the inputs and contents of the checkpoint, both of which
+// determine the result.
 std::string Checksum(const std::string& inputs, const std::string& cameras) {
   ContentHash hash;
   hash.Add(inputs);
@@ -27,8 +27,8 @@ std::string Checksum(const std::string& inputs, const std::string& cameras) {
 constexpr char kBegin[] = "{\"raygrid_resume\":";
 constexpr char kCameras[] = ",\"cameras\":", kEnd[] = "}\n";
 
-// The text of a checkpoint's cameras, once what stands before it is that of
-// these inputs: nothing is parsed that was not written here, whatever its size.
+// The text of a checkpoint's cameras, after checking that it has these inputs:
+// nothing is parsed that was not written here, whatever its size.
 std::string CamerasText(const std::string& text, const std::string& inputs) {
   constexpr size_t kLongestHead = 4096;
   const size_t begin = text.rfind(kBegin, 0) == 0

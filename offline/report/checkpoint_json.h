@@ -8,12 +8,12 @@
 
 namespace raygrid {
 
-/// resume.json: the checkpoints of one camera, or of a rig's, and what they are
-/// of, as a text that tells features and options from others.
+/// Formats resume.json: the checkpoints of one camera, or of a rig's cameras,
+/// and inputs, a text that identifies features and options.
 std::string FormatCheckpoints(const std::vector<Checkpoint>& checkpoints,
                               const std::string& inputs);
 
-/// Throws InputError: no such file, malformed, altered, or of other inputs.
+/// Throws InputError: missing, malformed or modified file, or other inputs.
 std::vector<Checkpoint> ReadCheckpoints(const std::string& path,
                                         const std::string& inputs);
 

@@ -10,21 +10,21 @@
 
 namespace raygrid {
 
-/// Scales that the colour-blind read too.
+/// Colour scales that are readable with colour blindness.
 enum class ColorScale {
   kMagnitude,  ///< inferno: from black to bright
   kEven,       ///< cividis: from dark blue to yellow
-  kDirection  ///< twilight: a circle; dark and light, red and blue are opposite
+  kDirection   ///< twilight: cyclic; opposite directions differ most
 };
 
-/// Blue, green, red for a part from 0 to 1.
+/// Returns blue, green and red for a value from 0 to 1.
 std::array<uint8_t, 3> ColorOf(ColorScale scale, double part);
 
 /// "linear-gradient(to right,#000004,...)".
 std::string CssGradient(ColorScale scale);
 
-/// Values row by row, from low to high; white where there is none. Each is
-/// cell_px wide and high.
+/// Draws values row by row, scaled from low to high; NaN is white. Each cell is
+/// a square of cell_px pixels.
 Image HeatMap(const std::vector<double>& values, int columns, double low,
               double high, int cell_px, ColorScale scale = ColorScale::kEven);
 

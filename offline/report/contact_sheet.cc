@@ -39,7 +39,8 @@ void DropLastCharacter(std::string* text) {
   if (!text->empty()) text->pop_back();
 }
 
-// A line in smaller letters if it is too long, and cut if that is not enough.
+// Draws a line, in smaller letters if it is too long, and truncated if
+// necessary.
 void DrawLine(std::string text, double x, double baseline, double width,
               double size, cairo_t* cr) {
   cairo_set_font_size(cr, size);
@@ -85,8 +86,7 @@ struct Box {
   double x = 0, y = 0, width = 0, height = 0;
 };
 
-// A picture's size in a column: pictures are not higher than the column is
-// wide.
+// A picture's size in a column: height is limited to the column width.
 Box SizeInColumn(const Image& picture, int column_width) {
   const double width = picture.size.width, height = picture.size.height;
   Box box;

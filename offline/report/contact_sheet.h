@@ -18,15 +18,14 @@ constexpr SheetColor kTrustedColor = {0.15, 0.85, 0.25};
 constexpr SheetColor kEmptyColor = {0.23, 0.23, 0.23};
 constexpr SheetColor kAreaColor = {1.0, 0.85, 0.1};
 constexpr SheetColor kStraightColor = {1.0, 0.35, 0.0};
-/// The colour of a row's view by its number, again from the first one on after
-/// the last one.
+/// The colour of a view by its index; colours repeat cyclically.
 SheetColor ColorOfView(size_t view);
 
-/// Strokes over a picture, in its pixels; (0, 0) is the centre of the first.
+/// Strokes over a picture, in pixels; (0, 0) is the centre of the first pixel.
 struct SheetCurves {
   std::vector<std::vector<Eigen::Vector2d>> curves;
   SheetColor color = kTrustedColor;
-  double width = 2;  ///< in pixels of the sheet; from 2 on with a dark rim
+  double width = 2;  ///< in pixels of the sheet; with a dark outline from 2 on
   bool is_dashed = false;
 };
 
@@ -34,8 +33,8 @@ struct SheetCurves {
 struct SheetTile {
   std::string title;
   std::vector<std::string> caption;
-  Image picture;        ///< of 8 bits, grey or BGR; of no size: none
-  std::string message;  ///< stands in the place of the picture
+  Image picture;        ///< 8 bits, grey or BGR; empty: none
+  std::string message;  ///< replaces the picture
   std::vector<SheetCurves> curves;
   std::optional<SheetColor> frame;  ///< around the picture
 };
@@ -44,17 +43,17 @@ struct SheetRow {
   std::vector<SheetTile> tiles;
 };
 
-/// A mark that the note at the sheet's end explains.
+/// A marker that is explained by the note at the end of the sheet.
 struct SheetMark {
   SheetColor color;
   bool is_dashed;
   std::string meaning;
 };
 
-/// The rows below each other, each from a line of its own on, at most four
-/// pictures beside each other: 2400 px wide or less. Pictures are made as wide
-/// as their column, or smaller where they are tall. Throws Error(kUsage) if
-/// the sheet would be too high for a picture.
+/// Draws the rows below each other, each on a new line, with at most four
+/// pictures side by side: at most 2400 px wide. Pictures are scaled to the
+/// width of their column, or smaller if they are tall. Throws Error(kUsage) if
+/// the sheet would exceed the maximum height of an image.
 Image ContactSheet(const std::vector<SheetRow>& rows,
                    const std::vector<SheetMark>& marks);
 

@@ -1,4 +1,4 @@
-/// Pieces of an HTML page.
+/// Building blocks of an HTML page.
 #ifndef RAYGRID_REPORT_HTML_H
 #define RAYGRID_REPORT_HTML_H
 
@@ -14,34 +14,34 @@ namespace raygrid {
 std::string EscapeHtml(const std::string& text);
 std::string Base64(const std::string& bytes);
 
-/// A row's first cell is its name. Cells are HTML.
+/// A table row, whose first cell is its name. Cells are HTML.
 using HtmlRow = std::vector<std::string>;
 std::string HtmlTable(const HtmlRow& head, const std::vector<HtmlRow>& rows);
 
-/// The meaning of a picture's axes and colours.
+/// The labels of a picture's axes and colours.
 struct PictureAxes {
   std::string x_label, y_label;
   std::vector<std::string> x_ticks, y_ticks;  ///< even, from the top left
 };
-/// The axes of a picture that an area fills, in its pixels.
+/// Makes the axes of a picture that shows exactly an area, in its pixels.
 PictureAxes AreaAxes(const Area& area);
-/// A bar of colours from low to high, in words.
+/// A colour bar from low to high, with labels.
 struct ColorBar {
   ColorScale scale = ColorScale::kEven;
   std::string label, low, high;
 };
 std::string HtmlColorBar(const ColorBar& bar);
 
-/// A picture with its axes; view names it for the script, which zooms in it.
+/// A picture with axes; view is the name by which the script zooms it.
 std::string HtmlPicture(const Image& picture, const std::string& caption,
                         const PictureAxes& axes, const std::string& legend,
                         const std::string& view);
 
-/// A picture alone.
+/// A picture without axes.
 std::string HtmlImage(const Image& picture, const std::string& alt);
 
-/// Style, heading; then, with data for the script, the end. A trial runs the
-/// runtime in the page.
+/// The page's style and heading; the page's end, with the data for the script.
+/// A trial runs the runtime in the page.
 std::string PageStart(const std::string& heading,
                       const std::string& title = "raygrid calibration");
 std::string PageEnd(const std::string& data_json, bool has_trial = false);

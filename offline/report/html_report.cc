@@ -203,7 +203,7 @@ std::map<std::string, std::vector<double>> NormsByImage(
   return norms;
 }
 
-// The table that says what the bars do, without the script and on paper.
+// The table equivalent of the bars, without the script and in print.
 std::string ImageTable(const CalibrationResult& result) {
   auto training = NormsByImage(result.training);
   auto held_out = NormsByImage(result.held_out);
@@ -239,7 +239,7 @@ std::string ImagesSection(const CalibrationResult& result) {
          ImageTable(result);
 }
 
-// Which images count once.
+// The groups of near-duplicate images.
 std::string SameViewsSection(const CalibrationResult& result) {
   if (result.same_views.empty()) return "";
   std::string html = "<h2>Near-duplicate views</h2>\n<ul>\n";
@@ -301,7 +301,7 @@ std::string TrialFigure(const char* caption, const char* id) {
       caption, id);
 }
 
-// The script page/trial.js fills it, and shows it when the runtime runs.
+// Filled by the script page/trial.js, and shown when the runtime is loaded.
 std::string TrialSection(const std::string& blob) {
   return "<div id=\"trial\" hidden data-blob=\"" + Base64(blob) +
          "\">\n<h2>Try it</h2>\n<p>Drop a photograph of this camera here. It "

@@ -12,15 +12,16 @@
 
 namespace raygrid {
 
-/// An image as the camera took it, and undistorted by the runtime.
+/// A camera image, and the same image undistorted by the runtime.
 struct BeforeAfter {
   Image before, after;
 };
 
-/// report.html: one file without references to others, for light and dark
-/// screens, phones and paper. Verdict first, then figures and pictures, which
-/// also show without the script. Thumbnails stand under the residuals of their
-/// images. With the camera's blob, readers undistort photographs in the page.
+/// Formats report.html: a self-contained file, for light and dark screens,
+/// phones and print. The status comes first, then metrics and pictures, which
+/// are visible without the script. Thumbnails are below their images'
+/// residuals. With the camera's blob, readers can undistort photographs in the
+/// page.
 std::string FormatHtmlReport(
     const CalibrationResult& result,
     const std::optional<PackingFigures>& packing,

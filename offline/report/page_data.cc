@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Residuals = std::vector<FeatureResidual>;
 
-// The most residuals that a page can hold; each image loses the same part.
+// The maximum number of residuals in a page; images are thinned evenly.
 constexpr size_t kMaxResiduals = 600000;
 constexpr size_t kMaxBoards = 300;
 
@@ -160,7 +160,7 @@ void AddGrid(const CalibrationResult& result, Json* json) {
                      {"support", CountSupport(*surface, result.training)}};
 }
 
-// Distances of lines from the point nearest to all, against their angle.
+// Distances of lines from the point closest to all, by their angle.
 void AddLines(const CameraModel& camera, Json* json) {
   if (camera.IsCentral()) return;
   constexpr int kSteps = 24;
@@ -219,7 +219,7 @@ Json CameraInSpace(const CameraModel& camera, const std::string& name,
           {"rays", rays}};
 }
 
-// Adds each board once for an instant, by the first camera that saw it.
+// Adds each board once per frame, by the first camera that saw it.
 void AddBoards(const CalibrationResult& camera, const Pattern& pattern,
                const Pose& rig_from_camera,
                std::map<std::pair<std::string, int>, Json>* boards) {

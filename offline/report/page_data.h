@@ -9,14 +9,14 @@
 
 namespace raygrid {
 
-/// Small JPEG files as Base64, by the names of their images.
+/// Base64-encoded JPEG thumbnails, by image name.
 using ThumbnailTexts = std::map<std::string, std::string>;
 
-/// The JSON that the page's script draws: residuals of every image, their
-/// distribution, the grid's control points, lines, and where the boards stood.
+/// Formats the JSON for the page's script: residuals of every image, their
+/// distribution, the grid's control points, observation lines, and board poses.
 std::string PageData(const CalibrationResult& result,
                      const ThumbnailTexts& thumbnails = {});
-/// The JSON of the cameras and boards of a rig in space.
+/// Formats the JSON of a rig's camera and board poses.
 std::string PageData(const RigResult& result);
 
 }  // namespace raygrid

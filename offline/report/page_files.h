@@ -3,8 +3,8 @@
 
 namespace raygrid {
 
-/// The files of page/, Chart.js and the npm package of runtime/wasm, as
-/// offline/report/embed.cmake puts them into the program.
+/// The files of page/, Chart.js and the npm package of runtime/wasm, embedded
+/// by offline/report/embed.cmake.
 extern const char kReportStyle[];
 extern const char kReportScript[];
 extern const char kChartLibrary[];

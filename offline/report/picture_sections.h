@@ -7,11 +7,11 @@
 
 namespace raygrid {
 
-/// Coverage, residuals, bias, histograms and uncertainty of a camera.
+/// Pictures of coverage, residuals, bias, histograms and uncertainty.
 std::string PicturesSection(const CalibrationResult& result);
 
-/// How the lines of a camera that is not central pass the point that is nearest
-/// to all; empty of a central one.
+/// The distances of a non-central camera's observation lines from the point
+/// closest to all of them; empty for a central camera.
 std::string LinesSection(const CalibrationResult& result);
 
 }  // namespace raygrid

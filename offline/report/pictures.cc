@@ -38,7 +38,7 @@ cv::Point NearestPixel(const Eigen::Vector2d& position, const ImageSize& size) {
                      size.height - 1)};
 }
 
-// Colours every pixel of the area by the residual nearest to it.
+// Colours each pixel of the area by the nearest residual.
 Image VoronoiPicture(
     const std::vector<FeatureResidual>& residuals, const ImageSize& size,
     const Area& area,

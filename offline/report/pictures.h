@@ -8,35 +8,35 @@
 
 namespace raygrid {
 
-/// The places in the image where features were seen, and the calibrated area.
+/// Draws the positions of features in the image, and the calibrated area.
 Image CoveragePicture(const std::vector<FeatureResidual>& residuals,
                       const ImageSize& size, const Area& area);
 
-/// Each pixel of the area in the colour of the nearest residual (a Voronoi
-/// diagram): its direction as a colour (paper, "Camera Model Validation"; a
-/// pattern shows that the model does not fit the camera), or its magnitude,
-/// dark for 0 and bright for full_scale_px.
+/// Draws each pixel of the area in the colour of the nearest residual (a
+/// Voronoi diagram): its direction as hue (paper, "Camera Model Validation"; a
+/// pattern indicates a model error), or its magnitude, from dark for 0 to
+/// bright for full_scale_px.
 Image DirectionPicture(const std::vector<FeatureResidual>& residuals,
                        const ImageSize& size, const Area& area);
 Image MagnitudePicture(const std::vector<FeatureResidual>& residuals,
                        const ImageSize& size, const Area& area,
                        double full_scale_px);
 
-/// A wheel of the direction picture's colours.
+/// Draws the legend of the direction picture: a colour wheel.
 Image DirectionLegend(int size_px);
 
-/// The divergence from noise of each cell of the area, white where there are
-/// too few residuals.
+/// Draws the divergence from noise of each cell of the area; white where there
+/// are too few residuals.
 Image BiasPicture(const std::vector<FeatureResidual>& residuals,
                   const Area& area, double full_scale);
 
-/// Displacements of cells of an area, row by row: their sizes in colours from
-/// 0, dark, to full_scale_px, with arrows over them. Arrows of the full scale
-/// are as long as they are apart. White cells have none.
+/// Draws displacements of the cells of an area, row by row: magnitudes as
+/// colours from 0, dark, to full_scale_px, with arrows. A full-scale arrow is
+/// as long as the arrows' spacing. Cells without data are white.
 Image DisplacementPicture(const std::vector<Eigen::Vector2d>& displacements,
                           int columns, double full_scale_px);
 
-/// The image, made smaller if it is wider.
+/// Returns the image, scaled down if it is wider.
 Image Shrunk(const Image& image, int max_width_px);
 
 }  // namespace raygrid

@@ -114,7 +114,7 @@ std::string BodySection(const std::vector<std::string>& rigid_target_summary) {
   return html + "</ul>\n";
 }
 
-// A bar an image, as high as its board is bent.
+// One bar per image, proportional to the deformation of its board.
 std::string BendBars(const BoardBends& bends) {
   const double most_m = bends.views[bends.most_bent].rms_m;
   std::string html = "<div class=\"bars\">";

@@ -1,4 +1,4 @@
-// The sections that the reports of a camera and of a rig have in common.
+// Sections shared by the reports of cameras and rigs.
 #ifndef RAYGRID_REPORT_REPORT_SECTIONS_H
 #define RAYGRID_REPORT_REPORT_SECTIONS_H
 
@@ -12,7 +12,7 @@
 
 namespace raygrid {
 
-/// A length in pixels, as tables have it.
+/// Formats a length in pixels for tables.
 std::string Px(double value);
 
 std::string VerdictSection(const Verdict& verdict);
@@ -21,23 +21,23 @@ std::string VerdictSection(const Verdict& verdict);
 HtmlRow FiguresRow(const std::string& name, const ErrorFigures& figures);
 std::string ErrorTable(const std::vector<HtmlRow>& rows);
 
-/// Rows of a camera's model and of those that were fitted to the same features,
-/// if there are any, and their table. Names follow a prefix.
+/// Rows of a camera's model and of other models fitted to the same features, if
+/// any, and their table. Names begin with prefix.
 void AddModelRows(const std::string& prefix, const CalibrationResult& result,
                   std::vector<HtmlRow>* rows);
 std::string ModelTable(const std::vector<HtmlRow>& rows);
 
-/// The canvas of cameras and boards in space.
+/// The canvas for the 3D view of cameras and boards.
 std::string SpaceSection();
 
-/// The meaning of the words of verdict and tables, a line each.
+/// Explains the terms of status and tables, one per line.
 std::string WordsSection();
 
 /// A picture of each board's heights.
 std::string BoardSection(const Pattern& pattern);
-/// Which boards are fixed to each other; empty if nothing is told of it.
+/// Describes rigid multi-board targets; empty if there is no summary.
 std::string BodySection(const std::vector<std::string>& rigid_target_summary);
-/// How boards bend: a bar an image, and the heights of the one that bends most.
+/// The per-view deformation: one bar per image, and the heights of the largest.
 std::string BendSection(const BoardBends& bends, const Pattern& pattern);
 
 }  // namespace raygrid

@@ -9,22 +9,22 @@
 
 namespace raygrid {
 
-/// Rows of residuals.csv: more than a calibration of as many features as may be
-/// given leaves.
+/// The maximum number of rows of residuals.csv: more than a calibration with
+/// the maximum number of features writes.
 constexpr size_t kMaxResidualRows = 2000000;
 
-/// The residuals of one camera, or those that a rig leaves in it.
+/// The residuals of one camera, or of one camera within a rig.
 struct ResidualSets {
   std::vector<FeatureResidual> training, held_out, rejected;
   std::vector<FeatureResidual> held_out_in_rig;
 };
 
-/// residuals.csv: set,image,board,column,row,x,y,dx,dy in pixels, where
+/// Formats residuals.csv: set,image,board,column,row,x,y,dx,dy in pixels, where
 /// (dx, dy) = projected - observed; set is training, held-out, rejected or
-/// held-out-in-rig. A rig's is led by a column that names the camera.
+/// held-out-in-rig. For rigs, the first column is the camera's name.
 std::string FormatResiduals(const RigResult& result);
 
-/// The residuals by camera name, "" where the file has no such column. Throws
+/// Reads residuals by camera name, "" if the file has no such column. Throws
 /// InputError, also for more than kMaxResidualRows.
 std::map<std::string, ResidualSets> ReadResiduals(const std::string& path);
 

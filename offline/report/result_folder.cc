@@ -83,7 +83,7 @@ Tables ReadTables(const std::string& folder) {
           ReadResiduals(In(folder, "residuals.csv"))};
 }
 
-// Fills in what result.json does not hold.
+// Adds what result.json does not contain.
 void Complete(CameraFile camera, const Pattern& pattern,
               const std::string& name, Tables* tables,
               CalibrationResult* result) {
@@ -100,7 +100,7 @@ void Complete(CameraFile camera, const Pattern& pattern,
   result->rejected_features = std::move(sets.rejected);
 }
 
-// The features must lie in the camera's images, and on the pattern.
+// Checks that features are in the camera's images and on the pattern.
 void RequireMatching(const std::string& folder,
                      const CalibrationResult& result) {
   RequireConsistent(In(folder, "features.csv"), result.features,
@@ -213,7 +213,7 @@ std::set<std::string> ResultFiles(const std::string& folder) {
   files.insert({"example_after.png", "example_before.png", "features.csv",
                 "pattern.yaml", "poses.csv", kDisparityPicture, kRowsPicture,
                 "residuals.csv", "result.json", "resume.json", "rig.yaml"});
-  // Checkpoints that a killed program was writing are the result's, too.
+  // Partially written checkpoints belong to the result, too.
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();

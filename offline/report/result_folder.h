@@ -1,5 +1,4 @@
-/// The folder that calibrate writes: everything that the report says is in its
-/// files.
+/// The output folder of calibrate: its files contain everything in the report.
 #ifndef RAYGRID_REPORT_RESULT_FOLDER_H
 #define RAYGRID_REPORT_RESULT_FOLDER_H
 
@@ -17,10 +16,10 @@
 
 namespace raygrid {
 
-/// The extras of a camera: what goes into the files beside its result.
+/// Additional outputs of a camera.
 struct CameraExtras {
-  std::string blob = {};  ///< none if it is empty
-  std::string view = {};  ///< its table's view, a camera file; or none
+  std::string blob = {};  ///< empty: none
+  std::string view = {};  ///< the view of its table, a camera file; or empty
   std::optional<PackingFigures> packing = {};
   std::optional<BeforeAfter> example = {};
   Thumbnails thumbnails = {};
@@ -32,28 +31,28 @@ struct ResultExtras {
   std::optional<StereoExample> stereo = {};  ///< of a rig with images
 };
 
-/// The start of the paths of a camera's own files, from the result's folder:
-/// "NAME/" in a rig, nothing for a single camera.
+/// The path prefix of a camera's files in the result folder: "NAME/" in a rig,
+/// empty for a single camera.
 std::string CameraFolder(const RigResult& result, size_t camera);
 
-/// All files but the report.
+/// Adds all files except the report.
 void AddResultFiles(const RigResult& result, const ResultExtras& extras,
                     const std::string& folder, OutputFiles* files);
 
-/// The files that a result may have in a folder, those of the cameras among
-/// them if it has a rig's: what goes when another result is written there.
+/// Lists the files that a result in a folder may consist of, including those of
+/// a rig's cameras: they are removed when another result is written there.
 std::set<std::string> ResultFiles(const std::string& folder);
 
-/// Whether a folder holds the result of a calibration that came to its end.
+/// Whether a folder contains the result of a completed calibration.
 bool HasFinishedResult(const std::string& folder);
 
-/// A calibration's result and figures from the files of its folder. Throws
-/// InputError where one is missing, malformed or of another version.
+/// Reads a calibration's result and metrics from its folder. Throws InputError
+/// for missing, malformed or incompatible files.
 ResultFigures ReadResultFolder(const std::string& folder);
 
-/// report.html from the other files of the folder; for a rig NAME/report.html
-/// of each camera as well. Throws InputError where one is missing, malformed or
-/// of another version.
+/// Makes report.html from the other files of the folder; for a rig, also
+/// NAME/report.html of each camera. Throws InputError for missing, malformed or
+/// incompatible files.
 void AddReports(const std::string& folder, OutputFiles* files);
 
 }  // namespace raygrid

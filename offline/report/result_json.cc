@@ -98,8 +98,7 @@ Json BendsJson(const BoardBends& bends) {
           {"largest_view_heights_m", bends.heights_m}};
 }
 
-// The camera over its only range: how the image differs from that in the
-// middle.
+// The camera over its only condition: differences from the middle.
 Json RangeJson(const StackOfCameras& stack) {
   const CameraStack& cameras = stack.cameras;
   const ConditionRange& range = cameras.ranges()[0];
@@ -124,7 +123,7 @@ Json RangeJson(const StackOfCameras& stack) {
   return json;
 }
 
-// The camera over each of its ranges, with the others in the middle.
+// The camera over each of its conditions, with the others at mid-range.
 Json RangesJson(const StackOfCameras& stack) {
   const size_t count = stack.cameras.ranges().size();
   Json json = Json::array();
@@ -161,7 +160,7 @@ Json UncertaintyJson(const CalibrationResult& result) {
   return json;
 }
 
-// Adds what is known of one camera, alone or in a rig.
+// Adds the results of one camera, alone or in a rig.
 void AddCamera(const CalibrationResult& result, Json* json) {
   const CameraModel& camera = *result.camera.camera;
   (*json)["model"] = camera.Name();
@@ -265,7 +264,7 @@ Json BaselineJson(const RigResult& result, const Baseline& baseline) {
   return json;
 }
 
-// Adds which boards are fixed to each other, and what tells it.
+// Adds rigid multi-board targets, and the evidence for them.
 void AddBodies(const RigResult& result, Json* json) {
   for (const BoardBody& body : result.bodies) {
     Json poses = Json::array();
@@ -327,7 +326,7 @@ Json StereoJson(const StereoFigures& stereo) {
           {"disparities", stereo.num_disparities}};
 }
 
-// Adds what is known of the cameras of a rig, and each of them.
+// Adds the results of a rig, and of each of its cameras.
 void AddRig(const RigResult& result, Json* json) {
   const RigCounts counts = Count(result);
   (*json)["model"] = result.cameras.front().camera.camera->Name();

@@ -10,53 +10,52 @@
 
 namespace raygrid {
 
-/// The pinhole that a blob's own table undistorts to.
+/// The pinhole view of a blob's default remap table.
 struct ViewFigures {
   ImageSize size = {0, 0};
   Eigen::Vector2d focal_px = {0, 0};   ///< fx, fy
   Eigen::Vector2d center_px = {0, 0};  ///< cx, cy
 };
 
-/// The findings of packing.
+/// The metrics of packing.
 struct PackingFigures {
-  size_t blob_bytes = 0;  ///< 0: there is no blob
+  size_t blob_bytes = 0;  ///< 0: no blob
   double unproject_error_px = 0;
   std::optional<double> remap_error_px;
   std::optional<ViewFigures> view = {};
-  std::vector<std::string> remarks = {};  ///< on what the blob lacks
+  std::vector<std::string> remarks = {};  ///< warnings: what the blob lacks
 };
 
-/// A rectified pair of a rig's cameras, as its report shows it.
+/// A rectified stereo pair of a rig, for its report.
 struct StereoFigures {
-  std::string left, right;  ///< names of cameras; of a vertical pair the upper
-  std::string instant;      ///< the image's name
+  std::string left, right;  ///< camera names; vertical pair: upper, lower
+  std::string instant;      ///< image name
   bool is_vertical = false;
-  int num_disparities = 0;  ///< that were searched, in the pictures' pixels
-  /// How far features of both cameras are off a common row, or column, in
-  /// pixels of a view as large as the left image.
+  int num_disparities = 0;  ///< search range, in the pictures' pixels
+  /// Vertical disparity (horizontal for a vertical pair) of features in both
+  /// cameras, in pixels of a view of the left image's size.
   double rms_px = 0, max_px = 0;
   int num_features = 0;
 };
 
-/// Features that were calibrated with and that the final camera projects
-/// nowhere, so that they are in no figures of errors.
+/// The number of features used in the calibration that the final camera cannot
+/// project, so that they are not included in error metrics.
 size_t NumWithoutError(const CalibrationResult& result);
 
-/// result.json, by formats/json/result.schema.json. The memory figure and the
-/// seconds differ from run to run; everything else is the same for the same
-/// input.
+/// Formats result.json; see formats/json/result.schema.json. Memory and seconds
+/// vary; everything else is deterministic.
 ///
-/// A single camera's figures are the whole. A rig has sums and errors over all
-/// cameras, held out with each board localised once for all cameras; how the
-/// cameras stand to each other; then each camera's own figures, held out with
-/// its images localised alone.
+/// For a single camera, its metrics are those of the whole. A rig has sums and
+/// errors over all cameras, held-out ones with each board localized once for
+/// all cameras; the relative poses of cameras; then each camera's own metrics,
+/// held-out ones with images localized by that camera only.
 std::string FormatResultJson(
     const RigResult& result, uint64_t seed, int64_t peak_memory_bytes,
     const std::vector<std::optional<PackingFigures>>& packing = {},
     const std::optional<StereoFigures>& stereo = {});
 
-/// The figures that result.json holds; what has files of its own, as the
-/// camera, the features and their residuals, is empty.
+/// The metrics in result.json; data in files of their own, such as camera,
+/// features and residuals, is empty.
 struct ResultFigures {
   RigResult result;
   std::vector<std::optional<PackingFigures>> packing;  ///< by camera
@@ -64,7 +63,7 @@ struct ResultFigures {
   std::vector<std::string> rigid_target_summary;  ///< BodySentences()
 };
 
-/// Reads files of older versions, too. Throws InputError, also for newer ones.
+/// Also reads older versions. Throws InputError, also for newer ones.
 ResultFigures ParseResultJson(const std::string& path, const std::string& text);
 
 }  // namespace raygrid

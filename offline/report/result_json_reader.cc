@@ -69,7 +69,7 @@ ModelFigures ParseModel(const Json& json) {
           {}};
 }
 
-// What the camera file does not hold.
+// Parses what the camera file does not contain.
 void ParseUncertainty(const Json& json, CalibrationResult* result) {
   result->jackknife_scale = json.value("jackknife_scale", 1.0);
   if (!json.contains("extrapolated")) return;
@@ -137,7 +137,7 @@ PackingFigures ParsePacking(const Json& json) {
   return packing;
 }
 
-// Parses the figures of one camera, alone or in a rig.
+// Parses the metrics of one camera, alone or in a rig.
 CalibrationResult ParseCamera(const Json& json) {
   CalibrationResult result;
   if (json.contains("name"))

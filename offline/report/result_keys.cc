@@ -8,9 +8,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A key of version 1 that has another name now. `object` is the key of the
-// object that holds it, or of the list of such objects; empty: the result
-// itself, or a camera of a rig. Numbers are multiplied by the scale.
+// A renamed key of version 1. `object` is the key of the object that contains
+// it, or of the list of such objects; empty: the result itself, or a camera of
+// a rig. Numbers are multiplied by the scale.
 struct RenamedKey {
   const char* object;
   const char* former;
@@ -98,7 +98,7 @@ void Scale(double scale, Json* value) {
     for (Json& element : *value) Scale(scale, &element);
 }
 
-// Renames the keys of an object, which a key holds, and of all objects in it.
+// Renames the keys of an object with the given key, recursively.
 void Rename(const std::string& object, Json* json) {
   if (json->is_array()) {
     for (Json& element : *json) Rename(object, &element);

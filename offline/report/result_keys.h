@@ -1,5 +1,4 @@
-/// The keys of result.json that writer and reader share, and those of older
-/// versions.
+/// Keys of result.json shared by writer and reader, and of older versions.
 #ifndef RAYGRID_REPORT_RESULT_KEYS_H
 #define RAYGRID_REPORT_RESULT_KEYS_H
 
@@ -14,8 +13,8 @@ constexpr int kResultSchemaVersion = 2;
 constexpr char kCrossValidation[] = "cross-validation";
 constexpr char kHeldOutImages[] = "held-out images";
 
-/// Gives a result of an older version the keys of this one, as far as they are
-/// read again. False for versions that are not known.
+/// Renames the keys of an older version that are read to those of this one.
+/// False for unknown versions.
 bool UpgradeResult(nlohmann::ordered_json* result);
 
 }  // namespace raygrid

@@ -87,8 +87,8 @@ std::string BaselineTable(const RigResult& result) {
                    rows);
 }
 
-// The bends of all cameras' views. A board that several cameras see at one
-// instant has one bend.
+// The per-view deformation in all cameras' views. A board that several cameras
+// see in one frame has one deformation.
 std::optional<BoardBends> BendsOfAll(const RigResult& result) {
   std::map<std::pair<std::string, int>, double> rms_m;
   BoardBends all;

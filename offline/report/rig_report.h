@@ -10,8 +10,8 @@
 
 namespace raygrid {
 
-/// report.html of a rig: its verdict, its cameras with their figures and in
-/// space, a rectified pair if there is one, and links to their own reports,
+/// Formats report.html of a rig: its status, its cameras with metrics and in
+/// 3D, a rectified pair if available, and links to the cameras' reports,
 /// NAME/report.html.
 std::string FormatRigReport(
     const RigResult& result, const std::optional<StereoExample>& stereo = {},

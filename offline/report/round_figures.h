@@ -5,10 +5,10 @@
 
 namespace raygrid {
 
-/// A round number, no less than a value above 0.
+/// Rounds a positive value up to a round number.
 double RoundedUp(double value);
 
-/// Round numbers in even steps within low to high, three at least, ascending.
+/// Returns three or more ascending, evenly spaced round numbers in the range.
 std::vector<double> EvenTicks(double low, double high);
 
 }  // namespace raygrid

@@ -111,7 +111,7 @@ std::string TableOf(const StackOfCameras& stack, const std::string& unit) {
 
 // ---- Maps ------------------------------------------------------------------
 
-// A round number that nearly all values are below; a lone corner need not be.
+// A round number above nearly all values; a single corner may exceed it.
 double FullScale(std::vector<double> values) {
   constexpr double kPart = 0.98;
   values.erase(std::remove_if(values.begin(), values.end(),
@@ -126,8 +126,8 @@ ColorBar BarOf(const std::string& label, double full_scale_px) {
           fmt::format("{:g} px +", full_scale_px)};
 }
 
-// The distortion by place at both ends of the range, against the middle, and
-// how well it is known there.
+// The distortion by position at both ends of the range, relative to the middle,
+// and its uncertainty.
 std::string MapsOf(const StackOfCameras& stack) {
   constexpr int kColumns = 64, kRows = 48, kCellPx = 1;
   const CameraStack& cameras = stack.cameras;
@@ -179,7 +179,7 @@ std::string MapsOf(const StackOfCameras& stack) {
   return html;
 }
 
-// Charts, table and maps of a stack over one condition.
+// Charts, table and maps of a model with one condition.
 std::string ChangesOf(const StackOfCameras& stack) {
   constexpr int kNumValues = 13;  // odd: the middle is one of them
   const std::vector<StackChange> changes =

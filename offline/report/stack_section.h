@@ -7,7 +7,7 @@
 
 namespace raygrid {
 
-/// "Over the range": charts of the focal length, of the centre and of the
+/// Formats "Over the range": charts of focal length, principal point and
 /// distortion over the condition, a table with standard deviations, and maps of
 /// the distortion at both ends.
 std::string StackSection(const StackOfCameras& stack);

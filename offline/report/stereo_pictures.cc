@@ -53,7 +53,7 @@ Image DisparityPicture(const RectifiedImages& images, int num_disparities) {
   constexpr int kBlock = 5, kFraction = 16;
   cv::Mat first = LyingDown(images.first, images.is_vertical);
   cv::Mat second = LyingDown(images.second, images.is_vertical);
-  // Pixels left of so many disparities have none; a border gives them room.
+  // Pixels left of num_disparities have no disparity; a border avoids that.
   cv::copyMakeBorder(first, first, 0, 0, num_disparities, 0,
                      cv::BORDER_CONSTANT);
   cv::copyMakeBorder(second, second, 0, 0, num_disparities, 0,

@@ -8,24 +8,24 @@
 
 namespace raygrid {
 
-/// Two rectified images of one size, in shades of grey of 8 bits; those of a
-/// vertical pair have common columns.
+/// Two rectified images of equal size, 8-bit grey; those of a vertical pair
+/// share columns.
 struct RectifiedImages {
   Image first, second;
   Image first_shown;  ///< 0 where the first image has no source
   bool is_vertical = false;
 };
 
-/// The images side by side, or of a vertical pair on top of each other, with
-/// every so many rows drawn through both.
+/// Draws the images side by side (a vertical pair: one above the other), with
+/// evenly spaced lines through both.
 Image RowsPicture(const RectifiedImages& images);
 
-/// The first image's disparities in colours from 0 to num_disparities, white
-/// where OpenCV's semi-global matching finds none. num_disparities is a
-/// multiple of 16.
+/// Draws the first image's disparities in colours from 0 to num_disparities,
+/// white where OpenCV's semi-global matching finds none. num_disparities must
+/// be a multiple of 16.
 Image DisparityPicture(const RectifiedImages& images, int num_disparities);
 
-/// The pictures of a rig's report, and what they show.
+/// The stereo pictures of a rig's report, with their description.
 struct StereoExample {
   StereoFigures figures;
   Image rows, disparity;

@@ -10,19 +10,18 @@
 
 namespace raygrid {
 
-/// Small grey JPEG files of images, by their names.
+/// Grey JPEG thumbnails, by image name.
 using Thumbnails = std::map<std::string, std::string>;
 
-/// The thumbnails of a dataset's images, whose files these are: the more there
-/// are the smaller each, at most 3 MB together. Files that cannot be read any
-/// more are left out.
+/// Makes thumbnails of a dataset's images from their files: at most 3 MB
+/// together, thus smaller with more images. Unreadable files are omitted.
 Thumbnails MakeThumbnails(const Dataset& dataset,
                           const std::vector<std::string>& paths,
                           int num_threads);
 
 /// thumbnails.json: {"raygrid_thumbnails": 1, "images": {name: Base64}}.
 std::string FormatThumbnails(const Thumbnails& thumbnails);
-/// The thumbnails by name, in Base64. Throws InputError naming the file.
+/// Reads the thumbnails by name, in Base64. Throws InputError naming the file.
 ThumbnailTexts ParseThumbnails(const std::string& path,
                                const std::string& json);
 

@@ -21,7 +21,7 @@ cv::Vec3b ScaleColor(double part) {
   return {color[0], color[1], color[2]};
 }
 
-// Nearly all of the lattice is within the scale; a lone corner need not be.
+// Nearly all of the lattice is within the scale; a corner may exceed it.
 double FullScalePx(const DeviationLattice& lattice) {
   constexpr double kPart = 0.9;
   std::vector<double> known;

@@ -7,9 +7,9 @@
 
 namespace raygrid {
 
-/// Standard deviations of the projection over the area, with a legend below, in
-/// colours that the colour-blind read too; hatched where the camera cannot be
-/// trusted, grey outside the area. 800 px wide.
+/// Draws the predicted uncertainty over the area, with a legend below, in
+/// colours readable with colour blindness; hatched outside the valid region,
+/// grey outside the area. 800 px wide.
 Image UncertaintyPicture(const CameraUncertainty& uncertainty,
                          const ImageSize& size, const Area& area);
 

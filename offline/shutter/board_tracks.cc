@@ -9,8 +9,7 @@ namespace {
 
 using PoseOfView = std::map<std::pair<std::string, int>, Pose>;
 
-// Half of the longer side of the rectangle around a board's points, and its
-// middle.
+// Half of the longer side of the points' bounding rectangle, and its centre.
 std::pair<double, Eigen::Vector2d> HalfAndMiddle(const Board& board) {
   Eigen::AlignedBox2d around;
   for (const Eigen::Vector3d& point : board.points)

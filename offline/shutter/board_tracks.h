@@ -9,24 +9,24 @@
 
 namespace raygrid {
 
-/// A board's point and the pixel that shows it.
+/// A target point and its observation.
 struct TrackPoint {
   Eigen::Vector3d point;
   Eigen::Vector2d pixel;
-  Eigen::Vector2d place;  ///< on the board, whose longer side is -1 to 1
+  Eigen::Vector2d place;          ///< on the board, longer side: -1 to 1
   size_t image = 0, feature = 0;  ///< in the dataset
 };
 
-/// A board in the frames that show it, in the order of time.
+/// The views of one board in consecutive frames, ordered by time.
 struct BoardTrack {
   std::vector<double> times_s;
-  std::vector<Pose> poses;  ///< camera_from_board when the middle row is read
+  std::vector<Pose> poses;  ///< camera_from_board at the middle row
   std::vector<std::vector<TrackPoint>> points;
   std::vector<MotionStencil> stencils;
   double half_m = 0;  ///< half of the board's longer side
 };
 
-/// The tracks of all boards. Frames of one time count once.
+/// Makes the tracks of all boards. Of frames with equal time, one is used.
 std::vector<BoardTrack> MakeTracks(const MovingViews& views);
 
 }  // namespace raygrid

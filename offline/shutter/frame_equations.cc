@@ -7,9 +7,9 @@
 namespace raygrid {
 namespace {
 
-constexpr double kHuberPx = 1;  // as adjustments have it
+constexpr double kHuberPx = 1;  // as in bundle adjustment
 
-// The terms of a polynomial in the plane, up to the third degree.
+// Polynomial terms in the plane, up to the third degree.
 Eigen::Matrix<double, kBoardTerms, 1> BoardTermsAt(
     const Eigen::Vector2d& place) {
   const double x = place.x(), y = place.y();
@@ -31,16 +31,17 @@ Eigen::Matrix<double, kImageTerms, 1> ImageTermsAt(const Eigen::Vector2d& pixel,
   return terms;
 }
 
-// A residual with its derivatives.
+// A residual with its Jacobians.
 struct PointEquations {
   Eigen::Vector2d error_px;
   Eigen::Matrix<double, 2, 6> by_pose;
   Eigen::Matrix<double, 2, kShared> by_shared;
-  double row = 0;  // from the middle one
+  double row = 0;  // relative to the middle one
 };
 
-// The pixel where a point is to be seen, by the row that shows it. Derivatives
-// are taken there, since those where it was measured would depend on its noise.
+// The predicted pixel of a point, for the row at which it is observed.
+// Jacobians are evaluated there, since at the observation they would depend on
+// its noise.
 std::optional<Eigen::Vector2d> PlaceToBeSeen(const FrameInput& input,
                                              const TrackPoint& point) {
   const double middle = MiddleRow(input.camera->image_size());

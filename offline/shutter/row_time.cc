@@ -16,19 +16,19 @@
 namespace raygrid {
 namespace {
 
-// Standard deviations of the coefficients of bends: next to nothing is asked
-// for, of pixels and of half a board.
+// Standard deviations of the coefficients of camera bias (px) and board
+// deformation (fraction of half a board): weakly informative.
 constexpr double kImageBendPx = 10, kBoardBendPart = 0.02;
 
-// A frame whose motion is known.
+// A frame with a motion estimate.
 struct MovingFrame {
   const MotionStencil* stencil = nullptr;
   FrameMotion motion;
   FrameEquations equations;
-  double information = 0;  // on the row time, once bends have followed
+  double information = 0;  // on the line delay, after eliminating biases
 
-  // Frames at the ends of rows have motions that are good enough to correct
-  // their poses by, but tell nothing.
+  // Frames at the ends of sequences have a motion estimate that suffices to
+  // correct their poses, but do not contribute to the line delay.
   bool Tells() const { return stencil->IsCentral(); }
 };
 
@@ -37,17 +37,17 @@ struct MovingBoard {
   std::vector<MovingFrame> frames;
 };
 
-// The row time by a part of the frames, one after the other.
+// The line delay from each of several consecutive parts of the frames.
 struct PartEstimate {
   double seconds = 0, deviation_s = 0;
 };
 
-// A frame's information on the row time, and its gradient.
+// A frame's information on the line delay, and its gradient.
 struct FramePull {
   double information = 0, gradient = 0;
 };
 
-// The row time of some frames alone, from that of all.
+// The line delay of some frames, from that of all.
 PartEstimate EstimateOf(const std::vector<FramePull>& frames,
                         double noise_variance) {
   double information = 0, gradient = 0, squares = 0;
@@ -62,7 +62,7 @@ PartEstimate EstimateOf(const std::vector<FramePull>& frames,
                         information};
 }
 
-// By their information; infinitely uncertain for none.
+// The mean weighted by information; infinite variance if there are none.
 PartEstimate MeanOf(const std::vector<PartEstimate>& parts) {
   double information = 0, sum = 0;
   for (const PartEstimate& part : parts) {
@@ -81,12 +81,12 @@ class RowTimeAdjustment {
  public:
   explicit RowTimeAdjustment(const MovingViews& views);
 
-  // Gauss and Newton's steps, of poses and of what frames share. A row time
-  // that is given is held.
+  // Gauss-Newton steps over poses and shared parameters. A given line delay is
+  // fixed.
   void Adjust(std::optional<double> row_time_s);
 
-  // Looks at the residuals that bends of camera and boards leave, once all is
-  // adjusted. Motions stay.
+  // Recomputes the noise variance with camera bias and board deformation, after
+  // convergence. Motions are constant.
   void Bend();
 
   RowTimeEstimate Result(int num_images) const;
@@ -94,14 +94,14 @@ class RowTimeAdjustment {
   const std::vector<MovingBoard>& boards() const { return boards_; }
 
  private:
-  // The normal equations of what is shared, and squares of residuals in px^2.
+  // Normal equations of the shared parameters, and the cost in px^2.
   struct Sums {
     Eigen::MatrixXd information;
     Eigen::VectorXd gradient;
     double squares = 0;
     int64_t degrees = 0;
 
-    // Poses being where they fit best, and the rest where it will.
+    // With optimal poses and shared parameters.
     double NoiseVariance() const {
       const double explained = gradient.dot(information.ldlt().solve(gradient));
       return (squares - explained) /
@@ -112,7 +112,7 @@ class RowTimeAdjustment {
   double DeviationByNoise() const {
     return std::sqrt(noise_variance_ * covariance_(0, 0));
   }
-  // Places of what the frames of a board share, among what all do.
+  // The parameters shared by the frames of a board, among all shared ones.
   SharedVector SharedOf(size_t board, const Eigen::VectorXd& all) const;
   void AddSharedOf(size_t board, const SharedVector& own,
                    Eigen::VectorXd* all) const;
@@ -138,13 +138,13 @@ class RowTimeAdjustment {
   const bool is_camera_final_;
   ImageSize size_;
   std::vector<MovingBoard> boards_;
-  Eigen::Index count_ = 0;  // of what is shared: by all frames, by each board's
+  Eigen::Index count_ = 0;  // of shared parameters: common, per board
   bool is_row_time_held_ = false;
   double row_time_s_ = 0;
   Eigen::VectorXd bends_;
   Eigen::MatrixXd covariance_;  // for noise of 1 px
   double noise_variance_ = 0;
-  double noise_part_ = 0;  // of the information on the row time
+  double noise_part_ = 0;  // fraction of the information on the line delay
 };
 
 RowTimeAdjustment::RowTimeAdjustment(const MovingViews& views)
@@ -203,8 +203,8 @@ void RowTimeAdjustment::Adjust(std::optional<double> row_time_s) {
   }
 }
 
-// The information on the row time that the noise of a weighted sum of poses
-// pretends, were it a velocity: they enter it squared. For noise of 1 px.
+// The spurious information on the line delay if the noise of a weighted sum of
+// poses is interpreted as velocity, since it enters squared. For noise of 1 px.
 double RowTimeAdjustment::NoisePart(
     const MovingBoard& board, const MovingFrame& frame,
     const Eigen::Matrix<double, 5, 1>& weights) const {
@@ -225,7 +225,7 @@ void RowTimeAdjustment::FollowPoses() {
       frame.motion = MotionAt(*frame.stencil, board.track.poses);
 }
 
-// Linearizes all frames, where they are and as they move, for what they share.
+// Linearizes all frames at their poses and motions.
 RowTimeAdjustment::Sums RowTimeAdjustment::Linearize(
     const Eigen::VectorXd& shared) {
   Sums sums = {Eigen::MatrixXd::Zero(count_, count_),
@@ -258,7 +258,7 @@ RowTimeAdjustment::Sums RowTimeAdjustment::Linearize(
   return sums;
 }
 
-// Noise may not pretend more than half of what there is, or all is noise.
+// Limits the noise's share to half of the information; otherwise, all is noise.
 void RowTimeAdjustment::TakeNoiseOut(Sums* sums) {
   double noise = 0, motion = 0;
   for (const MovingBoard& board : boards_)
@@ -271,7 +271,8 @@ void RowTimeAdjustment::TakeNoiseOut(Sums* sums) {
     }
   const double variance =
       sums->information.ldlt().solve(Eigen::VectorXd::Unit(count_, 0))[0];
-  // The larger part: of what bends leave, and of all, without accelerations.
+  // The larger share: of the remainder after biases, or of all, without
+  // accelerations.
   noise_part_ = std::max(noise * variance, noise / motion);
   noise = std::min(noise, 0.5 / variance);
   sums->information(0, 0) -= noise;
@@ -287,9 +288,9 @@ void RowTimeAdjustment::MovePoses(const Eigen::VectorXd& change) {
     }
 }
 
-// A step, and that of the row time. Bends are solved for, but poses do not
-// follow them: else motions would depend on the noise of all frames, by the
-// ways in which camera and board may bend almost freely.
+// Makes a step, and returns that of the line delay. Poses do not follow the
+// biases: otherwise, motions would depend on the noise of all frames along
+// almost unconstrained biases of camera and board.
 double RowTimeAdjustment::Step() {
   const Eigen::VectorXd row_time = Eigen::VectorXd::Unit(count_, 0);
   FollowPoses();
@@ -322,8 +323,9 @@ void RowTimeAdjustment::Bend() {
   noise_variance_ = Linearize(row_time + bends_).NoiseVariance();
 }
 
-// The variance of the row time by what each frame pulls it by: this counts
-// errors that the features of a frame share, and those of velocities.
+// The variance of the line delay from the gradients of single frames (a
+// sandwich estimator): includes errors shared by the features of a frame, and
+// errors of velocities.
 double RowTimeAdjustment::VarianceByFrames() const {
   double sum = 0, count = 0;
   for (size_t b = 0; b < boards_.size(); ++b)
@@ -337,10 +339,10 @@ double RowTimeAdjustment::VarianceByFrames() const {
   return count > 1 ? sum * count / (count - 1) : 0;
 }
 
-// How much too large the row time may be, as a part of it: motions that are
-// quick for the time between frames seem slower than they are. A motion of
-// frequency f seems slower by u = (2 pi f T)^2 / 6 from two neighbours, and by
-// 1.2 u^2 from four, so what two and four differ by tells it.
+// The relative bias of the line delay by fast motion, which finite differences
+// underestimate. A motion of frequency f is underestimated by u = (2 pi f T)^2
+// / 6 with two neighbours, and by 1.2 u^2 with four, so the difference of both
+// determines it.
 double RowTimeAdjustment::BiasByQuickMotion() const {
   double difference = 0, all = 0;
   for (const MovingBoard& board : boards_)
@@ -355,8 +357,8 @@ double RowTimeAdjustment::BiasByQuickMotion() const {
   return all > 0 ? 1.2 * difference / all : 0;
 }
 
-// The variance of time stamps, in s^2: what makes a smooth motion uneven,
-// beyond the noise of poses. Motions that are quick for the frames count, too.
+// The variance of time stamps, in s^2: the deviation from smooth motion beyond
+// the noise of poses. Includes motions that are too fast for the frame rate.
 double RowTimeAdjustment::TimeVariance() const {
   double uneven = 0, all = 0;
   for (const MovingBoard& board : boards_)
@@ -372,9 +374,9 @@ double RowTimeAdjustment::TimeVariance() const {
   return all > 0 ? std::max(0.0, uneven / all) : 0;
 }
 
-// How much too small the row time may be, as a part of it: velocities by times
-// that scatter have noise, which pretends motion as that of poses does. They
-// are too large by as much besides, being quotients of what scatters.
+// The relative bias of the line delay by time-stamp noise, which causes errors
+// of velocities and thus spurious motion like the noise of poses. Velocities
+// are too large by the same fraction, since they are quotients of noisy values.
 double RowTimeAdjustment::BiasByTimes() const {
   double pretended = 0;
   for (const MovingBoard& board : boards_)
@@ -386,7 +388,7 @@ double RowTimeAdjustment::BiasByTimes() const {
   return 2 * TimeVariance() * pretended * covariance_(0, 0);
 }
 
-// The time in which a frame is read at most, for the shortest time between two.
+// The maximum readout time of a frame, from the shortest frame interval.
 double LongestRowTime(const std::vector<MovingBoard>& boards, int height) {
   constexpr double kUsualIntervalS = 1 / 30.0;
   double shortest_s = kUsualIntervalS;
@@ -415,8 +417,8 @@ std::vector<TimedTrack> RowTimeAdjustment::TimedTracks() const {
   return tracks;
 }
 
-// Frames in the order of time, in parts of like information. Each tells the row
-// time by its pull, bends being those of all.
+// Consecutive frames in parts of similar information. Each part yields a line
+// delay from its gradient, with the biases of all frames.
 std::vector<PartEstimate> RowTimeAdjustment::EstimateByParts() const {
   constexpr int kParts = 6;
   std::multimap<double, FramePull> by_time;
@@ -447,8 +449,8 @@ std::vector<PartEstimate> RowTimeAdjustment::EstimateByParts() const {
   return parts;
 }
 
-// The recording before and after some moment, if they tell row times that
-// differ surely, as by times whose rate changes; empty if none do.
+// Finds a time at which the line delay of the recording changes significantly,
+// as with a varying clock rate; empty if there is none.
 std::string RowTimeAdjustment::FindUnlikeParts() const {
   constexpr double kSurely = 5, kMatters = 0.1;
   std::string found;
@@ -472,7 +474,7 @@ std::string RowTimeAdjustment::FindUnlikeParts() const {
 }
 
 RowTimeEstimate RowTimeAdjustment::Result(int num_images) const {
-  // Shorter ones than this part of what a frame allows matter to nobody.
+  // A smaller fraction of the maximum is irrelevant.
   constexpr double kTold = 0.05;
   RowTimeEstimate result;
   result.num_images = num_images;
@@ -521,7 +523,7 @@ RowTimeEstimate RowTimeAdjustment::Result(int num_images) const {
   return result;
 }
 
-// The images that are told something by: those with two neighbours either side.
+// The number of images used: those with two neighbours on either side.
 int CountImages(const std::vector<MovingBoard>& boards) {
   std::set<size_t> images;
   for (const MovingBoard& board : boards)
@@ -532,8 +534,8 @@ int CountImages(const std::vector<MovingBoard>& boards) {
   return static_cast<int>(images.size());
 }
 
-// From where a point was seen to where it would have been with the middle row;
-// 0 where that is not known.
+// The displacement from the observed position to that at the time of the middle
+// row; 0 if unknown.
 Eigen::Vector2d MoveOfPoint(const CameraModel& camera, const MovingBoard& board,
                             const MovingFrame& frame, const TrackPoint& point,
                             double row_time_s) {

@@ -1,4 +1,4 @@
-/// The time of a row: how much later than the row above a sensor reads it.
+/// Line delay: the readout time per row of a rolling shutter.
 #ifndef RAYGRID_SHUTTER_ROW_TIME_H
 #define RAYGRID_SHUTTER_ROW_TIME_H
 
@@ -11,25 +11,25 @@
 
 namespace raygrid {
 
-/// A camera, and the boards in consecutive frames, whose times are known.
+/// A camera and views of boards in consecutive frames with known times.
 struct MovingViews {
   const CameraModel* camera = nullptr;
   const Pattern* pattern = nullptr;
   const Dataset* dataset = nullptr;
-  std::vector<BoardPose> poses;  ///< of the frame as a whole; a start
+  std::vector<BoardPose> poses;  ///< at the middle row; initial values
   const ImageTimes* times = nullptr;
-  /// Whether the camera was calibrated without the motion of rows. One that is
-  /// bent by it tells different row times by parts of a recording.
+  /// Whether the camera was calibrated without rolling-shutter compensation.
+  /// Its bias makes the line delay differ between parts of a recording.
   bool is_camera_final = false;
 };
 
-/// Estimates the time of a row. Images without a time, and those whose
-/// neighbours in time are missing, tell nothing.
+/// Estimates the line delay. Images without a time, or without neighbours in
+/// time, do not contribute.
 RowTimeEstimate EstimateRowTime(const MovingViews& views);
 
-/// The features where they would have been seen, had their frame been read at
-/// one instant, that of its middle row; without those that would have been seen
-/// outside the image then, and those of frames whose motion is not known.
+/// Compensates the rolling shutter: moves features to their positions at the
+/// time of the middle row; omits those that would be outside the image, and
+/// those of frames without a motion estimate.
 Dataset WithoutRowMotion(const MovingViews& views, double row_time_s);
 
 }  // namespace raygrid

@@ -12,9 +12,9 @@ namespace {
 
 constexpr size_t kOnEitherSide = 3, kMostFrames = 8;
 
-// How much more time passed before a frame than its stamp and that of the frame
-// before tell: the frames about it follow a polynomial of degree three, of
-// which the later ones are moved along the motion by that time.
+// The error of the interval before a frame: the frames around it follow a cubic
+// polynomial in time, after shifting the later ones along the motion by this
+// error.
 struct IntervalError {
   const TimedPose *before = nullptr, *behind = nullptr;
   double seconds = 0;
@@ -31,7 +31,7 @@ std::string TextOf(const IntervalError& error) {
       1e3 * (told_s + error.seconds));
 }
 
-// The sums of eight frames' updates that are the step and the velocity.
+// Coefficients of eight frames' updates that yield the step and the velocity.
 struct StepFit {
   Eigen::VectorXd of_step, of_velocity;
 };
@@ -51,13 +51,13 @@ StepFit FitStep(const TimedPose* first, const TimedPose* behind, size_t count) {
           solution.row(1).transpose() / unit_s};
 }
 
-// A step in units of the noise of poses: along the motion, where wrong times
-// lead, and across it, where only noise and quick motions do.
+// A step relative to the noise of poses: along the motion, as caused by wrong
+// times, and across it, as caused only by noise and fast motion.
 struct StepNoises {
   IntervalError error;
   double speed = 0;     // 1/s
   double across = 0;    // its square, of one of five directions
-  double by_noise = 0;  // its square that noise makes
+  double by_noise = 0;  // expected square by noise
 };
 
 std::optional<StepNoises> StepAt(const TimedPose* first,
@@ -88,7 +88,7 @@ std::optional<StepNoises> StepAt(const TimedPose* first,
   return at;
 }
 
-// Frames that are neighbours, one after the other.
+// A sequence of neighbouring frames.
 struct Run {
   const TimedPose *begin = nullptr, *end = nullptr;
 
@@ -129,10 +129,10 @@ double MedianOf(std::vector<double> values) {
   return *middle;
 }
 
-// Looks at all intervals that the motion determines.
+// Evaluates all intervals that the motion determines.
 std::vector<IntervalError> IntervalErrors(const std::vector<TimedTrack>& tracks,
                                           double noise_variance_px2) {
-  // One interval may by chance show little across its motion.
+  // A single interval may by chance have a small cross-motion component.
   constexpr double kTimesMedian = 4;
   std::vector<StepNoises> steps;
   for (const TimedTrack& track : tracks)
@@ -164,12 +164,12 @@ double MeanInterval(const std::vector<TimedTrack>& tracks) {
   return count > 0 ? sum_s / count : 0;
 }
 
-// By how much stamps scatter: usually, and RMS with those that are far off.
+// The standard deviation of time stamps: robust, and RMS including outliers.
 struct Scatter {
   double usual_s = 0, rms_s = 0;
 };
 
-// Looks at the intervals that tell it; 0 for a few.
+// Uses the intervals that determine it; 0 if there are few.
 Scatter ScatterOf(const std::vector<IntervalError>& errors, double interval_s) {
   constexpr double kToldPart = 0.1, kSigmasOfMedian = 0.6745;
   constexpr size_t kFewest = 10;
@@ -187,8 +187,8 @@ Scatter ScatterOf(const std::vector<IntervalError>& errors, double interval_s) {
           std::sqrt(std::max(0.0, squares) / count)};
 }
 
-// Pauses between runs in which a motion that went on would have led elsewhere:
-// then what they part are bursts, in each of which times are as wrong.
+// Finds pauses between sequences across which the motion is discontinuous: the
+// recording then consists of bursts with inconsistent times.
 std::string FindBursts(const std::vector<TimedTrack>& tracks,
                        double noise_variance_px2) {
   constexpr double kLongestPauseS = 1, kWrongPart = 0.6, kSurely = 6;
@@ -224,8 +224,8 @@ std::string FindBursts(const std::vector<TimedTrack>& tracks,
 
 std::string FindWrongTimes(const std::vector<TimedTrack>& tracks,
                            double noise_variance_px2) {
-  // Parts of the time between frames. A frame that is missing is a whole one;
-  // what scatters by less is told with the deviation that it causes.
+  // Fractions of the frame interval. A missing frame is a whole one; smaller
+  // deviations are reported with their standard deviation.
   constexpr double kWrongPart = 0.6, kScatterPart = 0.15;
   constexpr double kSurely = 6, kBeyondScatter = 4.5;
   const double interval_s = MeanInterval(tracks);

@@ -1,4 +1,4 @@
-/// Whether the times of frames fit the motion that the frames show.
+/// Checks whether frame times are consistent with the motion in the images.
 #ifndef RAYGRID_SHUTTER_TIME_CHECK_H
 #define RAYGRID_SHUTTER_TIME_CHECK_H
 
@@ -10,20 +10,20 @@
 
 namespace raygrid {
 
-/// A frame with a time stamp, and where it shows a board.
+/// The time stamp of a frame and the pose of a board in it.
 struct TimedPose {
   std::string image;
   double time_s = 0;
   Pose pose;             ///< camera_from_board
-  Matrix6d information;  ///< on UpdatedPose()'s update, for noise of 1 px
+  Matrix6d information;  ///< of UpdatedPose()'s update, for noise of 1 px
 };
 
-/// The frames that show a board, in the order of their times.
+/// The frames in which a board is visible, ordered by time.
 using TimedTrack = std::vector<TimedPose>;
 
-/// Why the time stamps are not those of the motion, which is smooth between
-/// frames; empty if they may be. Times that all differ by one factor always
-/// fit.
+/// Returns why the time stamps contradict the motion, which is assumed to be
+/// smooth between frames; empty if they are consistent. A common scale of all
+/// times is not detected.
 std::string FindWrongTimes(const std::vector<TimedTrack>& tracks,
                            double noise_variance_px2);
 

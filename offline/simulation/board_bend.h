@@ -7,10 +7,9 @@
 
 namespace raygrid {
 
-/// How a bent board leaves its plane: a paraboloid, zero at the centre of its
-/// features,
-///   z = bend_m (x^2 + y^2 / 2)
-/// with x and y from -1 to 1 over the features.
+/// The shape of a curved board: a paraboloid, zero at the centre of its
+/// features, z = bend_m (x^2 + y^2 / 2) with x and y from -1 to 1 over the
+/// features.
 class BoardBend {
  public:
   BoardBend(const Board& board, double bend_m);
@@ -29,7 +28,7 @@ class BoardBend {
   double by_x2_, by_y2_;
 };
 
-/// The board with its features lifted onto the bent surface.
+/// Returns the board with its features on the curved surface.
 Board BentBoard(const Board& board, double bend_m);
 
 }  // namespace raygrid

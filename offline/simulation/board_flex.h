@@ -6,10 +6,10 @@
 
 namespace raygrid {
 
-/// The board as it is bent in one view, at random and smoothly: its features
-/// leave its plane by a sum of products of Legendre polynomials, of second to
-/// fourth order over the features. Lower orders would be another pose. A mode's
-/// deviation falls with the square of its order, as a plate bends.
+/// Returns the board with a random smooth per-view deformation: out-of-plane
+/// products of Legendre polynomials of orders two to four over the features.
+/// Lower orders would be a change of pose. A mode's standard deviation
+/// decreases with its squared order, as for a bent plate.
 /// @param rms_m standard deviation of a feature's height, over views and board
 Board FlexedBoard(const Board& board, double rms_m, Random* random);
 

@@ -10,21 +10,21 @@
 
 namespace raygrid {
 
-/// A board as a thing in space: printed paper, flat or bent. Made once per
-/// board, which takes a fraction of a second, and used for all images.
+/// The surface of a board for rendering: printed paper, planar or curved.
+/// Construction takes a fraction of a second per board.
 class BoardSurface {
  public:
-  /// Paper goes on beyond the ink by paper_margin_squares squares. The ink is
-  /// where the board's kind says, not where its points are.
+  /// The paper extends beyond the ink by paper_margin_squares squares. The ink
+  /// follows the board's nominal geometry, not its points.
   explicit BoardSurface(const Board& board, double bend_m = 0,
                         double paper_margin_squares = 0.5);
 
   struct Point {
     Eigen::Vector2d board_m;
-    double depth = 0;  ///< t of the line
+    double depth = 0;  ///< parameter t of the line
   };
-  /// The point where a line, in the board's coordinates, meets the front of the
-  /// surface, on the paper or beside it.
+  /// Intersects a line, in the board frame, with the front of the surface, on
+  /// the paper or beside it.
   std::optional<Point> Intersect(const ObservationLine& line) const;
 
   double InkFraction(const Eigen::Vector2d& center_m,

@@ -65,8 +65,7 @@ std::optional<ObservationLine> BumpyLens::Line(
   return ObservationLine{{0, 0, depth_m}, *direction};
 }
 
-// Pupil and bumps move little: what they do to the last place
-// brings the next one nearer.
+// Fixed-point iteration: pupil and bumps cause small displacements.
 std::optional<Eigen::Vector2d> BumpyLens::Project(
     const Eigen::Vector3d& point, const Eigen::Vector2d* /*start*/,
     double margin_px) const {

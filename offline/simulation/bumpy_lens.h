@@ -10,20 +10,20 @@
 
 namespace raygrid {
 
-/// Small bumps all over an image.
+/// Parameters of bumps distributed over an image.
 struct BumpySurface {
-  double width_px = 20;      ///< at half their height
-  double height_px = 0.2;    ///< by so much they move a pixel, anywhere to
-  double pupil_shift_m = 0;  ///< as MovingPupilLens
+  double width_px = 20;      ///< at half height
+  double height_px = 0.2;    ///< maximum displacement (px), in any direction
+  double pupil_shift_m = 0;  ///< see MovingPupilLens
   uint64_t seed = 0;
 };
 
-/// A lens by a formula whose image has a Gaussian bump in each square of a
-/// lattice, two widths wide: around the square's middle, half a width off at
-/// most. Its parameters cannot be adjusted.
+/// A parametric lens with a Gaussian bump in each square of a lattice with a
+/// spacing of two widths, within half a width of the square's centre. Ground
+/// truth; its parameters cannot be optimized.
 class BumpyLens : public LineLens {
  public:
-  /// lens: over more than the area, by the bumps' height at least.
+  /// lens: defined beyond the area, by at least the height of the bumps.
   BumpyLens(const OpenCvModel& lens, const Area& area,
             const BumpySurface& surface);
 
@@ -38,7 +38,7 @@ class BumpyLens : public LineLens {
                                          double margin_px) const override;
   using CameraModel::Project;
 
-  /// How far the bumps move what the lens by itself sees at a pixel.
+  /// The displacement of a pixel by the bumps, relative to the lens alone.
   Eigen::Vector2d Shift(const Eigen::Vector2d& pixel) const;
 
  private:
@@ -49,7 +49,7 @@ class BumpyLens : public LineLens {
   OpenCvModel lens_;
   BumpySurface surface_;
   int columns_ = 0, rows_ = 0;
-  std::vector<Bump> bumps_;  // a square each
+  std::vector<Bump> bumps_;  // one per square
 };
 
 }  // namespace raygrid

@@ -13,7 +13,7 @@ Eigen::Vector3d NormalVector(Random* random) {
   return {x, y, random->Normal()};
 }
 
-// A board, a view's motion and an image that are not as they should be.
+// Applies a fault to the board, the motion of a view or the image.
 class FaultyView {
  public:
   FaultyView(SimulatedFault fault, const CameraModel& camera,
@@ -31,7 +31,7 @@ class FaultyView {
     shift_ = {random->Normal(), random->Normal()};
   }
 
-  // A feature is seen there; or where it was, if that is outside the image.
+  // The displaced feature; unchanged if it would be outside the image.
   Eigen::Vector2d Seen(const Pose& pose, const Feature& feature) const {
     const Eigen::Vector3d point =
         pose * board_.points[board_.PointIndex(feature.column, feature.row)];

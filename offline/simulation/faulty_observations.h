@@ -5,23 +5,23 @@
 
 namespace raygrid {
 
-/// Faults that the images of a calibration may have, besides noise.
+/// Systematic errors of calibration images, besides noise.
 enum class SimulatedFault {
   kNone,
   kImagePlace,   ///< ripples of the lens
-  kBoardPlace,   ///< points of the board are not where they should be
-  kBend,         ///< the board bends, differently in each view
-  kInPlane,      ///< it is stretched and sheared, differently in each view
-  kImageAffine,  ///< focus and the sensor's place change from view to view
-  kRowTime,      ///< rows are taken one after the other, in motion
+  kBoardPlace,   ///< target points differ from nominal
+  kBend,         ///< per-view deformation of the board
+  kInPlane,      ///< per-view in-plane stretch and shear
+  kImageAffine,  ///< per-view change of focus and sensor position
+  kRowTime,      ///< rolling shutter with motion
 };
 constexpr int kNumFaults = 7;
 
 /// "none", "lens model", ...
 const char* NameOf(SimulatedFault fault);
 
-/// The observations of SimulateObservations() with a fault that moves features
-/// by a few times strength_px, before poses make up for some of it.
+/// Adds a fault to SimulateObservations() that displaces features by a few
+/// times strength_px, before poses compensate part of it.
 Dataset SimulateFaultyObservations(const CameraModel& camera,
                                    const Pattern& pattern,
                                    const SimulationOptions& options,

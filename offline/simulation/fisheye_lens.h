@@ -8,12 +8,12 @@
 
 namespace raygrid {
 
-/// A fisheye: a direction at the angle theta from the z axis is seen at the
-/// distance r = f (theta + k1 theta^3 + k2 theta^5) from (cx, cy).
+/// A fisheye: a direction at the angle theta from the z axis is projected to
+/// the distance r = f (theta + k1 theta^3 + k2 theta^5) from (cx, cy).
 struct FisheyeParameters {
   double f_px = 0, cx = 0, cy = 0;
   double k1 = 0, k2 = 0;
-  /// Beyond it the lens sees nothing; up to it, r must grow.
+  /// The image circle; r must increase monotonically up to it.
   double max_theta = 100 * M_PI / 180;
 
   double Radius(double theta) const {
@@ -26,7 +26,7 @@ struct FisheyeParameters {
   }
 };
 
-/// Ground truth; its parameters cannot be adjusted.
+/// Ground truth; its parameters cannot be optimized.
 class FisheyeLens : public CameraModel {
  public:
   FisheyeLens(const ImageSize& size, const Area& area,

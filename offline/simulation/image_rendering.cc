@@ -17,7 +17,7 @@ namespace {
 constexpr int kStripRows = 64;
 // The lens's Gaussian is cut off here, in standard deviations.
 constexpr double kGaussianReach = 4.5;
-// Board coordinates are interpolated where depth within 2 x 2 pixels varies by
+// Board coordinates are interpolated if depth within 2 x 2 pixels varies by
 // less than this; for boards seen nearly edge-on, directions are.
 constexpr double kMaxDepthRatio = 1.05;
 
@@ -40,14 +40,14 @@ std::optional<ObservationLine> LineNear(const CameraModel& camera,
           .normalized()};
 }
 
-// How much each of the samples around a pixel counts, along one axis: the
-// pixel's box and the lens's Gaussian in one.
+// The weights of the samples around a pixel along one axis: the pixel's box
+// convolved with the lens's Gaussian.
 struct Kernel {
   int radius_px = 0;           // pixels on each side
   std::vector<float> weights;  // of (2 radius_px + 1) samples_per_pixel
 };
 
-// The integral of the normal distribution's distribution function.
+// The integral of the normal cumulative distribution function.
 double IntegralOfNormal(double x) {
   return x * 0.5 * std::erfc(-x / std::sqrt(2.0)) +
          std::exp(-x * x / 2) / std::sqrt(2 * M_PI);
@@ -80,8 +80,8 @@ Kernel LensKernel(double blur_px, int samples_per_pixel) {
   return kernel;
 }
 
-// The contribution of one board to 2 x 2 pixels: intersections with the 3 x 3
-// lines at their corners.
+// The intersections of a board with the lines of 2 x 2 pixels: 3 x 3 at their
+// corners.
 struct BlockOfBoard {
   const BoardSurface* surface = nullptr;
   std::array<ObservationLine, 9> lines;  // in the board's coordinates
@@ -145,7 +145,7 @@ class Renderer {
   std::vector<std::array<double, 3>> basis_;
 };
 
-// False if the board is not seen there.
+// False if the board is not visible there.
 bool Renderer::PlaceInBlock(const BoardInSpace& board, const RowsOfRays& rays,
                             int column, int row, BlockOfBoard* block) const {
   block->surface = board.surface;
@@ -173,7 +173,7 @@ bool Renderer::PlaceInBlock(const BoardInSpace& board, const RowsOfRays& rays,
   block->depth /= count;
   block->is_smooth = count == 9 && farthest < nearest * kMaxDepthRatio;
   if (count < 9) return true;
-  // A parabola through the points strays from them by less than their extent.
+  // A parabola through the points overshoots by less than their extent.
   const Eigen::Vector2d margin = high - low;
   const Area& paper = board.surface->paper_m();
   return low.x() - margin.x() < paper.x1 && high.x() + margin.x() > paper.x0 &&

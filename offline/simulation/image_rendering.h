@@ -1,5 +1,5 @@
-/// Images of boards as a camera sees them: anti-aliased, blurred by the lens,
-/// vignetted, noisy. The ground truth of everything that reads images.
+/// Renders images of boards: anti-aliased, blurred by the lens, with vignetting
+/// and noise. Ground truth for feature detection.
 #ifndef RAYGRID_SIMULATION_IMAGE_RENDERING_H
 #define RAYGRID_SIMULATION_IMAGE_RENDERING_H
 
@@ -16,12 +16,11 @@
 
 namespace raygrid {
 
-/// The observation lines of the corners of some rows of pixels.
+/// The observation lines of the pixel corners of some rows.
 class RowsOfRays {
  public:
-  /// Makes those of rows [first, last). Up to a pixel beyond the camera's area
-  /// lines are extrapolated: areas end at the outermost pixels' centres, images
-  /// at their corners.
+  /// Computes rows [first, last). Lines are extrapolated by up to one pixel:
+  /// areas end at the centres of the outermost pixels, images at their corners.
   RowsOfRays(const CameraModel& camera, int first, int last, int num_threads);
 
   /// The line of pixel corner (column - 0.5, row - 0.5); its direction is NaN
@@ -35,35 +34,35 @@ class RowsOfRays {
   std::vector<ObservationLine> lines_;
 };
 
-/// The observation lines of all corners of pixels: made once per camera, used
-/// for many images. Those of images of more than 5 million pixels would take
-/// too much memory, and are made row by row when asked for.
+/// The observation lines of all pixel corners: computed once per camera for
+/// many images. For more than 5 million pixels, they are computed row by row on
+/// demand, to limit memory.
 class PixelRays {
  public:
   PixelRays(const CameraModel& camera, int num_threads);
 
   const CameraModel& camera() const { return *camera_; }
   const ImageSize& size() const { return camera_->image_size(); }
-  /// The lines of rows [first, last), at least.
+  /// Returns the lines of rows [first, last), or more.
   std::shared_ptr<const RowsOfRays> Rows(int first, int last) const;
 
  private:
   std::shared_ptr<const CameraModel> camera_;
-  std::shared_ptr<const RowsOfRays> all_;  // null where there are too many
+  std::shared_ptr<const RowsOfRays> all_;  // null for large images
 };
 
-/// How light becomes numbers. Grey levels are of 255, before gamma.
+/// The imaging process. Grey levels are of 255, before gamma.
 struct ImagingOptions {
-  double blur_px = 0.7;  ///< standard deviation of the lens's Gaussian
+  double blur_px = 0.7;  ///< standard deviation of the Gaussian blur
   double black_level = 30, white_level = 220;  ///< ink and paper, image centre
   double background_level = 120;
-  double exposure = 1;    ///< multiplies all levels; beyond 255 they saturate
-  double vignetting = 0;  ///< part of the light that is lost in the corners
-  double read_noise = 0;  ///< standard deviation, grey levels
-  double shot_noise = 0;  ///< variance per grey level
-  double gamma = 1;       ///< stored = 255 (level / 255)^(1 / gamma)
+  double exposure = 1;        ///< scales all levels, which saturate at 255
+  double vignetting = 0;      ///< relative loss of light in the corners
+  double read_noise = 0;      ///< standard deviation, grey levels
+  double shot_noise = 0;      ///< variance per grey level
+  double gamma = 1;           ///< stored = 255 (level / 255)^(1 / gamma)
   int samples_per_pixel = 8;  ///< along each axis
-  uint64_t seed = 0;          ///< of the noise
+  uint64_t seed = 0;          ///< for the noise
 };
 
 struct PlacedBoard {
@@ -71,8 +70,8 @@ struct PlacedBoard {
   Pose camera_from_board;
 };
 
-/// Grey levels without noise, row by row: vignetted and exposed, linear, not
-/// clipped.
+/// Grey levels without noise, row by row: with vignetting and exposure, linear,
+/// not clipped.
 struct RenderedImage {
   ImageSize size;
   std::vector<float> levels;
@@ -82,19 +81,18 @@ struct RenderedImage {
   }
 };
 
-/// Boards hide those behind them. Beyond the camera's image circle, and a soft
-/// edge of two pixels, there is no light; pixels without observation lines show
-/// the background. What the blur brings in across the image's edge is taken to
-/// be as at the edge.
+/// Boards occlude those behind them. Outside the camera's image circle, with a
+/// soft edge of two pixels, there is no light; pixels without observation lines
+/// show the background. The blur extends the image's edge pixels outwards.
 RenderedImage RenderImage(const PixelRays& rays,
                           const std::vector<PlacedBoard>& boards,
                           const ImagingOptions& options, int num_threads);
 
-/// Noise, saturation, gamma, rounding.
+/// Applies noise, saturation, gamma and rounding.
 Image AddNoiseAndQuantize(const RenderedImage& image,
                           const ImagingOptions& options);
 
-/// 16-bit grey.
+/// A 16-bit grey image.
 struct Image16 {
   ImageSize size;
   std::vector<uint16_t> pixels;

@@ -8,7 +8,7 @@ namespace raygrid {
 namespace {
 
 constexpr double kMaxCells = 4e6;
-// Edges up to this far from a cell's centre are known to the cell, in cells;
+// Edges up to kKnown from a cell's centre, in cells, are stored in the cell;
 // those near enough to touch a patch in it, whose centre is up to 0.71 from the
 // cell's, are within kReach.
 constexpr double kReach = 1.5, kKnown = 1.56;
@@ -80,7 +80,7 @@ void InkMap::AddEdge(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const int last_row = row_of(std::max(a.y(), b.y()) + known_m);
   for (int row = row_of(std::min(a.y(), b.y()) - known_m); row <= last_row;
        ++row) {
-    // The part of the edge that this row can be near to.
+    // The part of the edge that can be near this row.
     double t0 = 0, t1 = 1;
     if (std::abs(along.y()) > 1e-3 * cell_m_) {
       const double y_m = CellCenter(0, row).y();

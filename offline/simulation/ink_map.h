@@ -1,5 +1,5 @@
-/// How much of a small patch of a board is ink, exact where at most one edge
-/// crosses it. Rendering asks this hundreds of times per pixel.
+/// The ink coverage of a small patch of a board, exact where at most one edge
+/// crosses it. Rendering evaluates it hundreds of times per pixel.
 #ifndef RAYGRID_SIMULATION_INK_MAP_H
 #define RAYGRID_SIMULATION_INK_MAP_H
 
@@ -11,17 +11,17 @@
 
 namespace raygrid {
 
-/// A parallelogram in the board's plane, around any centre.
+/// A parallelogram in the board's plane, about any centre.
 class Footprint {
  public:
-  /// The columns are its sides, metres.
+  /// The columns are its sides, in metres.
   explicit Footprint(const Eigen::Matrix2d& sides_m) : sides_m_(sides_m) {}
 
   const Eigen::Matrix2d& sides_m() const { return sides_m_; }
   double radius_m() const {
     return (sides_m_.col(0).norm() + sides_m_.col(1).norm()) / 2;
   }
-  /// How much of it, 0 to 1, lies where normal . point > 0, its centre being
+  /// The fraction, 0 to 1, of the patch where normal . point > 0; its centre is
   /// at normal . center = distance.
   double Beyond(const Eigen::Vector2d& normal, double distance_m) const;
 
@@ -29,19 +29,19 @@ class Footprint {
   Eigen::Matrix2d sides_m_;
 };
 
-/// A grid over the board. Its cells know their colour, or the only edge of ink
-/// near them, or that there are several; then the patch is divided.
+/// A grid over the board. A cell stores its colour, or the only edge of ink
+/// near it, or that there are several; then the patch is subdivided.
 class InkMap {
  public:
   explicit InkMap(const BoardAppearance& appearance);
 
-  /// The part of the patch around center_m, 0 to 1, that is ink.
+  /// The ink coverage, 0 to 1, of the patch about center_m.
   double InkFraction(const Eigen::Vector2d& center_m,
                      const Footprint& footprint) const;
 
  private:
-  // Black where normal . point > offset, if it is one of the upper half of
-  // edges_; white there if it is one of the lower half.
+  // Black where normal . point > offset, for edges in the first half of edges_;
+  // white there for those in the second half.
   struct Edge {
     Eigen::Vector2d normal;
     double offset;
@@ -64,7 +64,7 @@ class InkMap {
   double cell_m_ = 0;
   int columns_ = 0, rows_ = 0;
   std::vector<Edge> edges_;
-  std::vector<int32_t> cells_;  // an edge, or one of the enumeration
+  std::vector<int32_t> cells_;  // an edge, or a value of the enumeration
 };
 
 }  // namespace raygrid

@@ -12,8 +12,8 @@ namespace {
 constexpr double kStepPx = 0.01;   // of differences
 constexpr double kGrazing = 0.02;  // cosine; flatter lines miss the plate
 
-// The angle between a pixel's line and the point, in the chart; NaN where there
-// is no line.
+// The angle between a pixel's line and the point, in the chart; NaN without a
+// line.
 Eigen::Vector2d LineError(const CameraModel& lens, const Eigen::Vector3d& point,
                           const Eigen::Vector2d& pixel) {
   const auto line = lens.Line(pixel);

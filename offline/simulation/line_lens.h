@@ -7,9 +7,9 @@
 
 namespace raygrid {
 
-/// Ground truth whose exact lines do not meet in a point: subclasses say
+/// Ground truth with observation lines that do not intersect: subclasses define
 /// Line(). Projection searches for the line through a point. Its parameters
-/// cannot be adjusted.
+/// cannot be optimized.
 class LineLens : public CameraModel {
  public:
   bool IsCentral() const override { return false; }
@@ -29,11 +29,11 @@ class LineLens : public CameraModel {
   LineLens(const ImageSize& size, const Area& area) : CameraModel(size, area) {}
 };
 
-/// A lens whose entrance pupil moves forward as theta^2, the angle from the
-/// axis.
+/// A lens whose entrance pupil moves forward by theta^2, theta being the angle
+/// from the axis.
 class MovingPupilLens : public LineLens {
  public:
-  /// shift_m: how far the pupil has moved at 1 radian.
+  /// shift_m: the displacement of the pupil at 1 radian.
   MovingPupilLens(const CameraModel& lens, double shift_m)
       : LineLens(lens.image_size(), lens.area()),
         lens_(lens.Clone()),
@@ -51,16 +51,16 @@ class MovingPupilLens : public LineLens {
   double shift_m_;
 };
 
-/// A plane-parallel plate, in metres: its first face goes through (0, 0,
-/// distance_m), its normal is turned from the z axis towards x.
+/// A plane-parallel plate, in metres: its first face passes through (0, 0,
+/// distance_m), its normal is rotated from the z axis towards x.
 struct GlassPlate {
   double thickness_m = 0.005, refractive_index = 1.5;
   double tilt_rad = M_PI / 6, distance_m = 0.02;
 };
 
-/// A lens behind a plate of glass, by Snell's law at both faces. The plate
-/// leaves directions as they are and displaces lines, the more the more
-/// obliquely they meet it. A line starts where it leaves the plate.
+/// A lens behind a glass plate, by Snell's law at both faces. The plate does
+/// not change directions, but displaces lines, more at oblique incidence. A
+/// line starts where it leaves the plate.
 class GlassLens : public LineLens {
  public:
   GlassLens(const CameraModel& lens, const GlassPlate& plate)

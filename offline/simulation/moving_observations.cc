@@ -10,8 +10,8 @@
 namespace raygrid {
 namespace {
 
-// A smooth random function of time, about from -1 to 1: waves of a walk's
-// periods, and the trembling of a hand.
+// A smooth random function of time, about -1 to 1: waves with the period of
+// walking, and hand tremor.
 class Wander {
  public:
   explicit Wander(Random* random) {
@@ -76,14 +76,15 @@ class HandPath {
   std::vector<Wander> wander_;
 };
 
-// The pixel of a point, in the row that is read when it is there.
+// The pixel of a point with a rolling shutter: in the row that is read when it
+// is there.
 std::optional<Eigen::Vector2d> SeenByRows(const CameraModel& camera,
                                           const HandPath& path, double time,
                                           double row_time_s,
                                           const Eigen::Vector3d& point) {
   const double middle = (camera.image_size().height - 1) / 2.0;
   std::optional<Eigen::Vector2d> pixel = camera.Project(path.At(time) * point);
-  // Each step lessens the error by rows per row time: a hundredfold, about.
+  // Each step reduces the error about a hundredfold.
   for (int step = 0; pixel && step < 12; ++step) {
     const double then = time + row_time_s * (pixel->y() - middle);
     pixel = camera.Project(path.At(then) * point);

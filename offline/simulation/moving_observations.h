@@ -7,24 +7,23 @@
 
 namespace raygrid {
 
-/// A hand that moves a board, or a camera, while it records.
+/// The hand-held motion of a board, or a camera, during a recording.
 struct HandMotion {
   double frame_interval_s = 1 / 30.0;
-  double row_time_s =
-      0;  ///< negative: rows are read from the last to the first
-  /// How quickly it moves: 1 takes some three seconds from one side of the
-  /// image to the other, and trembles besides by 2 Hz; 0 keeps still.
+  double row_time_s = 0;  ///< negative: from the last row to the first
+  /// Speed of motion: 1 takes about three seconds from one side of the image to
+  /// the other, with a tremor of 2 Hz; 0 is static.
   double speed = 1;
 };
 
 struct MovingObservations {
-  SimulatedObservations seen;   ///< poses: when the middle row is read
-  std::vector<double> times_s;  ///< of images, when their middle row is read
+  SimulatedObservations seen;   ///< poses: at the middle row
+  std::vector<double> times_s;  ///< of images, at the middle row
 };
 
-/// Observations of the pattern's first board in consecutive frames, each row at
-/// its own time: options.num_images frames at most, without those that show too
-/// few features. options.num_shots and bends of views are not looked at.
+/// Simulates the pattern's first board in consecutive frames with a rolling
+/// shutter: at most options.num_images frames, without those that show too few
+/// features. options.num_shots and per-view deformation are ignored.
 /// Reproducible on any machine. Throws Error(kTooFew) if no frame shows enough.
 MovingObservations SimulateMovingObservations(const CameraModel& camera,
                                               const Pattern& pattern,

@@ -7,9 +7,9 @@
 
 namespace raygrid {
 
-/// true_lines.csv: the exact lines of 33 x 25 pixels from corner to corner of
-/// the image, as x,y,dx,dy,dz,ox,oy,oz: the pixel, the unit direction, a point
-/// in metres. Empty fields where there is no line.
+/// Formats true_lines.csv: the exact lines of 33 x 25 pixels from corner to
+/// corner of the image, as x,y,dx,dy,dz,ox,oy,oz: pixel, unit direction, point
+/// in metres. Fields are empty where there is no line.
 std::string FormatObservationLines(const CameraModel& camera);
 
 }  // namespace raygrid

@@ -7,7 +7,7 @@
 
 namespace raygrid {
 
-/// Uniform and normal numbers that do not depend on the standard library's
+/// Uniform and normal random numbers, independent of the standard library's
 /// implementation.
 class Random {
  public:
@@ -16,7 +16,7 @@ class Random {
   double Uniform(double low, double high) {
     return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
   }
-  /// Box and Muller.
+  /// Box-Muller transform.
   double Normal() {
     const double radius = std::sqrt(-2 * std::log(1 - Uniform(0, 1)));
     return radius * std::cos(Uniform(0, 2 * M_PI));

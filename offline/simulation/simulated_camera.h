@@ -8,22 +8,21 @@
 
 namespace raygrid {
 
-/// A local deformation of the image, which no parametric model has: pixels
-/// around center move by displacement_px exp(-distance^2 / (2 radius_px^2)).
+/// A local distortion that no parametric model represents: pixels around center
+/// move by displacement_px exp(-distance^2 / (2 radius_px^2)).
 struct LensBump {
   Eigen::Vector2d center;
   Eigen::Vector2d displacement_px;
   double radius_px = 1;
 };
 
-/// A known lens: a model without bumps, then bumps. Ground truth for tests; its
-/// parameters cannot be adjusted.
+/// A parametric model with local bumps. Ground truth for tests; its parameters
+/// cannot be optimized.
 class SimulatedCamera : public CameraModel {
  public:
-  /// |displacement| / radius must stay well below 1 in total, or the image
-  /// would fold.
+  /// |displacement| / radius must be well below 1 in total, or the image folds.
   SimulatedCamera(const OpenCvModel& lens, std::vector<LensBump> bumps);
-  /// A lens that is defined wherever the bumps fetch the area's pixels from.
+  /// The lens must be defined wherever the bumps map the area's pixels to.
   SimulatedCamera(std::shared_ptr<const CameraModel> lens, const Area& area,
                   std::vector<LensBump> bumps);
 
@@ -44,7 +43,7 @@ class SimulatedCamera : public CameraModel {
   void SetParameters(const Eigen::VectorXd&) override {}
 
  private:
-  // The bumps, and their derivative by the pixel.
+  // The displacement by the bumps, and its Jacobian with respect to the pixel.
   Eigen::Vector2d Bend(const Eigen::Vector2d& pixel,
                        Eigen::Matrix2d* derivative) const;
 
@@ -52,8 +51,8 @@ class SimulatedCamera : public CameraModel {
   std::vector<LensBump> bumps_;
 };
 
-/// A 640 x 480 camera with about 62 degrees of horizontal view, barrel
-/// distortion, and bumps of up to 1.5 px.
+/// A 640 x 480 camera with a horizontal field of view of about 62 degrees,
+/// barrel distortion, and bumps of up to 1.5 px.
 SimulatedCamera ExampleSimulatedCamera();
 
 }  // namespace raygrid

@@ -22,8 +22,8 @@ Eigen::Vector3d RandomRay(const CameraModel& camera, const Area& area,
   }
 }
 
-// A board at the end of ray whose front looks to the camera, tilted and turned
-// at random around its centre.
+// A board at the end of ray, facing the camera, with random tilt and rotation
+// about its centre.
 Pose RandomlyTilted(const Eigen::Vector3d& ray, double distance_m,
                     double max_tilt_rad, double max_turn_rad,
                     const Eigen::Vector3d& center_m, Random* random) {
@@ -41,8 +41,8 @@ Pose RandomlyTilted(const Eigen::Vector3d& ray, double distance_m,
   return {rotation, ray * distance_m - rotation * center_m};
 }
 
-// The board's centre looks out of a random pixel, at a random distance, tilt
-// and turn.
+// A board whose centre projects to a random pixel, with random distance, tilt
+// and rotation.
 Pose RandomPose(const CameraModel& camera, const Board& board, Random* random) {
   const Area& area = camera.area();
   const Eigen::Vector3d ray = RandomRay(camera, area, random);
@@ -58,7 +58,7 @@ Pose RandomPose(const CameraModel& camera, const Board& board, Random* random) {
   return RandomlyTilted(ray, distance_m, M_PI / 3, M_PI, center, random);
 }
 
-// Pixels per radian around a ray, in the direction where they are fewest.
+// The minimum scale around a ray over all directions, in pixels per radian.
 double Magnification(const CameraModel& camera, const Eigen::Vector3d& ray) {
   LinearizedProjection projection;
   if (!camera.Linearize(ray, nullptr, 1, &projection)) return 0;
@@ -70,8 +70,8 @@ double Magnification(const CameraModel& camera, const Eigen::Vector3d& ray) {
   return std::sqrt(std::max(0.0, mean - root));
 }
 
-// Moves features by a field of waves, whose sum is Gaussian in the limit, with
-// the covariance exp(-d^2 / 2 length^2) over so many features' distance d.
+// Displaces features by a field of waves, whose sum is Gaussian in the limit,
+// with the covariance exp(-d^2 / 2 length^2) for a distance of d features.
 void AddSharedNoise(double noise_px, double length, Random* random,
                     std::vector<Feature>* features) {
   constexpr int kWaves = 64;

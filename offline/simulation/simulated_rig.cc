@@ -12,12 +12,12 @@
 namespace raygrid {
 namespace {
 
-// Fewer features do not tell a pose.
+// The minimum number of features for a pose.
 constexpr size_t kMinFeatures = 8;
-// The cosine of the angle at which a board is too foreshortened to be seen.
+// The cosine of the maximum angle at which a board is visible.
 constexpr double kMinFacing = 0.2;
 
-// rig_from_board at each instant.
+// rig_from_board for each frame.
 std::vector<Pose> BoardPoses(const SimulatedRig& rig, const Board& board,
                              int first_camera, int count, uint64_t seed) {
   const int num_cameras = static_cast<int>(rig.cameras.size());
@@ -49,7 +49,7 @@ std::vector<Pose> PlacesOf(const Pattern& pattern, const FixedBoards& fixed) {
   return places;
 }
 
-// A place, moved into any direction.
+// Displaces a board's pose in a random direction.
 Pose MovedPlace(const Pose& place, double move_m, Random* random) {
   Eigen::Vector3d direction;
   for (int k = 0; k < 3; ++k) direction[k] = random->Normal();
@@ -57,8 +57,8 @@ Pose MovedPlace(const Pose& place, double move_m, Random* random) {
   return {place.rotation, place.translation + move_m * direction};
 }
 
-// rig_from_body at each instant: the middle of a board, or of the gap behind
-// it, before a camera.
+// rig_from_body for each frame: the centre of a board, or of the gap after it,
+// is held in front of a camera.
 std::vector<Pose> BodyPoses(const SimulatedRig& rig, const Pattern& pattern,
                             const std::vector<Pose>& places, int count,
                             uint64_t seed) {
@@ -110,8 +110,8 @@ std::vector<Feature> Observe(const CameraModel& camera, const Board& board,
   return features;
 }
 
-// The features of a board that a camera sees at one instant, with the noise of
-// each shot.
+// The features of a board in one frame of a camera, with the noise of each
+// shot.
 std::vector<std::vector<Feature>> ShotsOf(const CameraModel& camera,
                                           const Board& board,
                                           const Pose& camera_from_board,
@@ -124,7 +124,7 @@ std::vector<std::vector<Feature>> ShotsOf(const CameraModel& camera,
   return shots;
 }
 
-// Adds all cameras' images of boards at an instant, numbered from first.
+// Adds all cameras' images of a frame, numbered from first.
 void AddInstant(const SimulatedRig& rig, const std::vector<Board>& boards,
                 const std::vector<Pose>& rig_from_board, int first,
                 const SimulationOptions& options, Random* random,
@@ -150,7 +150,7 @@ void AddInstant(const SimulatedRig& rig, const std::vector<Board>& boards,
   }
 }
 
-// The observations of boards that stand at poses, by board and instant.
+// Simulates observations of boards with given poses, by board and frame.
 SimulatedRigObservations ObserveBoards(
     const SimulatedRig& rig, const Pattern& pattern,
     const std::vector<std::vector<Pose>>& poses,
@@ -164,7 +164,7 @@ SimulatedRigObservations ObserveBoards(
     board = BentBoard(board, options.board_bend_m);
   Random random(options.seed);
   for (int i = 0; i < options.num_images; ++i) {
-    // One bend of a board at one instant, which all cameras see.
+    // Each board has one deformation per frame, common to all cameras.
     std::vector<Board> boards;
     for (const Board& board : result.true_pattern.boards)
       boards.push_back(FlexedBoard(board, options.board_flex_m, &random));
@@ -176,8 +176,8 @@ SimulatedRigObservations ObserveBoards(
   return result;
 }
 
-// Features of a board leave a camera, if one before it sees the board at the
-// instant.
+// Removes a board's features from a camera if a previous camera sees the board
+// in the same frame.
 void HideShared(SimulatedRigObservations* seen) {
   std::set<std::pair<std::string, int>> shown;
   for (size_t c = 0; c < seen->datasets.size(); ++c) {

@@ -9,26 +9,26 @@
 
 namespace raygrid {
 
-/// Known cameras that do not move against each other.
+/// Cameras with constant relative poses.
 struct SimulatedRig {
   std::vector<std::shared_ptr<const CameraModel>> cameras;
   std::vector<Pose> camera_from_rig;
 };
 
-/// Cameras of one kind in a row, looking the same way; the first is the rig's
-/// frame.
+/// Makes a row of identical cameras with parallel axes; the first defines the
+/// rig frame.
 SimulatedRig CamerasInARow(const std::shared_ptr<const CameraModel>& camera,
                            int count, double baseline_m);
 
-/// Boards that are fixed to each other: side by side in the order of the
-/// pattern, each turned against the one before it like leaves of a screen.
+/// A rigid multi-board target: boards side by side in the order of the pattern,
+/// each at an angle to the previous one, like a folding screen.
 struct FixedBoards {
   double gap_m = 0.1;  ///< between neighbours
   double turn_rad = 15 * M_PI / 180;
-  /// The last board is moved by so much, any way, after half of the instants.
+  /// The last board is displaced by this distance after half of the frames.
   double move_m = 0;
-  /// No camera sees a board that one before it sees at the instant, as if walls
-  /// stood between them.
+  /// A board that one camera sees in a frame is hidden from the following ones,
+  /// as if by walls between them.
   bool never_shared = false;
 };
 
@@ -38,17 +38,17 @@ struct SimulatedRigObservations {
   std::vector<std::vector<BoardPose>> poses;  ///< by camera
 };
 
-/// Noisy observations of all of the pattern's boards, each held in front of one
-/// camera after the other, and at each instant independently of the other
-/// boards. A camera sees a board if it sees its front and at least eight of its
-/// features, of which options.features_per_image remain at most; it has no
-/// image of an instant at which it sees none. Reproducible on any machine.
+/// Simulates noisy observations of all of the pattern's boards, each held in
+/// front of one camera after the other, independently of the other boards. A
+/// camera sees a board from its front if at least eight features are visible,
+/// of which at most options.features_per_image are kept; a frame without any
+/// has no image of this camera. Reproducible on any machine.
 SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
                                      const Pattern& pattern,
                                      const SimulationOptions& options);
 
-/// Boards that are fixed to each other instead: each instant, one of their
-/// places is held in front of one of the cameras, roughly upright.
+/// The same for a rigid multi-board target: in each frame, one of its boards is
+/// held in front of one of the cameras, roughly upright.
 SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
                                      const Pattern& pattern,
                                      const FixedBoards& fixed,

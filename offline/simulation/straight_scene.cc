@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-// Each pixel is the mean of so many samples along each axis.
+// The number of samples per pixel along each axis.
 constexpr int kSamples = 4;
 // Light squares, BGR: front and back, left and right, ceiling and floor.
 constexpr std::array<std::array<float, 3>, 6> kWalls = {{{232, 228, 226},
@@ -48,8 +48,8 @@ void AddColor(const SceneSquare& square, float weight,
   for (int c = 0; c < 3; ++c) (*sum)[c] += weight * kWalls[square.wall][c];
 }
 
-// A pixel, by the directions of its four corners. Squares are convex: corners
-// in one square have the whole pixel in it.
+// The colour of a pixel from the directions of its corners. Squares are convex:
+// if all corners are in one square, so is the pixel.
 std::array<float, 3> MeanColor(const Eigen::Vector3d (&corners)[4],
                                double square) {
   std::array<float, 3> sum = {};

@@ -6,23 +6,23 @@
 
 namespace raygrid {
 
-/// A room around the camera, a cube whose walls are checkered: what a picture
-/// has to show of straight lines. Its walls lie one unit from the camera along
-/// the camera's axes, and each is cut into squares.
+/// A room around the camera, a cube with chequered walls: straight lines for
+/// checking undistortion. Its walls are at a distance of 1 along the camera
+/// axes.
 ///
-/// The side of a square, 2 / 2^k, so that about a dozen squares lie across the
-/// image.
+/// Returns the side of a square, 2 / 2^k, so that about a dozen squares span
+/// the image.
 double SquareOfStraightScene(const CameraModel& camera);
 
-/// The room as a camera sees it, in BGR, by the directions of its pixels: that
-/// of non-central cameras as if it were far away. A wall has its own colour.
-/// Pixels that are not calibrated get a grey level.
+/// Renders the room in BGR by the directions of the camera's pixels: for
+/// non-central cameras, as if it were infinitely far. Each wall has its own
+/// colour. Pixels outside the calibrated area are grey.
 Image RenderStraightScene(const CameraModel& camera, double square,
                           uint8_t not_calibrated, int num_threads);
 
-/// The angle between what the edges of an image's middle row (axis 0) or middle
-/// column (axis 1) see, degrees, by way of its middle; of the area, where that
-/// ends before.
+/// The angle in degrees between the rays at both ends of an image's middle row
+/// (axis 0) or middle column (axis 1), summed via its centre; limited to the
+/// area.
 double SeenAngleDeg(const CameraModel& camera, int axis);
 
 }  // namespace raygrid

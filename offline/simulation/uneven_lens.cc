@@ -51,8 +51,8 @@ std::optional<Eigen::Vector2d> UnevenLens::Project(
   return pixel;
 }
 
-// The projection's derivative is the inverse of the direction's, which is
-// formed by differences.
+// The Jacobian of the projection is the inverse of that of the direction,
+// computed by finite differences.
 bool UnevenLens::Linearize(const Eigen::Vector3d& point,
                            const Eigen::Vector2d* start, double margin_px,
                            LinearizedProjection* projection) const {

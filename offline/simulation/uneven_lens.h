@@ -8,10 +8,9 @@
 
 namespace raygrid {
 
-/// Ground truth without an axis of symmetry in the image: subclasses say the
-/// exact direction of a place in the image and the other way round. Places are
-/// offsets from the image's middle in widths of the image. Its parameters
-/// cannot be adjusted.
+/// Ground truth without rotational symmetry: subclasses define the exact
+/// direction of an image position and its inverse. Positions are relative to
+/// the image centre, in image widths. Its parameters cannot be optimized.
 class UnevenLens : public CameraModel {
  public:
   std::optional<Eigen::Vector3d> Unproject(
@@ -30,7 +29,7 @@ class UnevenLens : public CameraModel {
   UnevenLens(const ImageSize& size, const Area& area)
       : CameraModel(size, area) {}
 
-  /// A direction of any length.
+  /// Returns a direction of any length.
   virtual Eigen::Vector3d DirectionOf(const Eigen::Vector2d& place) const = 0;
   virtual std::optional<Eigen::Vector2d> PlaceOf(
       const Eigen::Vector3d& direction) const = 0;
@@ -39,8 +38,8 @@ class UnevenLens : public CameraModel {
   Eigen::Vector2d PlaceOfPixel(const Eigen::Vector2d& pixel) const;
 };
 
-/// Crossed cylinders: horizontally in proportion to the angle, vertically a
-/// perspective of twice the focal length.
+/// Crossed cylinders: horizontally equidistant, vertically a perspective with
+/// twice the focal length.
 ///   x = f longitude,  y = 2 f tan(latitude)
 class AnamorphicLens : public UnevenLens {
  public:
@@ -57,11 +56,10 @@ class AnamorphicLens : public UnevenLens {
       const Eigen::Vector3d& direction) const override;
 };
 
-/// An equidistant fisheye whose axis meets the image a third of its width from
-/// the middle, before a sensor that is tilted about the axis of columns: with q
-/// the fisheye's image on a plane square to its axis,
-///   p = q / (1 - t q.x)
-/// from where the axis meets the image.
+/// An equidistant fisheye whose axis intersects the image a third of its width
+/// from the centre, with a sensor tilted about the column axis: with q the
+/// fisheye's image in a plane perpendicular to its axis, p = q / (1 - t q.x)
+/// relative to the intersection.
 class OffAxisLens : public UnevenLens {
  public:
   OffAxisLens(const ImageSize& size, const Area& area)
@@ -77,10 +75,10 @@ class OffAxisLens : public UnevenLens {
       const Eigen::Vector3d& direction) const override;
 };
 
-/// Half a lens on the left and half one of twice the focal length on the right,
-/// which pass into each other within a fifth of the width: with s(x) = 1 /
-/// focal length at a column,
-///   X / Z = the integral of s from the middle to x,  Y / Z = y s(x)
+/// A focal length on the left and twice that on the right, with a smooth
+/// transition within a fifth of the width: with s(x) = 1 / focal length at a
+/// column,
+///   X / Z = the integral of s from the centre to x,  Y / Z = y s(x)
 class HalvesLens : public UnevenLens {
  public:
   HalvesLens(const ImageSize& size, const Area& area)
@@ -96,8 +94,8 @@ class HalvesLens : public UnevenLens {
       const Eigen::Vector3d& direction) const override;
 };
 
-/// Two elements whose axes lie apart: an equidistant fisheye, and one that
-/// bends its image q with barrel distortion about another centre c:
+/// Two elements with different axes: an equidistant fisheye, and one that adds
+/// barrel distortion to its image q about another centre c:
 ///   p = c + (q - c) / (1 + k |q - c|^2)
 class DecentredLens : public UnevenLens {
  public:
@@ -114,10 +112,10 @@ class DecentredLens : public UnevenLens {
       const Eigen::Vector3d& direction) const override;
 };
 
-/// A hyperbolic mirror, with a camera in its second focus that looks at its
-/// flank. Images are flipped, as such cameras deliver them: nothing is
-/// mirrored. A hyperboloid is the unit sphere seen from a point of its axis
-/// (Geyer and Daniilidis, 2000): a unit direction d is seen like the point
+/// A hyperbolic mirror, with a camera in its second focus, looking at its side.
+/// Images are flipped, as such cameras deliver them, so they are not mirrored.
+/// A hyperboloid is equivalent to the unit sphere seen from a point on its axis
+/// (Geyer and Daniilidis, 2000): a unit direction d is projected like the point
 /// (d.x, d.y, d.z + xi).
 class MirrorLens : public UnevenLens {
  public:

@@ -1,5 +1,5 @@
-/* Pixels that need care, beside the image or without a source, one by one: all
- * that both walks do alike. */
+/* Pixels that need edge handling, outside the source image or without a
+ * source, processed per pixel: code shared by both traversals. */
 #ifndef RAYGRID_CAREFUL_PIXELS_H
 #define RAYGRID_CAREFUL_PIXELS_H
 
@@ -11,17 +11,17 @@
 #include "kernels/kernel.h"
 #include "raygrid.h"
 
-/* More than rounding moves the positions of a block beyond its corners, and
- * than a position is rounded by, in q12. */
+/* More than rounding displaces the positions of a block beyond its corners,
+ * and than the rounding of a position, in q12. */
 #define RG_POSITION_MARGIN 64
 
-/* The source of a lattice, in the lattice's pixels. */
+/* The source of a component, in the component's pixels. */
 typedef struct rg_source {
   uint16_t size[2];   /* width, height */
-  uint16_t ring_rows; /* of the ring that has its rows; 0: there is none */
+  uint16_t ring_rows; /* of the ring buffer with its rows; 0: none */
 } rg_source;
 
-/* Sets the size, for an image of so many pixels. */
+/* Sets the size for an image of the given size in pixels. */
 static RG_INLINE void rg_set_source_size(const rg_camera* camera,
                                          const rg_lattice* lattice,
                                          rg_source* source) {
@@ -29,8 +29,8 @@ static RG_INLINE void rg_set_source_size(const rg_camera* camera,
   source->size[1] = (uint16_t)(camera->frame_height >> lattice->log2[1]);
 }
 
-/* Sets where the lattice lies in the planes of image and target: data, out and
- * strides of the run, and the ring's rows. */
+/* Sets the component's position in the planes of image and target: data, out
+ * and strides of the span, and the rows of the ring buffer. */
 static RG_INLINE void rg_set_planes(const rg_lattice* lattice,
                                     const rg_image* image,
                                     const rg_target* target, rg_source* source,
@@ -46,9 +46,9 @@ static RG_INLINE void rg_set_planes(const rg_lattice* lattice,
   run->out_stride = out_stride * lattice->row_step;
 }
 
-/* The rows of a ring, from one multiple of its size to the next, follow each
- * other in memory. Returns how many of these lie around a position, and the
- * first one. */
+/* The rows of a ring buffer, from one multiple of its size to the next, are
+ * contiguous in memory. Returns how many of these the position needs, and
+ * the first one. */
 static RG_INLINE uint32_t rg_find_ring_rows(const rg_source* source,
                                             int32_t y_q12, uint32_t* first) {
   const uint32_t row = y_q12 < 0 ? 0 : (uint32_t)y_q12 >> 12;
@@ -57,7 +57,7 @@ static RG_INLINE uint32_t rg_find_ring_rows(const rg_source* source,
   return rest < source->ring_rows ? rest : source->ring_rows;
 }
 
-/* A row of the source in memory; the run has where row 0 lies. */
+/* Returns a row of the source in memory; the span has the address of row 0. */
 static RG_INLINE const uint8_t* rg_source_row(const rg_source* source,
                                               const rg_run* run, uint32_t row) {
   if (source->ring_rows != 0)
@@ -65,26 +65,26 @@ static RG_INLINE const uint8_t* rg_source_row(const rg_source* source,
   return run->data + (size_t)row * run->stride;
 }
 
-/* Coordinate c of a position, rounded to the last bit that is kept. */
+/* Coordinate c of a position, rounded to the last bit in use. */
 static RG_INLINE int32_t rg_round_position(rg_sampling sampling,
                                            const rg_lattice* lattice,
                                            int32_t q12, int c) {
   if (sampling != RG_SAMPLING_NEAREST)
     return q12 + (int32_t)rg_rounding(lattice->kind, c);
   uint32_t pixel = ((uint32_t)q12 + 2048) >> 12;
-  RG_FORGET(pixel); /* else a mask is kept in one */
+  RG_FORGET(pixel); /* otherwise a register holds a mask */
   return (int32_t)(pixel << 12);
 }
 
-/* Coordinate c of the nearest position that has a source. */
+/* Coordinate c of the nearest position with a source. */
 static RG_INLINE int32_t rg_nearest_source(const rg_source* source,
                                            rg_range range, int32_t q12, int c) {
   return rg_clamp(rg_clamp(q12, range.min_q12, range.max_q12), 0,
                   (source->size[c] - 1) << 12);
 }
 
-/* The rows and the right neighbours around the position of at, which is
- * rounded. Neighbours beyond the last have weight zero. */
+/* Finds the rows and the right neighbours of the position in at, which is
+ * rounded. Neighbours beyond the last pixel have weight zero. */
 static RG_INLINE void rg_find_neighbors(const rg_source* source,
                                         const rg_run* run,
                                         const rg_lattice* lattice,
@@ -96,8 +96,8 @@ static RG_INLINE void rg_find_neighbors(const rg_source* source,
       (rg_q12_of(at, 0) >> 12) + 1 < source->size[0] ? lattice->sample_step : 0;
 }
 
-/* Gives a pixel of the row of the output that at has the border's values,
- * unless it is to stay. */
+/* Sets a pixel of the output row in at to the border's values, unless it is
+ * to be kept. */
 static RG_INLINE void rg_put_border(const rg_target* target,
                                     const rg_lattice* lattice,
                                     const rg_neighbors* at,
@@ -109,9 +109,9 @@ static RG_INLINE void rg_put_border(const rg_target* target,
     rg_put_sample(lattice->kind, at->out, index + c, values[c]);
 }
 
-/* A grey pixel at a position that has a source, so lies in the frame. At the
- * last column its weight is zero, or all if one counts from the column before;
- * so it is at the last row. */
+/* Interpolates a grey pixel at a position with a source, thus within the
+ * frame. In the last column, the neighbour's weight is zero, or one if the
+ * pair starts at the previous column; likewise in the last row. */
 static RG_INLINE uint32_t rg_blend_careful_grey(const rg_source* source,
                                                 const rg_run* run,
                                                 const rg_position* position) {

@@ -1,6 +1,6 @@
-/* The corners of the parts of a row, as the fast walk finds them: along two
- * lines, the one above the row of parts and the one below it. What parts have
- * in common is kept from one to the next, and two positions are in one vector.
+/* The corners of the tiles of a row, as the fast traversal computes them:
+ * along two lines, above and below the row of tiles. Values shared by tiles
+ * are kept from one to the next, and two positions are in one vector.
  * formats/SPEC.md, "Bends". Positions are q12 source pixels. */
 #ifndef RAYGRID_FAST_CORNERS_H
 #define RAYGRID_FAST_CORNERS_H
@@ -19,18 +19,18 @@
 
 /* ---- Lanes --------------------------------------------------------------- */
 
-/* x, y of one position and of another. */
+/* x, y of two positions. */
 typedef int32_t rg_lanes __attribute__((vector_size(16)));
 typedef uint32_t rg_modular_lanes __attribute__((vector_size(16)));
 typedef int64_t rg_lane_pairs __attribute__((vector_size(16)));
 
-/* A position twice. */
+/* Duplicates a position. */
 static RG_INLINE rg_lanes rg_twice(int32_t x, int32_t y) {
   const rg_lanes both = {x, y, x, y};
   return both;
 }
 
-/* Position k of two, twice. */
+/* Duplicates position k of two. */
 static RG_INLINE rg_lanes rg_twice_pair(rg_lanes lanes, uint32_t k) {
   const rg_lane_pairs pairs = (rg_lane_pairs)lanes;
   const rg_lane_pairs both = {pairs[k], pairs[k]};
@@ -39,35 +39,35 @@ static RG_INLINE rg_lanes rg_twice_pair(rg_lanes lanes, uint32_t k) {
 
 /* ---- Lines --------------------------------------------------------------- */
 
-/* The lines above and below a row of parts of the blocks of a remap section,
- * which must be one that rg_select_remap() accepted. */
+/* The lines above and below a row of tiles in the blocks of a remap section,
+ * which must have been accepted by rg_select_remap(). */
 typedef struct rg_corner_lines {
   const uint8_t* section;
-  const uint8_t* vertices; /* the table's, or their like in a knot */
-  uint8_t is_empty;     /* the table says that no pixel of the last part's block
-                           has a source */
-  uint8_t part_log2[2]; /* output pixels of a part: across, down */
-  uint16_t row;         /* of parts */
-  uint16_t next_part;   /* in the row */
+  const uint8_t* vertices;        /* of the table, or of a sample */
+  uint8_t is_empty;               /* no pixel of the last tile's block
+                                     has a source */
+  uint8_t part_log2[2];           /* output pixels of a tile: across, down */
+  uint16_t row;                   /* of tiles */
+  uint16_t next_part;             /* in the row */
   uint32_t vertex_size, row_size; /* of vertices, in bytes */
-  uint32_t knot_size;             /* as rg_camera has it */
+  uint32_t knot_size;             /* as in rg_camera */
   int32_t weight;
-  int32_t residual_shift, bend_shift[2], num_log2[2]; /* of a block's parts */
+  int32_t residual_shift, bend_shift[2], num_log2[2]; /* of a block's tiles */
   uint32_t next_mark;                                 /* the next block's */
-  const uint8_t* marks;         /* of empty blocks, in bits */
+  const uint8_t* marks;         /* of empty blocks, one bit each */
   const uint8_t* above;         /* the next column's vertex above the row */
   rg_modular_lanes plane;       /* the next column's vertices above and below
                                    the row but for their residuals */
   rg_modular_lanes column_step; /* of that */
   rg_lanes line, rest;          /* the lines above and below the row of parts,
                                    counted in the block from above and below */
-  /* The lines at the last part's end: right has their positions; sums are these
-   * times the number of parts, and rounded; steps change sums to the next part,
-   * and turns change steps. */
+  /* The lines at the end of the last tile: right is their positions; sums
+   * are these times the number of tiles, and rounded; steps are the
+   * increments of sums per tile, and turns those of steps. */
   rg_lanes right, sums, steps, turns;
 } rg_corner_lines;
 
-/* The points where the lines cross edges from one position to the other. */
+/* Interpolates the points where the lines cross edges between two positions. */
 static RG_INLINE rg_lanes rg_cross_edges(const rg_corner_lines* lines,
                                          rg_lanes edges, rg_lanes bends) {
   const int32_t log2 = lines->num_log2[1];
@@ -77,7 +77,7 @@ static RG_INLINE rg_lanes rg_cross_edges(const rg_corner_lines* lines,
   return from + ((sums + (1 << log2 >> 1)) >> log2);
 }
 
-/* The residuals of two vertices. */
+/* Loads the residuals of two vertices. */
 static RG_INLINE rg_lanes rg_load_residuals(const uint8_t* above,
                                             const uint8_t* below) {
   const uint32_t a = rg_load_u32(above), b = rg_load_u32(below);
@@ -85,7 +85,7 @@ static RG_INLINE rg_lanes rg_load_residuals(const uint8_t* above,
   return (rg_lanes)halves >> 16;
 }
 
-/* The bends of the edges from the left that lead to two vertices. */
+/* Loads the bends of the edges to the left of two vertices. */
 static RG_INLINE rg_lanes rg_load_level_bends(const uint8_t* above,
                                               const uint8_t* below) {
   const uint32_t a = rg_load_u32(above + RG_VERTEX_HX);
@@ -94,7 +94,7 @@ static RG_INLINE rg_lanes rg_load_level_bends(const uint8_t* above,
   return (rg_lanes)bytes >> 24;
 }
 
-/* The bend of the edge from the first vertex to the second, twice. */
+/* Loads the bend of the edge from the first vertex to the second, twice. */
 static RG_INLINE rg_lanes rg_load_steep_bend(const uint8_t* above,
                                              const uint8_t* below) {
   (void)above;
@@ -103,8 +103,8 @@ static RG_INLINE rg_lanes rg_load_steep_bend(const uint8_t* above,
   return (rg_lanes)bytes >> 24;
 }
 
-/* Numbers of the next column's vertices as stored, by one of these functions;
- * of a stack at its condition. */
+/* Values of the next column's vertices as stored, loaded by one of these
+ * functions; for operating-point models, interpolated. */
 typedef rg_lanes rg_load_numbers(const uint8_t* above, const uint8_t* below);
 static RG_INLINE rg_lanes rg_load_column(const rg_corner_lines* lines,
                                          rg_load_numbers* load) {
@@ -121,8 +121,9 @@ static RG_INLINE rg_lanes rg_shift_lanes(rg_lanes lanes, int32_t shift) {
   return (rg_lanes)((rg_modular_lanes)lanes << shift);
 }
 
-/* To the next column of vertices: where the lines cross it, and their bends
- * from the column before to it, twice, if blocks have several parts. */
+/* Advances to the next column of vertices: computes where the lines cross
+ * it, and the bends of the edges from the previous column, twice, if blocks
+ * have several tiles. */
 static RG_INLINE rg_lanes rg_next_column(rg_corner_lines* lines,
                                          rg_lanes* turns) {
   const rg_lanes none = {0, 0, 0, 0};
@@ -148,14 +149,14 @@ static RG_INLINE rg_lanes rg_next_column(rg_corner_lines* lines,
   return ends;
 }
 
-/* log2 of the parts of a block, across (axis 0) or down. */
+/* log2 of the tiles per block, across (axis 0) or down. */
 static inline uint32_t rg_num_parts_log2(const rg_corner_lines* lines,
                                          uint32_t axis) {
   return (uint32_t)lines->section[RG_REMAP_BLOCK_LOG2] - lines->part_log2[axis];
 }
 
-/* To the first column of vertices of the row of parts. The section, vertices,
- * the parts' size and the row are set. */
+/* Moves to the first column of vertices of the row of tiles. The section,
+ * vertices, tile size and row must be set. */
 static inline void rg_start_columns(rg_corner_lines* lines) {
   const uint8_t* const section = lines->section;
   const uint32_t log2 = rg_num_parts_log2(lines, 1);
@@ -191,7 +192,7 @@ static inline void rg_start_columns(rg_corner_lines* lines) {
   lines->right = rg_next_column(lines, &turns);
 }
 
-/* To the block that begins with the next part. */
+/* Enters the block that begins with the next tile. */
 static RG_SHARED void rg_enter_block(rg_corner_lines* lines) {
   const int32_t log2 = lines->num_log2[0];
   const uint32_t mark = lines->next_mark++;
@@ -205,8 +206,8 @@ static RG_SHARED void rg_enter_block(rg_corner_lines* lines) {
   lines->turns = turns;
 }
 
-/* The corners of the next part, on the line above and on that below. It lies
- * behind the first column. */
+/* Computes the corners of the next tile, on the upper and the lower line. It
+ * must be after the first column. */
 static RG_INLINE void rg_follow_lines(rg_corner_lines* lines, rg_lanes* upper,
                                       rg_lanes* lower) {
   const int32_t log2 = lines->num_log2[0];
@@ -225,7 +226,7 @@ static RG_INLINE void rg_follow_lines(rg_corner_lines* lines, rg_lanes* upper,
 
 /* ---- Lattices ------------------------------------------------------------ */
 
-/* The change that a lattice makes to corners of parts: rg_lattice_block(). */
+/* The transformation of tile corners for a component: rg_lattice_block(). */
 typedef struct rg_lattice_lanes {
   rg_lanes offset, is_coarse; /* of a coordinate: half pixels; all bits where
                                  the lattice has fewer pixels */
@@ -242,7 +243,8 @@ rg_find_lattice_lanes(const rg_lattice* lattice, uint32_t part_width_log2) {
   return found;
 }
 
-/* The corners on a line that they are moved along, and by down. */
+/* Transforms the corners on a line, where along and by down are
+ * displacements. */
 static RG_INLINE rg_lanes rg_to_lattice_lanes(const rg_lattice_lanes* lattice,
                                               rg_lanes corners, rg_lanes across,
                                               rg_lanes down) {
@@ -253,12 +255,12 @@ static RG_INLINE rg_lanes rg_to_lattice_lanes(const rg_lattice_lanes* lattice,
   return at ^ ((at ^ ((at + 1) >> 1)) & lattice->is_coarse);
 }
 
-/* From the first of two corners to the second, twice. */
+/* The difference from the first of two corners to the second, twice. */
 static RG_INLINE rg_lanes rg_edge_lanes(rg_lanes corners) {
   return rg_twice_pair(corners, 1) - rg_twice_pair(corners, 0);
 }
 
-/* Brings the corners of a part from the image's pixels to the lattice's. */
+/* Transforms the corners of a tile from image to component pixels. */
 static RG_INLINE void rg_lattice_corners(const rg_lattice_lanes* lattice,
                                          rg_lanes* upper, rg_lanes* lower) {
   const rg_lanes down = *lower - *upper;

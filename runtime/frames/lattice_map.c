@@ -1,12 +1,12 @@
 #include "frames/lattice_map.h"
 
-/* Coordinate c from one position to another; modulo 2^32. */
+/* The difference of coordinate c between two positions; modulo 2^32. */
 static uint32_t edge_of(const rg_position* from, const rg_position* to, int c) {
   return (uint32_t)to->q12[c] - (uint32_t)from->q12[c];
 }
 
-/* By (half[0], half[1]) half pixels of the output, along the edges that meet in
- * each, and from image to lattice coordinates. */
+/* Shifts by (half[0], half[1]) half output pixels, along the adjacent edges
+ * of each corner, then converts image to component coordinates. */
 void rg_move_corners(const rg_lattice* lattice, uint32_t part_width_log2,
                      rg_position corners[4]) {
   if ((lattice->log2[0] | lattice->log2[1]) == 0) return; /* image pixels */

@@ -1,4 +1,4 @@
-/* The source positions of a lattice's pixels, in the lattice's own pixels:
+/* The source positions of a component's pixels, in component pixels:
  * formats/SPEC.md, "Components". */
 #ifndef RAYGRID_LATTICE_MAP_H
 #define RAYGRID_LATTICE_MAP_H
@@ -14,8 +14,8 @@
 extern "C" {
 #endif
 
-/* Image coordinate c, q12, to the lattice's; bias is added where halves are
- * rounded. */
+/* Converts image coordinate c, q12, to component pixels; bias is added where
+ * halves are rounded. */
 static inline int32_t rg_to_lattice(const rg_lattice* lattice, int c,
                                     int32_t q12, int32_t bias) {
   const uint32_t log2 = lattice->log2[c]; /* 0 or 1 */
@@ -28,7 +28,7 @@ typedef struct rg_range {
   int32_t min_q12, max_q12;
 } rg_range;
 
-/* Coordinate c of the positions that have a source. */
+/* The range of coordinate c of positions with a source. */
 static RG_INLINE rg_range rg_source_range(const uint8_t* section,
                                           const rg_lattice* lattice, int c) {
   const uint8_t* const field = section + RG_REMAP_MIN_X + 4 * c;
@@ -38,8 +38,8 @@ static RG_INLINE rg_range rg_source_range(const uint8_t* section,
   return range;
 }
 
-/* log2 of the output pixels that the parts of blocks are wide (axis 0) or high
- * (1): what the table says, but at least 16 for chroma, 8 of its own. */
+/* log2 of the width (axis 0) or height (1) of tiles in output pixels: as in
+ * the table, but at least 16 for chroma, 8 of its own pixels. */
 static inline uint8_t rg_part_log2(const uint8_t* section,
                                    const rg_lattice* lattice, int axis) {
   const uint8_t part_log2 = section[RG_REMAP_PART_LOG2];
@@ -47,12 +47,12 @@ static inline uint8_t rg_part_log2(const uint8_t* section,
   return part_log2 < 4 && lattice->half[axis] == 1 ? 4 : part_log2;
 }
 
-/* The corners of a part of a block of the table, so many output pixels wide, as
- * the lattice has them. */
+/* Transforms the corners of a tile of the given width in output pixels to
+ * component pixels. */
 void rg_move_corners(const rg_lattice* lattice, uint32_t part_width_log2,
                      rg_position corners[4]);
 
-/* The corners of a part, as the lattice has them, and the part's size. */
+/* Transforms the corners and the size of a tile to component pixels. */
 void rg_lattice_block(const rg_lattice* lattice, rg_block* block);
 
 static inline int32_t rg_clamp(int32_t value, int32_t min, int32_t max) {

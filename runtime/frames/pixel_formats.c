@@ -4,9 +4,9 @@
 
 #include "frames/pixel_format_list.h"
 
-/* A component in a word: three bits a field, behind the kind, from the low bits
- * up in the reversed order of rg_lattice. A field that does not fit fails to
- * compile. */
+/* A component packed into a word: three bits per field, after the kind, from
+ * the low bits up in the reversed order of rg_lattice. A field that does not
+ * fit is a compile-time error. */
 #define FIELD(digit, value)           \
   ((uint32_t)(value) << 3 * (digit) | \
    (uint32_t)(0 * sizeof(char[(value) < 8 ? 1 : -1])))
@@ -32,7 +32,7 @@ static const uint32_t kLattices[] = {RG_COMPONENTS};
 
 static const uint16_t kFormats[] = {RG_PIXEL_FORMATS};
 
-/* Fails to compile where a table lacks an entry, or an index does not fit. */
+/* Compile-time check that tables are complete and indices fit. */
 #define ASSERT_LATTICES(name, condition) \
   typedef char(name)[(condition) ? 1 : -1]
 ASSERT_LATTICES(every_format_has_an_entry,
@@ -61,7 +61,7 @@ uint32_t rg_row_pairs(rg_format format) {
   return kFormats[format] & FORMAT_ROW_PAIRS;
 }
 
-/* Of each kind; of RGB565, a fourth of a word. */
+/* For each kind; for RGB565, a quarter of a word. */
 #define RG_SAMPLE_KIND(kind, bits) [kind] = (bits),
 static const uint8_t kSampleBits[RG_SAMPLE_565 + 1] = {RG_SAMPLE_KINDS};
 

@@ -1,4 +1,4 @@
-/* The lattices of each pixel format: formats/SPEC.md, "Components". */
+/* The components of each pixel format: formats/SPEC.md, "Components". */
 #ifndef RAYGRID_PIXEL_FORMATS_H
 #define RAYGRID_PIXEL_FORMATS_H
 
@@ -11,16 +11,16 @@
 extern "C" {
 #endif
 
-/* The lattice of a format with an index, from 0 on. 0, and no lattice, where it
- * has fewer, or is no format. */
+/* Finds the component of a format by index, from 0. Returns 0, without a
+ * component, if the index is too large or the format is invalid. */
 int rg_find_lattice(rg_format format, uint32_t index, rg_lattice* lattice);
 
-/* 1 where the rows of a format come in pairs, else 0. The format is below
- * RG_NUM_FORMATS. */
+/* 1 if the rows of a format come in pairs, otherwise 0. The format must be
+ * below RG_NUM_FORMATS. */
 uint32_t rg_row_pairs(rg_format format);
 
-/* Bytes that a row of the lattice's plane takes; 0 where the width is not a
- * whole number of lattice pixels or of packed groups. */
+/* The number of bytes in a row of the component's plane; 0 if the width is
+ * not a multiple of component pixels or packed groups. */
 uint32_t rg_plane_row_bytes(const rg_lattice* lattice, uint32_t width);
 
 #ifdef __cplusplus

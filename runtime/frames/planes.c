@@ -10,9 +10,10 @@ uintptr_t rg_remainder(uintptr_t a, uintptr_t b) {
 
 static uintptr_t address_of(const uint8_t* data) { return (uintptr_t)data; }
 
-/* Two intervals meet if the last of one is not so far behind the first of the
- * other as both are long, less 1; that may wrap. First all bytes from the first
- * row to the last are such an interval, then, modulo the stride, a row. */
+/* Two intervals overlap if the end of one is less than the sum of both
+ * lengths, minus 1, after the start of the other; modulo wrap-around. First,
+ * the interval is all bytes from the first to the last row, then, modulo the
+ * stride, one row. */
 rg_status rg_check_overlap(const rg_frame* frame, const uint8_t* data,
                            uint32_t stride, uint32_t size) {
   const uint32_t row_bytes = size & 0xffff, num_rows = size >> 16;
@@ -25,8 +26,8 @@ rg_status rg_check_overlap(const rg_frame* frame, const uint8_t* data,
       (uintptr_t)(frame->height - 1u) * frame->stride + frame->width + to_last;
   rg_status status = RG_ERR_OVERLAP;
   if (distance >= lengths) status = RG_OK;
-  /* Rows may lie beside each other. (Of planes that are apart, it does not
-   * matter what the remainder is.) */
+  /* Rows may be side by side. (For separate planes, the remainder is
+   * irrelevant.) */
   if (frame->stride == stride && rg_remainder(distance, stride) >= length)
     status = RG_OK;
   return status;

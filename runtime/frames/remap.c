@@ -10,7 +10,7 @@
 #include "frames/remap_source_rows.h"
 #include "frames/walk.h"
 
-/* The plane of a lattice of an image, or of so many rows of one, as bytes. */
+/* Finds the plane of a component in an image, or in a band of it, as bytes. */
 static rg_status find_plane(const rg_lattice* lattice, uint32_t width,
                             uint32_t num_rows, rg_frame* plane) {
   /* Below 2^16: the width is that of a remap, at most 8192 pixels. */
@@ -27,12 +27,12 @@ static rg_status find_plane(const rg_lattice* lattice, uint32_t width,
 }
 
 /* Checks the planes of image and target, whose formats, sizes and rows are
- * right. */
+ * already checked. */
 static rg_status check_planes(const uint8_t* section, const rg_image* image,
                               const rg_target* target) {
   const uint32_t source_rows =
       image->ring_rows != 0 ? image->ring_rows : image->height;
-  rg_frame planes[6]; /* each of the image, and behind it the target's */
+  rg_frame planes[6]; /* the image's and the target's, in pairs */
   const rg_frame* end = planes;
   rg_lattice lattice;
   for (uint32_t k = 0; rg_find_lattice(image->format, k, &lattice); ++k) {
@@ -117,7 +117,7 @@ rg_status rg_remap_view(const rg_camera* camera, rg_view* view) {
   return RG_OK;
 }
 
-/* Whether a ring holds rows as rg_find_source_rows() has them. */
+/* Whether a ring buffer holds the rows given by rg_find_source_rows(). */
 static RG_NOINLINE int are_rows_there(const rg_image* image, uint32_t rows) {
   const uint32_t first = rows & 0xffff, num_rows = rows >> 16;
   return image->num_rows <= image->ring_rows &&

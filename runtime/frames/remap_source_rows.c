@@ -19,7 +19,7 @@ rg_status rg_check_rows(const rg_camera* camera, rg_format format,
 
 int32_t rg_find_source_rows(const rg_camera* camera, rg_format format,
                             uint32_t first_row, uint32_t num_rows) {
-  rg_row_search search; /* filled first: that takes less stack */
+  rg_row_search search; /* set first, to save stack */
   search.output.first = (uint16_t)first_row;
   search.output.end = (uint16_t)(first_row + num_rows);
   search.source.first = UINT16_MAX;
@@ -27,7 +27,7 @@ int32_t rg_find_source_rows(const rg_camera* camera, rg_format format,
   const rg_status status = rg_check_rows(camera, format, first_row, num_rows);
   if (status != RG_OK) return status;
   rg_walk_source_rows(camera, format, &search);
-  /* Whole pairs of rows where rows come in pairs. */
+  /* Rounds to whole pairs of rows if rows come in pairs. */
   const uint32_t pairs = rg_row_pairs(format);
   const uint32_t first = search.source.first & ~pairs;
   const uint32_t end = (search.source.end + pairs) & ~pairs;

@@ -1,5 +1,5 @@
-/* The walk where speed matters more than size: a part is one run, or is cut
- * into the longest runs whose pixels ask for the same care. */
+/* The traversal optimized for speed: a tile is one span, or is divided into
+ * the longest spans with uniform edge handling. */
 #include "config.h"
 #include "frames/walk.h"
 
@@ -15,41 +15,41 @@
 #include "frames/pixel_formats.h"
 #include "kernels/kernel.h"
 
-/* The care that the pixels of a run ask for. */
+/* The edge handling that the pixels of a span require. */
 typedef enum run_care {
-  CARE_NONE,     /* their neighbours lie in the source, in rows that follow each
+  CARE_NONE,     /* their neighbours are in the source, in rows that follow each
                     other in memory, and so do the spare rows */
-  CARE_SPARE,    /* their neighbours do, but perhaps not the spare rows */
-  CARE_PIXEL,    /* it is one pixel, which may have no source, or a source that
+  CARE_SPARE,    /* their neighbours are, but perhaps not the spare rows */
+  CARE_PIXEL,    /* a single pixel, which may have no source, or a source that
                     lacks neighbours */
   CARE_NO_SOURCE /* no pixel has a source */
 } run_care;
 
-/* The box of positions in which a part's corners ask for no care. No position
- * lies in it if the source is a ring. */
+/* The box of tile corners without edge handling. It contains no position if
+ * the source is a ring buffer. */
 typedef struct safe_box {
   rg_lanes min, max;
 } safe_box;
 
-/* The walk over the parts of a lattice, and the run at hand. */
+/* The traversal of a component's tiles, and the current span. */
 typedef struct fast_walk {
   rg_corner_lines lines;
   const rg_lattice* lattice;
   rg_source source;
   uint16_t num_rows;    /* of the source that follow each other in memory, from
                            the run's first_source_row on */
-  uint16_t row;         /* of the output: the first one of the row of parts */
-  uint16_t end_row;     /* behind the last one to do */
-  uint8_t part_rows;    /* that the parts have; 0 before the first ones */
+  uint16_t row;         /* first output row of the row of tiles */
+  uint16_t end_row;     /* after the last one to process */
+  uint8_t part_rows;    /* of the tiles; 0 before the first ones */
   uint8_t part_pixels;  /* of such a row, where the part at hand is done in
                            segments of rows; 0: not yet */
   uint8_t rows_left;    /* of the part; 0: the run is the last one */
-  uint8_t is_clamped;   /* pixels without a source take the nearest one */
-  uint16_t whole_parts; /* that a row of parts has, from the left */
+  uint8_t is_clamped;   /* use the nearest source if there is none */
+  uint16_t whole_parts; /* number in a row of tiles, from the left */
   rg_run run __attribute__((aligned(16)));
   const rg_kernels* kernels;
-  rg_range ranges[2];   /* of the positions that have a source: x, y */
-  rg_position position; /* of the pixel that a run of CARE_PIXEL is */
+  rg_range ranges[2];   /* of positions with a source: x, y */
+  rg_position position; /* of the pixel of a CARE_PIXEL span */
   safe_box safe;
   rg_lattice_lanes move;
 } fast_walk;
@@ -57,7 +57,7 @@ typedef struct fast_walk {
 static inline int32_t min_of(int32_t a, int32_t b) { return a < b ? a : b; }
 static inline int32_t max_of(int32_t a, int32_t b) { return a > b ? a : b; }
 
-/* ---- Parts --------------------------------------------------------------- */
+/* ---- Tiles --------------------------------------------------------------- */
 
 static RG_INLINE void load_corners(const rg_position* corners, rg_lanes* upper,
                                    rg_lanes* lower) {
@@ -65,7 +65,7 @@ static RG_INLINE void load_corners(const rg_position* corners, rg_lanes* upper,
   memcpy(lower, corners + 2, sizeof(*lower));
 }
 
-/* The corners of the next part, as the lattice has them. */
+/* Computes the corners of the next tile in component pixels. */
 static RG_INLINE void find_corners(fast_walk* walk, rg_position* corners) {
   const rg_lattice* const lattice = walk->lattice;
   rg_lanes upper, lower;
@@ -76,7 +76,7 @@ static RG_INLINE void find_corners(fast_walk* walk, rg_position* corners) {
   memcpy(corners + 2, &lower, sizeof(lower));
 }
 
-/* Whether a part with such corners is a run of CARE_NONE. */
+/* Whether a tile with these corners is a CARE_NONE span. */
 static RG_INLINE int are_corners_safe(const fast_walk* walk,
                                       const rg_position* corners) {
   const safe_box* const box = &walk->safe;
@@ -102,9 +102,9 @@ static safe_box find_safe_box(const fast_walk* walk) {
   return box;
 }
 
-/* Before the first part of the lattice, of rows of the output that are counted
- * in pixels of the image; run->out is for the first row. The walk has its
- * lattice, ring_rows, is_clamped and kernels. */
+/* Starts a component's rows, which are counted in image pixels of the
+ * output; run->out is for the first row. The component, ring_rows,
+ * is_clamped and kernels must be set. */
 static void start_rows(fast_walk* walk, const rg_camera* camera,
                        rg_row_range rows) {
   const uint8_t* const section = camera->remap;
@@ -122,7 +122,7 @@ static void start_rows(fast_walk* walk, const rg_camera* camera,
   }
   walk->row = (uint16_t)(rows.first >> lattice->log2[1]);
   walk->end_row = (uint16_t)(rows.end >> lattice->log2[1]);
-  /* A lattice has no pixels if the table is too narrow for it. */
+  /* A component has no pixels if the table is too narrow for it. */
   if (rg_load_u16(section + RG_REMAP_WIDTH) >> lattice->log2[0] == 0)
     walk->end_row = walk->row;
   walk->part_rows = walk->part_pixels = 0;
@@ -132,7 +132,7 @@ static void start_rows(fast_walk* walk, const rg_camera* camera,
                                  walk->lines.part_log2[0]);
 }
 
-/* To the row of parts below those that were done; 0 below the last one. */
+/* Advances to the next row of tiles; 0 after the last one. */
 static RG_INLINE int start_parts(fast_walk* walk) {
   rg_run* const run = &walk->run;
   run->out += (size_t)walk->part_rows * run->out_stride;
@@ -151,7 +151,7 @@ static RG_INLINE int start_parts(fast_walk* walk) {
   return 1;
 }
 
-/* The block of the next part. */
+/* Computes the block of the next tile. */
 static RG_INLINE void find_block(fast_walk* walk) {
   const rg_lattice* const lattice = walk->lattice;
   rg_block* const block = &walk->run.block;
@@ -161,11 +161,11 @@ static RG_INLINE void find_block(fast_walk* walk) {
   block->height_log2 = (uint8_t)(walk->lines.part_log2[1] - lattice->log2[1]);
 }
 
-/* To the next part, but for its block; 0 if there is none. */
+/* Advances to the next tile, without its block; 0 if there is none. */
 static RG_INLINE int go_to_part(fast_walk* walk) {
   rg_run* const run = &walk->run;
   const rg_corner_lines* const lines = &walk->lines;
-  if (walk->part_pixels != 0) { /* back to the part's first row */
+  if (walk->part_pixels != 0) { /* back to the tile's first row */
     const uint32_t rows = walk->part_rows - 1u;
     run->out -= (size_t)rows * run->out_stride;
     run->first_row = (uint16_t)(run->first_row - rows);
@@ -187,16 +187,16 @@ static RG_INLINE int go_to_part(fast_walk* walk) {
   return 1;
 }
 
-/* To the next part; 0 if there is none. */
+/* Advances to the next tile; 0 if there is none. */
 static int next_part(fast_walk* walk) {
   if (!go_to_part(walk)) return 0;
   find_block(walk);
   return 1;
 }
 
-/* Goes on as next_part() does if neither the part at hand, which was done in
- * one run, nor the next one is cut off by the right border; else returns 0. The
- * corners of the block stay. */
+/* Like next_part() if neither the current tile, which was processed in one
+ * span, nor the next one is clipped by the right border; otherwise returns
+ * 0. The corners of the block are kept. */
 static RG_INLINE int next_whole_part(fast_walk* walk, rg_position* corners) {
   if (walk->part_pixels != 0 || walk->lines.next_part >= walk->whole_parts)
     return 0;
@@ -206,7 +206,7 @@ static RG_INLINE int next_whole_part(fast_walk* walk, rg_position* corners) {
   return 1;
 }
 
-/* ---- Runs ---------------------------------------------------------------- */
+/* ---- Spans --------------------------------------------------------------- */
 
 /* Whether a position has a source. */
 static RG_INLINE int has_source(const fast_walk* walk,
@@ -219,8 +219,7 @@ static RG_INLINE int has_source(const fast_walk* walk,
   return 1;
 }
 
-/* The care that positions ask for, coordinate c of which lies between two
- * values. */
+/* The edge handling for positions whose coordinate c is between two values. */
 static RG_INLINE run_care find_axis_care(const fast_walk* walk, int c,
                                          int32_t low, int32_t high) {
   const rg_range source = walk->ranges[c];
@@ -236,7 +235,7 @@ static RG_INLINE run_care find_axis_care(const fast_walk* walk, int c,
                                                                   : CARE_NONE;
 }
 
-/* The care that positions between some others ask for: the greater care of both
+/* The edge handling for positions between corners: the maximum over both
  * coordinates. */
 static RG_INLINE run_care find_care(const fast_walk* walk, const rg_position* p,
                                     uint32_t num) {
@@ -253,14 +252,14 @@ static RG_INLINE run_care find_care(const fast_walk* walk, const rg_position* p,
   return care == CARE_NO_SOURCE && walk->is_clamped ? CARE_PIXEL : care;
 }
 
-/* The care that the part at hand asks for. */
+/* The edge handling of the current tile. */
 static RG_INLINE run_care find_part_care(const fast_walk* walk) {
   if (walk->lines.is_empty && !walk->is_clamped) return CARE_NO_SOURCE;
   if (are_corners_safe(walk, walk->run.block.corners)) return CARE_NONE;
   return find_care(walk, walk->run.block.corners, 4);
 }
 
-/* On to the pixels behind the run's, which lie in one row of a part. */
+/* Advances to the pixels after the span, which are in one row of a tile. */
 static RG_INLINE void go_on_in_part(fast_walk* walk) {
   rg_run* const run = &walk->run;
   const uint32_t end = walk->part_pixels;
@@ -273,8 +272,8 @@ static RG_INLINE void go_on_in_part(fast_walk* walk) {
   run->out += run->out_stride;
 }
 
-/* The run of a row's next pixels that ask for the same: all that are left, half
- * of them, and so on, or one. */
+/* Finds the span of a row's next pixels with uniform edge handling: all
+ * remaining ones, half of them, and so on, or one. */
 static RG_INLINE run_care find_segment(fast_walk* walk) {
   rg_run* const run = &walk->run;
   go_on_in_part(walk);
@@ -295,8 +294,8 @@ static RG_INLINE run_care find_segment(fast_walk* walk) {
   return care;
 }
 
-/* The part's next run, and what its pixels ask for; while rows_left is not 0,
- * there is another one. */
+/* Finds the tile's next span and its edge handling; while rows_left is not
+ * 0, there is another one. */
 static run_care next_run(fast_walk* walk) {
   rg_run* const run = &walk->run;
   if (walk->part_pixels == 0) {
@@ -306,16 +305,16 @@ static run_care next_run(fast_walk* walk) {
       return care;
     }
     walk->part_pixels = (uint8_t)run->num_pixels;
-    run->num_pixels = 0; /* none of them is done */
+    run->num_pixels = 0; /* none is processed yet */
     run->num_rows = 1;
   }
   return find_segment(walk);
 }
 
-/* ---- Safe parts, one after the other ------------------------------------- */
+/* ---- Consecutive safe tiles ---------------------------------------------- */
 
-/* The kernel that blends several parts beside each other; NULL if there is none
- * for the parts at hand. */
+/* The kernel that interpolates several adjacent tiles; NULL if there is none
+ * for the current tiles. */
 static RG_INLINE rg_blend_parts* find_blend_parts(const fast_walk* walk) {
   const uint32_t channels = rg_interleaved(walk->lattice);
   const rg_block* const block = &walk->run.block;
@@ -325,9 +324,9 @@ static RG_INLINE rg_blend_parts* find_blend_parts(const fast_walk* walk) {
              : NULL;
 }
 
-/* Blends the parts to the right of the one at hand, as far as they are whole
- * and safe, several at once. Returns whether the one then at hand is to be
- * done, with care. */
+/* Interpolates the tiles to the right of the current one, several at once,
+ * as long as they are whole and safe. Returns whether the tile reached is to
+ * be processed with edge handling. */
 static int blend_safe_parts(fast_walk* walk, rg_blend_parts* blend_parts) {
   rg_position corners[4 * RG_PARTS_AT_ONCE];
   for (;;) {
@@ -351,8 +350,9 @@ static int blend_safe_parts(fast_walk* walk, rg_blend_parts* blend_parts) {
   }
 }
 
-/* Does the parts to the right of the one at hand, as far as they are whole and
- * safe. Returns whether the one then at hand is to be done, with care. */
+/* Processes the tiles to the right of the current one as long as they are
+ * whole and safe. Returns whether the tile reached is to be processed with
+ * edge handling. */
 static RG_INLINE int do_safe_parts(fast_walk* walk, rg_sampling sampling) {
   const int is_copy = sampling == RG_SAMPLING_NEAREST;
   if (RG_HAS_PART_KERNELS && !is_copy) {
@@ -371,8 +371,8 @@ static RG_INLINE int do_safe_parts(fast_walk* walk, rg_sampling sampling) {
 
 /* ---- The border ---------------------------------------------------------- */
 
-/* Fills pixels whose channels of 8 bits fill the plane: 8 bytes at once, which
- * begin with the first channel again after three such steps at most. */
+/* Fills pixels whose 8-bit channels fill the plane: 8 bytes at once; after
+ * at most three such steps, the first channel is aligned again. */
 static RG_INLINE void fill_bytes(const rg_run* run, uint32_t channels,
                                  const uint16_t* values) {
   uint8_t pattern[24];
@@ -381,7 +381,7 @@ static RG_INLINE void fill_bytes(const rg_run* run, uint32_t channels,
   for (uint32_t k = 0, c = 0; k < 24 && k < num_bytes; ++k) {
     pattern[k] = (uint8_t)values[c];
     c = c + 1 == channels ? 0 : c + 1;
-    RG_IN_REGISTER(c); /* else the compiler calls memset() */
+    RG_IN_REGISTER(c); /* otherwise compilers call memset() */
   }
   for (uint32_t r = run->num_rows; r != 0; --r, out += run->out_stride) {
     uint32_t k = 0, phase = 0;
@@ -401,7 +401,8 @@ static RG_INLINE void put_value(const rg_lattice* lattice, uint8_t* row,
     rg_put_sample(lattice->kind, row, index, value);
 }
 
-/* Gives the pixels of a run the border's values, of the lattice's channels. */
+/* Sets the pixels of a span to the border's values for the component's
+ * channels. */
 static RG_INLINE void fill_run(const rg_run* run, const rg_lattice* lattice,
                                const uint16_t* values) {
   if (RG_IS_FAST && rg_interleaved(lattice) != 0) {
@@ -415,7 +416,7 @@ static RG_INLINE void fill_run(const rg_run* run, const rg_lattice* lattice,
       for (uint32_t c = 0; c < lattice->num_channels; ++c)
         put_value(lattice, out, index + c, values[c]);
       index += lattice->sample_step;
-      RG_IN_REGISTER(index); /* else the compiler calls memset() */
+      RG_IN_REGISTER(index); /* otherwise compilers call memset() */
     }
   }
 }
@@ -469,8 +470,8 @@ rg_status rg_walk_grey(const rg_camera* camera, const rg_frame* frame,
 
 /* ---- Images -------------------------------------------------------------- */
 
-/* Chooses the rows of the ring around the part's top: pixels of other rows are
- * taken one by one. */
+/* Selects the rows of the ring buffer around the top of the tile: pixels
+ * that need other rows are processed individually. */
 static RG_NOINLINE void choose_ring_rows(fast_walk* walk) {
   const rg_position* const corners = walk->run.block.corners;
   int32_t top = (walk->source.size[1] - 1) << 12;
@@ -488,7 +489,7 @@ static RG_INLINE int32_t nearest_position(const fast_walk* walk,
   return rg_round_position(sampling, walk->lattice, q12, c);
 }
 
-/* Does the pixel of a run of CARE_PIXEL, with every check. */
+/* Processes the pixel of a CARE_PIXEL span, with every check. */
 static RG_NOINLINE void remap_pixel(const fast_walk* walk,
                                     const rg_target* target) {
   const rg_run* const run = &walk->run;
@@ -526,7 +527,7 @@ static RG_INLINE void remap_part(fast_walk* walk, const rg_target* target) {
   } while (walk->rows_left != 0);
 }
 
-/* Before the first part of a lattice. */
+/* Initialization before the first tile of a component. */
 static RG_NOINLINE void start_lattice(fast_walk* walk, const rg_camera* camera,
                                       const rg_image* image,
                                       const rg_target* target) {
@@ -558,8 +559,8 @@ rg_status rg_walk_image(const rg_camera* camera, const rg_image* image,
 
 /* ---- Rows of the source -------------------------------------------------- */
 
-/* Adds the rows that the pixels of a run need. Positions are bilinear in a
- * block: where all have a source, those of the run's corners will do. */
+/* Adds the rows that a span requires. Positions are bilinear in a block: if
+ * all have a source, the span's corners suffice. */
 static RG_NOINLINE void add_run(const fast_walk* walk, rg_row_range* found) {
   const rg_run* const run = &walk->run;
   const int32_t num_rows = walk->source.size[1];

@@ -1,5 +1,5 @@
-/* The walk where stacks and programs are small: part by part, and pixel by
- * pixel where no kernel is built in or a part asks for care. */
+/* The traversal optimized for stack and code size: tile by tile, and pixel
+ * by pixel without a built-in kernel or where edge handling is required. */
 #include "config.h"
 #include "frames/walk.h"
 
@@ -17,11 +17,11 @@
 #include "kernels/kernel.h"
 #include "stack_code.h"
 
-/* The walk over the parts of a lattice, and the part at hand as a run. */
+/* The traversal of a component's tiles, with the current tile as a span. */
 typedef struct small_walk {
   rg_part_row parts;
   rg_source source;
-  uint16_t width;        /* of the output, in the lattice's pixels */
+  uint16_t width;        /* of the output, in component pixels */
   uint16_t row, end_row; /* of the output: behind the row of parts at hand, and
                             behind the last one to do */
   rg_run run;
@@ -29,14 +29,13 @@ typedef struct small_walk {
                             section has them: |q12| below 2^27 */
 } small_walk;
 
-/* A function that finds a grey pixel of the output, which comes from a
- * position. */
+/* A function that interpolates a grey output pixel at a position. */
 typedef uint8_t careful_pixel(const small_walk* walk,
                               const rg_position* position);
 
-/* ---- Parts --------------------------------------------------------------- */
+/* ---- Tiles --------------------------------------------------------------- */
 
-/* Sets what the walk needs of the table, for any rows. The section is set. */
+/* Sets the table's data for any rows. The section must be set. */
 static RG_INLINE void set_table(small_walk* walk, const rg_lattice* lattice) {
   const uint8_t* const section = walk->parts.section;
   const uint8_t across_log2 = rg_part_log2(section, lattice, 0);
@@ -49,7 +48,7 @@ static RG_INLINE void set_table(small_walk* walk, const rg_lattice* lattice) {
       (uint16_t)(rg_load_u16(section + RG_REMAP_WIDTH) >> lattice->log2[0]);
 }
 
-/* To the row of parts below those that were done; 0 below the last one. */
+/* Advances to the next row of tiles; 0 after the last one. */
 static RG_INLINE int start_parts(small_walk* walk) {
   rg_run* const run = &walk->run;
   run->out += (size_t)run->num_rows * run->out_stride;
@@ -63,7 +62,7 @@ static RG_INLINE int start_parts(small_walk* walk) {
   return 1;
 }
 
-/* To the next part, with the corners that its block has in the image; 0 if
+/* Advances to the next tile, with its block's corners in the image; 0 if
  * there is none. */
 static int next_part(small_walk* walk, const rg_camera* camera) {
   rg_run* const run = &walk->run;
@@ -83,8 +82,8 @@ static int next_part(small_walk* walk, const rg_camera* camera) {
   return 1;
 }
 
-/* Whether so many positions have a source, and all that is no farther than a
- * margin from them. */
+/* Whether all positions have a source, and so has everything within a margin
+ * around them. */
 static int have_sources(const small_walk* walk, const rg_position* positions,
                         uint32_t num, int32_t margin) {
   const int32_t* q12 = positions->q12;
@@ -105,17 +104,18 @@ static RG_INLINE int has_source(const small_walk* walk,
   return have_sources(walk, position, 1, 0);
 }
 
-/* More than a position is rounded by; a lattice may end half a pixel before the
- * positions with a source. (The nearest pixel of such a position is not beyond
- * its last, either.) */
+/* More than the rounding of a position; a component may end half a pixel
+ * before the positions with a source. (The nearest pixel of such a position
+ * is not after its last one, either.) */
 #define LATTICE_MARGIN (RG_POSITION_MARGIN + 2048)
 
-/* Whether all pixels of the part ask for no care, unless the source is a ring.
+/* Whether all pixels of the tile need no edge handling, unless the source is
+ * a ring buffer.
  */
 static RG_INLINE int is_part_safe(const small_walk* walk) {
   const rg_position* const corners = walk->run.block.corners;
   if (!RG_ALL_BUILT_IN) return have_sources(walk, corners, 4, LATTICE_MARGIN);
-  /* Built-in kernels are fast, so that this check is to be fast as well. */
+  /* Built-in kernels are fast, so this check should be, too. */
   if (walk->parts.is_empty) return 0;
   for (int c = 0; c < 2; ++c) {
     const uint8_t* const range = walk->ranges + 4 * c;
@@ -130,7 +130,7 @@ static RG_INLINE int is_part_safe(const small_walk* walk) {
 
 /* ---- Rows of grey pixels ------------------------------------------------- */
 
-/* Does the row that was found, pixel by pixel. */
+/* Processes the current row pixel by pixel. */
 static RG_INLINE void do_row(const small_walk* walk, careful_pixel* on_pixel,
                              const rg_block_row* row, uint8_t* out) {
   rg_position position;
@@ -141,9 +141,9 @@ static RG_INLINE void do_row(const small_walk* walk, careful_pixel* on_pixel,
   } while (++pixel != walk->run.num_pixels);
 }
 
-/* Does a part row by row, with less code than do_pixels() but more stack, and
- * leaves nothing of the corners. If on_pixel is NULL, the kernel for grey
- * pixels does it, where none is built in. */
+/* Processes a tile row by row, with less code than do_pixels() but more
+ * stack; the corners are overwritten. If on_pixel is NULL, uses the kernel
+ * for grey pixels where none is built in. */
 static void do_part_by_rows(small_walk* walk, careful_pixel* on_pixel) {
   rg_grey_rows rows;
   rows.out = walk->run.out + walk->run.out_pixel;
@@ -164,7 +164,7 @@ static void do_part_by_rows(small_walk* walk, careful_pixel* on_pixel) {
 static const rg_lattice kGrey = {RG_SAMPLE_8, 0,      0, 1, 1,
                                  {0, 0},      {0, 0}, 0, 1, 0};
 
-/* The walk over a grey frame. */
+/* The traversal of a grey frame. */
 typedef struct grey_walk {
   small_walk walk;
   uint8_t border;
@@ -202,22 +202,22 @@ rg_status rg_walk_grey(const rg_camera* camera, const rg_frame* frame,
   walk->end_row = (uint16_t)(band->first_row + band->num_rows);
   run->out = band->data;
   run->num_rows = run->out_pixel = 0;
-  run->num_pixels = walk->width; /* behind a row's last part */
+  run->num_pixels = walk->width; /* after a row's last tile */
   while (next_part(walk, camera)) do_grey_part(walk);
   return RG_OK;
 }
 
-/* ---- Lattices ------------------------------------------------------------ */
+/* ---- Components ---------------------------------------------------------- */
 
-/* The walk over a lattice of any format. */
+/* The traversal of a component of any format. */
 typedef struct lattice_walk {
   small_walk walk;
   rg_lattice lattice;
   uint32_t ranges[4]; /* of the lattice, as a section has those of the image */
 } lattice_walk;
 
-/* Sets the ranges of the lattice, from those of the image. One of these may be
- * without any of the lattice's positions: its end is before its begin. */
+/* Sets the component's ranges from the image's. A range may contain none of
+ * the component's positions: its end is before its begin. */
 static RG_INLINE void set_ranges(lattice_walk* whole) {
   uint8_t* const ranges = (uint8_t*)whole->ranges;
   whole->walk.ranges = ranges;
@@ -229,8 +229,8 @@ static RG_INLINE void set_ranges(lattice_walk* whole) {
   }
 }
 
-/* Before the first part of the lattice, of rows of the output that are counted
- * in pixels of the image; run->out is for the first row. */
+/* Starts a component's rows, which are counted in image pixels of the
+ * output; run->out is for the first row. */
 static void start_rows(lattice_walk* whole, const rg_camera* camera,
                        uint32_t first_row, uint32_t end_row) {
   small_walk* const walk = &whole->walk;
@@ -240,14 +240,14 @@ static void start_rows(lattice_walk* whole, const rg_camera* camera,
   set_table(walk, lattice);
   walk->row = (uint16_t)(first_row >> lattice->log2[1]);
   walk->end_row = (uint16_t)(end_row >> lattice->log2[1]);
-  /* A lattice has no pixels if the table is too narrow for it. */
+  /* A component has no pixels if the table is too narrow for it. */
   if (walk->width == 0) walk->end_row = 0;
   walk->run.num_rows = walk->run.out_pixel = 0;
-  walk->run.num_pixels = walk->width; /* behind a row's last part */
+  walk->run.num_pixels = walk->width; /* after a row's last tile */
   set_ranges(whole);
 }
 
-/* Brings the corners of the part from the image's pixels to the lattice's. */
+/* Transforms the corners of the tile from image to component pixels. */
 static RG_INLINE void bring_to_lattice(lattice_walk* whole) {
   rg_block* const block = &whole->walk.run.block;
   rg_move_corners(&whole->lattice,
@@ -257,14 +257,14 @@ static RG_INLINE void bring_to_lattice(lattice_walk* whole) {
 
 /* ---- Images -------------------------------------------------------------- */
 
-/* The walk that undistorts an image, lattice by lattice. */
+/* The traversal for undistorting an image component by component. */
 typedef struct image_walk {
   lattice_walk whole;
   const rg_target* target;
 } image_walk;
 
-/* Whether all rows that a safe part needs follow each other: its corners are
- * then counted from the first one in memory. */
+/* Whether all rows that a safe tile requires are contiguous: its corners are
+ * then relative to the first one in memory. */
 static RG_NOINLINE int move_to_ring(small_walk* walk) {
   rg_position* const corners = walk->run.block.corners;
   uint32_t first;
@@ -280,16 +280,16 @@ static RG_NOINLINE int move_to_ring(small_walk* walk) {
   return 1;
 }
 
-/* The neighbours of a pixel that asks for no care. at has its position, and no
- * right ones if pixels are copied. */
+/* Finds the neighbours of a pixel without edge handling. at has its
+ * position; right neighbours are not set if pixels are copied. */
 static RG_INLINE void find_safe_neighbors(const rg_run* run, rg_neighbors* at) {
   at->upper = run->data + (size_t)(rg_q12_of(at, 1) >> 12) * run->stride;
   at->lower = at->upper;
   if (at->right != 0) at->lower += run->stride;
 }
 
-/* The neighbours of a pixel that asks for care: moves the position that at has
- * to the nearest one with a source, and rounds it. */
+/* Finds the neighbours of a pixel with edge handling: moves the position in
+ * at to the nearest one with a source, and rounds it. */
 static RG_NOINLINE void find_careful_neighbors(const image_walk* image,
                                                rg_neighbors* at) {
   const lattice_walk* const whole = &image->whole;
@@ -305,7 +305,7 @@ static RG_NOINLINE void find_careful_neighbors(const image_walk* image,
   rg_find_neighbors(&whole->walk.source, &whole->walk.run, &whole->lattice, at);
 }
 
-/* Does a pixel of a part. at has its position. */
+/* Processes a pixel of a tile. at has its position. */
 static RG_INLINE void do_image_pixel(const image_walk* image, int is_safe,
                                      rg_neighbors* at, uint32_t pixel) {
   const rg_lattice* const lattice = &image->whole.lattice;
@@ -322,7 +322,7 @@ static RG_INLINE void do_image_pixel(const image_walk* image, int is_safe,
   rg_blend_pixel(lattice, at, pixel);
 }
 
-/* Does a part pixel by pixel. is_safe: it asks for no care. */
+/* Processes a tile pixel by pixel. is_safe: without edge handling. */
 static RG_NOINLINE void do_pixels(image_walk* image, int is_safe) {
   const int is_copy = image->target->sampling == RG_SAMPLING_NEAREST;
   rg_neighbors at;
@@ -332,7 +332,7 @@ static RG_NOINLINE void do_pixels(image_walk* image, int is_safe) {
   rg_run* run;
   do {
     rg_block_row row;
-    RG_FORGET(image); /* else the block's address takes a register */
+    RG_FORGET(image); /* otherwise its address uses a register */
     run = &image->whole.walk.run;
     rg_find_block_row(&run->block, run->first_row + r, &row);
     if (is_safe) rg_round_row(image->whole.lattice.kind, at.right == 0, &row);
@@ -345,7 +345,7 @@ static RG_NOINLINE void do_pixels(image_walk* image, int is_safe) {
   } while (++r != run->num_rows);
 }
 
-/* Does a part that asks for no care, by a kernel if there is one for it. */
+/* Processes a tile without edge handling, by a kernel if there is one. */
 static RG_INLINE void do_safe_part(image_walk* image) {
   const rg_lattice* const lattice = &image->whole.lattice;
   small_walk* const walk = &image->whole.walk;
@@ -368,7 +368,7 @@ static RG_INLINE void remap_part(image_walk* image) {
     do_pixels(image, 0);
 }
 
-/* Before the first part of the lattice that the walk has. */
+/* Initialization before the first tile of the component. */
 static RG_NOINLINE void start_lattice(image_walk* walk, const rg_camera* camera,
                                       const rg_image* image) {
   const rg_target* const target = walk->target;
@@ -394,27 +394,27 @@ rg_status rg_walk_image(const rg_camera* camera, const rg_image* image,
 
 /* ---- Rows of the source -------------------------------------------------- */
 
-/* The walk that notes rows of the source. */
+/* The traversal that determines source rows. */
 typedef struct row_walk {
   lattice_walk whole;
   rg_row_search* search;
 } row_walk;
 
-/* How far the next row or pixel is that counts, of so many that are left: all
- * count, or only the first and the last. */
+/* The distance to the next relevant row or pixel of num_left: all are
+ * relevant, or only the first and the last. */
 static RG_INLINE uint32_t step_of(uint32_t num_left, int are_ends) {
   return are_ends && num_left > 1 ? num_left - 1 : 1;
 }
 
-/* Adds the rows that the pixels of a part need: of one that asks for no care,
- * of those in its corners, which will do, since positions are bilinear in a
- * block; else of each pixel that has a source. */
+/* Adds the rows that a tile requires: without edge handling, those of its
+ * corners, which suffice, since positions are bilinear in a block; otherwise
+ * of each pixel with a source. */
 static RG_NOINLINE void add_part(const row_walk* walk, int is_safe) {
   uint32_t r = 0;
   const small_walk* parts;
   do {
     rg_block_row row;
-    RG_FORGET(walk); /* else the block's address takes a register */
+    RG_FORGET(walk); /* otherwise its address uses a register */
     parts = &walk->whole.walk;
     rg_find_block_row(&parts->run.block, parts->run.first_row + r, &row);
     uint32_t num_left = parts->run.num_pixels;

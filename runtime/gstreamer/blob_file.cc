@@ -57,7 +57,7 @@ std::string Text(const std::vector<TableSizes>& tables) {
   return text;
 }
 
-// What one table, or all of them, undistort.
+// The sizes of one table, or of all tables.
 std::string WhatIsMade(int table, const std::vector<TableSizes>& tables) {
   if (table >= 0)
     return "table " + std::to_string(table) + " undistorts " + Text(tables);

@@ -1,4 +1,4 @@
-/// A blob in memory, and its tables.
+/// A blob in memory, and its remap tables.
 #ifndef RAYGRID_GSTREAMER_BLOB_FILE_H
 #define RAYGRID_GSTREAMER_BLOB_FILE_H
 
@@ -11,26 +11,26 @@
 
 namespace raygrid {
 
-/// An open blob. It stays where it is, since the camera reads it in place.
+/// An open blob. It cannot be moved, since the camera refers to its memory.
 class BlobFile {
  public:
-  /// Throws CameraError, which names the file.
+  /// Throws CameraError, with the file's name.
   explicit BlobFile(const std::string& path);
   BlobFile(const BlobFile&) = delete;
   BlobFile& operator=(const BlobFile&) = delete;
 
   const rg_camera& camera() const { return camera_; }
-  /// The sizes of all tables, or of the one of this index. Throws CameraError
+  /// The sizes of all tables, or of the one with this index. Throws CameraError
   /// if there is none.
   std::vector<TableSizes> Tables(int table) const;
-  /// Throws CameraError if no table takes frames of that size, or not the one
-  /// of this index.
+  /// Throws CameraError if no table, or not the one with this index, accepts
+  /// frames of that size.
   void RequireTableFor(int table, int width, int height) const;
-  /// Makes a table of these sizes the one in use: the one of this index, or the
-  /// first one if it is -1. Throws CameraError if there is none.
+  /// Selects a table of these sizes: the one with this index, or the first if
+  /// it is -1. Throws CameraError if there is none.
   void SelectTable(int table, const TableSizes& sizes);
-  /// Goes to a value of the stack's condition, or to the end of its range next
-  /// to it. Throws CameraError if there is no stack.
+  /// Sets the operating point, clamped to its range. Throws CameraError if the
+  /// blob has no operating-point model.
   void SetCondition(double value);
 
  private:

@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-// Elements agree on the first format that they have in common.
+// Elements negotiate the first format that they have in common.
 void AppendCaps(const char* media, std::initializer_list<ColourModel> models,
                 GstCaps* caps) {
   GValue list = G_VALUE_INIT, name = G_VALUE_INIT;
@@ -46,7 +46,7 @@ void SetSize(GstStructure* structure, int width, int height) {
                     height, nullptr);
 }
 
-// Whether the sizes that a structure leaves have this one among them.
+// Whether the sizes in a structure include this one.
 bool HasSize(const GstStructure* structure, int width, int height) {
   GstStructure* const size =
       gst_structure_new("size", "width", G_TYPE_INT, width, "height",
@@ -54,7 +54,7 @@ bool HasSize(const GstStructure* structure, int width, int height) {
   bool has = true;
   for (const char* name : {"width", "height"}) {
     const GValue* const value = gst_structure_get_value(structure, name);
-    // gst_value_can_intersect() compares types alone.
+    // gst_value_can_intersect() compares only types.
     has = has &&
           (!value || gst_value_intersect(nullptr, value,
                                          gst_structure_get_value(size, name)));
@@ -94,7 +94,7 @@ std::optional<FrameLayout> LayoutOf(const GstCaps* caps) {
   layout.is_bayer = gst_structure_has_name(structure, "video/x-bayer");
   const PixelFormatInfo* const format = FindByName(name, layout.is_bayer);
   if (!format) return std::nullopt;
-  // Rows of Bayer frames begin at multiples of 4 bytes.
+  // Rows of Bayer frames are aligned to 4 bytes.
   const uint32_t stride = layout.is_bayer ? GST_ROUND_UP_4(width) : 0;
   try {
     layout.format = MakeStreamFormat(*format, static_cast<uint32_t>(width),

@@ -1,4 +1,4 @@
-/// GStreamer's caps and the runtime's formats.
+/// Conversion between GStreamer's caps and the runtime's formats.
 #ifndef RAYGRID_GSTREAMER_CAPS_H
 #define RAYGRID_GSTREAMER_CAPS_H
 
@@ -13,21 +13,21 @@
 
 namespace raygrid {
 
-/// Caps of all formats that are undistorted, of any size. To be unreferenced.
+/// Caps of all supported formats, of any size. To be unreferenced.
 GstCaps* TemplateCaps();
 
-/// Frames of fixed caps: how they lie in memory unless a buffer says otherwise.
+/// Frames of fixed caps: their memory layout unless a buffer overrides it.
 struct FrameLayout {
   StreamFormat format;
-  GstVideoInfo info;  ///< not of Bayer frames, which GstVideoInfo lacks
+  GstVideoInfo info;  ///< not for Bayer, which GstVideoInfo lacks
   bool is_bayer = false;
   size_t num_bytes = 0;
 };
 
-/// Nothing if the runtime has not the format, or not in that size.
+/// Nothing if the runtime does not support the format, or the size.
 std::optional<FrameLayout> LayoutOf(const GstCaps* caps);
 
-/// A table of a blob: sizes of the frames that it takes and makes.
+/// The frame sizes of a blob's table: input and output.
 struct TableSizes {
   uint16_t frame_width, frame_height, view_width, view_height;
 
@@ -38,13 +38,12 @@ struct TableSizes {
   }
 };
 
-/// Caps on the other side of tables: of the frames that they make for
-/// GST_PAD_SINK, of those that they take for GST_PAD_SRC. The first table's
-/// come first. To be unreferenced.
+/// Caps on the other side of tables: of their output for GST_PAD_SINK, of their
+/// input for GST_PAD_SRC. The first table's come first. To be unreferenced.
 GstCaps* OtherSide(GstPadDirection direction, const GstCaps* caps,
                    const std::vector<TableSizes>& tables);
 
-/// Caps with any size instead of theirs. To be unreferenced.
+/// Replaces the size in caps by any size. To be unreferenced.
 GstCaps* OfAnySize(const GstCaps* caps);
 
 }  // namespace raygrid

@@ -8,7 +8,7 @@
 namespace raygrid {
 namespace {
 
-// A buffer's planes in memory, for as long as this lives.
+// A buffer's planes, mapped during the object's lifetime.
 class MappedFrame {
  public:
   MappedFrame(GstBuffer* buffer, const FrameLayout& layout, GstMapFlags flags)
@@ -88,15 +88,15 @@ struct Bounds {
   }
 };
 
-// The bounds of a rectangle's edges in the view. Straight edges bend there, so
-// corners alone do not bound it.
+// The bounds of a rectangle's edges in the view. Straight edges become curves
+// there, so the corners do not suffice.
 std::optional<Bounds> BoundsInView(const rg_camera& camera,
                                    const GstVideoRegionOfInterestMeta& region) {
   constexpr int kSteps = 16;
   rg_mode mode;
   rg_view view;
-  // A table that distorts takes the view's frames, and rg_undistort_point()
-  // leads the other way.
+  // For an inverse table, source frames are the view's, and
+  // rg_undistort_point() has the opposite direction.
   if (rg_remap_mode(&camera, &mode) != RG_OK ||
       rg_remap_view(&camera, &view) != RG_OK || view.distorts ||
       region.w == 0 || region.h == 0)

@@ -19,38 +19,38 @@ namespace raygrid {
 /// The values of the element's properties.
 struct UndistortSettings {
   std::string blob;
-  int table = -1;  ///< -1: the first one for the frames' size
+  int table = -1;  ///< -1: the first one for the frame size
   bool is_enabled = true;
   bool only_trusted = false;
   rg_border border = RG_BORDER_VALUE;
   rg_sampling sampling = RG_SAMPLING_BILINEAR;
-  unsigned num_threads = 1;  ///< 0: one for each processor
+  unsigned num_threads = 1;  ///< 0: one per processor
 };
 
-/// A blob, and frames of fixed caps that its table takes and makes.
+/// A blob, with the fixed caps of its table's input and output frames.
 class FrameUndistorter {
  public:
-  /// Throws CameraError if the blob cannot be used.
+  /// Throws CameraError if the blob is unusable.
   explicit FrameUndistorter(const UndistortSettings& settings);
 
-  /// Sizes of all tables that frames may have.
+  /// The frame sizes of all tables.
   const std::vector<TableSizes>& tables() const { return tables_; }
 
-  /// Throws CameraError if no table takes frames of their size.
+  /// Throws CameraError if no table accepts frames of this size.
   void RequireTableFor(const GstCaps* frames) const;
 
-  /// Throws CameraError if no table is for them.
+  /// Throws CameraError if no table matches them.
   void SetCaps(const GstCaps* frames, const GstCaps* views);
 
-  /// Makes the camera that of a lens position, or temperature, of the blob's
-  /// stack. Throws CameraError if the blob has none.
+  /// Sets the lens position or temperature of the blob's operating-point model.
+  /// Throws CameraError if the blob has none.
   void SetCondition(double value) { blob_.SetCondition(value); }
 
-  /// Undistorts a frame, with the strides and offsets of both buffers. Caps are
-  /// set. Throws CameraError.
+  /// Undistorts a frame, with the strides and offsets of both buffers. Caps
+  /// must be set. Throws CameraError.
   void Undistort(GstBuffer* frame, GstBuffer* view);
 
-  /// Gives a view the regions of interest of its frame, where it shows them.
+  /// Transforms a frame's regions of interest to the view, if visible there.
   void MoveRegions(GstBuffer* frame, GstBuffer* view) const;
 
  private:

@@ -64,15 +64,14 @@ enum Property {
 
 }  // namespace
 
-// C++'s members of the element.
+// The C++ members of the element.
 struct UndistortState {
   std::mutex mutex;  // of all below: properties are set by any thread
   raygrid::UndistortSettings settings;
   bool is_changed = false;  // since the next one was made
-  // Of the settings as they are; until caps are set with it, frames have the
-  // one in use.
+  // next: with the current settings; in_use: until caps are set with next.
   std::shared_ptr<raygrid::FrameUndistorter> next, in_use;
-  // The value of the stack's condition from now on; not a number: none is set.
+  // The current operating point; NaN: not set.
   double condition = NAN;
   bool is_condition_new = false;
 };
@@ -102,8 +101,8 @@ void PostError(gpointer element, const raygrid::CameraError& error) {
                     (nullptr));
 }
 
-// The undistorter of the settings as they are; null while it is disabled.
-// Throws CameraError.
+// The undistorter for the current settings; null while disabled. Throws
+// CameraError.
 std::shared_ptr<raygrid::FrameUndistorter> CurrentUndistorter(
     UndistortState* state) {
   const std::lock_guard<std::mutex> lock(state->mutex);
@@ -119,8 +118,7 @@ std::shared_ptr<raygrid::FrameUndistorter> CurrentUndistorter(
   return state->next;
 }
 
-// Makes an undistorter the one in use, or none, which passes frames through.
-// Throws CameraError.
+// Selects an undistorter, or none to pass frames through. Throws CameraError.
 void Use(GstBaseTransform* transform,
          const std::shared_ptr<raygrid::FrameUndistorter>& undistorter,
          const GstCaps* frames, const GstCaps* views) {
@@ -166,7 +164,7 @@ void SetProperty(GObject* object, guint id, const GValue* value,
       case kThreads:
         settings.num_threads = g_value_get_uint(value);
         break;
-      case kCondition:  // changes from frame to frame, and no caps
+      case kCondition:  // changes per frame, without new caps
         state->condition = g_value_get_double(value);
         state->is_condition_new = true;
         return;
@@ -250,8 +248,8 @@ GstCaps* TransformCaps(GstBaseTransform* transform, GstPadDirection direction,
                  ? raygrid::OtherSide(direction, caps, undistorter->tables())
                  : gst_caps_ref(caps);
   } catch (const raygrid::CameraError& error) {
-    // Pads can be linked all the same; starting, or the next frame, says what
-    // is wrong.
+    // Pads can be linked nevertheless; starting, or the next frame, reports the
+    // error.
     GST_DEBUG_OBJECT(transform, "%s", error.what());
     others = raygrid::OfAnySize(caps);
   }
@@ -272,7 +270,7 @@ gboolean SetCaps(GstBaseTransform* transform, GstCaps* frames, GstCaps* views) {
   }
 }
 
-// The base class says nothing where no table takes frames of some caps.
+// The base class reports nothing if no table accepts the caps.
 void PostWhyRefused(GstBaseTransform* transform, const GstCaps* frames) {
   try {
     const auto undistorter = CurrentUndistorter(StateOf(transform));
@@ -282,7 +280,7 @@ void PostWhyRefused(GstBaseTransform* transform, const GstCaps* frames) {
   }
 }
 
-// The pad refuses caps that have no table before the element sees the event.
+// The pad rejects caps without a table before the element sees the event.
 GstPadProbeReturn OnSinkEvent(GstPad*, GstPadProbeInfo* info,
                               gpointer element) {
   GstEvent* const event = gst_pad_probe_info_get_event(info);
@@ -294,7 +292,7 @@ GstPadProbeReturn OnSinkEvent(GstPad*, GstPadProbeInfo* info,
   return GST_PAD_PROBE_OK;
 }
 
-// Caps are negotiated anew here where settings have changed.
+// Renegotiates caps here if settings have changed.
 GstFlowReturn SubmitInput(GstBaseTransform* transform, gboolean is_discont,
                           GstBuffer* frame) {
   const GstFlowReturn flow =
@@ -306,13 +304,13 @@ GstFlowReturn SubmitInput(GstBaseTransform* transform, gboolean is_discont,
   return flow;
 }
 
-// Makes the settings as they are those in use where they have left the caps as
-// they were: the base class sets caps only if these change. Throws CameraError.
+// Applies the current settings if they do not change the caps: the base class
+// sets caps only if these change. Throws CameraError.
 void UseSettings(GstBaseTransform* transform) {
   UndistortState* const state = StateOf(transform);
   {
-    // Settings that changed after this frame's caps were negotiated may ask for
-    // others: they are for the next frame.
+    // Settings changed after this frame's caps were negotiated may require
+    // other caps: they apply to the next frame.
     const std::lock_guard<std::mutex> lock(state->mutex);
     if (state->is_changed || gst_pad_needs_reconfigure(transform->srcpad))
       return;
@@ -334,8 +332,8 @@ gboolean GetUnitSize(GstBaseTransform*, GstCaps* caps, gsize* size) {
   return TRUE;
 }
 
-// Buffers whose planes have gaps are longer than their caps say; what is made
-// of them is not.
+// Input buffers with padding are larger than their caps imply; output buffers
+// are not.
 gboolean TransformSize(GstBaseTransform* transform, GstPadDirection, GstCaps*,
                        gsize, GstCaps* others, gsize* size) {
   return GetUnitSize(transform, others, size);
@@ -343,11 +341,11 @@ gboolean TransformSize(GstBaseTransform* transform, GstPadDirection, GstCaps*,
 
 // ---- Memory ----------------------------------------------------------------
 
-// Frames come best in memory whose rows begin at multiples of 64 bytes, and
-// their own strides are fine. Elements that know GstVideoMeta switch it on in
-// the pool, and get such rows by that; others get rows as their caps say. A
-// pool of Bayer frames would have buffers of no bytes, since GstVideoInfo does
-// not know their size: elements before make their own.
+// The best memory has rows aligned to 64 bytes, and any strides are supported.
+// Elements that support GstVideoMeta enable it in the pool, and get such rows;
+// others get rows as their caps specify. A pool of Bayer frames would have
+// empty buffers, since GstVideoInfo does not support them: upstream elements
+// allocate their own.
 gboolean ProposeAllocation(GstBaseTransform* transform, GstQuery* decide,
                            GstQuery* query) {
   if (!GST_BASE_TRANSFORM_CLASS(raygrid_undistort_parent_class)

@@ -6,11 +6,11 @@
 namespace raygrid {
 namespace {
 
-// Rows of the smallest band: what each call of rg_remap() costs is then less
-// than a hundredth.
+// Minimum rows per band: the overhead of each rg_remap() call is then below one
+// per cent.
 constexpr uint32_t kLeastRows = 32;
-// Bands for each thread, so that one which wakes late or is interrupted delays
-// little. All have a bit in a word.
+// Bands per thread, so that a late or interrupted thread causes little delay.
+// All bands must fit in one word, a bit each.
 constexpr uint32_t kBandsPerThread = 3, kMaxBands = 64;
 constexpr std::chrono::microseconds kAwake{100};
 
@@ -21,7 +21,7 @@ uint32_t BandRows(uint32_t rows, uint32_t num_threads) {
   return std::max(even_rows, kLeastRows);
 }
 
-// Waits awake, but lets others run, until something is so or time is over.
+// Busy-waits, yielding to others, until a condition holds or time is over.
 template <typename Condition>
 void LookFor(const Condition& is_so) {
   const auto end = std::chrono::steady_clock::now() + kAwake;
@@ -78,8 +78,8 @@ void BandRemap::Serve(unsigned thread) {
   }
 }
 
-// The thread's own bands are next to each other, and the same ones of every
-// frame: their rows are in its processor's cache.
+// A thread's own bands are adjacent, and the same in every frame: their rows
+// are in its processor's cache.
 uint32_t BandRemap::TakeBand(unsigned thread) {
   uint32_t band = thread * job_.num_bands / num_threads();
   while ((free_bands_ >> band & 1) == 0)

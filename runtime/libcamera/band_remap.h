@@ -1,4 +1,4 @@
-/// rg_remap() by several threads.
+/// Multithreaded rg_remap().
 #ifndef RAYGRID_LIBCAMERA_BAND_REMAP_H
 #define RAYGRID_LIBCAMERA_BAND_REMAP_H
 
@@ -14,15 +14,15 @@
 
 namespace raygrid {
 
-/// Threads that undistort bands of rows of one frame, each its own ones first.
-/// The bytes are those of one rg_remap() of the whole frame.
+/// Threads that undistort bands of rows of one frame, each its own bands first.
+/// The output is identical to one rg_remap() of the whole frame.
 ///
-/// To wake a thread takes as long as a tenth of a grey frame of 1280 x 800. So
-/// a thread that has nothing to do looks for work for a tenth of a millisecond
-/// before it sleeps: frames that follow each other closely find it awake.
+/// Waking a thread takes a tenth of the time of a grey frame of 1280 x 800. An
+/// idle thread therefore polls for work for a tenth of a millisecond before it
+/// sleeps, so that frames in quick succession find it awake.
 class BandRemap {
  public:
-  /// num_threads  with the one that calls Remap(); 0: one for each processor
+  /// num_threads: including the one that calls Remap(); 0: one per processor
   explicit BandRemap(unsigned num_threads);
   ~BandRemap();
   BandRemap(const BandRemap&) = delete;
@@ -32,9 +32,9 @@ class BandRemap {
     return static_cast<unsigned>(threads_.size()) + 1;
   }
 
-  /// All rows of the target, whose planes lie as format says but for their
-  /// strides, which are the target's own. What the first band that fails
-  /// returns, or RG_OK. By one thread at a time.
+  /// Undistorts all rows of the target, whose planes are laid out by format
+  /// except for their strides, which are the target's own. Returns the status
+  /// of the first band that fails, or RG_OK. Not reentrant.
   rg_status Remap(const rg_camera& camera, const rg_image& image,
                   const StreamFormat& format, const rg_target& target);
 
@@ -48,16 +48,16 @@ class BandRemap {
   };
 
   void Serve(unsigned thread);
-  // Bands until none is free; the lock is held before and after.
+  // Processes bands until none is free; the lock is held before and after.
   void WorkOn(unsigned thread, std::unique_lock<std::mutex>* lock);
   uint32_t TakeBand(unsigned thread);
   rg_status RemapBand(const Job& job, uint32_t first_row) const;
 
   std::vector<std::thread> threads_;
-  std::mutex mutex_;  // of all below; what is atomic is read without it, too
+  std::mutex mutex_;  // guards all below; atomics are also read without
   std::condition_variable has_work_, is_done_;
   Job job_;
-  std::atomic<uint64_t> free_bands_{0};  // a bit each, from the first one up
+  std::atomic<uint64_t> free_bands_{0};  // one bit each, from the first band on
   std::atomic<uint32_t> num_undone_{0};
   std::atomic<bool> is_stopped_{false};
   rg_status status_ = RG_OK;

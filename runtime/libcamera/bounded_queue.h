@@ -9,15 +9,15 @@
 
 namespace raygrid {
 
-/// A queue between threads; its memory is allocated at the start. Once closed
-/// it gives out what it holds, and takes nothing.
+/// A bounded queue between threads; memory is allocated at construction. After
+/// closing, it returns its remaining items and accepts no others.
 template <typename T>
 class BoundedQueue {
  public:
   explicit BoundedQueue(size_t capacity) : items_(capacity) {}
 
-  /// Returns what had to make room: the oldest item where the queue was full,
-  /// the new one where it is closed.
+  /// Returns the item that was displaced: the oldest one if the queue was full,
+  /// the new one if it is closed.
   std::optional<T> Push(T item) {
     std::optional<T> dropped;
     {
@@ -30,8 +30,8 @@ class BoundedQueue {
     return dropped;
   }
 
-  /// The oldest item; nothing when there is none until the time is over or the
-  /// queue is closed.
+  /// Returns the oldest item; nothing if there is none before the timeout or
+  /// when the queue is closed.
   std::optional<T> Pop(std::chrono::milliseconds timeout) {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait_for(lock, timeout,
@@ -48,7 +48,7 @@ class BoundedQueue {
     changed_.notify_all();
   }
 
-  /// Closed, and nothing is left.
+  /// Whether the queue is closed and empty.
   bool is_finished() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return is_closed_ && size_ == 0;

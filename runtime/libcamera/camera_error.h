@@ -14,7 +14,7 @@ enum class CameraExit {
   kBlob = 8  // corrupt, or for another stream
 };
 
-/// An error in one line: what, where, and what to do.
+/// An error in one line: what failed, where, and the remedy.
 class CameraError : public std::runtime_error {
  public:
   CameraError(CameraExit code, const std::string& message)

@@ -11,9 +11,9 @@ namespace raygrid {
 namespace {
 
 constexpr double kQ16 = 65536;
-// A zoom of 1 + this moves what is 1000 px from the middle by half a pixel.
+// A zoom of 1 + this displaces a point 1000 px from the centre by half a pixel.
 constexpr double kZoomTolerance = 0.0005;
-// Cameras may tell a lens position some frames late.
+// Cameras may report a lens position some frames late.
 constexpr uint64_t kFramesToTell = 10;
 
 [[gnu::format(printf, 1, 2)]] std::string Print(const char* format, ...) {
@@ -83,7 +83,7 @@ std::string OrientationText(int orientation) {
 int Mirrored(int orientation, bool flip_x, bool flip_y) {
   if (!IsOrientation(orientation)) return 0;
   const int turn = kTurnOfOrientation[orientation];
-  // Behind a transposition the axes are the other ones.
+  // After a transposition, the axes are exchanged.
   if (turn & 4) std::swap(flip_x, flip_y);
   return OrientationOfTurn(turn ^ (flip_x ? 1 : 0) ^ (flip_y ? 2 : 0));
 }
@@ -191,7 +191,7 @@ void CaptureGuard::SayWhatIsNotTold() {
   };
   if (IsKnown(RG_KNOWS_LENS_POSITION) && !is_told_[kLens]) add("lens position");
   if (IsKnown(RG_KNOWS_CROP) && !is_told_[kCrop]) add("crop");
-  // A crop says more than a zoom.
+  // A crop is more specific than a zoom.
   if (IsKnown(RG_KNOWS_ZOOM) && !is_told_[kZoom] &&
       !(IsKnown(RG_KNOWS_CROP) && is_told_[kCrop]))
     add("zoom");
@@ -203,7 +203,7 @@ void CaptureGuard::SayWhatIsNotTold() {
          "; check manually, or omit it from raygrid pack --capture-settings");
 }
 
-// A camera that warms up moves its lens, by how much is the camera's own.
+// A camera that warms up moves its lens, by a camera-specific amount.
 void CaptureGuard::SayTemperature(const FrameInfo& info) {
   constexpr double kOtherC = 20;
   if (was_temperature_said_ || !IsKnown(RG_KNOWS_TEMPERATURE) ||

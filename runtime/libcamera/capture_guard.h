@@ -1,4 +1,4 @@
-/// Whether frames are taken as the calibrated ones were.
+/// Checks that frames have the capture settings of the calibration.
 #ifndef RAYGRID_LIBCAMERA_CAPTURE_GUARD_H
 #define RAYGRID_LIBCAMERA_CAPTURE_GUARD_H
 
@@ -14,70 +14,70 @@
 
 namespace raygrid {
 
-/// The blob's capture section; nothing if it has none. Throws CameraError where
-/// it is damaged, or holds what no camera can be.
+/// Reads the blob's capture section; nothing if it has none. Throws CameraError
+/// if it is corrupt, or has impossible values.
 std::optional<rg_capture_section> ReadCapture(const std::string& path,
                                               const void* blob,
                                               uint32_t num_bytes);
 
-/// The part of the sensor that calibrated frames show, where that is recorded.
+/// The sensor crop of calibrated frames, if it is recorded.
 std::optional<SensorCrop> RecordedCrop(
     const std::optional<rg_capture_section>& recorded);
 
-/// "rotated by 180 degrees (3)"; "" for a number that is none.
+/// "rotated by 180 degrees (3)"; "" for an invalid number.
 std::string OrientationText(int orientation);
 
-/// How frames of an orientation, 1 to 8, would be turned once mirrored, too.
+/// The orientation, 1 to 8, of frames after additional mirroring.
 int Mirrored(int orientation, bool flip_x, bool flip_y);
 
-/// How frames of an orientation are mirrored against those of another one;
-/// nothing where rows are columns of the other, or a number is none.
+/// How frames of one orientation are mirrored relative to another one; nothing
+/// if rows and columns are exchanged, or a number is invalid.
 struct Flips {
   bool x = false, y = false;
 };
 std::optional<Flips> FlipsBetween(int orientation, int other);
 
 /// Compares lens position, crop, zoom and orientation of each frame with those
-/// that calibration recorded. Says once what is not as then, and what cannot
-/// be compared since the source does not tell it. Counts such frames. A sensor
-/// that is much warmer or colder than then is said once, and counts for
-/// nothing.
+/// recorded at calibration. Reports each difference once, and settings that the
+/// source does not provide. Counts such frames. A large difference of the
+/// sensor temperature is reported once, but not counted.
 class CaptureGuard {
  public:
   using Say = std::function<void(const std::string&)>;
 
-  /// Strict: throws instead. A camera that has not been as calibrated yet has
-  /// so long, and so many frames, to get there, which are held back.
+  /// In strict mode, throws instead. A camera without the calibrated settings
+  /// has this time, and this number of frames, to reach them; these frames are
+  /// held back.
   static constexpr std::chrono::seconds kSettlingTime{2};
   static constexpr uint64_t kSettlingFrames = 8;
 
-  /// what  tells frames, in messages: "camera"
-  /// say   is called with a line for people, by the thread of Check()
+  /// what: the name of frames in messages: "camera"; say: called with a message
+  /// for the user, by the thread of Check()
   CaptureGuard(const std::optional<rg_capture_section>& recorded,
                const std::string& what, bool is_strict, Say say);
 
-  /// Nothing is recorded: frames are not compared.
+  /// Whether nothing is recorded: frames are not compared.
   bool is_idle() const { return !recorded_; }
-  /// The part of the sensor that calibrated frames show, if that is recorded.
+  /// The sensor crop of calibrated frames, if it is recorded.
   std::optional<SensorCrop> crop() const { return RecordedCrop(recorded_); }
-  /// How frames are mirrored against calibrated ones, as far as that is known.
+  /// How frames are mirrored relative to calibrated ones, if known.
   Flips FlipsOf(const FrameInfo& info) const;
 
-  /// Whether the frame may be used. Throws CameraError.
-  /// in_use        the mode of frames that the table takes; NULL: as calibrated
-  /// shows_mode    whether it shows the part of the sensor that this mode does
+  /// Whether the frame is usable. Throws CameraError.
+  /// in_use       the sensor mode of the table; NULL: as calibrated
+  /// shows_mode   whether the frame shows the sensor crop of this mode
   bool Check(const FrameInfo& info, const rg_mode* in_use, bool shows_mode,
              Clock::time_point arrived);
-  /// Says what was never told by the frames that came.
+  /// Reports settings that no frame provided.
   void Finish();
 
   uint64_t num_not_as_calibrated() const { return num_not_as_calibrated_; }
-  /// Those among them that were not used.
+  /// The number of those that were not used.
   uint64_t num_held_back() const { return num_held_back_; }
 
  private:
   enum Kind { kLens, kCrop, kZoom, kOrientation, kNumKinds };
-  // Texts of what is wrong with a frame, for each kind; "" where nothing is.
+  // Descriptions of a frame's differences, by kind; "" if there is none.
   struct Faults {
     std::string of[kNumKinds];
   };
@@ -98,7 +98,7 @@ class CaptureGuard {
   const bool is_strict_;
   const Say say_;
   bool was_said_[kNumKinds] = {}, is_told_[kNumKinds] = {};
-  bool was_told_all_ = false;  // what is not told was said
+  bool was_told_all_ = false;  // missing settings were reported
   bool was_temperature_said_ = false;
   bool was_as_calibrated_ = false;
   uint64_t num_frames_ = 0;

@@ -23,7 +23,7 @@ bool DmaBufSync::Sync(int fd, bool begins) {
   do {
     status = sync_(fd, begins);
   } while (status == EINTR || status == EAGAIN);
-  // Memory without this call needs none; emulators may not know it.
+  // Memory without this ioctl does not need it; emulators may lack it.
   if (status == ENOTTY || status == ENOSYS) is_offered_ = false;
   return status == 0 || !is_offered_;
 }

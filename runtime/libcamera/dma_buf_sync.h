@@ -6,19 +6,19 @@
 
 namespace raygrid {
 
-/// DMA_BUF_IOCTL_SYNC of a dma-buf that is read, or read no longer. Returns 0,
-/// or the errno.
+/// DMA_BUF_IOCTL_SYNC before or after reading a dma-buf. Returns 0, or the
+/// errno.
 int SyncDmaBuf(int fd, bool begins);
 
-/// Keeps a processor's caches and the memory that devices write to in step,
-/// where the kernel offers to. By several threads at a time.
+/// Synchronizes the processor's caches with memory written by devices, if the
+/// kernel supports it. Thread-safe.
 class DmaBufSync {
  public:
   using SyncFunction = std::function<int(int fd, bool begins)>;
   explicit DmaBufSync(SyncFunction sync = SyncDmaBuf);
 
-  /// Around all reads of a frame. Returns whether what is read is what the
-  /// device wrote.
+  /// Called before and after reading a frame. Returns whether the data read is
+  /// what the device wrote.
   bool BeginRead(int fd) { return Sync(fd, true); }
   void EndRead(int fd) { Sync(fd, false); }
 

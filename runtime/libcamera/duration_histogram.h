@@ -7,13 +7,14 @@
 
 namespace raygrid {
 
-/// Durations counted in steps of 2 %, from a microsecond to an hour.
+/// A histogram of durations with a resolution of 2 %, from a microsecond to an
+/// hour.
 class DurationHistogram {
  public:
   void Add(std::chrono::nanoseconds duration);
   uint64_t count() const { return count_; }
-  /// The duration that the given part of all does not exceed, in milliseconds;
-  /// 0 where none is known.
+  /// The quantile of the durations in milliseconds, for a part from 0 to 1; 0
+  /// if there are none.
   double Quantile_ms(double part) const;
 
  private:

@@ -27,86 +27,85 @@ inline bool operator==(const SensorCrop& a, const SensorCrop& b) {
   return a.x == b.x && a.y == b.y && a.width == b.width && a.height == b.height;
 }
 
-/// A control of a camera by its name, and its value as it was given.
+/// A camera control by name, and its value as given by the user.
 using ControlValue = std::pair<std::string, std::string>;
 using ControlValues = std::vector<ControlValue>;
 
-/// The values that the camera tells of a frame.
+/// The metadata of a frame.
 struct FrameInfo {
   uint32_t sequence;
   uint64_t timestamp_ns;
   std::optional<SensorCrop> crop;
   std::optional<float> lens_position;  // dioptres
-  std::optional<double> zoom;          // magnification over the widest
-  std::optional<int> orientation;      // 1 to 8, as EXIF has it
+  std::optional<double> zoom;          // relative to the widest setting
+  std::optional<int> orientation;      // 1 to 8, as in EXIF
   std::optional<float> sensor_temperature_c;
   std::optional<float> exposure_us;
   std::optional<float> analogue_gain;  // a factor
-  // The focus of lenses whose position has no unit: it only tells that they
-  // moved.
-  // V4L2 is asked once a second, so that frames may tell an older one.
+  // The focus of lenses without a unit of position, for detecting motion only.
+  // V4L2 is polled once a second, so frames may have an older value.
   std::optional<int> focus_steps;
 };
 
-/// The focus that a FrameInfo tells.
+/// The focus in a FrameInfo.
 struct LensFocus {
   std::optional<float> lens_position;  // dioptres
   std::optional<int> focus_steps;
 };
 
-/// A frame in the source's own memory, which is the caller's until it is given
-/// back.
+/// A frame in the source's own memory, which the caller owns until it is
+/// released.
 struct CapturedFrame {
   rg_image image;
   FrameInfo info;
-  uint32_t buffer;  // the source's number of its memory
+  uint32_t buffer;  // index in the source's memory
   Clock::time_point arrived;
 };
 
 struct SourceCounts {
-  uint64_t arrived;  // whole frames
+  uint64_t arrived;  // complete frames
   uint64_t dropped;  // of these, not taken in time
   uint64_t damaged;  // incomplete, or with an error
-  uint64_t missed;   // numbers that the camera skipped
+  uint64_t missed;   // sequence numbers that the camera skipped
 };
 
-/// Start() and Stop() once, by the same thread; Next() and Release() by one
-/// thread in between; LockState() and UnlockState() by any thread. Frames not
-/// released come to the camera's account: it has only as many buffers as it was
-/// configured with.
+/// Start() and Stop() are called once, by the same thread; Next() and Release()
+/// by one thread in between; LockState() and UnlockState() by any thread.
+/// Frames that are not released are not available to the camera, which has only
+/// the configured number of buffers.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
   virtual const StreamFormat& format() const = 0;
-  /// Frames come with the part of the sensor that they show.
+  /// Whether frames have their sensor crop.
   virtual bool tells_crops() const { return false; }
-  /// Whose memory frames lie in, for people; empty: this program's.
+  /// The owner of the frames' memory, for display; empty: this program.
   virtual std::string memory() const { return ""; }
   virtual void Start() = 0;
-  /// The oldest frame; nothing when none comes in that time.
+  /// Returns the oldest frame; nothing on timeout.
   virtual std::optional<CapturedFrame> Next(
       std::chrono::milliseconds timeout) = 0;
   virtual void Release(const CapturedFrame& frame) = 0;
-  /// No frame will come any more.
+  /// Whether no more frames will come.
   virtual bool is_finished() const = 0;
-  /// Why it ended; empty where that is in order.
+  /// Why the stream ended; empty if regularly.
   virtual std::string fault() const = 0;
   virtual SourceCounts counts() const = 0;
-  /// Fixes focus, exposure, gain and white balance at what they are, so that
-  /// all frames from then on have one position of the lens and one brightness.
-  /// Call it once frames come and the image is sharp. It does not wait: the
-  /// next few frames may still be as before. Frames that were taken before may
-  /// show another position of the lens, whatever they tell: keep none of them.
-  /// What the camera refuses stays open and ends nothing. Called again, it
-  /// fixes what there is then.
+  /// Fixes focus, exposure, gain and white balance at their current values, so
+  /// that all later frames have a constant lens position and brightness. Call
+  /// it when frames arrive and the image is sharp. It does not wait: the next
+  /// few frames may still have other values. Frames taken before may have
+  /// another lens position, whatever their metadata: discard them. Controls
+  /// that the camera rejects stay automatic, without an error. Calling it again
+  /// fixes the values at that time.
   virtual StateLock LockState() {
     return NothingLocked("the source is not a camera");
   }
-  /// Makes LockState() move the lens to the focus of a frame taken before,
-  /// instead of leaving it where it is.
+  /// Makes LockState() move the lens to the focus of an earlier frame, instead
+  /// of leaving it unchanged.
   virtual void FocusAt(const LensFocus&) {}
-  /// Puts the automatic modes that LockState() ended back as they were. Stop()
-  /// does it, too, since some cameras keep their controls after a program.
+  /// Restores the automatic modes that LockState() ended. Stop() does so, too,
+  /// since some cameras keep their controls after a program ends.
   virtual void UnlockState() {}
   virtual void Stop() = 0;
 };

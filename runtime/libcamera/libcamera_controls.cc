@@ -21,8 +21,7 @@ using libcamera::ControlInfo;
 using libcamera::ControlInfoMap;
 using Value = libcamera::ControlValue;
 
-// The control by its name, and the values that it may have; in the order of
-// names.
+// Controls by name, with their ranges; sorted by name.
 std::map<std::string, std::pair<const ControlId*, ControlInfo>> ListControls(
     const ControlInfoMap& controls) {
   std::map<std::string, std::pair<const ControlId*, ControlInfo>> listed;
@@ -70,7 +69,7 @@ bool ParseRectangle(const std::string& text, Value* value) {
   return true;
 }
 
-// A value of the control's type.
+// Parses a value of the control's type.
 bool ParseValue(const ControlId& id, const std::string& text, Value* value) {
   static const std::vector<std::string> kAfModes = {"Manual", "Auto",
                                                     "Continuous"};
@@ -103,7 +102,7 @@ bool ParseValue(const ControlId& id, const std::string& text, Value* value) {
   }
 }
 
-// Limits that are not told, or of another type, limit nothing.
+// Limits that are missing, or of another type, are ignored.
 template <typename Number>
 bool IsBetween(const ControlInfo& info, const Value& value) {
   if (info.min().type() != value.type() || info.max().type() != value.type() ||

@@ -1,4 +1,4 @@
-/// Controls of libcamera's cameras by their names: ExposureTime, AfMode.
+/// Controls of libcamera's cameras by name: ExposureTime, AfMode.
 #ifndef RAYGRID_LIBCAMERA_LIBCAMERA_CONTROLS_H
 #define RAYGRID_LIBCAMERA_LIBCAMERA_CONTROLS_H
 
@@ -10,14 +10,14 @@
 
 namespace raygrid {
 
-/// The list that camera.start() takes. A value is a number, or true or false,
-/// or X,Y,WxH of a rectangle; AfMode also takes Manual, Auto and Continuous.
-/// Throws CameraError (wrong usage) where the camera has no such control, or
-/// the value is none of its type or out of its range.
+/// Makes the list for camera.start(). A value is a number, true or false, or a
+/// rectangle X,Y,WxH; AfMode also accepts Manual, Auto and Continuous. Throws
+/// CameraError (wrong usage) for an unknown control, or a value of another type
+/// or outside the range.
 libcamera::ControlList MakeControlList(
     const libcamera::ControlInfoMap& controls, const ControlValues& values);
 
-/// "  --control ExposureTime=100 to 33333" and so on, a line each.
+/// "  --control ExposureTime=100 to 33333" and so on, one per line.
 std::string DescribeControls(const libcamera::ControlInfoMap& controls);
 
 }  // namespace raygrid

@@ -24,7 +24,7 @@ using libcamera::StreamConfiguration;
 using libcamera::StreamRole;
 
 constexpr unsigned kNumBuffers = 4;
-// For a frame whose request puts automatic modes back at the end.
+// The time for a frame whose request restores automatic modes at the end.
 constexpr std::chrono::seconds kUnlockPatience(1);
 
 CameraError InputError(const std::string& message) {
@@ -62,8 +62,8 @@ std::string DescribeCamera(Camera* camera) {
          (raw == viewfinder ? "" : raw) + DescribeControls(camera->controls());
 }
 
-// The format asked for; else what the camera would take, or the first of its
-// formats, that the runtime knows.
+// The requested format; otherwise the camera's default, or the first of its
+// formats, that the runtime supports.
 PixelFormat ChooseFormat(const StreamConfiguration& stream,
                          const std::string& name) {
   std::vector<PixelFormat> candidates = stream.formats().pixelformats();
@@ -98,7 +98,7 @@ void TakeMetadata(Request* completed, FrameInfo* info) {
 }  // namespace
 
 CameraList::CameraList() {
-  // One line for an error: ours. Who wants more sets the variable.
+  // One line per error: ours. The variable enables libcamera's messages.
   if (!std::getenv("LIBCAMERA_LOG_LEVELS"))
     libcamera::logSetTarget(libcamera::LoggingTargetNone);
   manager_ = std::make_unique<libcamera::CameraManager>();
@@ -184,7 +184,7 @@ void LibcameraSource::Configure(const LibcameraOptions& options) {
     throw InputError("camera: does not support " + stream.toString() +
                      "; use a size from --list");
   orientation_ = OrientationOf(*configuration_);
-  // ScalerCropMaximum would be that of the mode, which may be a crop itself.
+  // ScalerCropMaximum would be that of the mode, which may be cropped.
   const auto areas =
       camera_->properties().get(libcamera::properties::PixelArrayActiveAreas);
   if (areas && !areas->empty()) widest_ = (*areas)[0].width;
@@ -225,8 +225,8 @@ void LibcameraSource::Start() {
         "camera: failed to start; check that it is connected and not in use");
   }
   is_running_ = true;
-  // Pipelines that take no controls at the start, as that of USB cameras, take
-  // those of a request.
+  // Pipelines without controls at the start, such as that of USB cameras,
+  // accept those of a request.
   for (const auto& [id, value] : controls_)
     requests_[0]->controls().set(id, value);
   for (const auto& request : requests_) Queue(request.get());
@@ -270,13 +270,13 @@ void LibcameraSource::FocusAt(const LensFocus& focus) {
 
 void LibcameraSource::UnlockState() {
   const std::lock_guard<std::mutex> lock(state_mutex_);
-  // A lock that no request has taken yet need not be sent any more.
+  // A lock that no request contains yet need not be sent any more.
   if (!releasing_.empty()) next_controls_ = std::move(releasing_);
   releasing_.clear();
 }
 
-// Cameras may keep their controls, which go with a request: one that waits to
-// be taken is queued once more.
+// Cameras may keep their controls, which are sent with a request: a pending one
+// is queued once more.
 void LibcameraSource::SendUnlock() {
   UnlockState();
   const Clock::time_point start = Clock::now();

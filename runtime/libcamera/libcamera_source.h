@@ -1,5 +1,4 @@
-/// Frames from a camera that libcamera knows, in its own buffers: no pixel is
-/// copied.
+/// Frames from a libcamera camera, in its own buffers: no pixels are copied.
 #ifndef RAYGRID_LIBCAMERA_LIBCAMERA_SOURCE_H
 #define RAYGRID_LIBCAMERA_LIBCAMERA_SOURCE_H
 
@@ -19,15 +18,15 @@
 
 namespace raygrid {
 
-/// libcamera's list of cameras; one in a process.
+/// libcamera's list of cameras; at most one per process.
 class CameraList {
  public:
   CameraList();
   ~CameraList() { manager_->stop(); }
 
-  /// Cameras, their formats and sizes, as text for people.
+  /// Lists cameras, their formats and sizes, as text.
   std::string Describe() const;
-  /// The camera of that id, or of a unique part of it; the only one for "".
+  /// Finds a camera by id, or by a unique part of it; the only one for "".
   std::shared_ptr<libcamera::Camera> Find(const std::string& id) const;
 
  private:
@@ -37,7 +36,7 @@ class CameraList {
 struct LibcameraOptions {
   std::string format;  // "": the camera's choice, where the runtime knows it
   unsigned width, height;    // the camera's validate() may adjust them
-  bool every_frame = false;  // no frame is given up for a newer one
+  bool every_frame = false;  // never drop a frame for a newer one
   ControlValues controls;    // set in this order, before the first frame
 };
 
@@ -76,20 +75,20 @@ class LibcameraSource : public FrameSource {
   std::shared_ptr<libcamera::Camera> camera_;
   std::unique_ptr<libcamera::CameraConfiguration> configuration_;
   StreamFormat format_;
-  int orientation_ = 0;  // of the configuration; 0: none that EXIF has
-  unsigned widest_ = 0;  // pixels of the sensor in a row; 0: not known
+  int orientation_ = 0;  // of the configuration; 0: not one of EXIF's
+  unsigned widest_ = 0;  // sensor width in pixels; 0: unknown
   libcamera::ControlList controls_;  // before the first frame
   std::unique_ptr<libcamera::FrameBufferAllocator> allocator_;
   std::unique_ptr<MappedBuffers> buffers_;
   std::vector<std::unique_ptr<libcamera::Request>> requests_;
   std::unique_ptr<BoundedQueue<CapturedFrame>> queue_;
-  std::mutex state_mutex_;  // of the next four
+  std::mutex state_mutex_;  // guards the next four
   std::optional<FrameInfo> last_info_;
-  LensFocus focus_;                       // that a lock is to have
+  LensFocus focus_;                       // for LockState()
   libcamera::ControlList next_controls_;  // for the next request
   libcamera::ControlList releasing_;      // what UnlockState() sets
   std::atomic<bool> is_running_{false}, is_disconnected_{false};
-  std::optional<uint32_t> last_sequence_;  // of libcamera's thread
+  std::optional<uint32_t> last_sequence_;  // used by libcamera's thread
   std::atomic<uint64_t> arrived_{0}, dropped_{0}, damaged_{0}, missed_{0};
 };
 

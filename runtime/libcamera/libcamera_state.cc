@@ -13,7 +13,7 @@ namespace {
 using libcamera::ControlInfo;
 using StateValue = libcamera::ControlValue;
 
-// Limits that are not told, or of another type, limit nothing.
+// Limits that are missing, or of another type, are ignored.
 template <typename Number>
 Number Within(const ControlInfo& info, Number number) {
   const libcamera::ControlType type = StateValue(number).type();
@@ -98,7 +98,7 @@ class LockMaker {
   const LibcameraLock& lock() const { return lock_; }
 
  private:
-  // By name: versions differ in the controls that they know.
+  // By name: versions differ in the controls that they support.
   libcamera::ControlInfoMap::const_iterator Find(
       const std::string& name) const {
     return std::find_if(
@@ -133,14 +133,14 @@ LibcameraLock MakeLibcameraLock(const libcamera::ControlInfoMap& controls,
       kAutomatic(int32_t{0}), kOff(false), kOn(true);
   LockMaker maker(controls, given);
 
-  // A lens that no mode moves stays where it is.
+  // A lens without an automatic mode does not move.
   const bool has_focus =
       maker.EndMode("AfMode", kManualFocus, kManualFocus, {"LensPosition"});
   const bool has_lens = maker.Fix("LensPosition", now.lens_position);
   maker.Tell("focus", has_focus || has_lens,
              DescribeNumber("focus at %.2f dioptres", now.lens_position));
 
-  // Since libcamera 0.5 there is a mode for each. AeEnable is for both.
+  // Since libcamera 0.5, each has a mode of its own. AeEnable is for both.
   bool has_exposure =
       maker.EndMode("ExposureTimeMode", kManual, kAutomatic, {"ExposureTime"});
   bool has_gain =

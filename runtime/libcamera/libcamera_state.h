@@ -13,9 +13,9 @@ struct LibcameraLock {
   StateLock told;
 };
 
-/// The camera has these controls. `given` were set at the start: modes go back
-/// to them, or to the camera's defaults. `now` is the last frame's, with the
-/// lens position to fix.
+/// Selects from the camera's controls. `given` were set at the start: modes are
+/// restored to them, or to the camera's defaults. `now` is the last frame's
+/// metadata, with the lens position to fix.
 LibcameraLock MakeLibcameraLock(const libcamera::ControlInfoMap& controls,
                                 const libcamera::ControlList& given,
                                 const FrameInfo& now);

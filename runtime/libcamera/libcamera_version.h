@@ -1,5 +1,5 @@
-/// Differences between versions of libcamera: Debian 12's 0.0.3 is the oldest
-/// that is supported; 0.4.0 and 0.7.2 were compiled with.
+/// Differences between versions of libcamera: the oldest supported one is 0.0.3
+/// (Debian 12); 0.4.0 and 0.7.2 have been compiled.
 #ifndef RAYGRID_LIBCAMERA_LIBCAMERA_VERSION_H
 #define RAYGRID_LIBCAMERA_LIBCAMERA_VERSION_H
 
@@ -14,21 +14,21 @@
 
 namespace raygrid {
 
-/// From 0.1 on the roles are a span instead of a vector.
+/// Since 0.1, the roles are a span instead of a vector.
 inline std::unique_ptr<libcamera::CameraConfiguration> GenerateConfiguration(
     libcamera::Camera* camera, libcamera::StreamRole role) {
   return camera->generateConfiguration({role});
 }
 
-/// A string before 0.7, a view of one since.
+/// A string before 0.7, a view of one since then.
 inline std::optional<std::string> ModelOf(const libcamera::Camera& camera) {
   const auto model = camera.properties().get(libcamera::properties::Model);
   if (!model) return std::nullopt;
   return std::string(*model);
 }
 
-/// How frames are turned, as EXIF numbers it: before 0.2 the configuration says
-/// by which flips and a transposition behind them, since then by that number.
+/// The EXIF orientation of frames: before 0.2, the configuration specifies
+/// flips followed by a transposition, since then the orientation itself.
 #if LIBCAMERA_VERSION_MAJOR == 0 && LIBCAMERA_VERSION_MINOR < 2
 inline int OrientationOf(const libcamera::CameraConfiguration& configuration) {
   static const int kOrientations[] = {1, 2, 4, 3, 5, 6, 8, 7};

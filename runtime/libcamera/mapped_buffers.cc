@@ -20,8 +20,8 @@ struct PlanePlace {
   uint64_t offset, length;
 };
 
-// The places of the format's planes. A buffer has them apart, or all in its one
-// plane, one behind the other.
+// The locations of the format's planes. A buffer has separate planes, or one
+// that contains all, contiguously.
 std::array<PlanePlace, 3> FindPlanes(const StreamFormat& format,
                                      const FrameBuffer& buffer) {
   std::array<PlanePlace, 3> places = {};
@@ -67,7 +67,7 @@ void MappedBuffers::Unmap() {
   for (const Mapping& mapping : mappings_) munmap(mapping.start, mapping.size);
 }
 
-// A whole dma-buf, once.
+// Maps a whole dma-buf, once.
 uint8_t* MappedBuffers::Map(int fd) {
   for (const Mapping& mapping : mappings_)
     if (mapping.fd == fd) return mapping.start;

@@ -12,11 +12,11 @@
 
 namespace raygrid {
 
-/// The planes of libcamera's buffers in this process's memory, each mapped once
-/// for as long as this lives.
+/// The planes of libcamera's buffers, mapped into this process during the
+/// object's lifetime.
 class MappedBuffers {
  public:
-  /// Throws CameraError where a buffer is smaller than the format's planes.
+  /// Throws CameraError if a buffer is smaller than the format's planes.
   MappedBuffers(
       const StreamFormat& format,
       const std::vector<std::unique_ptr<libcamera::FrameBuffer>>& buffers);
@@ -24,11 +24,11 @@ class MappedBuffers {
   MappedBuffers(const MappedBuffers&) = delete;
   MappedBuffers& operator=(const MappedBuffers&) = delete;
 
-  /// The first bytes of a buffer's planes.
+  /// The start of each plane of a buffer.
   const std::array<const uint8_t*, 3>& planes(size_t buffer) const {
     return planes_[buffer];
   }
-  /// Around all reads of a buffer, as DmaBufSync.
+  /// Called before and after reading a buffer; see DmaBufSync.
   bool BeginRead(size_t buffer);
   void EndRead(size_t buffer);
 
@@ -45,11 +45,11 @@ class MappedBuffers {
 
   std::vector<Mapping> mappings_;
   std::vector<std::array<const uint8_t*, 3>> planes_;
-  std::vector<std::vector<int>> fds_;  // each once
+  std::vector<std::vector<int>> fds_;  // without duplicates
   DmaBufSync sync_;
 };
 
-/// Whether a completed buffer holds all bytes of the format's planes.
+/// Whether a completed buffer contains all bytes of the format's planes.
 bool IsWhole(const StreamFormat& format,
              const libcamera::FrameMetadata& metadata);
 

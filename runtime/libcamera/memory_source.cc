@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-constexpr uint32_t kNumBuffers = 4;  // as cameras have
+constexpr uint32_t kNumBuffers = 4;  // as in cameras
 constexpr std::chrono::milliseconds kBufferPatience(50);
 
 }  // namespace

@@ -12,13 +12,12 @@ namespace raygrid {
 
 struct MemorySourceOptions {
   double frames_per_second = 30;
-  uint64_t num_frames = 0;  // then it ends; 0: the recording again and again
-  bool every_frame =
-      false;  // waits for who takes frames; else drops the oldest
+  uint64_t num_frames = 0;   // until the end; 0: repeat the recording
+  bool every_frame = false;  // waits for the consumer; else drops the oldest
 };
 
-/// A recording played like a camera: by its own thread, at its own pace, from
-/// few buffers. Frames lie one after the other, rows without gaps.
+/// Plays a recording like a camera: in a thread of its own, at its own pace,
+/// with few buffers. Frames are contiguous, rows without padding.
 class MemorySource : public FrameSource {
  public:
   MemorySource(const StreamFormat& format, std::vector<uint8_t> recording,

@@ -1,4 +1,4 @@
-/// A blob's stack of cameras that follows the frames.
+/// Updates the intrinsics for each frame by a blob's operating-point model.
 #ifndef RAYGRID_LIBCAMERA_STACK_FOLLOWER_H
 #define RAYGRID_LIBCAMERA_STACK_FOLLOWER_H
 
@@ -11,23 +11,23 @@
 
 namespace raygrid {
 
-/// How many frames a stack could not follow as it should.
+/// The number of frames with an unknown or clamped operating point.
 struct StackCounts {
-  uint64_t untold = 0;   ///< frames without a value: the last one stays
-  uint64_t outside = 0;  ///< frames beyond the range: its end is taken
+  uint64_t untold = 0;   ///< no value in metadata: keeps the last one
+  uint64_t outside = 0;  ///< outside the range: clamped
 };
 
-/// Makes a camera that of each frame's lens position, or temperature.
+/// Sets a camera to each frame's lens position or temperature.
 class StackFollower {
  public:
-  /// The camera must outlive it, and not be in use while it follows.
+  /// The camera must outlive it, and must not be in use during updates.
   explicit StackFollower(rg_camera* camera);
 
-  /// The blob has no stack: nothing is followed.
+  /// Whether the blob has no operating-point model.
   bool is_idle() const { return !condition_; }
-  /// Throws CameraError where the stack is damaged.
+  /// Throws CameraError if the model is corrupt.
   void Follow(const FrameInfo& info);
-  /// The like for a value of the condition; there is a stack.
+  /// The same for a value of the condition; the blob must have a model.
   void FollowValue(double value);
   const StackCounts& counts() const { return counts_; }
 

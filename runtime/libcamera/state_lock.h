@@ -1,4 +1,4 @@
-/// Parts of a camera's state that are fixed while it streams.
+/// Camera settings that are fixed while streaming.
 #ifndef RAYGRID_LIBCAMERA_STATE_LOCK_H
 #define RAYGRID_LIBCAMERA_STATE_LOCK_H
 
@@ -7,14 +7,14 @@
 
 namespace raygrid {
 
-/// How far LockState() of a source came, in short texts for people. Each begins
-/// with its subject: focus, exposure, gain or white balance.
+/// The result of LockState(), in short texts for display. Each begins with its
+/// subject: focus, exposure, gain or white balance.
 struct StateLock {
   std::vector<std::string> locked;  // "focus at 1.25 dioptres", "gain 2.1"
   std::vector<std::string> open;    // "focus: the camera has no control for it"
 };
 
-/// Everything is open, for that reason.
+/// Nothing could be fixed, for this reason.
 StateLock NothingLocked(const std::string& reason);
 
 /// "exposure 8.3 ms"

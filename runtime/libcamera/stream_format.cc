@@ -11,19 +11,19 @@
 namespace raygrid {
 namespace {
 
-// Chroma planes have half the rows; those of YUV420 half the stride too.
+// Chroma planes have half the rows; those of YUV420 half the stride, too.
 PlaneLayout LayOutPlane(const rg_lattice& lattice, uint32_t width,
                         uint32_t height, uint32_t first_stride) {
   PlaneLayout layout;
   layout.row_bytes = rg_plane_row_bytes(&lattice, width);
-  // Lattices of a Bayer plane share its rows.
+  // Components of a Bayer plane share its rows.
   layout.rows = lattice.row_step == 1 ? height >> lattice.log2[1] : height;
   const bool is_half_stride = lattice.plane != 0 && lattice.num_channels == 1;
   layout.stride = is_half_stride ? first_stride / 2 : first_stride;
   return layout;
 }
 
-// Without the spaces that fill a code of V4L2.
+// Removes the spaces that pad a V4L2 code.
 std::string AsItIs(const std::string& name) {
   return name.substr(0, name.find_last_not_of(' ') + 1);
 }

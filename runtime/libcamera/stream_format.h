@@ -1,4 +1,4 @@
-/// The format of a stream's frames: what they hold, and how they lie in memory.
+/// The format of a stream's frames: channels and memory layout.
 #ifndef RAYGRID_LIBCAMERA_STREAM_FORMAT_H
 #define RAYGRID_LIBCAMERA_STREAM_FORMAT_H
 
@@ -12,50 +12,50 @@ namespace raygrid {
 
 enum class ColourModel : uint8_t { kGrey, kRgb, kYuv, kBayer };
 
-/// A pixel format by libcamera's name, as formats/pixel_formats.toml has it.
-/// DRM's names, which libcamera has, state the order in a little-endian word:
-/// RGB888 is blue, green, red in memory.
+/// A pixel format by libcamera's name, from formats/pixel_formats.toml. DRM's
+/// names, which libcamera uses, refer to little-endian words: RGB888 is blue,
+/// green, red in memory.
 struct PixelFormatInfo {
   const char* name;
   rg_format format;
   ColourModel model;
-  uint8_t bits;  // of a sample
+  uint8_t bits;  // per sample
   /// Channels of red, the first green, and blue, or of Y, U and V.
   uint8_t order[3];
-  /// Its name in V4L2, there also with a memory of its own for each plane, in
-  /// ffmpeg and in GStreamer's caps; NULL where there is none.
+  /// Its name in V4L2, also with separate memory for each plane, in ffmpeg and
+  /// in GStreamer's caps; NULL if there is none.
   const char *v4l2, *v4l2_separate, *ffmpeg, *gstreamer;
 };
 
-/// A channel of a frame: those of a format's lattices in turn, as for
+/// A channel of a frame: those of a format's components in order, as in
 /// border_values of rg_target.
 struct SampleChannel {
   rg_lattice lattice;
   uint32_t first_sample;
 };
 
-/// All formats that the runtime undistorts.
+/// All formats that the runtime supports.
 const std::vector<PixelFormatInfo>& PixelFormats();
 
-/// By libcamera's name; NULL where it is none of them.
+/// Finds a format by libcamera's name; NULL if it is not supported.
 const PixelFormatInfo* FindPixelFormat(const std::string& name);
 
-/// FindPixelFormat() of an option --format. Throws CameraError (wrong usage),
-/// which says libcamera's name of a format that others name otherwise.
+/// FindPixelFormat() for an option --format. Throws CameraError (wrong usage),
+/// with libcamera's name for a format known by another name.
 const PixelFormatInfo& RequirePixelFormat(const std::string& name);
 
 /// "R8 is its name here" for a name of another program; else empty.
 std::string DescribeOtherName(const std::string& name);
 
-/// The name of GStreamer's rawvideoparse; empty where there is none.
+/// The name in GStreamer's rawvideoparse; empty if there is none.
 std::string RawVideoParseName(const PixelFormatInfo& format);
 
-/// The format has more channels than index.
+/// index must be less than the number of channels.
 SampleChannel FindChannel(rg_format format, uint32_t index);
 
 struct PlaneLayout {
   uint32_t stride, row_bytes, rows;
-  /// Bytes from the first one to the end of the last row.
+  /// Bytes from the start of the first row to the end of the last one.
   uint32_t extent() const { return stride * (rows - 1) + row_bytes; }
 };
 
@@ -64,25 +64,23 @@ struct StreamFormat {
   uint16_t width, height;
   int num_planes;
   PlaneLayout planes[3];
-  /// Y of YUV is 0 in black and 255 in white; else 16 and 235.
+  /// Whether Y of YUV is 0 for black and 255 for white; otherwise 16 and 235.
   bool is_full_range;
 
-  uint32_t packed_size() const;  // bytes of a frame whose rows have no gaps
+  uint32_t packed_size() const;  // of a frame with rows without padding
 };
 
-/// The range is that of cameras: not the full one.
-///
-/// stride   of the first plane; 0: rows without gaps. The other planes' strides
-///          follow from it as in V4L2.
-/// Throws CameraError for a size that the format cannot have, or a stride that
-/// is too small.
+/// Assumes the limited range, as from cameras.
+/// stride: of the first plane; 0: rows without padding. Strides of the other
+/// planes follow from it as in V4L2. Throws CameraError for a size that is
+/// invalid for the format, or a stride that is too small.
 StreamFormat MakeStreamFormat(const PixelFormatInfo& pixel_format,
                               uint32_t width, uint32_t height, uint32_t stride);
 
-/// An image over a frame's planes.
+/// Makes an image from a frame's planes.
 rg_image MakeImage(const StreamFormat& format, const uint8_t* const planes[3]);
 
-/// Values of black, or of full opacity, for rg_target.
+/// Sets border_values of rg_target to black, and to full opacity.
 void SetBlackBorder(const StreamFormat& format, rg_target* target);
 
 }  // namespace raygrid

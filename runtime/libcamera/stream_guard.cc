@@ -18,7 +18,7 @@ std::string Text(const SensorCrop& crop) {
          Size(crop.width, crop.height);
 }
 
-// Offset and scale of one axis, in calibrated pixels.
+// The offset and scale of one axis, in calibrated pixels.
 bool FindAxis(int calibrated_start, unsigned calibrated_span,
               uint16_t calibrated_size, int start, unsigned span, uint16_t size,
               int32_t* offset_q16, uint32_t* scale_q16) {
@@ -145,8 +145,8 @@ std::string StreamGuard::Explain() const {
          Size(format_.width, format_.height);
 }
 
-// Whether the table in use takes such frames or, if positions are enough, these
-// are known.
+// Whether the table in use accepts such frames or, if only points are needed,
+// these can be converted.
 bool StreamGuard::IsServed() const {
   const bool is_known = calibrated_ && last_;
   if ((is_known && !mode_) || !HasSerial()) return false;
@@ -165,8 +165,8 @@ bool StreamGuard::IsServed() const {
   return table != RG_NO_TABLE && table == first_of_mode;
 }
 
-// A frame that the table takes, but which shows another part of the sensor than
-// the blob records: the capture's guard says what comes of that.
+// A frame that the table accepts, but with another sensor crop than the blob
+// records: the CaptureGuard decides.
 bool StreamGuard::IsBorne() const {
   return capture_ && capture_->crop() && !is_told_ && last_ &&
          use_ == Use::kFrames && HasSerial() && HasSizeOfTable();
@@ -179,7 +179,8 @@ bool StreamGuard::IsShownAsInUse(const FrameInfo& info) {
   last_ = info.crop;
   last_orientation_ = info.orientation;
   if (!first_) first_ = info.crop;
-  // Without a word on the calibration, frames of its size are taken for it.
+  // If the crop at calibration is unknown, frames of its size are assumed to
+  // have it.
   uint16_t width, height;
   rg_calibrated_size(&camera_, &width, &height);
   if (!calibrated_ && format_.width == width && format_.height == height)

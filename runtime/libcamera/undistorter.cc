@@ -5,10 +5,10 @@
 namespace raygrid {
 namespace {
 
-// How soon a request to stop is noticed.
+// The latency of a request to stop.
 constexpr std::chrono::milliseconds kFramePatience(50);
 
-// The format of undistorted frames: the camera's, in the size of the remap
+// The format of undistorted frames: the camera's, with the size of the remap
 // table.
 StreamFormat MakeOutputFormat(const rg_camera& camera,
                               const StreamFormat& input) {
@@ -105,8 +105,8 @@ void Undistorter::Run() {
   ready_.Close();
 }
 
-// The oldest frame that waits is given up for it, or it is waited for; NULL
-// when stopped meanwhile.
+// Drops the oldest waiting frame to get a buffer, or waits for one; NULL if
+// stopped meanwhile.
 UndistortedFrame* Undistorter::TakeBuffer() {
   while (!is_stopped_) {
     if (const auto frame = free_.Pop(std::chrono::milliseconds(0)))

@@ -1,5 +1,5 @@
-/// Undistorts the frames of a source, in order, on a thread of its own. A stack
-/// of cameras follows what the source tells of each frame.
+/// Undistorts the frames of a source, in order, in a thread of its own, with
+/// the intrinsics updated from each frame's metadata if the blob allows it.
 #ifndef RAYGRID_LIBCAMERA_UNDISTORTER_H
 #define RAYGRID_LIBCAMERA_UNDISTORTER_H
 
@@ -21,17 +21,17 @@
 
 namespace raygrid {
 
-/// An undistorted frame, rows without gaps, one plane behind the other.
+/// An undistorted frame, rows without padding, contiguous planes.
 struct UndistortedFrame {
   std::vector<uint8_t> bytes;
   rg_target target;  // into bytes
   FrameInfo info;
   Clock::time_point arrived;
-  Clock::duration remap_time;  // with the border of UntrustedBlocks
+  Clock::duration remap_time;  // including the border of UntrustedBlocks
 };
 
-/// Sees each frame before and after, on the undistorter's thread, for as long
-/// as the call lasts.
+/// Called with each frame before and after undistortion, in the undistorter's
+/// thread; data is valid only during the call.
 class FrameObserver {
  public:
   virtual ~FrameObserver() = default;
@@ -41,8 +41,8 @@ class FrameObserver {
 
 struct UndistorterOptions {
   uint32_t num_buffers = 4;
-  unsigned num_threads = 1;  // that undistort a frame, as BandRemap has them
-  bool every_frame = false;  // waits for the taker; else drops the oldest frame
+  unsigned num_threads = 1;   // see BandRemap
+  bool every_frame = false;   // waits for the consumer; else drops the oldest
   bool only_trusted = false;  // UntrustedBlocks become border
 };
 
@@ -56,23 +56,23 @@ struct UndistorterStatistics {
 
 class Undistorter {
  public:
-  /// Source and guard must outlive it; of the camera it has a copy. Throws
-  /// CameraError where the blob has no remap table, or its output is no size of
-  /// the format, or only what is trusted is to be shown and nothing is.
+  /// Source and guard must outlive it; the camera is copied. Throws CameraError
+  /// if the blob has no remap table, or its output size is invalid for the
+  /// format, or only_trusted is set and no block is valid.
   Undistorter(const rg_camera& camera, FrameSource* source, StreamGuard* guard,
               const UndistorterOptions& options);
   ~Undistorter() { Stop(); }
 
-  /// The format of the frames that it gives out.
+  /// The format of the output frames.
   const StreamFormat& format() const { return format_; }
 
   void Start(FrameObserver* observer = nullptr);
-  /// The oldest frame; nothing when none comes in that time. To be given back.
+  /// Returns the oldest frame; nothing on timeout. To be given back.
   UndistortedFrame* Take(std::chrono::milliseconds timeout);
   void GiveBack(UndistortedFrame* frame) { free_.Push(frame); }
-  /// No frame will come any more.
+  /// Whether no more frames will come.
   bool is_finished() const { return ready_.is_finished(); }
-  /// Why it ended, where that is not in order.
+  /// The error that ended the stream; nothing if it ended regularly.
   std::optional<CameraError> fault() const;
   UndistorterStatistics statistics() const;
   void Stop();
@@ -94,7 +94,7 @@ class Undistorter {
   std::optional<UntrustedBlocks> untrusted_;  // that become border
   BandRemap bands_;
   BoundedQueue<UndistortedFrame*> free_, ready_;
-  mutable std::mutex mutex_;  // of the two below
+  mutable std::mutex mutex_;  // guards the two below
   UndistorterStatistics statistics_;
   std::optional<CameraError> fault_;
   std::atomic<bool> is_stopped_{false};

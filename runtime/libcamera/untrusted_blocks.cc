@@ -8,7 +8,7 @@
 namespace raygrid {
 namespace {
 
-// Pixels; whole groups of samples in every format.
+// Pixels; a multiple of the sample groups of every format.
 constexpr uint32_t kBlockSize = 8;
 
 // The calibrated position of each column or row of a mode's frames.
@@ -24,7 +24,7 @@ std::vector<int32_t> FindPositions(const rg_mode& mode, int axis) {
   return positions_q16;
 }
 
-// A grey frame of the mode: ones where the camera is valid, zeros elsewhere.
+// A grey frame of the mode: 1 where the camera is valid, otherwise 0.
 std::vector<uint8_t> MakeValidityFrame(const rg_camera& camera,
                                        const rg_mode& mode) {
   const std::vector<int32_t> columns_q16 = FindPositions(mode, 0);
@@ -36,8 +36,8 @@ std::vector<uint8_t> MakeValidityFrame(const rg_camera& camera,
   return frame;
 }
 
-// That frame, undistorted: ones where sources are valid. The mask's cells begin
-// between calibrated pixels, so the nearest one is in the cell of the source.
+// That frame, undistorted: 1 where sources are valid. The mask's cells begin
+// between calibrated pixels, so the nearest pixel is in the cell of the source.
 std::vector<uint8_t> UndistortValidity(const rg_camera& camera,
                                        const StreamFormat& format) {
   rg_mode mode = {};

@@ -1,4 +1,4 @@
-/// Blocks of undistorted frames that show nothing to be trusted.
+/// Blocks of undistorted frames outside the valid region.
 #ifndef RAYGRID_LIBCAMERA_UNTRUSTED_BLOCKS_H
 #define RAYGRID_LIBCAMERA_UNTRUSTED_BLOCKS_H
 
@@ -10,19 +10,18 @@
 
 namespace raygrid {
 
-/// The blocks of 8 x 8 pixels of the undistorted image in which no pixel's
-/// source is valid, by rg_is_valid().
+/// The blocks of 8 x 8 pixels of the undistorted image without a valid source
+/// pixel, by rg_is_valid().
 class UntrustedBlocks {
  public:
-  /// A table of the camera is in use, and its frames have the format.
-  ///
-  /// target  with the values of the border
+  /// A table of the camera must be selected, for frames of this format.
+  /// target: with the values of the border
   UntrustedBlocks(const rg_camera& camera, const StreamFormat& format,
                   const rg_target& target);
 
-  /// There is no other block.
+  /// Whether all blocks are untrusted.
   bool are_all() const { return are_all_; }
-  /// Gives their pixels the values of the border, in a whole frame.
+  /// Sets their pixels to the values of the border, in a whole frame.
   void FillWithBorder(const rg_target& target) const;
 
  private:
@@ -37,9 +36,9 @@ class UntrustedBlocks {
   void MakeBorderRows(const rg_target& target);
 
   const StreamFormat format_;
-  std::vector<Run> runs_;  // blocks beside each other
+  std::vector<Run> runs_;  // of adjacent blocks
   bool are_all_ = true;
-  // Two rows of border of each plane: Bayer frames have two kinds of rows.
+  // Two rows of border for each plane: Bayer frames have two types of rows.
   std::vector<uint8_t> border_rows_[3];
 };
 

@@ -6,10 +6,10 @@
 #include "rg_blob.h"
 #include "stack_code.h"
 
-/* Fails to compile if the handle outgrows what raygrid.h promises. */
+/* Compilation fails if the handle exceeds the size stated in raygrid.h. */
 typedef char rg_camera_fits_64_bytes[sizeof(rg_camera) <= 64 ? 1 : -1];
 
-/* The sections that rays need. */
+/* Checks the sections that rays require. */
 static rg_status check_rays(const rg_sections* sections) {
   const rg_section* const grid = &sections->of[RG_SECTION_CENTRAL_GRID];
   const rg_section* const inverse = &sections->of[RG_SECTION_INVERSE];
@@ -66,7 +66,7 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
   const uint32_t frame_size =
       rg_source_size(section, size, rg_camera_size(camera->blob));
   rg_status status = rg_check_remap(section, size, frame_size);
-  /* Elsewhere, what is done with any harms nothing. */
+  /* Otherwise, any of them can be processed safely. */
   if (RG_FAST_WALK && status == RG_OK)
     status = rg_check_vertices(section, rg_find_vertices(section));
   if (RG_FAST_WALK && camera->stack && status == RG_OK)

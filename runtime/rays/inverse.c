@@ -2,9 +2,9 @@
 
 #include "fixed_point.h"
 
-/* r + r (1 - d r): the error of r, squared. */
+/* r + r (1 - d r): squares the error of r. */
 static RG_INLINE int32_t improve_reciprocal(int32_t r_q29, int32_t d_q31) {
-  /* d r in q32 loses its 1: what is left is d r - 1. */
+  /* d r in q32 overflows its 1: the remainder is d r - 1. */
   const uint32_t excess_q32 = (uint32_t)rg_multiply_high(d_q31, r_q29) << 4;
   return rg_multiply_high_subtract(r_q29, r_q29, (int32_t)excess_q32);
 }

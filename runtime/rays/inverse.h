@@ -1,4 +1,4 @@
-/* Reciprocals and square roots by Newton's iteration, without division. */
+/* Reciprocals and square roots by Newton's method, without division. */
 #ifndef RAYGRID_INVERSE_H
 #define RAYGRID_INVERSE_H
 
@@ -6,12 +6,12 @@
 
 #include "fixed_point.h"
 
-/* 1 / d in q29, relative error below 4e-9, for d_q32 from 2^31 on: d in
- * [1/2, 1). */
+/* 1 / d in q29, relative error below 4e-9, for d_q32 >= 2^31: d in [1/2, 1). */
 int32_t rg_reciprocal(uint32_t d_q32);
 
-/* 1 / sqrt(u) in q29, relative error below 8e-9, for u_q31 from 2^29 on: u in
- * [1/4, 1). r <- r + r (1 - u r^2) / 2: errors 0.024, 8.7e-4, 1.1e-6, rounding.
+/* 1 / sqrt(u) in q29, relative error below 8e-9, for u_q31 >= 2^29: u in
+ * [1/4, 1). r <- r + r (1 - u r^2) / 2: errors 0.024, 8.7e-4, 1.1e-6,
+ * rounding.
  */
 static RG_INLINE int32_t rg_inverse_root(int32_t u_q31) {
   /* 2.6708 - u (3.2854 - 1.6386 u) */

@@ -1,6 +1,6 @@
-/* Pixel -> pixel of the virtual camera that a remap table undistorts to. Its
- * direction is turned into axes of the view, put on the view's plane, the image
- * of focal length 1, and becomes a pixel there. */
+/* Pixel -> pixel of the virtual camera of a remap table. The pixel's
+ * direction is rotated to view axes, projected to the view's plane, the
+ * image of focal length 1, and scaled to a pixel. */
 #include "blob_layout.h"
 #include "bytes.h"
 #include "fixed_point.h"
@@ -10,11 +10,11 @@
 
 #define PIXEL_LIMIT_Q16 (UINT32_C(1) << 30) /* 16384 px */
 
-/* Nothing is divided by less than 1/1024: rays closer to a pinhole's image
- * plane have no pixel. */
+/* The smallest divisor is 1/1024: rays closer to a pinhole's image plane
+ * have no pixel. */
 #define MIN_DIVISOR_Q30 (INT32_C(1) << 20)
 
-/* x and y by a divisor: they have 19 to 29 fraction bits then, which is
+/* Divides x and y; the results have 19 to 29 fraction bits, a number that is
  * returned. 0 if the divisor is too small. */
 static RG_SHARED int divide(int32_t xy_q30[2], int32_t divisor_q30) {
   if (divisor_q30 < MIN_DIVISOR_Q30) return 0;
@@ -25,7 +25,7 @@ static RG_SHARED int divide(int32_t xy_q30[2], int32_t divisor_q30) {
   return 30 - doublings;
 }
 
-/* Angles around the y axis and, of an equirectangular view, along it. */
+/* The angle about the y axis and, for equirectangular views, along it. */
 static RG_INLINE int put_on_cylinder(uint32_t projection, int32_t xyz_q30[3]) {
   int32_t distance_q30, length_q30;
   const int32_t around_q29 =
@@ -39,8 +39,8 @@ static RG_INLINE int put_on_cylinder(uint32_t projection, int32_t xyz_q30[3]) {
   return fraction_bits;
 }
 
-/* Lengthens x and y, divided by their length, to the angle from the z axis. So
- * near that axis that length and angle are the same to 3e-10: divides by z. */
+/* Scales x and y, divided by their length, to the angle from the z axis.
+ * Near that axis, length and angle are equal within 3e-10: divides by z. */
 static RG_INLINE int put_on_disk(int32_t xyz_q30[3]) {
   int32_t radius_q30, length_q30;
   const int32_t z_q30 = xyz_q30[2];
@@ -56,8 +56,9 @@ static RG_INLINE int put_on_disk(int32_t xyz_q30[3]) {
   return 29;
 }
 
-/* x and y become coordinates of the view's plane, with 19 to 29 fraction bits,
- * which is returned: "Views" in SPEC.md. 0 where the projection shows nothing.
+/* Projects to the view's plane: x and y get 19 to 29 fraction bits, a number
+ * that is returned; see "Views" in SPEC.md. 0 where the projection is
+ * undefined.
  */
 static RG_INLINE int put_on_plane(uint32_t projection, int32_t xyz_q30[3]) {
   if (projection - RG_PROJECTION_CYLINDRICAL <= 1)
@@ -69,7 +70,7 @@ static RG_INLINE int put_on_plane(uint32_t projection, int32_t xyz_q30[3]) {
   return divide(xyz_q30, divisor_q30);
 }
 
-/* Camera axes to axes of the view, which is turned: the rotation's columns
+/* Rotates a ray from camera axes to view axes: the columns of the rotation
  * times the ray. */
 static void turn(const uint8_t* rotation, const rg_ray* ray,
                  int32_t xyz_q30[3]) {
@@ -82,9 +83,9 @@ static void turn(const uint8_t* rotation, const rg_ray* ray,
   }
 }
 
-/* The coordinate becomes focal times it, and center, in q16; 0 if that lies
- * beyond the limit, or as far from the center. axis: the table's section for x,
- * 4 bytes behind it for y. */
+/* Computes focal * coordinate + center in q16; 0 if the result, or its
+ * distance from the center, exceeds the limit. axis: the table's section for
+ * x, 4 bytes after it for y. */
 static RG_INLINE int find_view_pixel(const uint8_t* axis, int fraction_bits,
                                      int32_t* coordinate) {
   const uint32_t focal_q16 = rg_load_u32(axis + RG_REMAP_FX);
@@ -101,7 +102,7 @@ static RG_INLINE int find_view_pixel(const uint8_t* axis, int fraction_bits,
   return rg_magnitude(*coordinate) < PIXEL_LIMIT_Q16;
 }
 
-/* A frame of its own: the stack is not as deep as of un-projection. */
+/* A separate stack frame: the stack is less deep than in unprojection. */
 static RG_NOINLINE rg_status find_in_view(const uint8_t* section,
                                           const rg_ray* ray,
                                           rg_pixel* undistorted) {

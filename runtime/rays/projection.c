@@ -1,22 +1,23 @@
-/* Direction -> pixel: what the inverse grid says, then Newton's method on the
- * spline surface with the inverse grid's derivative. Pairs are x, y. */
+/* Direction -> pixel: an initial value from the inverse grid, then Newton's
+ * method on the spline surface with the inverse grid's Jacobian. Pairs are
+ * x, y. */
 #include "bytes.h"
 #include "fixed_point.h"
 #include "rays/surface_choice.h"
 #include "rg_blob.h"
 
-/* The first step may be as long as this, and so far outside the area may the
- * start lie; each further step a quarter of that. */
+/* Limit of the first step, and of the initial value's distance outside the
+ * area; a quarter of that for each further step. */
 #define FIRST_STEP_Q16 0x40000u /* 4 px */
 
-/* A step below 1/64 px is the last: what remains is its product with the error
- * of the derivative. */
+/* A step below 1/64 px is the last: the remaining error is its product with
+ * the error of the Jacobian. */
 #define LAST_STEP_Q16 0x400u
 
-/* Rounding may lead out of the area by this: 0.002 px. */
+/* The tolerance outside the area for rounding: 0.002 px. */
 #define EDGE_TOLERANCE_Q16 128u
 
-/* Moves a pixel into the area of a grid; 0 if it lies farther outside. */
+/* Clamps a pixel to the area of a grid; 0 if it is farther outside. */
 static RG_INLINE int move_inside(const uint8_t* axis, uint32_t tolerance_q16,
                                  int32_t* pixel_q16) {
   RG_UNROLL
@@ -33,8 +34,8 @@ static RG_INLINE int move_inside(const uint8_t* axis, uint32_t tolerance_q16,
   return 1;
 }
 
-/* A step of Newton's method: the product of slopes and the distance that is
- * left. Its length, or more where it is 8 px or more. */
+/* A Newton step: the product of slopes and the residual. Returns its length,
+ * or more if it is 8 px or more. */
 static RG_INLINE uint32_t take_step(int32_t slopes_q5[2][2],
                                     const int32_t rest_q27[2],
                                     int32_t* pixel_q16) {
@@ -51,7 +52,7 @@ static RG_INLINE uint32_t take_step(int32_t slopes_q5[2][2],
   return size_q16;
 }
 
-/* Newton's method from where the inverse grid says, with its derivative. */
+/* Newton's method from the inverse grid's value, with its Jacobian. */
 static RG_INLINE int solve(const rg_camera* camera,
                            const rg_chart_point* target, int32_t pixel_q16[2]) {
   rg_place place;
@@ -62,7 +63,7 @@ static RG_INLINE int solve(const rg_camera* camera,
   rg_find_inverse_slopes(camera, &place, slopes_q5);
   for (int k = 0; k < 2; ++k)
     pixel_q16[k] = rg_shift_left(place.value.q27[k], 1);
-  /* The limit of the next step, and of how far outside it may begin. */
+  /* Limit of the next step, and of the initial distance outside the area. */
   uint32_t limit_q16 = FIRST_STEP_Q16;
   while (move_inside(camera->grid, limit_q16, pixel_q16)) {
     if (limit_q16 < LAST_STEP_Q16) return limit_q16 == EDGE_TOLERANCE_Q16;
@@ -84,7 +85,8 @@ static int find_target(const rg_camera* camera, const rg_ray* direction,
       direction, rg_load_i32(camera->inverse + RG_INVERSE_COS_LIMIT), target);
 }
 
-/* rg_project(), of lines too: to the pixel whose line has the direction. */
+/* rg_project(), also for lines: finds the pixel whose line has the
+ * direction. */
 static RG_SHARED rg_status find_pixel(const rg_camera* camera,
                                       const rg_ray* direction,
                                       rg_pixel* pixel) {
@@ -105,11 +107,12 @@ rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
   return find_pixel(camera, direction, pixel);
 }
 
-/* One thing for several points and then the next: fast processors work on
- * several points at once. */
+/* Processes blocks of points step by step, so that fast processors work on
+ * several points in parallel. */
 #define BLOCK_SIZE 8u
 
-/* Returns how many of BLOCK_SIZE points are seen; the camera can project. */
+/* Returns how many of BLOCK_SIZE points project; the camera has an inverse
+ * grid. */
 static uint32_t project_block(const rg_camera* camera, const rg_ray* directions,
                               rg_pixel* pixels) {
   rg_chart_point targets[BLOCK_SIZE];
@@ -146,9 +149,9 @@ uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
   return num_seen;
 }
 
-/* ---- Points seen along lines --------------------------------------------- */
+/* ---- Points seen along observation lines -------------------------------- */
 
-/* Two pixels less than this apart have the same line. */
+/* Pixels closer than this have the same line. */
 #define SAME_LINE_Q16 0x80u /* 1/512 px */
 
 static RG_INLINE int is_near(rg_pixel pixel, rg_pixel other) {
@@ -157,26 +160,26 @@ static RG_INLINE int is_near(rg_pixel pixel, rg_pixel other) {
   return ((x + SAME_LINE_Q16) | (y + SAME_LINE_Q16)) < 2 * SAME_LINE_Q16;
 }
 
-/* The closeness of the last line: its pixel will do, since more turns would
- * only repeat how the point's format rounds. */
+/* The closeness of the last line: its pixel is accepted, since further
+ * iterations would only repeat the rounding of the point's format. */
 #define LAST_CLOSENESS 22u
 
-/* From the largest coordinate's magnitude to twice that. */
+/* Between one and two times the largest coordinate's magnitude. */
 static RG_INLINE uint32_t size_of(const rg_ray* direction) {
   return rg_bits_of(direction->x_q30) | rg_bits_of(direction->y_q30) |
          rg_bits_of(direction->z_q30);
 }
 
-/* A line; or a direction in place of its own, and the pixel found for that in
- * place of its point: stacks are small. */
+/* A line; or a direction instead of its direction, and the pixel found for
+ * it instead of its point, to reduce the stack. */
 typedef union rg_line_words {
   rg_line line;
   int32_t words[6];
   rg_pixel pixel;
 } rg_line_words;
 
-/* The direction of a point, seen from where the line is nearest to the camera's
- * centre: from o - (o . d) d. */
+/* The direction of a point as seen from the line's point closest to the
+ * camera's centre, o - (o . d) d. */
 static RG_SHARED void look_from(rg_line_words* line, const int32_t point[3],
                                 uint32_t shift) {
   int32_t* word = line->words;
@@ -194,17 +197,18 @@ static RG_SHARED void look_from(rg_line_words* line, const int32_t point[3],
   }
 }
 
-/* Lines through nearly the point, each at the pixel that looks where the point
- * lies, seen from the last one. The last one may be to blame if there is no
- * such pixel: then one that looks less far away from the z axis, by about
- * 2^-closeness sin(theta), and a quarter of that for the next line. */
+/* Iterates over lines that nearly pass through the point: each is at the
+ * pixel that sees the direction of the point from the previous line. If
+ * there is no such pixel, the previous line may be the cause: the direction
+ * is moved towards the z axis, by about 2^-closeness sin(theta), and by a
+ * quarter of that for the next line. */
 rg_status rg_project_point(const rg_camera* camera, const int32_t point[3],
                            uint32_t fraction_bits, rg_pixel* pixel) {
   rg_line_words found;
   rg_pixel last = {RG_NO_PIXEL, RG_NO_PIXEL};
   if (fraction_bits > RG_POINT_MAX_BITS) return RG_ERR_ARGUMENT;
   for (int c = 0; c < 3; ++c) found.words[3 + c] = point[c];
-  /* closeness, above the shift to fraction_bits: they share a register. */
+  /* closeness, above the shift to fraction_bits, in one register. */
   uint32_t closeness_and_shift = RG_LINE_POINT_BITS - fraction_bits;
   do {
     rg_status status = find_pixel(camera, &found.line.direction, &found.pixel);

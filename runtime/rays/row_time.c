@@ -1,4 +1,4 @@
-/* The time that a rolling shutter takes from row to row, as the blob says. */
+/* The line delay of a rolling shutter, as stored in the blob. */
 #include "blob_checks.h"
 #include "bytes.h"
 #include "raygrid.h"
@@ -11,7 +11,7 @@ rg_status rg_row_time(const rg_camera* camera, int32_t* row_time_ns_q10,
   if (!entry) return RG_ERR_UNKNOWN;
   const uint8_t* const section =
       camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
-  /* Checked here, not on opening. */
+  /* Checked here, not when opening the blob. */
   const rg_status status =
       rg_check_row_time(section, rg_load_u32(entry + RG_ENTRY_SIZE));
   if (status != RG_OK) return status;

@@ -1,4 +1,4 @@
-/* Frames of other sensor modes than the calibrated one. */
+/* Frames of sensor modes other than the calibrated one. */
 #include "blob_checks.h"
 #include "bytes.h"
 #include "fixed_point.h"
@@ -17,7 +17,7 @@ typedef struct mode_axis {
   int is_flipped;
 } mode_axis;
 
-/* Axis c of a mode; 0 if it is impossible. */
+/* Reads axis c of a mode; 0 if it is invalid. */
 static int find_mode_axis(const rg_mode* mode, int c, mode_axis* axis) {
   axis->size = c == 0 ? mode->width : mode->height;
   axis->offset_q16 = c == 0 ? mode->offset_x_q16 : mode->offset_y_q16;
@@ -28,8 +28,7 @@ static int find_mode_axis(const rg_mode* mode, int c, mode_axis* axis) {
          rg_magnitude(axis->offset_q16) < LIMIT_Q16;
 }
 
-/* (q16 + 1/2) factor / 2^shift - 1/2, shift from 16 to 31; 0 where that does
- * not fit. */
+/* (q16 + 1/2) factor / 2^shift - 1/2, shift from 16 to 31; 0 on overflow. */
 static int scale_position(int32_t factor, int shift, int32_t* q16) {
   uint32_t low;
   const int32_t from_edge = *q16 + 0x8000;
@@ -39,8 +38,8 @@ static int scale_position(int32_t factor, int shift, int32_t* q16) {
   return 1;
 }
 
-/* Flips, scales and moves a coordinate to calibrated frames, or does so
- * backwards; 0 where that does not fit. */
+/* Flips, scales and shifts a coordinate to calibrated frames, or the
+ * inverse; 0 on overflow. */
 static RG_INLINE int convert_axis(const mode_axis* axis, int is_to_calibrated,
                                   int32_t* q16) {
   const int32_t last_q16 = (int32_t)((axis->size - 1) << 16);
@@ -55,7 +54,7 @@ static RG_INLINE int convert_axis(const mode_axis* axis, int is_to_calibrated,
     const int zeros = rg_leading_zeros(axis->scale_q16);
     factor = rg_reciprocal(axis->scale_q16 << zeros);
     shift = 45 - zeros; /* 23 to 36 */
-    if (shift > 31) {   /* positions are then short enough for fewer bits */
+    if (shift > 31) {   /* positions then have enough free bits */
       factor >>= shift - 31;
       shift = 31;
     }
@@ -96,8 +95,8 @@ rg_status rg_mode_from_calibrated(const rg_mode* mode, rg_pixel calibrated,
 
 /* ---- Modes of tables ----------------------------------------------------- */
 
-/* The mode of the real frames of a table; that of frames as calibrated for
- * NULL. RG_ERR_MODE if the blob lacks it. */
+/* Reads the mode of a table's real frames; NULL: frames as calibrated.
+ * RG_ERR_MODE if the blob lacks it. */
 static rg_status read_mode(const rg_camera* camera, const uint8_t* section,
                            rg_mode* mode) {
   if (!section || !rg_has_view(section) || section[RG_VIEW_MODE] == 0) {
@@ -128,8 +127,8 @@ rg_status rg_remap_mode(const rg_camera* camera, rg_mode* mode) {
 
 /* ---- Matches ------------------------------------------------------------- */
 
-/* Whether the mode's pixels cover calibrated ones only, along one axis, but for
- * what a scale is rounded by. */
+/* Whether the mode covers only calibrated pixels along one axis, within the
+ * rounding of its scale. */
 static int is_part(const mode_axis* axis, uint32_t calibrated_size) {
   uint32_t low;
   const uint32_t high = rg_multiply_unsigned(axis->size, axis->scale_q16, &low);
@@ -148,7 +147,7 @@ static int is_part_of_frames(const rg_mode* mode, const uint8_t* identity) {
   return 1;
 }
 
-/* Whether numbers are the same but for what they were rounded by. */
+/* Whether numbers are equal within their rounding. */
 static int are_near(uint32_t a, uint32_t b) { return a - b + 1 <= 2; }
 
 static int is_same_mode(const rg_mode* a, const rg_mode* b) {
@@ -179,8 +178,9 @@ static uint32_t find_table(const rg_camera* camera, const rg_mode* mode) {
   return RG_NO_TABLE;
 }
 
-/* An empty serial fits every camera. expected: RG_TEXT_SIZE bytes; not checked
- * on opening, so the last is taken for a zero whatever it is. */
+/* Whether a serial matches; an empty one matches every camera. expected:
+ * RG_TEXT_SIZE bytes; not checked when opening, so the last byte is assumed
+ * to be zero. */
 static int is_serial(const uint8_t* expected, const char* serial) {
   if (!serial || expected[0] == 0) return 1;
   for (uint32_t i = 0; expected[i] == (uint8_t)serial[i]; ++i)

@@ -10,7 +10,7 @@
 #define MAGIC_1 0x0053544fu
 #define MAJOR_AND_SIZE (1u | RG_SLOT_HEADER_SIZE << 16)
 
-/* A slot that is damaged, erased or half written is not whole. */
+/* A slot that is corrupt, erased or partially written is not whole. */
 static int is_whole(const uint8_t* slot, uint32_t slot_size) {
   if (rg_load_u32(slot + RG_SLOT_MAGIC) != MAGIC_0 ||
       rg_load_u32(slot + RG_SLOT_MAGIC + 4) != MAGIC_1 ||
@@ -32,7 +32,7 @@ rg_status rg_choose_slot(const void* first, const void* second,
   for (uint32_t index = 0; index < 2; ++index) {
     const uint8_t* const slot = (const uint8_t*)(index == 0 ? first : second);
     if (!slot || !is_whole(slot, slot_size)) continue;
-    /* Numbers wrap around: the later one is less than 2^31 ahead. */
+    /* Sequence numbers wrap around: the later one is less than 2^31 ahead. */
     if (chosen && rg_load_u32(slot + RG_SLOT_SEQUENCE) -
                           rg_load_u32(chosen + RG_SLOT_SEQUENCE) - 1 >=
                       0x7fffffffu)
@@ -52,7 +52,7 @@ rg_status rg_make_slot_header(const void* blob, uint32_t num_bytes,
   if (!blob || !header || num_bytes == 0) return RG_ERR_ARGUMENT;
   uint8_t* const bytes = (uint8_t*)header;
   for (uint32_t k = 0; k < RG_SLOT_HEADER_SIZE / 4; ++k) {
-    RG_IN_REGISTER(k); /* else the compiler calls memset() */
+    RG_IN_REGISTER(k); /* otherwise compilers call memset() */
     header[k] = 0;
   }
   rg_store_u32(bytes + RG_SLOT_MAGIC, MAGIC_0);

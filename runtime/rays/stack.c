@@ -1,4 +1,4 @@
-/* Stacks of cameras over a condition: formats/SPEC.md, "Operating points". */
+/* Operating-point models: formats/SPEC.md, "Operating points". */
 #include "blob_checks.h"
 #include "bytes.h"
 #include "cortex_m/part_corners.h"
@@ -8,11 +8,12 @@
 #include "rg_blob.h"
 #include "stack_code.h"
 
-/* A blob's stack. From the central grid on, the blob is a row of pieces of one
- * size: its own grids and tables with the stack's fields, then knots with their
- * values. Nothing stands behind the stack. So the like of any section of the
- * blob, in any whole knot, lies inside the blob. A distance plus a knot's size
- * is at most the blob's size. */
+/* A blob's operating-point model. From the central grid on, the blob
+ * consists of pieces of equal size: its own grids and tables with the
+ * model's fields, then samples with their values. Nothing follows the model.
+ * So the counterpart of any section of the blob, in any whole sample, is
+ * inside the blob. A distance plus a sample's size is at most the blob's
+ * size. */
 typedef struct camera_stack {
   const uint8_t* section;
   uint32_t size;           /* of the section */
@@ -20,7 +21,7 @@ typedef struct camera_stack {
   uint32_t knot_size;      /* from one piece to the next */
 } camera_stack;
 
-/* 0 if the blob has none. */
+/* Finds the model; 0 if the blob has none. */
 static RG_INLINE int find_stack(const rg_camera* camera, camera_stack* stack) {
   const uint8_t* const blob = camera->blob;
   const uint8_t* const last_entry =
@@ -37,7 +38,7 @@ static RG_INLINE int find_stack(const rg_camera* camera, camera_stack* stack) {
 
 /* ---- Use ----------------------------------------------------------------- */
 
-/* The upper knot's value first: then one place will do. */
+/* Evaluates the upper sample first, so that one place suffices. */
 static RG_NOINLINE rg_status find_blended_place(const rg_camera* camera,
                                                 int32_t x, int32_t y,
                                                 rg_place* place,
@@ -78,7 +79,7 @@ static rg_status check_vertices(const rg_camera* camera, const uint8_t* own) {
 }
 #define CHECK_VERTICES check_vertices
 #else
-#define CHECK_VERTICES 0 /* rg_select_remap() checks none */
+#define CHECK_VERTICES 0 /* not checked by rg_select_remap() */
 #endif
 
 static const rg_stack_code kStackCode = {find_in_grid, find_in_inverse,
@@ -86,7 +87,7 @@ static const rg_stack_code kStackCode = {find_in_grid, find_in_inverse,
 
 /* ---- Checks -------------------------------------------------------------- */
 
-/* Whether a grid has the fields of the blob's own in all knots. */
+/* Whether a grid has the same fields as the blob's own in all samples. */
 static RG_NOINLINE int is_grid_alike(const uint8_t* own, uint32_t knot_size,
                                      uint32_t stack_size) {
   for (uint32_t shift = knot_size; shift < stack_size; shift += knot_size)
@@ -95,8 +96,8 @@ static RG_NOINLINE int is_grid_alike(const uint8_t* own, uint32_t knot_size,
   return 1;
 }
 
-/* Checks the whole knots of a stack, before the first condition. Nothing reads
- * the fields of tables in knots. */
+/* Checks the whole samples of a model, before its first use. The fields of
+ * tables in samples are never read. */
 static RG_INLINE rg_status check_stack(const rg_camera* camera,
                                        const camera_stack* stack) {
   if (!is_grid_alike(stack->own_grid, stack->knot_size, stack->size) ||
@@ -110,10 +111,9 @@ static RG_INLINE rg_status check_stack(const rg_camera* camera,
 
 /* ---- Conditions ---------------------------------------------------------- */
 
-/* floor(part 2^14 / whole), for part < whole < 2^31; less than 2^14 in any
- * case. */
+/* floor(part 2^14 / whole), for part < whole < 2^31; always less than 2^14. */
 static uint16_t find_weight(uint32_t part, uint32_t whole) {
-  uint32_t weight = 1; /* a bit that leaves it when all others are found */
+  uint32_t weight = 1; /* shifted out when all others are found */
   do {
     part *= 2;
     weight *= 2;
@@ -125,8 +125,9 @@ static uint16_t find_weight(uint32_t part, uint32_t whole) {
   return (uint16_t)(weight & RG_WEIGHT_MASK);
 }
 
-/* The bytes from the blob's own sections to their like in the lower knot. The
- * value of a knot is as far behind the stack's fields. */
+/* The offset in bytes from the blob's own sections to their counterparts in
+ * the lower sample. The value of a sample has the same offset from the
+ * model's fields. */
 static RG_INLINE uint32_t find_lower_knot(const camera_stack* stack,
                                           int32_t value_q16) {
   uint32_t shift = stack->knot_size;
@@ -136,8 +137,8 @@ static RG_INLINE uint32_t find_lower_knot(const camera_stack* stack,
   return shift;
 }
 
-/* Moves the camera from the knot that it is at, or from the blob's own
- * sections. */
+/* Moves the camera's sections to a sample, from the current one or the
+ * blob's own. */
 static RG_INLINE void move_to_knot(rg_camera* camera, const camera_stack* stack,
                                    uint32_t shift) {
   if (camera->inverse)

@@ -42,19 +42,19 @@ static RG_INLINE int32_t rg_square_root(uint32_t s_q28) {
          << shift;
 }
 
-/* All bits but the sign's that a value needs. */
+/* All bits that a value requires, except the sign. */
 static inline uint32_t rg_bits_of(int32_t value) {
   return (uint32_t)(value ^ (value >> 31));
 }
 
-/* The chart position of a direction of any length, within 1e-8 (1 + a^2 + b^2):
- * (x, y) / (n + z) with n the length.
+/* Computes the chart position of a direction of any length, within 1e-8 (1 +
+ * a^2 + b^2): (x, y) / (n + z) with n the length.
  *
- * limit_q30  c |c|, with c a cosine: directions farther from the z axis than
- *            that are refused at little cost. -2^30: none.
+ * limit_q30  c |c|, with c a cosine: directions farther from the z axis are
+ *            rejected early. -2^30: none.
  *
- * 0, and *point untouched, for those, for (0, 0, 0), and from 151 degrees on,
- * where a^2 + b^2 would reach 15. */
+ * Returns 0, with *point unchanged, for those, for (0, 0, 0), and for angles
+ * of 151 degrees or more, where a^2 + b^2 would reach 15. */
 static RG_INLINE int rg_chart_point_of(const rg_ray* direction,
                                        int32_t limit_q30,
                                        rg_chart_point* point) {

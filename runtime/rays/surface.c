@@ -6,7 +6,7 @@
 #include "rays/bspline.h"
 #include "rg_blob.h"
 
-/* The rest of rg_find_place() where control points have 32 bits. */
+/* The remainder of rg_find_place() for 32-bit control points. */
 static RG_INLINE void find_wide_value(const uint8_t* grid, rg_place* place) {
   int32_t sums_q27[2];
   RG_SUM_POINTS(grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET) +
@@ -17,9 +17,9 @@ static RG_INLINE void find_wide_value(const uint8_t* grid, rg_place* place) {
   place->value.q27[1] = sums_q27[1];
 }
 
-/* The rest of rg_find_place() where control points have 16 bits. */
+/* The remainder of rg_find_place() for 16-bit control points. */
 static void find_narrow_value(const uint8_t* grid, rg_place* place) {
-  RG_FORGET(grid); /* the wide value's path keeps its registers */
+  RG_FORGET(grid); /* saves registers in the other branch */
   int32_t sums[2];
   RG_SUM_RESIDUALS(grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET) +
                        RG_NARROW_PLANE_SIZE +
@@ -51,14 +51,14 @@ rg_status rg_find_place(const uint8_t* grid, int32_t x, int32_t y,
   return RG_OK;
 }
 
-/* From a to b by so many 128ths, times 128. */
+/* Interpolates from a to b by t_q7 / 128; the result is times 128. */
 static RG_INLINE int32_t blend(int32_t a, int32_t b, int32_t t_q7) {
   return 128 * a + t_q7 * (b - a);
 }
 
-/* How one coordinate of residuals changes per cell, times 2^15: the sum of
- * differences of two cells, bilinear between the four knots around, from
- * residuals so many bytes apart. */
+/* The derivative of one coordinate of residuals per cell, times 2^15: the
+ * sum of differences of two cells, bilinear between the four surrounding
+ * knots, for residuals that are apart bytes apart. */
 static RG_SHARED int32_t find_slope(const uint8_t* residual, uint32_t apart,
                                     uint32_t row_bytes, const rg_place* place) {
   const int32_t x_q7 = place->t_q30[0] >> 23;

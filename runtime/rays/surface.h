@@ -9,15 +9,15 @@
 #include "rays/stereographic.h"
 #include "wide_multiply.h"
 
-/* A position on one axis of a grid: in which cell, and how far into it, 1
- * included. */
+/* A position on one axis of a grid: the index of the cell, and the position
+ * in it, from 0 to 1 inclusive. */
 typedef struct rg_cell_position {
   uint32_t cell;
   int32_t t_q30;
 } rg_cell_position;
 
-/* On an axis of a grid: axis is the grid for x, 4 bytes behind it for y. 0 if
- * value lies outside. */
+/* Finds a position on an axis of a grid: axis is the grid for x, 4 bytes
+ * after it for y. Returns 0 if value is outside. */
 static RG_INLINE int rg_find_on_axis(const uint8_t* axis, uint32_t scale,
                                      uint32_t last_cell, int32_t value,
                                      rg_cell_position* position) {
@@ -34,21 +34,21 @@ static RG_INLINE int rg_find_on_axis(const uint8_t* axis, uint32_t scale,
   return 1;
 }
 
-/* A position in a grid, central or inverse, and what its spline is there. */
+/* A position in a grid, central or inverse, and the value of its spline. */
 typedef struct rg_place {
   rg_chart_point value; /* of an inverse grid: pixels in q15 */
-  uint32_t cells;       /* across, and down in the upper half */
-  int32_t t_q30[2];     /* how far into them, across and down */
-  uint32_t first;       /* of the 16 control points around */
+  uint32_t cells;       /* column; row in the upper half */
+  int32_t t_q30[2];     /* position in the cell, across and down */
+  uint32_t first;       /* index of the first of 16 control points */
   int32_t weights_q31[2][4];
 } rg_place;
 
-/* Finds the place of a pixel in q16, or of a chart position in q27;
- * RG_ERR_OUTSIDE_AREA if it lies outside. */
+/* Finds the cell of a pixel in q16, or of a chart position in q27, and
+ * evaluates the spline; RG_ERR_OUTSIDE_AREA if it is outside. */
 rg_status rg_find_place(const uint8_t* grid, int32_t x, int32_t y,
                         rg_place* place);
 
-/* Finds the cells around the position, with which rg_find_place() begins. */
+/* Finds the cell of a position: the first step of rg_find_place(). */
 static RG_INLINE int rg_find_cells(const uint8_t* grid, int32_t x, int32_t y,
                                    rg_place* place) {
   rg_cell_position across, down;
@@ -66,7 +66,7 @@ static RG_INLINE int rg_find_cells(const uint8_t* grid, int32_t x, int32_t y,
   return 1;
 }
 
-/* One coordinate of the plane that residuals of 16 bits lie about. */
+/* One coordinate of the plane to which 16-bit residuals are added. */
 static RG_INLINE int32_t rg_evaluate_plane(const uint8_t* plane,
                                            const rg_place* place) {
   const int32_t column_step_q29 = rg_load_i32(plane + RG_PLANE_COLUMN_STEP);
@@ -81,8 +81,8 @@ static RG_INLINE int32_t rg_evaluate_plane(const uint8_t* plane,
   return rg_multiply_high_add(sum_q27, row_step_q29, place->t_q30[1]);
 }
 
-/* How both coordinates of an inverse grid change along an axis of the chart, in
- * q5 pixels per unit. */
+/* The derivatives of both coordinates of an inverse grid along an axis of
+ * the chart, in q5 pixels per unit. */
 void rg_find_slopes(const uint8_t* inverse, const rg_place* place,
                     int32_t slopes_q5[2][2]);
 

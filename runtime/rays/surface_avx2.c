@@ -1,5 +1,5 @@
-/* rg_find_place() and rg_find_slopes(), both coordinates of several control
- * points at once. */
+/* rg_find_place() and rg_find_slopes(), for both coordinates of several
+ * control points in parallel. */
 #include "rays/surface_avx2.h"
 
 #if RG_CHOOSE_SURFACE
@@ -10,7 +10,7 @@
 #include "rg_blob.h"
 #include "x86_features.h"
 
-/* In front of all that is compiled for AVX2. */
+/* Precedes all functions that are compiled for AVX2. */
 int rg_has_avx2_surface(void) { return rg_has_avx2(); }
 
 RG_BEGIN_FEATURES("avx2")
@@ -54,7 +54,8 @@ INLINE __m128i add_rows(const __m256i rows[4], __m256i weights) {
   return add_points(column, column);
 }
 
-/* rg_multiply_high() of the lower halves of 64 bits, which are not negative. */
+/* rg_multiply_high() of the lower halves of 64 bits, for non-negative
+ * values. */
 INLINE __m128i multiply_positive(__m128i a, __m128i b) {
   const __m128i half = _mm_set1_epi64x(INT64_C(0x80000000));
   return _mm_srli_epi64(_mm_add_epi64(_mm_mul_epi32(a, b), half), 32);
@@ -112,7 +113,7 @@ INLINE __m128i sum_residuals(const uint8_t* residuals, uint32_t row_bytes,
   return add_rows(rows, w->down);
 }
 
-/* The value at a place of a grid with control points of 16 bits. */
+/* The value at a place of a grid with 16-bit control points. */
 INLINE __m128i value_of_residuals(const uint8_t* grid, const rg_place* place,
                                   const weights* w) {
   const uint8_t* const plane = grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET);
@@ -151,8 +152,8 @@ INLINE __m128i load_two(const uint8_t* residuals) {
   return _mm_cvtepi16_epi32(_mm_loadl_epi64((const __m128i*)residuals));
 }
 
-/* Differences of two knots above and two below, bilinear between them: a b in
- * the lower half. */
+/* Differences of two knots above and two below, interpolated bilinearly: a b
+ * in the lower half. */
 INLINE __m128i blend_knots(__m128i above, __m128i below, __m128i w_above,
                            __m128i w_below) {
   const __m128i sums = _mm_add_epi32(_mm_mullo_epi32(above, w_above),
@@ -190,7 +191,7 @@ void rg_find_slopes_avx2(const uint8_t* inverse, const rg_place* place,
       _mm_sub_epi32(load_two(third + row_bytes + RG_NARROW_POINT_SIZE),
                     load_two(second + RG_NARROW_POINT_SIZE)),
       w_above, w_below);
-  /* The steps of the plane follow each other, too. */
+  /* The steps of the plane are contiguous, too. */
   const __m128i slopes = _mm_add_epi32(
       _mm_loadu_si128((const __m128i*)(plane + RG_PLANE_COLUMN_STEP)),
       _mm_sra_epi32(_mm_unpacklo_epi64(across, down),

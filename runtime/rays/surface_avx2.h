@@ -1,10 +1,10 @@
-/* The surface with AVX2: the bits of rays/surface.h. */
+/* AVX2 version of rays/surface.h, with bit-identical results. */
 #ifndef RAYGRID_SURFACE_AVX2_H
 #define RAYGRID_SURFACE_AVX2_H
 
 #include "rays/surface.h"
 
-/* Whether this processor has AVX2. */
+/* Whether the processor supports AVX2. */
 int rg_has_avx2_surface(void);
 
 /* rg_find_place() with AVX2. */

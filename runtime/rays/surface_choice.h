@@ -1,4 +1,4 @@
-/* The surface of a camera, by the code that was chosen for it. */
+/* Dispatch of surface functions to the code selected for a camera. */
 #ifndef RAYGRID_SURFACE_CHOICE_H
 #define RAYGRID_SURFACE_CHOICE_H
 
@@ -10,13 +10,13 @@
 #define RG_SURFACE_PORTABLE 0
 #define RG_SURFACE_AVX2 1
 
-/* The fastest code for the surface that this processor has. */
+/* Selects the fastest code that the processor supports. */
 static RG_INLINE uint16_t rg_best_surface(void) {
   return RG_CHOOSE_SURFACE && rg_has_avx2_surface() ? RG_SURFACE_AVX2
                                                     : RG_SURFACE_PORTABLE;
 }
 
-/* rg_find_place() in a grid, which is taken as it is. */
+/* rg_find_place() in a grid without interpolation between samples. */
 static RG_INLINE rg_status rg_find_in_knot(const rg_camera* camera,
                                            const uint8_t* grid, int32_t x,
                                            int32_t y, rg_place* place) {
@@ -25,7 +25,7 @@ static RG_INLINE rg_status rg_find_in_knot(const rg_camera* camera,
   return rg_find_place(grid, x, y, place);
 }
 
-/* rg_find_place() in the camera's central grid, at its condition. */
+/* rg_find_place() in the camera's central grid, at its operating point. */
 static RG_INLINE rg_status rg_find_in_grid(const rg_camera* camera, int32_t x,
                                            int32_t y, rg_place* place) {
   if (camera->weight_q14 != 0)
@@ -33,7 +33,7 @@ static RG_INLINE rg_status rg_find_in_grid(const rg_camera* camera, int32_t x,
   return rg_find_in_knot(camera, camera->grid, x, y, place);
 }
 
-/* rg_find_place() in the camera's inverse grid, at its condition. */
+/* rg_find_place() in the camera's inverse grid, at its operating point. */
 static RG_INLINE rg_status rg_find_in_inverse(const rg_camera* camera,
                                               int32_t x, int32_t y,
                                               rg_place* place) {

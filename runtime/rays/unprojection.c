@@ -6,7 +6,7 @@
 #include "raygrid.h"
 #include "rays/surface_choice.h"
 
-/* rg_direction_of(), once where size matters. */
+/* rg_direction_of(), not inlined where size matters. */
 static RG_SHARED void find_direction(int32_t a_q27, int32_t b_q27,
                                      rg_ray* ray) {
   const rg_chart_point point = {{a_q27, b_q27}};

@@ -1,11 +1,11 @@
-/* The validity of pixels: how far the blob says that they may be trusted. */
+/* The validity of pixels: the valid region stored in the blob. */
 #include "blob_checks.h"
 #include "bytes.h"
 #include "rays/surface.h"
 #include "rg_blob.h"
 
-/* Whether a coordinate lies between the ends of the area. axis: the grid
- * for x, 4 bytes behind it for y. */
+/* Whether a coordinate is within the area. axis: the grid for x, 4 bytes
+ * after it for y. */
 static int is_between(const uint8_t* axis, int32_t q16) {
   const uint32_t low_q16 = rg_load_u32(axis + RG_GRID_X0);
   return (uint32_t)q16 - low_q16 <= rg_load_u32(axis + RG_GRID_X1) - low_q16;
@@ -19,7 +19,7 @@ int rg_is_valid(const rg_camera* camera, rg_pixel pixel) {
   if (!entry) return 1;
   const uint8_t* const section =
       camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
-  /* The area begins half a pixel outside the image at most. */
+  /* The area extends at most half a pixel outside the image. */
   const int shift = 16 + (section[RG_MASK_CELL_LOG2] & 15);
   const uint32_t column = ((uint32_t)pixel.x_q16 + 0x8000) >> shift;
   const uint32_t row = ((uint32_t)pixel.y_q16 + 0x8000) >> shift;
@@ -30,7 +30,7 @@ int rg_is_valid(const rg_camera* camera, rg_pixel pixel) {
   rows -= 1;
   const uint32_t cell = (row < rows ? row : rows) * (columns + 1) +
                         (column < columns ? column : columns);
-  /* Masks are not checked on opening; whatever this is, it must lie inside. */
+  /* Masks are not checked when opening; the offset must be checked here. */
   const uint32_t at = rg_load_u32(section + RG_MASK_DATA_OFFSET) + (cell >> 3);
   return at < rg_load_u32(entry + RG_ENTRY_SIZE) &&
          ((section[at] >> (cell & 7)) & 1) != 0;
@@ -58,7 +58,7 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
     y_q8 = x_q8;
     x_q8 = (uint32_t)position.t_q30 >> 22;
   }
-  /* Checked here, not on opening. */
+  /* Checked here, not when opening the blob. */
   const uint32_t size = rg_load_u32(entry + RG_ENTRY_SIZE);
   const uint32_t at =
       rg_load_u32(section + RG_UNCERTAINTY_DATA_OFFSET) + 2 * first;

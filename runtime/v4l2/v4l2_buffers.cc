@@ -5,7 +5,7 @@
 namespace raygrid {
 namespace {
 
-// Fewer cannot be filled while one is read.
+// The minimum for filling one while another is read.
 constexpr uint32_t kLeastBuffers = 2;
 
 }  // namespace
@@ -55,8 +55,8 @@ int V4l2Buffers::Request(uint32_t kind, uint32_t number, uint32_t flags,
   return AskAgain(device_, VIDIOC_REQBUFS, request);
 }
 
-// Whether the driver takes memory of that heap: it says so when it is given
-// the buffers.
+// Whether the driver accepts memory of that heap, which only queueing the
+// buffers shows.
 bool V4l2Buffers::AllocateFrom(const std::string& heap, uint32_t number) {
   kind_ = V4L2_MEMORY_DMABUF;
   v4l2_requestbuffers request;
@@ -91,7 +91,7 @@ void V4l2Buffers::AllocateOfDriver(uint32_t number) {
   v4l2_requestbuffers request;
   int status = Request(kind_, number, 0, &request);
 #ifdef V4L2_MEMORY_FLAG_NON_COHERENT
-  // The driver then keeps caches in step by itself.
+  // The driver then synchronizes caches itself.
   if (status == 0 &&
       (request.capabilities & V4L2_BUF_CAP_SUPPORTS_MMAP_CACHE_HINTS)) {
     Request(kind_, 0, 0, &request);
@@ -186,7 +186,7 @@ bool V4l2Buffers::IsWhole(const v4l2_buffer& buffer) const {
     uint32_t used = buffer.bytesused;
     if (stream_.has_planes_apart()) {
       const v4l2_plane& plane = buffer.m.planes[place.memory];
-      // Frames that begin elsewhere than their buffers are not known.
+      // Frames with an offset in their buffers are not supported.
       if (plane.data_offset != 0) return false;
       used = plane.bytesused;
     }
@@ -214,7 +214,7 @@ void V4l2Buffers::EndRead(uint32_t buffer) {
 }
 
 void V4l2Buffers::Free() {
-  // Takes back what the driver was given.
+  // Takes back the buffers from the driver.
   int type = static_cast<int>(stream_.buffer_type);
   AskAgain(device_, VIDIOC_STREAMOFF, &type);
   for (Buffer& buffer : buffers_) {

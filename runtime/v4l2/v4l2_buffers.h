@@ -12,39 +12,40 @@
 
 namespace raygrid {
 
-/// A buffer that the driver has filled.
+/// A buffer filled by the driver.
 struct V4l2Filled {
   uint32_t buffer;
-  bool is_whole;     // without an error, and no byte of the frame is missing
-  size_t num_bytes;  // of a JPEG
+  bool is_whole;     // without an error, and complete
+  size_t num_bytes;  // size of a JPEG
   uint32_t sequence;
   uint64_t timestamp_ns;
 };
 
-/// Memory for frames, mapped for as long as this lives: of a heap, which is
-/// cached, where the driver takes that; else the driver's own.
+/// Memory for frames, mapped during the object's lifetime: from a dma-buf heap,
+/// which is cached, if the driver accepts it; otherwise the driver's own.
 class V4l2Buffers {
  public:
-  /// All buffers are the driver's, to be filled, afterwards. Throws CameraError
-  /// where there is no memory.
+  /// Queues all buffers to the driver. Throws CameraError if memory cannot be
+  /// allocated.
   V4l2Buffers(V4l2Device* device, const V4l2Stream& stream, uint32_t number);
   ~V4l2Buffers() { Free(); }
   V4l2Buffers(const V4l2Buffers&) = delete;
   V4l2Buffers& operator=(const V4l2Buffers&) = delete;
 
   uint32_t number() const { return static_cast<uint32_t>(buffers_.size()); }
-  /// Whose memory it is, for people.
+  /// The owner of the memory, for display.
   const std::string& memory() const { return memory_; }
-  /// The first bytes of a buffer's planes.
+  /// The start of each plane of a buffer.
   const std::array<const uint8_t*, 3>& planes(uint32_t buffer) const {
     return buffers_[buffer].planes;
   }
 
-  /// Takes a buffer that is filled. Returns 0, or the errno.
+  /// Dequeues a filled buffer. Returns 0, or the errno.
   int Dequeue(V4l2Filled* filled);
-  /// Gives a buffer to the driver. Returns 0, or the errno.
+  /// Queues a buffer to the driver. Returns 0, or the errno.
   int Queue(uint32_t buffer);
-  /// Around all reads of a buffer. Returns whether they may be trusted.
+  /// Called before and after reading a buffer. Returns whether the data is
+  /// valid.
   bool BeginRead(uint32_t buffer);
   void EndRead(uint32_t buffer);
 
@@ -58,7 +59,7 @@ class V4l2Buffers {
     std::array<Memory, 3> memories;
     std::array<const uint8_t*, 3> planes;
   };
-  // A v4l2_buffer with its planes, which it points to.
+  // A v4l2_buffer with its planes, to which it points.
   struct Description;
 
   int Request(uint32_t kind, uint32_t number, uint32_t flags,

@@ -22,7 +22,7 @@ bool IsAsked(const v4l2_query_ext_ctrl& control) {
   return false;
 }
 
-// Frames that are turned clockwise by so many degrees; 0 of what is no turn.
+// The orientation of frames rotated clockwise by degrees; 0 if invalid.
 int TurnedBy(int32_t degrees) {
   switch (degrees) {
     case 0:
@@ -52,7 +52,7 @@ V4l2CaptureReader::V4l2CaptureReader(V4l2Device* device) : device_(device) {
 
 std::optional<SensorCrop> V4l2CaptureReader::ReadCrop() const {
   v4l2_selection crop = {};
-  // Also of devices whose planes lie apart.
+  // Also for multiplanar devices.
   crop.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   crop.target = V4L2_SEL_TGT_CROP;
   if (AskAgain(device_, VIDIOC_G_SELECTION, &crop) != 0 || crop.r.width == 0 ||
@@ -71,8 +71,8 @@ std::optional<int32_t> V4l2CaptureReader::ReadValue(uint32_t id) const {
   return GetV4l2Control(device_, id);
 }
 
-// zoom_absolute is a focal length in a unit of the driver's own. One whose
-// smallest is 0 is none: then it is told only where nothing is zoomed.
+// zoom_absolute is a focal length in a driver-specific unit. If its minimum is
+// 0, there is no ratio: the zoom is then known only at the minimum.
 std::optional<double> V4l2CaptureReader::ReadZoom() const {
   const std::optional<int32_t> value = ReadValue(V4L2_CID_ZOOM_ABSOLUTE);
   if (!value) return std::nullopt;

@@ -1,4 +1,4 @@
-/// How a V4L2 device takes its frames, as far as its driver tells.
+/// The capture settings of a V4L2 device that its driver provides.
 #ifndef RAYGRID_V4L2_V4L2_CAPTURE_H
 #define RAYGRID_V4L2_V4L2_CAPTURE_H
 
@@ -12,17 +12,17 @@
 
 namespace raygrid {
 
-/// Asks for the crop, for zoom_absolute, whose ratio to its minimum is the
-/// magnification, for flips, and for the exposure time where it is in effect.
-/// focus_absolute has no unit: lens positions are not told, but its steps are.
-/// Gains have no unit either.
+/// Reads the crop, zoom_absolute, whose ratio to its minimum is the
+/// magnification, flips, and the exposure time if it is in effect.
+/// focus_absolute has no unit: its steps are provided instead of lens
+/// positions. Gains have no unit either.
 class V4l2CaptureReader {
  public:
-  /// Finds what the device has. It must outlive this.
+  /// Finds the device's controls. The device must outlive this object.
   explicit V4l2CaptureReader(V4l2Device* device);
 
   bool tells_crops() const { return has_crop_; }
-  /// Sets what of a frame's info the device tells now.
+  /// Sets the fields of a frame's info that the device currently provides.
   void Read(FrameInfo* info) const;
 
  private:

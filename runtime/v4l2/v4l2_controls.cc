@@ -98,7 +98,7 @@ std::optional<long long> ParseWhole(const std::string& text) {
   return value;
 }
 
-// The number that a value means; nothing where the control does not take it.
+// The number for a value; nothing if the control does not accept it.
 std::optional<long long> FindValue(V4l2Device* device,
                                    const v4l2_query_ext_ctrl& control,
                                    const std::string& text) {
@@ -189,7 +189,7 @@ std::optional<int32_t> GetV4l2Control(V4l2Device* device, uint32_t id) {
   values.count = 1;
   values.controls = &value;
   if (AskAgain(device, VIDIOC_G_EXT_CTRLS, &values) != 0) return std::nullopt;
-  // The kernel's structure is packed: no reference to it.
+  // The kernel's structure is packed: references are not allowed.
   return int32_t{value.value};
 }
 

@@ -21,8 +21,8 @@
 namespace raygrid {
 namespace {
 
-// The first heap is any memory; the others are one piece, which devices without
-// an address translation of their own need.
+// The first heap may be fragmented; the others are contiguous, which devices
+// without an IOMMU need.
 constexpr const char* kHeaps[] = {
     "/dev/dma_heap/system", "/dev/dma_heap/linux,cma", "/dev/dma_heap/reserved",
     "/dev/dma_heap/default_cma_region"};

@@ -1,5 +1,4 @@
-/// The kernel's part in a video device. Tests put a device of their own in its
-/// place.
+/// The kernel interface of a video device. Tests substitute a simulated device.
 #ifndef RAYGRID_V4L2_V4L2_DEVICE_H
 #define RAYGRID_V4L2_V4L2_DEVICE_H
 
@@ -16,30 +15,30 @@ class V4l2Device {
   virtual ~V4l2Device() = default;
   /// For messages.
   virtual const std::string& path() const = 0;
-  /// An ioctl() of the device. Returns 0, or the errno.
+  /// Calls ioctl() on the device. Returns 0, or the errno.
   virtual int Ask(unsigned long request, void* argument) = 0;
-  /// The revents of poll() for frames; 0 where nothing happens in that time.
+  /// Polls for frames and returns revents; 0 on timeout.
   virtual short Wait(int timeout_ms) = 0;
-  /// The driver's memory, to be read; NULL where it cannot be mapped.
+  /// Maps the driver's memory for reading; NULL on failure.
   virtual uint8_t* Map(size_t size, uint32_t offset) = 0;
 
-  /// Paths of the heaps that dma-bufs are allocated from, the best first.
+  /// Paths of the heaps for allocating dma-bufs, the best first.
   virtual std::vector<std::string> Heaps() const = 0;
-  /// A dma-buf of a heap; -1 where there is none.
+  /// Allocates a dma-buf from a heap; -1 on failure.
   virtual int Allocate(const std::string& heap, size_t size) = 0;
   virtual uint8_t* MapDmaBuf(int fd, size_t size) = 0;
   /// SyncDmaBuf().
   virtual int Sync(int fd, bool begins) = 0;
   virtual void Close(int fd) = 0;
 
-  /// For memory of both kinds.
+  /// Unmaps memory of both kinds.
   virtual void Unmap(uint8_t* start, size_t size) = 0;
 };
 
-/// Throws CameraError where it cannot be opened, or is no video device.
+/// Throws CameraError if it cannot be opened, or is not a video device.
 std::unique_ptr<V4l2Device> OpenV4l2Device(const std::string& path);
 
-/// Ask(), again where a signal interrupts it.
+/// Ask(), repeated if a signal interrupts it.
 int AskAgain(V4l2Device* device, unsigned long request, void* argument);
 
 }  // namespace raygrid

@@ -9,13 +9,14 @@
 
 namespace raygrid {
 
-/// NULL for a format that the runtime does not undistort.
+/// NULL for a format that the runtime does not support.
 const PixelFormatInfo* FindV4l2Format(uint32_t code);
 
-/// JPEGs, each of which is a frame.
+/// Whether each frame is a JPEG.
 bool IsJpegFormat(uint32_t code);
 
-/// libcamera's name where it is undistorted; MJPEG; else V4L2's four letters.
+/// libcamera's name if it is supported; MJPEG; otherwise V4L2's four
+/// characters.
 std::string V4l2FormatName(uint32_t code);
 
 }  // namespace raygrid

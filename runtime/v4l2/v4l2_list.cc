@@ -50,7 +50,7 @@ std::string DescribeFormats(V4l2Device* device, uint32_t buffer_type) {
   return text;
 }
 
-// The device with this path, if it gives frames.
+// Opens the device with this path, if it captures frames.
 std::unique_ptr<V4l2Device> OpenCamera(const std::string& path) {
   try {
     auto device = OpenV4l2Device(path);

@@ -8,13 +8,13 @@
 
 namespace raygrid {
 
-/// Paths of the video devices that give frames, in the order of their numbers.
+/// Paths of the video capture devices, ordered by number.
 std::vector<std::string> FindV4l2Devices();
 
-/// A device as text for people: what it is, its formats, sizes and controls.
+/// Describes a device: its name, formats, sizes and controls.
 std::string DescribeV4l2Device(V4l2Device* device);
 
-/// All devices, as text for people.
+/// Describes all devices.
 std::string DescribeV4l2Devices();
 
 }  // namespace raygrid

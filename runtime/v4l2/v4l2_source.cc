@@ -14,15 +14,16 @@ namespace raygrid {
 namespace {
 
 constexpr uint32_t kNumBuffers = 4;
-// Pixels of JPEGs: one is undistorted, one is made, and so many wait.
+// Buffers for decoded JPEGs: one is undistorted, one is decoded, the others
+// wait.
 constexpr uint32_t kNumDecoded = 4;
-// How soon a request to stop is noticed.
+// The latency of a request to stop.
 constexpr int kPatience_ms = 50;
-// Calls that fail one after the other, before the device is given up.
+// Consecutive failed calls after which the device is given up.
 constexpr int kMaxFailures = 20;
 constexpr std::chrono::milliseconds kPauseAfterFailure(5);
-// How soon a zoom or a flip is noticed. USB cameras answer by transfers of
-// their own.
+// The latency of detecting a zoom or a flip. USB cameras answer by separate
+// transfers.
 constexpr std::chrono::seconds kTellingTime(1);
 
 std::string StartRemedy(int error) {
@@ -142,7 +143,7 @@ bool V4l2Source::TakeFrame(short events) {
   if (status == EAGAIN && !has_failed) return true;
   if (status == EAGAIN && (events & POLLHUP)) status = ENODEV;
   if (status == EAGAIN) status = EIO;
-  // Drivers may go on after EIO, such as when a signal was lost.
+  // Drivers may recover from EIO, such as when a signal was lost.
   if (status == EIO && ++num_failures_ <= kMaxFailures) {
     std::this_thread::sleep_for(kPauseAfterFailure);
     return true;
@@ -177,7 +178,7 @@ void V4l2Source::Deliver(const V4l2Filled& filled) {
   Push(filled, buffers_->planes(filled.buffer).data(), filled.buffer, arrived);
 }
 
-// A place for pixels; nothing when stopped before one is free.
+// Takes a buffer for pixels; nothing if stopped before one is free.
 std::optional<uint32_t> V4l2Source::TakeDecoded() {
   while (!is_stopped_)
     if (const auto place = free_.Pop(std::chrono::milliseconds(kPatience_ms)))
@@ -185,7 +186,7 @@ std::optional<uint32_t> V4l2Source::TakeDecoded() {
   return std::nullopt;
 }
 
-// The driver's buffer goes back as soon as its pixels are made.
+// The driver's buffer is released as soon as its pixels are decoded.
 void V4l2Source::Decode(const V4l2Filled& filled, Clock::time_point arrived) {
   const std::optional<uint32_t> place = TakeDecoded();
   if (!place) return;
@@ -223,7 +224,7 @@ void V4l2Source::Push(const V4l2Filled& filled, const uint8_t* const planes[3],
   }
 }
 
-// By the undistorter's thread or the source's own.
+// Called by the undistorter's thread or the source's own.
 void V4l2Source::Queue(uint32_t buffer) {
   if (is_stopped_) return;
   const int status = buffers_->Queue(buffer);

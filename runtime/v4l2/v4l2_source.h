@@ -1,4 +1,4 @@
-/// Frames of a V4L2 device, in its buffers: no pixel is copied.
+/// Frames of a V4L2 device, in its buffers: no pixels are copied.
 #ifndef RAYGRID_V4L2_V4L2_SOURCE_H
 #define RAYGRID_V4L2_V4L2_SOURCE_H
 
@@ -20,8 +20,8 @@
 
 namespace raygrid {
 
-/// Makes pixels of a JPEG, rows without gaps; false where it is damaged, or not
-/// of that format.
+/// Decodes a JPEG to pixels, rows without padding; false if it is corrupt, or
+/// has another format.
 using JpegDecoder =
     std::function<bool(const uint8_t* bytes, size_t number,
                        const StreamFormat& format, uint8_t* frame)>;
@@ -29,9 +29,9 @@ using JpegDecoder =
 struct V4l2Options {
   std::string format;        // libcamera's name; "": the device's choice
   unsigned width, height;    // the driver may adjust them
-  bool every_frame = false;  // no frame is given up for a newer one
+  bool every_frame = false;  // never drop a frame for a newer one
   ControlValues controls;    // set in this order, before the first frame
-  JpegDecoder decode_jpeg = nullptr;  // none: JPEGs are not taken
+  JpegDecoder decode_jpeg = nullptr;  // none: JPEGs are not accepted
 };
 
 class V4l2Source : public FrameSource {
@@ -73,20 +73,20 @@ class V4l2Source : public FrameSource {
   std::unique_ptr<V4l2Buffers> buffers_;
   std::unique_ptr<V4l2CaptureReader> reader_;
   V4l2StateLock state_;
-  FrameInfo told_ = {};  // by the reader, of the thread
+  FrameInfo told_ = {};  // by the reader, in the thread
   Clock::time_point told_at_;
-  std::atomic<bool> has_changed_{false};  // since it was told
+  std::atomic<bool> has_changed_{false};  // since the last reading
   std::unique_ptr<BoundedQueue<CapturedFrame>> queue_;
-  // For JPEGs: pixels, and which of them wait to be made.
+  // For JPEGs: decoded pixels, and the queue of those to be decoded.
   const JpegDecoder decode_jpeg_;
   std::vector<std::vector<uint8_t>> decoded_;
   BoundedQueue<uint32_t> free_;
   std::atomic<bool> is_stopped_{false};
   bool is_streaming_ = false;
-  mutable std::mutex mutex_;  // of the fault
+  mutable std::mutex mutex_;  // guards the fault
   std::string fault_;
-  std::optional<uint32_t> last_sequence_;  // of the thread, as failures
-  int num_failures_ = 0;                   // one after the other
+  std::optional<uint32_t> last_sequence_;  // used by the thread, like failures
+  int num_failures_ = 0;                   // consecutive
   std::atomic<uint64_t> arrived_{0}, dropped_{0}, damaged_{0}, missed_{0};
   std::thread thread_;
 };

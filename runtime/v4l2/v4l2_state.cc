@@ -9,9 +9,8 @@
 
 namespace raygrid {
 
-/// Something that may change by itself: the control that says so, its manual
-/// values, the best first, and controls for what is fixed then, of which a
-/// device has one.
+/// A quantity with an automatic mode: the control of the mode, its manual
+/// values, the best first, and alternative controls for the fixed quantity.
 struct V4l2StateLock::Subject {
   std::string name;
   uint32_t mode;
@@ -21,7 +20,7 @@ struct V4l2StateLock::Subject {
 
 namespace {
 
-// EIO where the device takes the value and goes on by itself.
+// EIO if the device accepts the value, but still changes it.
 int SetFirmly(V4l2Device* device, uint32_t id, int32_t value) {
   const int status = SetV4l2Control(device, id, value);
   if (status != 0) return status;
@@ -83,8 +82,8 @@ bool V4l2StateLock::Fix(const Subject& subject, StateLock* lock) {
     lock->open.push_back(subject.name + ": the camera has no control for it");
     return false;
   }
-  // Before the mode ends, a value is read only where it is the camera's own:
-  // drivers may keep what they read, and tell it afterwards.
+  // Before the mode ends, a value is read only if it is in effect: drivers may
+  // cache what they read.
   const std::optional<int32_t> before =
       control ? ReadInEffect(device_, control->id) : std::nullopt;
   const int error = has_mode ? EndMode(subject) : 0;

@@ -1,5 +1,5 @@
-/// Focus, exposure, gain and white balance of a V4L2 device, fixed at what they
-/// are.
+/// Fixes focus, exposure, gain and white balance of a V4L2 device at their
+/// current values.
 #ifndef RAYGRID_V4L2_V4L2_STATE_H
 #define RAYGRID_V4L2_V4L2_STATE_H
 
@@ -13,21 +13,21 @@
 
 namespace raygrid {
 
-/// Lock() and Unlock() by any thread, while others take frames of the device.
+/// Lock() and Unlock() may be called by any thread, while others read frames.
 class V4l2StateLock {
  public:
-  /// The device must outlive this.
+  /// The device must outlive this object.
   explicit V4l2StateLock(V4l2Device* device) : device_(device) {}
   ~V4l2StateLock() { Unlock(); }
   V4l2StateLock(const V4l2StateLock&) = delete;
   V4l2StateLock& operator=(const V4l2StateLock&) = delete;
 
-  /// Makes Lock() move the lens there; nothing: it stays where it is.
+  /// Makes Lock() move the lens to this focus; nothing: leaves it unchanged.
   void FocusAt(std::optional<int> focus_steps);
-  /// Ends automatic modes, one control after the other.
+  /// Disables automatic modes, one control after the other.
   StateLock Lock();
-  /// Puts the modes that Lock() ended back, and the focus that it left, as far
-  /// as the device takes them.
+  /// Restores the modes that Lock() disabled, and the original focus, as far as
+  /// the device accepts them.
   void Unlock();
 
  private:
@@ -42,8 +42,8 @@ class V4l2StateLock {
   bool Fix(const Subject& subject, StateLock* lock);
 
   V4l2Device* const device_;
-  std::mutex mutex_;         // of all below, and of a lock as a whole
-  std::vector<Mode> ended_;  // with their values before that
+  std::mutex mutex_;         // guards all below, and a lock as a whole
+  std::vector<Mode> ended_;  // with their original values
   std::optional<int32_t> focus_;
 };
 

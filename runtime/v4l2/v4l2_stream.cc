@@ -11,13 +11,13 @@
 namespace raygrid {
 namespace {
 
-// Fields that both kinds of buffers have, each at a place of its own.
+// Fields common to both buffer types, at different offsets.
 struct Picture {
   uint32_t code, width, height, field;
   bool is_full_range;
 };
 
-// Black and white are 0 and 255 in YUV, not 16 and 235.
+// Whether black and white are 0 and 255 in YUV, instead of 16 and 235.
 bool IsFullRange(uint32_t colour_space, uint32_t quantization) {
   if (quantization == V4L2_QUANTIZATION_DEFAULT)
     return colour_space == V4L2_COLORSPACE_JPEG;
@@ -53,7 +53,7 @@ Picture PictureOf(const v4l2_format& format) {
           IsFullRange(pix.colorspace, pix.quantization)};
 }
 
-// All codes: the device's own one, then those that it lists.
+// All codes: the current one, then those that the device lists.
 std::vector<uint32_t> ListCodes(V4l2Device* device, uint32_t buffer_type) {
   std::vector<uint32_t> codes;
   v4l2_format own = {};
@@ -67,8 +67,8 @@ std::vector<uint32_t> ListCodes(V4l2Device* device, uint32_t buffer_type) {
   return codes;
 }
 
-// The codes of JPEGs among these, or of pixels that the runtime knows,
-// which have the name, if there is one.
+// The codes of JPEGs among these, or of supported pixel formats, with the given
+// name, if any.
 std::vector<uint32_t> FindCandidates(std::vector<uint32_t> codes,
                                      const std::string& name, bool are_jpegs) {
   const auto is_useless = [&name, are_jpegs](uint32_t code) {
@@ -83,11 +83,11 @@ std::vector<uint32_t> FindCandidates(std::vector<uint32_t> codes,
 
 struct Choice {
   v4l2_format format;
-  bool has_size;  // else the device adjusts it
+  bool has_size;  // otherwise the device adjusts it
 };
 
-// The first format with exactly that size; else the first that the device
-// would adjust the size of.
+// The first format with exactly that size; otherwise the first whose size the
+// device would adjust.
 std::optional<Choice> FindFormat(V4l2Device* device, uint32_t buffer_type,
                                  const std::vector<uint32_t>& codes,
                                  unsigned width, unsigned height) {
@@ -95,7 +95,7 @@ std::optional<Choice> FindFormat(V4l2Device* device, uint32_t buffer_type,
   for (const uint32_t code : codes) {
     v4l2_format format = MakeFormat(buffer_type, code, width, height);
     const int status = AskAgain(device, VIDIOC_TRY_FMT, &format);
-    // A driver may have no such call.
+    // A driver may lack this ioctl.
     if (status != 0 && status != ENOTTY) continue;
     const Picture picture = PictureOf(format);
     if (picture.code != code) continue;
@@ -112,7 +112,7 @@ std::string RemedyOf(const std::string& name) {
   return other.empty() ? "see --list" : other;
 }
 
-// The best format of pixels; that of JPEGs, only where it alone has the size.
+// The best pixel format; JPEG only if it alone has the size.
 v4l2_format ChooseFormat(V4l2Device* device, uint32_t buffer_type,
                          const std::string& name, unsigned width,
                          unsigned height, bool takes_jpegs) {
@@ -140,7 +140,7 @@ bool HasWholeFrames(uint32_t field) {
          field == V4L2_FIELD_INTERLACED_BT;
 }
 
-// Strides and sizes of memories as the driver says them.
+// Reads strides and buffer sizes from the driver's format.
 void TakeLayout(const v4l2_format& format, V4l2Stream* stream) {
   const Picture picture = PictureOf(format);
   uint32_t strides[3] = {};
@@ -169,7 +169,7 @@ void TakeLayout(const v4l2_format& format, V4l2Stream* stream) {
     if (strides[i] != 0) stream->format.planes[i].stride = strides[i];
 }
 
-// Planes lie in memories of their own, or all in one, one behind the other.
+// Locates planes: in separate memories, or contiguous in one.
 void PlacePlanes(const V4l2Device& device, V4l2Stream* stream) {
   const CameraError too_small = V4l2Error(
       device, "delivers buffers smaller than its frames; use another --format");

@@ -1,4 +1,4 @@
-/// The frames that a V4L2 device is asked for, and how it lays them out.
+/// The format requested from a V4L2 device, and its memory layout.
 #ifndef RAYGRID_V4L2_V4L2_STREAM_H
 #define RAYGRID_V4L2_V4L2_STREAM_H
 
@@ -14,10 +14,10 @@
 namespace raygrid {
 
 struct V4l2Stream {
-  uint32_t buffer_type;  // V4L2_BUF_TYPE_VIDEO_CAPTURE, or with planes apart
-  bool is_jpeg;          // frames are JPEGs, which become the format
+  uint32_t buffer_type;  // V4L2_BUF_TYPE_VIDEO_CAPTURE, or multiplanar
+  bool is_jpeg;          // JPEGs, decoded to the format
   StreamFormat format;
-  uint32_t num_memories;  // of a frame: one, or one for each plane
+  uint32_t num_memories;  // per frame: one, or one for each plane
   std::array<uint32_t, 3> memory_sizes;
   struct Place {
     uint32_t memory, offset;
@@ -29,21 +29,21 @@ struct V4l2Stream {
   }
 };
 
-/// An error of the device, in one line.
+/// A device error, in one line.
 CameraError V4l2Error(const V4l2Device& device, const std::string& what);
 
-/// For an errno of a call that fails: another process has the device, or the
-/// words, what the errno means, and the remedy.
+/// For the errno of a failed call: another process uses the device, or words,
+/// the meaning of the errno, and the remedy.
 CameraError V4l2Error(const V4l2Device& device, const std::string& words,
                       int error, const std::string& remedy);
 
-/// The type of the device's buffers of frames. Throws CameraError where it
-/// gives none, or they cannot be streamed.
+/// Finds the type of the device's capture buffers. Throws CameraError if it has
+/// none, or does not support streaming.
 uint32_t FindBufferType(V4l2Device* device);
 
-/// Sets the device's format: the one of that name, or for "" the first that the
-/// runtime knows and that has the size, its own one before others. JPEGs are
-/// the last choice, where they are taken; their name is MJPEG.
+/// Sets the device's format: the named one, or for "" the first supported one
+/// of that size, preferring uncompressed formats and the current one. JPEGs are
+/// the last choice, if accepted; their name is MJPEG.
 V4l2Stream ChooseStream(V4l2Device* device, const std::string& name,
                         unsigned width, unsigned height, bool takes_jpegs);
 
