@@ -210,9 +210,13 @@ ResidualBudget MeasureResidualBudget(const BudgetInput& input) {
   const Eigen::VectorXd left = ExplainByPlaces(input, squares, errors, &budget);
   ExplainByViews(input, squares, left, &budget);
   AddNoise(input, squares, left, &budget);
-  budget.rest = 1 - budget.noise - budget.large - budget.OfViews() -
-                budget.Of(ErrorCause::kImagePlace).in_turn -
-                budget.Of(ErrorCause::kBoardPlace).in_turn;
+  const double explained = budget.large + budget.OfViews() +
+                           budget.Of(ErrorCause::kImagePlace).in_turn +
+                           budget.Of(ErrorCause::kBoardPlace).in_turn;
+  // Neighbours with opposite residuals make the noise appear larger than all
+  // residuals.
+  budget.noise = std::min(budget.noise, std::max(0.0, 1 - explained));
+  budget.rest = 1 - explained - budget.noise;
   return budget;
 }
 
