@@ -13,7 +13,7 @@ namespace raygrid {
 /// One of several calibrations of a golden unit.
 struct GaugeRepeat {
   std::string golden;           ///< serial of the unit
-  std::string person, station;  ///< "" where it is not told
+  std::string person, station;  ///< "" if unknown
 };
 
 /// The contribution of operators or stations to the variance.

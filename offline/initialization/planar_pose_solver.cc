@@ -1,5 +1,5 @@
-// The three points that one pixel saw lie on its line. Moved to the first
-// board's frame they are
+// The three points observed at one pixel are collinear. In the first board's
+// frame they are
 //   P1 = (X1, Y1, 0),  P2 = R2 (X2, Y2, 0) + t2,  P3 = R3 (X3, Y3, 0) + t3,
 // and with the centre O = (ox, oy, -d) the 4 x 4 matrix of the homogeneous O,
 // P1, P2, P3 has rank two. Its minors with O and two of the points say that
@@ -24,8 +24,8 @@
 // are, their equations are the same, or empty if one of them is the first.
 //
 // d and -d give the same W and mirrored poses: with z away from the camera, d
-// is positive. H's scale is such that points seen lie ahead, and then det H > 0
-// says that the camera sees the other board's face, too.
+// is positive. H's scale puts observed points in front of the camera; then
+// det H > 0 means that the camera sees the other board from its front, too.
 #include "initialization/planar_pose_solver.h"
 
 #include <ceres/ceres.h>

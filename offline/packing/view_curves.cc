@@ -6,8 +6,8 @@
 namespace raygrid {
 namespace {
 
-// Collects points as curves, which end where there is no point, or where it
-// lies so far from the one before that it is on the image's other side.
+// Collects points as curves, which end where there is no point, or where the
+// distance to the previous one indicates the opposite side of the image.
 class CurveCollector {
  public:
   explicit CurveCollector(const ImageSize& size)
@@ -34,8 +34,8 @@ class CurveCollector {
   std::vector<PixelCurve> curves_;
 };
 
-// A pixel of the view, if it is not far outside of the image: far pixels of
-// pinholes tell nothing.
+// A pixel of the view, if it is not far outside the image, where pinholes are
+// numerically useless.
 std::optional<Eigen::Vector2d> PixelNearImage(const VirtualView& view,
                                               const Eigen::Vector3d& ray) {
   const auto pixel = view.Pixel(ray);

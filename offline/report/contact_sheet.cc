@@ -171,7 +171,7 @@ double CaptionHeight(const SheetTile& tile) {
   return kLineHeight * (1 + tile.caption.size()) + 6;
 }
 
-// The title and the caption stand above the picture.
+// Draws the title and the caption above the picture.
 void DrawTile(const SheetTile& tile, double x, double y, double caption_height,
               int column_width, cairo_t* cr) {
   SetColor(kInk, 1, cr);

@@ -140,7 +140,7 @@ std::string ReadBlob(const std::string& folder) {
   return fs::exists(path) ? ReadFile(path) : "";
 }
 
-// The cameras whose files lie in the folder, as result.json says it.
+// The cameras with files in the folder, according to result.json.
 std::vector<RigFileCamera> CamerasIn(const std::string& folder,
                                      const RigResult& result) {
   const std::string path = In(folder, "rig.yaml");

@@ -39,9 +39,8 @@ struct PointEquations {
   double row = 0;  // relative to the middle one
 };
 
-// The predicted pixel of a point, for the row at which it is observed.
-// Jacobians are evaluated there, since at the observation they would depend on
-// its noise.
+// The predicted pixel of a point, for the row at which it is observed. There,
+// Jacobians do not depend on the noise of the observation.
 std::optional<Eigen::Vector2d> PlaceToBeSeen(const FrameInput& input,
                                              const TrackPoint& point) {
   const double middle = MiddleRow(input.camera->image_size());

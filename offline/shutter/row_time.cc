@@ -271,8 +271,7 @@ void RowTimeAdjustment::TakeNoiseOut(Sums* sums) {
     }
   const double variance =
       sums->information.ldlt().solve(Eigen::VectorXd::Unit(count_, 0))[0];
-  // The larger share: of the remainder after biases, or of all, without
-  // accelerations.
+  // The larger share: after biases, or of all, without accelerations.
   noise_part_ = std::max(noise * variance, noise / motion);
   noise = std::min(noise, 0.5 / variance);
   sums->information(0, 0) -= noise;
@@ -323,9 +322,8 @@ void RowTimeAdjustment::Bend() {
   noise_variance_ = Linearize(row_time + bends_).NoiseVariance();
 }
 
-// The variance of the line delay from the gradients of single frames (a
-// sandwich estimator): includes errors shared by the features of a frame, and
-// errors of velocities.
+// The variance of the line delay from the gradients of single frames: includes
+// errors shared by the features of a frame, and errors of velocities.
 double RowTimeAdjustment::VarianceByFrames() const {
   double sum = 0, count = 0;
   for (size_t b = 0; b < boards_.size(); ++b)

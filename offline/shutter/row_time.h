@@ -18,8 +18,8 @@ struct MovingViews {
   const Dataset* dataset = nullptr;
   std::vector<BoardPose> poses;  ///< at the middle row; initial values
   const ImageTimes* times = nullptr;
-  /// Whether the camera was calibrated without rolling-shutter compensation.
-  /// Its bias makes the line delay differ between parts of a recording.
+  /// Whether the camera was calibrated with rolling-shutter compensation.
+  /// Otherwise, its bias makes the line delay vary within a recording.
   bool is_camera_final = false;
 };
 

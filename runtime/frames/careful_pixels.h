@@ -1,5 +1,5 @@
-/* Pixels that need edge handling, outside the source image or without a
- * source, processed per pixel: code shared by both traversals. */
+/* Pixels that need edge handling, outside the source image or without a source,
+ * processed per pixel: code shared by both traversals. */
 #ifndef RAYGRID_CAREFUL_PIXELS_H
 #define RAYGRID_CAREFUL_PIXELS_H
 
@@ -11,8 +11,8 @@
 #include "kernels/kernel.h"
 #include "raygrid.h"
 
-/* More than rounding displaces the positions of a block beyond its corners,
- * and than the rounding of a position, in q12. */
+/* More than rounding displaces the positions of a block beyond its corners, and
+ * than the rounding of a position, in q12. */
 #define RG_POSITION_MARGIN 64
 
 /* The source of a component, in the component's pixels. */
@@ -47,8 +47,8 @@ static RG_INLINE void rg_set_planes(const rg_lattice* lattice,
 }
 
 /* The rows of a ring buffer, from one multiple of its size to the next, are
- * contiguous in memory. Returns how many of these the position needs, and
- * the first one. */
+ * contiguous in memory. Returns how many of these the position needs, and the
+ * first one. */
 static RG_INLINE uint32_t rg_find_ring_rows(const rg_source* source,
                                             int32_t y_q12, uint32_t* first) {
   const uint32_t row = y_q12 < 0 ? 0 : (uint32_t)y_q12 >> 12;
@@ -96,8 +96,8 @@ static RG_INLINE void rg_find_neighbors(const rg_source* source,
       (rg_q12_of(at, 0) >> 12) + 1 < source->size[0] ? lattice->sample_step : 0;
 }
 
-/* Sets a pixel of the output row in at to the border's values, unless it is
- * to be kept. */
+/* Sets a pixel of the output row in at to the border's values, unless it is to
+ * be kept. */
 static RG_INLINE void rg_put_border(const rg_target* target,
                                     const rg_lattice* lattice,
                                     const rg_neighbors* at,
@@ -109,9 +109,9 @@ static RG_INLINE void rg_put_border(const rg_target* target,
     rg_put_sample(lattice->kind, at->out, index + c, values[c]);
 }
 
-/* Interpolates a grey pixel at a position with a source, thus within the
- * frame. In the last column, the neighbour's weight is zero, or one if the
- * pair starts at the previous column; likewise in the last row. */
+/* Interpolates a grey pixel at a position with a source, thus within the frame.
+ * In the last column, the neighbour's weight is zero, or one if the pair starts
+ * at the previous column; likewise in the last row. */
 static RG_INLINE uint32_t rg_blend_careful_grey(const rg_source* source,
                                                 const rg_run* run,
                                                 const rg_position* position) {

@@ -1,7 +1,7 @@
-/* The corners of the tiles of a row, as the fast traversal computes them:
- * along two lines, above and below the row of tiles. Values shared by tiles
- * are kept from one to the next, and two positions are in one vector.
- * formats/SPEC.md, "Bends". Positions are q12 source pixels. */
+/* The corners of the tiles of a row, as the fast traversal computes them: along
+ * two lines, above and below the row of tiles. Values shared by tiles are kept
+ * from one to the next, and two positions are in one vector. formats/SPEC.md,
+ * "Bends". Positions are q12 source pixels. */
 #ifndef RAYGRID_FAST_CORNERS_H
 #define RAYGRID_FAST_CORNERS_H
 
@@ -61,9 +61,9 @@ typedef struct rg_corner_lines {
   rg_modular_lanes column_step; /* of that */
   rg_lanes line, rest;          /* the lines above and below the row of parts,
                                    counted in the block from above and below */
-  /* The lines at the end of the last tile: right is their positions; sums
-   * are these times the number of tiles, and rounded; steps are the
-   * increments of sums per tile, and turns those of steps. */
+  /* The lines at the end of the last tile: right is their positions; sums are
+   * these times the number of tiles, and rounded; steps are the increments of
+   * sums per tile, and turns those of steps. */
   rg_lanes right, sums, steps, turns;
 } rg_corner_lines;
 
@@ -121,9 +121,8 @@ static RG_INLINE rg_lanes rg_shift_lanes(rg_lanes lanes, int32_t shift) {
   return (rg_lanes)((rg_modular_lanes)lanes << shift);
 }
 
-/* Advances to the next column of vertices: computes where the lines cross
- * it, and the bends of the edges from the previous column, twice, if blocks
- * have several tiles. */
+/* Advances to the next column of vertices: where the lines cross it, and the
+ * bends of the edges to it, twice, if blocks have several tiles. */
 static RG_INLINE rg_lanes rg_next_column(rg_corner_lines* lines,
                                          rg_lanes* turns) {
   const rg_lanes none = {0, 0, 0, 0};
@@ -243,8 +242,7 @@ rg_find_lattice_lanes(const rg_lattice* lattice, uint32_t part_width_log2) {
   return found;
 }
 
-/* Transforms the corners on a line, where along and by down are
- * displacements. */
+/* Transforms the corners on a line; displacements are along and by down. */
 static RG_INLINE rg_lanes rg_to_lattice_lanes(const rg_lattice_lanes* lattice,
                                               rg_lanes corners, rg_lanes across,
                                               rg_lanes down) {

@@ -5,8 +5,8 @@ static uint32_t edge_of(const rg_position* from, const rg_position* to, int c) {
   return (uint32_t)to->q12[c] - (uint32_t)from->q12[c];
 }
 
-/* Shifts by (half[0], half[1]) half output pixels, along the adjacent edges
- * of each corner, then converts image to component coordinates. */
+/* Shifts by (half[0], half[1]) half output pixels, along the adjacent edges of
+ * each corner, then converts image to component coordinates. */
 void rg_move_corners(const rg_lattice* lattice, uint32_t part_width_log2,
                      rg_position corners[4]) {
   if ((lattice->log2[0] | lattice->log2[1]) == 0) return; /* image pixels */

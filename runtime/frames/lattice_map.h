@@ -38,8 +38,8 @@ static RG_INLINE rg_range rg_source_range(const uint8_t* section,
   return range;
 }
 
-/* log2 of the width (axis 0) or height (1) of tiles in output pixels: as in
- * the table, but at least 16 for chroma, 8 of its own pixels. */
+/* log2 of the width (axis 0) or height (1) of tiles in output pixels: as in the
+ * table, but at least 16 for chroma, 8 of its own pixels. */
 static inline uint8_t rg_part_log2(const uint8_t* section,
                                    const rg_lattice* lattice, int axis) {
   const uint8_t part_log2 = section[RG_REMAP_PART_LOG2];

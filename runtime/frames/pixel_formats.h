@@ -19,8 +19,8 @@ int rg_find_lattice(rg_format format, uint32_t index, rg_lattice* lattice);
  * below RG_NUM_FORMATS. */
 uint32_t rg_row_pairs(rg_format format);
 
-/* The number of bytes in a row of the component's plane; 0 if the width is
- * not a multiple of component pixels or packed groups. */
+/* The number of bytes in a row of the component's plane; 0 if the width is not
+ * a multiple of component pixels or packed groups. */
 uint32_t rg_plane_row_bytes(const rg_lattice* lattice, uint32_t width);
 
 #ifdef __cplusplus

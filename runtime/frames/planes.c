@@ -10,10 +10,10 @@ uintptr_t rg_remainder(uintptr_t a, uintptr_t b) {
 
 static uintptr_t address_of(const uint8_t* data) { return (uintptr_t)data; }
 
-/* Two intervals overlap if the end of one is less than the sum of both
- * lengths, minus 1, after the start of the other; modulo wrap-around. First,
- * the interval is all bytes from the first to the last row, then, modulo the
- * stride, one row. */
+/* Two intervals overlap if the end of one is less than the sum of lengths,
+ * minus 1, after the start of the other; this may wrap. First, the interval
+ * is all bytes from the first to the last row, then, modulo the stride, one
+ * row. */
 rg_status rg_check_overlap(const rg_frame* frame, const uint8_t* data,
                            uint32_t stride, uint32_t size) {
   const uint32_t row_bytes = size & 0xffff, num_rows = size >> 16;

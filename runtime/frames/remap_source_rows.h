@@ -11,8 +11,8 @@
 rg_status rg_check_rows(const rg_camera* camera, rg_format format,
                         uint32_t first_row, uint32_t num_rows);
 
-/* Returns the first source row that the output rows require, and their
- * number in the upper half; or a (negative) status of rg_check_rows().
+/* Returns the first source row that the output rows require, and their number
+ * in the upper half; or a (negative) status of rg_check_rows().
  */
 int32_t rg_find_source_rows(const rg_camera* camera, rg_format format,
                             uint32_t first_row, uint32_t num_rows);

@@ -1,8 +1,8 @@
 #include "frames/row_range.h"
 
-/* The tolerance of a position in q12: a row's step is rounded by up to a
- * half, so its 32nd pixel by up to 16, and an interpolated pixel may be
- * rounded in the other direction.
+/* The tolerance of a position in q12: a row's step is rounded by up to a half,
+ * so its 32nd pixel by up to 16, and an interpolated pixel may be rounded in
+ * the other direction.
  */
 #define SLACK 33
 

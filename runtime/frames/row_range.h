@@ -15,8 +15,8 @@ typedef struct rg_row_search {
   rg_row_range output, source;
 } rg_row_search;
 
-/* Adds the image rows that a position of a component requires. The
- * component's source has num_rows rows, each of 2^log2 image rows. */
+/* Adds the image rows that a position of a component requires. The component's
+ * source has num_rows rows, each of 2^log2 image rows. */
 void rg_add_rows(rg_row_range* found, int32_t y_q12, int32_t num_rows,
                  uint32_t log2);
 

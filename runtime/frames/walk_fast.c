@@ -1,5 +1,5 @@
-/* The traversal optimized for speed: a tile is one span, or is divided into
- * the longest spans with uniform edge handling. */
+/* The traversal optimized for speed: a tile is one span, or is divided into the
+ * longest spans with uniform edge handling. */
 #include "config.h"
 #include "frames/walk.h"
 
@@ -25,8 +25,8 @@ typedef enum run_care {
   CARE_NO_SOURCE /* no pixel has a source */
 } run_care;
 
-/* The box of tile corners without edge handling. It contains no position if
- * the source is a ring buffer. */
+/* The box of tile corners without edge handling. It contains no position if the
+ * source is a ring buffer. */
 typedef struct safe_box {
   rg_lanes min, max;
 } safe_box;
@@ -102,9 +102,9 @@ static safe_box find_safe_box(const fast_walk* walk) {
   return box;
 }
 
-/* Starts a component's rows, which are counted in image pixels of the
- * output; run->out is for the first row. The component, ring_rows,
- * is_clamped and kernels must be set. */
+/* Starts a component's rows, which are counted in image pixels of the output;
+ * run->out is for the first row. The component, ring_rows, is_clamped and
+ * kernels must be set. */
 static void start_rows(fast_walk* walk, const rg_camera* camera,
                        rg_row_range rows) {
   const uint8_t* const section = camera->remap;
@@ -195,8 +195,8 @@ static int next_part(fast_walk* walk) {
 }
 
 /* Like next_part() if neither the current tile, which was processed in one
- * span, nor the next one is clipped by the right border; otherwise returns
- * 0. The corners of the block are kept. */
+ * span, nor the next one is clipped by the right border; otherwise returns 0.
+ * The corners of the block are kept. */
 static RG_INLINE int next_whole_part(fast_walk* walk, rg_position* corners) {
   if (walk->part_pixels != 0 || walk->lines.next_part >= walk->whole_parts)
     return 0;
@@ -294,8 +294,8 @@ static RG_INLINE run_care find_segment(fast_walk* walk) {
   return care;
 }
 
-/* Finds the tile's next span and its edge handling; while rows_left is not
- * 0, there is another one. */
+/* Finds the tile's next span and its edge handling; while rows_left is not 0,
+ * there is another one. */
 static run_care next_run(fast_walk* walk) {
   rg_run* const run = &walk->run;
   if (walk->part_pixels == 0) {
@@ -324,9 +324,9 @@ static RG_INLINE rg_blend_parts* find_blend_parts(const fast_walk* walk) {
              : NULL;
 }
 
-/* Interpolates the tiles to the right of the current one, several at once,
- * as long as they are whole and safe. Returns whether the tile reached is to
- * be processed with edge handling. */
+/* Interpolates the tiles to the right of the current one, several at once, as
+ * long as they are whole and safe. Returns whether the tile reached is to be
+ * processed with edge handling. */
 static int blend_safe_parts(fast_walk* walk, rg_blend_parts* blend_parts) {
   rg_position corners[4 * RG_PARTS_AT_ONCE];
   for (;;) {
@@ -350,9 +350,8 @@ static int blend_safe_parts(fast_walk* walk, rg_blend_parts* blend_parts) {
   }
 }
 
-/* Processes the tiles to the right of the current one as long as they are
- * whole and safe. Returns whether the tile reached is to be processed with
- * edge handling. */
+/* Processes the tiles to the right of the current one while they are whole and
+ * safe. Returns whether the tile reached requires edge handling. */
 static RG_INLINE int do_safe_parts(fast_walk* walk, rg_sampling sampling) {
   const int is_copy = sampling == RG_SAMPLING_NEAREST;
   if (RG_HAS_PART_KERNELS && !is_copy) {
@@ -371,8 +370,8 @@ static RG_INLINE int do_safe_parts(fast_walk* walk, rg_sampling sampling) {
 
 /* ---- The border ---------------------------------------------------------- */
 
-/* Fills pixels whose 8-bit channels fill the plane: 8 bytes at once; after
- * at most three such steps, the first channel is aligned again. */
+/* Fills pixels whose 8-bit channels fill the plane: 8 bytes at once; after at
+ * most three such steps, the first channel is aligned again. */
 static RG_INLINE void fill_bytes(const rg_run* run, uint32_t channels,
                                  const uint16_t* values) {
   uint8_t pattern[24];
@@ -401,8 +400,7 @@ static RG_INLINE void put_value(const rg_lattice* lattice, uint8_t* row,
     rg_put_sample(lattice->kind, row, index, value);
 }
 
-/* Sets the pixels of a span to the border's values for the component's
- * channels. */
+/* Fills the pixels of a span with the border of the component's channels. */
 static RG_INLINE void fill_run(const rg_run* run, const rg_lattice* lattice,
                                const uint16_t* values) {
   if (RG_IS_FAST && rg_interleaved(lattice) != 0) {
@@ -470,8 +468,8 @@ rg_status rg_walk_grey(const rg_camera* camera, const rg_frame* frame,
 
 /* ---- Images -------------------------------------------------------------- */
 
-/* Selects the rows of the ring buffer around the top of the tile: pixels
- * that need other rows are processed individually. */
+/* Selects the rows of the ring buffer around the top of the tile: pixels that
+ * need other rows are processed individually. */
 static RG_NOINLINE void choose_ring_rows(fast_walk* walk) {
   const rg_position* const corners = walk->run.block.corners;
   int32_t top = (walk->source.size[1] - 1) << 12;
@@ -559,8 +557,8 @@ rg_status rg_walk_image(const rg_camera* camera, const rg_image* image,
 
 /* ---- Rows of the source -------------------------------------------------- */
 
-/* Adds the rows that a span requires. Positions are bilinear in a block: if
- * all have a source, the span's corners suffice. */
+/* Adds the rows that a span requires. Positions are bilinear in a block: if all
+ * have a source, the span's corners suffice. */
 static RG_NOINLINE void add_run(const fast_walk* walk, rg_row_range* found) {
   const rg_run* const run = &walk->run;
   const int32_t num_rows = walk->source.size[1];

@@ -1,5 +1,5 @@
-/* The traversal optimized for stack and code size: tile by tile, and pixel
- * by pixel without a built-in kernel or where edge handling is required. */
+/* The traversal optimized for stack and code size: tile by tile, and pixel by
+ * pixel without a built-in kernel or where edge handling is required. */
 #include "config.h"
 #include "frames/walk.h"
 
@@ -62,8 +62,8 @@ static RG_INLINE int start_parts(small_walk* walk) {
   return 1;
 }
 
-/* Advances to the next tile, with its block's corners in the image; 0 if
- * there is none. */
+/* Advances to the next tile, with its block's corners in the image; 0 if there
+ * is none. */
 static int next_part(small_walk* walk, const rg_camera* camera) {
   rg_run* const run = &walk->run;
   uint32_t pixel = (uint32_t)run->out_pixel + run->num_pixels;
@@ -104,13 +104,12 @@ static RG_INLINE int has_source(const small_walk* walk,
   return have_sources(walk, position, 1, 0);
 }
 
-/* More than the rounding of a position; a component may end half a pixel
- * before the positions with a source. (The nearest pixel of such a position
- * is not after its last one, either.) */
+/* More than the rounding of a position; a component may end half a pixel before
+ * the positions with a source. (The nearest pixel of such a position is not
+ * after its last one, either.) */
 #define LATTICE_MARGIN (RG_POSITION_MARGIN + 2048)
 
-/* Whether all pixels of the tile need no edge handling, unless the source is
- * a ring buffer.
+/* Whether no pixel of the tile needs edge handling, except for ring buffers.
  */
 static RG_INLINE int is_part_safe(const small_walk* walk) {
   const rg_position* const corners = walk->run.block.corners;
@@ -141,9 +140,9 @@ static RG_INLINE void do_row(const small_walk* walk, careful_pixel* on_pixel,
   } while (++pixel != walk->run.num_pixels);
 }
 
-/* Processes a tile row by row, with less code than do_pixels() but more
- * stack; the corners are overwritten. If on_pixel is NULL, uses the kernel
- * for grey pixels where none is built in. */
+/* Processes a tile row by row, with less code than do_pixels() but more stack;
+ * the corners are overwritten. If on_pixel is NULL, uses the kernel for grey
+ * pixels where none is built in. */
 static void do_part_by_rows(small_walk* walk, careful_pixel* on_pixel) {
   rg_grey_rows rows;
   rows.out = walk->run.out + walk->run.out_pixel;
@@ -216,8 +215,8 @@ typedef struct lattice_walk {
   uint32_t ranges[4]; /* of the lattice, as a section has those of the image */
 } lattice_walk;
 
-/* Sets the component's ranges from the image's. A range may contain none of
- * the component's positions: its end is before its begin. */
+/* Sets the component's ranges from the image's. A range may contain none of the
+ * component's positions: its end is before its begin. */
 static RG_INLINE void set_ranges(lattice_walk* whole) {
   uint8_t* const ranges = (uint8_t*)whole->ranges;
   whole->walk.ranges = ranges;
@@ -229,8 +228,8 @@ static RG_INLINE void set_ranges(lattice_walk* whole) {
   }
 }
 
-/* Starts a component's rows, which are counted in image pixels of the
- * output; run->out is for the first row. */
+/* Starts a component's rows, which are counted in image pixels of the output;
+ * run->out is for the first row. */
 static void start_rows(lattice_walk* whole, const rg_camera* camera,
                        uint32_t first_row, uint32_t end_row) {
   small_walk* const walk = &whole->walk;
@@ -280,16 +279,16 @@ static RG_NOINLINE int move_to_ring(small_walk* walk) {
   return 1;
 }
 
-/* Finds the neighbours of a pixel without edge handling. at has its
- * position; right neighbours are not set if pixels are copied. */
+/* Finds the neighbours of a pixel without edge handling. at has its position;
+ * right neighbours are not set if pixels are copied. */
 static RG_INLINE void find_safe_neighbors(const rg_run* run, rg_neighbors* at) {
   at->upper = run->data + (size_t)(rg_q12_of(at, 1) >> 12) * run->stride;
   at->lower = at->upper;
   if (at->right != 0) at->lower += run->stride;
 }
 
-/* Finds the neighbours of a pixel with edge handling: moves the position in
- * at to the nearest one with a source, and rounds it. */
+/* Finds the neighbours of a pixel with edge handling: moves the position in at
+ * to the nearest one with a source, and rounds it. */
 static RG_NOINLINE void find_careful_neighbors(const image_walk* image,
                                                rg_neighbors* at) {
   const lattice_walk* const whole = &image->whole;
@@ -400,15 +399,15 @@ typedef struct row_walk {
   rg_row_search* search;
 } row_walk;
 
-/* The distance to the next relevant row or pixel of num_left: all are
- * relevant, or only the first and the last. */
+/* The distance to the next relevant row or pixel of num_left: all are relevant,
+ * or only the first and the last. */
 static RG_INLINE uint32_t step_of(uint32_t num_left, int are_ends) {
   return are_ends && num_left > 1 ? num_left - 1 : 1;
 }
 
 /* Adds the rows that a tile requires: without edge handling, those of its
- * corners, which suffice, since positions are bilinear in a block; otherwise
- * of each pixel with a source. */
+ * corners, which suffice, since positions are bilinear in a block; otherwise of
+ * each pixel with a source. */
 static RG_NOINLINE void add_part(const row_walk* walk, int is_safe) {
   uint32_t r = 0;
   const small_walk* parts;

@@ -7,8 +7,7 @@
 
 namespace raygrid {
 
-/// A histogram of durations with a resolution of 2 %, from a microsecond to an
-/// hour.
+/// A histogram of durations in steps of 2 %, from a microsecond to an hour.
 class DurationHistogram {
  public:
   void Add(std::chrono::nanoseconds duration);

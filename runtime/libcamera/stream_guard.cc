@@ -179,8 +179,7 @@ bool StreamGuard::IsShownAsInUse(const FrameInfo& info) {
   last_ = info.crop;
   last_orientation_ = info.orientation;
   if (!first_) first_ = info.crop;
-  // If the crop at calibration is unknown, frames of its size are assumed to
-  // have it.
+  // If the calibrated crop is unknown, frames of its size are accepted.
   uint16_t width, height;
   rg_calibrated_size(&camera_, &width, &height);
   if (!calibrated_ && format_.width == width && format_.height == height)

@@ -9,9 +9,8 @@
 /* 1 / d in q29, relative error below 4e-9, for d_q32 >= 2^31: d in [1/2, 1). */
 int32_t rg_reciprocal(uint32_t d_q32);
 
-/* 1 / sqrt(u) in q29, relative error below 8e-9, for u_q31 >= 2^29: u in
- * [1/4, 1). r <- r + r (1 - u r^2) / 2: errors 0.024, 8.7e-4, 1.1e-6,
- * rounding.
+/* 1 / sqrt(u) in q29, relative error below 8e-9, for u_q31 >= 2^29: u in [1/4,
+ * 1). r <- r + r (1 - u r^2) / 2: errors 0.024, 8.7e-4, 1.1e-6, rounding.
  */
 static RG_INLINE int32_t rg_inverse_root(int32_t u_q31) {
   /* 2.6708 - u (3.2854 - 1.6386 u) */

@@ -1,6 +1,6 @@
-/* Pixel -> pixel of the virtual camera of a remap table. The pixel's
- * direction is rotated to view axes, projected to the view's plane, the
- * image of focal length 1, and scaled to a pixel. */
+/* Pixel -> pixel of the virtual camera of a remap table. The pixel's direction
+ * is rotated to view axes, projected to the view's plane, the image of focal
+ * length 1, and scaled to a pixel. */
 #include "blob_layout.h"
 #include "bytes.h"
 #include "fixed_point.h"
@@ -10,8 +10,8 @@
 
 #define PIXEL_LIMIT_Q16 (UINT32_C(1) << 30) /* 16384 px */
 
-/* The smallest divisor is 1/1024: rays closer to a pinhole's image plane
- * have no pixel. */
+/* The smallest divisor is 1/1024: rays closer to a pinhole's image plane have
+ * no pixel. */
 #define MIN_DIVISOR_Q30 (INT32_C(1) << 20)
 
 /* Divides x and y; the results have 19 to 29 fraction bits, a number that is
@@ -39,8 +39,8 @@ static RG_INLINE int put_on_cylinder(uint32_t projection, int32_t xyz_q30[3]) {
   return fraction_bits;
 }
 
-/* Scales x and y, divided by their length, to the angle from the z axis.
- * Near that axis, length and angle are equal within 3e-10: divides by z. */
+/* Scales x and y, divided by their length, to the angle from the z axis. Near
+ * that axis, length and angle are equal within 3e-10: divides by z. */
 static RG_INLINE int put_on_disk(int32_t xyz_q30[3]) {
   int32_t radius_q30, length_q30;
   const int32_t z_q30 = xyz_q30[2];
@@ -56,9 +56,8 @@ static RG_INLINE int put_on_disk(int32_t xyz_q30[3]) {
   return 29;
 }
 
-/* Projects to the view's plane: x and y get 19 to 29 fraction bits, a number
- * that is returned; see "Views" in SPEC.md. 0 where the projection is
- * undefined.
+/* Projects to the view's plane: x and y get 19 to 29 fraction bits, which is
+ * returned; see "Views" in SPEC.md. 0 where the projection is undefined.
  */
 static RG_INLINE int put_on_plane(uint32_t projection, int32_t xyz_q30[3]) {
   if (projection - RG_PROJECTION_CYLINDRICAL <= 1)
@@ -83,9 +82,9 @@ static void turn(const uint8_t* rotation, const rg_ray* ray,
   }
 }
 
-/* Computes focal * coordinate + center in q16; 0 if the result, or its
- * distance from the center, exceeds the limit. axis: the table's section for
- * x, 4 bytes after it for y. */
+/* Computes focal * coordinate + center in q16; 0 if the result, or its distance
+ * from the center, exceeds the limit. axis: the table's section for x, 4 bytes
+ * after it for y. */
 static RG_INLINE int find_view_pixel(const uint8_t* axis, int fraction_bits,
                                      int32_t* coordinate) {
   const uint32_t focal_q16 = rg_load_u32(axis + RG_REMAP_FX);

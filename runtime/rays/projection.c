@@ -1,6 +1,5 @@
-/* Direction -> pixel: an initial value from the inverse grid, then Newton's
- * method on the spline surface with the inverse grid's Jacobian. Pairs are
- * x, y. */
+/* Direction -> pixel: initial value from the inverse grid, then Newton's method
+ * on the spline surface with the inverse grid's Jacobian. Pairs are x, y. */
 #include "bytes.h"
 #include "fixed_point.h"
 #include "rays/surface_choice.h"
@@ -10,8 +9,8 @@
  * area; a quarter of that for each further step. */
 #define FIRST_STEP_Q16 0x40000u /* 4 px */
 
-/* A step below 1/64 px is the last: the remaining error is its product with
- * the error of the Jacobian. */
+/* A step below 1/64 px is the last: the remaining error is its product with the
+ * error of the Jacobian. */
 #define LAST_STEP_Q16 0x400u
 
 /* The tolerance outside the area for rounding: 0.002 px. */
@@ -34,8 +33,8 @@ static RG_INLINE int move_inside(const uint8_t* axis, uint32_t tolerance_q16,
   return 1;
 }
 
-/* A Newton step: the product of slopes and the residual. Returns its length,
- * or more if it is 8 px or more. */
+/* A Newton step: the product of slopes and the residual. Returns its length, or
+ * more if it is 8 px or more. */
 static RG_INLINE uint32_t take_step(int32_t slopes_q5[2][2],
                                     const int32_t rest_q27[2],
                                     int32_t* pixel_q16) {
@@ -85,8 +84,7 @@ static int find_target(const rg_camera* camera, const rg_ray* direction,
       direction, rg_load_i32(camera->inverse + RG_INVERSE_COS_LIMIT), target);
 }
 
-/* rg_project(), also for lines: finds the pixel whose line has the
- * direction. */
+/* rg_project(), also for lines: the pixel whose line has the direction. */
 static RG_SHARED rg_status find_pixel(const rg_camera* camera,
                                       const rg_ray* direction,
                                       rg_pixel* pixel) {
@@ -111,8 +109,7 @@ rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
  * several points in parallel. */
 #define BLOCK_SIZE 8u
 
-/* Returns how many of BLOCK_SIZE points project; the camera has an inverse
- * grid. */
+/* Returns how many of BLOCK_SIZE points project; needs an inverse grid. */
 static uint32_t project_block(const rg_camera* camera, const rg_ray* directions,
                               rg_pixel* pixels) {
   rg_chart_point targets[BLOCK_SIZE];
@@ -170,8 +167,8 @@ static RG_INLINE uint32_t size_of(const rg_ray* direction) {
          rg_bits_of(direction->z_q30);
 }
 
-/* A line; or a direction instead of its direction, and the pixel found for
- * it instead of its point, to reduce the stack. */
+/* A line; or a direction instead of its direction, and the pixel found for it
+ * instead of its point, to reduce the stack. */
 typedef union rg_line_words {
   rg_line line;
   int32_t words[6];
@@ -197,11 +194,10 @@ static RG_SHARED void look_from(rg_line_words* line, const int32_t point[3],
   }
 }
 
-/* Iterates over lines that nearly pass through the point: each is at the
- * pixel that sees the direction of the point from the previous line. If
- * there is no such pixel, the previous line may be the cause: the direction
- * is moved towards the z axis, by about 2^-closeness sin(theta), and by a
- * quarter of that for the next line. */
+/* Iterates over lines nearly through the point: each is at the pixel that sees
+ * the point's direction from the previous line. If there is none, the previous
+ * line may be the cause: the direction is moved towards the z axis, by about
+ * 2^-closeness sin(theta), and by a quarter of that for the next line. */
 rg_status rg_project_point(const rg_camera* camera, const int32_t point[3],
                            uint32_t fraction_bits, rg_pixel* pixel) {
   rg_line_words found;

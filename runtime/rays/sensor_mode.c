@@ -38,8 +38,8 @@ static int scale_position(int32_t factor, int shift, int32_t* q16) {
   return 1;
 }
 
-/* Flips, scales and shifts a coordinate to calibrated frames, or the
- * inverse; 0 on overflow. */
+/* Flips, scales and shifts a coordinate to calibrated frames, or the inverse; 0
+ * on overflow. */
 static RG_INLINE int convert_axis(const mode_axis* axis, int is_to_calibrated,
                                   int32_t* q16) {
   const int32_t last_q16 = (int32_t)((axis->size - 1) << 16);
@@ -178,9 +178,8 @@ static uint32_t find_table(const rg_camera* camera, const rg_mode* mode) {
   return RG_NO_TABLE;
 }
 
-/* Whether a serial matches; an empty one matches every camera. expected:
- * RG_TEXT_SIZE bytes; not checked when opening, so the last byte is assumed
- * to be zero. */
+/* Whether a serial matches; an empty one always does. expected: RG_TEXT_SIZE
+ * bytes; not checked when opening, so the last is assumed to be zero. */
 static int is_serial(const uint8_t* expected, const char* serial) {
   if (!serial || expected[0] == 0) return 1;
   for (uint32_t i = 0; expected[i] == (uint8_t)serial[i]; ++i)

@@ -8,12 +8,11 @@
 #include "rg_blob.h"
 #include "stack_code.h"
 
-/* A blob's operating-point model. From the central grid on, the blob
- * consists of pieces of equal size: its own grids and tables with the
- * model's fields, then samples with their values. Nothing follows the model.
- * So the counterpart of any section of the blob, in any whole sample, is
- * inside the blob. A distance plus a sample's size is at most the blob's
- * size. */
+/* A blob's operating-point model. From the central grid on, the blob consists
+ * of pieces of equal size: its own grids and tables with the model's fields,
+ * then samples with their values. Nothing follows the model. So the counterpart
+ * of any section of the blob, in any whole sample, is inside the blob. A
+ * distance plus a sample's size is at most the blob's size. */
 typedef struct camera_stack {
   const uint8_t* section;
   uint32_t size;           /* of the section */
@@ -125,9 +124,8 @@ static uint16_t find_weight(uint32_t part, uint32_t whole) {
   return (uint16_t)(weight & RG_WEIGHT_MASK);
 }
 
-/* The offset in bytes from the blob's own sections to their counterparts in
- * the lower sample. The value of a sample has the same offset from the
- * model's fields. */
+/* The offset in bytes from the blob's own sections to those of the lower
+ * sample. The value of a sample has the same offset from the model's fields. */
 static RG_INLINE uint32_t find_lower_knot(const camera_stack* stack,
                                           int32_t value_q16) {
   uint32_t shift = stack->knot_size;
@@ -137,8 +135,8 @@ static RG_INLINE uint32_t find_lower_knot(const camera_stack* stack,
   return shift;
 }
 
-/* Moves the camera's sections to a sample, from the current one or the
- * blob's own. */
+/* Moves the camera's sections to a sample, from the current one or the blob's
+ * own. */
 static RG_INLINE void move_to_knot(rg_camera* camera, const camera_stack* stack,
                                    uint32_t shift) {
   if (camera->inverse)

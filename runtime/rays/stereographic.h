@@ -53,8 +53,8 @@ static inline uint32_t rg_bits_of(int32_t value) {
  * limit_q30  c |c|, with c a cosine: directions farther from the z axis are
  *            rejected early. -2^30: none.
  *
- * Returns 0, with *point unchanged, for those, for (0, 0, 0), and for angles
- * of 151 degrees or more, where a^2 + b^2 would reach 15. */
+ * Returns 0, with *point unchanged, for those, for (0, 0, 0), and for angles of
+ * 151 degrees or more, where a^2 + b^2 would reach 15. */
 static RG_INLINE int rg_chart_point_of(const rg_ray* direction,
                                        int32_t limit_q30,
                                        rg_chart_point* point) {

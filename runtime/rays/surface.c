@@ -56,9 +56,9 @@ static RG_INLINE int32_t blend(int32_t a, int32_t b, int32_t t_q7) {
   return 128 * a + t_q7 * (b - a);
 }
 
-/* The derivative of one coordinate of residuals per cell, times 2^15: the
- * sum of differences of two cells, bilinear between the four surrounding
- * knots, for residuals that are apart bytes apart. */
+/* The derivative of one coordinate of residuals per cell, times 2^15: the sum
+ * of differences of two cells, bilinear between the four surrounding knots, for
+ * residuals that are apart bytes apart. */
 static RG_SHARED int32_t find_slope(const uint8_t* residual, uint32_t apart,
                                     uint32_t row_bytes, const rg_place* place) {
   const int32_t x_q7 = place->t_q30[0] >> 23;

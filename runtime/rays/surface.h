@@ -9,15 +9,15 @@
 #include "rays/stereographic.h"
 #include "wide_multiply.h"
 
-/* A position on one axis of a grid: the index of the cell, and the position
- * in it, from 0 to 1 inclusive. */
+/* A position on one axis of a grid: the index of the cell, and the position in
+ * it, from 0 to 1 inclusive. */
 typedef struct rg_cell_position {
   uint32_t cell;
   int32_t t_q30;
 } rg_cell_position;
 
-/* Finds a position on an axis of a grid: axis is the grid for x, 4 bytes
- * after it for y. Returns 0 if value is outside. */
+/* Finds a position on an axis of a grid: axis is the grid for x, 4 bytes after
+ * it for y. Returns 0 if value is outside. */
 static RG_INLINE int rg_find_on_axis(const uint8_t* axis, uint32_t scale,
                                      uint32_t last_cell, int32_t value,
                                      rg_cell_position* position) {
@@ -81,8 +81,8 @@ static RG_INLINE int32_t rg_evaluate_plane(const uint8_t* plane,
   return rg_multiply_high_add(sum_q27, row_step_q29, place->t_q30[1]);
 }
 
-/* The derivatives of both coordinates of an inverse grid along an axis of
- * the chart, in q5 pixels per unit. */
+/* The derivatives of both coordinates of an inverse grid along an axis of the
+ * chart, in q5 pixels per unit. */
 void rg_find_slopes(const uint8_t* inverse, const rg_place* place,
                     int32_t slopes_q5[2][2]);
 

@@ -1,5 +1,5 @@
-/* rg_find_place() and rg_find_slopes(), for both coordinates of several
- * control points in parallel. */
+/* rg_find_place() and rg_find_slopes(), for both coordinates of several control
+ * points in parallel. */
 #include "rays/surface_avx2.h"
 
 #if RG_CHOOSE_SURFACE
@@ -54,8 +54,7 @@ INLINE __m128i add_rows(const __m256i rows[4], __m256i weights) {
   return add_points(column, column);
 }
 
-/* rg_multiply_high() of the lower halves of 64 bits, for non-negative
- * values. */
+/* rg_multiply_high() of the lower halves of 64 bits, non-negative. */
 INLINE __m128i multiply_positive(__m128i a, __m128i b) {
   const __m128i half = _mm_set1_epi64x(INT64_C(0x80000000));
   return _mm_srli_epi64(_mm_add_epi64(_mm_mul_epi32(a, b), half), 32);
@@ -152,8 +151,8 @@ INLINE __m128i load_two(const uint8_t* residuals) {
   return _mm_cvtepi16_epi32(_mm_loadl_epi64((const __m128i*)residuals));
 }
 
-/* Differences of two knots above and two below, interpolated bilinearly: a b
- * in the lower half. */
+/* Differences of two knots above and two below, interpolated bilinearly: a b in
+ * the lower half. */
 INLINE __m128i blend_knots(__m128i above, __m128i below, __m128i w_above,
                            __m128i w_below) {
   const __m128i sums = _mm_add_epi32(_mm_mullo_epi32(above, w_above),

@@ -4,8 +4,8 @@
 #include "rays/surface.h"
 #include "rg_blob.h"
 
-/* Whether a coordinate is within the area. axis: the grid for x, 4 bytes
- * after it for y. */
+/* Whether a coordinate is within the area. axis: the grid for x, 4 bytes after
+ * it for y. */
 static int is_between(const uint8_t* axis, int32_t q16) {
   const uint32_t low_q16 = rg_load_u32(axis + RG_GRID_X0);
   return (uint32_t)q16 - low_q16 <= rg_load_u32(axis + RG_GRID_X1) - low_q16;

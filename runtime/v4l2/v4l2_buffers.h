@@ -44,8 +44,7 @@ class V4l2Buffers {
   int Dequeue(V4l2Filled* filled);
   /// Queues a buffer to the driver. Returns 0, or the errno.
   int Queue(uint32_t buffer);
-  /// Called before and after reading a buffer. Returns whether the data is
-  /// valid.
+  /// Called before and after reading a buffer. Returns whether it is valid.
   bool BeginRead(uint32_t buffer);
   void EndRead(uint32_t buffer);
 

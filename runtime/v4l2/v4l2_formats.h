@@ -15,8 +15,7 @@ const PixelFormatInfo* FindV4l2Format(uint32_t code);
 /// Whether each frame is a JPEG.
 bool IsJpegFormat(uint32_t code);
 
-/// libcamera's name if it is supported; MJPEG; otherwise V4L2's four
-/// characters.
+/// libcamera's name if supported; MJPEG; otherwise V4L2's four characters.
 std::string V4l2FormatName(uint32_t code);
 
 }  // namespace raygrid

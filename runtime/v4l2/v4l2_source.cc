@@ -14,8 +14,7 @@ namespace raygrid {
 namespace {
 
 constexpr uint32_t kNumBuffers = 4;
-// Buffers for decoded JPEGs: one is undistorted, one is decoded, the others
-// wait.
+// Buffers for JPEG pixels: one is undistorted, one decoded, others wait.
 constexpr uint32_t kNumDecoded = 4;
 // The latency of a request to stop.
 constexpr int kPatience_ms = 50;
