@@ -4,7 +4,7 @@
 # which g++ leaves scalar at -O2. Text stages are compiled for size: optimizing them for
 # speed costs more build time than it saves at run time.
 set(stage_headers
-  camera/camera_stack.h camera/camera_uncertainty.h camera/central_generic.h
+  camera/operating_point_model.h camera/camera_uncertainty.h camera/central_generic.h
   camera/noncentral_generic.h camera/opencv.h
   dataset/camera_file.h dataset/dataset.h dataset/error.h)
 list(TRANSFORM stage_headers PREPEND ${PROJECT_SOURCE_DIR}/offline/)

@@ -181,7 +181,7 @@ void RequireWhole(const std::string& folder, const BatchJson& record) {
 // The row of a finished unit. Throws InputError if its result is not whole any
 // more.
 UnitRow ReadResult(const UnitJob& job, const BatchJson& record,
-                   const FigureLimits& limits) {
+                   const MetricLimits& limits) {
   RequireWhole(job.folder, record);
   UnitRow row = ReadUnitRow(job.unit.serial, job.folder, limits);
   row.seconds = record.value("seconds", 0.0);
@@ -351,7 +351,7 @@ void RunUnits(const std::vector<const UnitJob*>& jobs,
 
 // ---- All units -------------------------------------------------------------
 
-UnitRow ReadRow(const UnitJob& job, const FigureLimits& limits) {
+UnitRow ReadRow(const UnitJob& job, const MetricLimits& limits) {
   UnitRow row;
   row.serial = job.unit.serial;
   if (const auto failure = ReadRecord(job.failure_file)) {
@@ -384,7 +384,7 @@ UnitRow ReadRow(const UnitJob& job, const FigureLimits& limits) {
 }
 
 std::vector<UnitRow> ReadRows(const std::vector<const UnitJob*>& jobs,
-                              const FigureLimits& limits) {
+                              const MetricLimits& limits) {
   std::vector<UnitRow> rows;
   for (const UnitJob* job : jobs) {
     rows.push_back(ReadRow(*job, limits));
@@ -498,11 +498,11 @@ void RunBatch(const BatchArguments& arguments, const CommonOptions& common) {
     OutputFiles files;
     files.Add(output(kFleetFile), FormatFleetTable(fleet.rows));
     files.Add(output(kFleetPage), FormatFleetPage(fleet));
-    if (const auto mean = MeanCamera(fleet, folders))
+    if (const auto mean = ComputeMeanCamera(fleet, folders))
       files.Add(output(kFleetCamera), FormatCameraFile(*mean));
     files.Commit();
   }
-  TellUnits(fleet, common);
+  PrintUnits(fleet, common);
   if (const int code = ExitCodeOf(fleet.rows)) throw CLI::RuntimeError(code);
 }
 

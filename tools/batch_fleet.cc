@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/text_encoding.h"
-#include "fleet/fleet_words.h"
+#include "fleet/fleet_text.h"
 #include "json_output.h"
 
 namespace raygrid {
@@ -22,7 +22,7 @@ FleetJson UnitJson(const UnitRow& row) {
   FleetJson unit = {{"serial", row.serial}, {"status", row.status}};
   if (!row.reason.empty()) unit["reason"] = row.reason;
   if (!row.unusual.empty()) unit["unusual_metrics"] = row.unusual;
-  for (const auto& [name, value] : row.figures) unit[name] = value;
+  for (const auto& [name, value] : row.metrics) unit[name] = value;
   for (const auto& [name, text] : {std::pair("lens_batch", &row.lens_batch),
                                    std::pair("repeats", &row.repeats)})
     if (!text->empty()) unit[name] = *text;
@@ -47,46 +47,46 @@ FleetJson ChangesJson(const FleetAnalysis& fleet, FleetJson* drifts) {
 }
 
 FleetJson BatchesJson(const BatchComparison& batches) {
-  FleetJson units = FleetJson::object(), figures = FleetJson::object();
+  FleetJson units = FleetJson::object(), metrics = FleetJson::object();
   for (size_t b = 0; b < batches.batches.size(); ++b)
     units[batches.batches[b]] = batches.num_units[b];
-  for (const BatchedFigure& figure : batches.figures) {
-    FleetJson json = {{"differs", figure.differs}, {"p_value", figure.chance}};
-    for (size_t b = 0; b < figure.means.size(); ++b)
-      json["means"][batches.batches[b]] = figure.means[b];
-    if (!figure.means.empty())
-      json["within_batch_sd"] = figure.deviation_within;
-    figures[figure.name] = json;
+  for (const BatchedMetric& metric : batches.metrics) {
+    FleetJson json = {{"differs", metric.differs}, {"p_value", metric.chance}};
+    for (size_t b = 0; b < metric.means.size(); ++b)
+      json["means"][batches.batches[b]] = metric.means[b];
+    if (!metric.means.empty())
+      json["within_batch_sd"] = metric.deviation_within;
+    metrics[metric.name] = json;
   }
-  return {{"units", units}, {"metrics", figures}};
+  return {{"units", units}, {"metrics", metrics}};
 }
 
-FleetJson GaugeFigureJson(const GaugeFigure& figure) {
-  FleetJson json = {{"repeatability_sd", figure.repeatability}};
-  for (const GaugeFactor& factor : figure.factors) {
+FleetJson GaugeMetricJson(const GaugeMetric& metric) {
+  FleetJson json = {{"repeatability_sd", metric.repeatability}};
+  for (const GaugeFactor& factor : metric.factors) {
     json[factor.name] = {{"sd", factor.deviation}};
     if (factor.chance) json[factor.name]["p_value"] = *factor.chance;
   }
-  json["gauge_rr_sd"] = figure.gauge;
+  json["gauge_rr_sd"] = metric.gauge;
   for (const auto& [name, value] :
-       {std::pair("unit_to_unit_sd", figure.fleet),
-        std::pair("gauge_rr_share", figure.part_of_fleet),
-        std::pair("distinct_categories", figure.num_classes),
-        std::pair("tolerance_share", figure.part_of_limits)})
+       {std::pair("unit_to_unit_sd", metric.fleet),
+        std::pair("gauge_rr_share", metric.part_of_fleet),
+        std::pair("distinct_categories", metric.num_classes),
+        std::pair("tolerance_share", metric.part_of_limits)})
     if (value) json[name] = *value;
-  if (figure.is_logarithm) json["relative"] = true;
+  if (metric.is_logarithm) json["relative"] = true;
   return json;
 }
 
 FleetJson GaugeJson(const GaugeStudy& gauge) {
-  FleetJson figures = FleetJson::object();
-  for (const GaugeFigure& figure : gauge.figures)
-    figures[figure.name] = GaugeFigureJson(figure);
+  FleetJson metrics = FleetJson::object();
+  for (const GaugeMetric& metric : gauge.metrics)
+    metrics[metric.name] = GaugeMetricJson(metric);
   return {{"repeats", gauge.num_repeats},
           {"golden_units", gauge.num_goldens},
-          {"degrees_of_freedom", gauge.freedoms},
-          {"metrics", figures},
-          {"not_observable", gauge.untold}};
+          {"degrees_of_freedom", gauge.degrees_of_freedom},
+          {"metrics", metrics},
+          {"not_observable", gauge.unobservable_reason}};
 }
 
 void PrintJson(const FleetAnalysis& fleet) {
@@ -106,15 +106,16 @@ void PrintFleet(const FleetAnalysis& fleet) {
       fmt::print("{}: outlier in {}\n", row.serial,
                  fmt::join(row.unusual, ", "));
   for (const auto& sentences :
-       {ChangesTold(fleet), BatchesTold(fleet.batches), GaugeTold(fleet.gauge)})
+       {DescribeChanges(fleet), DescribeBatches(fleet.batches),
+        DescribeGauge(fleet.gauge)})
     for (const std::string& sentence : sentences)
       fmt::print("{}\n", Printable(sentence));
-  if (fleet.rows.size() > 1) fmt::print("{}\n", SecondsTold(fleet.rows));
+  if (fleet.rows.size() > 1) fmt::print("{}\n", DescribeDuration(fleet.rows));
 }
 
 }  // namespace
 
-void TellUnits(const FleetAnalysis& fleet, const CommonOptions& common) {
+void PrintUnits(const FleetAnalysis& fleet, const CommonOptions& common) {
   for (const UnitRow& row : fleet.rows)
     if (HasNoResult(row) || row.status == "fail")
       fmt::print(stderr, "raygrid: unit {}: {}: {}\n", row.serial, row.status,

@@ -9,7 +9,7 @@ namespace raygrid {
 /// Prints what became of units, one line each, or all of it as JSON; with a
 /// plan's whole fleet, what is unusual in it, too. Units without a result go to
 /// standard error.
-void TellUnits(const FleetAnalysis& fleet, const CommonOptions& common);
+void PrintUnits(const FleetAnalysis& fleet, const CommonOptions& common);
 
 /// Whether there is nothing that could be inspected of a unit.
 bool HasNoResult(const UnitRow& row);

@@ -10,14 +10,14 @@
 
 #include "calibration_input.h"
 #include "calibration_summary.h"
-#include "circumstances.h"
-#include "condition_input.h"
+#include "capture_conditions.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
 #include "dataset/output_folder.h"
 #include "help_formatter.h"
 #include "interruption.h"
+#include "operating_point_input.h"
 #include "packing/blob_camera.h"
 #include "packing/pack.h"
 #include "pattern_input.h"
@@ -48,7 +48,7 @@ void RequireOfSingleCamera(const CalibrateArguments& arguments, bool is_rig) {
 }
 
 // Goes to an image's value of the condition that the blob has a range of.
-void GoTo(const ImageConditions& conditions, const std::string& image,
+void GoTo(const ImageOperatingPoints& conditions, const std::string& image,
           BlobCamera* camera) {
   const auto range = camera->Range();
   if (!range) return;
@@ -61,7 +61,7 @@ void GoTo(const ImageConditions& conditions, const std::string& image,
 std::optional<BeforeAfter> ExampleImage(const Measurements& measurements,
                                         const CalibrationResult& result,
                                         const CalibrateArguments& arguments,
-                                        const Circumstances& circumstances,
+                                        const CaptureConditions& circumstances,
                                         const std::string& blob) {
   constexpr int kMaxWidthPx = 800;
   const std::string& wanted = arguments.hold_out.empty()
@@ -74,15 +74,17 @@ std::optional<BeforeAfter> ExampleImage(const Measurements& measurements,
     BlobCamera camera("packed camera", blob);
     if (conditions) GoTo(*conditions, wanted, &camera);
     const Image after = camera.Undistort(before, 0);
-    return BeforeAfter{Shrunk(before, kMaxWidthPx), Shrunk(after, kMaxWidthPx)};
+    return BeforeAfter{ShrinkImage(before, kMaxWidthPx),
+                       ShrinkImage(after, kMaxWidthPx)};
   }
   return std::nullopt;
 }
 
 // Without the images that others stand for, of which nothing is drawn.
-void LeaveOutSameViews(const CalibrationResult& result, Measurements* part) {
+void ExcludeNearDuplicates(const CalibrationResult& result,
+                           Measurements* part) {
   std::set<std::string> others;
-  for (const SameViews& group : result.same_views)
+  for (const NearDuplicates& group : result.near_duplicates)
     others.insert(group.others.begin(), group.others.end());
   Measurements kept = *part;
   kept.dataset.images.clear();
@@ -105,16 +107,16 @@ Measurements CalibratedPart(const Measurements& all) {
   return part;
 }
 
-PackingFigures FiguresOf(const PackedCamera& packed) {
-  PackingFigures figures;
-  figures.blob_bytes = packed.blob.size();
-  figures.unproject_error_px = packed.unproject_error_px;
-  figures.remarks = packed.remarks;
-  if (packed.remaps.empty()) return figures;
+PackingMetrics ComputeMetrics(const PackedCamera& packed) {
+  PackingMetrics metrics;
+  metrics.blob_bytes = packed.blob.size();
+  metrics.unproject_error_px = packed.unproject_error_px;
+  metrics.warnings = packed.warnings;
+  if (packed.remaps.empty()) return metrics;
   const VirtualView& view = packed.remaps[0].view;
-  figures.remap_error_px = packed.remaps[0].error_px;
-  figures.view = {view.size, view.focal_px, view.center_px};
-  return figures;
+  metrics.remap_error_px = packed.remaps[0].error_px;
+  metrics.view = {view.size, view.focal_px, view.center_px};
+  return metrics;
 }
 
 int64_t PeakMemoryBytes() {
@@ -128,23 +130,23 @@ int64_t PeakMemoryBytes() {
 ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
                         const RigResult& result,
                         const CalibrateArguments& arguments,
-                        const Circumstances& circumstances,
+                        const CaptureConditions& circumstances,
                         const CommonOptions& common) {
   ResultExtras extras = {common.seed, PeakMemoryBytes(), {}};
   for (size_t c = 0; c < cameras.size(); ++c) {
     const CalibrationResult& camera = result.cameras[c];
     CameraExtras& own = extras.cameras.emplace_back();
     Measurements calibrated = CalibratedPart(cameras[c]);
-    LeaveOutSameViews(camera, &calibrated);
+    ExcludeNearDuplicates(camera, &calibrated);
     if (result.IsRig() || !camera.checkpoint)
       own.thumbnails =
           MakeThumbnails(calibrated.dataset, calibrated.paths, common.threads);
     const bool has_wrong_times =
-        camera.row_time && !camera.row_time->do_times_fit;
+        camera.line_delay && !camera.line_delay->are_timestamps_consistent;
     if (camera.checkpoint || has_wrong_times) continue;
     const PackedCamera packed =
-        PackWhatCanBe(camera.camera, common.threads, IsInterrupted);
-    own.packing = FiguresOf(packed);
+        PackSupportedParts(camera.camera, common.threads, IsInterrupted);
+    own.packing = ComputeMetrics(packed);
     if (!result.IsRig() && !packed.remaps.empty())
       own.example = ExampleImage(calibrated, camera, arguments, circumstances,
                                  packed.blob);
@@ -158,7 +160,7 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
 }
 
 // Frames of several lens positions are of several cameras.
-void SayThatTheLensMoved(const Session& session,
+void WarnAboutLensMotion(const Session& session,
                          const CalibrateArguments& arguments) {
   constexpr double kSameDioptres = 0.1;
   double low = INFINITY, high = -INFINITY;
@@ -191,16 +193,16 @@ void UseSession(CalibrateArguments* arguments) {
                                     ? ""
                                     : "camera " + session.camera + " "));
       arguments->captures.push_back(CaptureOf(session));
-      arguments->session_times.push_back(TimesOf(session));
+      arguments->session_times.push_back(CollectTimes(session));
       // A frame that was deleted may still lie there, if that was interrupted.
       std::vector<std::string> images;
       for (const SessionFrame& frame : session.frames) {
         images.push_back(
             SessionFramePath(folder.string(), session.camera, frame.image));
-        if (const auto values = ValuesOf(*arguments, frame))
+        if (const auto values = GetOperatingPoint(*arguments, frame))
           arguments->session_values[frame.image] = *values;
       }
-      SayThatTheLensMoved(session, *arguments);
+      WarnAboutLensMotion(session, *arguments);
       if (cameras.size() == 1)
         arguments->images = images;
       else
@@ -230,7 +232,7 @@ void CompleteResult(const std::vector<Measurements>& cameras,
     const std::vector<RejectedImage>& left_out = cameras[c].left_out;
     CalibrationResult& camera = result->cameras[c];
     camera.camera.serial = arguments.serial;
-    if (c < arguments.captures.size() && arguments.captures[c].KnowsAny())
+    if (c < arguments.captures.size() && arguments.captures[c].HasAny())
       camera.camera.capture = arguments.captures[c];
     camera.rejected_images.insert(camera.rejected_images.end(),
                                   left_out.begin(), left_out.end());
@@ -260,27 +262,27 @@ void WriteResult(const RigResult& result, const ResultExtras& extras,
 }
 
 // Prints what the blobs lack, on standard error.
-void PrintRemarks(const RigResult& result, const ResultExtras& extras) {
+void PrintWarnings(const RigResult& result, const ResultExtras& extras) {
   for (size_t c = 0; c < extras.cameras.size(); ++c)
     if (const auto& packing = extras.cameras[c].packing)
-      for (const std::string& remark : packing->remarks)
+      for (const std::string& warning : packing->warnings)
         fmt::print(stderr, "raygrid: {}camera.raygrid: {}\n",
-                   CameraFolder(result, c), remark);
+                   CameraFolder(result, c), warning);
 }
 
 // Throws what the exit code says of a calibration whose files are written.
-void RequireSuccess(const Verdict& verdict, bool is_interrupted,
+void RequireSuccess(const Assessment& assessment, bool is_interrupted,
                     const std::string& folder) {
   if (is_interrupted)
     throw Error(ExitCode::kNotConverged,
                 fmt::format("interrupted; {} contains the best state so far; "
                             "continue with --resume",
                             folder));
-  if (verdict.word == "fail")
+  if (assessment.word == "fail")
     throw Error(ExitCode::kQuality,
                 fmt::format("verdict: fail: {}; do not use the camera in {} "
                             "until this is fixed",
-                            verdict.failure, folder));
+                            assessment.failure, folder));
 }
 
 // A calibration whose blob could not be made at all is no success.
@@ -292,48 +294,53 @@ void RequireBlobs(const RigResult& result, const ResultExtras& extras,
           ExitCode::kQuality,
           fmt::format("{}/{}camera.raygrid {}; all other files were written",
                       folder, CameraFolder(result, c),
-                      fmt::join(extras.cameras[c].packing->remarks, "; ")));
+                      fmt::join(extras.cameras[c].packing->warnings, "; ")));
 }
 
 void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
   const FeaturesByCamera given = ReadGivenFeatures(arguments);
   const bool is_rig = given.size() > 1 || arguments.HasCameraImages();
   RequireOfSingleCamera(arguments, is_rig);
-  RequireConditionOptions(arguments, is_rig);
-  const Pattern pattern = MeantPattern(arguments.pattern, common);
+  RequireOperatingPointOptions(arguments, is_rig);
+  const Pattern pattern = LoadCheckedPattern(arguments.pattern, common);
   RequireNoInputReplaced(arguments, FindImages(arguments.images).paths);
   RequireWritableFolder(arguments.output);
 
   std::string inputs;
-  std::vector<std::string> remarks;
+  std::vector<std::string> warnings;
   RigResult result;
   ResultExtras extras;
   {
     ProgressBar bar(common.quiet);
-    const CalibrationOptions options = OptionsOf(arguments, common, &bar);
+    const CalibrationOptions options =
+        MakeCalibrationOptions(arguments, common, &bar);
     const std::vector<Measurements> cameras =
-        GatherCameras(arguments, common, given, pattern, &bar);
-    const Circumstances circumstances = ReadCircumstances(arguments, cameras);
-    inputs = InputsOf(arguments, common, cameras, circumstances, pattern);
+        CollectMeasurements(arguments, common, given, pattern, &bar);
+    const CaptureConditions circumstances =
+        ReadCaptureConditions(arguments, cameras);
+    inputs =
+        SerializeInputs(arguments, common, cameras, circumstances, pattern);
     CheckpointFile checkpoints(arguments.output, inputs, cameras.size());
     if (arguments.resume) checkpoints.Read();
-    NoteInterruptions();
+    InstallInterruptHandler();
     const std::vector<CalibrationInput> calibration_inputs = CalibrationInputs(
         cameras, circumstances, arguments, common.threads, &checkpoints);
     const auto& conditions = circumstances.conditions;
     if (conditions)
-      remarks = {RowsOfNoImage(arguments, *conditions, cameras.front()),
-                 ValuesOfOtherUnits(*conditions)};
-    result = conditions ? CalibrateStack(calibration_inputs.front(),
-                                         *conditions, pattern, options)
-                        : Calibrate(calibration_inputs, pattern, options);
-    FinishUndisturbed();
+      warnings = {
+          WarnAboutUnmatchedRows(arguments, *conditions, cameras.front()),
+          WarnAboutUnits(*conditions)};
+    result = conditions
+                 ? CalibrateOperatingPoints(calibration_inputs.front(),
+                                            *conditions, pattern, options)
+                 : Calibrate(calibration_inputs, pattern, options);
+    IgnoreFirstSignal();
     CompleteResult(cameras, arguments, &result);
     bar.Show("packing", 0.9);
     extras = MakeExtras(cameras, result, arguments, circumstances, common);
   }
   const std::vector<Checkpoint> checkpoints = CheckpointsOf(result);
-  KeepFinishedResult(arguments.output, checkpoints, inputs);
+  PreserveFinishedResult(arguments.output, checkpoints, inputs);
   WriteResult(result, extras,
               checkpoints.empty() ? "" : FormatCheckpoints(checkpoints, inputs),
               arguments.output);
@@ -343,11 +350,11 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
     fmt::print("{}", ReadFile((folder / "result.json").string()));
   else if (!common.quiet)
     PrintSummary(result, arguments.output);
-  if (!common.quiet) PrintRemarks(result, extras);
-  for (const std::string& remark : remarks)
-    if (!common.quiet && !remark.empty())
-      fmt::print(stderr, "raygrid: {}\n", remark);
-  RequireSuccess(result.verdict, !checkpoints.empty(), arguments.output);
+  if (!common.quiet) PrintWarnings(result, extras);
+  for (const std::string& warning : warnings)
+    if (!common.quiet && !warning.empty())
+      fmt::print(stderr, "raygrid: {}\n", warning);
+  RequireSuccess(result.assessment, !checkpoints.empty(), arguments.output);
   RequireBlobs(result, extras, arguments.output);
 }
 
@@ -384,7 +391,7 @@ void AddCalibrationInputs(CLI::App* command, CalibrateArguments* arguments) {
              &arguments->hold_out);
   command
       ->add_option(
-          "--duplicate-px", arguments->same_view_px,
+          "--duplicate-px", arguments->duplicate_px,
           "skip images whose features moved by less than this since a kept "
           "image; 0: keep all; auto: 0.1 % of the longer side, at least 1")
       ->option_text("PX")
@@ -409,7 +416,7 @@ void AddModelOptions(CLI::App* command, CalibrateArguments* arguments) {
                     "allow auto to choose noncentral-generic, which can be "
                     "undistorted for one distance only");
   command
-      ->add_option("--knot-spacing-px", arguments->cell_px,
+      ->add_option("--knot-spacing-px", arguments->knot_spacing_px,
                    "largest knot spacing of the B-spline grid; auto: chosen by "
                    "cross-validation")
       ->option_text("PX")
@@ -440,7 +447,7 @@ void AddModelOptions(CLI::App* command, CalibrateArguments* arguments) {
                    "with --rolling-shutter: CSV image,time_s (default: "
                    "timestamps of the session)")
       ->option_text("FILE");
-  AddConditionOptions(command, arguments);
+  AddOperatingPointOptions(command, arguments);
 }
 
 }  // namespace
@@ -454,14 +461,14 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
   AddModelOptions(command, arguments.get());
   AddPatternOption(command, &arguments->pattern,
                    "; not needed for a capture session");
-  AddYes(command, common);
+  AddYesOption(command, common);
   BeginGroup(command, help_group::kTarget);
   command->add_flag(
-      "--fix-target-geometry", arguments->flat_board,
+      "--fix-target-geometry", arguments->fix_target_geometry,
       "do not estimate the target geometry; use the nominal points");
   command->add_flag("--rigid-target", arguments->rigid_board,
                     "do not estimate per-view target deformation");
-  command->add_flag("--independent-boards", arguments->boards_move,
+  command->add_flag("--independent-boards", arguments->independent_boards,
                     "estimate a pose per board (default: one pose for boards "
                     "detected as rigidly connected)");
   BeginGroup(command, help_group::kOutput);

@@ -10,8 +10,7 @@
 #include <utility>
 
 #include "camera_input.h"
-#include "circumstances.h"
-#include "condition_input.h"
+#include "capture_conditions.h"
 #include "dataset/content_hash.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -26,6 +25,7 @@
 #include "mode_images.h"
 #include "mode_options.h"
 #include "named_camera.h"
+#include "operating_point_input.h"
 
 namespace raygrid {
 namespace {
@@ -54,7 +54,7 @@ std::optional<double> ParseValidPx(const std::string& text) {
   return value;
 }
 
-std::optional<double> ParseSameViewPx(const std::string& text) {
+std::optional<double> ParseDuplicatePx(const std::string& text) {
   if (text == "auto") return std::nullopt;
   char* end;
   const double value = std::strtod(text.c_str(), &end);
@@ -82,8 +82,9 @@ std::vector<RejectedImage> SayAndList(const std::vector<SkippedImage>& images) {
 
 // The way to measure images again; empty for features alone, or if they are to
 // be kept.
-MeasureAgain AgainIn(const Measurements& measurements,
-                     const CalibrateArguments& arguments, int num_threads) {
+RefineFeaturesCallback AgainIn(const Measurements& measurements,
+                               const CalibrateArguments& arguments,
+                               int num_threads) {
   if (measurements.paths.empty() || arguments.measure_once) return nullptr;
   return [&measurements, num_threads](const CameraModel& camera,
                                       const Pattern& found_pattern,
@@ -107,11 +108,12 @@ void RequireUsable(const std::string& source,
   const Dataset& dataset = measurements.dataset;
   RequireConsistent(source, dataset, pattern);
   if (dataset.num_features() == 0)
-    throw Error(ExitCode::kTooFew,
-                fmt::format("{}no target found in any of {} images; {}",
-                            arguments.cameras.empty() ? "" : source + ": ",
-                            dataset.images.size(),
-                            SoughtBoards(pattern, arguments.pattern)));
+    throw Error(
+        ExitCode::kTooFew,
+        fmt::format("{}no target found in any of {} images; {}",
+                    arguments.cameras.empty() ? "" : source + ": ",
+                    dataset.images.size(),
+                    DescribeExpectedBoards(pattern, arguments.pattern)));
 }
 
 // ---- Image circle ----------------------------------------------------------
@@ -213,7 +215,7 @@ std::vector<Measurements> GivenCameras(const CalibrateArguments& arguments,
     camera.dataset = dataset;
     camera.dataset.image_size =
         is_rig ? SizeOfCamera(name, arguments) : SizeOfSingleCamera(arguments);
-    LeaveOutCopies(&camera, arguments.hold_out);
+    ExcludeCopies(&camera, arguments.hold_out);
     camera.image_circle = ImageCircleOf(camera, arguments.image_circle, 1);
     RequireUsable(arguments.features + (is_rig ? ", camera " + name : ""),
                   arguments, camera, pattern);
@@ -226,9 +228,9 @@ Measurements MeasureModes(const std::vector<std::string>& images,
                           const CalibrateArguments& arguments,
                           const CommonOptions& common, const Pattern& pattern,
                           const std::function<void(double)>& progress) {
-  const FoldersByMode folders = SortByMode(images, arguments.modes);
+  const FoldersByMode folders = GroupByMode(images, arguments.modes);
   const auto measure = [&](const std::vector<std::string>& given) {
-    return AreOfExif(arguments)
+    return UsesExifValues(arguments)
                ? MeasureWithExif(given, arguments, common, pattern, progress)
                : Measure(given, pattern, arguments.pattern, common, progress,
                          arguments.hold_out);
@@ -238,8 +240,8 @@ Measurements MeasureModes(const std::vector<std::string>& images,
           ? measure(folders.calibrated)
           : MeasureFoldersAt(arguments, common, pattern, progress);
   for (const auto& [folder, text] : folders.modes)
-    AppendOfMode(ParseMode(text, measurements.dataset.image_size), folder,
-                 measure({folder}), &measurements);
+    AppendModeMeasurements(ParseMode(text, measurements.dataset.image_size),
+                           folder, measure({folder}), &measurements);
   measurements.image_circle =
       ImageCircleOf(measurements, arguments.image_circle, common.threads);
   return measurements;
@@ -342,8 +344,8 @@ FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
   return given;
 }
 
-void LeaveOutCopies(Measurements* measurements,
-                    const std::vector<std::string>& hold_out) {
+void ExcludeCopies(Measurements* measurements,
+                   const std::vector<std::string>& hold_out) {
   Dataset& dataset = measurements->dataset;
   std::vector<std::string>& paths = measurements->paths;
   std::vector<std::optional<size_t>> repeated = RepeatedImages(dataset);
@@ -407,35 +409,33 @@ Measurements Measure(const std::vector<std::string>& images,
           GuessOtherBoard(detection, pattern, pattern_name, common.threads))
     throw Error(ExitCode::kTooFew, *other);
   if (!common.quiet) {
-    for (const std::string& remark : SummarizeRemarks(detection))
-      fmt::print(stderr, "raygrid: {}\n", Printable(remark));
+    for (const std::string& warning : SummarizeWarnings(detection))
+      fmt::print(stderr, "raygrid: {}\n", Printable(warning));
     if (!detection.turned.empty())
       fmt::print(stderr, "raygrid: {}\n",
-                 Printable(RemarkOnTurned(detection.turned)));
+                 Printable(WarnAboutOrientation(detection.turned)));
   }
   measurements.dataset = std::move(detection.dataset);
   measurements.paths = std::move(detection.paths);
-  LeaveOutCopies(&measurements, hold_out);
+  ExcludeCopies(&measurements, hold_out);
   return measurements;
 }
 
-std::vector<Measurements> GatherCameras(const CalibrateArguments& arguments,
-                                        const CommonOptions& common,
-                                        const FeaturesByCamera& given,
-                                        const Pattern& pattern,
-                                        ProgressBar* bar) {
+std::vector<Measurements> CollectMeasurements(
+    const CalibrateArguments& arguments, const CommonOptions& common,
+    const FeaturesByCamera& given, const Pattern& pattern, ProgressBar* bar) {
   std::vector<Measurements> cameras =
       given.empty() ? MeasureCameras(arguments, common, pattern, bar)
                     : GivenCameras(arguments, given, pattern);
   if (cameras.size() > 1 && arguments.instant_by == "number")
     for (Measurements& camera : cameras)
-      NameImagesByNumber("camera " + camera.camera, &camera.dataset);
+      RenameImagesByNumber("camera " + camera.camera, &camera.dataset);
   return cameras;
 }
 
 std::vector<CalibrationInput> CalibrationInputs(
     const std::vector<Measurements>& cameras,
-    const Circumstances& circumstances, const CalibrateArguments& arguments,
+    const CaptureConditions& circumstances, const CalibrateArguments& arguments,
     int num_threads, CheckpointFile* checkpoints) {
   std::vector<CalibrationInput> inputs;
   for (size_t c = 0; c < cameras.size(); ++c)
@@ -443,37 +443,38 @@ std::vector<CalibrationInput> CalibrationInputs(
         {arguments.name.empty() ? cameras[c].camera : arguments.name,
          cameras[c].dataset, AgainIn(cameras[c], arguments, num_threads),
          checkpoints->Of(c),
-         [=](const Checkpoint& done) { checkpoints->Keep(c, done); },
+         [=](const Checkpoint& done) { checkpoints->Save(c, done); },
          cameras[c].image_circle, cameras[c].skipped, circumstances.times[c]});
   return inputs;
 }
 
-CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
-                             const CommonOptions& common, ProgressBar* bar) {
+CalibrationOptions MakeCalibrationOptions(const CalibrateArguments& arguments,
+                                          const CommonOptions& common,
+                                          ProgressBar* bar) {
   CalibrationOptions options;
   // A camera over a range of values is a stack of central grids.
   const bool is_stack =
       arguments.model == "auto" && !arguments.condition.empty();
   options.model = is_stack ? models::kCentralGeneric : arguments.model;
   options.allow_noncentral = arguments.allow_noncentral;
-  options.cell_px = ParseCellPx(arguments.cell_px);
+  options.knot_spacing_px = ParseCellPx(arguments.knot_spacing_px);
   options.area = arguments.area == "features" ? AreaChoice::kFeatures
                                               : AreaChoice::kWholeImage;
   if (!arguments.like.empty()) {
     const CameraFile like = ReadCamera(arguments.like).file;
     options.like = like.camera;
     if (like.spread)
-      options.like_spread = std::make_shared<LensSpread>(*like.spread);
+      options.prior_spread = std::make_shared<LensSpread>(*like.spread);
   }
-  options.flat_board = arguments.flat_board;
+  options.fix_target_geometry = arguments.fix_target_geometry;
   options.rigid_board = arguments.rigid_board;
-  options.boards_move = arguments.boards_move;
+  options.independent_boards = arguments.independent_boards;
   options.compare_models = !arguments.skip_comparison;
   options.hold_out = arguments.hold_out;
-  options.same_view_px = ParseSameViewPx(arguments.same_view_px);
+  options.duplicate_px = ParseDuplicatePx(arguments.duplicate_px);
   options.valid_px = ParseValidPx(arguments.valid_px);
   options.num_threads = common.threads;
-  options.any_distance = common.yes;
+  options.allow_large_distance = common.yes;
   options.should_stop = IsInterrupted;
   options.progress = [bar](const std::string& stage, double done) {
     bar->Show(stage, 0.2 + 0.7 * done);
@@ -499,11 +500,11 @@ void RequireNoInputReplaced(const CalibrateArguments& arguments,
   RequireNoInputReplaced(inputs, outputs);
 }
 
-std::string InputsOf(const CalibrateArguments& arguments,
-                     const CommonOptions& common,
-                     const std::vector<Measurements>& cameras,
-                     const Circumstances& circumstances,
-                     const Pattern& pattern) {
+std::string SerializeInputs(const CalibrateArguments& arguments,
+                            const CommonOptions& common,
+                            const std::vector<Measurements>& cameras,
+                            const CaptureConditions& circumstances,
+                            const Pattern& pattern) {
   ContentHash hash;
   hash.Add(RAYGRID_VERSION);
   hash.Add(FormatPattern(pattern));
@@ -518,17 +519,18 @@ std::string InputsOf(const CalibrateArguments& arguments,
                              f.row, f.pixel.x(), f.pixel.y()));
     }
   }
-  hash.Add(fmt::format(
-      "{} {} {} {} {} {} {} {} {} {} {} {}", arguments.model,
-      arguments.allow_noncentral, arguments.cell_px, arguments.same_view_px,
-      arguments.area, arguments.image_circle, arguments.flat_board,
-      arguments.rigid_board, arguments.boards_move, arguments.measure_once,
-      arguments.valid_px, common.seed));
+  hash.Add(fmt::format("{} {} {} {} {} {} {} {} {} {} {} {}", arguments.model,
+                       arguments.allow_noncentral, arguments.knot_spacing_px,
+                       arguments.duplicate_px, arguments.area,
+                       arguments.image_circle, arguments.fix_target_geometry,
+                       arguments.rigid_board, arguments.independent_boards,
+                       arguments.measure_once, arguments.valid_px,
+                       common.seed));
   for (const std::string& image : arguments.hold_out) hash.Add(image);
   for (const std::string& mode : arguments.modes) hash.Add(mode);
   if (const auto& conditions = circumstances.conditions) {
-    for (const CameraCondition condition : conditions->conditions)
-      hash.Add(ConditionName(condition));
+    for (const OperatingParameter condition : conditions->conditions)
+      hash.Add(OperatingParameterName(condition));
     for (const auto& [image, values] : conditions->values)
       hash.Add(fmt::format("{} {:.17g}", image, fmt::join(values, " ")));
   }

@@ -27,11 +27,12 @@ struct NamedImages {
 struct CalibrateArguments {
   std::vector<std::string> images, cameras, image_sizes, hold_out, modes;
   std::string features, pattern, output, name, serial, like;
-  std::string model = "auto", cell_px = "auto";
-  std::string same_view_px = "auto", valid_px = "auto";
+  std::string model = "auto", knot_spacing_px = "auto";
+  std::string duplicate_px = "auto", valid_px = "auto";
   std::string instant_by = "name", area = "image", image_circle = "auto";
-  bool flat_board = false, rigid_board = false, boards_move = false,
-       measure_once = false, resume = false, allow_noncentral = false;
+  bool fix_target_geometry = false, rigid_board = false,
+       independent_boards = false, measure_once = false, resume = false,
+       allow_noncentral = false;
   bool skip_comparison = false, rolling_shutter = false;
   std::string times;              ///< a CSV with the times of images
   std::vector<NamedImages> rig;   ///< of a session, instead of cameras
@@ -41,7 +42,7 @@ struct CalibrateArguments {
   std::vector<std::string> cameras_at;
   std::string conditions;  ///< CSV file
   /// Of a session's frames, the values of the conditions.
-  std::map<std::string, ConditionValues> session_values;
+  std::map<std::string, OperatingPoint> session_values;
   /// When the images of each of a session's cameras were taken.
   std::vector<ImageTimes> session_times;
 
@@ -67,7 +68,7 @@ struct Measurements {
   std::vector<std::string> paths;   ///< of the dataset's images
   std::vector<ImagesOfMode> modes;  ///< the last of the dataset's images
   /// By image, with --images-at or of EXIF: the values of the conditions.
-  std::map<std::string, ConditionValues> condition_values;
+  std::map<std::string, OperatingPoint> condition_values;
   std::optional<ImageCircle> image_circle;
   std::vector<RejectedImage> skipped;   ///< could not be measured
   std::vector<RejectedImage> left_out;  ///< no photographs, copies
@@ -84,8 +85,8 @@ void Append(Measurements more, Measurements* measurements);
 /// would be predicted by a camera that was calibrated with it, and counted
 /// twice. Images held out stay beside those that are not, of which the verdict
 /// warns.
-void LeaveOutCopies(Measurements* measurements,
-                    const std::vector<std::string>& hold_out = {});
+void ExcludeCopies(Measurements* measurements,
+                   const std::vector<std::string>& hold_out = {});
 
 /// Detects the pattern in images and folders; those that cannot be used are
 /// named on stderr, and the
@@ -103,19 +104,17 @@ FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments);
 
 /// Measures the images of each camera, or takes the features given. A single
 /// camera has no name. Throws Error: kUsage, kTooFew; InputError.
-std::vector<Measurements> GatherCameras(const CalibrateArguments& arguments,
-                                        const CommonOptions& common,
-                                        const FeaturesByCamera& given,
-                                        const Pattern& pattern,
-                                        ProgressBar* bar);
+std::vector<Measurements> CollectMeasurements(
+    const CalibrateArguments& arguments, const CommonOptions& common,
+    const FeaturesByCamera& given, const Pattern& pattern, ProgressBar* bar);
 
-struct Circumstances;
+struct CaptureConditions;
 
 /// The inputs of a calibration, with the checkpoints of an interrupted one, if
 /// there are any. They use cameras and checkpoints.
 std::vector<CalibrationInput> CalibrationInputs(
     const std::vector<Measurements>& cameras,
-    const Circumstances& circumstances, const CalibrateArguments& arguments,
+    const CaptureConditions& circumstances, const CalibrateArguments& arguments,
     int num_threads, CheckpointFile* checkpoints);
 
 /// Throws Error(kOutput) if the result would replace the pattern, the features
@@ -124,15 +123,16 @@ void RequireNoInputReplaced(const CalibrateArguments& arguments,
                             const std::vector<std::string>& images);
 
 /// Tells features, pattern and what matters of the options from others.
-std::string InputsOf(const CalibrateArguments& arguments,
-                     const CommonOptions& common,
-                     const std::vector<Measurements>& cameras,
-                     const Circumstances& circumstances,
-                     const Pattern& pattern);
+std::string SerializeInputs(const CalibrateArguments& arguments,
+                            const CommonOptions& common,
+                            const std::vector<Measurements>& cameras,
+                            const CaptureConditions& circumstances,
+                            const Pattern& pattern);
 
 /// Throws Error(kUsage).
-CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
-                             const CommonOptions& common, ProgressBar* bar);
+CalibrationOptions MakeCalibrationOptions(const CalibrateArguments& arguments,
+                                          const CommonOptions& common,
+                                          ProgressBar* bar);
 
 }  // namespace raygrid
 

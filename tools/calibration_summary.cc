@@ -9,30 +9,30 @@
 #include <string>
 #include <vector>
 
-#include "dataset/held_stack.h"
+#include "dataset/fixed_operating_point.h"
 #include "dataset/text_encoding.h"
-#include "evaluation/board_shape.h"
-#include "evaluation/budget_verdict.h"
+#include "evaluation/board_flatness.h"
+#include "evaluation/budget_assessment.h"
+#include "evaluation/line_delay_text.h"
 #include "evaluation/rounded_text.h"
-#include "evaluation/row_time_text.h"
 #include "evaluation/stack_change.h"
 #include "report/result_json.h"
 
 namespace raygrid {
 namespace {
 
-void PrintFigures(const char* name, const ErrorFigures& figures) {
+void PrintMetrics(const char* name, const ErrorMetrics& metrics) {
   fmt::print(
       "  {:<9} median {:.3g} px, RMS {:.3g} px, max {:.3g} px, {} features\n",
-      name, figures.median_px, figures.rms_px, figures.max_px, figures.count);
+      name, metrics.median_px, metrics.rms_px, metrics.max_px, metrics.count);
 }
 
 // The line that a camera begins with, after its model.
 void PrintSize(const CalibrationResult& result) {
   fmt::print("{} parameters, {} images", result.num_parameters,
              result.features.images.size());
-  if (result.cell_px > 0)
-    fmt::print(", knot spacing {:.0f} px", result.cell_px);
+  if (result.knot_spacing_px > 0)
+    fmt::print(", knot spacing {:.0f} px", result.knot_spacing_px);
   fmt::print("\n");
 }
 
@@ -56,13 +56,14 @@ void PrintUnusedImages(const CalibrationResult& result) {
 
 // Training errors, the number of features without one, and held-out errors.
 void PrintErrors(const CalibrationResult& result) {
-  PrintFigures("training", *result.camera.training);
-  if (const size_t count = NumWithoutError(result))
+  PrintMetrics("training", *result.camera.training);
+  if (const size_t count = CountMissingErrors(result))
     fmt::print("            {} more features are outside the model's domain\n",
                count);
-  if (result.camera.held_out) PrintFigures("held out", *result.camera.held_out);
-  if (result.held_out_flexed)
-    PrintFigures("held out with per-view deformation", *result.held_out_flexed);
+  if (result.camera.held_out) PrintMetrics("held out", *result.camera.held_out);
+  if (result.held_out_deformed)
+    PrintMetrics("held out with per-view deformation",
+                 *result.held_out_deformed);
   if (result.bends)
     fmt::print("  per-view target deformation: {:.3f} mm RMS\n",
                1e3 * result.bends->rms_m);
@@ -76,22 +77,23 @@ void PrintUncertainty(const CameraUncertainty& uncertainty,
   fmt::print(" px\n                  in % of image");
   for (const double share : summary.share_below)
     fmt::print("{:>6.0f}", 100 * share);
-  fmt::print("\n  {}\n", UncertaintySentence(summary, uncertainty, camera));
+  fmt::print("\n  {}\n", DescribeUncertainty(summary, uncertainty, camera));
 }
 
 void PrintKnownOverRanges(const CameraFile& file) {
-  if (const auto known = UncertaintyOverRanges(file))
+  if (const auto known = ComputeMaxUncertainty(file))
     fmt::print(
         "  at the centre of the range; over the whole range: median {:.2g} px, "
         "valid region {:.0f} % of the image\n",
-        known->lattice.MedianPx(), 100 * ValidShare(*file.camera, known->mask));
+        known->lattice.MedianPx(),
+        100 * ComputeValidShare(*file.camera, known->mask));
 }
 
 // How the camera changes over each of its ranges.
-void PrintStack(const CameraStack& stack) {
+void PrintStack(const OperatingPointModel& stack) {
   for (size_t r = 0; r < stack.ranges().size(); ++r) {
     const std::vector<StackChange> ends =
-        MeasureStackChanges(stack.Along(r), 2);
+        MeasureStackChanges(stack.SliceAlong(r), 2);
     const Eigen::Vector2d moved = ends[1].center_px - ends[0].center_px;
     fmt::print(
         "  {}: image scale changes by {:.2f} %, image centre by {:.2f} px; "
@@ -122,11 +124,11 @@ void PrintImageCircle(const CameraModel& camera) {
       circle->radii_px.x(), circle->center.x(), circle->center.y());
 }
 
-void PrintRowTime(const CalibrationResult& result) {
-  if (result.row_time)
+void PrintLineDelay(const CalibrationResult& result) {
+  if (result.line_delay)
     fmt::print("  line delay: {}\n",
-               RowTimeText(*result.row_time,
-                           result.camera.camera->image_size().height));
+               FormatLineDelay(*result.line_delay,
+                               result.camera.camera->image_size().height));
 }
 
 // How far boards were found to be from flat and from nominal; nothing of those
@@ -137,7 +139,7 @@ void PrintBoards(const Pattern& pattern) {
   int num_told = 0;
   for (const Board& board : pattern.boards) {
     if (board.IsPointSet()) continue;  // may have depth
-    const BoardShape shape = MeasureBoardShape(board);
+    const BoardFlatness shape = MeasureFlatness(board);
     if (std::max(shape.rms_height_m, shape.rms_shift_m) < kTellableM) continue;
     if (++num_told > kMostLines) continue;
     fmt::print(
@@ -154,20 +156,20 @@ void PrintBoards(const Pattern& pattern) {
 // One line, as the report has it: its limit, and the one thing to do.
 void PrintLimit(const CalibrationResult& result) {
   if (!result.budget) return;
-  const BudgetVerdict verdict = JudgeBudget(*result.budget);
-  if (verdict.IsTold())
-    fmt::print("  limited by {}: {}; remedy: {}\n", verdict.limit,
-               verdict.sentence, verdict.advice);
+  const BudgetAssessment assessment = AssessBudget(*result.budget);
+  if (assessment.IsDetermined())
+    fmt::print("  limited by {}: {}; remedy: {}\n", assessment.limit,
+               assessment.sentence, assessment.advice);
 }
 
 void PrintSingleCamera(const CalibrationResult& result) {
   fmt::print("{}: ", result.camera.camera->Name());
   PrintSize(result);
-  if (result.measured_again_rms_px)
+  if (result.refinement_rms_px)
     fmt::print(
         "  features refined with the initial calibration: displacement {:.2g} "
         "px RMS\n",
-        *result.measured_again_rms_px);
+        *result.refinement_rms_px);
   PrintUnusedImages(result);
   PrintErrors(result);
   if (result.camera.held_out && result.cross_validated)
@@ -190,7 +192,7 @@ void PrintSingleCamera(const CalibrationResult& result) {
     PrintStack(result.camera.stack->cameras);
   }
   PrintImageCircle(*result.camera.camera);
-  PrintRowTime(result);
+  PrintLineDelay(result);
   if (result.fleet_distance)
     fmt::print("  distance from the fleet: {}\n",
                result.fleet_distance->Text());
@@ -204,8 +206,8 @@ void PrintSingleCamera(const CalibrationResult& result) {
 
 std::string EstimateText(double value, const std::optional<double>& deviation,
                          double scale, const char* unit) {
-  return (deviation ? WithDeviation(value * scale, *deviation * scale)
-                    : ThreeDigits(value * scale)) +
+  return (deviation ? FormatWithStdDev(value * scale, *deviation * scale)
+                    : FormatThreeDigits(value * scale)) +
          " " + unit;
 }
 
@@ -215,13 +217,13 @@ void PrintRig(const RigResult& result) {
     PrintSize(camera);
     PrintUnusedImages(camera);
     PrintErrors(camera);
-    PrintRowTime(camera);
+    PrintLineDelay(camera);
     PrintLimit(camera);
   }
   fmt::print("rig\n");
-  PrintFigures("training", TrainingFigures(result));
-  if (const auto held_out = HeldOutFigures(result))
-    PrintFigures("held out", *held_out);
+  PrintMetrics("training", ComputeTrainingMetrics(result));
+  if (const auto held_out = ComputeHeldOutMetrics(result))
+    PrintMetrics("held out", *held_out);
   for (const Baseline& baseline : result.baselines)
     fmt::print(
         "  {} to {}: baseline {}, rotation {}, {} common views\n",
@@ -242,12 +244,12 @@ void PrintSummary(const RigResult& result, const std::string& folder) {
     PrintSingleCamera(result.cameras.front());
   PrintBoards(result.cameras.front().pattern);
   for (const std::string& told :
-       BodySentences(result.bodies, result.board_pairs))
+       DescribeRigidTargets(result.rigid_targets, result.board_pairs))
     fmt::print("  {}\n", told);
-  if (!result.bodies.empty())
+  if (!result.rigid_targets.empty())
     fmt::print("    (use --independent-boards to estimate a pose per board)\n");
-  fmt::print("  verdict: {}\n", result.verdict.word);
-  for (const std::string& reason : result.verdict.reasons)
+  fmt::print("  verdict: {}\n", result.assessment.word);
+  for (const std::string& reason : result.assessment.reasons)
     fmt::print("    {}\n", Printable(reason));
   fmt::print("  results in {}\n", Printable(folder));
 }

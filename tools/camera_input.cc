@@ -10,7 +10,7 @@
 #include "dataset/csv.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
-#include "dataset/held_stack.h"
+#include "dataset/fixed_operating_point.h"
 #include "dataset/text_encoding.h"
 #include "exchange/format.h"
 #include "exchange/table_format.h"
@@ -29,18 +29,18 @@ CameraFile ParseForeignCamera(const Format& format, const std::string& path,
         fmt::format("{}: contains {} cameras; use 'raygrid import' to write "
                     "one file per camera",
                     path, contents.cameras.size()));
-  for (const std::string& remark : contents.remarks)
-    fmt::print(stderr, "raygrid: {}: {}\n", Printable(path), remark);
-  return CameraFileOf(contents.cameras.front());
+  for (const std::string& warning : contents.warnings)
+    fmt::print(stderr, "raygrid: {}: {}\n", Printable(path), warning);
+  return MakeCameraFile(contents.cameras.front());
 }
 
 // Says on standard error which conditions a camera is taken in the middle of.
-void SayTheMiddle(const std::string& path,
-                  const std::vector<ConditionRange>& ranges) {
+void NoteReferencePoint(const std::string& path,
+                        const std::vector<OperatingRange>& ranges) {
   fmt::print(stderr,
              "raygrid: {}: calibrated over {}; using the centre of the range "
              "(select another operating point with --at)\n",
-             Printable(path), TextOf(ranges));
+             Printable(path), ToText(ranges));
 }
 
 // How a stack is read.
@@ -51,23 +51,26 @@ enum class Reading {
 };
 
 // Values for a camera with these ranges, each in its range.
-HeldConditions ValuesFor(const std::string& path, const ConditionsAt& at,
-                         Reading reading,
-                         const std::vector<ConditionRange>& ranges) {
-  if (reading != Reading::kOneOfTwo) return HeldInRange(at, ranges, path);
-  return HeldInRange(OfRanges(at, ranges), ranges, path);
+FixedOperatingPoint ValuesFor(const std::string& path,
+                              const RequestedOperatingPoint& at,
+                              Reading reading,
+                              const std::vector<OperatingRange>& ranges) {
+  if (reading != Reading::kOneOfTwo)
+    return FixRequestedPointInRange(at, ranges, path);
+  return FixRequestedPointInRange(FilterByRanges(at, ranges), ranges, path);
 }
 
 // A stack's camera at values, in place of that in the middle. Returns the
 // stack's ranges.
-std::vector<ConditionRange> TakeAt(const std::string& path,
-                                   const ConditionsAt& at, Reading reading,
-                                   CameraFile* file) {
+std::vector<OperatingRange> TakeAt(const std::string& path,
+                                   const RequestedOperatingPoint& at,
+                                   Reading reading, CameraFile* file) {
   if (!file->stack) return {};
-  const std::vector<ConditionRange> ranges = file->stack->cameras.ranges();
-  if (at.IsGiven()) *file = FileAt(*file, ValuesFor(path, at, reading, ranges));
+  const std::vector<OperatingRange> ranges = file->stack->cameras.ranges();
+  if (at.IsGiven())
+    *file = MakeCameraFileAt(*file, ValuesFor(path, at, reading, ranges));
   if (file->stack && reading != Reading::kRest)
-    SayTheMiddle(path, file->stack->cameras.ranges());
+    NoteReferencePoint(path, file->stack->cameras.ranges());
   return ranges;
 }
 
@@ -79,11 +82,12 @@ Error NoStack(const std::string& path) {
 }
 
 CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
-                           const ConditionsAt& at, Reading reading) {
+                           const RequestedOperatingPoint& at, Reading reading) {
   CameraInput input;
   if (!IsBlob(path, bytes)) {
     if (const TableFormat* table = RecognizeTable(bytes))
-      throw InputError(fmt::format("{}: {}", path, table->WhyNoCamera()));
+      throw InputError(
+          fmt::format("{}: {}", path, table->ExplainMissingCamera()));
     const Format* format = RecognizeCamera(path, bytes);
     input.file = format ? ParseForeignCamera(*format, path, bytes)
                         : ParseCameraFile(path, bytes);
@@ -93,13 +97,13 @@ CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
   input.blob.emplace(path, bytes);
   if (const auto range = input.blob->Range()) {
     input.ranges = {*range};
-    const HeldConditions held = at.IsGiven()
-                                    ? ValuesFor(path, at, reading, input.ranges)
-                                    : HeldConditions(1);
+    const FixedOperatingPoint held =
+        at.IsGiven() ? ValuesFor(path, at, reading, input.ranges)
+                     : FixedOperatingPoint(1);
     if (held[0])
       input.blob->SetCondition(*held[0]);
     else if (reading != Reading::kRest)
-      SayTheMiddle(path, input.ranges);
+      NoteReferencePoint(path, input.ranges);
   }
   input.file.camera = input.blob->ToModel();
   rg_camera_section identity;
@@ -107,69 +111,71 @@ CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
   // The format asks for UTF-8, and readers do not check it.
   input.file.name = Printable(identity.name);
   input.file.serial = Printable(identity.serial);
-  input.file.capture = input.blob->CaptureAtCalibration();
-  input.file.row_time = input.blob->TimeOfRow();
+  input.file.capture = input.blob->GetCalibrationCapture();
+  input.file.line_delay = input.blob->GetRowTime();
   return input;
 }
 
 }  // namespace
 
-CameraInput ReadCamera(const std::string& path, const ConditionsAt& at) {
+CameraInput ReadCamera(const std::string& path,
+                       const RequestedOperatingPoint& at) {
   return ParseCamera(path, ReadFile(path), at);
 }
 
 CameraInput ParseCamera(const std::string& path, const std::string& bytes,
-                        const ConditionsAt& at) {
+                        const RequestedOperatingPoint& at) {
   CameraInput input = ParseAnyCamera(path, bytes, at, Reading::kOne);
   if (at.IsGiven() && input.ranges.empty()) throw NoStack(path);
   return input;
 }
 
-CameraInput ReadCameraOrStack(const std::string& path, const ConditionsAt& at) {
+CameraInput ReadCameraOrStack(const std::string& path,
+                              const RequestedOperatingPoint& at) {
   CameraInput input = ParseAnyCamera(path, ReadFile(path), at, Reading::kRest);
   if (at.IsGiven() && input.ranges.empty()) throw NoStack(path);
   return input;
 }
 
-std::array<CameraInput, 2> ReadTwoCameras(const std::string& first,
+std::array<CameraInput, 2> ReadCameraPair(const std::string& first,
                                           const std::string& second,
-                                          const ConditionsAt& at) {
+                                          const RequestedOperatingPoint& at) {
   std::array<CameraInput, 2> cameras = {
       ParseAnyCamera(first, ReadFile(first), at, Reading::kOneOfTwo),
       ParseAnyCamera(second, ReadFile(second), at, Reading::kOneOfTwo)};
-  std::vector<ConditionRange> ranges = cameras[0].ranges;
+  std::vector<OperatingRange> ranges = cameras[0].ranges;
   ranges.insert(ranges.end(), cameras[1].ranges.begin(),
                 cameras[1].ranges.end());
   if (at.IsGiven() && ranges.empty()) throw NoStack(first + ", " + second);
-  if (OfRanges(at, ranges).named.size() < at.named.size())
+  if (FilterByRanges(at, ranges).named.size() < at.named.size())
     throw Error(
         ExitCode::kUsage,
         fmt::format("{}, {}: {}: both cameras vary with {} only", first, second,
-                    at.Text(), ConditionName(ranges[0].condition)));
+                    at.Text(), OperatingParameterName(ranges[0].condition)));
   for (size_t c = 0; c < 2; ++c) {
-    const std::vector<ConditionRange>& own = cameras[c].ranges;
-    if (own.empty() || OfRanges(at, own).named.size() == at.named.size())
+    const std::vector<OperatingRange>& own = cameras[c].ranges;
+    if (own.empty() || FilterByRanges(at, own).named.size() == at.named.size())
       continue;
     fmt::print(stderr,
                "raygrid: {}: {}: varies with {} only; the other value applies "
                "to the other camera\n",
                Printable(c == 0 ? first : second), at.Text(),
-               ConditionName(own[0].condition));
+               OperatingParameterName(own[0].condition));
   }
   return cameras;
 }
 
-std::optional<TrustMask> TrustOf(const CameraInput& input) {
-  if (input.blob) return input.blob->Trusted();
+std::optional<ValidityMask> LoadValidityMask(const CameraInput& input) {
+  if (input.blob) return input.blob->GetValidityMask();
   if (input.file.uncertainty) return input.file.uncertainty->mask;
   return std::nullopt;
 }
 
-std::optional<TrustMask> ShownWith(const std::string& outside,
-                                   const std::string& path,
-                                   const CameraInput& input) {
+std::optional<ValidityMask> SelectVisibleMask(const std::string& outside,
+                                              const std::string& path,
+                                              const CameraInput& input) {
   if (outside != "border") return std::nullopt;
-  if (auto trusted = TrustOf(input)) return trusted;
+  if (auto trusted = LoadValidityMask(input)) return trusted;
   throw Error(ExitCode::kUsage,
               path +
                   ": --outside border: the file has no valid region; omit the "
@@ -177,15 +183,15 @@ std::optional<TrustMask> ShownWith(const std::string& outside,
 }
 
 void WarnOfFailedCalibration(const std::string& path, const CameraFile& file) {
-  if (file.verdict == "fail")
+  if (file.assessment == "fail")
     fmt::print(stderr,
                "raygrid: {}: its calibration has verdict fail; see the report "
                "and calibrate again before using it\n",
                Printable(path));
 }
 
-void RequireApart(const std::vector<std::string>& images,
-                  const std::string& folder) {
+void RequireSeparateFolders(const std::vector<std::string>& images,
+                            const std::string& folder) {
   for (const std::string& image : images) {
     const auto among = std::filesystem::absolute(image).parent_path();
     std::error_code ignored;
@@ -207,8 +213,8 @@ void PrintOrWrite(const std::string& path, const std::string& text) {
     throw Error(ExitCode::kOutput, "standard output cannot be written");
 }
 
-std::string CsvAsJson(const std::string& csv,
-                      const std::vector<std::string>& columns) {
+std::string ConvertCsvToJson(const std::string& csv,
+                             const std::vector<std::string>& columns) {
   const std::string name = "result";
   CsvReader table(name, csv, columns);
   std::string text = "[";

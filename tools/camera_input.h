@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "conditions_at.h"
 #include "dataset/camera_file.h"
 #include "packing/blob_camera.h"
+#include "requested_operating_point.h"
 
 namespace raygrid {
 
@@ -19,37 +19,40 @@ struct CameraInput {
   CameraFile file;                 ///< a blob's grid in double precision
   std::optional<BlobCamera> blob;  ///< if it was one
   /// That it was calibrated over, if it is of a stack.
-  std::vector<ConditionRange> ranges;
+  std::vector<OperatingRange> ranges;
 };
 
 /// at: the values of the conditions, of a camera that is a stack; where one is
 /// not given, it is the one in the middle, which is said on standard error.
-/// Throws Error(kUsage) as HeldInRange(), and for cameras that are no stack.
-CameraInput ReadCamera(const std::string& path, const ConditionsAt& at = {});
+/// Throws Error(kUsage) as FixRequestedPointInRange(), and for cameras that are
+/// no stack.
+CameraInput ReadCamera(const std::string& path,
+                       const RequestedOperatingPoint& at = {});
 /// The camera in a file's bytes; path is used in errors. Says on standard error
 /// what of another program's file was not taken as it stands.
 CameraInput ParseCamera(const std::string& path, const std::string& bytes,
-                        const ConditionsAt& at = {});
+                        const RequestedOperatingPoint& at = {});
 
 /// ReadCamera(), but over conditions that at does not give it stays a stack.
-CameraInput ReadCameraOrStack(const std::string& path, const ConditionsAt& at);
+CameraInput ReadCameraOrStack(const std::string& path,
+                              const RequestedOperatingPoint& at);
 
 /// Reads two cameras, of which at is for those that are stacks. Values of
 /// conditions that one of them does not change with are the other's, which is
 /// said on standard error. Throws Error(kUsage) if neither does.
-std::array<CameraInput, 2> ReadTwoCameras(const std::string& first,
+std::array<CameraInput, 2> ReadCameraPair(const std::string& first,
                                           const std::string& second,
-                                          const ConditionsAt& at);
+                                          const RequestedOperatingPoint& at);
 
 /// The cells in which a camera can be trusted, if its file or blob says so.
-std::optional<TrustMask> TrustOf(const CameraInput& input);
+std::optional<ValidityMask> LoadValidityMask(const CameraInput& input);
 
 /// The pixels that are to be shown of a camera's images with --outside OUTSIDE:
 /// all, or those that are trusted. Throws Error(kUsage) if nothing says which
 /// are.
-std::optional<TrustMask> ShownWith(const std::string& outside,
-                                   const std::string& path,
-                                   const CameraInput& input);
+std::optional<ValidityMask> SelectVisibleMask(const std::string& outside,
+                                              const std::string& path,
+                                              const CameraInput& input);
 
 /// Says so on standard error if the camera's calibration failed, which results
 /// do not show.
@@ -57,8 +60,8 @@ void WarnOfFailedCalibration(const std::string& path, const CameraFile& file);
 
 /// Throws Error(kOutput) if pictures would be written among the images that
 /// they are made from, where they would be taken for images the next time.
-void RequireApart(const std::vector<std::string>& images,
-                  const std::string& folder);
+void RequireSeparateFolders(const std::vector<std::string>& images,
+                            const std::string& folder);
 
 /// Prints text, or writes it to a file if one is named.
 void PrintOrWrite(const std::string& path, const std::string& text);
@@ -70,8 +73,8 @@ inline size_t MaxRows(bool is_json) { return is_json ? 500000 : 2100000; }
 
 /// A CSV of numbers as an array of objects, empty fields as null, a column
 /// "valid" as true and false.
-std::string CsvAsJson(const std::string& csv,
-                      const std::vector<std::string>& columns);
+std::string ConvertCsvToJson(const std::string& csv,
+                             const std::vector<std::string>& columns);
 
 }  // namespace raygrid
 

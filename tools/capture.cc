@@ -1,5 +1,5 @@
 #include "commands.h"
-#include "neighbour_program.h"
+#include "sibling_program.h"
 
 namespace raygrid {
 
@@ -10,7 +10,8 @@ void AddCapture(CLI::App* app, CommonOptions*) {
   command->set_help_flag();
   command->prefix_command();
   command->callback([command] {
-    const int code = BecomeNeighbour("raygrid-capture", command->remaining());
+    const int code =
+        ExecSiblingProgram("raygrid-capture", command->remaining());
     throw CLI::RuntimeError(code);
   });
 }

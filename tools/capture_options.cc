@@ -99,7 +99,7 @@ std::optional<Capture> ParseCaptureWords(const std::vector<std::string>& texts,
   }
   if (!capture.lens_position && taken.count("tolerance"))
     RefuseCapture("tolerance requires lens");
-  if (const char* const impossible = FindImpossible(capture, size))
+  if (const char* const impossible = FindInvalidValue(capture, size))
     RefuseCapture(impossible);
   return capture;
 }

@@ -56,7 +56,7 @@ std::vector<std::string> UseSession(const CameraFile& file,
     throw Error(ExitCode::kTooFew, folder +
                                        ": no frame was kept; continue the "
                                        "session with raygrid capture --resume");
-  return file.capture ? DifferencesOf(*file.capture, CaptureOf(cameras[0]))
+  return file.capture ? ListDifferences(*file.capture, CaptureOf(cameras[0]))
                       : std::vector<std::string>();
 }
 
@@ -93,9 +93,9 @@ Dataset Gather(const CheckArguments& arguments, const CommonOptions& common,
 }
 
 const char* Word(const CameraChange& change) {
-  return change.is_degraded ? "DEGRADED"
-         : change.can_tell  ? "OK"
-                            : "CANNOT TELL";
+  return change.is_degraded     ? "DEGRADED"
+         : change.is_conclusive ? "OK"
+                                : "CANNOT TELL";
 }
 
 nlohmann::ordered_json ToJson(const CameraCheck& check,
@@ -112,7 +112,8 @@ nlohmann::ordered_json ToJson(const CameraCheck& check,
   for (const Movement& movement : change.movements) {
     nlohmann::ordered_json& entry = json["movements"][movement.name];
     entry["sigmas"] = movement.sigmas;
-    if (movement.found_from > 0) entry["detection_limit"] = movement.found_from;
+    if (movement.detection_limit > 0)
+      entry["detection_limit"] = movement.detection_limit;
     for (size_t k = 0; k < movement.parameters.size(); ++k) {
       entry[movement.parameters[k]] = movement.values[k];
       entry[movement.parameters[k] + "_sd"] = movement.deviations[k];
@@ -133,17 +134,18 @@ nlohmann::ordered_json ToJson(const CameraCheck& check,
 
 std::string Amount(const CameraChange& change, const Movement& movement) {
   const auto pair = [&movement](double unit, const char* name) {
-    return fmt::format(
-        "({0}, {1}) {2}; smallest detectable change {3:.2g} {2}",
-        WithDeviation(unit * movement.values[0], unit * movement.deviations[0]),
-        WithDeviation(unit * movement.values[1], unit * movement.deviations[1]),
-        name, unit * movement.found_from);
+    return fmt::format("({0}, {1}) {2}; smallest detectable change {3:.2g} {2}",
+                       FormatWithStdDev(unit * movement.values[0],
+                                        unit * movement.deviations[0]),
+                       FormatWithStdDev(unit * movement.values[1],
+                                        unit * movement.deviations[1]),
+                       name, unit * movement.detection_limit);
   };
   if (movement.name == "scale")
-    return fmt::format(
-        "{} %; smallest detectable change {:.2g} %",
-        WithDeviation(100 * movement.values[0], 100 * movement.deviations[0]),
-        100 * movement.found_from);
+    return fmt::format("{} %; smallest detectable change {:.2g} %",
+                       FormatWithStdDev(100 * movement.values[0],
+                                        100 * movement.deviations[0]),
+                       100 * movement.detection_limit);
   if (movement.name == "shift") return pair(1, "px");
   if (movement.name == "tilt") return pair(180 / M_PI, "degrees");
   if (change.largest_local_px <= 0) return "";
@@ -180,7 +182,7 @@ void Run(CheckArguments arguments, const CommonOptions& common) {
     throw Error(ExitCode::kUsage, "check: specify either images or --features");
   const CameraInput input = ReadCamera(arguments.camera, common.at);
   const std::vector<std::string> stands = UseSession(input.file, &arguments);
-  const Pattern pattern = GivenPattern(PatternPath(arguments));
+  const Pattern pattern = LoadPattern(PatternPath(arguments));
   std::vector<RejectedImage> rejected;
   const Dataset dataset =
       Gather(arguments, common, input.file, pattern, &rejected);
@@ -195,7 +197,7 @@ void Run(CheckArguments arguments, const CommonOptions& common) {
     throw Error(ExitCode::kQuality,
                 fmt::format("the camera has changed ({}); calibrate it again",
                             fmt::join(check.change.moved, ", ")));
-  if (!check.change.can_tell)
+  if (!check.change.is_conclusive)
     throw Error(ExitCode::kTooFew,
                 "no change detected, but a shift or scale change of 1 % of the "
                 "image would go undetected; take more or sharper images, with "

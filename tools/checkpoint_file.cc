@@ -34,7 +34,7 @@ void CheckpointFile::Read() {
   checkpoints_ = std::move(read);
 }
 
-void CheckpointFile::Keep(size_t camera, const Checkpoint& checkpoint) {
+void CheckpointFile::Save(size_t camera, const Checkpoint& checkpoint) {
   checkpoints_[camera] = checkpoint;
   const auto start = Clock::now();
   if (start < next_write_) return;
@@ -58,9 +58,9 @@ CheckpointFile::~CheckpointFile() {
   }
 }
 
-void KeepFinishedResult(const std::string& folder,
-                        const std::vector<Checkpoint>& checkpoints,
-                        const std::string& inputs) {
+void PreserveFinishedResult(const std::string& folder,
+                            const std::vector<Checkpoint>& checkpoints,
+                            const std::string& inputs) {
   if (checkpoints.empty() || !HasFinishedResult(folder)) return;
   OutputFiles files;
   files.Add((std::filesystem::path(folder) / "resume.json").string(),

@@ -14,7 +14,7 @@ namespace raygrid {
 /// calibration that fails.
 class CheckpointFile {
  public:
-  /// inputs are InputsOf() those cameras.
+  /// inputs are SerializeInputs() those cameras.
   CheckpointFile(const std::string& folder, const std::string& inputs,
                  size_t num_cameras);
   ~CheckpointFile();
@@ -27,7 +27,7 @@ class CheckpointFile {
   const Checkpoint& Of(size_t camera) const { return checkpoints_[camera]; }
 
   /// Writes them all, now or with one of the next.
-  void Keep(size_t camera, const Checkpoint& checkpoint);
+  void Save(size_t camera, const Checkpoint& checkpoint);
 
  private:
   std::string path_, inputs_;
@@ -39,9 +39,9 @@ class CheckpointFile {
 /// Keeps a finished result from being replaced by what was found so far: where
 /// the folder holds one, this writes resume.json alone and throws
 /// Error(kNotConverged). Without checkpoints, nothing was interrupted.
-void KeepFinishedResult(const std::string& folder,
-                        const std::vector<Checkpoint>& checkpoints,
-                        const std::string& inputs);
+void PreserveFinishedResult(const std::string& folder,
+                            const std::vector<Checkpoint>& checkpoints,
+                            const std::string& inputs);
 
 }  // namespace raygrid
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "conditions_at.h"
+#include "requested_operating_point.h"
 
 namespace raygrid {
 
@@ -21,7 +21,7 @@ struct CommonOptions {
   bool json = false;
   bool yes = false;  ///< accept unusual lengths without asking
   /// Operating point: lens position and temperature.
-  ConditionsAt at;
+  RequestedOperatingPoint at;
 };
 
 /// A command with the common options and an example in its help. description:

@@ -37,7 +37,7 @@ struct Comparison {
   Area area;  // of the second camera
   double angle_rad = 0;
   /// Over the places where both can be trusted, of cameras that say so.
-  std::optional<ErrorFigures> trusted;
+  std::optional<ErrorMetrics> trusted;
   std::optional<PredictionComparison> prediction;  // of features, if given
 };
 
@@ -45,7 +45,7 @@ struct Comparison {
 PredictionComparison Predict(const CompareArguments& arguments,
                              const CameraModel& first,
                              const CameraModel& second, int num_threads) {
-  const Pattern pattern = GivenPattern(arguments.pattern);
+  const Pattern pattern = LoadPattern(arguments.pattern);
   auto cameras = ReadFeatures(arguments.features);
   if (cameras.size() > 1)
     throw InputError(arguments.features +
@@ -69,28 +69,29 @@ PredictionComparison Predict(const CompareArguments& arguments,
 
 // The difference at pixels that both cameras can be trusted at. Elsewhere one
 // of them is extrapolated, and they may differ by any number of pixels.
-std::optional<ErrorFigures> WhereTrusted(const ModelDifference& difference,
+std::optional<ErrorMetrics> WhereTrusted(const ModelDifference& difference,
                                          const CameraInput& first,
                                          const CameraInput& second) {
-  const auto first_trust = TrustOf(first), second_trust = TrustOf(second);
+  const auto first_trust = LoadValidityMask(first),
+             second_trust = LoadValidityMask(second);
   if (!first_trust && !second_trust) return std::nullopt;
   std::vector<FeatureResidual> places;
   for (size_t i = 0; i < difference.pixels.size(); ++i) {
     const Eigen::Vector2d& pixel = difference.pixels[i];
-    if ((first_trust && !first_trust->Trusts(pixel)) ||
-        (second_trust && !second_trust->Trusts(pixel)))
+    if ((first_trust && !first_trust->IsValidAt(pixel)) ||
+        (second_trust && !second_trust->IsValidAt(pixel)))
       continue;
     places.emplace_back();
     places.back().error_px = difference.error_px[i];
   }
   if (places.empty()) return std::nullopt;
-  return ComputeErrorFigures(places);
+  return ComputeErrorMetrics(places);
 }
 
 Comparison Compare(const CompareArguments& arguments,
                    const CommonOptions& common) {
   const auto [first, second] =
-      ReadTwoCameras(arguments.first, arguments.second, common.at);
+      ReadCameraPair(arguments.first, arguments.second, common.at);
   Comparison comparison;
   comparison.size = first.file.camera->image_size();
   const ImageSize other = second.file.camera->image_size();
@@ -120,10 +121,10 @@ Comparison Compare(const CompareArguments& arguments,
   return comparison;
 }
 
-nlohmann::ordered_json ToJson(const ErrorFigures& figures) {
-  return {{"median_px", figures.median_px},
-          {"rms_px", figures.rms_px},
-          {"max_px", figures.max_px}};
+nlohmann::ordered_json ToJson(const ErrorMetrics& metrics) {
+  return {{"median_px", metrics.median_px},
+          {"rms_px", metrics.rms_px},
+          {"max_px", metrics.max_px}};
 }
 
 nlohmann::ordered_json ToJson(const PredictionComparison& prediction) {
@@ -206,10 +207,10 @@ void Write(const Comparison& comparison, const std::filesystem::path& folder) {
 
 void Print(const CompareArguments& arguments,
            const PredictionComparison& prediction) {
-  const auto print = [](const std::string& camera, const ErrorFigures& figures,
+  const auto print = [](const std::string& camera, const ErrorMetrics& metrics,
                         int num_better) {
     fmt::print("{}: median {:.3g} px, RMS {:.3g} px, better in {} images\n",
-               camera, figures.median_px, figures.rms_px, num_better);
+               camera, metrics.median_px, metrics.rms_px, num_better);
   };
   fmt::print("{} features of {} images, poses estimated with each camera:\n",
              prediction.first.count, prediction.images.size());

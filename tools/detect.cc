@@ -11,7 +11,7 @@
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
-#include "dataset/image_room.h"
+#include "dataset/image_memory_budget.h"
 #include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
 #include "features/board_guess.h"
@@ -65,7 +65,8 @@ void RequireInputsStay(const DetectArguments& arguments,
       outputs.push_back(OverlayPath(arguments, OverlayName(path)));
   }
   RequireNoInputReplaced(inputs, outputs);
-  if (!arguments.overlay.empty()) RequireApart(images, arguments.overlay);
+  if (!arguments.overlay.empty())
+    RequireSeparateFolders(images, arguments.overlay);
 }
 
 FolderDetection Detect(const DetectArguments& arguments, const Pattern& pattern,
@@ -89,12 +90,12 @@ void WarnOfSkipped(const FolderDetection& found) {
                Printable(skipped.reason));
 }
 
-void WarnOfRemarks(const FolderDetection& found) {
-  for (const std::string& remark : SummarizeRemarks(found))
-    fmt::print(stderr, "raygrid: {}\n", Printable(remark));
+void PrintAllWarnings(const FolderDetection& found) {
+  for (const std::string& warning : SummarizeWarnings(found))
+    fmt::print(stderr, "raygrid: {}\n", Printable(warning));
   if (!found.turned.empty())
     fmt::print(stderr, "raygrid: {}\n",
-               Printable(RemarkOnTurned(found.turned)));
+               Printable(WarnAboutOrientation(found.turned)));
 }
 
 // Names the images without features, or the first of many.
@@ -132,12 +133,12 @@ void RequireFeatures(const FolderDetection& found, const Pattern& pattern,
                      const DetectArguments& arguments) {
   if (NumWithFeatures(found) > 0) return;
   std::string seen;
-  for (const std::string& remark : SummarizeRemarks(found))
-    seen += "; " + remark;
+  for (const std::string& warning : SummarizeWarnings(found))
+    seen += "; " + warning;
   throw Error(ExitCode::kTooFew,
               fmt::format("no target found in any of {} images{}; {}",
                           found.images.size(), seen,
-                          SoughtBoards(pattern, arguments.pattern)));
+                          DescribeExpectedBoards(pattern, arguments.pattern)));
 }
 
 void AddOverlays(const DetectArguments& arguments, const FolderDetection& found,
@@ -145,7 +146,7 @@ void AddOverlays(const DetectArguments& arguments, const FolderDetection& found,
   const int count = static_cast<int>(found.paths.size());
   std::vector<std::string> pictures(count);
   ParallelFor(count, NumThreads(num_threads), [&](int i) {
-    const ImageRoom room(found.dataset.image_size);
+    const ImageMemoryBudget room(found.dataset.image_size);
     pictures[i] = EncodePng(DrawDetection(
         MakeGreyImage(ReadGreyLevels(found.paths[i])), found.images[i]));
   });
@@ -172,7 +173,7 @@ std::string FormatJson(const FolderDetection& found, double seconds) {
     if (found.images[i].features.empty())
       json["images_without_features"].push_back(
           {{"image", found.dataset.images[i].image},
-           {"reasons", found.images[i].remarks}});
+           {"reasons", found.images[i].warnings}});
   json["rotated_by_exif"] = found.turned;
   json["seconds"] = seconds;
   return FormatCommandJson(json);
@@ -180,7 +181,7 @@ std::string FormatJson(const FolderDetection& found, double seconds) {
 
 void Run(const DetectArguments& arguments, const CommonOptions& common) {
   const auto start = std::chrono::steady_clock::now();
-  const Pattern pattern = MeantPattern(arguments.pattern, common);
+  const Pattern pattern = LoadCheckedPattern(arguments.pattern, common);
   const FolderDetection found = Detect(arguments, pattern, common);
   WarnOfSkipped(found);
   OutputFiles overlays;
@@ -194,7 +195,7 @@ void Run(const DetectArguments& arguments, const CommonOptions& common) {
   RequireFeatures(found, pattern, arguments);
   if (!common.quiet) {
     NameThoseWithoutFeatures(found);
-    WarnOfRemarks(found);
+    PrintAllWarnings(found);
   }
   WriteFile(arguments.output, FormatFeatures(found.dataset));
   const std::chrono::duration<double> seconds =
@@ -252,7 +253,7 @@ void AddDetect(CLI::App* app, CommonOptions* common) {
   command->add_option("images", arguments->images, "images or folders")
       ->required();
   AddPatternOption(command, &arguments->pattern)->required();
-  AddYes(command, common);
+  AddYesOption(command, common);
   BeginGroup(command, help_group::kOutput);
   command->add_option("-o,--output", arguments->output, "features.csv to write")
       ->option_text("FILE")

@@ -4,17 +4,17 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "calibration/bodies.h"
 #include "calibration/camera_evaluation.h"
-#include "calibration/flexed_evaluation.h"
+#include "calibration/deformation_evaluation.h"
 #include "calibration/rig_evaluation.h"
+#include "calibration/rigid_targets.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
-#include "evaluation/board_bodies.h"
+#include "evaluation/rigid_target_text.h"
 #include "help_formatter.h"
 #include "json_output.h"
 #include "pattern_input.h"
@@ -24,40 +24,41 @@ namespace {
 
 struct EvaluateArguments {
   std::string camera, features, pattern;
-  bool boards_move = false;
+  bool independent_boards = false;
 };
 
 // Without bodies, if boards are to move by themselves.
 Pattern PatternOf(const EvaluateArguments& arguments) {
-  Pattern pattern = GivenPattern(arguments.pattern);
-  if (arguments.boards_move) pattern.bodies.clear();
+  Pattern pattern = LoadPattern(arguments.pattern);
+  if (arguments.independent_boards) pattern.rigid_targets.clear();
   return pattern;
 }
 
 // "boards 0, 1 and 2 as one body", several of them; or nothing.
-std::string BodiesInWords(const Pattern& pattern) {
+std::string FormatRigidTargets(const Pattern& pattern) {
   std::string words;
-  for (const BoardBody& body : pattern.bodies)
+  for (const RigidTarget& body : pattern.rigid_targets)
     words += fmt::format("{}boards {} as a rigid body",
-                         words.empty() ? "" : ", ", Enumerated(body.boards));
+                         words.empty() ? "" : ", ", FormatList(body.boards));
   return words;
 }
 
 // How boards are localised, if there are several.
 void PrintHowLocalized(const Pattern& pattern) {
   if (pattern.boards.size() < 2) return;
-  if (pattern.bodies.empty())
+  if (pattern.rigid_targets.empty())
     fmt::print("one pose estimated per board\n");
   else
     fmt::print(
         "poses estimated for {} (use --independent-boards for a pose per "
         "board)\n",
-        BodiesInWords(pattern));
+        FormatRigidTargets(pattern));
 }
 
-nlohmann::ordered_json BodiesJson(const Pattern& pattern) {
+nlohmann::ordered_json RigidTargetsJson(const Pattern& pattern) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  for (const BoardBody& body : pattern.bodies) json.push_back(body.boards);
+  for (const RigidTarget& body : pattern.rigid_targets)
+    json.push_back(body.boards);
   return json;
 }
 
@@ -72,19 +73,19 @@ Dataset ReadSingleCamera(const std::string& path) {
 
 using Residuals = std::vector<FeatureResidual>;
 
-nlohmann::ordered_json JsonOf(const ErrorFigures& figures) {
-  return {{"median_px", figures.median_px},
-          {"rms_px", figures.rms_px},
-          {"max_px", figures.max_px},
-          {"count", figures.count}};
+nlohmann::ordered_json JsonOf(const ErrorMetrics& metrics) {
+  return {{"median_px", metrics.median_px},
+          {"rms_px", metrics.rms_px},
+          {"max_px", metrics.max_px},
+          {"count", metrics.count}};
 }
 
 nlohmann::ordered_json ToJson(const Evaluation& evaluation,
                               const Residuals& flexed) {
   nlohmann::ordered_json json =
-      JsonOf(ComputeErrorFigures(evaluation.residuals));
+      JsonOf(ComputeErrorMetrics(evaluation.residuals));
   json["outside_area_features"] = evaluation.outside_area;
-  if (!flexed.empty()) json["deformed"] = JsonOf(ComputeErrorFigures(flexed));
+  if (!flexed.empty()) json["deformed"] = JsonOf(ComputeErrorMetrics(flexed));
   json["rejected_images"] = nlohmann::ordered_json::array();
   for (const RejectedImage& image : evaluation.rejected_images)
     json["rejected_images"].push_back(
@@ -92,19 +93,19 @@ nlohmann::ordered_json ToJson(const Evaluation& evaluation,
   return json;
 }
 
-void Print(const ErrorFigures& figures) {
+void Print(const ErrorMetrics& metrics) {
   fmt::print("median {:.3g} px, RMS {:.3g} px, max {:.3g} px over {} features",
-             figures.median_px, figures.rms_px, figures.max_px, figures.count);
+             metrics.median_px, metrics.rms_px, metrics.max_px, metrics.count);
 }
 
 void Print(const Evaluation& evaluation, const Residuals& flexed) {
-  Print(ComputeErrorFigures(evaluation.residuals));
+  Print(ComputeErrorMetrics(evaluation.residuals));
   if (evaluation.outside_area > 0)
     fmt::print("; {} outside the calibrated area", evaluation.outside_area);
   fmt::print("\n");
   if (!flexed.empty()) {
     fmt::print("with per-view target deformation: ");
-    Print(ComputeErrorFigures(flexed));
+    Print(ComputeErrorMetrics(flexed));
     fmt::print(", each predicted from the other half of the features\n");
   }
   for (const RejectedImage& image : evaluation.rejected_images)
@@ -113,10 +114,10 @@ void Print(const Evaluation& evaluation, const Residuals& flexed) {
 }
 
 // The errors of a camera whose boards are localised as bodies.
-Evaluation EvaluateAsBodies(const RigModel& camera, const Dataset& dataset,
-                            const Pattern& pattern, int num_threads) {
+Evaluation EvaluateRigidTargets(const RigModel& camera, const Dataset& dataset,
+                                const Pattern& pattern, int num_threads) {
   RigModel with_bodies = camera;
-  with_bodies.bodies = BodiesOf(pattern);
+  with_bodies.rigid_targets = MakeRigidTargets(pattern);
   return EvaluateRig(with_bodies, {dataset}, pattern, num_threads).front();
 }
 
@@ -139,16 +140,18 @@ void RunCamera(const EvaluateArguments& arguments, const std::string& bytes,
   RequireResiduals(evaluation.residuals.size());
   const RigModel alone = {{input.file.camera.get()}, {Pose()}};
   const Residuals flexed =
-      EvaluateFlexed(alone, {dataset}, pattern, common.threads).front();
-  std::optional<ErrorFigures> as_bodies;
-  if (!pattern.bodies.empty())
-    as_bodies = ComputeErrorFigures(
-        EvaluateAsBodies(alone, dataset, pattern, common.threads).residuals);
+      EvaluateWithDeformation(alone, {dataset}, pattern, common.threads)
+          .front();
+  std::optional<ErrorMetrics> as_bodies;
+  if (!pattern.rigid_targets.empty())
+    as_bodies = ComputeErrorMetrics(
+        EvaluateRigidTargets(alone, dataset, pattern, common.threads)
+            .residuals);
   if (common.json) {
     nlohmann::ordered_json json = ToJson(evaluation, flexed);
     if (as_bodies) {
       json["with_rigid_targets"] = JsonOf(*as_bodies);
-      json["rigid_targets"] = BodiesJson(pattern);
+      json["rigid_targets"] = RigidTargetsJson(pattern);
     }
     PrintCommandJson(json);
     return;
@@ -156,7 +159,7 @@ void RunCamera(const EvaluateArguments& arguments, const std::string& bytes,
   if (pattern.boards.size() > 1) fmt::print("one pose per board: ");
   Print(evaluation, flexed);
   if (!as_bodies) return;
-  fmt::print("{}: ", BodiesInWords(pattern));
+  fmt::print("{}: ", FormatRigidTargets(pattern));
   Print(*as_bodies);
   fmt::print("\n");
 }
@@ -195,8 +198,8 @@ void RunRig(const EvaluateArguments& arguments, const std::string& text,
     RequireConsistent(arguments.features, datasets[c], pattern);
   }
   const std::vector<Residuals> flexed =
-      EvaluateFlexed(rig, datasets, pattern, common.threads);
-  rig.bodies = BodiesOf(pattern);
+      EvaluateWithDeformation(rig, datasets, pattern, common.threads);
+  rig.rigid_targets = MakeRigidTargets(pattern);
   const std::vector<Evaluation> evaluations =
       EvaluateRig(rig, datasets, pattern, common.threads);
   Evaluation all;
@@ -215,7 +218,7 @@ void RunRig(const EvaluateArguments& arguments, const std::string& text,
   if (common.json) {
     nlohmann::ordered_json whole = ToJson(all, all_flexed);
     whole.erase("rejected_images");
-    whole["rigid_targets"] = BodiesJson(pattern);
+    whole["rigid_targets"] = RigidTargetsJson(pattern);
     whole["cameras"] = json;
     PrintCommandJson(whole);
     return;
@@ -260,7 +263,7 @@ void AddEvaluate(CLI::App* app, CommonOptions* common) {
                    "; use the estimated geometry that calibrate wrote")
       ->required();
   BeginGroup(command, help_group::kTarget);
-  command->add_flag("--independent-boards", arguments->boards_move,
+  command->add_flag("--independent-boards", arguments->independent_boards,
                     "estimate a pose per board even if pattern.yaml declares a "
                     "rigid multi-board target");
   command->callback([arguments, common] { Run(*arguments, *common); });

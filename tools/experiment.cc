@@ -102,7 +102,8 @@ std::string FileOrIn(const std::string& path, const char* file) {
 NamedCamera ReadNamedCamera(const std::string& path) {
   const CameraInput input = ReadCamera(FileOrIn(path, "camera.yaml"));
   return {path, input.file.camera,
-          input.blob ? TrustOf(input) : KnownPart(input.file)};
+          input.blob ? LoadValidityMask(input)
+                     : ComputeDefinedFraction(input.file)};
 }
 
 NamedStereo ReadStereo(const std::string& given_path) {
@@ -138,7 +139,7 @@ void ReadUsersFeatures(const ExperimentArguments& arguments,
         "{}: contains features of {} camera{}; stereo requires two, named in "
         "the column 'camera'",
         arguments.features, cameras.size(), cameras.size() == 1 ? "" : "s"));
-  data->pattern = GivenPattern(arguments.pattern);
+  data->pattern = LoadPattern(arguments.pattern);
   for (auto& [name, dataset] : cameras) {
     dataset.image_size = ParseImageSize("--image-size", arguments.image_size);
     RequireConsistent(arguments.features, dataset, data->pattern);
@@ -189,7 +190,8 @@ void RequireInputsStay(const Experiment& experiment,
   const std::string base = BaseName(experiment, arguments.output);
   RequireNoInputReplaced(inputs,
                          {base + ".csv", base + ".json", base + ".svg"});
-  RequireApart(images, arguments.output);  // pictures are written, too
+  RequireSeparateFolders(images,
+                         arguments.output);  // pictures are written, too
 }
 
 void WriteResult(const Experiment& experiment, const ExperimentResult& result,

@@ -45,7 +45,7 @@ struct Exported {
   std::string name, path;
   CameraInput input;
   std::optional<Pose> camera_from_rig = {};
-  std::optional<TrustMask> trusted = {};
+  std::optional<ValidityMask> trusted = {};
   std::optional<RectifiedProjection> rectified = {};  // known already
   Eigen::Quaterniond view_from_camera = Eigen::Quaterniond::Identity();
 };
@@ -55,7 +55,7 @@ Exported MakeExported(const std::string& path, CameraInput input) {
   if (camera.input.file.camera_from_view)
     camera.view_from_camera =
         camera.input.file.camera_from_view->rotation.conjugate();
-  camera.trusted = TrustOf(camera.input);
+  camera.trusted = LoadValidityMask(camera.input);
   return camera;
 }
 
@@ -71,7 +71,7 @@ std::vector<Exported> ReadPairOfViews(const std::string& path,
     view.focal_px = {p(0, 0), p(1, 1)};
     view.center_px = {p(0, 2), p(1, 2)};
     CameraInput input;
-    input.file.camera = CameraOfView(view);
+    input.file.camera = MakeViewCamera(view);
     input.file.name = pair.names[c];
     cameras.push_back(MakeExported(path, std::move(input)));
     cameras.back().camera_from_rig =
@@ -101,7 +101,8 @@ void RequireNoCsv(const std::string& path, const std::string& bytes) {
 
 // The cameras of a rig, or the one camera.
 std::vector<Exported> ReadExported(const std::string& path,
-                                   const ConditionsAt& at, bool* is_rig) {
+                                   const RequestedOperatingPoint& at,
+                                   bool* is_rig) {
   const std::string bytes = ReadFile(path);
   RequireNoCsv(path, bytes);
   std::vector<Exported> cameras;
@@ -125,7 +126,7 @@ std::vector<Exported> ReadExported(const std::string& path,
 
 void TakeView(const ViewWords& words, Exported* camera) {
   const VirtualView view = RectifiedView(camera->input, words);
-  camera->input.file.camera = CameraOfView(view);
+  camera->input.file.camera = MakeViewCamera(view);
   camera->input.file.camera_from_view.reset();
   camera->view_from_camera =
       Eigen::Quaterniond(view.camera_from_view.transpose());
@@ -149,7 +150,7 @@ std::string ViewAdvice(const CameraModel& camera) {
   }
 }
 
-void RequireSmallError(const Exported& camera, const ChosenLens& chosen,
+void RequireSmallError(const Exported& camera, const SelectedLens& chosen,
                        const std::optional<double>& max_fit_error_px) {
   if (!max_fit_error_px || !chosen.fit) return;
   const LensFit& fit = *chosen.fit;
@@ -159,7 +160,7 @@ void RequireSmallError(const Exported& camera, const ChosenLens& chosen,
       fmt::format(
           "{}: the fit error of {} exceeds --max-fit-error-px {:g}: {}; {}",
           camera.path, chosen.lens.form->name, *max_fit_error_px,
-          LensFitText(fit), ViewAdvice(*camera.input.file.camera)));
+          FormatLensFit(fit), ViewAdvice(*camera.input.file.camera)));
 }
 
 // Lenses of a rig whose frame is that of its first camera; it is that of the
@@ -182,10 +183,11 @@ std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
   const std::vector<const LensForm*> forms = format.FindForms(arguments.model);
   std::vector<WrittenLens> lenses;
   for (const Exported& camera : cameras) {
-    const bool is_any_trusted = camera.trusted && camera.trusted->TrustsAny();
-    ChosenLens chosen = [&] {
+    const bool is_any_trusted =
+        camera.trusted && camera.trusted->HasValidCells();
+    SelectedLens chosen = [&] {
       try {
-        return ChooseLens(forms, *camera.input.file.camera,
+        return SelectLens(forms, *camera.input.file.camera,
                           is_any_trusted ? &*camera.trusted : nullptr,
                           num_threads);
       } catch (const Error& error) {
@@ -215,7 +217,7 @@ std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
 // R and P of two cameras, for formats that have them, of the lenses that are
 // written. Says on standard error if images of them have no common rows.
 void RectifyPair(const Format& format, std::vector<WrittenLens>* lenses) {
-  if (!format.holds_pairs || lenses->size() != 2 ||
+  if (!format.supports_pairs || lenses->size() != 2 ||
       !lenses->front().camera_from_rig || lenses->front().rectified)
     return;
   std::array<WrittenLens*, 2> pair = {&(*lenses)[0], &(*lenses)[1]};
@@ -242,7 +244,7 @@ void AddPoses(const ExportArguments& arguments, const Format& format,
               const std::vector<Exported>& cameras, bool is_rig,
               std::vector<WrittenLens>* lenses) {
   if (arguments.poses.empty()) return;
-  if (!format.holds_poses)
+  if (!format.supports_poses)
     throw Error(ExitCode::kUsage,
                 fmt::format("--poses: not supported by {}", format.name));
   auto poses = ReadPoses(arguments.poses);
@@ -280,9 +282,9 @@ void SortByName(std::vector<WrittenLens>* lenses) {
 std::vector<std::pair<std::string, std::string>> WriteAll(
     const ExportArguments& arguments, const Format& format,
     const std::vector<WrittenLens>& lenses, bool is_rig) {
-  const bool is_folder = is_rig && !format.holds_rigs;
+  const bool is_folder = is_rig && !format.supports_rigs;
   return is_folder ? WriteFolder(format, {arguments.output, lenses})
-                   : WriteWithBeside(format, {arguments.output, lenses});
+                   : WriteWithCompanions(format, {arguments.output, lenses});
 }
 
 nlohmann::ordered_json FitJson(const LensFit& fit) {
@@ -317,9 +319,9 @@ void PrintExport(const Format& format, const std::vector<WrittenLens>& lenses,
   if (common.quiet) return;
   for (size_t c = 0; c < lenses.size(); ++c) {
     const WrittenLens& lens = lenses[c];
-    fmt::print("{}{}: {}, {}\n", files[format.holds_rigs ? 0 : c].first,
+    fmt::print("{}{}: {}, {}\n", files[format.supports_rigs ? 0 : c].first,
                lens.name.empty() ? "" : " " + lens.name, lens.lens.form->name,
-               lens.fit ? LensFitText(*lens.fit) : "exact");
+               lens.fit ? FormatLensFit(*lens.fit) : "exact");
   }
 }
 
@@ -376,8 +378,8 @@ void ListLenses(bool json, nlohmann::ordered_json* all) {
                     {"source", "a lens"},
                     {"export", format.write != nullptr},
                     {"import", format.read != nullptr},
-                    {"rigs", format.holds_rigs},
-                    {"poses", format.holds_poses},
+                    {"rigs", format.supports_rigs},
+                    {"poses", format.supports_poses},
                     {"models", models}});
     if (!json)
       fmt::print("{}: {} ({})\n{}", format.name, format.holds, ways,
@@ -417,12 +419,12 @@ const Format& FindWrittenFormat(const std::string& name) {
 }
 
 // Says on standard error where a region is not quite what is trusted.
-void TellRegions(const std::vector<WrittenLens>& lenses) {
+void PrintRegions(const std::vector<WrittenLens>& lenses) {
   for (const WrittenLens& lens : lenses) {
     if (!lens.trusted) continue;
-    const RegionLoss loss = LossOfRegion(*lens.trusted, lens.lens.size);
+    const RegionLoss loss = ComputeRegionLoss(*lens.trusted, lens.lens.size);
     if (loss.num_left_out == 0 && loss.num_held == 0) continue;
-    const double cell_part = std::pow(lens.trusted->cell_px, 2) /
+    const double cell_part = std::pow(lens.trusted->knot_spacing_px, 2) /
                              lens.lens.size.width / lens.lens.size.height;
     fmt::print(stderr,
                "raygrid: the format stores the valid region{} as one polygon "
@@ -438,8 +440,8 @@ void TellRegions(const std::vector<WrittenLens>& lenses) {
 // pair's views say it; of more cameras, or without common views, there are
 // none.
 bool DropsPoses(const Format& format, const std::vector<WrittenLens>& lenses) {
-  if (format.drops_rigs) return true;
-  return format.holds_pairs && !format.holds_rigs &&
+  if (format.discards_rig_poses) return true;
+  return format.supports_pairs && !format.supports_rigs &&
          std::any_of(lenses.begin(), lenses.end(),
                      [](const WrittenLens& lens) { return !lens.rectified; });
 }
@@ -482,13 +484,13 @@ void ExportLenses(const ExportArguments& arguments, const Format& format,
                  lens.fit->num_beyond + lens.fit->num_pixels,
                  lens.name.empty() ? "" : " of " + Printable(lens.name),
                  lens.fit->widest_rad * 180 / M_PI);
-  if (format.holds_region) TellRegions(lenses);
+  if (format.supports_region) PrintRegions(lenses);
   if (is_rig && DropsPoses(format, lenses))
     fmt::print(stderr,
                "raygrid: camera poses are not written: {} cannot store {}poses "
                "of a rig; use --to opencv or --to kalibr\n",
                format.name,
-               format.holds_pairs ? "more than a stereo pair's " : "");
+               format.supports_pairs ? "more than a stereo pair's " : "");
   PrintExport(format, lenses, files, common);
 }
 

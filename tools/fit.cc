@@ -72,7 +72,7 @@ SplinedStereographic::Grid ParseSplineGrid(const std::string& text) {
 
 // grid is that of a spline, if it is told.
 FittedModel FitModel(const std::string& model, const CameraModel& camera,
-                     const std::optional<TrustMask>& trusted,
+                     const std::optional<ValidityMask>& trusted,
                      const std::optional<SplinedStereographic::Grid>& grid) {
   if (model != kSplinedStereographic)
     return FitNearestModel(model, camera, camera.area());
@@ -83,11 +83,11 @@ FittedModel FitModel(const std::string& model, const CameraModel& camera,
 }
 
 std::optional<TrustedErrors> ErrorsWhereTrusted(
-    const ModelDifference& difference, const TrustMask& trusted) {
+    const ModelDifference& difference, const ValidityMask& trusted) {
   std::vector<double> norms;
   double sum = 0;
   for (size_t i = 0; i < difference.pixels.size(); ++i) {
-    if (!trusted.Trusts(difference.pixels[i])) continue;
+    if (!trusted.IsValidAt(difference.pixels[i])) continue;
     norms.push_back(difference.error_px[i].norm());
     sum += norms.back() * norms.back();
   }
@@ -96,7 +96,7 @@ std::optional<TrustedErrors> ErrorsWhereTrusted(
                        Quantile(norms, 0.99), Quantile(norms, 1), norms.size()};
 }
 
-Fit FitCamera(const FitArguments& arguments, const ConditionsAt& at,
+Fit FitCamera(const FitArguments& arguments, const RequestedOperatingPoint& at,
               const std::optional<SplinedStereographic::Grid>& grid) {
   const CameraInput input = ReadCamera(arguments.camera, at);
   const CameraModel& camera = *input.file.camera;
@@ -111,17 +111,18 @@ Fit FitCamera(const FitArguments& arguments, const ConditionsAt& at,
   fit.file.name = input.file.name;
   fit.file.serial = input.file.serial;
   fit.file.capture = input.file.capture;
-  fit.file.row_time = input.file.row_time;
-  auto trusted = TrustOf(input);
-  if (trusted && !trusted->TrustsAny()) trusted.reset();
+  fit.file.line_delay = input.file.line_delay;
+  auto trusted = LoadValidityMask(input);
+  if (trusted && !trusted->HasValidCells()) trusted.reset();
   FittedModel nearest = FitModel(arguments.model, camera, trusted, grid);
   if (nearest.model) {
     nearest.model->SetImageCircle(camera.image_circle());
     fit.file.camera = std::move(nearest.model);
     const double step_px =
         std::max(1.0, std::max(area.width(), area.height()) / kSamples);
-    fit.difference = CompareTurnedModels(camera, *fit.file.camera, step_px,
-                                         nearest.model_from_camera.conjugate());
+    fit.difference =
+        CompareRotatedModels(camera, *fit.file.camera, step_px,
+                             nearest.model_from_camera.conjugate());
     fit.num_places = CompareModels(camera, camera, step_px).pixels.size();
   }
   if (fit.difference.pixels.empty())

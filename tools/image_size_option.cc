@@ -21,7 +21,7 @@ ImageSize ParseImageSize(const std::string& option, const std::string& text) {
     throw Error(ExitCode::kUsage,
                 fmt::format("{} {}: expected WIDTHxHEIGHT, such as 640x480",
                             option, text));
-  const std::string why = WhySizeIsRefused(width, height);
+  const std::string why = DescribeSizeLimit(width, height);
   if (!why.empty())
     throw Error(ExitCode::kUsage, fmt::format("{}: {}", option, why));
   return {static_cast<int>(width), static_cast<int>(height)};

@@ -63,7 +63,7 @@ ExchangeContents ReadForeignFile(const ImportArguments& arguments,
     if (request.text.find(own) != std::string::npos)
       throw InputError(path + ": is a raygrid file already; no import needed");
   const Format* const found = format ? format : RecognizeFormat(request.text);
-  if (found) request.beside = ReadBeside(*found, path);
+  if (found) request.beside = ReadCompanionFiles(*found, path);
   return ReadExchangeFile(format, request);
 }
 
@@ -72,7 +72,8 @@ bool ImportBoards(const ImportArguments& arguments,
                   const std::vector<std::string>& texts,
                   const CommonOptions& common) {
   const Format* format = RecognizeFormat(texts[0]);
-  if (!format || !format->forms.empty() || format->takes_board) return false;
+  if (!format || !format->forms.empty() || format->requires_board_size)
+    return false;
   const std::string& path = arguments.files[0];
   const ExchangeContents contents = ReadForeignFile(arguments, path, texts[0]);
   for (const auto& [option, value] : {std::pair("--model", arguments.model),
@@ -133,8 +134,8 @@ std::optional<ExchangeContents> ReadCorners(
   const Format* format = arguments.from.empty()
                              ? RecognizeFormat(texts[0])
                              : &FindFormat("--from", arguments.from);
-  if (!format || !format->takes_board) {
-    if (!arguments.board.empty() && !(format && format->may_take_board))
+  if (!format || !format->requires_board_size) {
+    if (!arguments.board.empty() && !(format && format->accepts_board_size))
       throw Error(ExitCode::kUsage,
                   "--board-size is only for corner files without a board size");
     return std::nullopt;
@@ -158,13 +159,13 @@ void ImportCorners(const ExchangeContents& contents,
   OutputFiles outputs;
   outputs.Add(arguments.output, FormatFeatures(dataset));
   outputs.Commit();
-  for (const std::string& remark : contents.remarks)
+  for (const std::string& warning : contents.warnings)
     fmt::print(stderr, "raygrid: {}: {}\n", Printable(arguments.files[0]),
-               Printable(remark));
+               Printable(warning));
   if (common.json)
     PrintCommandJson({{"features", dataset.num_features()},
                       {"images", dataset.images.size()},
-                      {"warnings", contents.remarks}});
+                      {"warnings", contents.warnings}});
   else if (!common.quiet)
     fmt::print("{}: {} in {}\n", arguments.output,
                CountText(dataset.num_features(), "feature"),
@@ -183,8 +184,8 @@ ExchangeContents ReadForeign(const ImportArguments& arguments,
   for (size_t k = 0; k < arguments.files.size(); ++k) {
     const std::string& path = arguments.files[k];
     ExchangeContents contents = ReadForeignFile(arguments, path, texts[k]);
-    for (const std::string& remark : contents.remarks)
-      all.remarks.push_back(path + ": " + remark);
+    for (const std::string& warning : contents.warnings)
+      all.warnings.push_back(path + ": " + warning);
     if (contents.second_from_first) {
       all.second_from_first = contents.second_from_first;
       of_pose = path;
@@ -198,24 +199,24 @@ ExchangeContents ReadForeign(const ImportArguments& arguments,
       all.cameras.push_back(std::move(camera));
     }
   }
-  TakePoseOfPair(all.second_from_first, of_pose, &all.cameras);
+  AssignPairPose(all.second_from_first, of_pose, &all.cameras);
   if (arguments.files.size() == 1) {
     const auto& rectified = all.cameras.front().rectified;
     if (all.cameras.size() == 1 && rectified && rectified->IsBeside())
-      all.remarks.push_back(arguments.files.front() +
-                            ": R and P of the rectified pair are ignored; "
-                            "import both files of the pair to get a rig");
+      all.warnings.push_back(arguments.files.front() +
+                             ": R and P of the rectified pair are ignored; "
+                             "import both files of the pair to get a rig");
     const auto& pose = all.cameras.front().camera_from_rig;
     if (all.cameras.size() == 1 && pose &&
         !(pose->rotation.vec().norm() + pose->translation.norm() < 1e-12))
-      all.remarks.push_back(arguments.files.front() +
-                            ": its pose is ignored; import the files of all "
-                            "cameras to get the rig");
+      all.warnings.push_back(arguments.files.front() +
+                             ": its pose is ignored; import the files of all "
+                             "cameras to get the rig");
     return all;
   }
   if (names.size() < all.cameras.size() || names.count("") > 0)
     for (size_t c = 0; c < stems.size(); ++c) all.cameras[c].name = stems[c];
-  if (!all.IsRig()) FindPosesOfPair(&all.cameras);
+  if (!all.IsRig()) ComputePairPoses(&all.cameras);
   return all;
 }
 
@@ -264,9 +265,9 @@ std::string CsvOf(const ImportArguments& arguments,
                                           : camera.poses.empty());
   }
   for (const ReadLens& camera : contents.cameras)
-    if (wants_features && !camera.why_no_features.empty())
+    if (wants_features && !camera.missing_features_reason.empty())
       throw InputError(fmt::format("{}: {}", arguments.files.front(),
-                                   camera.why_no_features));
+                                   camera.missing_features_reason));
   if (!has_any)
     throw InputError(fmt::format("{}: contains no {}", arguments.files.front(),
                                  wants_features ? "features" : "poses"));
@@ -296,7 +297,7 @@ std::string CsvText(const std::string& output,
 std::vector<std::pair<std::string, std::string>> FilesOf(
     const ImportArguments& arguments, const ExchangeContents& contents) {
   const auto text_of = [](const ReadLens& camera) {
-    return FormatCameraFile(CameraFileOf(camera), Digits::kAll);
+    return FormatCameraFile(MakeCameraFile(camera), Digits::kAll);
   };
   if (std::filesystem::path(arguments.output).extension() == ".csv")
     return {{arguments.output, CsvOf(arguments, contents)}};
@@ -395,12 +396,12 @@ void RunImport(ImportArguments arguments, const CommonOptions& common) {
   }
   RequireNoInputReplaced(arguments.files, paths);
   outputs.Commit();
-  for (const std::string& remark : contents.remarks)
-    fmt::print(stderr, "raygrid: {}\n", Printable(remark));
+  for (const std::string& warning : contents.warnings)
+    fmt::print(stderr, "raygrid: {}\n", Printable(warning));
   if (common.json) {
     nlohmann::ordered_json json = {{"rig", contents.IsRig()},
                                    {"cameras", nlohmann::ordered_json::array()},
-                                   {"warnings", contents.remarks}};
+                                   {"warnings", contents.warnings}};
     for (const ReadLens& camera : contents.cameras)
       json["cameras"].push_back(
           {{"name", camera.name},
@@ -417,7 +418,7 @@ void RunImport(ImportArguments arguments, const CommonOptions& common) {
     return;
   }
   for (size_t c = 0; c < contents.cameras.size(); ++c) {
-    const LensInForm& lens = contents.cameras[c].lens;
+    const ConvertedLens& lens = contents.cameras[c].lens;
     fmt::print("{}: {} of {} x {} px, imported as {}\n",
                paths[std::min(c, paths.size() - 1)], lens.form->name,
                lens.size.width, lens.size.height, lens.form->model);

@@ -16,7 +16,7 @@
 #include "dataset/dataset.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
-#include "dataset/held_stack.h"
+#include "dataset/fixed_operating_point.h"
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
 #include "evaluation/uncertainty_summary.h"
@@ -37,8 +37,8 @@ using Json = nlohmann::ordered_json;
 // ---- Blobs -----------------------------------------------------------------
 
 // Figures that are not known are left out.
-void AddFigure(const char* key, uint32_t figure, double unit, Json* json) {
-  if (figure != RG_UNKNOWN_FIGURE) (*json)[key] = figure * unit;
+void AddFigure(const char* key, uint32_t metric, double unit, Json* json) {
+  if (metric != RG_UNKNOWN_FIGURE) (*json)[key] = metric * unit;
 }
 void AddFinite(const char* key, double value, Json* json) {
   if (std::isfinite(value)) (*json)[key] = value;
@@ -65,7 +65,7 @@ Json RemapFacts(const uint8_t* section, const std::vector<SensorMode>& modes) {
                {"center_px", {remap.cx_q16 / 65536.0, remap.cy_q16 / 65536.0}},
                {"block_px", 1 << remap.block_log2},
                {"vertices", {remap.columns, remap.rows}}};
-  json.update(ViewJson(ViewOfTable(remap)));
+  json.update(ViewJson(GetTableView(remap)));
   if (remap.mode != 0) json["mode"] = Printable(modes[remap.mode - 1].name);
   if (remap.direction == RG_DISTORT) json["direction"] = "distort";
   if (remap.part_log2 != 0) json["tile_px"] = 1 << remap.part_log2;
@@ -126,19 +126,21 @@ std::optional<double> LargestValidUncertainty(const rg_blob& blob,
   rg_blob_uncertainty(&blob, &uncertainty);
   const Area area = {grid.x0_q16 / 65536.0, grid.y0_q16 / 65536.0,
                      grid.x1_q16 / 65536.0, grid.y1_q16 / 65536.0};
-  DeviationLattice lattice = {uncertainty.columns, uncertainty.rows, {}};
+  UncertaintyLattice lattice = {uncertainty.columns, uncertainty.rows, {}};
   for (int i = 0; i < uncertainty.columns * uncertainty.rows; ++i) {
     const uint32_t value = rg_load_u16(uncertainty.values + 2 * i);
     lattice.deviation_px.push_back(
         value == RG_UNKNOWN_UNCERTAINTY ? NAN : value / 4096.0);
   }
-  const int cell_px = 1 << mask.cell_log2;
+  const int knot_spacing_px = 1 << mask.cell_log2;
   double largest_px = -1;
   for (int k = 0; k < mask.columns * mask.rows; ++k) {
     if ((mask.bits[k / 8] >> k % 8 & 1) == 0) continue;
     const Eigen::Vector2d center(
-        std::clamp((k % mask.columns + 0.5) * cell_px - 0.5, area.x0, area.x1),
-        std::clamp((k / mask.columns + 0.5) * cell_px - 0.5, area.y0, area.y1));
+        std::clamp((k % mask.columns + 0.5) * knot_spacing_px - 0.5, area.x0,
+                   area.x1),
+        std::clamp((k / mask.columns + 0.5) * knot_spacing_px - 0.5, area.y0,
+                   area.y1));
     const double px = lattice.At(area, center);
     if (std::isfinite(px)) largest_px = std::max(largest_px, px);
   }
@@ -160,10 +162,10 @@ Json MaskFacts(const rg_blob& blob) {
   return json;
 }
 
-void AddRowTime(const RowTime& row_time, Json* json) {
-  (*json)["line_delay_us"] = row_time.seconds * 1e6;
-  if (row_time.deviation_s > 0)
-    (*json)["line_delay_sd_us"] = row_time.deviation_s * 1e6;
+void AddLineDelay(const LineDelay& line_delay, Json* json) {
+  (*json)["line_delay_us"] = line_delay.seconds * 1e6;
+  if (line_delay.deviation_s > 0)
+    (*json)["line_delay_sd_us"] = line_delay.deviation_s * 1e6;
 }
 
 Json CaptureFacts(const Capture& capture) {
@@ -234,20 +236,21 @@ Json BlobFacts(const BlobCamera& camera) {
   if (blob.quality) AddQuality(blob, &json);
   if (blob.uncertainty) json["uncertainty"] = UncertaintyFacts(blob);
   if (blob.mask) json["valid_region"] = MaskFacts(blob);
-  if (const auto capture = camera.CaptureAtCalibration())
+  if (const auto capture = camera.GetCalibrationCapture())
     json["capture"] = CaptureFacts(*capture);
   if (blob.stack) json["operating_points"] = StackFacts(blob);
-  if (const auto row_time = camera.TimeOfRow()) AddRowTime(*row_time, &json);
+  if (const auto line_delay = camera.GetRowTime())
+    AddLineDelay(*line_delay, &json);
   return json;
 }
 
 // ---- Other files -----------------------------------------------------------
 
-Json Figures(const ErrorFigures& figures) {
-  return {{"median_px", figures.median_px},
-          {"rms_px", figures.rms_px},
-          {"max_px", figures.max_px},
-          {"features", figures.count}};
+Json Figures(const ErrorMetrics& metrics) {
+  return {{"median_px", metrics.median_px},
+          {"rms_px", metrics.rms_px},
+          {"max_px", metrics.max_px},
+          {"features", metrics.count}};
 }
 
 // The parameters with names of a lens; those of OpenCV's model in its order.
@@ -264,22 +267,22 @@ Json LensFacts(const ParametricModel& lens) {
 
 // The ranges that a camera is over, and all of its parameters.
 void AddRanges(const CameraFile& file, Json* json) {
-  const CameraStack& stack = file.stack->cameras;
+  const OperatingPointModel& stack = file.stack->cameras;
   int num_terms = 1;
   for (size_t r = 0; r < stack.ranges().size(); ++r) {
-    const ConditionRange& range = stack.ranges()[r];
+    const OperatingRange& range = stack.ranges()[r];
     num_terms += stack.orders()[r];
     (*json)["operating_ranges"].push_back(
-        {{"quantity", ConditionName(range.condition)},
+        {{"quantity", OperatingParameterName(range.condition)},
          {"range", {range.low, range.high}},
          {"polynomial_order", stack.orders()[r]}});
   }
   (*json)["parameters"] = num_terms * file.camera->NumParameters();
-  const auto known = UncertaintyOverRanges(file);
-  if (!known || !known->TellsDeviations()) return;
+  const auto known = ComputeMaxUncertainty(file);
+  if (!known || !known->HasDeviations()) return;
   Json& everywhere = (*json)["uncertainty_over_operating_range"];
   AddFinite("median_px", known->lattice.MedianPx(), &everywhere);
-  everywhere["valid_share"] = ValidShare(*file.camera, known->mask);
+  everywhere["valid_share"] = ComputeValidShare(*file.camera, known->mask);
 }
 
 Json CameraFacts(const CameraFile& file) {
@@ -301,17 +304,17 @@ Json CameraFacts(const CameraFile& file) {
     json["intrinsics"] = LensFacts(*lens);
   if (file.training) json["training_error"] = Figures(*file.training);
   if (file.held_out) json["held_out_error"] = Figures(*file.held_out);
-  if (file.uncertainty && file.uncertainty->TellsDeviations()) {
+  if (file.uncertainty && file.uncertainty->HasDeviations()) {
     AddFinite("median_px", file.uncertainty->lattice.MedianPx(),
               &json["uncertainty"]);
     json["uncertainty"]["valid_limit_px"] = file.uncertainty->max_deviation_px;
   }
   if (file.uncertainty)
     json["uncertainty"]["valid_share"] =
-        ValidShare(*file.camera, file.uncertainty->mask);
+        ComputeValidShare(*file.camera, file.uncertainty->mask);
   if (file.stack) AddRanges(file, &json);
   if (file.capture) json["capture"] = CaptureFacts(*file.capture);
-  if (file.row_time) AddRowTime(*file.row_time, &json);
+  if (file.line_delay) AddLineDelay(*file.line_delay, &json);
   if (file.camera_from_view) {
     const Eigen::Vector3d turned =
         ViewAnglesDeg(file.camera_from_view->rotation.toRotationMatrix());
@@ -328,7 +331,7 @@ Json PatternFacts(const Pattern& pattern) {
                               {"kind", board.kind},
                               {"features", {board.columns, board.rows}},
                               {"square_m", board.square_m}});
-  for (const BoardBody& body : pattern.bodies)
+  for (const RigidTarget& body : pattern.rigid_targets)
     json["rigid_targets"].push_back(body.boards);
   return json;
 }
@@ -369,11 +372,11 @@ Json ForeignFacts(const Format& format, const std::string& path,
   Json json = {{"kind", contents.IsRig() ? "rig" : "camera"},
                {"format", format.name}};
   if (contents.cameras.size() == 1) {
-    json.update(CameraFacts(CameraFileOf(contents.cameras.front())));
+    json.update(CameraFacts(MakeCameraFile(contents.cameras.front())));
   } else {
     json["cameras"] = Json::array();
     for (const ReadLens& read : contents.cameras) {
-      const CameraFile file = CameraFileOf(read);
+      const CameraFile file = MakeCameraFile(read);
       const ImageSize& size = file.camera->image_size();
       json["cameras"].push_back({{"name", read.name},
                                  {"model", file.camera->Name()},
@@ -383,7 +386,7 @@ Json ForeignFacts(const Format& format, const std::string& path,
             CenterInRig(*read.camera_from_rig);
     }
   }
-  if (!contents.remarks.empty()) json["warnings"] = contents.remarks;
+  if (!contents.warnings.empty()) json["warnings"] = contents.warnings;
   return json;
 }
 
@@ -448,8 +451,8 @@ bool IsBlockDevice(const std::string& path) {
 
 // ---- Kinds of files --------------------------------------------------------
 
-Json FactsOf(const std::string& path,
-             const std::optional<uint64_t>& slot_size) {
+Json MakeBudgetFacts(const std::string& path,
+                     const std::optional<uint64_t>& slot_size) {
   if (IsBoardSpec(path)) return PatternFacts(ParseBoardSpec(path));
   if (IsBlockDevice(path))
     return SlotsFacts(path, ReadSlotsOfDevice(path, slot_size));
@@ -469,7 +472,8 @@ Json FactsOf(const std::string& path,
   if (const Format* format = RecognizeFormat(bytes))
     return ForeignFacts(*format, path, bytes);
   if (const TableFormat* table = RecognizeTable(bytes))
-    throw InputError(fmt::format("{}: {}", path, table->WhyNoCamera()));
+    throw InputError(
+        fmt::format("{}: {}", path, table->ExplainMissingCamera()));
   if (bytes.find("board") != std::string::npos)
     return FeaturesFacts(ParseFeatures(path, bytes));
   throw InputError(path +
@@ -544,7 +548,7 @@ void PrintText(const Json& facts) {
 
 void Inspect(const std::string& path, const std::optional<uint64_t>& slot_size,
              const CommonOptions& common) {
-  const Json facts = FactsOf(path, slot_size);
+  const Json facts = MakeBudgetFacts(path, slot_size);
   if (common.json)
     PrintCommandJson(facts);
   else

@@ -30,7 +30,7 @@ void Note(int number) {
 
 }  // namespace
 
-void NoteInterruptions() {
+void InstallInterruptHandler() {
   struct sigaction action = {};
   action.sa_handler = Note;
   action.sa_flags = SA_RESTART;
@@ -46,6 +46,6 @@ bool IsInterrupted() {
   return true;
 }
 
-void FinishUndisturbed() { is_heard = true; }
+void IgnoreFirstSignal() { is_heard = true; }
 
 }  // namespace raygrid

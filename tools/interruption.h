@@ -7,13 +7,13 @@ namespace raygrid {
 /// found so far can be written. If nothing has asked IsInterrupted() a second
 /// later, work that hears nothing is being done: the program ends, as by each
 /// second signal, and as by the first one otherwise.
-void NoteInterruptions();
+void InstallInterruptHandler();
 
 bool IsInterrupted();
 
 /// From here on results are complete or being written, and a first signal no
 /// longer ends the program by not being heard.
-void FinishUndisturbed();
+void IgnoreFirstSignal();
 
 }  // namespace raygrid
 

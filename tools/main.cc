@@ -17,8 +17,8 @@
 #include "commands.h"
 #include "dataset/csv.h"
 #include "dataset/error.h"
-#include "dataset/freed_memory.h"
 #include "dataset/image_header.h"
+#include "dataset/memory_retention.h"
 #include "dataset/text_encoding.h"
 #include "help_formatter.h"
 #include "renamed_options.h"
@@ -91,7 +91,7 @@ void AddAtOption(CLI::App* command, CommonOptions* common) {
       ->add_option_function<std::string>(
           "--at",
           [common](const std::string& text) {
-            common->at = ParseConditionsAt(text);
+            common->at = ParseRequestedOperatingPoint(text);
           },
           "operating point: focus in dioptres or temperature in °C; for both: "
           "lens_position=V,temperature=V (default: centre of the range)")
@@ -115,7 +115,7 @@ int Fail(ExitCode code, const std::string& message) {
 }
 
 // Ranges let NaN pass, which is neither below nor above them.
-std::string WhyNotFinite(const std::string& text) {
+std::string ExplainNonFinite(const std::string& text) {
   double value = 0;
   return CLI::detail::lexical_cast(text, value) && !std::isfinite(value)
              ? text + " is not a finite number"
@@ -123,14 +123,14 @@ std::string WhyNotFinite(const std::string& text) {
 }
 
 // Negative ones would be taken for huge ones.
-std::string WhyNegative(const std::string& text) {
+std::string ExplainNegative(const std::string& text) {
   return text.find('-') == std::string::npos ? std::string()
                                              : text + " is negative";
 }
 
 // Why an option refuses an empty text, which a script's variable gives that was
 // never set.
-std::string WhyEmpty(const std::string& text) {
+std::string ExplainEmpty(const std::string& text) {
   return text.empty() ? "empty value; specify a value or omit the option"
                       : std::string();
 }
@@ -142,11 +142,11 @@ void RefuseValuesThatAreNone(CLI::App* app) {
     const bool may_be_empty =
         option->check_name("--name") || option->check_name("--serial");
     if (type.rfind("FLOAT", 0) == 0)
-      option->check(CLI::Validator(WhyNotFinite, ""));
+      option->check(CLI::Validator(ExplainNonFinite, ""));
     else if (type.rfind("UINT", 0) == 0)
-      option->check(CLI::Validator(WhyNegative, ""));
+      option->check(CLI::Validator(ExplainNegative, ""));
     else if (option->get_expected_max() > 0 && !may_be_empty)
-      option->check(CLI::Validator(WhyEmpty, ""));
+      option->check(CLI::Validator(ExplainEmpty, ""));
   }
   for (CLI::App* command : app->get_subcommands({}))
     RefuseValuesThatAreNone(command);
@@ -260,7 +260,7 @@ int main(int argc, char** argv) {
   // Eigen cuts sums by the processor's caches; the same bytes come out of any
   // machine only if they are cut alike.
   Eigen::setCpuCacheSizes(32 << 10, 512 << 10, 4 << 20);
-  raygrid::KeepFreedMemory();
+  raygrid::RetainFreedMemory();
   raygrid::OccupyStandardStreams();
   std::signal(SIGXFSZ, SIG_IGN);  // writing fails instead
   try {

@@ -23,7 +23,7 @@ void MovePixels(const SensorMode& mode, MovePixel move, size_t first,
 
 // Measures the images first to end again, in frames of their own mode.
 void RefineMode(const Measurements& measurements, const ImagesOfMode& of_mode,
-                size_t end, const KnownScene& scene, int num_threads,
+                size_t end, const EstimatedScene& scene, int num_threads,
                 const std::function<void(double)>& go_on, Dataset* refined) {
   const ModeCamera camera(*scene.camera, of_mode.mode);
   const auto part = [&](const auto& all) {
@@ -33,9 +33,9 @@ void RefineMode(const Measurements& measurements, const ImagesOfMode& of_mode,
   Dataset frames = {of_mode.mode.size, part(measurements.dataset.images)};
   const size_t count = frames.images.size();
   MovePixels(of_mode.mode, &SensorMode::FromCalibrated, 0, count, &frames);
-  frames = RefineThroughCamera(part(measurements.paths), frames,
-                               {&camera, scene.pattern, scene.poses}, {},
-                               num_threads, go_on);
+  frames = RefineFeaturesWithCamera(part(measurements.paths), frames,
+                                    {&camera, scene.pattern, scene.poses}, {},
+                                    num_threads, go_on);
   MovePixels(of_mode.mode, &SensorMode::ToCalibrated, 0, count, &frames);
   std::move(
       frames.images.begin(), frames.images.end(),
@@ -64,8 +64,8 @@ void RequireOtherNames(const Measurements& measurements,
 
 }  // namespace
 
-FoldersByMode SortByMode(const std::vector<std::string>& images,
-                         const std::vector<std::string>& modes) {
+FoldersByMode GroupByMode(const std::vector<std::string>& images,
+                          const std::vector<std::string>& modes) {
   FoldersByMode folders = {images, {}};
   for (const std::string& text : modes) {
     const std::string folder = text.substr(0, text.rfind(':'));
@@ -87,8 +87,8 @@ FoldersByMode SortByMode(const std::vector<std::string>& images,
   return folders;
 }
 
-void AppendOfMode(const SensorMode& mode, const std::string& folder,
-                  Measurements more, Measurements* measurements) {
+void AppendModeMeasurements(const SensorMode& mode, const std::string& folder,
+                            Measurements more, Measurements* measurements) {
   const ImageSize& size = more.dataset.image_size;
   if (size != mode.size)
     throw InputError(fmt::format(
@@ -102,15 +102,16 @@ void AppendOfMode(const SensorMode& mode, const std::string& folder,
   Append(std::move(more), measurements);
 }
 
-Dataset RefineModes(const Measurements& measurements, const KnownScene& scene,
-                    int num_threads, const std::function<void(double)>& go_on) {
+Dataset RefineModes(const Measurements& measurements,
+                    const EstimatedScene& scene, int num_threads,
+                    const std::function<void(double)>& go_on) {
   const std::vector<ImagesOfMode>& modes = measurements.modes;
   const size_t count = measurements.paths.size();
   const auto num_calibrated =
       static_cast<std::ptrdiff_t>(NumCalibratedImages(measurements));
   Dataset calibrated = measurements.dataset, refined = measurements.dataset;
   calibrated.images.resize(static_cast<size_t>(num_calibrated));
-  calibrated = RefineThroughCamera(
+  calibrated = RefineFeaturesWithCamera(
       {measurements.paths.begin(), measurements.paths.begin() + num_calibrated},
       calibrated, scene, {}, num_threads, go_on);
   std::move(calibrated.images.begin(), calibrated.images.end(),

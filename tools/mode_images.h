@@ -21,17 +21,18 @@ struct FoldersByMode {
 
 /// Throws Error(kUsage) if a mode's folder is none of the images, or no images
 /// are as calibrated.
-FoldersByMode SortByMode(const std::vector<std::string>& images,
-                         const std::vector<std::string>& modes);
+FoldersByMode GroupByMode(const std::vector<std::string>& images,
+                          const std::vector<std::string>& modes);
 
 /// Appends measurements in frames of a mode, in calibrated pixels. Throws
 /// InputError if the mode has another size, or an image a name that is taken.
-void AppendOfMode(const SensorMode& mode, const std::string& folder,
-                  Measurements more, Measurements* measurements);
+void AppendModeMeasurements(const SensorMode& mode, const std::string& folder,
+                            Measurements more, Measurements* measurements);
 
 /// Measures all images again, those of other modes in frames of their own.
-Dataset RefineModes(const Measurements& measurements, const KnownScene& scene,
-                    int num_threads, const std::function<void(double)>& go_on);
+Dataset RefineModes(const Measurements& measurements,
+                    const EstimatedScene& scene, int num_threads,
+                    const std::function<void(double)>& go_on);
 
 }  // namespace raygrid
 

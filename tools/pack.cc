@@ -57,7 +57,7 @@ std::string ProjectionText(const ProjectionError& error) {
     text += fmt::format(
         " in the valid region, Newton projection converges for {} % of the "
         "other pixels",
-        std::floor(1e4 * (1 - error.others.MissedPart())) / 100);
+        std::floor(1e4 * (1 - error.others.MissedFraction())) / 100);
   return text;
 }
 
@@ -75,7 +75,7 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
           {"elsewhere", FoundJson(packed.projection->others)}};
     }
     result["not_packed_share"] = packed.left_out_part;
-    result["warnings"] = packed.remarks;
+    result["warnings"] = packed.warnings;
     result["remaps"] = nlohmann::ordered_json::array();
     for (const PackedRemap& remap : packed.remaps) {
       nlohmann::ordered_json told = ViewJson(remap.view);
@@ -114,7 +114,7 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
     fmt::print("view {}: {}\n", k, ViewText(packed.remaps[k].view));
 }
 
-std::string TurnRemark(const Eigen::Quaterniond& q) {
+std::string RotationWarning(const Eigen::Quaterniond& q) {
   return fmt::format(
       "its camera frame is rotated by {:.2f} degrees from the optical axis "
       "(calibrated by an earlier version), and the blob uses the optical axis: "
@@ -193,7 +193,7 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
   if (!arguments.serial.empty()) input.file.serial = arguments.serial;
   input.file.capture = ParseCaptureWords(arguments.capture, input.file.capture,
                                          input.file.camera->image_size());
-  const auto blob_from_camera = TurnIntoCameraFrame(&input.file.camera);
+  const auto blob_from_camera = AlignToCameraFrame(&input.file.camera);
   // Its other cameras would have to turn, too.
   if (blob_from_camera && input.file.stack)
     throw Error(
@@ -203,17 +203,18 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
             "range; pack one operating point with --at");
   PackOptions options;
   options.remaps =
-      MakeRemaps(*RegularPartOf(*input.file.camera, common.threads), views,
+      MakeRemaps(*ExtractRegularPart(*input.file.camera, common.threads), views,
                  ParseModes(arguments.modes, input.file.camera->image_size()));
   options.max_error_px = arguments.max_error_px;
   options.is_table_bound_soft = !arguments.is_bound_given;
   if (arguments.is_bound_given)
     options.max_ray_error_px = arguments.max_error_px;
-  options.shown = ShownWith(arguments.outside, arguments.camera, input);
+  options.shown = SelectVisibleMask(arguments.outside, arguments.camera, input);
   options.is_narrow_allowed = !arguments.wide_grid;
   options.num_threads = common.threads;
   PackedCamera packed = PackCamera(input.file, options);
-  if (blob_from_camera) packed.remarks.push_back(TurnRemark(*blob_from_camera));
+  if (blob_from_camera)
+    packed.warnings.push_back(RotationWarning(*blob_from_camera));
   OutputFiles files;
   files.Add(arguments.output, packed.blob);
   for (size_t k = 0; k < num_tables; ++k)
@@ -221,8 +222,8 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
       files.Add(outputs[k + 1],
                 ViewCameraFile(packed.remaps[k].view, input.file.name));
   files.Commit();
-  for (const std::string& remark : packed.remarks)
-    fmt::print(stderr, "raygrid: {}: {}\n", arguments.camera, remark);
+  for (const std::string& warning : packed.warnings)
+    fmt::print(stderr, "raygrid: {}: {}\n", arguments.camera, warning);
   if (!common.quiet || common.json) Print(arguments, packed, common.json);
 }
 

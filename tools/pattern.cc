@@ -78,7 +78,7 @@ ScreenBoards PlanForScreen(const std::vector<Board>& boards,
 std::string HowToMeasure(const ScreenBoards& plan,
                          const OutputOptions& options) {
   const Board& board = plan.boards.front();
-  const ScreenLength length = LengthToMeasure(board);
+  const ScreenLength length = GetMeasurableLength(board);
   const bool is_largest = !options.dpi && options.square_px == 0;
   return fmt::format(
       "measure {:g} squares on the screen, from the first {} of a {} to the "
@@ -103,9 +103,10 @@ void WriteForScreen(const std::vector<Board>& boards,
               ScreenPng(plan, board));
   files.Commit();
   if (common.json)
-    fmt::print("{}", FormatJson(yaml, {{"square_px", plan.square_px},
-                                       {"squares_to_measure",
-                                        LengthToMeasure(boards[0]).squares}}));
+    fmt::print("{}",
+               FormatJson(yaml, {{"square_px", plan.square_px},
+                                 {"squares_to_measure",
+                                  GetMeasurableLength(boards[0]).squares}}));
   else if (!common.quiet)
     fmt::print(
         "pattern.yaml and {} image(s) in {}; display without scaling: squares "
@@ -119,7 +120,8 @@ void WriteForPrint(const std::vector<Board>& boards,
   const BoardSheets sheets = PlanBoardSheets(boards, ParsePage(options.page));
   PrintScale scale;
   if (options.measured_x_mm != 0)
-    scale = MeasuredScale(sheets, options.measured_x_mm, options.measured_y_mm);
+    scale =
+        ComputePrintScale(sheets, options.measured_x_mm, options.measured_y_mm);
   const std::filesystem::path folder = options.output;
   OutputFiles files;
   const std::string yaml = SheetsYaml(sheets, scale);
@@ -246,14 +248,14 @@ void AddSize(CLI::App* command, const TargetKind& kind, BoardRequest* request) {
 
 // Two cameras, or two images, do not show by such a board alone which of its
 // corners is the first.
-void SayIfSymmetric(const Board& board) {
-  if (board.NumTurns() < 2) return;
+void WarnIfSymmetric(const Board& board) {
+  if (board.NumRotations() < 2) return;
   fmt::print(
       stderr,
       "raygrid: a chessboard of {} x {} corners is symmetric under {} turn, so "
       "its orientation is ambiguous in a single view; use --rows {}\n",
-      board.columns, board.rows, board.NumTurns() == 2 ? "half a" : "a quarter",
-      board.rows + 1);
+      board.columns, board.rows,
+      board.NumRotations() == 2 ? "half a" : "a quarter", board.rows + 1);
 }
 
 void AddKind(CLI::App* pattern, const TargetKind& kind, CommonOptions* common) {
@@ -269,11 +271,11 @@ void AddKind(CLI::App* pattern, const TargetKind& kind, CommonOptions* common) {
   kind.AddOptions(&target, request.get());
   const auto options = std::make_shared<OutputOptions>();
   AddOutputOptions(command, options.get());
-  AddYes(command, common);
+  AddYesOption(command, common);
   command->callback([&kind, request, options, common] {
     const std::vector<Board> boards = MakeBoards(kind, *request);
-    if (!common->quiet) SayIfSymmetric(boards.front());
-    AskAboutLengths("", boards, kind.LengthOption(), *common);
+    if (!common->quiet) WarnIfSymmetric(boards.front());
+    RequirePlausibleLengths("", boards, kind.LengthOption(), *common);
     if (options->screen.empty())
       WriteForPrint(boards, *options, *common);
     else

@@ -73,21 +73,21 @@ std::string Question(const Board& board, const std::string& mm_option) {
 }  // namespace
 
 CLI::Option* AddPatternOption(CLI::App* command, std::string* pattern,
-                              const std::string& remark) {
+                              const std::string& warning) {
   return command
       ->add_option("--pattern", *pattern,
                    "target: pattern.yaml or a specification such as "
                    "chessboard:9x6:25mm" +
-                       remark)
+                       warning)
       ->option_text("FILE|SPEC")
       ->group(help_group::kTarget);
 }
 
-Pattern GivenPattern(const std::string& pattern) {
+Pattern LoadPattern(const std::string& pattern) {
   return ReadPatternOrSpec(pattern);
 }
 
-void AddYes(CLI::App* command, CommonOptions* common) {
+void AddYesOption(CLI::App* command, CommonOptions* common) {
   command
       ->add_flag("--yes", common->yes,
                  "accept unusual lengths: squares outside 1 mm to 1 m, boards "
@@ -95,10 +95,10 @@ void AddYes(CLI::App* command, CommonOptions* common) {
       ->group(help_group::kTarget);
 }
 
-void AskAboutLengths(const std::string& source,
-                     const std::vector<Board>& boards,
-                     const std::string& mm_option,
-                     const CommonOptions& common) {
+void RequirePlausibleLengths(const std::string& source,
+                             const std::vector<Board>& boards,
+                             const std::string& mm_option,
+                             const CommonOptions& common) {
   if (common.yes) return;
   for (const Board& board : boards) {
     const std::string question = Question(board, mm_option);
@@ -109,9 +109,10 @@ void AskAboutLengths(const std::string& source,
   }
 }
 
-Pattern MeantPattern(const std::string& text, const CommonOptions& common) {
-  Pattern pattern = GivenPattern(text);
-  AskAboutLengths(text, pattern.boards, "", common);
+Pattern LoadCheckedPattern(const std::string& text,
+                           const CommonOptions& common) {
+  Pattern pattern = LoadPattern(text);
+  RequirePlausibleLengths(text, pattern.boards, "", common);
   return pattern;
 }
 

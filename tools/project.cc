@@ -35,7 +35,7 @@ std::optional<Eigen::Vector2d> Project(const CameraInput& input,
   const Eigen::Vector3d moderate = Moderate(point, camera.IsCentral());
   const auto pixel =
       input.blob ? input.blob->Project(moderate) : camera.Project(moderate);
-  return pixel && camera.IsLit(*pixel) ? pixel : std::nullopt;
+  return pixel && camera.IsInImageCircle(*pixel) ? pixel : std::nullopt;
 }
 
 void RequireProjection(const std::string& path, const CameraInput& input) {
@@ -64,7 +64,8 @@ void Run(const ProjectArguments& arguments, const CommonOptions& common) {
     text += pixel ? fmt::format("{:.8f},{:.8f},1\n", pixel->x(), pixel->y())
                   : std::string(",,0\n");
   }
-  if (common.json) text = CsvAsJson(text, {"x", "y", "z", "u", "v", "valid"});
+  if (common.json)
+    text = ConvertCsvToJson(text, {"x", "y", "z", "u", "v", "valid"});
   PrintOrWrite(arguments.output, text);
 }
 

@@ -42,7 +42,7 @@ void ImportRays(const RayTable& rays, const std::string& format,
                 const CommonOptions& common) {
   RequireNoInputReplaced({rays.path}, {output});
   RayGrid grid = FitRayGrid(rays, model, common.threads);
-  const std::vector<std::string> remarks = RemarksOn(grid);
+  const std::vector<std::string> warnings = RemarksOn(grid);
   const nlohmann::ordered_json told = GridJson(grid, format);
   const std::string text = fmt::format(
       "{}: {} of {} x {} px, {} x {} control points; fit error {:.2g} px RMS, "
@@ -54,12 +54,12 @@ void ImportRays(const RayTable& rays, const std::string& format,
   CameraFile file;
   file.camera = std::move(grid.camera);
   WriteFile(output, FormatCameraFile(file, Digits::kAll));
-  for (const std::string& remark : remarks)
-    fmt::print(stderr, "raygrid: {}\n", remark);
+  for (const std::string& warning : warnings)
+    fmt::print(stderr, "raygrid: {}\n", warning);
   if (common.json)
     PrintCommandJson({{"rig", false},
                       {"cameras", nlohmann::ordered_json::array({told})},
-                      {"warnings", remarks}});
+                      {"warnings", warnings}});
   else if (!common.quiet)
     fmt::print("{}", text);
 }

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "camera/camera_frame.h"
-#include "camera/camera_of_scene.h"
+#include "camera/equivalent_central_camera.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/error.h"
@@ -66,7 +66,7 @@ PairCamera ReadPairCamera(const std::string& rig_path,
   PairCamera read = {camera.name, path, ReadCamera(path),
                      Eigen::Quaterniond::Identity(), camera.camera_from_rig};
   if (!read.input.blob)
-    read.blob_from_camera = TurnIntoCameraFrame(&read.input.file.camera)
+    read.blob_from_camera = AlignToCameraFrame(&read.input.file.camera)
                                 .value_or(read.blob_from_camera);
   read.blob_from_rig =
       Pose{read.blob_from_camera, {0, 0, 0}} * camera.camera_from_rig;
@@ -87,8 +87,8 @@ void SetDistance(const std::optional<double>& distance_m,
               "{}: is non-central, so images can be rectified for one distance "
               "only; specify the distance of the scene with --distance METRES",
               camera.path));
-    camera.at_distance =
-        std::make_unique<CameraOfScene>(*camera.input.file.camera, *distance_m);
+    camera.at_distance = std::make_unique<EquivalentCentralCamera>(
+        *camera.input.file.camera, *distance_m);
   }
   if (distance_m && !has_lines)
     throw Error(ExitCode::kUsage,
@@ -215,7 +215,7 @@ nlohmann::ordered_json PairJson(const Rectification& rectified,
                                   {"view_file", paths.view}};
     own.update(ViewJson(rectified.views[c]));
     own["error_px"] = packed[c].remaps[0].error_px;
-    own["warnings"] = packed[c].remarks;
+    own["warnings"] = packed[c].warnings;
     own["R"] = MatrixJson(RotationOfPair(rectified, pair, c));
     own["P"] = MatrixJson(rectified.P(c));
     json[c == 0 ? "left" : "right"] = own;
@@ -272,8 +272,8 @@ void Run(const RectifyArguments& arguments, const CommonOptions& common) {
   }
   files.Commit();
   for (const int c : {0, 1})
-    for (const std::string& remark : packed[c].remarks)
-      fmt::print(stderr, "raygrid: {}: {}\n", pair[c].path, remark);
+    for (const std::string& warning : packed[c].warnings)
+      fmt::print(stderr, "raygrid: {}: {}\n", pair[c].path, warning);
   if (common.json)
     PrintCommandJson(PairJson(rectified, pair, packed, arguments));
   else if (!common.quiet)

@@ -225,7 +225,7 @@ Capture CaptureOf(const Session& session) {
   return capture;
 }
 
-ImageTimes TimesOf(const Session& session) {
+ImageTimes CollectTimes(const Session& session) {
   constexpr double kApartS = 1000;
   ImageTimes times;
   double begin_s = 0, last_s = 0;
@@ -239,8 +239,8 @@ ImageTimes TimesOf(const Session& session) {
   return times;
 }
 
-std::vector<std::string> DifferencesOf(const Capture& calibrated,
-                                       const Capture& now) {
+std::vector<std::string> ListDifferences(const Capture& calibrated,
+                                         const Capture& now) {
   std::vector<std::string> differences;
   const auto compare = [&](const char* what, const std::optional<double>& then,
                            const std::optional<double>& current,

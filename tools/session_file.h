@@ -59,13 +59,13 @@ Capture CaptureOf(const Session& session);
 
 /// When the frames were taken, as far as that was told. Frames that were added
 /// later, whose clock began anew, are far from those before.
-ImageTimes TimesOf(const Session& session);
+ImageTimes CollectTimes(const Session& session);
 
 /// How a camera stands otherwise than it was calibrated, each in half a
 /// sentence: lens position, crop, zoom, orientation, and a temperature that is
 /// more than 20 K away. What one of them does not tell is not compared.
-std::vector<std::string> DifferencesOf(const Capture& calibrated,
-                                       const Capture& now);
+std::vector<std::string> ListDifferences(const Capture& calibrated,
+                                         const Capture& now);
 
 }  // namespace raygrid
 

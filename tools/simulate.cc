@@ -39,9 +39,9 @@ constexpr double kTruthCells = 80;
 constexpr double kGapSquares = 2;
 
 // The conditions that a simulated lens changes with; none of most.
-std::vector<ConditionRange> RangesOfLens(const std::string& name) {
-  const ConditionRange position = {CameraCondition::kLensPosition, 0, 10};
-  const ConditionRange temperature = {CameraCondition::kTemperature, 20, 70};
+std::vector<OperatingRange> RangesOfLens(const std::string& name) {
+  const OperatingRange position = {OperatingParameter::kLensPosition, 0, 10};
+  const OperatingRange temperature = {OperatingParameter::kTemperature, 20, 70};
   if (name == "focusing") return {position};
   if (name == "warming") return {temperature};
   if (name == "focusing-warming") return {position, temperature};
@@ -49,18 +49,19 @@ std::vector<ConditionRange> RangesOfLens(const std::string& name) {
 }
 
 std::unique_ptr<CameraModel> LensNamed(const std::string& name,
-                                       const ConditionsAt& at,
+                                       const RequestedOperatingPoint& at,
                                        const ImageSize& size) {
-  const std::vector<ConditionRange> ranges = RangesOfLens(name);
+  const std::vector<OperatingRange> ranges = RangesOfLens(name);
   if (at.IsGiven() && ranges.empty())
     throw Error(
         ExitCode::kUsage,
         fmt::format("--at: --lens {} has no operating point; use --lens "
                     "focusing (dioptres), warming (°C) or focusing-warming",
                     name));
-  if (ranges.empty()) return SimulatedLens(name, size);
+  if (ranges.empty()) return MakeSimulatedLens(name, size);
   LensState state;
-  const HeldConditions held = HeldOf(at, ranges, "--lens " + name);
+  const FixedOperatingPoint held =
+      FixRequestedPoint(at, ranges, "--lens " + name);
   for (size_t r = 0; r < ranges.size(); ++r) {
     const double width = ranges[r].high - ranges[r].low;
     if (held[r] && !(std::abs(*held[r] - ranges[r].Middle()) <= 1.5 * width))
@@ -71,20 +72,20 @@ std::unique_ptr<CameraModel> LensNamed(const std::string& name,
   }
   for (size_t r = 0; r < ranges.size(); ++r) {
     if (!held[r]) continue;
-    if (ranges[r].condition == CameraCondition::kLensPosition)
+    if (ranges[r].condition == OperatingParameter::kLensPosition)
       state.lens_position = *held[r];
     else
       state.temperature = *held[r];
   }
-  return ChangingLens(state, size);
+  return MakeChangingLens(state, size);
 }
 
 std::shared_ptr<const CameraModel> MakeCamera(
-    const SimulateArguments& arguments, const ConditionsAt& at) {
+    const SimulateArguments& arguments, const RequestedOperatingPoint& at) {
   if (!arguments.camera.empty()) {
     auto camera = ReadCamera(arguments.camera, at).file.camera;
     const ImageSize size = camera->image_size();
-    const std::string why = WhySizeIsRefused(size.width, size.height);
+    const std::string why = DescribeSizeLimit(size.width, size.height);
     if (!why.empty()) throw InputError(arguments.camera + ": " + why);
     return camera;
   }
@@ -99,15 +100,15 @@ std::shared_ptr<const CameraModel> MakeCamera(
 
 Pattern MakePattern(const SimulateArguments& arguments) {
   return arguments.pattern.empty() ? ChessboardPattern(30, 24, 0.02)
-                                   : GivenPattern(arguments.pattern);
+                                   : LoadPattern(arguments.pattern);
 }
 
 // A lens as a fine grid over the image.
-std::shared_ptr<const CameraModel> AsGrid(const CameraModel& lens) {
+std::shared_ptr<const CameraModel> MakeInitialGrid(const CameraModel& lens) {
   const Area image = WholeImage(lens.image_size());
-  const double cell_px = image.width() / kTruthCells;
-  const int columns = NumControlPoints(image.width(), cell_px);
-  const int rows = NumControlPoints(image.height(), cell_px);
+  const double knot_spacing_px = image.width() / kTruthCells;
+  const int columns = NumControlPoints(image.width(), knot_spacing_px);
+  const int rows = NumControlPoints(image.height(), knot_spacing_px);
   std::shared_ptr<CameraModel> grid;
   if (lens.IsCentral())
     grid = FitCentralGeneric(lens, image, columns, rows).Clone();
@@ -120,7 +121,7 @@ std::shared_ptr<const CameraModel> AsGrid(const CameraModel& lens) {
 // The true camera as a camera.yaml.
 std::string FormatTruth(const CameraModel& camera, bool is_from_file) {
   CameraFile truth;
-  truth.camera = is_from_file ? camera.Clone() : AsGrid(camera);
+  truth.camera = is_from_file ? camera.Clone() : MakeInitialGrid(camera);
   truth.name = "simulated";
   return FormatCameraFile(truth);
 }
@@ -176,7 +177,7 @@ class Photographer {
     for (Board& board : pattern.boards) {
       surfaces_.emplace_back(board, bend_m);
       board.points = board.NominalPoints();
-      board = BentBoard(board, bend_m);
+      board = BendBoard(board, bend_m);
     }
     arrangement_ = SideBySide(pattern);
   }
@@ -245,7 +246,7 @@ SimulatedObservations ObserveRig(const SimulateArguments& arguments,
   options.features_per_image =
       arguments.features_per_image.value_or(options.features_per_image);
   const SimulatedRig cameras =
-      CamerasInARow(camera, arguments.cameras, arguments.baseline_m);
+      MakeCameraRow(camera, arguments.cameras, arguments.baseline_m);
   const Pattern pattern = MakePattern(arguments);
   SimulatedRigObservations seen =
       arguments.fixed_boards
@@ -299,7 +300,7 @@ SimulatedObservations ObserveMoving(const SimulateArguments& arguments,
                                     const SimulationOptions& options,
                                     OutputFiles* files) {
   HandMotion motion = arguments.motion;
-  motion.row_time_s = arguments.row_time_us * 1e-6;
+  motion.line_delay_s = arguments.line_delay_us * 1e-6;
   motion.frame_interval_s = 1 / arguments.frames_per_second;
   const MovingObservations moving =
       SimulateMovingObservations(camera, pattern, options, motion);

@@ -184,7 +184,7 @@ void AddMotionOptions(CLI::App* command, SimulateArguments* arguments) {
       "--moving", arguments->moving,
       "views are consecutive frames of a hand-held, moving target");
   command
-      ->add_option("--line-delay-us", arguments->row_time_us,
+      ->add_option("--line-delay-us", arguments->line_delay_us,
                    "rolling-shutter line delay in µs; negative: read from the "
                    "last row; 0: global shutter")
       ->option_text("US")

@@ -30,7 +30,7 @@ struct SimulateArguments {
   double board_turn_deg = 15, move_board_mm = 0;
   bool moving = false;
   HandMotion motion;
-  double row_time_us = 0, frames_per_second = 30;
+  double line_delay_us = 0, frames_per_second = 30;
 };
 
 /// All but --at and the folder to write to.

@@ -5,7 +5,7 @@
 #include <map>
 #include <tuple>
 
-#include "camera/camera_of_scene.h"
+#include "camera/equivalent_central_camera.h"
 #include "dataset/error.h"
 #include "packing/blob_camera.h"
 #include "packing/pack.h"
@@ -23,15 +23,15 @@ struct SharedFeature {
 using SharedByInstant = std::map<std::string, std::vector<SharedFeature>>;
 
 SharedByInstant ShareFeatures(const Dataset& left, const Dataset& right) {
-  std::map<std::tuple<std::string, int, int, int>, Eigen::Vector2d> by_place;
+  std::map<std::tuple<std::string, int, int, int>, Eigen::Vector2d> J_place;
   for (const ImageFeatures& image : right.images)
     for (const Feature& f : image.features)
-      by_place[{image.image, f.board, f.column, f.row}] = f.pixel;
+      J_place[{image.image, f.board, f.column, f.row}] = f.pixel;
   SharedByInstant shared;
   for (const ImageFeatures& image : left.images)
     for (const Feature& f : image.features) {
-      const auto found = by_place.find({image.image, f.board, f.column, f.row});
-      if (found != by_place.end())
+      const auto found = J_place.find({image.image, f.board, f.column, f.row});
+      if (found != J_place.end())
         shared[image.image].push_back({f.pixel, found->second});
     }
   return shared;
@@ -82,7 +82,7 @@ std::unique_ptr<CameraModel> CentralCamera(const CalibrationResult& camera,
                                            const ExamplePair& pair) {
   const CameraModel& model = *camera.camera.camera;
   if (pair.distance_m)
-    return std::make_unique<CameraOfScene>(model, *pair.distance_m);
+    return std::make_unique<EquivalentCentralCamera>(model, *pair.distance_m);
   return model.Clone();
 }
 
@@ -120,7 +120,7 @@ std::optional<ShownImage> RectifiedImage(const Measurements& measured,
 // those of the instant, as a part of the focal length.
 double MeasureRows(const ExamplePair& pair, const Rectification& rectified,
                    const CameraModel& left, const CameraModel& right,
-                   StereoFigures* figures) {
+                   StereoMetrics* metrics) {
   const int along = rectified.is_vertical ? 1 : 0, across = 1 - along;
   double largest = 0, sum = 0;
   for (const auto& [instant, features] : pair.shared)
@@ -132,13 +132,13 @@ double MeasureRows(const ExamplePair& pair, const Rectification& rectified,
       if (!in_a || !in_b) continue;
       const Eigen::Vector2d difference = *in_a - *in_b;
       sum += difference[across] * difference[across];
-      figures->max_px = std::max(figures->max_px, std::abs(difference[across]));
-      ++figures->num_features;
+      metrics->max_px = std::max(metrics->max_px, std::abs(difference[across]));
+      ++metrics->num_features;
       if (instant == pair.instant)
         largest = std::max(
             largest, difference[along] / rectified.views[0].focal_px[along]);
     }
-  figures->rms_px = std::sqrt(sum / std::max(1, figures->num_features));
+  metrics->rms_px = std::sqrt(sum / std::max(1, metrics->num_features));
   return largest;
 }
 
@@ -187,16 +187,16 @@ std::optional<StereoExample> ExampleOfPair(
   const StereoCamera second = {right.camera.name, *central_right,
                                result.camera_from_rig[pair.right]};
   StereoExample example;
-  StereoFigures& figures = example.figures;
-  figures.left = first.name;
-  figures.right = second.name;
-  figures.instant = pair.instant;
+  StereoMetrics& metrics = example.metrics;
+  metrics.left = first.name;
+  metrics.right = second.name;
+  metrics.instant = pair.instant;
   const double largest = MeasureRows(pair, Rectify(first, second, {}),
-                                     *central_left, *central_right, &figures);
+                                     *central_left, *central_right, &metrics);
   const Rectification small = RectifyForPicture(first, second);
-  figures.is_vertical = small.is_vertical;
+  metrics.is_vertical = small.is_vertical;
   const VirtualView& view = small.views[0];
-  figures.num_disparities =
+  metrics.num_disparities =
       NumDisparities(largest * view.focal_px.x(),
                      small.is_vertical ? view.size.height : view.size.width);
   const auto shown_left =
@@ -207,7 +207,7 @@ std::optional<StereoExample> ExampleOfPair(
   const RectifiedImages images = {shown_left->image, shown_right->image,
                                   shown_left->shown, small.is_vertical};
   example.rows = RowsPicture(images);
-  example.disparity = DisparityPicture(images, figures.num_disparities);
+  example.disparity = DisparityPicture(images, metrics.num_disparities);
   return example;
 }
 

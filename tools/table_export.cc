@@ -99,7 +99,7 @@ SeenView ReadView(const TableArguments& arguments,
                   const CommonOptions& common) {
   CameraInput input = ReadCamera(arguments.input, common.at);
   if (!common.quiet) WarnOfFailedCalibration(arguments.input, input.file);
-  if (!input.blob) TurnIntoCameraFrame(&input.file.camera);
+  if (!input.blob) AlignToCameraFrame(&input.file.camera);
   const VirtualView view = RectifiedView(input, arguments.view);
   return {view, Central(arguments.input, *input.file.camera)};
 }
@@ -112,8 +112,8 @@ ViewTable TableOfView(const TableFormat& format,
   table.path = arguments.output;
   if (seen.view.projection == ViewProjection::kPinhole)
     table.matrix = MatrixOf(seen.view);
-  ViewSources found =
-      SourcesOfView(*seen.camera, seen.view, arguments.is_reverse, num_threads);
+  ViewSources found = MakeViewSources(*seen.camera, seen.view,
+                                      arguments.is_reverse, num_threads);
   table.size = found.size;
   table.source_size = found.source_size;
   table.sources = std::move(found.sources);
@@ -154,18 +154,18 @@ RayTable TableOfRays(const TableArguments& arguments,
   const Eigen::Vector3d none(NAN, NAN, NAN);
   table.directions.resize(table.x.size() * table.y.size(), none);
   if (!camera.IsCentral()) table.origins = table.directions;
-  ParallelFor(static_cast<int>(table.y.size()), NumThreads(common.threads),
-              [&](int row) {
-                for (size_t k = 0; k < table.x.size(); ++k) {
-                  const auto line = camera.Line({table.x[k], table.y[row]});
-                  if (!line || !camera.IsLit({table.x[k], table.y[row]}))
-                    continue;
-                  const size_t index = row * table.x.size() + k;
-                  table.directions[index] = line->direction.normalized();
-                  if (!table.origins.empty())
-                    table.origins[index] = line->origin;
-                }
-              });
+  ParallelFor(
+      static_cast<int>(table.y.size()), NumThreads(common.threads),
+      [&](int row) {
+        for (size_t k = 0; k < table.x.size(); ++k) {
+          const auto line = camera.Line({table.x[k], table.y[row]});
+          if (!line || !camera.IsInImageCircle({table.x[k], table.y[row]}))
+            continue;
+          const size_t index = row * table.x.size() + k;
+          table.directions[index] = line->direction.normalized();
+          if (!table.origins.empty()) table.origins[index] = line->origin;
+        }
+      });
   return table;
 }
 
@@ -195,7 +195,7 @@ TableOutput MakeCameraTable(const TableFormat& format,
   table.model = ModelOf(format, arguments.model);
   const CameraInput input = ReadCamera(arguments.input, common.at);
   if (!common.quiet) WarnOfFailedCalibration(arguments.input, input.file);
-  const std::optional<TrustMask> trusted = TrustOf(input);
+  const std::optional<ValidityMask> trusted = LoadValidityMask(input);
   const auto camera = Central(arguments.input, *input.file.camera);
   table.camera = camera.get();
   table.trusted = trusted ? &*trusted : nullptr;
@@ -264,12 +264,12 @@ MeshTable MeshOfView(const TableFormat& format, const TableArguments& arguments,
   mesh.source_size = request.source_size;
   mesh.lattice = format.mesh_unit->lattice(request);
   mesh.sources = TableOfView(format, arguments, seen, num_threads).sources;
-  mesh.is_needed = NeededVertices(mesh.lattice, mesh.size, mesh.sources);
+  mesh.is_needed = FindRequiredVertices(mesh.lattice, mesh.size, mesh.sources);
   // Parabolas reach farther, and leave errors on both sides by themselves.
   const bool is_bent = IsBent(format, mesh.lattice);
   if (is_bent) mesh.is_needed.assign(mesh.is_needed.size(), true);
   mesh.vertices = PlacesOfVertices(seen, mesh, num_threads);
-  ContinueVertices(mesh.lattice, &mesh.vertices);
+  ExtrapolateVertices(mesh.lattice, &mesh.vertices);
   if (!is_bent) BalanceVertices(&mesh);
   return mesh;
 }
@@ -301,7 +301,7 @@ MeshErrors ErrorsOfMesh(const TableFormat& format, const MeshTable& mesh,
                         const UnitMesh& unit) {
   MeshErrors errors;
   for (const MeshSpan span : format.mesh_unit->spans) {
-    const MeshError own = ErrorOfMesh(mesh, unit, span);
+    const MeshError own = ComputeMeshError(mesh, unit, span);
     if (errors.json.empty() || own.max_px > errors.largest.max_px)
       errors.largest = own;
     if (!IsBent(format, mesh.lattice)) break;
@@ -400,7 +400,7 @@ FeatureTable TableOfFeatures(const TableFormat& format,
         fmt::format(
             "--pattern is required: {} contains the geometry of the target",
             format.name));
-  const Pattern pattern = GivenPattern(arguments.pattern);
+  const Pattern pattern = LoadPattern(arguments.pattern);
   auto cameras = ReadFeatures(arguments.input);
   RequireKnownCameras(arguments, cameras);
   FeatureTable table = {arguments.input, arguments.output, {}, pattern.boards};
@@ -462,7 +462,7 @@ void ExportTable(const TableFormat& format, const TableArguments& arguments,
   nlohmann::ordered_json json = {{"format", format.name},
                                  {"files", nlohmann::ordered_json::array()}};
   const TableOutput made = MakeTable(format, arguments, common, &json);
-  for (const auto& [name, number] : made.figures) json[name] = number;
+  for (const auto& [name, number] : made.metrics) json[name] = number;
   std::vector<std::string> paths;
   OutputFiles outputs;
   for (const auto& [path, contents] : made.files) {

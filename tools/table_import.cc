@@ -54,9 +54,9 @@ std::string TextOfFeatures(const FeatureTable& features,
              : FormatFeatures(features.cameras);
 }
 
-void TellFeatures(const FeatureTable& features,
-                  const ImportArguments& arguments,
-                  const CommonOptions& common) {
+void PrintFeatures(const FeatureTable& features,
+                   const ImportArguments& arguments,
+                   const CommonOptions& common) {
   auto json =
       nlohmann::ordered_json{{"boards", features.boards.size()},
                              {"cameras", nlohmann::ordered_json::array()}};
@@ -85,7 +85,7 @@ void ImportFeatures(const TableFormat& table, const ImportArguments& arguments,
   const std::string text = TextOfFeatures(features, arguments);
   RequireNoInputReplaced(arguments.files, {arguments.output});
   WriteFile(arguments.output, text);
-  TellFeatures(features, arguments, common);
+  PrintFeatures(features, arguments, common);
 }
 
 void ImportPoses(const TableFormat& table, const ImportArguments& arguments,
@@ -157,9 +157,9 @@ void ImportTable(const TableFormat& table, const ImportArguments& arguments,
   }
   const RayTable rays =
       table.read_rays ? table.read_rays(path, bytes)
-                      : RaysOfViewTable(table, {path, bytes, arguments.view,
-                                                arguments.is_reverse,
-                                                arguments.image_size});
+                      : ReadViewTableRays(table, {path, bytes, arguments.view,
+                                                  arguments.is_reverse,
+                                                  arguments.image_size});
   ImportRays(rays, table.name, arguments.model, arguments.output, common);
 }
 

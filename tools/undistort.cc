@@ -72,7 +72,7 @@ ImageMapper ByTable(BlobCamera blob, const VirtualView& view,
   return {view, [=](const std::string& path, const Image& image) {
             RequireSize(path, image.size, camera->FrameSize(remap_index),
                         "the remap table requires",
-                        camera->Distorts(remap_index)
+                        camera->IsInverseRemap(remap_index)
                             ? "use images of its view"
                             : "use images of this size, or define their sensor "
                               "mode with --mode");
@@ -84,31 +84,31 @@ ImageMapper ByTable(BlobCamera blob, const VirtualView& view,
 ImageMapper Distortion(const CameraModel& camera, const VirtualView& view,
                        int num_threads) {
   const auto map =
-      std::make_shared<SourceMap>(MapOfDistortion(camera, view, num_threads));
+      std::make_shared<SourceMap>(MakeDistortionMap(camera, view, num_threads));
   return {view, [=](const std::string& path, const Image& picture) {
             RequireSize(path, picture.size, view.size, "the view has",
                         "use images of this view, or specify the view of the "
                         "images, e.g. with --size or --view");
-            return DistortedImage(*map, picture, num_threads);
+            return DistortImage(*map, picture, num_threads);
           }};
 }
 
 // Whether each pixel of the camera's frames, as calibrated or of a mode, is
 // trusted.
-std::vector<bool> TrustedPixels(const TrustMask& trusted,
+std::vector<bool> TrustedPixels(const ValidityMask& trusted,
                                 const SensorMode& mode) {
   std::vector<bool> pixels;
   for (int y = 0; y < mode.size.height; ++y)
     for (int x = 0; x < mode.size.width; ++x)
       pixels.push_back(
-          trusted.Trusts(mode.ToCalibrated(Eigen::Vector2d(x, y))));
+          trusted.IsValidAt(mode.ToCalibrated(Eigen::Vector2d(x, y))));
   return pixels;
 }
 
 // Leaves border in images of the camera, as calibrated or of a mode, where it
 // is not trusted.
 ImageMapper TrustedAlone(ImageMapper mapper, const std::string& path,
-                         const TrustMask& trusted, const SensorMode& mode) {
+                         const ValidityMask& trusted, const SensorMode& mode) {
   const std::vector<bool> pixels = TrustedPixels(trusted, mode);
   if (std::find(pixels.begin(), pixels.end(), true) == pixels.end())
     throw Error(
@@ -166,7 +166,7 @@ uint32_t FindTable(const BlobCamera& blob,
                    const UndistortArguments& arguments) {
   return arguments.mode.empty()
              ? arguments.remap_index
-             : blob.FindTableOfMode(arguments.mode).value_or(RG_NO_TABLE);
+             : blob.FindModeTable(arguments.mode).value_or(RG_NO_TABLE);
 }
 
 // A table that distorts would spoil an image of the camera, and be told of as
@@ -186,25 +186,26 @@ struct UndistortRequest {
   ViewRequest view;
   std::optional<uint32_t> table;
   std::optional<SensorMode> mode;
-  std::optional<TrustMask> trusted;
+  std::optional<ValidityMask> trusted;
 };
 
 // The blob's table serves if no other view is asked for.
 void CompleteRequest(const UndistortArguments& arguments,
                      const CameraInput& input, UndistortRequest* request) {
   request->mode = FindMode(arguments, input);
-  request->trusted = ShownWith(arguments.outside, arguments.camera, input);
+  request->trusted =
+      SelectVisibleMask(arguments.outside, arguments.camera, input);
   if (!input.blob || !input.blob->has_remap() || AsksForAView(arguments))
     return;
   const uint32_t table = FindTable(*input.blob, arguments);
-  RequireDirection(arguments, table, input.blob->Distorts(table));
-  if (!request->mode) request->mode = input.blob->ModeOfRemap(table);
+  RequireDirection(arguments, table, input.blob->IsInverseRemap(table));
+  if (!request->mode) request->mode = input.blob->GetRemapMode(table);
   request->table = table;
 }
 
 VirtualView FindView(const CameraInput& input,
                      const UndistortRequest& request) {
-  if (request.table) return input.blob->ViewOfRemap(*request.table);
+  if (request.table) return input.blob->GetRemapView(*request.table);
   const CameraModel& camera = *input.file.camera;
   return request.mode ? MakeViewOfMode(camera, *request.mode, request.view)
                       : MakeView(camera, request.view);
@@ -214,13 +215,13 @@ VirtualView FindView(const CameraInput& input,
 ImageMapper PrepareDistortion(const UndistortArguments& arguments,
                               const UndistortRequest& request,
                               CameraInput input, int num_threads) {
-  if (request.table && input.blob->Distorts(*request.table)) {
+  if (request.table && input.blob->IsInverseRemap(*request.table)) {
     const VirtualView view = FindView(input, request);
     return ByTable(*std::move(input.blob), view, *request.table);
   }
   RequireCentral(arguments, *input.file.camera);
-  if (!input.blob) TurnIntoCameraFrame(&input.file.camera);
-  input.file.camera = RegularPartOf(*input.file.camera, num_threads);
+  if (!input.blob) AlignToCameraFrame(&input.file.camera);
+  input.file.camera = ExtractRegularPart(*input.file.camera, num_threads);
   const CameraModel& camera = *input.file.camera;
   const VirtualView view = FindView(input, request);
   return request.mode
@@ -237,7 +238,7 @@ ImageMapper PrepareUndistortion(const UndistortArguments& arguments,
     const VirtualView view = FindView(input, request);
     return ByTable(*std::move(input.blob), view, *request.table);
   }
-  if (!input.blob) TurnIntoCameraFrame(&input.file.camera);
+  if (!input.blob) AlignToCameraFrame(&input.file.camera);
   const VirtualView view = FindView(input, request);
   PackOptions options;
   options.remaps.emplace_back(view, request.mode);
@@ -310,7 +311,7 @@ std::vector<Targets> TargetsOf(const UndistortArguments& arguments,
   outputs.push_back(
       (std::filesystem::path(arguments.output) / kViewFile).string());
   RequireNoInputReplaced(inputs, outputs);
-  RequireApart(paths, arguments.output);
+  RequireSeparateFolders(paths, arguments.output);
   return targets;
 }
 
@@ -362,7 +363,7 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
              static_cast<double>(i + 1) / paths.size());
   }
   if (!turned.empty() && !common.quiet)
-    fmt::print(stderr, "raygrid: {}\n", RemarkOnTurned(turned));
+    fmt::print(stderr, "raygrid: {}\n", WarnAboutOrientation(turned));
   if (common.json)
     PrintCommandJson(written);
   else if (!common.quiet)

@@ -27,7 +27,7 @@ UnitLock::UnitLock(const std::string& folder, const std::string& serial) {
   const std::string path = folder + "/.batch.lock";
   constexpr mode_t kForAll = 0666;
   file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kForAll);
-  if (file_ < 0) FailToWrite(path, errno);
+  if (file_ < 0) ThrowWriteError(path, errno);
   struct flock lock = {};
   lock.l_type = F_WRLCK;
   lock.l_whence = SEEK_SET;

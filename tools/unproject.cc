@@ -36,7 +36,7 @@ void Run(const UnprojectArguments& arguments, const CommonOptions& common) {
   while (table.Next()) {
     const Eigen::Vector2d pixel(table.Number("x"), table.Number("y"));
     text += fmt::format("{},{},", table.Text("x"), table.Text("y"));
-    const bool is_lit = camera.IsLit(pixel);
+    const bool is_lit = camera.IsInImageCircle(pixel);
     const auto ray = !is_lit      ? std::nullopt
                      : input.blob ? input.blob->Unproject(pixel)
                                   : camera.Unproject(pixel);
@@ -49,7 +49,7 @@ void Run(const UnprojectArguments& arguments, const CommonOptions& common) {
     }
     text += "\n";
   }
-  if (common.json) text = CsvAsJson(text, columns);
+  if (common.json) text = ConvertCsvToJson(text, columns);
   PrintOrWrite(arguments.output, text);
 }
 

@@ -44,7 +44,7 @@ class SlotStore {
       : path_(path),
         file_(open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK)) {
     struct stat status = {};
-    if (file_ < 0 || fstat(file_, &status) != 0) FailToWrite(path_, errno);
+    if (file_ < 0 || fstat(file_, &status) != 0) ThrowWriteError(path_, errno);
     if (!S_ISREG(status.st_mode) && !S_ISBLK(status.st_mode)) {
       close(file_);
       throw Error(ExitCode::kOutput,
@@ -64,7 +64,7 @@ class SlotStore {
 
   uint64_t Size() const {
     const off_t size = lseek(file_, 0, SEEK_END);
-    if (size < 0) FailToWrite(path_, errno);
+    if (size < 0) ThrowWriteError(path_, errno);
     return static_cast<uint64_t>(size);
   }
 
@@ -90,10 +90,10 @@ class SlotStore {
           pwrite(file_, write.bytes.data() + done, write.bytes.size() - done,
                  static_cast<off_t>(write.offset + done));
       if (size < 0 && errno == EINTR) continue;
-      if (size < 0) FailToWrite(path_, errno);
+      if (size < 0) ThrowWriteError(path_, errno);
       done += static_cast<size_t>(size);
     }
-    if (fsync(file_) != 0) FailToWrite(path_, errno);
+    if (fsync(file_) != 0) ThrowWriteError(path_, errno);
   }
 
  private:

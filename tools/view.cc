@@ -35,9 +35,9 @@ struct ViewArguments {
 struct ViewedCamera {
   std::string name;  // the file's
   CameraInput input;
-  std::string image;              // the photograph's path, or empty
-  std::optional<TrustMask> mask;  // of what is trusted, if that is known
-  double square = 0;              // of the scene without a photograph
+  std::string image;                 // the photograph's path, or empty
+  std::optional<ValidityMask> mask;  // of what is trusted, if that is known
+  double square = 0;                 // of the scene without a photograph
   Image before;
 
   const CameraModel& camera() const { return *input.file.camera; }
@@ -78,9 +78,9 @@ ViewTables TablesOf(ViewedCamera* viewed, const ViewArguments& arguments,
   ViewTables tables;
   std::optional<BlobCamera>& blob = viewed->input.blob;
   if (blob && blob->has_remap() && arguments.remaps.empty()) {
-    tables.indices = blob->TablesOfCalibratedFrames();
+    tables.indices = blob->ListCalibratedTables();
     for (const uint32_t k : tables.indices)
-      tables.views.push_back(blob->ViewOfRemap(k));
+      tables.views.push_back(blob->GetRemapView(k));
     if (tables.views.empty())
       tables.why_none =
           "all tables are for other sensor modes or inverse remaps";
@@ -89,7 +89,7 @@ ViewTables TablesOf(ViewedCamera* viewed, const ViewArguments& arguments,
   }
   PackedCamera packed;
   if (arguments.remaps.empty()) {
-    packed = PackWhatCanBe(viewed->input.file, common.threads);
+    packed = PackSupportedParts(viewed->input.file, common.threads);
   } else {
     PackOptions options;
     for (const std::string& remap : arguments.remaps)
@@ -104,8 +104,8 @@ ViewTables TablesOf(ViewedCamera* viewed, const ViewArguments& arguments,
     tables.views.push_back(remap.view);
   }
   if (!tables.views.empty()) tables.blob.emplace("packed camera", packed.blob);
-  for (const std::string& remark : packed.remarks)
-    tables.why_none += (tables.why_none.empty() ? "" : "; ") + remark;
+  for (const std::string& warning : packed.warnings)
+    tables.why_none += (tables.why_none.empty() ? "" : "; ") + warning;
   return tables;
 }
 
@@ -131,10 +131,10 @@ std::vector<std::string> ViewCaption(const VirtualView& view) {
   return lines;
 }
 
-double TrustedPart(const TrustMask& mask, const CameraModel& camera) {
+double ValidFraction(const ValidityMask& mask, const CameraModel& camera) {
   CameraUncertainty uncertainty;
   uncertainty.mask = mask;
-  return uncertainty.TrustedPart(camera.image_size(), camera.area());
+  return uncertainty.ValidFraction(camera.image_size(), camera.area());
 }
 
 // The calibrated area, and what of it is trusted, in the camera's image. The
@@ -147,12 +147,13 @@ std::vector<SheetCurves> KnownCurves(const ViewedCamera& viewed) {
                         area.Contains({image.x1, image.y1});
   if (!viewed.mask || !is_whole) {
     known.emplace_back();
-    known.back().curves = OutlineOfArea(area);
+    known.back().curves = ComputeAreaOutline(area);
     known.back().color = kAreaColor;
   }
   if (viewed.mask) {
     known.emplace_back();
-    known.back().curves = OutlineOfTrusted(*viewed.mask, camera.image_size());
+    known.back().curves =
+        ComputeValidOutline(*viewed.mask, camera.image_size());
     known.back().color = kTrustedColor;
   }
   return known;
@@ -171,15 +172,15 @@ SheetTile TileBefore(const ViewedCamera& viewed,
                   SeenAngleDeg(camera, 1),
                   file.name.empty() ? "" : ", " + Printable(file.name)),
       viewed.mask ? fmt::format("valid region: {:.0f} % of the image",
-                                100 * TrustedPart(*viewed.mask, camera))
+                                100 * ValidFraction(*viewed.mask, camera))
                   : "no valid region in the file",
       viewed.image.empty() ? "a rendered checkered room, seen by this camera"
                            : ShownName(viewed.image)};
   tile.picture = viewed.before;
   for (size_t k = 0; k < views.size(); ++k) {
     SheetCurves edge;
-    edge.curves = EdgeOfView(camera, views[k]);
-    edge.color = ColorOfView(k);
+    edge.curves = ComputeViewEdge(camera, views[k]);
+    edge.color = GetViewColor(k);
     edge.is_dashed = true;
     tile.curves.push_back(std::move(edge));
   }
@@ -196,8 +197,8 @@ SheetCurves StraightCurves(const ViewedCamera& viewed,
   drawn.width = kThin;
   drawn.curves =
       viewed.image.empty()
-          ? LinesOfRoom(view, Eigen::Matrix3d::Identity(), viewed.square)
-          : LinesOfRoom(view, view.camera_from_view, SquareOfView(view));
+          ? MakeRoomLines(view, Eigen::Matrix3d::Identity(), viewed.square)
+          : MakeRoomLines(view, view.camera_from_view, SquareOfView(view));
   return drawn;
 }
 
@@ -211,10 +212,10 @@ SheetTile TileOfView(const ViewedCamera& viewed, const ViewTables& tables,
       tables.blob->Undistort(viewed.before, kNothingSeen, tables.indices[k]);
   tile.curves = {StraightCurves(viewed, view)};
   for (SheetCurves& known : KnownCurves(viewed)) {
-    known.curves = CurvesInView(viewed.camera(), view, known.curves);
+    known.curves = ProjectCurves(viewed.camera(), view, known.curves);
     tile.curves.push_back(std::move(known));
   }
-  tile.frame = ColorOfView(k);
+  tile.frame = GetViewColor(k);
   return tile;
 }
 
@@ -231,7 +232,7 @@ ViewedRow RowOfView(const VirtualView& view, ViewedCamera viewed,
   viewed.square = SquareOfView(view);
   tile.picture =
       viewed.image.empty()
-          ? RenderStraightScene(*CameraOfTurnedView(view), viewed.square,
+          ? RenderStraightScene(*MakeRotatedViewCamera(view), viewed.square,
                                 kNothingSeen, common.threads)
           : ReadPhotograph(viewed.image, view.size);
   tile.title = viewed.name + ": a view";
@@ -246,8 +247,8 @@ ViewedRow RowOfView(const VirtualView& view, ViewedCamera viewed,
 
 ViewedRow RowOfCamera(ViewedCamera viewed, const ViewArguments& arguments,
                       const CommonOptions& common) {
-  if (!viewed.input.blob) TurnIntoCameraFrame(&viewed.input.file.camera);
-  viewed.mask = TrustOf(viewed.input);
+  if (!viewed.input.blob) AlignToCameraFrame(&viewed.input.file.camera);
+  viewed.mask = LoadValidityMask(viewed.input);
   viewed.square = SquareOfStraightScene(viewed.camera());
   viewed.before =
       viewed.image.empty()
@@ -267,7 +268,7 @@ ViewedRow RowOfCamera(ViewedCamera viewed, const ViewArguments& arguments,
     result.json["view_error"] = tables.why_none;
   }
   if (viewed.mask)
-    result.json["valid_share"] = TrustedPart(*viewed.mask, viewed.camera());
+    result.json["valid_share"] = ValidFraction(*viewed.mask, viewed.camera());
   result.json["views"] = nlohmann::json::array();
   for (const VirtualView& view : tables.views)
     result.json["views"].push_back(ViewJson(view));
@@ -282,7 +283,7 @@ ViewedRow RowOfFile(const std::string& path, const std::string& image,
   viewed.image = image;
   viewed.input = ReadCamera(path, common.at);
   if (!common.quiet) WarnOfFailedCalibration(path, viewed.input.file);
-  auto view = ViewOfCamera(viewed.camera());
+  auto view = MakeCameraView(viewed.camera());
   const auto& pose = viewed.input.file.camera_from_view;
   if (!view || viewed.input.blob || !arguments.remaps.empty())
     return RowOfCamera(std::move(viewed), arguments, common);
@@ -298,7 +299,8 @@ std::vector<SheetMark> MarksOf(const std::vector<SheetRow>& rows) {
       {kTrustedColor, false, "valid region"},
       {kAreaColor, false, "calibrated area"},
       {kStraightColor, false, "straight line in the world"},
-      {ColorOfView(0), true, "boundary of a view, in the colour of its frame"}};
+      {GetViewColor(0), true,
+       "boundary of a view, in the colour of its frame"}};
   std::vector<SheetMark> marks;
   for (const SheetMark& mark : all) {
     bool is_used = false;

@@ -92,7 +92,8 @@ RayTable RaysOfViewPixels(const ViewTable& table, const VirtualView& view) {
 
 }  // namespace
 
-RayTable RaysOfViewTable(const TableFormat& format, const ViewImport& import) {
+RayTable ReadViewTableRays(const TableFormat& format,
+                           const ViewImport& import) {
   const ViewRequest request = ParseViewOptions(import.view);
   const auto view_size = SizeTold(request);
   std::optional<ImageSize> image_size;

@@ -19,7 +19,7 @@ struct ViewImport {
 
 /// The rays of the camera's pixels. Throws InputError, naming the file, and
 /// Error(kUsage), naming the option that is missing or does not suit.
-RayTable RaysOfViewTable(const TableFormat& format, const ViewImport& import);
+RayTable ReadViewTableRays(const TableFormat& format, const ViewImport& import);
 
 }  // namespace raygrid
 

@@ -40,7 +40,7 @@ constexpr ViewWord kViewWords[] = {
 
 VirtualView ReadView(const std::string& place, const std::string& path) {
   const CameraInput input = ReadCamera(path);
-  auto view = ViewOfCamera(*input.file.camera);
+  auto view = MakeCameraView(*input.file.camera);
   if (!view)
     throw Error(ExitCode::kUsage,
                 fmt::format("{}: {} is not a view (an undistorted opencv "
@@ -140,7 +140,7 @@ ViewRequest ParseView(const std::string& option, const std::string& text) {
     AddWord(fmt::format("{} {}: {}", option, text, name), name,
             part.substr(equals + 1), &request);
   }
-  RequireSensible(request);
+  RequireValidView(request);
   return request;
 }
 
@@ -249,7 +249,7 @@ ViewRequest ParseViewOptions(const ViewWords& words) {
     else
       AddWord("--" + name, name, value, &request);
   }
-  RequireSensible(request);
+  RequireValidView(request);
   return request;
 }
 
@@ -262,16 +262,15 @@ std::string FirstWord(const ViewWords& words) {
 VirtualView RectifiedView(const CameraInput& input, const ViewWords& words) {
   const bool is_told = !FirstWord(words).empty();
   const std::vector<uint32_t> tables =
-      input.blob ? input.blob->TablesOfCalibratedFrames()
-                 : std::vector<uint32_t>();
+      input.blob ? input.blob->ListCalibratedTables() : std::vector<uint32_t>();
   if (!is_told && !tables.empty())
-    return input.blob->ViewOfRemap(tables.front());
+    return input.blob->GetRemapView(tables.front());
   return is_told ? MakeView(*input.file.camera, ParseViewOptions(words))
                  : MakeViewOfArea(*input.file.camera);
 }
 
 Eigen::Vector3d ViewAnglesDeg(const Eigen::Matrix3d& camera_from_view) {
-  const Eigen::Vector3d angles = AnglesOfRotation(camera_from_view);
+  const Eigen::Vector3d angles = RotationToAngles(camera_from_view);
   return (1e6 * angles).array().round() / 1e6 + 0.0;
 }
 
@@ -319,7 +318,7 @@ nlohmann::ordered_json ViewJson(const VirtualView& view) {
 
 std::string ViewCameraFile(const VirtualView& view, const std::string& name) {
   CameraFile file;
-  file.camera = CameraOfView(view);
+  file.camera = MakeViewCamera(view);
   file.name = name;
   if (view.IsTurned())
     file.camera_from_view =

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "camera/camera_of_scene.h"
+#include "camera/equivalent_central_camera.h"
 #include "camera_input.h"
 #include "packing/view_request.h"
 

@@ -6,7 +6,7 @@
 
 namespace raygrid {
 
-SeeingCamera::SeeingCamera(const CameraModel& camera, const View& view)
+CameraAtView::CameraAtView(const CameraModel& camera, const View& view)
     : camera_(&camera) {
   const auto* stack = dynamic_cast<const StackedGrid*>(&camera);
   if (!stack || stack->values() == view.conditions) return;
@@ -22,10 +22,10 @@ AdjustmentState& AdjustmentState::operator=(const AdjustmentState& other) {
   for (const auto& camera : other.cameras) cameras.push_back(camera->Clone());
   camera_from_rig = other.camera_from_rig;
   rig_from_pattern = other.rig_from_pattern;
-  body_from_board = other.body_from_board;
+  target_from_board = other.target_from_board;
   points = other.points;
   modes = other.modes;
-  bend_scope = other.bend_scope;
+  deformation_scope = other.deformation_scope;
   flex = other.flex;
   return *this;
 }
@@ -37,24 +37,25 @@ void AdjustmentState::SetCamera(const CameraModel& camera) {
   camera_from_rig = {Pose()};
 }
 
-Pose AdjustmentState::CameraFromPattern(const View& view) const {
+Pose AdjustmentState::ComputeCameraFromPattern(const View& view) const {
   const Pose camera_from_body =
       camera_from_rig[view.camera] * rig_from_pattern[view.pose];
   return view.place < 0 ? camera_from_body
-                        : camera_from_body * body_from_board[view.place];
+                        : camera_from_body * target_from_board[view.place];
 }
 
-void AdjustmentState::KeepShapes() {
-  if (!HasShapes()) return;
+void AdjustmentState::ApplyStaticDeformation() {
+  if (!HasStaticDeformation()) return;
   for (int i = 0; i < static_cast<int>(points.size()); ++i)
-    points[i] = ShapedPoint(i);
-  SetModes({}, BendScope::kBoard);
+    points[i] = DeformedPoint(i);
+  SetModes({}, DeformationScope::kBoard);
 }
 
-void AdjustmentState::TakeShapes(FlexModes flex_modes,
-                                 const std::vector<Eigen::Vector3d>& nominal) {
-  SetModes(std::move(flex_modes), BendScope::kBoard);
-  if (!HasShapes()) return;
+void AdjustmentState::FitStaticDeformation(
+    DeformationModes deformation_modes,
+    const std::vector<Eigen::Vector3d>& nominal) {
+  SetModes(std::move(deformation_modes), DeformationScope::kBoard);
+  if (!HasStaticDeformation()) return;
   // The modes of a board are orthogonal, with a mean square of 1.
   std::vector<double> counts(flex.size());
   for (const int board : modes.boards) ++counts[board];
@@ -65,13 +66,14 @@ void AdjustmentState::TakeShapes(FlexModes flex_modes,
     points[i] -= modes.by_point[i] * flex[modes.boards[i]];
 }
 
-void AdjustmentState::SetModes(FlexModes flex_modes, BendScope scope) {
-  modes = std::move(flex_modes);
-  bend_scope = scope;
-  flex.assign(scope == BendScope::kPose
+void AdjustmentState::SetModes(DeformationModes deformation_modes,
+                               DeformationScope scope) {
+  modes = std::move(deformation_modes);
+  deformation_scope = scope;
+  flex.assign(scope == DeformationScope::kPose
                   ? rig_from_pattern.size()
                   : static_cast<size_t>(modes.num_boards()),
-              FlexModes::Coefficients::Zero(modes.count()));
+              DeformationModes::Coefficients::Zero(modes.count()));
 }
 
 void AdjustmentState::MoveRigToFirstCamera() {

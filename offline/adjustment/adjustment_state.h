@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "adjustment/board_flex.h"
+#include "adjustment/deformation_modes.h"
 #include "camera/camera_model.h"
 #include "camera/pose.h"
 
@@ -22,16 +22,16 @@ struct Observation {
 struct View {
   std::vector<Observation> observations;
   int camera = 0, pose = 0;
-  int place = -1;  ///< index of the board in body_from_board; -1: identity
+  int place = -1;  ///< index of the board in target_from_board; -1: identity
   /// The camera's operating point: one value per axis of the model.
   std::vector<double> conditions;
 };
 
 /// A camera model for one view: an operating-point model evaluated at the
 /// view's conditions; others unchanged. The camera must outlive it.
-class SeeingCamera {
+class CameraAtView {
  public:
-  SeeingCamera(const CameraModel& camera, const View& view);
+  CameraAtView(const CameraModel& camera, const View& view);
   const CameraModel& operator*() const { return *camera_; }
   const CameraModel* operator->() const { return camera_; }
 
@@ -47,12 +47,12 @@ struct AdjustmentState {
   std::vector<Pose> camera_from_rig;   ///< the first is constant: the gauge
   std::vector<Pose> rig_from_pattern;  ///< shared by the cameras of a frame
   /// B_b: poses of boards in their rigid multi-board target, by View::place.
-  std::vector<Pose> body_from_board;
+  std::vector<Pose> target_from_board;
   std::vector<Eigen::Vector3d> points;  ///< p_j, in the board's frame (m)
-  FlexModes modes;                      ///< M; empty: no deformation
-  BendScope bend_scope = BendScope::kPose;
+  DeformationModes modes;               ///< M; empty: no deformation
+  DeformationScope deformation_scope = DeformationScope::kPose;
   /// Deformation coefficients (m), for each rig_from_pattern or each board.
-  std::vector<FlexModes::Coefficients> flex;
+  std::vector<DeformationModes::Coefficients> flex;
 
   AdjustmentState() = default;
   AdjustmentState(AdjustmentState&&) = default;
@@ -64,36 +64,37 @@ struct AdjustmentState {
   void SetCamera(const CameraModel& camera);
   const CameraModel& camera() const { return *cameras.front(); }
 
-  Pose CameraFromPattern(const View& view) const;
-  SeeingCamera CameraOf(const View& view) const {
-    return SeeingCamera(*cameras[view.camera], view);
+  Pose ComputeCameraFromPattern(const View& view) const;
+  CameraAtView GetCamera(const View& view) const {
+    return CameraAtView(*cameras[view.camera], view);
   }
   /// Returns target point p_j + M_j f with the deformation of a pose (m).
   Eigen::Vector3d PointAt(int pose, int point) const {
     if (modes.count() == 0) return points[point];
-    const int index =
-        bend_scope == BendScope::kPose ? pose : modes.boards[point];
+    const int index = deformation_scope == DeformationScope::kPose
+                          ? pose
+                          : modes.boards[point];
     return points[point] + modes.by_point[point] * flex[index];
   }
   /// Whether a static deformation of the boards is estimated.
-  bool HasShapes() const {
-    return modes.count() > 0 && bend_scope == BendScope::kBoard;
+  bool HasStaticDeformation() const {
+    return modes.count() > 0 && deformation_scope == DeformationScope::kBoard;
   }
   /// Whether a per-view deformation of the boards is estimated.
-  bool HasFlex() const {
-    return modes.count() > 0 && bend_scope == BendScope::kPose;
+  bool HasPerViewDeformation() const {
+    return modes.count() > 0 && deformation_scope == DeformationScope::kPose;
   }
   /// Returns a target point with the static deformation (m).
-  Eigen::Vector3d ShapedPoint(int point) const {
-    return HasShapes() ? PointAt(0, point) : points[point];
+  Eigen::Vector3d DeformedPoint(int point) const {
+    return HasStaticDeformation() ? PointAt(0, point) : points[point];
   }
   /// Moves the static deformation into the points, and removes the modes.
-  void KeepShapes();
+  void ApplyStaticDeformation();
   /// Moves the points' deviation from nominal into static modes.
-  void TakeShapes(FlexModes flex_modes,
-                  const std::vector<Eigen::Vector3d>& nominal);
+  void FitStaticDeformation(DeformationModes deformation_modes,
+                            const std::vector<Eigen::Vector3d>& nominal);
   /// Enables deformation modes, with zero coefficients.
-  void SetModes(FlexModes flex_modes, BendScope scope);
+  void SetModes(DeformationModes deformation_modes, DeformationScope scope);
   /// Makes the first camera's frame the rig frame.
   void MoveRigToFirstCamera();
   int NumCameraParameters() const;  ///< of all cameras

@@ -24,8 +24,8 @@ AdjustmentState Updated(const AdjustmentState& state,
     updated.camera_from_rig[c + 1] =
         UpdatedPose(state.camera_from_rig[c + 1], step.camera_poses[c]);
   for (size_t i = 0; i < step.places.size(); ++i)
-    updated.body_from_board[i] =
-        UpdatedPose(state.body_from_board[i], step.places[i]);
+    updated.target_from_board[i] =
+        UpdatedPose(state.target_from_board[i], step.places[i]);
   for (Eigen::Index i = 0; i < step.points.size() / 3; ++i)
     updated.points[i] += step.points.segment<3>(3 * i);
   for (size_t i = 0; i < step.poses.size(); ++i)
@@ -43,12 +43,12 @@ double PriorCost(const GaussianPrior& prior, const AdjustmentState& state,
       cost += prior.cameras[c].Cost(state.cameras[c]->Parameters());
   if (!options.fix_points)
     for (size_t i = 0; i < prior.points_mean.size(); ++i)
-      cost += prior.points_weight / 2 *
+      cost += prior.points_precision / 2 *
               (state.points[i] - prior.points_mean[i]).squaredNorm();
-  for (const FlexModes::Coefficients& flex : state.flex)
+  for (const DeformationModes::Coefficients& flex : state.flex)
     for (int mode = 0; mode < state.modes.count(); ++mode)
-      cost += prior.FlexWeight(state.modes.orders[mode]) / 2 * flex[mode] *
-              flex[mode];
+      cost += prior.DeformationPrecision(state.modes.orders[mode]) / 2 *
+              flex[mode] * flex[mode];
   return cost;
 }
 
@@ -141,10 +141,11 @@ constexpr double kStandstillDecrease = 1e-5;
 // Optimizations that converge have nearly always done so by then.
 constexpr int kStepsWithLosses = 50;
 
-AdjustmentSummary Adjust(const std::vector<View>& views,
-                         const GaussianPrior& prior,
-                         const AdjustmentOptions& options, double lambda,
-                         EquationsBuilder* builder, AdjustmentState* state) {
+AdjustmentSummary OptimizeCameras(const std::vector<View>& views,
+                                  const GaussianPrior& prior,
+                                  const AdjustmentOptions& options,
+                                  double lambda, EquationsBuilder* builder,
+                                  AdjustmentState* state) {
   AdjustmentSummary summary;
   summary.residuals = ComputeResiduals(*state, views, options.num_threads);
   summary.initial_cost = TotalCost(summary.residuals, options.huber_px);
@@ -177,14 +178,15 @@ constexpr double kLearningLambda = 1e-6;
 // to the points and their mean, which changes no residual.
 void MoveMeanBends(const std::vector<View>& views, GaussianPrior* prior,
                    AdjustmentState* state) {
-  const FlexModes& modes = state->modes;
-  if (!state->HasFlex()) return;
+  const DeformationModes& modes = state->modes;
+  if (!state->HasPerViewDeformation()) return;
   std::vector<int> board_of_pose(state->flex.size(), -1);
   for (const View& view : views)
     if (!view.observations.empty())
       board_of_pose[view.pose] = modes.boards[view.observations[0].point];
   for (int board = 0; board < modes.num_boards(); ++board) {
-    FlexModes::Coefficients mean = FlexModes::Coefficients::Zero(modes.count());
+    DeformationModes::Coefficients mean =
+        DeformationModes::Coefficients::Zero(modes.count());
     const double count = static_cast<double>(
         std::count(board_of_pose.begin(), board_of_pose.end(), board));
     for (size_t i = 0; i < state->flex.size(); ++i)
@@ -207,7 +209,7 @@ double SquaredMetresPerPixel(const AdjustmentState& state,
   double sum = 0, count = 0;
   for (const ViewJacobian& jacobian :
        WeightedJacobians(state, views, options.huber_px, options.num_threads)) {
-    sum += jacobian.by_point.squaredNorm() / 2;
+    sum += jacobian.J_point.squaredNorm() / 2;
     count += jacobian.count();
   }
   return sum > 0 ? count / sum : 1;
@@ -222,12 +224,13 @@ void GuessWeights(const std::vector<CameraGroup>& groups,
                   GaussianPrior* prior) {
   const double variance = ResidualVariance(residuals, huber_px, 0);
   for (const CameraGroup& group : groups)
-    if (group.group->weight == 0) group.group->SetWeight(1, variance);
-  if (prior->points_weight == 0)
-    prior->points_weight = std::max(1.0, static_cast<double>(residuals.size()) /
-                                             static_cast<double>(num_points)) /
-                           square_metres_per_pixel;
-  for (double& weight : prior->flex_weights)
+    if (group.group->weight == 0) group.group->SetPrecision(1, variance);
+  if (prior->points_precision == 0)
+    prior->points_precision =
+        std::max(1.0, static_cast<double>(residuals.size()) /
+                          static_cast<double>(num_points)) /
+        square_metres_per_pixel;
+  for (double& weight : prior->deformation_precisions)
     if (weight == 0) weight = 1 / square_metres_per_pixel;
 }
 
@@ -236,30 +239,33 @@ double NumEffectiveParameters(const PriorEvidence& evidence,
                               const ParameterLayout& layout) {
   double count = layout.first_shape + 6.0 * layout.num_poses;
   for (const GroupEvidence& group : evidence.groups)
-    count += group.determined - group.count;
-  if (layout.num_points > 0) count += evidence.points.determined;
-  for (const GroupEvidence& flex : evidence.flex) count += flex.determined;
+    count += group.effective_parameters - group.count;
+  if (layout.num_points > 0) count += evidence.points.effective_parameters;
+  for (const GroupEvidence& flex : evidence.flex)
+    count += flex.effective_parameters;
   return count;
 }
 
 // Fixes points to nominal positions, and deformation to zero, if the evidence
 // does not support them. Returns whether anything was fixed.
-bool LeaveOutWhatIsNotTold(const PriorEvidence& evidence, double variance,
-                           const GaussianPrior& prior, bool* fix_points,
-                           AdjustmentState* state) {
+bool ExcludeUndetermined(const PriorEvidence& evidence, double variance,
+                         const GaussianPrior& prior, bool* fix_points,
+                         AdjustmentState* state) {
   bool is_simpler = false;
-  if (!*fix_points && IsNextToNothing(evidence.points) &&
-      !ScattersMore(evidence.points, variance / prior.points_weight)) {
+  if (!*fix_points && IsUndetermined(evidence.points) &&
+      !FavorsLargerVariance(evidence.points,
+                            variance / prior.points_precision)) {
     state->points = prior.points_mean;
     *fix_points = is_simpler = true;
   }
-  for (int k = 0; k < kNumBendOrders; ++k) {
+  for (int k = 0; k < kNumDeformationOrders; ++k) {
     const GroupEvidence& flex = evidence.flex[k];
     if (flex.count == 0) continue;
-    if (state->HasShapes() ? !IsByChance(flex, variance / prior.flex_weights[k])
-                           : !IsNextToNothing(flex))
+    if (state->HasStaticDeformation()
+            ? !IsInsignificant(flex, variance / prior.deformation_precisions[k])
+            : !IsUndetermined(flex))
       continue;
-    state->modes.Remove(static_cast<BendOrder>(k), &state->flex);
+    state->modes.Remove(static_cast<DeformationOrder>(k), &state->flex);
     is_simpler = true;
   }
   return is_simpler;
@@ -283,8 +289,8 @@ class PriorUpdate {
       change = std::max(
           change,
           of_groups_[g].Update(evidence.groups[g], variance, kNegligiblePx2,
-                               group.firmness * variance, &weight));
-      group.SetWeight(weight, variance);
+                               group.precision_floor * variance, &weight));
+      group.SetPrecision(weight, variance);
     }
     return change;
   }
@@ -295,14 +301,14 @@ class PriorUpdate {
     double change = 0;
     if (!fix_points)
       change = of_points_.Update(evidence.points, variance, negligible_m2_,
-                                 &prior->points_weight);
-    for (int k = 0; k < kNumBendOrders; ++k)
+                                 &prior->points_precision);
+    for (int k = 0; k < kNumDeformationOrders; ++k)
       if (evidence.flex[k].count > 0)
         change = std::max(
             change,
             of_flex_[k].Update(evidence.flex[k], variance, negligible_m2_,
-                               LeastFlexWeight(state, variance),
-                               &prior->flex_weights[k]));
+                               MinDeformationPrecision(state, variance),
+                               &prior->deformation_precisions[k]));
     return change;
   }
 
@@ -312,44 +318,46 @@ class PriorUpdate {
 
   // Per-view deformation is bounded relative to the board's size; static
   // deformation is not.
-  static double LeastFlexWeight(const AdjustmentState& state, double variance) {
-    if (state.bend_scope == BendScope::kBoard) return 0;
+  static double MinDeformationPrecision(const AdjustmentState& state,
+                                        double variance) {
+    if (state.deformation_scope == DeformationScope::kBoard) return 0;
     return variance / std::pow(state.modes.MaxDeviationM(), 2);
   }
 
   const std::vector<CameraGroup>& groups_;
   double negligible_m2_;
-  std::vector<WeightUpdate> of_groups_;
-  ScatterUpdate of_points_;
-  std::array<WeightUpdate, kNumBendOrders> of_flex_;
+  std::vector<PrecisionUpdate> of_groups_;
+  VarianceUpdate of_points_;
+  std::array<PrecisionUpdate, kNumDeformationOrders> of_flex_;
 };
 
 }  // namespace
 
-AdjustmentSummary AdjustBundle(const std::vector<View>& views,
-                               const GaussianPrior& prior,
-                               const AdjustmentOptions& options,
-                               AdjustmentState* state) {
+AdjustmentSummary RunBundleAdjustment(const std::vector<View>& views,
+                                      const GaussianPrior& prior,
+                                      const AdjustmentOptions& options,
+                                      AdjustmentState* state) {
   EquationsBuilder builder(views, options.huber_px, options.num_threads);
-  return Adjust(views, prior, options, kInitialLambda, &builder, state);
+  return OptimizeCameras(views, prior, options, kInitialLambda, &builder,
+                         state);
 }
 
-AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
-                                         const AdjustmentOptions& options,
-                                         GaussianPrior* prior,
-                                         AdjustmentState* state) {
+AdjustmentSummary OptimizeWithLearnedPrior(const std::vector<View>& views,
+                                           const AdjustmentOptions& options,
+                                           GaussianPrior* prior,
+                                           AdjustmentState* state) {
   constexpr int kMaxRounds = 30;
   constexpr double kStableChange = 0.05;  // of a weight's logarithm
   constexpr double kStableCost = 1e-4;
   constexpr double kGoodEnoughToStart = 0.1;  // decrease of the cost
   constexpr double kRoughChange = 0.1, kRoughDecrease = 0.05;
-  const std::vector<CameraGroup> groups = CameraGroups(prior);
+  const std::vector<CameraGroup> groups = MakeCameraGroups(prior);
   const double square_metres_per_pixel =
       SquaredMetresPerPixel(*state, views, options);
   std::vector<Residual> residuals =
       ComputeResiduals(*state, views, options.num_threads);
   GuessWeights(groups, residuals, options.huber_px,
-               NumSeenPoints(views, state->points.size()),
+               CountObservedPoints(views, state->points.size()),
                square_metres_per_pixel, prior);
 
   PriorUpdate update(groups, square_metres_per_pixel);
@@ -357,7 +365,7 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
   double variance = 0, num_effective = 0;
   EquationsBuilder builder(views, options.huber_px, options.num_threads);
   double lambda = kLearningLambda;
-  bool is_asked = !options.is_enough, is_enough = false;
+  bool is_asked = !options.should_accept, should_accept = false;
   for (int round = 0; round < kMaxRounds && !ShouldStop(options); ++round) {
     // One step, then the evidence from its normal equations.
     const FixedParameters fixed_parameters = {fixed.fix_cameras,
@@ -372,14 +380,14 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
             .decrease;
     if (!fixed.fix_points) MoveMeanBends(views, prior, state);
     Report(options, round, residuals);
-    const std::optional<PriorEvidence> evidence = EvidenceOn(
+    const std::optional<PriorEvidence> evidence = ComputeEvidence(
         groups, *prior, views, *equations, layout, tried_lambda, *state);
     if (!evidence) break;
     num_effective = NumEffectiveParameters(*evidence, layout);
     variance = ResidualVariance(residuals, options.huber_px, num_effective);
     double change = update.UpdateCameras(*evidence, variance);
-    if (LeaveOutWhatIsNotTold(*evidence, variance, *prior, &fixed.fix_points,
-                              state)) {
+    if (ExcludeUndetermined(*evidence, variance, *prior, &fixed.fix_points,
+                            state)) {
       residuals = ComputeResiduals(*state, views, options.num_threads);
       continue;
     }
@@ -388,15 +396,15 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
                                              fixed.fix_points, *state, prior));
     if (!is_asked && change <= kRoughChange && decrease <= kRoughDecrease) {
       is_asked = true;
-      is_enough = options.is_enough(residuals);
-      if (is_enough) break;
+      should_accept = options.should_accept(residuals);
+      if (should_accept) break;
     }
     if (change < kStableChange && decrease < kStableCost) break;
-    if (options.is_start && decrease < kGoodEnoughToStart) break;
+    if (options.is_initialization && decrease < kGoodEnoughToStart) break;
   }
-  if (options.is_start || is_enough) fixed.max_iterations = 0;
+  if (options.is_initialization || should_accept) fixed.max_iterations = 0;
   AdjustmentSummary summary =
-      Adjust(views, *prior, fixed, lambda, &builder, state);
+      OptimizeCameras(views, *prior, fixed, lambda, &builder, state);
   if (!fixed.fix_points) MoveMeanBends(views, prior, state);
   summary.noise_px = std::sqrt(variance);
   summary.num_effective = num_effective;

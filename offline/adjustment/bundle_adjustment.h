@@ -14,7 +14,7 @@ struct AdjustmentOptions {
   bool fix_cameras = false;
   bool fix_points = false;
   /// Disables per-view deformation (--rigid-target). Optimization uses the
-  /// modes of the state as they are; AdjustModel() applies this option.
+  /// modes of the state as they are; OptimizeModel() applies this option.
   bool rigid_boards = true;
   double huber_px = 1;       ///< paper, "Bundle Adjustment"
   int max_iterations = 200;  ///< excluding those with evidence maximization
@@ -27,11 +27,11 @@ struct AdjustmentOptions {
   int num_threads = 0;
   /// The result only initializes another adjustment: stop once steps are small
   /// compared with those that the next adjustment makes.
-  bool is_start = false;
+  bool is_initialization = false;
   /// Called at most once, with estimated precisions, when another step would
   /// change residuals and precisions by a few per cent at most. Returning true
   /// ends the optimization with these residuals.
-  std::function<bool(const std::vector<Residual>&)> is_enough;
+  std::function<bool(const std::vector<Residual>&)> should_accept;
   /// Polled between iterations; true stops with the best state so far.
   std::function<bool()> should_stop;
   /// Called after each iteration with its cost; iterations are counted from the
@@ -53,20 +53,20 @@ struct AdjustmentSummary {
 /// Minimizes the objective function of METHOD.md by Levenberg-Marquardt, over
 /// camera parameters, poses, deformation and target points, with fixed prior
 /// precisions. Updates *state in place.
-AdjustmentSummary AdjustBundle(const std::vector<View>& views,
-                               const GaussianPrior& prior,
-                               const AdjustmentOptions& options,
-                               AdjustmentState* state);
+AdjustmentSummary RunBundleAdjustment(const std::vector<View>& views,
+                                      const GaussianPrior& prior,
+                                      const AdjustmentOptions& options,
+                                      AdjustmentState* state);
 
 /// Also estimates the prior precisions by evidence maximization (D. MacKay,
 /// "Bayesian Interpolation", 1992, eq. 4.8): after each Gauss-Newton step, a
 /// precision is updated from the squared distance of the parameters to the
 /// prior mean and from their effective number. Non-zero precisions in the prior
 /// are the initial values. Updates the prior and *state.
-AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
-                                         const AdjustmentOptions& options,
-                                         GaussianPrior* prior,
-                                         AdjustmentState* state);
+AdjustmentSummary OptimizeWithLearnedPrior(const std::vector<View>& views,
+                                           const AdjustmentOptions& options,
+                                           GaussianPrior* prior,
+                                           AdjustmentState* state);
 
 }  // namespace raygrid
 

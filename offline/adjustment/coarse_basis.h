@@ -48,13 +48,13 @@ class SparseRow {
 
   /// *with_itself += row^T row, lower triangle only; *with_pose += row^T
   /// J_pose.
-  void AddProductsTo(const Eigen::Matrix2Xd& by_pose,
+  void AddProductsTo(const Eigen::Matrix2Xd& J_pose,
                      Eigen::MatrixXd* with_itself, Eigen::MatrixXd* with_pose) {
     std::sort(used_.begin(), used_.end());
     for (size_t begin = 0; begin < used_.size();) {
-      const int count = RunFrom(begin), first = used_[begin];
-      for (Eigen::Index k = 0; k < by_pose.cols(); ++k)
-        AddRun(first, count, by_pose.col(k), &with_pose->coeffRef(first, k));
+      const int count = RunLength(begin), first = used_[begin];
+      for (Eigen::Index k = 0; k < J_pose.cols(); ++k)
+        AddRun(first, count, J_pose.col(k), &with_pose->coeffRef(first, k));
       // Sums are computed to the end of the run, beyond the triangle.
       for (size_t b = 0; b < begin + count; ++b)
         AddRun(first, count, {x_[used_[b]], y_[used_[b]]},
@@ -70,7 +70,7 @@ class SparseRow {
 
  private:
   // The number of consecutive non-zero columns from begin on.
-  int RunFrom(size_t begin) const {
+  int RunLength(size_t begin) const {
     size_t end = begin + 1;
     while (end < used_.size() && used_[end] == used_[end - 1] + 1) ++end;
     return static_cast<int>(end - begin);

@@ -15,7 +15,7 @@ constexpr int kMinObservations = 3;  // for a pixel to count as observed
 // respect to the parameters, and to a rotation of the camera.
 struct LatticeDerivatives {
   Eigen::MatrixXd by_parameters;
-  Eigen::MatrixX3d by_rotation;
+  Eigen::MatrixX3d J_rotation;
 };
 
 // False where the camera is undefined.
@@ -30,15 +30,15 @@ bool AddPixel(const CameraModel& camera, const Eigen::Vector2d& pixel,
   auto rows = derivatives->by_parameters.middleRows<2>(row);
   for (int k = 0; k < linear.num_nodes; ++k)
     rows.middleCols(linear.node_parameter[k], linear.num_per_node) +=
-        linear.node_weight[k] * linear.by_node.leftCols(linear.num_per_node);
+        linear.node_weight[k] * linear.J_node.leftCols(linear.num_per_node);
   if (linear.num_global > 0)
     rows.middleCols(linear.first_global, linear.num_global) +=
-        linear.by_global.leftCols(linear.num_global);
+        linear.J_global.leftCols(linear.num_global);
   Eigen::Matrix3d minus_cross;              // omega x point = -[point]x omega
   minus_cross << 0, point.z(), -point.y(),  //
       -point.z(), 0, point.x(),             //
       point.y(), -point.x(), 0;
-  derivatives->by_rotation.middleRows<2>(row) = linear.by_point * minus_cross;
+  derivatives->J_rotation.middleRows<2>(row) = linear.J_point * minus_cross;
   return true;
 }
 
@@ -81,7 +81,7 @@ void CountObservations(const std::vector<View>& views, int camera,
 // would rotate all others.
 Eigen::MatrixXd WithoutRotation(const LatticeDerivatives& derivatives,
                                 const std::vector<PixelUncertainty>& pixels) {
-  const Eigen::MatrixX3d& rotation = derivatives.by_rotation;
+  const Eigen::MatrixX3d& rotation = derivatives.J_rotation;
   Eigen::MatrixX3d seen = rotation;
   for (size_t i = 0; i < pixels.size(); ++i)
     seen.middleRows<2>(2 * static_cast<Eigen::Index>(i)) *=
@@ -159,9 +159,9 @@ bool AddSampledCovariances(const LinearResponse& response,
     const int count = std::min(kTogether, num_samples - first);
     Eigen::MatrixXd right(size, 2 * count), x;
     for (int k = 0; k < count; ++k) {
-      right.col(k) = response.Gradient(response.DrawNoise(&random_bits)) +
-                     response.DrawFlex(&random_bits);
-      right.col(count + k) = response.DrawPrior(&random_bits);
+      right.col(k) = response.Gradient(response.SampleNoise(&random_bits)) +
+                     response.SampleDeformationPrior(&random_bits);
+      right.col(count + k) = response.SamplePrior(&random_bits);
     }
     if (!response.Solve(right, &x)) return false;
     const Eigen::MatrixXd moved = lattice.Moves(x);
@@ -220,18 +220,18 @@ void ScaleByJackknife(const GroupJackknife& jackknife, const Lattice& lattice,
 
 }  // namespace
 
-Eigen::MatrixXd MovesOfLattice(const std::vector<View>& views,
-                               const AdjustmentState& state, int camera,
-                               const UncertaintyOptions& lattice,
-                               std::vector<PixelUncertainty>* pixels,
-                               std::vector<bool>* is_known) {
+Eigen::MatrixXd ComputeLatticeJacobian(const std::vector<View>& views,
+                                       const AdjustmentState& state, int camera,
+                                       const UncertaintyOptions& lattice,
+                                       std::vector<PixelUncertainty>* pixels,
+                                       std::vector<bool>* is_known) {
   const CameraModel& model = *state.cameras[camera];
   *pixels = LatticePixels(model.area(), lattice);
   CountObservations(views, camera, model.area(), lattice, pixels);
   LatticeDerivatives derivatives;
   const Eigen::Index num_rows = 2 * static_cast<Eigen::Index>(pixels->size());
   derivatives.by_parameters.setZero(num_rows, model.NumParameters());
-  derivatives.by_rotation.setZero(num_rows, 3);
+  derivatives.J_rotation.setZero(num_rows, 3);
   is_known->clear();
   for (size_t i = 0; i < pixels->size(); ++i)
     is_known->push_back(AddPixel(model, (*pixels)[i].pixel,
@@ -240,11 +240,11 @@ Eigen::MatrixXd MovesOfLattice(const std::vector<View>& views,
   return WithoutRotation(derivatives, *pixels);
 }
 
-double AxisDeviation(const Eigen::Matrix2d& covariance) {
+double ComputeAxisStdDev(const Eigen::Matrix2d& covariance) {
   return std::sqrt(covariance.trace() / 2);
 }
 
-std::vector<PixelUncertainty> ProjectionUncertainty(
+std::vector<PixelUncertainty> EstimateProjectionUncertainty(
     const LinearResponse& response, double noise_px,
     const GroupJackknife* jackknife, const std::vector<View>& views,
     const AdjustmentState& state, int camera, const UncertaintyOptions& lattice,
@@ -252,7 +252,7 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
   std::vector<bool> is_known;
   std::vector<PixelUncertainty> pixels;
   const Eigen::MatrixXd without_rotation =
-      MovesOfLattice(views, state, camera, lattice, &pixels, &is_known);
+      ComputeLatticeJacobian(views, state, camera, lattice, &pixels, &is_known);
   const Eigen::Index num_rows = without_rotation.rows();
   const Lattice moves(response, camera, without_rotation);
   JointCovariances joint = {Eigen::MatrixXd::Zero(num_rows, num_rows),

@@ -25,7 +25,7 @@ struct PixelUncertainty {
 };
 
 /// Standard deviation of a coordinate (1 sigma): the RMS of both axes.
-double AxisDeviation(const Eigen::Matrix2d& covariance);
+double ComputeAxisStdDev(const Eigen::Matrix2d& covariance);
 
 /// Options of the uncertainty, computed on a lattice of pixels over the
 /// calibrated area, row by row.
@@ -53,7 +53,7 @@ struct UncertaintyOptions {
 /// @param joint_px2 receives the joint covariance of x and y of all pixels,
 ///     whose diagonal blocks are total_px2; may be nullptr
 /// @return empty if the normal equations are singular
-std::vector<PixelUncertainty> ProjectionUncertainty(
+std::vector<PixelUncertainty> EstimateProjectionUncertainty(
     const LinearResponse& response, double noise_px,
     const GroupJackknife* jackknife, const std::vector<View>& views,
     const AdjustmentState& state, int camera,
@@ -64,11 +64,11 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
 /// it, and their Jacobian with respect to the camera parameters (2 rows per
 /// pixel), after removing the rotation that best aligns the observed points.
 /// Zero where the camera is undefined.
-Eigen::MatrixXd MovesOfLattice(const std::vector<View>& views,
-                               const AdjustmentState& state, int camera,
-                               const UncertaintyOptions& lattice,
-                               std::vector<PixelUncertainty>* pixels,
-                               std::vector<bool>* is_known);
+Eigen::MatrixXd ComputeLatticeJacobian(const std::vector<View>& views,
+                                       const AdjustmentState& state, int camera,
+                                       const UncertaintyOptions& lattice,
+                                       std::vector<PixelUncertainty>* pixels,
+                                       std::vector<bool>* is_known);
 
 }  // namespace raygrid
 

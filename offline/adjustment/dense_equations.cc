@@ -25,11 +25,11 @@ void SubtractProduct(const Eigen::MatrixXd& factor, int num_threads,
 }
 
 // A residual's Jacobians except that of the control points: the camera's global
-// parameters, camera_from_rig, body_from_board, static deformation, and the
+// parameters, camera_from_rig, target_from_board, static deformation, and the
 // kept group. Columns ascend.
 struct OtherColumns {
   static constexpr int kMax = LinearizedProjection::kMaxGlobal + 12 +
-                              FlexModes::kMaxCount + kMaxPerPose;
+                              DeformationModes::kMaxCount + kMaxPerPose;
   int count = 0;
   std::array<int, kMax> index;
   Eigen::Matrix<double, 2, kMax> value;
@@ -52,12 +52,12 @@ void AddScaled(double factor, const double* x, int size, double* y) {
 
 // The product J_node^T J_other, stored column by column; Jacobians are stored
 // as pairs.
-void MultiplyPairs(const double* by_node, int size, const double* others,
+void MultiplyPairs(const double* J_node, int size, const double* others,
                    int num_others, double* product) {
   for (int other = 0; other < num_others; ++other)
     for (int n = 0; n < size; ++n)
-      product[size * other + n] = by_node[2 * n] * others[2 * other] +
-                                  by_node[2 * n + 1] * others[2 * other + 1];
+      product[size * other + n] = J_node[2 * n] * others[2 * other] +
+                                  J_node[2 * n + 1] * others[2 * other + 1];
 }
 
 // A residual's contributions that involve its control points. Loops over
@@ -78,16 +78,15 @@ struct NodeContribution {
         kPerNode > 0 ? kPerNode : LinearizedProjection::kMaxPerNode;
     const int size = kPerNode > 0 ? kPerNode : jacobian.num_per_node;
     const int num_block = static_cast<int>(by_block.cols());
-    const double* by_node = &jacobian.by_node(0, column);
+    const double* J_node = &jacobian.J_node(0, column);
     // The Jacobians of all control points are equal except for their weights.
     double node_node[kMax * kMax], node_error[kMax];
     double node_block[kMax * kMaxPerPose];
     double node_others[kMax * OtherColumns::kMax];
-    MultiplyPairs(by_node, size, by_node, size, node_node);
-    MultiplyPairs(by_node, size, error.data(), 1, node_error);
-    MultiplyPairs(by_node, size, by_block.data(), num_block, node_block);
-    MultiplyPairs(by_node, size, others.value.data(), others.count,
-                  node_others);
+    MultiplyPairs(J_node, size, J_node, size, node_node);
+    MultiplyPairs(J_node, size, error.data(), 1, node_error);
+    MultiplyPairs(J_node, size, by_block.data(), num_block, node_block);
+    MultiplyPairs(J_node, size, others.value.data(), others.count, node_others);
     for (int k = 0; k < jacobian.num_nodes; ++k) {
       const double weight = jacobian.node_weight(k, column);
       const int row = first + jacobian.node_parameter(k, column);
@@ -113,7 +112,7 @@ struct NodeContribution {
 
 DenseEquations::DenseEquations(const ParameterLayout& layout,
                                const std::vector<ViewJacobian>& jacobians,
-                               const FlexModes& modes,
+                               const DeformationModes& modes,
                                const PriorEquations& prior, int num_threads)
     : layout_(layout),
       num_threads_(num_threads),
@@ -132,43 +131,43 @@ DenseEquations::DenseEquations(const ParameterLayout& layout,
                Eigen::MatrixXd::Zero(block_size_ * num_blocks, 1)};
   for (const ViewJacobian& jacobian : jacobians) AddJacobian(jacobian, modes);
   if (layout.has_shapes() && layout.num_points > 0)
-    AddBends(ShapeMoves(layout, modes));
+    AddDeformation(StaticDeformation(layout, modes));
   AddPrior(prior);
 }
 
 void DenseEquations::AddJacobian(const ViewJacobian& jacobian,
-                                 const FlexModes& modes) {
+                                 const DeformationModes& modes) {
   const bool has_cameras = layout_.has_cameras();
   const int first = has_cameras ? layout_.first_camera[jacobian.camera] : 0;
   const int num_nodes = has_cameras ? jacobian.num_nodes : 0;
   for (int i = 0; i < jacobian.count(); ++i) {
-    const ByBlock by_pose = jacobian.ByPose(i).transpose();
-    const auto by_point = ViewJacobian::Block<3>(jacobian.by_point, i);
+    const ByBlock J_pose = jacobian.PoseJacobian(i).transpose();
+    const auto J_point = ViewJacobian::Block<3>(jacobian.J_point, i);
     const int point = jacobian.points[i];
     OtherColumns others;
     if (has_cameras) {
       others.Add(first + jacobian.first_global,
-                 ViewJacobian::Block(jacobian.by_global, i));
+                 ViewJacobian::Block(jacobian.J_global, i));
       if (jacobian.camera > 0)
         others.Add(layout_.CameraPose(jacobian.camera),
-                   ViewJacobian::Block<6>(jacobian.by_camera_pose, i));
+                   ViewJacobian::Block<6>(jacobian.J_camera_pose, i));
     }
     if (layout_.has_places() && jacobian.place >= 0)
       others.Add(layout_.Place(jacobian.place),
-                 ViewJacobian::Block<6>(jacobian.by_place, i));
+                 ViewJacobian::Block<6>(jacobian.J_place, i));
     if (layout_.has_shapes() && layout_.num_points == 0)
       others.Add(layout_.Shape(modes.boards[point]),
-                 by_point * modes.by_point[point]);
+                 J_point * modes.by_point[point]);
     if (eliminate_points_)
-      others.Add(FirstPose() + layout_.per_pose * jacobian.pose, by_pose);
+      others.Add(FirstPose() + layout_.per_pose * jacobian.pose, J_pose);
     else if (layout_.num_points > 0)
-      others.Add(layout_.Point(point), by_point);
+      others.Add(layout_.Point(point), J_point);
 
     ByBlock by_block(2, block_size_);
     if (eliminate_points_)
-      by_block = by_point;
+      by_block = J_point;
     else
-      by_block = by_pose;
+      by_block = J_pose;
     const int block = eliminate_points_ ? point : jacobian.pose;
     auto w = w_.middleCols(block_size_ * block, block_size_);
     const Eigen::Vector2d error = jacobian.error.col(i);
@@ -193,15 +192,16 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian,
   }
 }
 
-void DenseEquations::AddBends(const ShapeMoves& moves) {
-  const Eigen::Index at = layout_.first_shape, num = moves.NumBends();
+void DenseEquations::AddDeformation(const StaticDeformation& moves) {
+  const Eigen::Index at = layout_.first_shape, num = moves.NumModes();
   if (eliminate_points_) {
-    moves.ForPoints([&](int point, int bend, const auto& move) {
+    moves.ForEachPoint([&](int point, int bend, const auto& move) {
       w_.block(at + bend, 3 * point, move.cols(), 3).noalias() =
           move.transpose() * v_[point];
     });
-    gradient_.kept.middleRows(at, num) = moves.OfPoints(gradient_.eliminated);
-    const Eigen::MatrixXd with_kept = moves.OfPoints(w_.transpose());
+    gradient_.kept.middleRows(at, num) =
+        moves.ComputeModeGradient(gradient_.eliminated);
+    const Eigen::MatrixXd with_kept = moves.ComputeModeGradient(w_.transpose());
     const Eigen::Index end = at + num, behind = a_.rows() - end;
     a_.block(at, 0, num, end) = with_kept.leftCols(end);
     a_.block(end, at, behind, num) = with_kept.rightCols(behind).transpose();
@@ -209,16 +209,18 @@ void DenseEquations::AddBends(const ShapeMoves& moves) {
   }
   const Eigen::Index first = layout_.first_point;
   const Eigen::Index count = layout_.size - first;
-  w_.middleRows(at, num) = moves.OfPoints(w_.bottomRows(count));
+  w_.middleRows(at, num) = moves.ComputeModeGradient(w_.bottomRows(count));
   gradient_.kept.middleRows(at, num) =
-      moves.OfPoints(gradient_.kept.bottomRows(count));
-  a_.block(at, 0, num, at) = moves.OfPoints(a_.block(first, 0, count, at));
-  moves.ForPoints([&](int point, int bend, const auto& move) {
+      moves.ComputeModeGradient(gradient_.kept.bottomRows(count));
+  a_.block(at, 0, num, at) =
+      moves.ComputeModeGradient(a_.block(first, 0, count, at));
+  moves.ForEachPoint([&](int point, int bend, const auto& move) {
     const Eigen::Index row = layout_.Point(point);
     a_.block(row, at + bend, 3, move.cols()).noalias() =
         a_.block<3, 3>(row, row).selfadjointView<Eigen::Lower>() * move;
   });
-  a_.block(at, at, num, num) = moves.OfPoints(a_.block(first, at, count, num));
+  a_.block(at, at, num, num) =
+      moves.ComputeModeGradient(a_.block(first, at, count, num));
 }
 
 void DenseEquations::AddPrior(const PriorEquations& prior) {
@@ -238,15 +240,15 @@ void DenseEquations::AddPrior(const PriorEquations& prior) {
   }
   if (eliminate_points_)
     gradient_.eliminated += prior.gradient.tail(3 * layout_.num_points);
-  const Eigen::Index num_modes = prior.flex_precision.size();
+  const Eigen::Index num_modes = prior.deformation_precision.size();
   for (int pose = 0; pose < layout_.num_poses && num_modes > 0; ++pose) {
     const Eigen::Index flex = FirstPose() + layout_.per_pose * pose + 6;
     if (eliminate_points_)
-      a_.diagonal().segment(flex, num_modes) += prior.flex_precision;
+      a_.diagonal().segment(flex, num_modes) += prior.deformation_precision;
     else
-      v_[pose].diagonal().tail(num_modes) += prior.flex_precision;
+      v_[pose].diagonal().tail(num_modes) += prior.deformation_precision;
     (eliminate_points_ ? gradient_.kept : gradient_.eliminated)
-        .middleRows(flex, num_modes) += prior.flex_gradient.col(pose);
+        .middleRows(flex, num_modes) += prior.deformation_gradient.col(pose);
   }
   const auto add_product = [&](const Eigen::MatrixXd& root, double sign) {
     if (num_common > 0 && root.cols() > 0)

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "adjustment/normal_equations.h"
-#include "adjustment/shape_moves.h"
+#include "adjustment/static_deformation.h"
 
 namespace raygrid {
 
@@ -22,13 +22,13 @@ class DenseEquations : public NormalEquations {
   /// modes: the deformation modes of the boards.
   DenseEquations(const ParameterLayout& layout,
                  const std::vector<ViewJacobian>& jacobians,
-                 const FlexModes& modes, const PriorEquations& prior,
+                 const DeformationModes& modes, const PriorEquations& prior,
                  int num_threads);
 
   bool Solve(double lambda, AdjustmentStep* step) const override;
   bool SolveFor(double lambda, const Eigen::MatrixXd& right,
                 Eigen::MatrixXd* solution) const override;
-  int NumCheapSides() const override { return 64; }
+  int MaxNumRightSides() const override { return 64; }
 
  private:
   // Right-hand sides or solutions: kept and eliminated parameters.
@@ -41,9 +41,10 @@ class DenseEquations : public NormalEquations {
     Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> dense;
   };
   // Adds nothing to static deformation unless the points are fixed.
-  void AddJacobian(const ViewJacobian& jacobian, const FlexModes& modes);
-  // Adds static deformation by the chain rule from the points (ShapeMoves).
-  void AddBends(const ShapeMoves& moves);
+  void AddJacobian(const ViewJacobian& jacobian, const DeformationModes& modes);
+  // Adds static deformation by the chain rule from the points
+  // (StaticDeformation).
+  void AddDeformation(const StaticDeformation& moves);
   void AddPrior(const PriorEquations& prior);
   bool Reduce(double lambda, Reduced* reduced) const;
   // The index of the first pose in its group, kept or eliminated.

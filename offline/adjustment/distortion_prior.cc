@@ -27,7 +27,8 @@ PriorGroup DecentringGroup(const ParametricModel& lens, const Area& area,
                            int num_features) {
   PriorGroup group = CoefficientGroup(DecentringPixels(lens, area));
   // A residual has two coordinates.
-  group.firmness = 2.0 * num_features * kDecentringPart * kDecentringPart;
+  group.precision_floor =
+      2.0 * num_features * kDecentringPart * kDecentringPart;
   return group;
 }
 

@@ -7,19 +7,20 @@
 
 namespace raygrid {
 
-void PriorGroup::Free(const FreeDirections& freer) {
+void PriorGroup::Free(const UnpenalizedDirections& freer) {
   freer_ = freer;
   full_rank_ = rank;
-  HoldFree(freer.holds + freer.firmness);
+  ApplyHolds(freer.holds + freer.precision_floor);
 }
 
-void PriorGroup::SetWeight(double new_weight, double residual_variance) {
+void PriorGroup::SetPrecision(double new_weight, double residual_variance) {
   weight = new_weight;
-  if (freer_.directions.cols() == 0 || freer_.firmness.isZero(0)) return;
-  HoldFree(freer_.holds + freer_.firmness * (residual_variance / weight));
+  if (freer_.directions.cols() == 0 || freer_.precision_floor.isZero(0)) return;
+  ApplyHolds(freer_.holds +
+             freer_.precision_floor * (residual_variance / weight));
 }
 
-void PriorGroup::HoldFree(const Eigen::VectorXd& holds) {
+void PriorGroup::ApplyHolds(const Eigen::VectorXd& holds) {
   // K integrated over the directions' factors is
   // K - K D0 (D0^T K D0 + holds)^-1 D0^T K, and D = D0 L^-T with L L^T between.
   const Eigen::MatrixXd& directions = freer_.directions;
@@ -46,9 +47,9 @@ void PriorGroup::HoldFree(const Eigen::VectorXd& holds) {
   }
 }
 
-Eigen::VectorXd WithoutFree(const Eigen::MatrixXd& free,
-                            const Eigen::MatrixXd& freed,
-                            const Eigen::VectorXd& random) {
+Eigen::VectorXd ProjectOutFree(const Eigen::MatrixXd& free,
+                               const Eigen::MatrixXd& freed,
+                               const Eigen::VectorXd& random) {
   if (free.cols() == 0) return random;
   return random - freed * (free.transpose() * random);
 }
@@ -59,7 +60,7 @@ double CameraPrior::Cost(const Eigen::VectorXd& parameters) const {
   for (const PriorGroup& group : groups)
     cost += group.weight / 2 * group.SquaredDistance(difference);
   return cost +
-         orientation_weight / 2 * OrientationError(parameters).squaredNorm();
+         orientation_precision / 2 * OrientationError(parameters).squaredNorm();
 }
 
 Eigen::VectorXd CameraPrior::OrientationError(

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "adjustment/board_flex.h"
+#include "adjustment/deformation_modes.h"
 #include "camera/bspline_surface.h"
 #include "camera/central_generic.h"
 #include "camera/parametric_model.h"
@@ -15,12 +15,12 @@
 namespace raygrid {
 
 /// Directions of a group in which its prior is relaxed.
-struct FreeDirections {
+struct UnpenalizedDirections {
   Eigen::MatrixXd directions;  ///< a column each
   /// Relative precisions: cost hold / 2 x^2 times the weight; 0: unpenalized.
   Eigen::VectorXd holds;
   /// Absolute precisions, relative to the residual variance: firmness / 2 x^2.
-  Eigen::VectorXd firmness;
+  Eigen::VectorXd precision_floor;
 };
 
 /// Camera parameters with a common prior precision; K is zero for all others.
@@ -32,20 +32,20 @@ struct PriorGroup {
 
   Eigen::SparseMatrix<double> precision;  ///< K, over all parameters
   int rank = 0;                           ///< of K, less unpenalized directions
-  double weight = 0;                      ///< lambda; set by SetWeight()
+  double weight = 0;                      ///< lambda; set by SetPrecision()
   /// A lower limit of the weight, relative to the residual variance, whatever
   /// the evidence.
-  double firmness = 0;
+  double precision_floor = 0;
   /// D, scaled so that (I - R D^T) b has the covariance K - R R^T if the random
   /// vector b has K; may have no columns.
   Eigen::MatrixXd free;
   Eigen::MatrixXd freed;  ///< R
 
   /// Relaxes directions; requires precision and rank.
-  void Free(const FreeDirections& freer);
+  void Free(const UnpenalizedDirections& freer);
   /// Sets the precision. Directions with an absolute precision are relaxed
   /// more, relative to the group, as its weight grows.
-  void SetWeight(double new_weight, double residual_variance);
+  void SetPrecision(double new_weight, double residual_variance);
 
   /// (c - c0)^T (K - R R^T) (c - c0), without lambda.
   double SquaredDistance(const Eigen::VectorXd& difference) const {
@@ -55,21 +55,21 @@ struct PriorGroup {
   }
 
  private:
-  void HoldFree(const Eigen::VectorXd& holds);
+  void ApplyHolds(const Eigen::VectorXd& holds);
 
-  FreeDirections freer_;
+  UnpenalizedDirections freer_;
   int full_rank_ = 0;
 };
 
 /// Projects a random vector of covariance K to one of covariance K - R R^T.
-Eigen::VectorXd WithoutFree(const Eigen::MatrixXd& free,
-                            const Eigen::MatrixXd& freed,
-                            const Eigen::VectorXd& random);
+Eigen::VectorXd ProjectOutFree(const Eigen::MatrixXd& free,
+                               const Eigen::MatrixXd& freed,
+                               const Eigen::VectorXd& random);
 
 /// The base model of a grid. Its parameters are estimated together with the
 /// grid, unpenalized except for the precision with which they were fitted to
 /// the observations.
-struct BaseLens {
+struct BaseModel {
   std::shared_ptr<const ParametricModel> model;  ///< nullptr: no such model
   /// Of each parameter, in units of the inverse residual variance.
   Eigen::VectorXd precision;
@@ -78,15 +78,15 @@ struct BaseLens {
 /// The prior of a camera's parameters: Gaussian about a base model, with smooth
 /// deviations. Added to the cost of the residuals:
 ///   sum over groups of weight / 2 (c - c0)^T (K - R R^T) (c - c0)
-///   + orientation_weight / 2 |G^T (c - c0) - g0|^2
+///   + orientation_precision / 2 |G^T (c - c0) - g0|^2
 struct CameraPrior {
   Eigen::VectorXd mean;
   std::vector<PriorGroup> groups;
 
   Eigen::MatrixXd orientation;  ///< G, three columns a field; may be empty
   Eigen::VectorXd orientation_difference;  ///< g0; empty: zero
-  double orientation_weight = 0;
-  BaseLens base_lens = {};                  ///< from which it was made
+  double orientation_precision = 0;
+  BaseModel base_lens = {};                 ///< from which it was made
   std::vector<BSplineSurface> spread = {};  ///< displacement fields of a fleet
 
   double Cost(const Eigen::VectorXd& parameters) const;
@@ -95,16 +95,17 @@ struct CameraPrior {
 };
 
 /// Priors of all cameras, or of none; of the target points about nominal,
-/// points_weight / 2 sum |p - p0|^2; and of the deformation about zero,
-/// flex_weights / 2 f^2 for each coefficient.
+/// points_precision / 2 sum |p - p0|^2; and of the deformation about zero,
+/// deformation_precisions / 2 f^2 for each coefficient.
 struct GaussianPrior {
   std::vector<CameraPrior> cameras;
   std::vector<Eigen::Vector3d> points_mean;
-  double points_weight = 0;
-  std::array<double, kNumBendOrders> flex_weights = {};  ///< by BendOrder
+  double points_precision = 0;
+  std::array<double, kNumDeformationOrders> deformation_precisions =
+      {};  ///< by DeformationOrder
 
-  double FlexWeight(BendOrder order) const {
-    return flex_weights[static_cast<int>(order)];
+  double DeformationPrecision(DeformationOrder order) const {
+    return deformation_precisions[static_cast<int>(order)];
   }
 };
 

@@ -26,7 +26,7 @@ GridShape GridShape::Halved() const {
   return {HalvedCount(columns), HalvedCount(rows), per_node};
 }
 
-GridShape ShapeOf(const ViewJacobian& jacobian, int num_parameters) {
+GridShape InferGridShape(const ViewJacobian& jacobian, int num_parameters) {
   GridShape shape;
   if (jacobian.num_nodes != 16 || jacobian.count() == 0) return shape;
   const auto first = jacobian.node_parameter.col(0);
@@ -43,8 +43,8 @@ GridTransfer::GridTransfer(const GridShape& fine, const GridShape& coarse)
       columns_(Supports(fine.columns, coarse.columns)),
       rows_(Supports(fine.rows, coarse.rows)) {}
 
-void GridTransfer::AddProlonged(int num_fields, const double* coarse,
-                                double* fine) const {
+void GridTransfer::AddProlongation(int num_fields, const double* coarse,
+                                   double* fine) const {
   const int k = fine_.per_node * num_fields;
   const int coarse_width = coarse_.columns * k;
   std::vector<double> row(coarse_width);
@@ -63,8 +63,8 @@ void GridTransfer::AddProlonged(int num_fields, const double* coarse,
   }
 }
 
-Eigen::VectorXd GridTransfer::Restricted(int num_fields,
-                                         const double* fine) const {
+Eigen::VectorXd GridTransfer::Restrict(int num_fields,
+                                       const double* fine) const {
   const int k = fine_.per_node * num_fields;
   const int coarse_width = coarse_.columns * k;
   Eigen::VectorXd coarse =

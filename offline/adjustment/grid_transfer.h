@@ -20,7 +20,7 @@ struct GridShape {
 
 /// The shape of a camera's grid, from the Jacobian; empty if the model has no
 /// grid.
-GridShape ShapeOf(const ViewJacobian& jacobian, int num_parameters);
+GridShape InferGridShape(const ViewJacobian& jacobian, int num_parameters);
 
 /// Prolongation of fields from a coarse grid to a fine one over the same area:
 /// a fine control point gets the value of the coarse spline there.
@@ -32,16 +32,17 @@ class GridTransfer {
 
   /// *fine += T coarse, for several fields; the fields of one parameter are
   /// adjacent in memory.
-  void AddProlonged(int num_fields, const double* coarse, double* fine) const;
+  void AddProlongation(int num_fields, const double* coarse,
+                       double* fine) const;
   /// T^T fine
-  Eigen::VectorXd Restricted(int num_fields, const double* fine) const;
+  Eigen::VectorXd Restrict(int num_fields, const double* fine) const;
 
   /// The coarse control points of a fine row or column, with weights.
   struct Support {
     int first = 0;
     double weight[4];
 
-    double WeightOf(int coarse) const {
+    double GetWeight(int coarse) const {
       const int index = coarse - first;
       return index < 0 || index > 3 ? 0 : weight[index];
     }

@@ -26,14 +26,15 @@ Remaining WithoutGroup(const std::vector<View>& views,
   Remaining remaining;
   remaining.state = state;
   remaining.state.rig_from_pattern.clear();
-  if (state.HasFlex()) remaining.state.flex.clear();
+  if (state.HasPerViewDeformation()) remaining.state.flex.clear();
   const auto num_poses = static_cast<int>(state.rig_from_pattern.size());
   std::vector<int> new_index(num_poses, -1);
   for (int pose = 0; pose < num_poses; ++pose) {
     if (IsInGroup(pose, group, num_groups)) continue;
     new_index[pose] = static_cast<int>(remaining.state.rig_from_pattern.size());
     remaining.state.rig_from_pattern.push_back(state.rig_from_pattern[pose]);
-    if (state.HasFlex()) remaining.state.flex.push_back(state.flex[pose]);
+    if (state.HasPerViewDeformation())
+      remaining.state.flex.push_back(state.flex[pose]);
   }
   for (const View& view : views) {
     if (new_index[view.pose] < 0) continue;
@@ -60,14 +61,14 @@ std::vector<ViewErrors> DrawResiduals(const LinearResponse& response,
   std::vector<ViewErrors> residuals;
   Eigen::MatrixXd right(response.layout().num_all(), count), x;
   for (int k = 0; k < count; ++k) {
-    residuals.push_back(response.DrawNoise(&random_bits));
+    residuals.push_back(response.SampleNoise(&random_bits));
     right.col(k) = response.Gradient(residuals.back()) +
-                   response.DrawPrior(&random_bits) +
-                   response.DrawFlex(&random_bits);
+                   response.SamplePrior(&random_bits) +
+                   response.SampleDeformationPrior(&random_bits);
   }
   if (!response.Solve(right, &x)) return {};
   for (int k = 0; k < count; ++k) {
-    const ViewErrors fitted = response.ErrorsBy(x.col(k));
+    const ViewErrors fitted = response.ApplyJacobian(x.col(k));
     for (size_t v = 0; v < fitted.size(); ++v) residuals[k][v] -= fitted[v];
   }
   return residuals;
@@ -85,7 +86,7 @@ LogRatio LogRatioOf(double observed, double predicted, double independent) {
 }
 
 // The posterior mean with a normal prior.
-LogRatio Shrunk(const LogRatio& estimate, const LogRatio& prior) {
+LogRatio ShrinkImage(const LogRatio& estimate, const LogRatio& prior) {
   const double weight = prior.variance / (prior.variance + estimate.variance);
   return {prior.mean + weight * (estimate.mean - prior.mean),
           prior.variance * (1 - weight)};
@@ -170,7 +171,7 @@ VarianceFactors::VarianceFactors(
   of_each.setOnes(count);
   const Band all = BandOf(changes, 0, count);
   if (!(all.predicted > 0) || !(all.observed > 0)) return;
-  const LogRatio ratio_of_all = Shrunk(
+  const LogRatio ratio_of_all = ShrinkImage(
       LogRatioOf(all.observed, all.predicted, all.NumIndependent()), kOfAll);
   of_all = std::exp(ratio_of_all.mean);
   for (Eigen::Index first = 0, size = 1; first < count;
@@ -179,7 +180,7 @@ VarianceFactors::VarianceFactors(
     const Band band = BandOf(changes, first, size);
     LogRatio ratio = ratio_of_all;
     if (band.predicted > 0 && band.observed > 0)
-      ratio = Shrunk(
+      ratio = ShrinkImage(
           LogRatioOf(band.observed, band.predicted, band.NumIndependent()),
           {ratio_of_all.mean, kVarianceOfBand});
     of_each.segment(first, size).setConstant(std::exp(ratio.mean));

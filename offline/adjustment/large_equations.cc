@@ -41,7 +41,7 @@ LargeEquations::LargeEquations(const ParameterLayout& layout,
     poses_[jacobians_[v].pose].views.push_back(static_cast<int>(v));
     if (shapes_[camera].per_node == 0)
       shapes_[camera] =
-          ShapeOf(jacobians_[v], layout_.NumCameraParameters(camera));
+          InferGridShape(jacobians_[v], layout_.NumCameraParameters(camera));
   }
   AccumulatePoses();
   if (memory_->diagonal.size() != layout_.size) *memory_ = Memory();
@@ -72,7 +72,7 @@ Columns<kNum> LargeEquations::SumOverPoses(const Body& body) const {
   });
   for (size_t chunk = 1; chunk < sums.size(); ++chunk) sums[0] += sums[chunk];
   if (sums.empty()) return Columns<kNum>::Zero(layout_.size, kNum);
-  return moves_.Back(sums[0]);
+  return moves_.MapToModes(sums[0]);
 }
 
 void LargeEquations::AccumulatePoses() {
@@ -81,15 +81,15 @@ void LargeEquations::AccumulatePoses() {
         PoseBlock& pose = poses_[p];
         pose.v.setZero(layout_.per_pose, layout_.per_pose);
         pose.gradient.setZero(layout_.per_pose);
-        const Eigen::Index num_modes = prior_.flex_precision.size();
-        pose.v.diagonal().tail(num_modes) = prior_.flex_precision;
+        const Eigen::Index num_modes = prior_.deformation_precision.size();
+        pose.v.diagonal().tail(num_modes) = prior_.deformation_precision;
         if (num_modes > 0)
-          pose.gradient.tail(num_modes) = prior_.flex_gradient.col(p);
+          pose.gradient.tail(num_modes) = prior_.deformation_gradient.col(p);
         for (const int v : pose.views) {
           const ViewJacobian& j = jacobians_[v];
           if (j.count() == 0) continue;
-          pose.v.noalias() += j.by_pose * j.by_pose.transpose();
-          pose.gradient.noalias() += j.by_pose * j.error.reshaped();
+          pose.v.noalias() += j.J_pose * j.J_pose.transpose();
+          pose.gradient.noalias() += j.J_pose * j.error.reshaped();
           const ResidualProduct product(moves_.moved(), j);
           for (int i = 0; i < j.count(); ++i)
             product.AddTransposed<1>(j.error.col(i), i, sum);
@@ -133,19 +133,19 @@ Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
         const int index = first + j.first_global + k;
         triplets.emplace_back(
             index, index,
-            ViewJacobian::Block(j.by_global, i).col(k).squaredNorm());
+            ViewJacobian::Block(j.J_global, i).col(k).squaredNorm());
       }
       for (int k = 0; j.camera > 0 && k < 6; ++k) {
         const int index = layout_.CameraPose(j.camera) + k;
         triplets.emplace_back(
             index, index,
-            ViewJacobian::Block<6>(j.by_camera_pose, i).col(k).squaredNorm());
+            ViewJacobian::Block<6>(j.J_camera_pose, i).col(k).squaredNorm());
       }
       for (int k = 0; j.place >= 0 && k < 6; ++k) {
         const int index = layout_.Place(j.place) + k;
         triplets.emplace_back(
             index, index,
-            ViewJacobian::Block<6>(j.by_place, i).col(k).squaredNorm());
+            ViewJacobian::Block<6>(j.J_place, i).col(k).squaredNorm());
       }
     }
   }
@@ -154,14 +154,14 @@ Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
     std::vector<Eigen::Matrix3d> blocks(num_points, Eigen::Matrix3d::Zero());
     for (const ViewJacobian& j : jacobians_)
       for (int i = 0; i < j.count(); ++i) {
-        const auto by_point = ViewJacobian::Block<3>(j.by_point, i);
-        blocks[j.points[i]].noalias() += by_point.transpose() * by_point;
+        const auto J_point = ViewJacobian::Block<3>(j.J_point, i);
+        blocks[j.points[i]].noalias() += J_point.transpose() * J_point;
       }
     for (int i = 0; i < layout_.num_points; ++i)
       for (int k = 0; k < 9; ++k)
         triplets.emplace_back(layout_.Point(i) + k % 3,
                               layout_.Point(i) + k / 3, blocks[i].data()[k]);
-    moves_.ForPoints([&](int point, int bend, const auto& move) {
+    moves_.ForEachPoint([&](int point, int bend, const auto& move) {
       for (Eigen::Index k = 0; k < move.cols(); ++k) {
         const int index = layout_.first_shape + bend + static_cast<int>(k);
         triplets.emplace_back(index, index,
@@ -193,7 +193,7 @@ bool LargeEquations::MakeSystem(double lambda, System* system) const {
 template <int kNum>
 Columns<kNum> LargeEquations::Apply(const System& system,
                                     const Columns<kNum>& x) const {
-  const Columns<kNum> moved = moves_.Moved(x);
+  const Columns<kNum> moved = moves_.MapToPoints(x);
   Columns<kNum> y = SumOverPoses<kNum>([&](int p, Columns<kNum>* sum) {
     const std::vector<int>& views = poses_[p].views;
     std::vector<Columns<kNum>> images;  // of x, by view
@@ -205,13 +205,13 @@ Columns<kNum> LargeEquations::Apply(const System& system,
       const ResidualProduct product(moves_.moved(), j);
       for (int i = 0; i < j.count(); ++i)
         u.template middleRows<2>(2 * i) = product.Times<kNum>(moved, i);
-      if (j.count() > 0) pose.noalias() += j.by_pose * u;
+      if (j.count() > 0) pose.noalias() += j.J_pose * u;
     }
     system.poses[p].solveInPlace(pose);
     for (size_t k = 0; k < views.size(); ++k) {
       const ViewJacobian& j = jacobians_[views[k]];
       Columns<kNum>& u = images[k];
-      if (j.count() > 0) u.noalias() -= j.by_pose.transpose() * pose;
+      if (j.count() > 0) u.noalias() -= j.J_pose.transpose() * pose;
       const ResidualProduct product(moves_.moved(), j);
       for (int i = 0; i < j.count(); ++i)
         product.AddTransposed<kNum>(u.template middleRows<2>(2 * i), i, sum);
@@ -225,7 +225,7 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
     const System& system, const Preconditioner& preconditioner) const {
   const auto& coarse_basis = preconditioner.basis;
   const ParameterLayout& moved = moves_.moved();
-  const CoarseBasis moved_basis = moves_.Moved(coarse_basis);
+  const CoarseBasis moved_basis = moves_.MapToPoints(coarse_basis);
   const int size = static_cast<int>(coarse_basis.cols());
   std::vector<Eigen::MatrixXd> sums(NumChunks());
   ParallelFor(NumChunks(), num_threads_, [&](int chunk) {
@@ -239,24 +239,24 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
         const ViewJacobian& j = jacobians_[v];
         const int first = layout_.first_camera[j.camera];
         for (int i = 0; i < j.count(); ++i) {
-          const auto by_node = ViewJacobian::Block(j.by_node, i);
+          const auto J_node = ViewJacobian::Block(j.J_node, i);
           for (int k = 0; k < j.num_nodes; ++k)
             for (int c = 0; c < j.num_per_node; ++c)
               row.Add(first + j.node_parameter(k, i) + c,
-                      j.node_weight(k, i) * by_node.col(c));
+                      j.node_weight(k, i) * J_node.col(c));
           for (int c = 0; c < j.num_global; ++c)
             row.Add(first + j.first_global + c,
-                    ViewJacobian::Block(j.by_global, i).col(c));
+                    ViewJacobian::Block(j.J_global, i).col(c));
           for (int c = 0; j.camera > 0 && c < 6; ++c)
             row.Add(moved.CameraPose(j.camera) + c,
-                    ViewJacobian::Block<6>(j.by_camera_pose, i).col(c));
+                    ViewJacobian::Block<6>(j.J_camera_pose, i).col(c));
           for (int c = 0; j.place >= 0 && c < 6; ++c)
             row.Add(moved.Place(j.place) + c,
-                    ViewJacobian::Block<6>(j.by_place, i).col(c));
+                    ViewJacobian::Block<6>(j.J_place, i).col(c));
           for (int c = 0; moved.num_points > 0 && c < 3; ++c)
             row.Add(moved.Point(j.points[i]) + c,
-                    ViewJacobian::Block<3>(j.by_point, i).col(c));
-          row.AddProductsTo(j.ByPose(i).transpose(), &sum, &with_pose);
+                    ViewJacobian::Block<3>(j.J_point, i).col(c));
+          row.AddProductsTo(j.PoseJacobian(i).transpose(), &sum, &with_pose);
           row.Clear();
         }
       }
@@ -280,7 +280,7 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
   return matrix;  // its lower triangle
 }
 
-LargeEquations::CameraLevels LargeEquations::LevelsOf(
+LargeEquations::CameraLevels LargeEquations::MakeLevels(
     int camera, const Eigen::SparseMatrix<double>& a) const {
   CameraLevels levels;
   const GridShape& shape = shapes_[camera];
@@ -315,20 +315,20 @@ bool LargeEquations::MakePreconditioner(const System& system,
   memory_->diagonal = a.diagonal();
   a += prior_.precision;
   a.diagonal() += system.damping;
-  a = frames_.FormInto(a);
+  a = frames_.TransformForm(a);
   preconditioner->frames = frames_;
   preconditioner->cameras.clear();
   for (size_t c = 0; c < shapes_.size(); ++c)
     if (shapes_[c].per_node > 0)
-      preconditioner->cameras.push_back(LevelsOf(static_cast<int>(c), a));
+      preconditioner->cameras.push_back(MakeLevels(static_cast<int>(c), a));
   preconditioner->points.resize(3, 3 * layout_.num_points);
   for (int i = 0; i < 3 * layout_.num_points; ++i)
     for (int k = 0; k < 3; ++k)
       preconditioner->points(k, i) =
           a.coeff(layout_.Point(i / 3) + k, layout_.first_point + i);
   InvertBlocks<Eigen::Matrix3d>(&preconditioner->points);
-  preconditioner->basis =
-      frames_.OutOf(MakeCoarseBasis(layout_, shapes_, jacobians_, points_));
+  preconditioner->basis = frames_.FromNodeFrames(
+      MakeCoarseBasis(layout_, shapes_, jacobians_, points_));
   preconditioner->coarse.compute(CoarseMatrix(system, *preconditioner));
   return preconditioner->coarse.info() == Eigen::Success;
 }
@@ -339,20 +339,20 @@ Columns<kNum> LargeEquations::Precondition(
   const Eigen::MatrixXd coarsest =
       preconditioner.coarse.solve(preconditioner.basis.transpose() * residual);
   Columns<kNum> result = preconditioner.basis * coarsest;
-  const Columns<kNum> in_frames = preconditioner.frames.Into(residual);
+  const Columns<kNum> in_frames = preconditioner.frames.ToNodeFrames(residual);
   Columns<kNum> sum = Columns<kNum>::Zero(residual.rows(), kNum);
   for (const CameraLevels& camera : preconditioner.cameras) {
     const double* from = in_frames.data() + kNum * camera.first;
     double* to = sum.data() + kNum * camera.first;
     AddBlockProduct<kNum>(camera.inverse, from, to);
     for (const Level& level : camera.levels) {
-      const Eigen::VectorXd coarse = level.transfer.Restricted(kNum, from);
+      const Eigen::VectorXd coarse = level.transfer.Restrict(kNum, from);
       Eigen::VectorXd product = Eigen::VectorXd::Zero(coarse.size());
       AddBlockProduct<kNum>(level.inverse, coarse.data(), product.data());
-      level.transfer.AddProlonged(kNum, product.data(), to);
+      level.transfer.AddProlongation(kNum, product.data(), to);
     }
   }
-  result += preconditioner.frames.OutOf(sum);
+  result += preconditioner.frames.FromNodeFrames(sum);
   AddBlockProduct<kNum>(preconditioner.points,
                         residual.data() + kNum * layout_.first_point,
                         result.data() + kNum * layout_.first_point);
@@ -453,43 +453,44 @@ bool LargeEquations::SolveSystem(const System& system, bool is_started,
   return is_solved;
 }
 
-void LargeEquations::AddByPose(int pose, const PoseVector& y,
-                               Eigen::VectorXd* sum) const {
+void LargeEquations::AddPoseProduct(int pose, const PoseVector& y,
+                                    Eigen::VectorXd* sum) const {
   for (const int v : poses_[pose].views) {
     const ViewJacobian& j = jacobians_[v];
     const ResidualProduct product(moves_.moved(), j);
     for (int i = 0; i < j.count(); ++i)
-      product.AddTransposed<1>(j.ByPose(i).transpose() * y, i, sum);
+      product.AddTransposed<1>(j.PoseJacobian(i).transpose() * y, i, sum);
   }
 }
 
-PoseVector LargeEquations::OfPose(int pose, const Eigen::VectorXd& x) const {
+PoseVector LargeEquations::ComputePoseProduct(int pose,
+                                              const Eigen::VectorXd& x) const {
   PoseVector y = PoseVector::Zero(layout_.per_pose);
   for (const int v : poses_[pose].views) {
     const ViewJacobian& j = jacobians_[v];
     const ResidualProduct product(moves_.moved(), j);
     for (int i = 0; i < j.count(); ++i)
-      y.noalias() += j.ByPose(i) * product.Times<1>(x, i);
+      y.noalias() += j.PoseJacobian(i) * product.Times<1>(x, i);
   }
   return y;
 }
 
-Eigen::VectorXd LargeEquations::Eliminated(const System& system,
-                                           const Eigen::VectorXd& poses) const {
+Eigen::VectorXd LargeEquations::EliminatePoses(
+    const System& system, const Eigen::VectorXd& poses) const {
   const int k = layout_.per_pose;
   return SumOverPoses<1>([&](int p, Eigen::VectorXd* sum) {
-    AddByPose(p, system.poses[p].solve(poses.segment(k * p, k)), sum);
+    AddPoseProduct(p, system.poses[p].solve(poses.segment(k * p, k)), sum);
   });
 }
 
-Eigen::VectorXd LargeEquations::PosesBehind(const System& system,
-                                            const Eigen::VectorXd& x,
-                                            Eigen::VectorXd poses) const {
+Eigen::VectorXd LargeEquations::BackSubstitutePoses(
+    const System& system, const Eigen::VectorXd& x,
+    Eigen::VectorXd poses) const {
   const int k = layout_.per_pose;
-  const Eigen::VectorXd moved = moves_.Moved(x);
+  const Eigen::VectorXd moved = moves_.MapToPoints(x);
   ParallelFor(layout_.num_poses, num_threads_, [&](int p) {
     auto pose = poses.segment(k * p, k);
-    pose = system.poses[p].solve(pose - OfPose(p, moved));
+    pose = system.poses[p].solve(pose - ComputePoseProduct(p, moved));
   });
   return poses;
 }
@@ -501,10 +502,10 @@ bool LargeEquations::Solve(double lambda, AdjustmentStep* step) const {
   for (int p = 0; p < layout_.num_poses; ++p)
     gradient.segment(layout_.per_pose * p, layout_.per_pose) =
         poses_[p].gradient;
-  Eigen::MatrixXd side = Eliminated(system, gradient) - gradient_;
+  Eigen::MatrixXd side = EliminatePoses(system, gradient) - gradient_;
   Eigen::MatrixXd x(layout_.size, 1);
   if (!SolveSystem(system, false, &side, &x)) return false;
-  const Eigen::VectorXd poses = PosesBehind(system, x, -gradient);
+  const Eigen::VectorXd poses = BackSubstitutePoses(system, x, -gradient);
   *step = layout_.Step(x, poses);
   return poses.allFinite();
 }
@@ -519,7 +520,7 @@ bool LargeEquations::SolveAll(double lambda, bool is_started,
   const Eigen::Index num_poses = right.rows() - size;  // 0 or all
   Eigen::MatrixXd sides = right.topRows(size);
   for (Eigen::Index k = 0; num_poses > 0 && k < right.cols(); ++k)
-    sides.col(k) -= Eliminated(system, right.col(k).tail(num_poses));
+    sides.col(k) -= EliminatePoses(system, right.col(k).tail(num_poses));
   Eigen::MatrixXd& x = memory_->last_solution;
   if (!is_started) x.resize(size, right.cols());
   if (!SolveSystem(system, is_started, &sides, &x)) {
@@ -530,7 +531,7 @@ bool LargeEquations::SolveAll(double lambda, bool is_started,
   solution->topRows(size) = x;
   for (Eigen::Index k = 0; num_poses > 0 && k < right.cols(); ++k)
     solution->col(k).tail(num_poses) =
-        PosesBehind(system, x.col(k), right.col(k).tail(num_poses));
+        BackSubstitutePoses(system, x.col(k), right.col(k).tail(num_poses));
   rest->setZero(right.rows(), right.cols());
   rest->topRows(size) = sides;
   return true;
@@ -544,9 +545,10 @@ bool LargeEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
   return is_solved;
 }
 
-bool LargeEquations::SolveWithRest(double lambda, const Eigen::MatrixXd& right,
-                                   Eigen::MatrixXd* solution,
-                                   Eigen::MatrixXd* rest) const {
+bool LargeEquations::SolveWithResidual(double lambda,
+                                       const Eigen::MatrixXd& right,
+                                       Eigen::MatrixXd* solution,
+                                       Eigen::MatrixXd* rest) const {
   // The solution changes little between successive normal equations.
   const Eigen::MatrixXd& last = memory_->last_solution;
   const bool has_last =

@@ -12,7 +12,7 @@
 #include "adjustment/node_frames.h"
 #include "adjustment/normal_equations.h"
 #include "adjustment/residual_product.h"
-#include "adjustment/shape_moves.h"
+#include "adjustment/static_deformation.h"
 
 namespace raygrid {
 
@@ -44,10 +44,10 @@ class LargeEquations : public NormalEquations {
   bool Solve(double lambda, AdjustmentStep* step) const override;
   bool SolveFor(double lambda, const Eigen::MatrixXd& right,
                 Eigen::MatrixXd* solution) const override;
-  bool SolveWithRest(double lambda, const Eigen::MatrixXd& right,
-                     Eigen::MatrixXd* solution,
-                     Eigen::MatrixXd* rest) const override;
-  int NumCheapSides() const override { return 4; }
+  bool SolveWithResidual(double lambda, const Eigen::MatrixXd& right,
+                         Eigen::MatrixXd* solution,
+                         Eigen::MatrixXd* rest) const override;
+  int MaxNumRightSides() const override { return 4; }
 
  private:
   struct PoseBlock {
@@ -81,7 +81,7 @@ class LargeEquations : public NormalEquations {
 
   int NumChunks() const;
   int ChunkBegin(int chunk) const;
-  // Sums the contributions body(pose, &sum) over ShapeMoves::moved().
+  // Sums the contributions body(pose, &sum) over StaticDeformation::moved().
   template <int kNum, typename Body>
   Columns<kNum> SumOverPoses(const Body& body) const;
 
@@ -96,7 +96,8 @@ class LargeEquations : public NormalEquations {
   bool MakePreconditioner(const System& system,
                           Preconditioner* preconditioner) const;
   // Preconditioner levels of a camera; a: in local axes (NodeFrames).
-  CameraLevels LevelsOf(int camera, const Eigen::SparseMatrix<double>& a) const;
+  CameraLevels MakeLevels(int camera,
+                          const Eigen::SparseMatrix<double>& a) const;
   template <int kNum>
   Columns<kNum> Precondition(const Preconditioner& preconditioner,
                              const Columns<kNum>& residual) const;
@@ -106,15 +107,17 @@ class LargeEquations : public NormalEquations {
   bool ConjugateGradients(const System& system, bool is_started,
                           Columns<kNum>* side, Columns<kNum>* x) const;
   // Adds W y of one pose to *sum; returns W^T x of a pose. Over
-  // ShapeMoves::moved().
-  void AddByPose(int pose, const PoseVector& y, Eigen::VectorXd* sum) const;
-  PoseVector OfPose(int pose, const Eigen::VectorXd& x) const;
+  // StaticDeformation::moved().
+  void AddPoseProduct(int pose, const PoseVector& y,
+                      Eigen::VectorXd* sum) const;
+  PoseVector ComputePoseProduct(int pose, const Eigen::VectorXd& x) const;
   // W V^-1 y, over the layout.
-  Eigen::VectorXd Eliminated(const System& system,
-                             const Eigen::VectorXd& poses) const;
+  Eigen::VectorXd EliminatePoses(const System& system,
+                                 const Eigen::VectorXd& poses) const;
   // V^-1 (poses - W^T x)
-  Eigen::VectorXd PosesBehind(const System& system, const Eigen::VectorXd& x,
-                              Eigen::VectorXd poses) const;
+  Eigen::VectorXd BackSubstitutePoses(const System& system,
+                                      const Eigen::VectorXd& x,
+                                      Eigen::VectorXd poses) const;
   // Solves with a suitable preconditioner, from *x or from zero. *sides become
   // the final residuals.
   bool SolveSystem(const System& system, bool is_started,
@@ -122,12 +125,12 @@ class LargeEquations : public NormalEquations {
   template <int kNum>
   bool SolveColumns(const System& system, bool is_started, Eigen::Index first,
                     Eigen::MatrixXd* sides, Eigen::MatrixXd* x) const;
-  // Solves from the last solution or from zero; see SolveWithRest().
+  // Solves from the last solution or from zero; see SolveWithResidual().
   bool SolveAll(double lambda, bool is_started, const Eigen::MatrixXd& right,
                 Eigen::MatrixXd* solution, Eigen::MatrixXd* rest) const;
 
   ParameterLayout layout_;
-  ShapeMoves moves_;
+  StaticDeformation moves_;
   std::vector<ViewJacobian> jacobians_;
   PriorEquations prior_;
   std::vector<Eigen::Vector3d> points_;
@@ -152,7 +155,7 @@ class LargeEquations::Memory {
   Eigen::SparseMatrix<double> local;  // LocalMatrix() of the current equations
   std::unique_ptr<Preconditioner> preconditioner;
   int iterations_when_new = 0, last_iterations_ = 0;
-  Eigen::MatrixXd last_solution;  // of SolveWithRest()
+  Eigen::MatrixXd last_solution;  // of SolveWithResidual()
 };
 
 }  // namespace raygrid

@@ -44,29 +44,31 @@ Eigen::VectorXd LinearResponse::Gradient(const ViewErrors& errors) const {
       const Eigen::Vector2d error = errors[v].col(i);
       product.AddTransposed<1>(error, i, &moved);
       gradient.segment(layout_.Pose(j.pose), layout_.per_pose).noalias() +=
-          j.ByPose(i) * error;
+          j.PoseJacobian(i) * error;
     }
   }
-  gradient.head(layout_.size) = moves_.Back(moved);
+  gradient.head(layout_.size) = moves_.MapToModes(moved);
   return gradient;
 }
 
-ViewErrors LinearResponse::ErrorsBy(const Eigen::VectorXd& parameters) const {
+ViewErrors LinearResponse::ApplyJacobian(
+    const Eigen::VectorXd& parameters) const {
   ViewErrors errors;
   const Eigen::VectorXd moved =
-      moves_.Moved<Eigen::VectorXd>(parameters.head(layout_.size));
+      moves_.MapToPoints<Eigen::VectorXd>(parameters.head(layout_.size));
   for (const ViewJacobian& j : jacobians_) {
     const ResidualProduct product(moves_.moved(), j);
     const Eigen::VectorXd pose =
         parameters.segment(layout_.Pose(j.pose), layout_.per_pose);
     Eigen::Matrix2Xd& own = errors.emplace_back(2, j.count());
     for (int i = 0; i < j.count(); ++i)
-      own.col(i) = product.Times<1>(moved, i) + j.ByPose(i).transpose() * pose;
+      own.col(i) =
+          product.Times<1>(moved, i) + j.PoseJacobian(i).transpose() * pose;
   }
   return errors;
 }
 
-ViewErrors LinearResponse::DrawNoise(std::mt19937* random_bits) const {
+ViewErrors LinearResponse::SampleNoise(std::mt19937* random_bits) const {
   ViewErrors errors;
   for (const ViewJacobian& view : jacobians_)
     errors.push_back(
@@ -75,7 +77,7 @@ ViewErrors LinearResponse::DrawNoise(std::mt19937* random_bits) const {
 }
 
 // With P = B B^T + R R^T.
-Eigen::VectorXd LinearResponse::DrawPrior(std::mt19937* random_bits) const {
+Eigen::VectorXd LinearResponse::SamplePrior(std::mt19937* random_bits) const {
   // In a fixed order of evaluation, independent of the compiler.
   const Eigen::VectorXd root_signs =
       RandomSigns(prior_root_.size(), random_bits);
@@ -83,18 +85,19 @@ Eigen::VectorXd LinearResponse::DrawPrior(std::mt19937* random_bits) const {
       RandomSigns(prior_.root.cols(), random_bits);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout_.num_all());
   gradient.head(layout_.size) =
-      WithoutFree(prior_.free, prior_.freed,
-                  prior_root_.Times(root_signs, layout_.size)) +
+      ProjectOutFree(prior_.free, prior_.freed,
+                     prior_root_.Times(root_signs, layout_.size)) +
       prior_.root * other_signs;
   return gradient;
 }
 
-Eigen::VectorXd LinearResponse::DrawFlex(std::mt19937* random_bits) const {
+Eigen::VectorXd LinearResponse::SampleDeformationPrior(
+    std::mt19937* random_bits) const {
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout_.num_all());
-  const Eigen::Index num_modes = prior_.flex_precision.size();
+  const Eigen::Index num_modes = prior_.deformation_precision.size();
   for (int pose = 0; num_modes > 0 && pose < layout_.num_poses; ++pose)
     gradient.segment(layout_.Pose(pose) + 6, num_modes) =
-        prior_.flex_precision.cwiseSqrt().cwiseProduct(
+        prior_.deformation_precision.cwiseSqrt().cwiseProduct(
             RandomSigns(num_modes, random_bits));
   return gradient;
 }

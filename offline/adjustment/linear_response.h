@@ -9,7 +9,7 @@
 #include "adjustment/bundle_adjustment.h"
 #include "adjustment/normal_equations.h"
 #include "adjustment/precision_root.h"
-#include "adjustment/shape_moves.h"
+#include "adjustment/static_deformation.h"
 
 namespace raygrid {
 
@@ -35,14 +35,14 @@ class LinearResponse {
   /// J^T e.
   Eigen::VectorXd Gradient(const ViewErrors& errors) const;
   /// J x.
-  ViewErrors ErrorsBy(const Eigen::VectorXd& parameters) const;
+  ViewErrors ApplyJacobian(const Eigen::VectorXd& parameters) const;
 
   /// White errors of variance 1.
-  ViewErrors DrawNoise(std::mt19937* random_bits) const;
+  ViewErrors SampleNoise(std::mt19937* random_bits) const;
   /// Draws a gradient of covariance P without the deformation's part.
-  Eigen::VectorXd DrawPrior(std::mt19937* random_bits) const;
+  Eigen::VectorXd SamplePrior(std::mt19937* random_bits) const;
   /// Draws a gradient of the covariance of the deformation's part of P.
-  Eigen::VectorXd DrawFlex(std::mt19937* random_bits) const;
+  Eigen::VectorXd SampleDeformationPrior(std::mt19937* random_bits) const;
   /// The gradient of the prior.
   Eigen::VectorXd PriorGradient() const;
 
@@ -55,7 +55,7 @@ class LinearResponse {
  private:
   ParameterLayout layout_;
   PriorEquations prior_;
-  ShapeMoves moves_;
+  StaticDeformation moves_;
   std::vector<ViewJacobian> jacobians_;
   bool is_exact_;
   PrecisionRoot prior_root_;

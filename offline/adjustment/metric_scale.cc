@@ -24,7 +24,7 @@ Similarity BestSimilarity(const AlignedBoard& board,
   const Eigen::Index count = static_cast<Eigen::Index>(board.nominal.size());
   Eigen::Matrix3Xd from(3, count), to(3, count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    from.col(i) = state.ShapedPoint(board.first + static_cast<int>(i));
+    from.col(i) = state.DeformedPoint(board.first + static_cast<int>(i));
     to.col(i) = board.nominal[i];
   }
   const Eigen::Matrix3d linear =
@@ -58,16 +58,17 @@ void Apply(const Similarity& similarity, const AlignedBoard& board,
     Pose& pose = state->rig_from_pattern[index];
     pose.rotation = (pose.rotation * r.inverse()).normalized();
     pose.translation = s * pose.translation - pose.rotation * t;
-    if (state->HasFlex()) state->flex[index] *= s;
+    if (state->HasPerViewDeformation()) state->flex[index] *= s;
   }
-  if (state->HasShapes()) state->flex[state->modes.boards[board.first]] *= s;
+  if (state->HasStaticDeformation())
+    state->flex[state->modes.boards[board.first]] *= s;
 }
 
-// Updates body_from_board after alignment to the nominal points: x' = s R x + t
-// for the target, and x' = s Q y + u for a point y of the board.
+// Updates target_from_board after alignment to the nominal points: x' = s R x +
+// t for the target, and x' = s Q y + u for a point y of the board.
 void ApplyToPlace(const Similarity& body, const Similarity& board,
-                  Pose* body_from_board) {
-  Pose& pose = *body_from_board;
+                  Pose* target_from_board) {
+  Pose& pose = *target_from_board;
   const Eigen::Vector3d moved =
       body.scale * (body.rotation * pose.translation) + body.translation();
   pose.rotation =
@@ -86,8 +87,8 @@ double CommonScale(const std::vector<Similarity>& similarities) {
 }
 
 // Assigns one scale to the boards of each rigid multi-board target.
-void ShareScaleOnBodies(const std::vector<AlignedBoard>& boards,
-                        std::vector<Similarity>* similarities) {
+void ShareScaleOnTargets(const std::vector<AlignedBoard>& boards,
+                         std::vector<Similarity>* similarities) {
   for (const AlignedBoard& frame : boards) {
     if (frame.body < 0 || frame.place >= 0) continue;
     std::vector<Similarity> of_body;
@@ -106,7 +107,7 @@ void ApplyToPlaces(const std::vector<AlignedBoard>& boards,
   for (size_t b = 0; b < boards.size(); ++b)
     if (boards[b].body == boards[frame].body && boards[b].place >= 0)
       ApplyToPlace(similarities[frame], similarities[b],
-                   &state->body_from_board[boards[b].place]);
+                   &state->target_from_board[boards[b].place]);
 }
 
 }  // namespace
@@ -125,7 +126,7 @@ void AlignToNominal(const std::vector<AlignedBoard>& boards,
     for (Similarity& similarity : similarities) similarity.scale = scale;
     for (Pose& pose : state->camera_from_rig) pose.translation *= scale;
   } else if (scale_is_free) {
-    ShareScaleOnBodies(boards, &similarities);
+    ShareScaleOnTargets(boards, &similarities);
   }
   for (size_t b = 0; b < boards.size(); ++b) {
     Apply(similarities[b], boards[b], state);

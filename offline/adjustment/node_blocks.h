@@ -63,10 +63,10 @@ inline Eigen::MatrixXd CoarseBlocks(const GridShape& shape,
       const auto& other_y = transfer.rows()[row / k / shape.columns];
       double wx[4];
       for (int n = 0; n < 4; ++n)
-        wx[n] = x.weight[n] * other_x.WeightOf(x.first + n);
+        wx[n] = x.weight[n] * other_x.GetWeight(x.first + n);
       for (int m = 0; m < 4; ++m) {
         const double wy =
-            it.value() * y.weight[m] * other_y.WeightOf(y.first + m);
+            it.value() * y.weight[m] * other_y.GetWeight(y.first + m);
         if (wy == 0) continue;
         const int coarse = (y.first + m) * transfer.coarse().columns + x.first;
         for (int n = 0; n < 4; ++n)

@@ -19,18 +19,18 @@ class NodeFrames {
 
   /// Transforms vectors from the layout's axes to local axes.
   template <typename Columns>
-  Columns Into(const Columns& vectors) const {
+  Columns ToNodeFrames(const Columns& vectors) const {
     if (is_same()) return vectors;
     return axes_.transpose() * vectors;
   }
   /// Transforms vectors from local axes to the layout's axes.
   template <typename Columns>
-  Columns OutOf(const Columns& in_frames) const {
+  Columns FromNodeFrames(const Columns& in_frames) const {
     if (is_same()) return in_frames;
     return axes_ * in_frames;
   }
   /// Transforms a quadratic form from the layout's axes to local axes.
-  Eigen::SparseMatrix<double> FormInto(
+  Eigen::SparseMatrix<double> TransformForm(
       const Eigen::SparseMatrix<double>& form) const {
     if (is_same()) return form;
     return axes_.transpose() * form * axes_;

@@ -23,10 +23,10 @@ class NodeProducts {
 
   void Add(const ViewJacobian& j, int i) {
     const int k = shape_.per_node;
-    const auto by_node = ViewJacobian::Block(j.by_node, i);
+    const auto J_node = ViewJacobian::Block(j.J_node, i);
     constexpr int kMax = LinearizedProjection::kMaxPerNode;
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMax, kMax>
-        product = by_node.transpose() * by_node;
+        product = J_node.transpose() * J_node;
     const int base = j.node_parameter(0, i) / k;
     for (int a = 0; a < 16; ++a) {
       const int node = base + a / 4 * shape_.columns + a % 4;

@@ -53,9 +53,9 @@ void AddCameraPrior(const CameraPrior& prior, int first,
   const Eigen::MatrixXd& g = prior.orientation;
   if (g.cols() == 0) return;
   equations->gradient.segment(first, difference.size()) +=
-      prior.orientation_weight * (g * prior.OrientationError(parameters));
+      prior.orientation_precision * (g * prior.OrientationError(parameters));
   equations->root.block(first, columns.root, g.rows(), g.cols()) =
-      std::sqrt(prior.orientation_weight) * g;
+      std::sqrt(prior.orientation_precision) * g;
 }
 
 // The operation count of the last conjugate-gradient solution, in units of
@@ -76,7 +76,7 @@ ParameterLayout::ParameterLayout(const AdjustmentState& state,
     : first_camera{0},
       num_points(fixed.points ? 0 : static_cast<int>(state.points.size())),
       num_poses(static_cast<int>(state.rig_from_pattern.size())),
-      per_pose(6 + (state.HasFlex() ? state.modes.count() : 0)) {
+      per_pose(6 + (state.HasPerViewDeformation() ? state.modes.count() : 0)) {
   if (!fixed.cameras && !state.cameras.empty()) {
     for (const auto& camera : state.cameras)
       first_camera.push_back(first_camera.back() + camera->NumParameters());
@@ -86,8 +86,10 @@ ParameterLayout::ParameterLayout(const AdjustmentState& state,
   first_shape = first_place;
   const bool are_boards_known = fixed.cameras && fixed.points;
   if (!are_boards_known)
-    first_shape += 6 * static_cast<int>(state.body_from_board.size());
-  per_board = state.HasShapes() && !are_boards_known ? state.modes.count() : 0;
+    first_shape += 6 * static_cast<int>(state.target_from_board.size());
+  per_board = state.HasStaticDeformation() && !are_boards_known
+                  ? state.modes.count()
+                  : 0;
   first_point = first_shape + per_board * state.modes.num_boards();
   size = first_point + 3 * num_points;
 }
@@ -139,14 +141,14 @@ PriorEquations::PriorEquations(const GaussianPrior& prior,
     for (int i = 0; i < layout.num_points; ++i) {
       const int first = layout.Point(i);
       gradient.segment<3>(first) =
-          prior.points_weight * (state.points[i] - prior.points_mean[i]);
+          prior.points_precision * (state.points[i] - prior.points_mean[i]);
       for (int k = first; k < first + 3; ++k)
-        triplets.emplace_back(k, k, prior.points_weight);
+        triplets.emplace_back(k, k, prior.points_precision);
     }
   }
-  FlexModes::Coefficients weights(state.modes.count());
+  DeformationModes::Coefficients weights(state.modes.count());
   for (int mode = 0; mode < state.modes.count(); ++mode)
-    weights[mode] = prior.FlexWeight(state.modes.orders[mode]);
+    weights[mode] = prior.DeformationPrecision(state.modes.orders[mode]);
   for (int i = layout.first_shape; i < layout.first_point; ++i) {
     const int board = (i - layout.first_shape) / layout.per_board;
     const int mode = (i - layout.first_shape) % layout.per_board;
@@ -154,11 +156,11 @@ PriorEquations::PriorEquations(const GaussianPrior& prior,
     gradient[i] = weights[mode] * state.flex[board][mode];
   }
   precision.setFromTriplets(triplets.begin(), triplets.end());
-  if (!state.HasFlex()) return;
-  flex_precision = weights;
-  flex_gradient.resize(weights.size(), layout.num_poses);
+  if (!state.HasPerViewDeformation()) return;
+  deformation_precision = weights;
+  deformation_gradient.resize(weights.size(), layout.num_poses);
   for (int i = 0; i < layout.num_poses; ++i)
-    flex_gradient.col(i) = weights.cwiseProduct(state.flex[i]);
+    deformation_gradient.col(i) = weights.cwiseProduct(state.flex[i]);
 }
 
 std::unique_ptr<NormalEquations> EquationsBuilder::Build(

@@ -18,18 +18,19 @@ struct AdjustmentStep {
   std::vector<Eigen::Matrix<double, 6, 1>> places;        ///< empty if fixed
   Eigen::VectorXd points;                                 ///< three per point
   std::vector<Eigen::Matrix<double, 6, 1>> poses;
-  std::vector<FlexModes::Coefficients> flex;  ///< if deformation is estimated
+  std::vector<DeformationModes::Coefficients>
+      flex;  ///< if deformation is estimated
 };
 
 /// Parameters that are not optimized; fixed cameras imply a fixed
-/// camera_from_rig. body_from_board and static deformation are fixed if cameras
-/// and points are.
+/// camera_from_rig. target_from_board and static deformation are fixed if
+/// cameras and points are.
 struct FixedParameters {
   bool cameras = false, points = false;
 };
 
 /// Indices of parameters in a vector: cameras, camera_from_rig,
-/// body_from_board, static deformation, points; then, beyond its size,
+/// target_from_board, static deformation, points; then, beyond its size,
 /// rig_from_pattern, each with the per-view deformation of its board.
 struct ParameterLayout {
   ParameterLayout(const AdjustmentState& state, const FixedParameters& fixed);
@@ -73,8 +74,9 @@ struct PriorEquations {
   Eigen::MatrixXd root, freed;
   Eigen::MatrixXd free;  ///< as in PriorGroup
   Eigen::VectorXd gradient;
-  FlexModes::Coefficients flex_precision;  ///< of each mode, per pose
-  Eigen::MatrixXd flex_gradient;           ///< a column per pose
+  DeformationModes::Coefficients
+      deformation_precision;             ///< of each mode, per pose
+  Eigen::MatrixXd deformation_gradient;  ///< a column per pose
 
   /// P x, over the layout without the poses.
   Eigen::MatrixXd Times(const Eigen::MatrixXd& x) const {
@@ -88,7 +90,7 @@ struct PriorEquations {
 constexpr double kDampingFloor = 1e-9;
 
 /// The parameters of a pose with its deformation: a block of H.
-constexpr int kMaxPerPose = 6 + FlexModes::kMaxCount;
+constexpr int kMaxPerPose = 6 + DeformationModes::kMaxCount;
 using PoseVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxPerPose, 1>;
 using PoseMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0,
                                  kMaxPerPose, kMaxPerPose>;
@@ -109,14 +111,14 @@ class NormalEquations {
                         Eigen::MatrixXd* solution) const = 0;
   /// SolveFor() that also returns the residual of the solution, *rest = right -
   /// H x, which is zero for direct solvers.
-  virtual bool SolveWithRest(double lambda, const Eigen::MatrixXd& right,
-                             Eigen::MatrixXd* solution,
-                             Eigen::MatrixXd* rest) const {
+  virtual bool SolveWithResidual(double lambda, const Eigen::MatrixXd& right,
+                                 Eigen::MatrixXd* solution,
+                                 Eigen::MatrixXd* rest) const {
     rest->setZero(right.rows(), right.cols());
     return SolveFor(lambda, right, solution);
   }
   /// The number of right-hand sides that cost about as much as one Solve().
-  virtual int NumCheapSides() const = 0;
+  virtual int MaxNumRightSides() const = 0;
 };
 
 /// Builds the normal equations of successive states: DenseEquations for small

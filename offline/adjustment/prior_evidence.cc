@@ -13,17 +13,17 @@ namespace {
 struct Determined {
   std::vector<double> groups;  // of cameras
   double points = 0;
-  std::array<double, kNumBendOrders> flex = {};
+  std::array<double, kNumDeformationOrders> flex = {};
 };
 
 // The index of a mode's coefficient among the parameters, and its order.
 struct FlexRow {
   int row;
-  BendOrder order;
+  DeformationOrder order;
 };
 
 // Whether a mode moves any point of a board: small boards have fewer modes.
-bool IsTold(const FlexModes& modes, int board, int mode) {
+bool IsDetermined(const DeformationModes& modes, int board, int mode) {
   for (size_t i = 0; i < modes.boards.size(); ++i)
     if (modes.boards[i] == board && !modes.by_point[i].col(mode).isZero(0))
       return true;
@@ -34,10 +34,10 @@ bool IsTold(const FlexModes& modes, int board, int mode) {
 std::vector<FlexRow> FlexRows(const ParameterLayout& layout,
                               const std::vector<View>& views,
                               const AdjustmentState& state) {
-  const FlexModes& modes = state.modes;
+  const DeformationModes& modes = state.modes;
   std::set<int> poses, boards;
   for (const View& view : views) {
-    if (state.HasFlex()) poses.insert(view.pose);
+    if (state.HasPerViewDeformation()) poses.insert(view.pose);
     if (layout.has_shapes() && !view.observations.empty())
       boards.insert(modes.boards[view.observations[0].point]);
   }
@@ -47,12 +47,12 @@ std::vector<FlexRow> FlexRows(const ParameterLayout& layout,
       rows.push_back({layout.Pose(pose) + 6 + mode, modes.orders[mode]});
   for (const int board : boards)
     for (int mode = 0; mode < modes.count(); ++mode)
-      if (IsTold(modes, board, mode))
+      if (IsDetermined(modes, board, mode))
         rows.push_back({layout.Shape(board) + mode, modes.orders[mode]});
   return rows;
 }
 
-double NumOfOrder(const std::vector<FlexRow>& rows, BendOrder order) {
+double NumOfOrder(const std::vector<FlexRow>& rows, DeformationOrder order) {
   return static_cast<double>(std::count_if(
       rows.begin(), rows.end(),
       [order](const FlexRow& row) { return row.order == order; }));
@@ -68,7 +68,7 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
                                         const GaussianPrior& prior,
                                         const std::vector<FlexRow>& flex_rows,
                                         int num_seen_points, double lambda) {
-  const int num_samples = equations.NumCheapSides();
+  const int num_samples = equations.MaxNumRightSides();
   std::mt19937 random_bits(1);  // the standard fixes its sequence
   std::vector<Eigen::MatrixXd> shares;
   const bool has_flex = layout.per_pose > 6;
@@ -80,21 +80,22 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
     for (int k = 0; k < num_samples; ++k)
       share.col(k) =
           std::sqrt(group.group->weight) *
-          WithoutFree(group.group->free, group.group->freed,
-                      group.root.Times(
-                          RandomSigns(group.root.size(), &random_bits), size));
+          ProjectOutFree(
+              group.group->free, group.group->freed,
+              group.root.Times(RandomSigns(group.root.size(), &random_bits),
+                               size));
     right.middleRows(layout.first_camera[group.camera], size) += share;
     shares.push_back(std::move(share));
   }
   for (int k = 0; k < num_samples; ++k)
     right.col(k).segment(layout.first_point, 3 * layout.num_points) =
-        std::sqrt(prior.points_weight) *
+        std::sqrt(prior.points_precision) *
         RandomSigns(3 * layout.num_points, &random_bits);
   for (const FlexRow& flex : flex_rows)
-    right.row(flex.row) = std::sqrt(prior.FlexWeight(flex.order)) *
+    right.row(flex.row) = std::sqrt(prior.DeformationPrecision(flex.order)) *
                           RandomSigns(num_samples, &random_bits).transpose();
   Eigen::MatrixXd solution, rest;
-  if (!equations.SolveWithRest(lambda, right, &solution, &rest))
+  if (!equations.SolveWithResidual(lambda, right, &solution, &rest))
     return std::nullopt;
   // The effective number of parameters is a small difference of large numbers:
   // an error e of x alone changes the trace by b^T e, which would dominate.
@@ -107,45 +108,45 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
         .cwiseProduct(share + left)
         .sum();
   };
-  const auto determined = [num_samples](double count, double sum) {
+  const auto effective_parameters = [num_samples](double count, double sum) {
     return std::clamp(count - sum / num_samples, 1e-3 * count, count);
   };
   Determined result;
   for (size_t g = 0; g < groups.size(); ++g)
-    result.groups.push_back(
-        determined(groups[g].group->rank,
-                   trace(layout.first_camera[groups[g].camera], shares[g])));
+    result.groups.push_back(effective_parameters(
+        groups[g].group->rank,
+        trace(layout.first_camera[groups[g].camera], shares[g])));
   // A point that is not observed adds 1 to the trace.
   const double num_unseen = layout.num_points - num_seen_points;
-  result.points = determined(
+  result.points = effective_parameters(
       3.0 * num_seen_points,
       trace(layout.first_point,
             right.middleRows(layout.first_point, 3 * layout.num_points)) -
           3 * num_unseen * num_samples);
-  std::array<double, kNumBendOrders> flex = {};
+  std::array<double, kNumDeformationOrders> flex = {};
   for (const auto& [row, order] : flex_rows)
     flex[static_cast<int>(order)] +=
         solution.row(row).dot(right.row(row) + rest.row(row));
-  for (int k = 0; k < kNumBendOrders; ++k)
-    result.flex[k] =
-        determined(NumOfOrder(flex_rows, static_cast<BendOrder>(k)), flex[k]);
+  for (int k = 0; k < kNumDeformationOrders; ++k)
+    result.flex[k] = effective_parameters(
+        NumOfOrder(flex_rows, static_cast<DeformationOrder>(k)), flex[k]);
   return result;
 }
 
 // The sum of squared coefficients of an order. Views that deviate far from the
 // others show another board or camera, rather than a deformation: they are
 // clipped. Static deformation is not, since a single board may be deformed.
-double SquaredFlex(const AdjustmentState& state, BendOrder order) {
+double SquaredFlex(const AdjustmentState& state, DeformationOrder order) {
   constexpr double kTimesMedian = 9;
   std::vector<double> squares;
-  for (const FlexModes::Coefficients& flex : state.flex) {
+  for (const DeformationModes::Coefficients& flex : state.flex) {
     double square = 0;
     for (int mode = 0; mode < state.modes.count(); ++mode)
       if (state.modes.orders[mode] == order) square += flex[mode] * flex[mode];
     squares.push_back(square);
   }
   if (squares.empty()) return 0;
-  if (state.bend_scope == BendScope::kBoard)
+  if (state.deformation_scope == DeformationScope::kBoard)
     return std::accumulate(squares.begin(), squares.end(), 0.0);
   std::vector<double> sorted = squares;
   const auto middle =
@@ -159,7 +160,7 @@ double SquaredFlex(const AdjustmentState& state, BendOrder order) {
 
 PriorEvidence EvidenceOf(const std::vector<CameraGroup>& groups,
                          const GaussianPrior& prior,
-                         const Determined& determined,
+                         const Determined& effective_parameters,
                          const std::vector<FlexRow>& flex_rows,
                          int num_seen_points, const AdjustmentState& state) {
   PriorEvidence evidence;
@@ -168,16 +169,17 @@ PriorEvidence EvidenceOf(const std::vector<CameraGroup>& groups,
         state.cameras[groups[g].camera]->Parameters() -
         prior.cameras[groups[g].camera].mean;
     evidence.groups.push_back({static_cast<double>(groups[g].group->rank),
-                               determined.groups[g],
+                               effective_parameters.groups[g],
                                groups[g].group->SquaredDistance(difference)});
   }
-  evidence.points = {3.0 * num_seen_points, determined.points, 0};
+  evidence.points = {3.0 * num_seen_points, effective_parameters.points, 0};
   for (size_t i = 0; i < state.points.size(); ++i)
     evidence.points.squared_distance +=
         (state.points[i] - prior.points_mean[i]).squaredNorm();
-  for (int k = 0; k < kNumBendOrders; ++k) {
-    const auto order = static_cast<BendOrder>(k);
-    evidence.flex[k] = {NumOfOrder(flex_rows, order), determined.flex[k],
+  for (int k = 0; k < kNumDeformationOrders; ++k) {
+    const auto order = static_cast<DeformationOrder>(k);
+    evidence.flex[k] = {NumOfOrder(flex_rows, order),
+                        effective_parameters.flex[k],
                         SquaredFlex(state, order)};
   }
   return evidence;
@@ -185,7 +187,7 @@ PriorEvidence EvidenceOf(const std::vector<CameraGroup>& groups,
 
 }  // namespace
 
-std::vector<CameraGroup> CameraGroups(GaussianPrior* prior) {
+std::vector<CameraGroup> MakeCameraGroups(GaussianPrior* prior) {
   std::vector<CameraGroup> groups;
   for (size_t c = 0; c < prior->cameras.size(); ++c)
     for (PriorGroup& group : prior->cameras[c].groups)
@@ -194,7 +196,7 @@ std::vector<CameraGroup> CameraGroups(GaussianPrior* prior) {
   return groups;
 }
 
-int NumSeenPoints(const std::vector<View>& views, size_t num_points) {
+int CountObservedPoints(const std::vector<View>& views, size_t num_points) {
   std::vector<bool> is_seen(num_points);
   for (const View& view : views)
     for (const Observation& observation : view.observations)
@@ -202,29 +204,29 @@ int NumSeenPoints(const std::vector<View>& views, size_t num_points) {
   return static_cast<int>(std::count(is_seen.begin(), is_seen.end(), true));
 }
 
-std::optional<PriorEvidence> EvidenceOn(const std::vector<CameraGroup>& groups,
-                                        const GaussianPrior& prior,
-                                        const std::vector<View>& views,
-                                        const NormalEquations& equations,
-                                        const ParameterLayout& layout,
-                                        double lambda,
-                                        const AdjustmentState& state) {
+std::optional<PriorEvidence> ComputeEvidence(
+    const std::vector<CameraGroup>& groups, const GaussianPrior& prior,
+    const std::vector<View>& views, const NormalEquations& equations,
+    const ParameterLayout& layout, double lambda,
+    const AdjustmentState& state) {
   const std::vector<FlexRow> flex_rows = FlexRows(layout, views, state);
-  const int num_seen_points = NumSeenPoints(views, state.points.size());
-  const std::optional<Determined> determined = NumDetermined(
+  const int num_seen_points = CountObservedPoints(views, state.points.size());
+  const std::optional<Determined> effective_parameters = NumDetermined(
       equations, layout, groups, prior, flex_rows, num_seen_points, lambda);
-  if (!determined) return std::nullopt;
-  return EvidenceOf(groups, prior, *determined, flex_rows, num_seen_points,
-                    state);
+  if (!effective_parameters) return std::nullopt;
+  return EvidenceOf(groups, prior, *effective_parameters, flex_rows,
+                    num_seen_points, state);
 }
 
-bool IsNextToNothing(const GroupEvidence& evidence) {
+bool IsUndetermined(const GroupEvidence& evidence) {
   constexpr double kFewDetermined = 0.02;  // fraction of a group
-  return evidence.determined < kFewDetermined * evidence.count;
+  return evidence.effective_parameters < kFewDetermined * evidence.count;
 }
 
-bool ScattersMore(const GroupEvidence& evidence, double prior_variance) {
-  return evidence.squared_distance > prior_variance * evidence.determined;
+bool FavorsLargerVariance(const GroupEvidence& evidence,
+                          double prior_variance) {
+  return evidence.squared_distance >
+         prior_variance * evidence.effective_parameters;
 }
 
 // For a prior variance u and a variance v by the observations alone, a fraction
@@ -232,17 +234,18 @@ bool ScattersMore(const GroupEvidence& evidence, double prior_variance) {
 // is g^2 times that without a prior, x v. The evidence is maximal where u is
 // distance / (g count), so with g = 1 - count / x, and decreases towards this
 // value.
-bool IsByChance(const GroupEvidence& evidence, double prior_variance) {
+bool IsInsignificant(const GroupEvidence& evidence, double prior_variance) {
   constexpr double kLeastDetermined = 0.7;  // x is 3.3 times the count
-  return evidence.determined < kLeastDetermined * evidence.count &&
-         !ScattersMore(evidence, prior_variance);
+  return evidence.effective_parameters < kLeastDetermined * evidence.count &&
+         !FavorsLargerVariance(evidence, prior_variance);
 }
 
-double WeightUpdate::Update(const GroupEvidence& group,
-                            double residual_variance, double smallest_variance,
-                            double least_weight, double* weight) {
-  const double variance =
-      std::max(group.squared_distance / group.determined, smallest_variance);
+double PrecisionUpdate::Update(const GroupEvidence& group,
+                               double residual_variance,
+                               double smallest_variance, double least_weight,
+                               double* weight) {
+  const double variance = std::max(
+      group.squared_distance / group.effective_parameters, smallest_variance);
   double change = std::log(residual_variance / variance / *weight);
   // The limit of a geometric series of changes.
   const double factor = change / last_change_;
@@ -260,16 +263,18 @@ double WeightUpdate::Update(const GroupEvidence& group,
 // u0 being the variance sought; the next estimate is g (u0 + v). The change is
 // g (u0 - u), so 1 / g of it is the full step. If v differs among parameters,
 // that overshoots, and the step changes sign: then it is reduced.
-double ScatterUpdate::Update(const GroupEvidence& group,
-                             double residual_variance, double smallest_variance,
-                             double* weight) {
+double VarianceUpdate::Update(const GroupEvidence& group,
+                              double residual_variance,
+                              double smallest_variance, double* weight) {
   constexpr double kMostSmaller = 10, kMostLarger = 100;  // in a round
   const double variance = residual_variance / *weight;
-  const double step = group.squared_distance / group.determined - variance;
+  const double step =
+      group.squared_distance / group.effective_parameters - variance;
   if (step * last_step_ < 0) exponent_ /= 2;
   last_step_ = step;
   const double next =
-      variance + step * std::pow(group.count / group.determined, exponent_);
+      variance +
+      step * std::pow(group.count / group.effective_parameters, exponent_);
   const double before = *weight;
   *weight =
       residual_variance / std::max(std::clamp(next, variance / kMostSmaller,

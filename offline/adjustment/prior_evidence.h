@@ -16,7 +16,7 @@ namespace raygrid {
 /// effective number, and the squared distance from the prior mean (in K's
 /// metric).
 struct GroupEvidence {
-  double count = 0, determined = 0, squared_distance = 0;
+  double count = 0, effective_parameters = 0, squared_distance = 0;
 };
 
 /// A group of the prior, and the index of its camera's parameters.
@@ -27,38 +27,38 @@ struct CameraGroup {
 };
 
 /// Lists the groups of all cameras. The prior must outlive them.
-std::vector<CameraGroup> CameraGroups(GaussianPrior* prior);
+std::vector<CameraGroup> MakeCameraGroups(GaussianPrior* prior);
 
 /// The evidence for each group of the prior.
 struct PriorEvidence {
   std::vector<GroupEvidence> groups;  ///< of cameras
   GroupEvidence points;               ///< observed ones only
-  std::array<GroupEvidence, kNumBendOrders> flex;
+  std::array<GroupEvidence, kNumDeformationOrders> flex;
 };
 
 /// The number of points that are observed in any view.
-int NumSeenPoints(const std::vector<View>& views, size_t num_points);
+int CountObservedPoints(const std::vector<View>& views, size_t num_points);
 
 /// Computes the evidence for the prior precisions (MacKay, "Bayesian
 /// Interpolation", 1992). equations: of the views, damped by lambda. Returns
 /// nothing if the system is singular.
-std::optional<PriorEvidence> EvidenceOn(
+std::optional<PriorEvidence> ComputeEvidence(
     const std::vector<CameraGroup>& groups, const GaussianPrior& prior,
     const std::vector<View>& views, const NormalEquations& equations,
     const ParameterLayout& layout, double lambda, const AdjustmentState& state);
 
 /// Whether the effective number of parameters of a group is near zero.
-bool IsNextToNothing(const GroupEvidence& evidence);
+bool IsUndetermined(const GroupEvidence& evidence);
 
 /// Whether the evidence increases with the prior variance.
-bool ScattersMore(const GroupEvidence& evidence, double prior_variance);
+bool FavorsLargerVariance(const GroupEvidence& evidence, double prior_variance);
 
 /// Whether the parameters' departure from the prior mean is insignificant (p >=
 /// 0.02).
-bool IsByChance(const GroupEvidence& evidence, double prior_variance);
+bool IsInsignificant(const GroupEvidence& evidence, double prior_variance);
 
 /// Updates a precision iteratively towards its fixed point.
-class WeightUpdate {
+class PrecisionUpdate {
  public:
   /// The variance of the group's parameters is bounded below by
   /// smallest_variance, the precision by least_weight. Returns the change of
@@ -74,7 +74,7 @@ class WeightUpdate {
 /// Updates the precision of independent parameters of similar observability. If
 /// the estimated variance tends to zero, fixed-point steps of the log precision
 /// become constant; this update accelerates them.
-class ScatterUpdate {
+class VarianceUpdate {
  public:
   /// Returns the change of the log precision. The variance is bounded below by
   /// smallest_variance.

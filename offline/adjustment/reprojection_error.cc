@@ -37,7 +37,7 @@ LinearizedResidual Linearize(const AdjustmentState& state,
   Eigen::Vector3d point = state.PointAt(view.pose, observation.point);
   Eigen::Vector3d turned_on_body(0, 0, 0);
   if (view.place >= 0) {
-    const Pose& place = state.body_from_board[view.place];
+    const Pose& place = state.target_from_board[view.place];
     turned_on_body = place.rotation * point;
     point = turned_on_body + place.translation;
   }
@@ -49,21 +49,22 @@ LinearizedResidual Linearize(const AdjustmentState& state,
                         &result.projection))
     return result;
   result.residual = {true, result.projection.pixel - observation.pixel};
-  const Eigen::Matrix<double, 2, 3>& by_point = result.projection.by_point;
+  const Eigen::Matrix<double, 2, 3>& J_point = result.projection.J_point;
   const Eigen::Matrix<double, 2, 3> by_rig_point =
-      by_point * camera_pose.rotation.toRotationMatrix();
-  result.by_camera_pose = by_point * UpdateDerivative(rotated_to_camera);
-  result.by_pose = by_rig_point * UpdateDerivative(rotated);
-  result.by_point = by_rig_point * pose.rotation.toRotationMatrix();
+      J_point * camera_pose.rotation.toRotationMatrix();
+  result.J_camera_pose = J_point * UpdateDerivative(rotated_to_camera);
+  result.J_pose = by_rig_point * UpdateDerivative(rotated);
+  result.J_point = by_rig_point * pose.rotation.toRotationMatrix();
   if (view.place >= 0) {
-    result.by_place = result.by_point * UpdateDerivative(turned_on_body);
-    result.by_point =
-        (result.by_point *
-         state.body_from_board[view.place].rotation.toRotationMatrix())
+    result.J_place = result.J_point * UpdateDerivative(turned_on_body);
+    result.J_point =
+        (result.J_point *
+         state.target_from_board[view.place].rotation.toRotationMatrix())
             .eval();
   }
-  if (state.HasFlex())
-    result.by_flex = result.by_point * state.modes.by_point[observation.point];
+  if (state.HasPerViewDeformation())
+    result.J_deformation =
+        result.J_point * state.modes.by_point[observation.point];
   return result;
 }
 
@@ -75,8 +76,8 @@ std::vector<Residual> ComputeResiduals(const AdjustmentState& state,
   const std::vector<int> first = FirstObservations(views);
   std::vector<Residual> residuals(first.back());
   ParallelFor(static_cast<int>(views.size()), num_threads, [&](int v) {
-    const SeeingCamera camera = state.CameraOf(views[v]);
-    const Pose pose = state.CameraFromPattern(views[v]);
+    const CameraAtView camera = state.GetCamera(views[v]);
+    const Pose pose = state.ComputeCameraFromPattern(views[v]);
     for (size_t i = 0; i < views[v].observations.size(); ++i) {
       const Observation& observation = views[v].observations[i];
       const auto pixel = camera->Project(
@@ -92,7 +93,7 @@ std::vector<LinearizedResidual> LinearizeView(const AdjustmentState& state,
                                               const View& view) {
   std::vector<LinearizedResidual> residuals;
   residuals.reserve(view.observations.size());
-  const SeeingCamera camera = state.CameraOf(view);
+  const CameraAtView camera = state.GetCamera(view);
   for (const Observation& observation : view.observations)
     residuals.push_back(Linearize(state, *camera, view, observation));
   return residuals;

@@ -25,12 +25,13 @@ struct LinearizedResidual {
   Residual residual;
   int camera = 0, pose = 0, place = -1, point = 0;
   /// J_pose with respect to the updates of UpdatedPose() of camera_from_rig,
-  /// rig_from_pattern and body_from_board, the last if the view has a place.
-  Eigen::Matrix<double, 2, 6> by_camera_pose, by_pose, by_place;
-  Eigen::Matrix<double, 2, 3> by_point;
+  /// rig_from_pattern and target_from_board, the last if the view has a place.
+  Eigen::Matrix<double, 2, 6> J_camera_pose, J_pose, J_place;
+  Eigen::Matrix<double, 2, 3> J_point;
   /// With respect to the per-view deformation. For static deformation, which
-  /// moves the point, it is by_point times FlexModes::by_point.
-  Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, FlexModes::kMaxCount> by_flex;
+  /// moves the point, it is J_point times DeformationModes::J_point.
+  Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, DeformationModes::kMaxCount>
+      J_deformation;
   LinearizedProjection projection;  ///< with the Jacobian of the intrinsics
 };
 

@@ -20,8 +20,9 @@ using Pairs = Eigen::Matrix<double, 2, kNum,
                             kNum == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
 
 /// Computes u = J x and y += J^T u for one residual and a few vectors, over a
-/// layout without static deformation (ShapeMoves::moved()). Loops over scalars,
-/// because compiling products of small fixed-size matrices takes minutes.
+/// layout without static deformation (StaticDeformation::moved()). Loops over
+/// scalars, because compiling products of small fixed-size matrices takes
+/// minutes.
 class ResidualProduct {
  public:
   ResidualProduct(const ParameterLayout& layout, const ViewJacobian& jacobian)
@@ -45,9 +46,9 @@ class ResidualProduct {
         const double weight = j.node_weight(k, i);
         for (int n = 0; n < size; ++n) sum[n] += weight * node[n];
       }
-      AddTimes<kNum>(j.by_node, i, sum, &u);
+      AddTimes<kNum>(j.J_node, i, sum, &u);
     });
-    ForOthers(i, [&](const auto& derivatives, int first) {
+    ForEachOther(i, [&](const auto& derivatives, int first) {
       AddTimes<kNum>(derivatives, i, At<kNum>(x, first), &u);
     });
     return u;
@@ -60,14 +61,14 @@ class ResidualProduct {
       const int size = kNum * (per_node > 0 ? per_node : j.num_per_node);
       double sum[kNum * LinearizedProjection::kMaxPerNode];
       std::fill_n(sum, size, 0.0);
-      AddTransposedTimes<kNum>(j.by_node, i, u, sum);
+      AddTransposedTimes<kNum>(j.J_node, i, u, sum);
       for (int k = 0; k < j.num_nodes; ++k) {
         double* node = At<kNum>(*y, first_ + j.node_parameter(k, i));
         const double weight = j.node_weight(k, i);
         for (int n = 0; n < size; ++n) node[n] += weight * sum[n];
       }
     });
-    ForOthers(i, [&](const auto& derivatives, int first) {
+    ForEachOther(i, [&](const auto& derivatives, int first) {
       AddTransposedTimes<kNum>(derivatives, i, u, At<kNum>(*y, first));
     });
   }
@@ -86,12 +87,12 @@ class ResidualProduct {
   // Calls body with each Jacobian except that of the control points, and with
   // the index of its first parameter.
   template <typename Body>
-  void ForOthers(int i, const Body& body) const {
+  void ForEachOther(int i, const Body& body) const {
     const ViewJacobian& j = jacobian_;
-    if (j.num_global > 0) body(j.by_global, first_ + j.first_global);
-    if (camera_pose_ >= 0) body(j.by_camera_pose, camera_pose_);
-    if (place_ >= 0) body(j.by_place, place_);
-    if (first_point_ >= 0) body(j.by_point, first_point_ + 3 * j.points[i]);
+    if (j.num_global > 0) body(j.J_global, first_ + j.first_global);
+    if (camera_pose_ >= 0) body(j.J_camera_pose, camera_pose_);
+    if (place_ >= 0) body(j.J_place, place_);
+    if (first_point_ >= 0) body(j.J_point, first_point_ + 3 * j.points[i]);
   }
 
   // *u += D x, where column i of derivatives is column i of D.

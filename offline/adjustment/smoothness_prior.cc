@@ -118,7 +118,7 @@ double PixelsPerChartUnitAt(const BSplineSurface& surface,
 std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   std::vector<double> scales;
   for (int i = 0; i < surface.num_points(); ++i)
-    scales.push_back(PixelsPerChartUnitAt(surface, surface.PixelOf(i)));
+    scales.push_back(PixelsPerChartUnitAt(surface, surface.GetPixel(i)));
   return scales;
 }
 
@@ -155,7 +155,7 @@ Eigen::VectorXd PolynomialHolds() {
 class ParameterDisplacements {
  public:
   ParameterDisplacements(const ParametricModel& lens, const Area& area)
-      : lens_(lens.OverArea(area)), middle_(area.center()) {}
+      : lens_(lens.CloneWithArea(area)), middle_(area.center()) {}
 
   Eigen::Matrix2Xd At(const Eigen::Vector2d& pixel) const {
     constexpr int kSteps = 64;
@@ -165,7 +165,7 @@ class ParameterDisplacements {
       const auto ray = lens_->Unproject(nearer);
       LinearizedProjection projection;
       if (ray && lens_->Linearize(*ray, &nearer, 1, &projection))
-        return projection.by_global.leftCols(projection.num_global);
+        return projection.J_global.leftCols(projection.num_global);
     }
     return Eigen::Matrix2Xd::Zero(2, lens_->NumParameters());
   }
@@ -198,31 +198,31 @@ Eigen::MatrixXd ControlValues(
 }
 
 // The Jacobian of control points with respect to the model's parameters.
-FreeDirections FreeParameters(const BSplineSurface& surface,
-                              const FieldParameters& field,
-                              const BaseLens& lens) {
+UnpenalizedDirections FreeParameters(const BSplineSurface& surface,
+                                     const FieldParameters& field,
+                                     const BaseModel& lens) {
   const ParameterDisplacements displacements(*lens.model, surface.area());
-  FreeDirections freed;
+  UnpenalizedDirections freed;
   freed.directions =
       ControlValues(surface, field, [&](const Eigen::Vector2d& pixel) {
         return Eigen::MatrixXd(ChartDerivative(surface, pixel) *
                                displacements.At(pixel));
       });
   freed.holds = Eigen::VectorXd::Zero(lens.precision.size());
-  freed.firmness = lens.precision;
+  freed.precision_floor = lens.precision;
   return freed;
 }
 
 // The Jacobian with respect to the unpenalized polynomials, without a model.
-FreeDirections FreePolynomials(const BSplineSurface& surface,
-                               const FieldParameters& field) {
-  FreeDirections freed;
+UnpenalizedDirections FreePolynomials(const BSplineSurface& surface,
+                                      const FieldParameters& field) {
+  UnpenalizedDirections freed;
   freed.holds = PolynomialHolds();
-  freed.firmness = Eigen::VectorXd::Zero(freed.holds.size());
+  freed.precision_floor = Eigen::VectorXd::Zero(freed.holds.size());
   freed.directions = Eigen::MatrixXd::Zero(
       field.per_point * surface.num_points(), freed.holds.size());
   for (int i = 0; i < surface.num_points(); ++i) {
-    const Eigen::Vector2d pixel = surface.PixelOf(i);
+    const Eigen::Vector2d pixel = surface.GetPixel(i);
     freed.directions.middleRows<2>(field.ParameterOf(i)) =
         ChartDerivative(surface, pixel) *
         PolynomialDisplacements(surface.area(), pixel);
@@ -242,7 +242,7 @@ Eigen::MatrixXd MeanRotation(const BSplineSurface& surface,
     // Reduces the weight of pixels where the model folds or is extrapolated,
     // where a unit of the chart is any number of pixels.
     const double scale = PixelsPerChartUnitAt(surface, pixel) / middle_px;
-    const Eigen::Matrix<double, 2, 3> by_rotation =
+    const Eigen::Matrix<double, 2, 3> J_rotation =
         std::pow(std::min(scale, 1 / scale), 2) *
         ChartRotationDerivative(surface.Evaluate(pixel));
     const SplineSupport support = surface.Support(pixel);
@@ -250,17 +250,17 @@ Eigen::MatrixXd MeanRotation(const BSplineSurface& surface,
       for (int i = 0; i < 4; ++i)
         rotation.middleRows<2>(field.ParameterOf(
             (support.row + j) * surface.columns() + support.column + i)) +=
-            support.wx[i] * support.wy[j] * by_rotation;
+            support.wx[i] * support.wy[j] * J_rotation;
   }
   return rotation / static_cast<double>(pixels.size());
 }
 
 // Adds the principal directions of a fleet to those of the model: their
 // coefficients are standard normal, so their precision is 1.
-FreeDirections WithSpread(const FreeDirections& lens,
-                          const BSplineSurface& surface,
-                          const FieldParameters& field,
-                          const std::vector<BSplineSurface>& spread) {
+UnpenalizedDirections WithSpread(const UnpenalizedDirections& lens,
+                                 const BSplineSurface& surface,
+                                 const FieldParameters& field,
+                                 const std::vector<BSplineSurface>& spread) {
   const Eigen::MatrixXd moved =
       ControlValues(surface, field, [&](const Eigen::Vector2d& pixel) {
         Eigen::MatrixXd displacements(2, spread.size());
@@ -272,13 +272,14 @@ FreeDirections WithSpread(const FreeDirections& lens,
         }
         return Eigen::MatrixXd(ChartDerivative(surface, pixel) * displacements);
       });
-  FreeDirections all;
+  UnpenalizedDirections all;
   all.directions.resize(moved.rows(), lens.directions.cols() + moved.cols());
   all.directions << lens.directions, moved;
   all.holds.resize(all.directions.cols());
   all.holds << lens.holds, Eigen::VectorXd::Zero(moved.cols());
-  all.firmness.resize(all.directions.cols());
-  all.firmness << lens.firmness, Eigen::VectorXd::Ones(moved.cols());
+  all.precision_floor.resize(all.directions.cols());
+  all.precision_floor << lens.precision_floor,
+      Eigen::VectorXd::Ones(moved.cols());
   return all;
 }
 
@@ -304,7 +305,7 @@ Eigen::MatrixXd WithoutTurns(const Eigen::MatrixXd& directions,
 CameraPrior DirectionsPrior(const BSplineSurface& base,
                             const FieldParameters& field,
                             const std::vector<Eigen::Vector2d>& observed_px,
-                            const BaseLens& lens = {},
+                            const BaseModel& lens = {},
                             const std::vector<BSplineSurface>& spread = {}) {
   constexpr int kPerCell = 4;
   CameraPrior prior;
@@ -322,9 +323,9 @@ CameraPrior DirectionsPrior(const BSplineSurface& base,
           base, field,
           observed_px.empty() ? base.SamplePixels(kPerCell) : observed_px,
           middle_px);
-  prior.orientation_weight = middle_px * middle_px;
-  FreeDirections freed = lens.model ? FreeParameters(base, field, lens)
-                                    : FreePolynomials(base, field);
+  prior.orientation_precision = middle_px * middle_px;
+  UnpenalizedDirections freed = lens.model ? FreeParameters(base, field, lens)
+                                           : FreePolynomials(base, field);
   if (!spread.empty()) {
     freed = WithSpread(freed, base, field, spread);
     freed.directions =
@@ -360,7 +361,7 @@ Eigen::SparseMatrix<double> PlacesAlongLines(const BSplineSurface& directions,
 
 CameraPrior SmoothnessPrior(const CentralGeneric& base,
                             const std::vector<Eigen::Vector2d>& observed_px,
-                            const BaseLens& lens,
+                            const BaseModel& lens,
                             const std::vector<BSplineSurface>& spread) {
   CameraPrior prior =
       DirectionsPrior(base.surface(), {2, 0, 2}, observed_px, lens, spread);
@@ -380,14 +381,14 @@ CameraPrior StackPrior(const CentralGeneric& base, int num_terms) {
         DirectionsPrior(surface, {2 * num_terms, 2 * term, 2}, {});
     prior.groups.push_back(std::move(of_term.groups[0]));
     prior.orientation.middleCols<3>(3 * term) = of_term.orientation;
-    prior.orientation_weight = of_term.orientation_weight;
+    prior.orientation_precision = of_term.orientation_precision;
   }
   return prior;
 }
 
 CameraPrior NonCentralPrior(const CentralGeneric& base,
                             const std::vector<Eigen::Vector2d>& observed_px,
-                            double distance_m, const BaseLens& lens) {
+                            double distance_m, const BaseModel& lens) {
   constexpr int kPerNode = NonCentralGeneric::kPerNode;
   const BSplineSurface& surface = base.surface();
   CameraPrior prior =

@@ -29,7 +29,7 @@ namespace raygrid {
 /// smoothness then applies to the remainder, without any rotation.
 CameraPrior SmoothnessPrior(const CentralGeneric& base,
                             const std::vector<Eigen::Vector2d>& observed_px,
-                            const BaseLens& lens = {},
+                            const BaseModel& lens = {},
                             const std::vector<BSplineSurface>& spread = {});
 
 /// Makes the priors of an operating-point model, one group per polynomial term:
@@ -49,7 +49,7 @@ CameraPrior StackPrior(const CentralGeneric& base, int num_terms);
 /// point stays in the plane across base's direction.
 CameraPrior NonCentralPrior(const CentralGeneric& base,
                             const std::vector<Eigen::Vector2d>& observed_px,
-                            double distance_m, const BaseLens& lens = {});
+                            double distance_m, const BaseModel& lens = {});
 
 }  // namespace raygrid
 

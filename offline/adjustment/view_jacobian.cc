@@ -25,12 +25,12 @@ void Resize(const LinearizedResidual& like, int count, ViewJacobian* jacobian) {
   jacobian->first_global = projection.first_global;
   jacobian->node_parameter.resize(projection.num_nodes, count);
   jacobian->node_weight.resize(projection.num_nodes, count);
-  jacobian->by_node.resize(2 * projection.num_per_node, count);
-  jacobian->by_global.resize(2 * projection.num_global, count);
-  jacobian->by_camera_pose.resize(12, like.camera > 0 ? count : 0);
-  jacobian->by_place.resize(12, like.place >= 0 ? count : 0);
-  jacobian->by_pose.resize(6 + like.by_flex.cols(), 2 * count);
-  jacobian->by_point.resize(6, count);
+  jacobian->J_node.resize(2 * projection.num_per_node, count);
+  jacobian->J_global.resize(2 * projection.num_global, count);
+  jacobian->J_camera_pose.resize(12, like.camera > 0 ? count : 0);
+  jacobian->J_place.resize(12, like.place >= 0 ? count : 0);
+  jacobian->J_pose.resize(6 + like.J_deformation.cols(), 2 * count);
+  jacobian->J_point.resize(6, count);
   jacobian->error.resize(2, count);
 }
 
@@ -41,17 +41,18 @@ void SetColumn(const LinearizedResidual& r, double root, int column,
     jacobian->node_parameter(k, column) = projection.node_parameter[k];
     jacobian->node_weight(k, column) = projection.node_weight[k];
   }
-  jacobian->by_node.col(column) =
-      root * Flat(projection.by_node, projection.num_per_node);
-  jacobian->by_global.col(column) =
-      root * Flat(projection.by_global, projection.num_global);
+  jacobian->J_node.col(column) =
+      root * Flat(projection.J_node, projection.num_per_node);
+  jacobian->J_global.col(column) =
+      root * Flat(projection.J_global, projection.num_global);
   if (r.camera > 0)
-    jacobian->by_camera_pose.col(column) = root * Flat(r.by_camera_pose, 6);
-  if (r.place >= 0) jacobian->by_place.col(column) = root * Flat(r.by_place, 6);
-  auto by_pose = jacobian->by_pose.middleCols<2>(2 * column);
-  by_pose.topRows<6>() = root * r.by_pose.transpose();
-  by_pose.bottomRows(r.by_flex.cols()) = root * r.by_flex.transpose();
-  jacobian->by_point.col(column) = root * Flat(r.by_point, 3);
+    jacobian->J_camera_pose.col(column) = root * Flat(r.J_camera_pose, 6);
+  if (r.place >= 0) jacobian->J_place.col(column) = root * Flat(r.J_place, 6);
+  auto J_pose = jacobian->J_pose.middleCols<2>(2 * column);
+  J_pose.topRows<6>() = root * r.J_pose.transpose();
+  J_pose.bottomRows(r.J_deformation.cols()) =
+      root * r.J_deformation.transpose();
+  jacobian->J_point.col(column) = root * Flat(r.J_point, 3);
   jacobian->error.col(column) = root * r.residual.error_px;
 }
 

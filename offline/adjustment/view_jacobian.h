@@ -19,15 +19,17 @@ struct ViewJacobian {
 
   std::vector<int> points;
   Eigen::MatrixXi node_parameter;
-  Eigen::MatrixXd node_weight, by_node, by_global;
-  Eigen::Matrix<double, 12, Eigen::Dynamic> by_camera_pose, by_place;
+  Eigen::MatrixXd node_weight, J_node, J_global;
+  Eigen::Matrix<double, 12, Eigen::Dynamic> J_camera_pose, J_place;
   /// J_pose, with the per-view deformation: one row per parameter, two columns
   /// per observation.
-  Eigen::MatrixXd by_pose;
-  Eigen::Matrix<double, 6, Eigen::Dynamic> by_point;
+  Eigen::MatrixXd J_pose;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> J_point;
   Eigen::Matrix2Xd error;
 
-  auto ByPose(int column) const { return by_pose.middleCols<2>(2 * column); }
+  auto PoseJacobian(int column) const {
+    return J_pose.middleCols<2>(2 * column);
+  }
 
   int count() const { return static_cast<int>(points.size()); }
 

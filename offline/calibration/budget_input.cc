@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "adjustment/board_flex.h"
+#include "adjustment/deformation_modes.h"
 #include "adjustment/reprojection_error.h"
 #include "calibration/calibration_problem.h"
 #include "calibration/camera_evaluation.h"
@@ -28,10 +28,10 @@ void AddPoints(const Pattern& pattern, BudgetInput* input,
     input->points.insert(input->points.end(), board.points.begin(),
                          board.points.end());
   }
-  const FlexModes modes =
-      MakeFlexModes(boards, static_cast<int>(input->points.size()));
+  const DeformationModes modes =
+      MakeDeformationModes(boards, static_cast<int>(input->points.size()));
   if (modes.count() == 0) return;
-  for (const FlexModes::Displacement& displacement : modes.by_point)
+  for (const DeformationModes::Displacement& displacement : modes.by_point)
     input->bends.emplace_back(displacement);
 }
 
@@ -45,14 +45,14 @@ bool AddDerivatives(const CameraModel& camera, const Pose& camera_from_board,
                         &projection))
     return false;
   const Eigen::Vector3d turned = seen - camera_from_board.translation;
-  Eigen::Matrix3d by_rotation;  // of the point seen: rotation x turned
-  by_rotation << 0, turned.z(), -turned.y(),  //
-      -turned.z(), 0, turned.x(),             //
+  Eigen::Matrix3d J_rotation;  // of the point seen: rotation x turned
+  J_rotation << 0, turned.z(), -turned.y(),  //
+      -turned.z(), 0, turned.x(),            //
       turned.y(), -turned.x(), 0;
-  feature->by_point =
-      projection.by_point * camera_from_board.rotation.toRotationMatrix();
-  feature->by_pose << projection.by_point * by_rotation, projection.by_point;
-  return feature->by_point.allFinite() && feature->error_px.allFinite();
+  feature->J_point =
+      projection.J_point * camera_from_board.rotation.toRotationMatrix();
+  feature->J_pose << projection.J_point * J_rotation, projection.J_point;
+  return feature->J_point.allFinite() && feature->error_px.allFinite();
 }
 
 BudgetInput JoinResiduals(const CameraModel& camera, const Pattern& pattern,
@@ -93,8 +93,8 @@ BudgetInput JoinResiduals(const CameraModel& camera, const Pattern& pattern,
 
 }  // namespace
 
-BudgetInput BudgetInputOf(const CalibrationResult& result,
-                          const BudgetFacts& facts) {
+BudgetInput MakeBudgetInput(const CalibrationResult& result,
+                            const BudgetFacts& facts) {
   PosesOfBoards poses;
   for (const BoardPose& pose : result.poses)
     poses[{pose.image, pose.board}] = pose.camera_from_board;
@@ -105,23 +105,25 @@ BudgetInput BudgetInputOf(const CalibrationResult& result,
   return input;
 }
 
-BudgetFacts FactsOf(const CalibrationResult& result,
-                    const CalibrationOptions& options) {
+BudgetFacts MakeBudgetFacts(const CalibrationResult& result,
+                            const CalibrationOptions& options) {
   BudgetFacts facts;
   facts.model = options.model;
-  facts.cell_px = result.cell_px;
-  facts.cells_chosen = result.cell_candidates.size() > 1;
-  facts.tried_finer = std::any_of(
-      result.cell_candidates.begin(), result.cell_candidates.end(),
-      [&](const auto& tried) { return tried.cell_px < result.cell_px; });
-  facts.points_free = !options.flat_board;
+  facts.knot_spacing_px = result.knot_spacing_px;
+  facts.knot_spacing_selected = result.knot_spacing_candidates.size() > 1;
+  facts.tried_finer =
+      std::any_of(result.knot_spacing_candidates.begin(),
+                  result.knot_spacing_candidates.end(), [&](const auto& tried) {
+                    return tried.knot_spacing_px < result.knot_spacing_px;
+                  });
+  facts.points_free = !options.fix_target_geometry;
   facts.bends_tried =
-      facts.IsGrid() && !options.flat_board && !options.rigid_board;
+      facts.IsGrid() && !options.fix_target_geometry && !options.rigid_board;
   return facts;
 }
 
-BudgetInput BudgetInputOf(const CameraModel& camera, const Dataset& dataset,
-                          const Pattern& pattern, int num_threads) {
+BudgetInput MakeBudgetInput(const CameraModel& camera, const Dataset& dataset,
+                            const Pattern& pattern, int num_threads) {
   Evaluation evaluation;
   const CalibrationProblem problem =
       BuildProblem({dataset}, pattern, &evaluation.rejected_images);

@@ -8,16 +8,16 @@
 namespace raygrid {
 
 /// The training residuals of a calibration, with what they depend on.
-BudgetInput BudgetInputOf(const CalibrationResult& result,
-                          const BudgetFacts& facts);
+BudgetInput MakeBudgetInput(const CalibrationResult& result,
+                            const BudgetFacts& facts);
 
 /// The steps that a calibration with these options has done.
-BudgetFacts FactsOf(const CalibrationResult& result,
-                    const CalibrationOptions& options);
+BudgetFacts MakeBudgetFacts(const CalibrationResult& result,
+                            const CalibrationOptions& options);
 
 /// The residuals of images that a camera localises as it is.
-BudgetInput BudgetInputOf(const CameraModel& camera, const Dataset& dataset,
-                          const Pattern& pattern, int num_threads);
+BudgetInput MakeBudgetInput(const CameraModel& camera, const Dataset& dataset,
+                            const Pattern& pattern, int num_threads);
 
 }  // namespace raygrid
 

@@ -7,28 +7,28 @@
 #include <cmath>
 #include <utility>
 
-#include "calibration/base_lens.h"
-#include "calibration/bend_choice.h"
-#include "calibration/body_search.h"
+#include "calibration/base_model.h"
 #include "calibration/budget_input.h"
 #include "calibration/camera_in_progress.h"
+#include "calibration/camera_initialization.h"
 #include "calibration/camera_result.h"
+#include "calibration/deformation_selection.h"
 #include "calibration/divergence.h"
 #include "calibration/frame_adjustment.h"
-#include "calibration/grid_choice.h"
 #include "calibration/input_checks.h"
-#include "calibration/measuring_again.h"
-#include "calibration/model_choice.h"
+#include "calibration/knot_spacing_selection.h"
+#include "calibration/mixed_cameras.h"
+#include "calibration/model_based_refinement.h"
+#include "calibration/model_selection.h"
+#include "calibration/near_duplicates.h"
 #include "calibration/parametric_comparison.h"
 #include "calibration/restart.h"
 #include "calibration/rig_evaluation.h"
-#include "calibration/rig_start.h"
+#include "calibration/rig_initialization.h"
 #include "calibration/rig_uncertainty.h"
-#include "calibration/row_motion.h"
-#include "calibration/same_views.h"
-#include "calibration/starting_lens.h"
+#include "calibration/rigid_target_search.h"
+#include "calibration/rolling_shutter.h"
 #include "calibration/stopwatch.h"
-#include "calibration/two_cameras.h"
 #include "camera/lens_models.h"
 #include "dataset/error.h"
 
@@ -44,12 +44,13 @@ struct Stage {
 // Whether the images that stand for others, without those held out, are enough
 // to calibrate each camera with.
 bool HasEnoughViews(const std::vector<Dataset>& cameras,
-                    const std::vector<SameViews>& groups,
+                    const std::vector<NearDuplicates>& groups,
                     const std::vector<std::string>& held_out) {
   return std::all_of(
       cameras.begin(), cameras.end(), [&](const Dataset& dataset) {
         const Dataset views =
-            SplitImages("", WithoutOthers(dataset, groups), held_out).training;
+            SplitImages("", RemoveDuplicates(dataset, groups), held_out)
+                .training;
         return std::count_if(views.images.begin(), views.images.end(),
                              [](const ImageFeatures& image) {
                                return image.features.size() >= kMinViewFeatures;
@@ -78,15 +79,15 @@ double MovedM(const Board& given, const Board& found) {
 
 // Warns of boards whose points are estimated far from where the pattern says:
 // no printer is off by as much, and the estimate holds on to the pattern.
-void WarnOfOtherGeometry(const Pattern& given, const Pattern& found,
-                         Verdict* verdict) {
+void WarnAboutTargetGeometry(const Pattern& given, const Pattern& found,
+                             Assessment* assessment) {
   constexpr double kMostPart = 0.01;  // of a square
   for (size_t b = 0; b < given.boards.size(); ++b) {
     const Board& board = given.boards[b];
     const double moved_m = MovedM(board, found.boards[b]);
     if (!(moved_m > kMostPart * board.square_m) || board.IsPointSet()) continue;
-    if (verdict->word == "pass") verdict->word = "warn";
-    verdict->reasons.push_back(fmt::format(
+    if (assessment->word == "pass") assessment->word = "warn";
+    assessment->reasons.push_back(fmt::format(
         "the estimated points of board {} deviate from the pattern by {:.2g} "
         "mm RMS, {:.2g} % of a square: the print is stretched, or the pattern "
         "describes another board, which biases the camera; measure the print "
@@ -105,65 +106,68 @@ class Calibration {
   void Start();
 
   // Features measured through that lens, and a start from them.
-  void MeasureAgain();
+  void RefineFeaturesCallback();
 
   // Boards that look alike after a turn, all the same way round.
-  void TurnBoards();
+  void RotateBoards();
 
-  void TakeRowMotionOut();
-  void TakeRowMotionOut(CameraInProgress* camera) const;
+  void CompensateRollingShutter();
+  void CompensateRollingShutter(CameraInProgress* camera) const;
 
   // The resolution of each camera's grid.
   void ChooseGrids();
 
   // All cameras together, their poses and the boards.
-  void Adjust();
+  void OptimizeCameras();
 
   // Held-out errors. A camera that is worse than those of the folds is adjusted
   // again, from theirs.
   void EvaluateHeldOutImages();
-  void AdjustFromFolds();
+  void RestartFromFolds();
 
-  void TellRowTimes();
+  void EstimateLineDelays();
 
   // Whether another camera explains the images better.
   void CompareWithOthers();
 
   // Verdicts; the result is handed over.
-  RigResult Judge();
+  RigResult Assess();
 
  private:
   bool IsRig() const { return cameras_.size() > 1; }
   void Report(const std::string& stage, double done) const {
     if (options_.progress) options_.progress(stage, done);
   }
-  void LookForSameViews();
+  void DetectNearDuplicates();
   void StartFromImages(CameraInProgress* camera) const;
-  void TurnBoards(const BoardTurns& turns, CameraInProgress* camera) const;
-  void TurnBoardsAcrossCameras();
-  void TurnBoardsByGeometry();
+  void RotateBoards(const BoardRotations& turns,
+                    CameraInProgress* camera) const;
+  void RotateBoardsAcrossCameras();
+  void RotateBoardsByGeometry();
   void NameDoubtfulTurns(
       const std::vector<std::pair<std::string, int>>& doubtful);
   void FillResults();
-  void AdjustFromComparison();
+  void RestartFromComparison();
   void LookForTwoCameras();
   void CompareModels();
-  void TellUncertainty(CameraInProgress* camera, int num_threads) const;
+  void ReportUncertainty(CameraInProgress* camera, int num_threads) const;
   void SplitResiduals();
-  void TellFlatBoards();
-  void PlaceOtherImages();
+  void ReportFlatBoards();
+  void LocalizeDuplicates();
   std::vector<Split> Splits() const;
   std::vector<const CameraModel*> StartingLenses() const;
   std::vector<double> CellsPx() const;
   // A rig's boards bend where most cameras say so.
   bool DoBoardsBend() const;
-  bool AreRowTimesAsked() const;
+  bool AreLineDelaysRequested() const;
   // Boards of bodies do not bend: they have no pose of their own to bend at.
   bool AreBoardsRigid() const { return !bodies_.empty() || !DoBoardsBend(); }
-  Adjusted AdjustTogether(const std::vector<int>& cameras,
-                          std::vector<std::vector<RejectedImage>>* rejected);
+  AdjustmentResult AdjustTogether(
+      const std::vector<int>& cameras,
+      std::vector<std::vector<RejectedImage>>* rejected);
   // Looks for boards that are fixed to each other; adjusts with them.
-  void AdjustWithBodies(std::vector<std::vector<RejectedImage>>* rejected);
+  void OptimizeWithRigidTargets(
+      std::vector<std::vector<RejectedImage>>* rejected);
 
   // Takes a step with one camera after the other, and lets it report its
   // progress. A rig's progress and errors name the camera.
@@ -192,8 +196,8 @@ class Calibration {
   CalibrationOptions options_;
   bool is_model_auto_;
   std::vector<CameraInProgress> cameras_;
-  Bodies bodies_;
-  Adjusted adjusted_;                                 // all cameras together
+  RigidTargets bodies_;
+  AdjustmentResult adjusted_;                         // all cameras together
   std::vector<std::vector<RejectedImage>> rejected_;  // by the rig's start
   RigResult result_;
 };
@@ -205,27 +209,27 @@ Calibration::Calibration(const std::vector<CalibrationInput>& inputs,
       options_(options),
       is_model_auto_(options.model == kAutoModel) {
   if (is_model_auto_) options_.model = models::kCentralGeneric;
-  is_model_auto_ &= options.cell_px == 0 && !options.like;
+  is_model_auto_ &= options.knot_spacing_px == 0 && !options.like;
   for (const CalibrationInput& input : inputs) {
     CameraInProgress& camera = cameras_.emplace_back();
     camera.input = &input;
     if (input.resume) camera.checkpoint = *input.resume;
     camera.result.camera.name = input.name;
   }
-  LookForSameViews();
+  DetectNearDuplicates();
 }
 
 // A camera predicts copies of views that it was calibrated with well, whatever
 // it is worth. So images of one view are one from here on. If too few are left,
 // all stay, since the verdict then says that they are alike.
-void Calibration::LookForSameViews() {
+void Calibration::DetectNearDuplicates() {
   std::vector<Dataset> datasets;
   for (const CameraInProgress& camera : cameras_)
     datasets.push_back(camera.input->dataset);
-  std::vector<SameViews> groups =
-      FindSameViews(datasets, options_.hold_out, options_.same_view_px);
+  std::vector<NearDuplicates> groups =
+      FindNearDuplicates(datasets, options_.hold_out, options_.duplicate_px);
   std::vector<std::string> copies =
-      HeldOutCopies(datasets, options_.hold_out, options_.same_view_px);
+      FindHeldOutDuplicates(datasets, options_.hold_out, options_.duplicate_px);
   if (!HasEnoughViews(datasets, groups, options_.hold_out)) {
     groups.clear();
     copies.clear();
@@ -237,12 +241,13 @@ void Calibration::LookForSameViews() {
   };
   for (CameraInProgress& camera : cameras_) {
     const Dataset& given = camera.input->dataset;
-    camera.dataset = WithoutOthers(given, groups);
+    camera.dataset = RemoveDuplicates(given, groups);
     camera.split =
         SplitImages(camera.input->name, camera.dataset, options_.hold_out);
-    camera.result.same_views = GroupsIn(given, groups);
+    camera.result.near_duplicates = FilterGroups(given, groups);
     for (const std::string& copy : copies)
-      if (has_image(given, copy)) camera.result.held_out_copies.push_back(copy);
+      if (has_image(given, copy))
+        camera.result.held_out_duplicates.push_back(copy);
   }
 }
 
@@ -261,16 +266,16 @@ std::vector<const CameraModel*> Calibration::StartingLenses() const {
 }
 
 std::vector<double> Calibration::CellsPx() const {
-  std::vector<double> cells_px;
+  std::vector<double> knot_spacings_px;
   for (const CameraInProgress& camera : cameras_)
-    cells_px.push_back(camera.result.cell_px);
-  return cells_px;
+    knot_spacings_px.push_back(camera.result.knot_spacing_px);
+  return knot_spacings_px;
 }
 
 bool Calibration::DoBoardsBend() const {
-  const auto count =
-      std::count_if(cameras_.begin(), cameras_.end(),
-                    [](const auto& camera) { return camera.boards_bend; });
+  const auto count = std::count_if(
+      cameras_.begin(), cameras_.end(),
+      [](const auto& camera) { return camera.per_view_deformation; });
   return 2 * static_cast<size_t>(count) > cameras_.size();
 }
 
@@ -281,14 +286,14 @@ void Calibration::StartFromImages(CameraInProgress* camera) const {
   const auto& known = camera->lens.state.cameras;
   const std::string base_model = camera->lens.problem.base_model;
   try {
-    camera->lens = AdjustStartingLens(
-        camera->split.training, pattern_, AdjustmentOptionsOf(options_),
+    camera->lens = InitializeCamera(
+        camera->split.training, pattern_, MakeAdjustmentOptions(options_),
         options_.area, known.empty() ? nullptr : known.front().get());
     camera->lens.problem.base_model = base_model;
     camera->lens.problem.like = options_.like;
-    camera->lens.problem.like_spread = options_.like_spread;
+    camera->lens.problem.prior_spread = options_.prior_spread;
   } catch (const Error& error) {
-    const size_t num_others = NumOthers(camera->result.same_views);
+    const size_t num_others = CountDuplicates(camera->result.near_duplicates);
     if (error.code() != ExitCode::kTooFew || num_others == 0) throw;
     throw Error(error.code(),
                 fmt::format("{}; {} more are near-duplicate views: move and "
@@ -304,27 +309,29 @@ void Calibration::Start() {
         StartFromImages(camera);
         if (!IsParametricModel(options_.model))
           camera->lens.problem.base_model =
-              ChooseBaseModel(AdjustmentOptionsOf(options_), camera->lens);
-        if (!options_.any_distance) RequireLikelyDistances(camera->lens);
+              ChooseBaseModel(MakeAdjustmentOptions(options_), camera->lens);
+        if (!options_.allow_large_distance)
+          RequirePlausibleDistances(camera->lens);
       });
 }
 
 // ---- Measure again ---------------------------------------------------------
 
-void Calibration::MeasureAgain() {
+void Calibration::RefineFeaturesCallback() {
   if (std::none_of(cameras_.begin(), cameras_.end(), [](const auto& camera) {
-        return camera.input->measure_again != nullptr;
+        return camera.input->refine_features != nullptr;
       }))
     return;
   const Stopwatch stopwatch(&result_.seconds["measuring_again"]);
   ForEachCamera({"refining features", 0.05, 0.1}, [&](CameraInProgress* camera,
                                                       auto) {
-    if (!camera->input->measure_again || options_.ShouldStop()) return;
-    std::optional<Dataset>& again = camera->checkpoint.measured_again;
-    if (!again) again = MeasureFeaturesAgain(pattern_, options_, *camera);
+    if (!camera->input->refine_features || options_.ShouldStop()) return;
+    std::optional<Dataset>& again = camera->checkpoint.refined_features;
+    if (!again) again = RefineFeaturesWithModel(pattern_, options_, *camera);
     if (!again) return;
-    camera->Keep();
-    camera->result.measured_again_rms_px = RmsMovePx(camera->dataset, *again);
+    camera->Save();
+    camera->result.refinement_rms_px =
+        ComputeRmsShiftPx(camera->dataset, *again);
     camera->split = SplitImages(camera->input->name, *again, options_.hold_out);
     StartFromImages(camera);
   });
@@ -333,70 +340,72 @@ void Calibration::MeasureAgain() {
 // ---- Turn boards -----------------------------------------------------------
 
 // Adds turns to those of a camera, and starts it anew.
-void Calibration::TurnBoards(const BoardTurns& turns,
-                             CameraInProgress* camera) const {
-  BoardTurns own;  // of images that this camera has
+void Calibration::RotateBoards(const BoardRotations& turns,
+                               CameraInProgress* camera) const {
+  BoardRotations own;  // of images that this camera has
   for (const ImageFeatures& image : camera->input->dataset.images)
     for (const Board& board : pattern_.boards)
       if (const auto found = turns.find({image.image, board.id});
           found != turns.end())
         own.insert(*found);
   if (own.empty()) return;
-  camera->turns = AddTurns(camera->turns, own, pattern_);
-  camera->dataset = Turned(camera->dataset, pattern_, own);
-  camera->split.training = Turned(camera->split.training, pattern_, own);
-  camera->split.test = Turned(camera->split.test, pattern_, own);
+  camera->turns = ComposeRotations(camera->turns, own, pattern_);
+  camera->dataset = Rotated(camera->dataset, pattern_, own);
+  camera->split.training = Rotated(camera->split.training, pattern_, own);
+  camera->split.test = Rotated(camera->split.test, pattern_, own);
   StartFromImages(camera);
 }
 
-void Calibration::TurnBoardsAcrossCameras() {
-  std::vector<Adjusted> cameras;
+void Calibration::RotateBoardsAcrossCameras() {
+  std::vector<AdjustmentResult> cameras;
   for (const CameraInProgress& camera : cameras_)
-    cameras.push_back(LocalizedViews(camera.lens.state.camera(),
-                                     AllFeatures(camera, pattern_), pattern_,
-                                     options_.num_threads));
-  RigTurns found = TurnAcrossCameras(cameras, pattern_, options_.num_threads);
+    cameras.push_back(LocalizeDatasetViews(camera.lens.state.camera(),
+                                           CollectFeatures(camera, pattern_),
+                                           pattern_, options_.num_threads));
+  RigRotations found =
+      ResolveRotationsAcrossCameras(cameras, pattern_, options_.num_threads);
   for (size_t c = 0; c < cameras_.size(); ++c)
-    TurnBoards(found.by_camera[c], &cameras_[c]);
+    RotateBoards(found.by_camera[c], &cameras_[c]);
   result_.ambiguous_pairs = std::move(found.ambiguous);
 }
 
 // Nominal points are the same after a turn, so only others reveal one.
-void Calibration::TurnBoardsByGeometry() {
+void Calibration::RotateBoardsByGeometry() {
   CalibrationOptions nominal = options_;
-  nominal.flat_board = true;
-  std::vector<Adjusted> cameras;
+  nominal.fix_target_geometry = true;
+  std::vector<AdjustmentResult> cameras;
   for (const CameraInProgress& camera : cameras_) {
-    const FirstCamera first = AdjustFirstCamera(pattern_, nominal, camera);
+    const FirstCamera first = EstimateFirstCamera(pattern_, nominal, camera);
     if (options_.ShouldStop()) return;
     cameras.push_back(first.adjusted);
-    AddViews(LocalizedViews(first.adjusted.state.camera(), camera.split.test,
-                            pattern_, options_.num_threads),
-             &cameras.back());
+    AddViews(
+        LocalizeDatasetViews(first.adjusted.state.camera(), camera.split.test,
+                             pattern_, options_.num_threads),
+        &cameras.back());
   }
-  const auto [turns, doubtful] = TurnByGeometry(cameras, pattern_);
+  const auto [turns, doubtful] = ResolveRotationsByGeometry(cameras, pattern_);
   NameDoubtfulTurns(doubtful);
   if (turns.empty()) return;
   // Errors of a lens may look like those of a board: free points decide.
   struct AsBefore {
-    BoardTurns turns;
+    BoardRotations turns;
     Dataset dataset;
     Split split;
-    Adjusted lens;
+    AdjustmentResult lens;
   };
   constexpr double kBetter = 0.98;
   std::vector<AsBefore> as_before;
   double before_px = 0, after_px = 0;
   const auto error_px = [this](const CameraInProgress& camera,
-                               const Adjusted& start) {
-    return MeanErrorPx(AdjustFirstCamera(pattern_, options_, camera).adjusted,
-                       start);
+                               const AdjustmentResult& start) {
+    return ComputeMeanErrorPx(
+        EstimateFirstCamera(pattern_, options_, camera).adjusted, start);
   };
   for (CameraInProgress& camera : cameras_) {
     before_px += error_px(camera, camera.lens);
     as_before.push_back(
         {camera.turns, camera.dataset, camera.split, camera.lens});
-    TurnBoards(turns, &camera);
+    RotateBoards(turns, &camera);
     after_px += error_px(camera, as_before.back().lens);
   }
   if (after_px < kBetter * before_px && !options_.ShouldStop()) return;
@@ -405,7 +414,7 @@ void Calibration::TurnBoardsByGeometry() {
     cameras_[c].dataset = std::move(as_before[c].dataset);
     cameras_[c].split = std::move(as_before[c].split);
     cameras_[c].lens = std::move(as_before[c].lens);
-    cameras_[c].result.images_of_doubtful_turn.clear();
+    cameras_[c].result.ambiguous_rotation_images.clear();
   }
 }
 
@@ -416,19 +425,19 @@ void Calibration::NameDoubtfulTurns(
       if (std::any_of(doubtful.begin(), doubtful.end(), [&](const auto& view) {
             return view.first == image.image;
           }))
-        camera.result.images_of_doubtful_turn.push_back(image.image);
+        camera.result.ambiguous_rotation_images.push_back(image.image);
 }
 
-void Calibration::TurnBoards() {
+void Calibration::RotateBoards() {
   if (!HasSymmetricBoards(pattern_) || options_.ShouldStop()) return;
   const Stopwatch stopwatch(&result_.seconds["start"]);
-  if (IsRig()) TurnBoardsAcrossCameras();
-  if (!options_.flat_board) TurnBoardsByGeometry();
+  if (IsRig()) RotateBoardsAcrossCameras();
+  if (!options_.fix_target_geometry) RotateBoardsByGeometry();
 }
 
 // ---- Rolling shutter -------------------------------------------------------
 
-bool Calibration::AreRowTimesAsked() const {
+bool Calibration::AreLineDelaysRequested() const {
   return std::any_of(cameras_.begin(), cameras_.end(), [](const auto& camera) {
     return camera.input->times.has_value();
   });
@@ -436,43 +445,43 @@ bool Calibration::AreRowTimesAsked() const {
 
 // A first camera is bent by the motions, and so is its board, and both lessen
 // the row time. Of features without most of the motion they tell the rest.
-void Calibration::TakeRowMotionOut(CameraInProgress* camera) const {
+void Calibration::CompensateRollingShutter(CameraInProgress* camera) const {
   constexpr int kMaxRounds = 6;
   double before_s = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
-    auto still = FeaturesWithoutRowMotion(pattern_, options_, *camera);
+    auto still = ComputeCompensatedFeatures(pattern_, options_, *camera);
     if (!still) return;
     camera->still = std::move(still->features);
-    camera->split =
-        SplitImages(camera->input->name,
-                    WithoutOthers(*camera->still, camera->result.same_views),
-                    options_.hold_out);
+    camera->split = SplitImages(
+        camera->input->name,
+        RemoveDuplicates(*camera->still, camera->result.near_duplicates),
+        options_.hold_out);
     StartFromImages(camera);
-    const RowTime& now = still->row_time;
+    const LineDelay& now = still->line_delay;
     if (std::abs(now.seconds - before_s) < now.deviation_s / 2) return;
     before_s = now.seconds;
   }
 }
 
-void Calibration::TakeRowMotionOut() {
-  if (!AreRowTimesAsked()) return;
+void Calibration::CompensateRollingShutter() {
+  if (!AreLineDelaysRequested()) return;
   const Stopwatch stopwatch(&result_.seconds["row_time"]);
   ForEachCamera({"line delay", 0.1, 0.12}, [&](CameraInProgress* camera, auto) {
     if (!camera->input->times || options_.ShouldStop()) return;
-    TakeRowMotionOut(camera);
+    CompensateRollingShutter(camera);
   });
 }
 
-void Calibration::TellRowTimes() {
-  if (!AreRowTimesAsked()) return;
+void Calibration::EstimateLineDelays() {
+  if (!AreLineDelaysRequested()) return;
   const Stopwatch stopwatch(&result_.seconds["row_time"]);
   for (CameraInProgress& camera : cameras_) {
     if (!camera.input->times || options_.ShouldStop()) continue;
     CalibrationResult& result = camera.result;
-    result.row_time = RowTimeOf(camera, *result.camera.camera, result_.pattern,
-                                options_.num_threads);
-    if (result.row_time->IsTold())
-      result.camera.row_time = result.row_time->value;
+    result.line_delay = EstimateFinalLineDelay(
+        camera, *result.camera.camera, result_.pattern, options_.num_threads);
+    if (result.line_delay->IsDetermined())
+      result.camera.line_delay = result.line_delay->value;
   }
 }
 
@@ -484,63 +493,65 @@ void Calibration::ChooseGrids() {
                                                     const auto& report) {
     camera->folds = MakeFolds({camera->split}, {&camera->lens.state.camera()});
     camera->folds.base_model = camera->lens.problem.base_model;
-    ChooseGrid(pattern_, options_, report, camera);
-    ChooseBends(pattern_, options_, camera);
+    SelectKnotSpacing(pattern_, options_, report, camera);
+    SelectDeformation(pattern_, options_, camera);
     for (Folds::Fold& fold : camera->folds.folds) fold.rigid.clear();
   });
   if (!is_model_auto_ || options_.ShouldStop()) return;
-  options_.model = raygrid::ChooseModel(pattern_, options_, &cameras_);
+  options_.model = raygrid::SelectModel(pattern_, options_, &cameras_);
   for (CameraInProgress& camera : cameras_) {
-    camera.grid_cell_px = camera.result.cell_px;
+    camera.grid_knot_spacing_px = camera.result.knot_spacing_px;
     if (IsParametricModel(options_.model)) {
-      camera.result.cell_px = 0;
-      camera.boards_bend = false;
+      camera.result.knot_spacing_px = 0;
+      camera.per_view_deformation = false;
     } else if (options_.model == models::kNonCentralGeneric) {
-      camera.result.cell_px =
-          std::max(camera.grid_cell_px,
-                   MediumCellPx(camera.split.training, options_.model));
+      camera.result.knot_spacing_px =
+          std::max(camera.grid_knot_spacing_px,
+                   MediumKnotSpacingPx(camera.split.training, options_.model));
     }
   }
 }
 
 // ---- Adjust ----------------------------------------------------------------
 
-Adjusted Calibration::AdjustTogether(
+AdjustmentResult Calibration::AdjustTogether(
     const std::vector<int>& cameras,
     std::vector<std::vector<RejectedImage>>* rejected) {
   std::vector<std::string> names;
-  std::vector<Adjusted> lenses;
-  std::vector<double> cells_px;
+  std::vector<AdjustmentResult> lenses;
+  std::vector<double> knot_spacings_px;
   for (const int c : cameras) {
     names.push_back(cameras_[c].input->name);
     lenses.push_back(cameras_[c].lens);
-    cells_px.push_back(cameras_[c].result.cell_px);
+    knot_spacings_px.push_back(cameras_[c].result.knot_spacing_px);
   }
   if (IsRig()) Report("rig initialization", 0.6);
   rejected->clear();
-  Adjusted adjusted = PutTogether(names, lenses, bodies_,
-                                  AdjustmentOptionsOf(options_), rejected);
+  AdjustmentResult adjusted = InitializeRig(
+      names, lenses, bodies_, MakeAdjustmentOptions(options_), rejected);
   Report("bundle adjustment", 0.65);
-  AdjustmentOptions adjustment = StoppableAdjustment(options_);
+  AdjustmentOptions adjustment = MakeStoppableOptions(options_);
   adjustment.rigid_boards = AreBoardsRigid();
-  AdjustModel(pattern_, options_.model, cells_px, adjustment, &adjusted);
-  AdjustInCameraFrames(adjustment, &adjusted);
+  OptimizeModel(pattern_, options_.model, knot_spacings_px, adjustment,
+                &adjusted);
+  OptimizeInCameraFrames(adjustment, &adjusted);
   AlignBoards(pattern_, &adjusted);
   return adjusted;
 }
 
-void Calibration::AdjustWithBodies(
+void Calibration::OptimizeWithRigidTargets(
     std::vector<std::vector<RejectedImage>>* rejected) {
-  std::vector<Adjusted> lenses;
+  std::vector<AdjustmentResult> lenses;
   std::vector<int> all;
   for (const CameraInProgress& camera : cameras_) {
     all.push_back(static_cast<int>(all.size()));
     lenses.push_back(camera.lens);
   }
   const auto groups = ConnectedGroups(lenses);
-  const bool may_tell = !options_.boards_move && MayTellBodies(lenses) &&
+  const bool may_tell = !options_.independent_boards &&
+                        CanDetectRigidTargets(lenses) &&
                         (groups.size() > 1 || !DoBoardsBend());
-  std::vector<Adjusted> apart;
+  std::vector<AdjustmentResult> apart;
   if (groups.size() == 1 || !may_tell)
     apart.push_back(AdjustTogether(all, rejected));
   else
@@ -548,7 +559,7 @@ void Calibration::AdjustWithBodies(
       apart.push_back(AdjustTogether(group, rejected));
   if (may_tell)
     result_.board_pairs =
-        CompareBoards(apart, pattern_, options_.num_threads, &bodies_);
+        CompareBoardPoses(apart, pattern_, options_.num_threads, &bodies_);
   if (apart.size() == 1 && bodies_.empty()) {
     adjusted_ = std::move(apart.front());
     return;
@@ -556,25 +567,25 @@ void Calibration::AdjustWithBodies(
   try {
     adjusted_ = AdjustTogether(all, rejected);
   } catch (const Error& error) {
-    const auto told = BodySentences({}, result_.board_pairs);
+    const auto told = DescribeRigidTargets({}, result_.board_pairs);
     if (error.code() != ExitCode::kInitialization || told.empty()) throw;
     throw Error(error.code(),
                 fmt::format("{}; {}", error.what(), told.front()));
   }
 }
 
-void Calibration::Adjust() {
+void Calibration::OptimizeCameras() {
   const Stopwatch stopwatch(&result_.seconds["adjustment"]);
-  AdjustWithBodies(&rejected_);
+  OptimizeWithRigidTargets(&rejected_);
   FillResults();
 }
 
 void Calibration::FillResults() {
-  result_.bodies.clear();
+  result_.rigid_targets.clear();
   for (const std::vector<int>& group : bodies_.Groups()) {
-    const Bodies found = AdjustedBodies(bodies_, adjusted_.problem,
-                                        adjusted_.state.body_from_board);
-    BoardBody& body = result_.bodies.emplace_back();
+    const RigidTargets found = UpdateRigidTargets(
+        bodies_, adjusted_.problem, adjusted_.state.target_from_board);
+    RigidTarget& body = result_.rigid_targets.emplace_back();
     for (const int b : group) {
       body.boards.push_back(pattern_.boards[b].id);
       body.first_from_board.push_back(
@@ -582,7 +593,7 @@ void Calibration::FillResults() {
           found.frame_from_board[b]);
     }
   }
-  AdjustmentOptions adjustment = StoppableAdjustment(options_);
+  AdjustmentOptions adjustment = MakeStoppableOptions(options_);
   adjustment.rigid_boards = AreBoardsRigid();
 
   for (size_t c = 0; c < cameras_.size(); ++c) {
@@ -594,10 +605,10 @@ void Calibration::FillResults() {
     FillResult(pattern_, adjusted_, static_cast<int>(c),
                cameras_[c].input->image_circle, options_.num_threads, &result);
   }
-  result_.pattern = AdjustedPattern(pattern_, adjusted_);
-  result_.pattern.bodies = result_.bodies;
+  result_.pattern = MakeEstimatedPattern(pattern_, adjusted_);
+  result_.pattern.rigid_targets = result_.rigid_targets;
   result_.camera_from_rig = adjusted_.state.camera_from_rig;
-  result_.baselines = MeasureBaselines(adjusted_, adjustment);
+  result_.baselines = EstimateBaselines(adjusted_, adjustment);
   result_.converged = adjusted_.summary.converged;
 }
 
@@ -611,19 +622,19 @@ void Calibration::EvaluateHeldOutImages() {
   const bool is_kept =
       !IsRig() &&
       !(is_model_auto_ && options_.model == models::kNonCentralGeneric);
-  ValidationOptions validation = ValidationOptionsOf(options_);
+  ValidationOptions validation = MakeValidationOptions(options_);
   validation.rigid_boards = AreBoardsRigid();
-  validation.bodies = bodies_;
+  validation.rigid_targets = bodies_;
   validation.progress = [this](double done) {
     Report("cross-validation", 0.7 + 0.15 * done);
   };
-  if (!IsRig()) validation.on_done = [&first] { first.Keep(); };
+  if (!IsRig()) validation.on_done = [&first] { first.Save(); };
   // Folds of single cameras were started before bodies were known.
   const bool is_anew = IsRig() || !bodies_.empty();
   Folds anew;
   if (is_anew) anew = MakeFolds(Splits(), StartingLenses());
   anew.base_model = adjusted_.problem.base_model;
-  HeldOut held_out =
+  HeldOutResiduals held_out =
       EvaluateHeldOut(adjusted_, pattern_, Splits(), validation, CellsPx(),
                       is_anew ? &anew : &first.folds,
                       is_kept ? &first.checkpoint.trials : &not_kept);
@@ -632,25 +643,25 @@ void Calibration::EvaluateHeldOutImages() {
   for (size_t c = 0; c < held_out.alone.size(); ++c) {
     cameras_[c].result.held_out = std::move(held_out.alone[c]);
     if (!held_out.flexed[c].empty())
-      cameras_[c].result.held_out_flexed =
-          ComputeErrorFigures(held_out.flexed[c]);
+      cameras_[c].result.held_out_deformed =
+          ComputeErrorMetrics(held_out.flexed[c]);
     cameras_[c].result.cross_validated = result_.cross_validated;
   }
   // Cells that were given are listed as those to choose from are.
-  if (!IsRig() && first.result.cross_validated && options_.cell_px > 0 &&
-      first.result.cell_px > 0)
-    first.result.cell_candidates = {
-        Summarize(first.result.cell_px, first.result.held_out)};
+  if (!IsRig() && first.result.cross_validated &&
+      options_.knot_spacing_px > 0 && first.result.knot_spacing_px > 0)
+    first.result.knot_spacing_candidates = {SummarizeCandidate(
+        first.result.knot_spacing_px, first.result.held_out)};
 }
 
-void Calibration::AdjustFromFolds() {
+void Calibration::RestartFromFolds() {
   CameraInProgress& camera = cameras_.front();
   if (IsRig() || !bodies_.empty() || options_.ShouldStop() ||
       !IsWorseThanFolds(camera, adjusted_, AreBoardsRigid(),
-                        camera.result.cell_px))
+                        camera.result.knot_spacing_px))
     return;
   const Stopwatch stopwatch(&result_.seconds["adjustment"]);
-  raygrid::AdjustFromFolds(
+  raygrid::RestartFromFolds(
       pattern_, options_, [this] { return AdjustTogether({0}, &rejected_); },
       &camera, &adjusted_);
   FillResults();
@@ -659,16 +670,16 @@ void Calibration::AdjustFromFolds() {
 
 // A grid has no larger errors than a lens of few parameters, but where it was
 // led astray.
-void Calibration::AdjustFromComparison() {
+void Calibration::RestartFromComparison() {
   CameraInProgress& camera = cameras_.front();
   if (IsRig() || !bodies_.empty() || options_.ShouldStop() ||
       IsParametricModel(options_.model) ||
-      !raygrid::AdjustFromComparison(pattern_, options_, AreBoardsRigid(),
-                                     &camera, &adjusted_))
+      !raygrid::RestartFromComparison(pattern_, options_, AreBoardsRigid(),
+                                      &camera, &adjusted_))
     return;
   FillResults();
   if (!options_.hold_out.empty()) EvaluateHeldOutImages();
-  TellUncertainty(&camera, options_.num_threads);
+  ReportUncertainty(&camera, options_.num_threads);
 }
 
 // The cameras of a rig are told apart by those who give them.
@@ -676,15 +687,15 @@ void Calibration::LookForTwoCameras() {
   if (IsRig() || options_.ShouldStop()) return;
   const Stopwatch stopwatch(&result_.seconds["two_cameras"]);
   CameraInProgress& camera = cameras_.front();
-  if (IsOneCamera(camera.result)) return;
-  camera.result.two_cameras =
-      FindTwoCameras(camera.split.training, pattern_, camera.lens,
-                     StoppableAdjustment(options_));
-  if (options_.ShouldStop()) camera.result.two_cameras.reset();
+  if (IsSingleCamera(camera.result)) return;
+  camera.result.mixed_cameras =
+      DetectMixedCameras(camera.split.training, pattern_, camera.lens,
+                         MakeStoppableOptions(options_));
+  if (options_.ShouldStop()) camera.result.mixed_cameras.reset();
 }
 
-void Calibration::TellUncertainty(CameraInProgress* camera,
-                                  int num_threads) const {
+void Calibration::ReportUncertainty(CameraInProgress* camera,
+                                    int num_threads) const {
   FillUncertainty(adjusted_, static_cast<int>(camera - cameras_.data()),
                   camera->input->image_circle, options_.valid_px, num_threads,
                   &camera->result);
@@ -695,26 +706,27 @@ void Calibration::CompareModels() {
   if (!options_.compare_models || options_.ShouldStop()) {
     const Stopwatch stopwatch(&result_.seconds["uncertainty"]);
     for (CameraInProgress& camera : cameras_)
-      TellUncertainty(&camera, options_.num_threads);
+      ReportUncertainty(&camera, options_.num_threads);
     return;
   }
   const Stopwatch stopwatch(&result_.seconds["comparison"]);
   // Boards are as flat with any model.
   CalibrationOptions options = options_;
-  options.flat_board = options.flat_board || (!HavePointsMoved(adjusted_) &&
-                                              !adjusted_.state.HasShapes());
+  options.fix_target_geometry =
+      options.fix_target_geometry ||
+      (!HavePointsMoved(adjusted_) && !adjusted_.state.HasStaticDeformation());
   ForEachCamera({"other models", 0.85, 1}, [&](CameraInProgress* camera, auto) {
     CalibrationResult& result = camera->result;
     result.parametric_models = CompareParametricModels(
         *camera, pattern_, options,
-        [&](int num_threads) { TellUncertainty(camera, num_threads); });
-    if (IsRig() || options.ShouldStop() || !NeighborsErrAlike(result)) return;
-    if (auto figures = TryAnotherGrid(*camera, pattern_, options))
-      result.parametric_models.push_back(std::move(*figures));
+        [&](int num_threads) { ReportUncertainty(camera, num_threads); });
+    if (IsRig() || options.ShouldStop() || !HasSystematicErrors(result)) return;
+    if (auto metrics = CompareAlternativeGrid(*camera, pattern_, options))
+      result.parametric_models.push_back(std::move(*metrics));
   });
-  AdjustFromComparison();
+  RestartFromComparison();
   for (CameraInProgress& camera : cameras_)
-    camera.result.model_error_px = ModelErrorPx(camera.result);
+    camera.result.model_error_px = EstimateModelErrorPx(camera.result);
 }
 
 void Calibration::CompareWithOthers() {
@@ -728,22 +740,22 @@ void Calibration::CompareWithOthers() {
 void Calibration::SplitResiduals() {
   const Stopwatch stopwatch(&result_.seconds["residual_budget"]);
   for (CameraInProgress& camera : cameras_)
-    camera.result.budget = MeasureResidualBudget(
-        BudgetInputOf(camera.result, FactsOf(camera.result, options_)));
+    camera.result.budget = ComputeResidualBudget(MakeBudgetInput(
+        camera.result, MakeBudgetFacts(camera.result, options_)));
 }
 
 // Boards in the images that others stand for, which the cameras localise.
-void Calibration::PlaceOtherImages() {
+void Calibration::LocalizeDuplicates() {
   RigModel rig = {{}, result_.camera_from_rig, {}};
   std::vector<Dataset> others;
   bool are_any = false;
   for (size_t c = 0; c < cameras_.size(); ++c) {
     rig.cameras.push_back(result_.cameras[c].camera.camera.get());
     const CameraInProgress& camera = cameras_[c];
-    others.push_back(OthersOnly(
+    others.push_back(SelectDuplicates(
         camera.still ? *camera.still
-                     : Turned(camera.input->dataset, pattern_, camera.turns),
-        result_.cameras[c].same_views));
+                     : Rotated(camera.input->dataset, pattern_, camera.turns),
+        result_.cameras[c].near_duplicates));
     are_any |= !others.back().images.empty();
   }
   if (!are_any || options_.ShouldStop()) return;
@@ -755,35 +767,37 @@ void Calibration::PlaceOtherImages() {
 }
 
 // Boards that were taken for flat are looked at once more, free.
-void Calibration::TellFlatBoards() {
-  const double height_m =
-      HeightOfFlatBoards(pattern_, StoppableAdjustment(options_), adjusted_);
+void Calibration::ReportFlatBoards() {
+  const double height_m = EstimateFlatnessError(
+      pattern_, MakeStoppableOptions(options_), adjusted_);
   for (CameraInProgress& camera : cameras_)
-    camera.result.flat_board_height_m = height_m;
+    camera.result.flatness_error_m = height_m;
 }
 
-RigResult Calibration::Judge() {
-  if (options_.flat_board && !options_.ShouldStop()) TellFlatBoards();
+RigResult Calibration::Assess() {
+  if (options_.fix_target_geometry && !options_.ShouldStop())
+    ReportFlatBoards();
   const bool is_interrupted = options_.ShouldStop();
   if (!is_interrupted) SplitResiduals();
   for (CameraInProgress& camera : cameras_) {
     if (is_interrupted) camera.result.checkpoint = std::move(camera.checkpoint);
-    if (!is_interrupted && options_.like && options_.like_spread)
-      FillFleetDistance(*options_.like, *options_.like_spread, &camera.result);
-    NameUnusedImages(camera.dataset, camera.input->skipped, &camera.result);
-    NameImagesLeftOut(camera, pattern_, &camera.result.rejected_images);
+    if (!is_interrupted && options_.like && options_.prior_spread)
+      FillFleetDistance(*options_.like, *options_.prior_spread, &camera.result);
+    ListUnusedImages(camera.dataset, camera.input->skipped, &camera.result);
+    ReportExcludedImages(camera, pattern_, &camera.result.rejected_images);
     if (!is_interrupted)
-      NameImagesAlone(adjusted_, static_cast<int>(&camera - cameras_.data()),
-                      options_.num_threads, &camera.result);
-    JudgeResult(options_.num_threads, &camera.result);
+      FindUniqueCoverageImages(adjusted_,
+                               static_cast<int>(&camera - cameras_.data()),
+                               options_.num_threads, &camera.result);
+    AssessResult(options_.num_threads, &camera.result);
     if (!is_interrupted)
-      WarnOfOtherGeometry(pattern_, camera.result.pattern,
-                          &camera.result.verdict);
+      WarnAboutTargetGeometry(pattern_, camera.result.pattern,
+                              &camera.result.assessment);
     camera.result.turns = camera.turns;
     result_.cameras.push_back(std::move(camera.result));
   }
-  result_.verdict = JudgeRig(result_);
-  PlaceOtherImages();
+  result_.assessment = AssessRig(result_);
+  LocalizeDuplicates();
   Report("done", 1);
   return std::move(result_);
 }
@@ -800,19 +814,19 @@ std::vector<std::string> CalibratedModels() {
 
 RigResult Calibrate(const std::vector<CalibrationInput>& cameras,
                     const Pattern& pattern, const CalibrationOptions& options) {
-  RequireSoundInput(cameras, pattern, options);
+  RequireValidInput(cameras, pattern, options);
   Calibration calibration(cameras, pattern, options);
   calibration.Start();
-  calibration.MeasureAgain();
-  calibration.TurnBoards();
-  calibration.TakeRowMotionOut();
+  calibration.RefineFeaturesCallback();
+  calibration.RotateBoards();
+  calibration.CompensateRollingShutter();
   calibration.ChooseGrids();
-  calibration.Adjust();
+  calibration.OptimizeCameras();
   calibration.EvaluateHeldOutImages();
-  calibration.AdjustFromFolds();
-  calibration.TellRowTimes();
+  calibration.RestartFromFolds();
+  calibration.EstimateLineDelays();
   calibration.CompareWithOthers();
-  return calibration.Judge();
+  return calibration.Assess();
 }
 
 CalibrationResult Calibrate(const Dataset& dataset, const Pattern& pattern,

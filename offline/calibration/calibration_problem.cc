@@ -38,8 +38,8 @@ std::vector<Observation> ObservationsOf(const Board& board, int first_point,
 
 }  // namespace
 
-Feature CalibrationProblem::FeatureOf(const Pattern& pattern, int view,
-                                      const Observation& observation) const {
+Feature CalibrationProblem::GetFeature(const Pattern& pattern, int view,
+                                       const Observation& observation) const {
   const Board& board = pattern.boards[boards[view]];
   const int index = observation.point - first_points[boards[view]];
   return {board.id, index % board.columns, index / board.columns,
@@ -124,7 +124,7 @@ Area CalibratedArea(const CalibrationProblem& problem, int camera) {
              : WholeImage(problem.image_sizes[camera]);
 }
 
-FlexModes ModesOf(const CalibrationProblem& problem) {
+DeformationModes GetDeformationModes(const CalibrationProblem& problem) {
   std::vector<BoardPoints> boards;
   for (size_t b = 0; b < problem.first_points.size(); ++b) {
     const auto first = problem.nominal.begin() + problem.first_points[b];
@@ -133,12 +133,12 @@ FlexModes ModesOf(const CalibrationProblem& problem) {
                          : problem.nominal.end();
     boards.push_back({problem.first_points[b], {first, end}});
   }
-  return MakeFlexModes(boards, static_cast<int>(problem.nominal.size()));
+  return MakeDeformationModes(boards, static_cast<int>(problem.nominal.size()));
 }
 
-std::vector<PointOnPixel> MatchesOf(
+std::vector<PointPixelMatch> MakeMatches(
     const View& view, const std::vector<Eigen::Vector3d>& points) {
-  std::vector<PointOnPixel> matches;
+  std::vector<PointPixelMatch> matches;
   for (const Observation& observation : view.observations)
     matches.push_back({points[observation.point], observation.pixel});
   return matches;
@@ -151,7 +151,8 @@ std::vector<std::optional<Pose>> LocalizeViews(
   std::vector<std::optional<Pose>> poses(num_views);
   ParallelFor(num_views, NumThreads(num_threads), [&](int v) {
     if (problem.views[v].camera == camera_index)
-      poses[v] = Localize(camera, MatchesOf(problem.views[v], problem.nominal));
+      poses[v] =
+          Localize(camera, MakeMatches(problem.views[v], problem.nominal));
   });
   return poses;
 }

@@ -24,7 +24,7 @@ struct CalibrationProblem {
   /// A camera of a like lens, which grids lie around; or none.
   std::shared_ptr<const CameraModel> like = {};
   /// How lenses differ from it, if that is known.
-  std::shared_ptr<const LensSpread> like_spread = {};
+  std::shared_ptr<const LensSpread> prior_spread = {};
   std::vector<View> views;
   std::vector<std::string> images;  ///< of each view
   std::vector<int> boards;          ///< index in the pattern, of each view
@@ -36,8 +36,8 @@ struct CalibrationProblem {
   std::vector<Eigen::Vector3d> nominal;
 
   /// The feature that a view's observation was made of.
-  Feature FeatureOf(const Pattern& pattern, int view,
-                    const Observation& observation) const;
+  Feature GetFeature(const Pattern& pattern, int view,
+                     const Observation& observation) const;
 };
 
 /// The fewest features of one board in one image that are used.
@@ -63,10 +63,10 @@ std::vector<Eigen::Vector2d> ObservedPixels(const CalibrationProblem& problem,
 Area CalibratedArea(const CalibrationProblem& problem, int camera);
 
 /// The modes in which the boards may bend from view to view.
-FlexModes ModesOf(const CalibrationProblem& problem);
+DeformationModes GetDeformationModes(const CalibrationProblem& problem);
 
-std::vector<PointOnPixel> MatchesOf(const View& view,
-                                    const std::vector<Eigen::Vector3d>& points);
+std::vector<PointPixelMatch> MakeMatches(
+    const View& view, const std::vector<Eigen::Vector3d>& points);
 
 /// camera_from_pattern of each view of a camera, with the nominal points;
 /// nothing for other cameras' views.

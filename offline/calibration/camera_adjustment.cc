@@ -7,9 +7,9 @@
 #include "adjustment/distortion_prior.h"
 #include "adjustment/matern_field.h"
 #include "adjustment/smoothness_prior.h"
-#include "calibration/continued_lens.h"
-#include "calibration/grid_like.h"
-#include "calibration/polynomial_part.h"
+#include "calibration/extrapolated_grid.h"
+#include "calibration/polynomial_grid.h"
+#include "calibration/prior_grid.h"
 #include "camera/model_fitting.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/residual_statistics.h"
@@ -20,7 +20,7 @@ namespace {
 // The pattern's points stay where they are nominally.
 AdjustmentOptions WithFixedPoints(AdjustmentOptions options) {
   options.fix_points = true;
-  options.is_enough = {};
+  options.should_accept = {};
   return options;
 }
 
@@ -33,14 +33,16 @@ AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
                                    GaussianPrior* prior,
                                    AdjustmentState* state) {
   prior->points_mean = problem.nominal;
-  state->SetModes({}, BendScope::kBoard);
-  AdjustmentOptions first = options.fix_points ? options : AsStart(options);
-  first.is_start = !options.fix_points && !AreParametric(CopyCameras(*state));
+  state->SetModes({}, DeformationScope::kBoard);
+  AdjustmentOptions first =
+      options.fix_points ? options : MakeInitializationOptions(options);
+  first.is_initialization =
+      !options.fix_points && !AreParametric(CopyCameras(*state));
   const AdjustmentSummary summary =
-      AdjustWithLearnedPrior(problem.views, first, prior, state);
+      OptimizeWithLearnedPrior(problem.views, first, prior, state);
   if (options.fix_points) return summary;
-  state->SetModes(ModesOf(problem), BendScope::kBoard);
-  return AdjustWithLearnedPrior(problem.views, options, prior, state);
+  state->SetModes(GetDeformationModes(problem), DeformationScope::kBoard);
+  return OptimizeWithLearnedPrior(problem.views, options, prior, state);
 }
 
 int NumFeatures(const CalibrationProblem& problem, int camera) {
@@ -56,14 +58,15 @@ CameraPrior PriorAround(const CameraModel& camera,
   if (const ParametricModel* lens = camera.Parametric())
     return DistortionPrior(*lens, CalibratedArea(problem, index),
                            NumFeatures(problem, index));
-  return SmoothnessPrior(PolynomialPart(CentralPart(camera)),
+  return SmoothnessPrior(FitPolynomialGrid(CentralPart(camera)),
                          ObservedPixels(problem, index));
 }
 
 // Cameras from where the state is.
-AdjustmentSummary AdjustLenses(const CalibrationProblem& problem,
-                               const AdjustmentOptions& options,
-                               GaussianPrior* prior, AdjustmentState* state) {
+AdjustmentSummary OptimizeParametricCameras(const CalibrationProblem& problem,
+                                            const AdjustmentOptions& options,
+                                            GaussianPrior* prior,
+                                            AdjustmentState* state) {
   *prior = {};
   for (size_t c = 0; c < state->cameras.size(); ++c)
     prior->cameras.push_back(
@@ -100,23 +103,25 @@ void SetLens(const std::string& model, const CameraModel& lens,
 CentralGeneric ExpectedGrid(const CalibrationProblem& problem,
                             const CameraModel& lens,
                             const CentralGeneric& start) {
-  return problem.like || IsParametricModel(lens.Name()) ? start
-                                                        : PolynomialPart(start);
+  return problem.like || IsParametricModel(lens.Name())
+             ? start
+             : FitPolynomialGrid(start);
 }
 
 // Lines, which start from adjusted central grids. Their points stay where they
 // are nominally: free, they would take on what is not central.
 AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
-                              const Starts& starts,
+                              const InitialValues& starts,
                               const AdjustmentOptions& options,
                               GaussianPrior* prior, AdjustmentState* state) {
-  AdjustGrids(problem, starts, WithFixedPoints(options), prior, state);
+  OptimizeGrids(problem, starts, WithFixedPoints(options), prior, state);
   *prior = {};
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
     prior->cameras.push_back(NonCentralPrior(
-        ExpectedGrid(problem, *starts.lenses[c], AsGrid(problem, c, starts)),
+        ExpectedGrid(problem, *starts.lenses[c],
+                     MakeInitialGrid(problem, c, starts)),
         ObservedPixels(problem, static_cast<int>(c)),
-        MeanDistance(problem, c, *state), starts.BaseOf(c)));
+        ComputeMeanDistance(problem, c, *state), starts.GetBaseModel(c)));
     state->cameras[c] =
         NonCentralGeneric(CentralPart(*state->cameras[c])).Clone();
   }
@@ -127,11 +132,11 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
 // continuous field: sums of squared differences of order n are proportional to
 // the spacing to the power of 2 n - 2.
 AdjustmentSummary AdjustFromOtherSpacing(const CalibrationProblem& problem,
-                                         const Starts& starts,
+                                         const InitialValues& starts,
                                          const AdjustmentOptions& options,
                                          GaussianPrior* prior,
                                          AdjustmentState* state) {
-  const Adjusted& other = *starts.adjusted;
+  const AdjustmentResult& other = *starts.adjusted;
   const double variance = std::pow(other.summary.noise_px, 2);
   AdjustmentState warm = other.state;
   for (size_t c = 0; c < warm.cameras.size(); ++c) {
@@ -140,70 +145,71 @@ AdjustmentSummary AdjustFromOtherSpacing(const CalibrationProblem& problem,
                          static_cast<double>(from.DirectionGrid()->columns());
     const double finer = std::pow(ratio, 2 * kMaternOrder - 2);
     for (size_t g = 0; g < prior->cameras[c].groups.size(); ++g)
-      prior->cameras[c].groups[g].SetWeight(
+      prior->cameras[c].groups[g].SetPrecision(
           other.prior.cameras[c].groups[g].weight * finer, variance);
     warm.cameras[c] = to.FittedTo(from);
   }
   prior->points_mean = problem.nominal;
-  prior->points_weight = other.prior.points_weight;
-  prior->flex_weights = other.prior.flex_weights;
+  prior->points_precision = other.prior.points_precision;
+  prior->deformation_precisions = other.prior.deformation_precisions;
   *state = std::move(warm);
-  return AdjustWithLearnedPrior(problem.views, options, prior, state);
+  return OptimizeWithLearnedPrior(problem.views, options, prior, state);
 }
 
 // Whether poses and points are those of the problem: images that were rejected
 // take their poses with them.
-bool IsOfSameImages(const Adjusted* adjusted, const AdjustmentState& state) {
+bool IsOfSameImages(const AdjustmentResult* adjusted,
+                    const AdjustmentState& state) {
   return adjusted && adjusted->state.rig_from_pattern.size() ==
                          state.rig_from_pattern.size();
 }
 
 }  // namespace
 
-Lenses CopyCameras(const AdjustmentState& state) {
-  Lenses cameras;
+CameraModels CopyCameras(const AdjustmentState& state) {
+  CameraModels cameras;
   for (const auto& camera : state.cameras) cameras.push_back(camera->Clone());
   return cameras;
 }
 
-bool AreParametric(const Lenses& lenses) {
+bool AreParametric(const CameraModels& lenses) {
   return std::all_of(lenses.begin(), lenses.end(), [](const auto& lens) {
     return IsParametricModel(lens->Name());
   });
 }
 
-AdjustmentOptions AsStart(AdjustmentOptions options) {
+AdjustmentOptions MakeInitializationOptions(AdjustmentOptions options) {
   options.fix_points = true;
-  options.is_enough = {};
+  options.should_accept = {};
   options.max_iterations = 0;
   return options;
 }
 
-double MedianErrorPx(const std::vector<Residual>& residuals) {
+double ComputeMedianErrorPx(const std::vector<Residual>& residuals) {
   std::vector<double> norms;
   for (const Residual& residual : residuals)
     norms.push_back(residual.valid ? residual.error_px.norm() : INFINITY);
   return Quantile(norms, 0.5);
 }
 
-CentralGeneric AsGrid(const CalibrationProblem& problem, size_t camera,
-                      const Starts& starts) {
+CentralGeneric MakeInitialGrid(const CalibrationProblem& problem, size_t camera,
+                               const InitialValues& starts) {
   const Area area = CalibratedArea(problem, static_cast<int>(camera));
-  const double cell_px = starts.cells_px[camera];
-  const int columns = NumControlPoints(area.width(), cell_px),
-            rows = NumControlPoints(area.height(), cell_px);
+  const double knot_spacing_px = starts.knot_spacings_px[camera];
+  const int columns = NumControlPoints(area.width(), knot_spacing_px),
+            rows = NumControlPoints(area.height(), knot_spacing_px);
   const CameraModel& lens = *starts.lenses[camera];
-  return problem.like ? GridLike(*problem.like, lens, area, columns, rows)
-                      : FitContinuedLens(lens, area, columns, rows);
+  return problem.like ? FitGridToPrior(*problem.like, lens, area, columns, rows)
+                      : FitExtrapolatedGrid(lens, area, columns, rows);
 }
 
-double MeanDistance(const CalibrationProblem& problem, size_t camera,
-                    const AdjustmentState& state) {
+double ComputeMeanDistance(const CalibrationProblem& problem, size_t camera,
+                           const AdjustmentState& state) {
   double sum = 0;
   int count = 0;
   for (const View& view : problem.views) {
     if (view.camera != static_cast<int>(camera)) continue;
-    const Pose pose = state.CameraFromPattern(view);
+    const Pose pose = state.ComputeCameraFromPattern(view);
     for (const Observation& observation : view.observations) {
       sum += (pose * state.points[observation.point]).norm();
       ++count;
@@ -212,34 +218,35 @@ double MeanDistance(const CalibrationProblem& problem, size_t camera,
   return sum / count;
 }
 
-AdjustmentSummary AdjustLenses(const std::string& model,
-                               const CalibrationProblem& problem,
-                               const Lenses& lenses,
-                               const AdjustmentOptions& options,
-                               GaussianPrior* prior, AdjustmentState* state) {
+AdjustmentSummary OptimizeParametricCameras(const std::string& model,
+                                            const CalibrationProblem& problem,
+                                            const CameraModels& lenses,
+                                            const AdjustmentOptions& options,
+                                            GaussianPrior* prior,
+                                            AdjustmentState* state) {
   for (size_t c = 0; c < lenses.size(); ++c) {
     state->cameras[c] = lenses[c]->Clone();
     // A radial lens may start with fewer knots than it is to have.
     if (lenses[c]->Name() != model || model == models::kCentralRadial)
       SetLens(model, *lenses[c], problem, static_cast<int>(c), state);
   }
-  return AdjustLenses(problem, options, prior, state);
+  return OptimizeParametricCameras(problem, options, prior, state);
 }
 
-AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
-                              const Starts& starts,
-                              const AdjustmentOptions& options,
-                              GaussianPrior* prior, AdjustmentState* state) {
+AdjustmentSummary OptimizeGrids(const CalibrationProblem& problem,
+                                const InitialValues& starts,
+                                const AdjustmentOptions& options,
+                                GaussianPrior* prior, AdjustmentState* state) {
   *prior = {};
   std::vector<BSplineSurface> spread;
-  if (problem.like && problem.like_spread)
-    spread = problem.like_spread->Surfaces(problem.like->area());
+  if (problem.like && problem.prior_spread)
+    spread = problem.prior_spread->Surfaces(problem.like->area());
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
-    const CentralGeneric base = AsGrid(problem, c, starts);
+    const CentralGeneric base = MakeInitialGrid(problem, c, starts);
     prior->cameras.push_back(
         SmoothnessPrior(ExpectedGrid(problem, *starts.lenses[c], base),
                         ObservedPixels(problem, static_cast<int>(c)),
-                        starts.BaseOf(c), spread));
+                        starts.GetBaseModel(c), spread));
     state->cameras[c] = base.Clone();
   }
   return IsOfSameImages(starts.adjusted, *state)
@@ -247,22 +254,25 @@ AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
              : AdjustInTwoSteps(problem, options, prior, state);
 }
 
-AdjustmentSummary Adjust(const std::string& model,
-                         const CalibrationProblem& problem,
-                         const Starts& starts, const AdjustmentOptions& options,
-                         GaussianPrior* prior, AdjustmentState* state) {
+AdjustmentSummary OptimizeCameras(const std::string& model,
+                                  const CalibrationProblem& problem,
+                                  const InitialValues& starts,
+                                  const AdjustmentOptions& options,
+                                  GaussianPrior* prior,
+                                  AdjustmentState* state) {
   if (IsParametricModel(model))
-    return AdjustLenses(model, problem, starts.lenses, options, prior, state);
+    return OptimizeParametricCameras(model, problem, starts.lenses, options,
+                                     prior, state);
   if (model == models::kNonCentralGeneric)
     return AdjustLines(problem, starts, options, prior, state);
-  return AdjustGrids(problem, starts, options, prior, state);
+  return OptimizeGrids(problem, starts, options, prior, state);
 }
 
-AdjustmentSummary AdjustCameras(const CalibrationProblem& problem,
+AdjustmentSummary RefineCameras(const CalibrationProblem& problem,
                                 const AdjustmentOptions& options,
                                 AdjustmentState* state) {
   GaussianPrior prior;
-  return AdjustLenses(problem, options, &prior, state);
+  return OptimizeParametricCameras(problem, options, &prior, state);
 }
 
 }  // namespace raygrid

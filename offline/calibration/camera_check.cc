@@ -7,7 +7,7 @@
 
 #include "adjustment/reprojection_error.h"
 #include "calibration/calibration_problem.h"
-#include "calibration/same_views.h"
+#include "calibration/near_duplicates.h"
 #include "dataset/error.h"
 
 namespace raygrid {
@@ -29,12 +29,12 @@ bool IsKnown(const CameraFile& file) {
          !file.uncertainty->modes.displacements_px.empty();
 }
 
-KnownCamera Known(const CameraFile& file) {
+ReferenceCamera Known(const CameraFile& file) {
   if (!IsKnown(file))
     throw InputError(
         "the camera file has no uncertainty; use a camera.yaml written by this "
         "version of raygrid calibrate");
-  KnownCamera known;
+  ReferenceCamera known;
   known.size = file.camera->image_size();
   known.area = file.camera->area();
   known.focal_px = FocalPx(*file.camera);
@@ -43,10 +43,10 @@ KnownCamera Known(const CameraFile& file) {
   return known;
 }
 
-PlacedView Place(const CameraModel& camera, const Pose& pose,
-                 const CalibrationProblem& problem, int view,
-                 const Pattern& pattern) {
-  PlacedView placed;
+ProjectedView Place(const CameraModel& camera, const Pose& pose,
+                    const CalibrationProblem& problem, int view,
+                    const Pattern& pattern) {
+  ProjectedView placed;
   for (const Observation& observation : problem.views[view].observations) {
     const Eigen::Vector3d turned =
         pose.rotation * problem.nominal[observation.point];
@@ -59,10 +59,9 @@ PlacedView Place(const CameraModel& camera, const Pose& pose,
     by_update << 0, turned.z(), -turned.y(), 1, 0, 0,  //
         -turned.z(), 0, turned.x(), 0, 1, 0,           //
         turned.y(), -turned.x(), 0, 0, 0, 1;
-    const Feature feature = problem.FeatureOf(pattern, view, observation);
+    const Feature feature = problem.GetFeature(pattern, view, observation);
     placed.push_back({observation.pixel, observation.pixel - linear.pixel,
-                      linear.by_point * by_update, feature.column,
-                      feature.row});
+                      linear.J_point * by_update, feature.column, feature.row});
   }
   return placed;
 }
@@ -92,21 +91,22 @@ CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
                         const Pattern& pattern, int num_threads) {
   // Photographs of one view differ by their noise, and by more than this.
   constexpr double kCopyPx = 0.01;
-  const KnownCamera known = Known(file);
+  const ReferenceCamera known = Known(file);
   CameraCheck check;
-  const std::vector<SameViews> copies = FindSameViews({dataset}, {}, kCopyPx);
-  for (const SameViews& group : copies)
+  const std::vector<NearDuplicates> copies =
+      FindNearDuplicates({dataset}, {}, kCopyPx);
+  for (const NearDuplicates& group : copies)
     for (const std::string& copy : group.others)
       check.rejected_images.push_back({copy, "duplicate of " + group.image});
   const CalibrationProblem problem = BuildProblem(
-      {WithoutOthers(dataset, copies)}, pattern, &check.rejected_images);
+      {RemoveDuplicates(dataset, copies)}, pattern, &check.rejected_images);
   const std::vector<std::optional<Pose>> poses =
       LocalizeViews(*file.camera, 0, problem, num_threads);
-  std::vector<PlacedView> views;
+  std::vector<ProjectedView> views;
   std::set<std::string> images;
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     const std::string& image = problem.images[v];
-    PlacedView view;
+    ProjectedView view;
     if (poses[v]) view = Place(*file.camera, *poses[v], problem, v, pattern);
     if (view.size() < kMinViewFeatures) {
       check.rejected_images.push_back({image, "pose estimation failed"});
@@ -120,37 +120,36 @@ CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
                 "no pose could be estimated; check that features and pattern "
                 "belong to this camera");
   check.num_images = static_cast<int>(images.size());
-  check.change = TestForChange(known, views);
+  check.change = TestCameraChange(known, views);
   return check;
 }
 
-MovementErrors ErrorsBeyondModes(const CameraFile& file,
-                                 const std::vector<FeatureResidual>& held_out,
-                                 double calibrating_part,
-                                 const Pattern& pattern, int num_threads) {
+MovementErrors EstimateExcessErrors(
+    const CameraFile& file, const std::vector<FeatureResidual>& held_out,
+    double training_share, const Pattern& pattern, int num_threads) {
   constexpr size_t kAtATime = 5;  // as `check` is usually given
   constexpr size_t kFewest = 8;   // tell no standard deviation
   PredictionErrors errors;
   const Dataset dataset =
       FeaturesOf(held_out, file.camera->image_size(), &errors);
   if (!IsKnown(file) || dataset.images.size() < kFewest) return {};
-  KnownCamera known = Known(file);
+  ReferenceCamera known = Known(file);
   for (auto& mode : known.modes.displacements_px)
     for (Eigen::Vector2d& displacement : mode)
-      displacement /= std::sqrt(calibrating_part);
-  known.modes.rest_px /= std::sqrt(calibrating_part);
+      displacement /= std::sqrt(training_share);
+  known.modes.rest_px /= std::sqrt(training_share);
   std::vector<RejectedImage> ignored;
   const CalibrationProblem problem = BuildProblem({dataset}, pattern, &ignored);
   const std::vector<std::optional<Pose>> poses =
       LocalizeViews(*file.camera, 0, problem, num_threads);
-  std::vector<std::vector<PlacedView>> groups;
+  std::vector<std::vector<ProjectedView>> groups;
   std::set<std::string> images;
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     if (!poses[v]) continue;
-    PlacedView view = Place(*file.camera, *poses[v], problem, v, pattern);
+    ProjectedView view = Place(*file.camera, *poses[v], problem, v, pattern);
     if (view.size() < kMinViewFeatures) continue;
     const int board = pattern.boards[problem.boards[v]].id;
-    for (PlacedFeature& feature : view)
+    for (ProjectedFeature& feature : view)
       feature.error_px =
           -errors.at({problem.images[v], board, feature.column, feature.row});
     const bool is_new = images.insert(problem.images[v]).second;
@@ -158,7 +157,7 @@ MovementErrors ErrorsBeyondModes(const CameraFile& file,
       groups.emplace_back();
     groups.back().push_back(std::move(view));
   }
-  return ErrorsBeyond(known, groups);
+  return ComputeExcessErrors(known, groups);
 }
 
 }  // namespace raygrid

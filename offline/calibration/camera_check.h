@@ -24,14 +24,13 @@ CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
                         const Pattern& pattern, int num_threads);
 
 /// The errors that the images of a camera show beyond those that its file
-/// states (evaluation/camera_change.h, ErrorsBeyond), by how the images were
-/// predicted without having calibrated the camera: each by a camera that as
-/// large a part of the images as calibrating_part has calibrated. Zeros if the
+/// states (evaluation/camera_change.h, ComputeExcessErrors), by how the images
+/// were predicted without having calibrated the camera: each by a camera that
+/// as large a part of the images as training_share has calibrated. Zeros if the
 /// file states nothing, and for fewer than eight images.
-MovementErrors ErrorsBeyondModes(const CameraFile& file,
-                                 const std::vector<FeatureResidual>& held_out,
-                                 double calibrating_part,
-                                 const Pattern& pattern, int num_threads);
+MovementErrors EstimateExcessErrors(
+    const CameraFile& file, const std::vector<FeatureResidual>& held_out,
+    double training_share, const Pattern& pattern, int num_threads);
 
 }  // namespace raygrid
 

@@ -16,7 +16,7 @@ void AddResiduals(const CameraModel& camera, const Pose& camera_from_pattern,
       ++evaluation->outside_area;
       continue;
     }
-    const Feature feature = problem.FeatureOf(pattern, view, observation);
+    const Feature feature = problem.GetFeature(pattern, view, observation);
     evaluation->residuals.push_back(
         {problem.images[view], feature.board, feature.column, feature.row,
          observation.pixel, *pixel - observation.pixel});

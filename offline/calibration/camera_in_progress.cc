@@ -6,39 +6,41 @@
 
 namespace raygrid {
 
-Dataset AllFeatures(const CameraInProgress& camera, const Pattern& pattern) {
+Dataset CollectFeatures(const CameraInProgress& camera,
+                        const Pattern& pattern) {
   Dataset all = camera.input->dataset;
-  if (camera.checkpoint.measured_again) {
+  if (camera.checkpoint.refined_features) {
     std::map<std::string, const ImageFeatures*> again;
-    for (const ImageFeatures& image : camera.checkpoint.measured_again->images)
+    for (const ImageFeatures& image :
+         camera.checkpoint.refined_features->images)
       again[image.image] = &image;
     for (ImageFeatures& image : all.images)
       if (const auto found = again.find(image.image); found != again.end())
         image = *found->second;
   }
-  return Turned(all, pattern, camera.turns);
+  return Rotated(all, pattern, camera.turns);
 }
 
-AdjustmentOptions AdjustmentOptionsOf(const CalibrationOptions& options) {
+AdjustmentOptions MakeAdjustmentOptions(const CalibrationOptions& options) {
   AdjustmentOptions adjustment;
   adjustment.num_threads = NumThreads(options.num_threads);
-  adjustment.fix_points = options.flat_board;
+  adjustment.fix_points = options.fix_target_geometry;
   return adjustment;
 }
 
-AdjustmentOptions StoppableAdjustment(const CalibrationOptions& options) {
-  AdjustmentOptions adjustment = AdjustmentOptionsOf(options);
+AdjustmentOptions MakeStoppableOptions(const CalibrationOptions& options) {
+  AdjustmentOptions adjustment = MakeAdjustmentOptions(options);
   adjustment.should_stop = options.should_stop;
   return adjustment;
 }
 
-ValidationOptions ValidationOptionsOf(const CalibrationOptions& options) {
+ValidationOptions MakeValidationOptions(const CalibrationOptions& options) {
   ValidationOptions validation;
   validation.model = options.model;
   validation.area = options.area;
   validation.like = options.like;
-  validation.like_spread = options.like_spread;
-  validation.flat_board = options.flat_board;
+  validation.prior_spread = options.prior_spread;
+  validation.fix_target_geometry = options.fix_target_geometry;
   validation.num_threads = options.num_threads;
   validation.should_stop = options.should_stop;
   return validation;

@@ -1,7 +1,7 @@
 #ifndef RAYGRID_CALIBRATION_CAMERA_IN_PROGRESS_H
 #define RAYGRID_CALIBRATION_CAMERA_IN_PROGRESS_H
 
-#include "calibration/board_turns.h"
+#include "calibration/board_rotations.h"
 #include "calibration/calibration.h"
 #include "calibration/cross_validation.h"
 #include "calibration/model_adjustment.h"
@@ -15,32 +15,33 @@ struct CameraInProgress {
   /// The features of all images as if frames were read at once, if motion was
   /// taken out.
   std::optional<Dataset> still;
-  BoardTurns turns;          ///< of boards, against the features as given
-  Split split;               ///< features as measured last
-  Adjusted lens;             ///< parametric, by its own training images
-  Folds folds;               ///< of its training images
-  bool boards_bend = false;  ///< from image to image
-  double grid_cell_px = 0;   ///< of the central grid, where "auto" tried one
+  BoardRotations turns;   ///< of boards, against the features as given
+  Split split;            ///< features as measured last
+  AdjustmentResult lens;  ///< parametric, by its own training images
+  Folds folds;            ///< of its training images
+  bool per_view_deformation = false;  ///< from image to image
+  double grid_knot_spacing_px =
+      0;                     ///< of the central grid, where "auto" tried one
   Checkpoint checkpoint;     ///< what is done so far
   CalibrationResult result;  ///< what is known so far
 
-  void Keep() const {
+  void Save() const {
     if (input->keep) input->keep(checkpoint);
   }
 };
 
 /// The features of all images, those among them that others stand for, as they
 /// were measured last, with boards turned.
-Dataset AllFeatures(const CameraInProgress& camera, const Pattern& pattern);
+Dataset CollectFeatures(const CameraInProgress& camera, const Pattern& pattern);
 
 /// The options of adjustments that run to their end.
-AdjustmentOptions AdjustmentOptionsOf(const CalibrationOptions& options);
+AdjustmentOptions MakeAdjustmentOptions(const CalibrationOptions& options);
 
 /// The options of adjustments that end when the calibration is told to stop.
-AdjustmentOptions StoppableAdjustment(const CalibrationOptions& options);
+AdjustmentOptions MakeStoppableOptions(const CalibrationOptions& options);
 
 /// The options of a cross-validation without progress.
-ValidationOptions ValidationOptionsOf(const CalibrationOptions& options);
+ValidationOptions MakeValidationOptions(const CalibrationOptions& options);
 
 }  // namespace raygrid
 

@@ -10,10 +10,10 @@
 #include <set>
 
 #include "calibration/camera_check.h"
-#include "calibration/camera_trust.h"
 #include "calibration/cross_validation.h"
-#include "calibration/evenly_chosen.h"
-#include "calibration/same_views.h"
+#include "calibration/even_selection.h"
+#include "calibration/near_duplicates.h"
+#include "calibration/uncertainty_estimation.h"
 #include "evaluation/prediction_comparison.h"
 
 namespace raygrid {
@@ -29,18 +29,19 @@ Dataset UsedFeatures(const Pattern& pattern, const CalibrationProblem& problem,
       used.images.push_back({problem.images[v], {}});
     for (const Observation& observation : problem.views[v].observations)
       used.images.back().features.push_back(
-          problem.FeatureOf(pattern, static_cast<int>(v), observation));
+          problem.GetFeature(pattern, static_cast<int>(v), observation));
   }
   return used;
 }
 
-std::optional<BoardBends> BendsOf(const Pattern& pattern,
-                                  const Adjusted& adjusted, int camera) {
+std::optional<BoardDeformation> BendsOf(const Pattern& pattern,
+                                        const AdjustmentResult& adjusted,
+                                        int camera) {
   const AdjustmentState& state = adjusted.state;
   const CalibrationProblem& problem = adjusted.problem;
-  if (!state.HasFlex()) return std::nullopt;
-  BoardBends bends;
-  int most_bent = -1;  // view of the problem
+  if (!state.HasPerViewDeformation()) return std::nullopt;
+  BoardDeformation bends;
+  int most_deformed = -1;  // view of the problem
   double square = 0;
   for (size_t v = 0; v < problem.views.size(); ++v) {
     const View& view = problem.views[v];
@@ -48,19 +49,19 @@ std::optional<BoardBends> BendsOf(const Pattern& pattern,
     // The modes are orthogonal, with a mean square of 1.
     const double rms_m = state.flex[view.pose].norm();
     square += rms_m * rms_m;
-    if (most_bent < 0 || rms_m > bends.views[bends.most_bent].rms_m) {
-      most_bent = static_cast<int>(v);
-      bends.most_bent = static_cast<int>(bends.views.size());
+    if (most_deformed < 0 || rms_m > bends.views[bends.most_deformed].rms_m) {
+      most_deformed = static_cast<int>(v);
+      bends.most_deformed = static_cast<int>(bends.views.size());
     }
     bends.views.push_back(
         {problem.images[v], pattern.boards[problem.boards[v]].id, rms_m});
   }
-  if (most_bent < 0) return std::nullopt;
+  if (most_deformed < 0) return std::nullopt;
   bends.rms_m = std::sqrt(square / static_cast<double>(bends.views.size()));
-  const int board = problem.boards[most_bent];
+  const int board = problem.boards[most_deformed];
   const int first = problem.first_points[board];
-  const FlexModes::Coefficients& flex =
-      state.flex[problem.views[most_bent].pose];
+  const DeformationModes::Coefficients& flex =
+      state.flex[problem.views[most_deformed].pose];
   for (int i = first; i < first + pattern.boards[board].num_points(); ++i) {
     const Eigen::Vector3d moved = state.modes.by_point[i] * flex;
     bends.heights_m.push_back(moved.z() < 0 ? -moved.norm() : moved.norm());
@@ -114,13 +115,13 @@ bool IsSeenFromBehind(const BoardPose& seen, const Board& board) {
                        board.points[board.num_points() / 2]) < 0;
 }
 
-void AddSides(const CalibrationResult& result, CalibrationFigures* figures) {
+void AddSides(const CalibrationResult& result, CalibrationMetrics* metrics) {
   for (const BoardPose& seen : result.poses) {
     const Board& board = *result.pattern.FindBoard(seen.board);
     if (!HasSides(board)) continue;
-    ++figures->boards_seen;
+    ++metrics->boards_seen;
     if (IsSeenFromBehind(seen, board))
-      figures->images_from_behind.push_back(seen.image);
+      metrics->mirrored_images.push_back(seen.image);
   }
 }
 
@@ -173,13 +174,13 @@ bool IsImageAlike(const SeenBoard& a, const SeenBoard& b,
 int CountDifferent(const CalibrationResult& result) {
   std::vector<SeenBoard> different;
   for (const SeenBoard& seen : SeenBoards(result)) {
-    const auto is_alike = [&](const SeenBoard& before) {
+    const auto is_indistinguishable = [&](const SeenBoard& before) {
       return before.pose->board == seen.pose->board &&
              (IsPoseAlike(before.pose->camera_from_board,
                           seen.pose->camera_from_board) ||
               IsImageAlike(before, seen, result.features.image_size));
     };
-    if (std::none_of(different.begin(), different.end(), is_alike))
+    if (std::none_of(different.begin(), different.end(), is_indistinguishable))
       different.push_back(seen);
   }
   return static_cast<int>(different.size());
@@ -206,14 +207,14 @@ std::vector<FeatureResidual> WithoutImages(
 std::optional<double> SharedCorrelation(const CalibrationResult& result,
                                         const std::set<std::string>& apart) {
   const auto held_out =
-      NeighborCorrelation(WithoutImages(JudgedResiduals(result), apart));
+      ComputeNeighborCorrelation(WithoutImages(JudgedResiduals(result), apart));
   const auto training =
-      NeighborCorrelation(WithoutImages(result.training, apart));
+      ComputeNeighborCorrelation(WithoutImages(result.training, apart));
   if (!held_out || !training) return held_out;
   return std::min(*held_out, *training);
 }
 
-bool PredictsBetter(const ModelFigures& other,
+bool PredictsBetter(const ModelMetrics& other,
                     const CalibrationResult& result) {
   return ComparePredictions(result.held_out, other.held_out_residuals)
              .Better() == std::string("second");
@@ -235,7 +236,7 @@ std::string PlaceInImage(const Eigen::Vector2d& pixel, const ImageSize& size) {
 // Images that lost more features to rejection than chance, or a corner at the
 // board's edge, explains.
 void FindMisreadImages(const CalibrationResult& result,
-                       CalibrationFigures* figures) {
+                       CalibrationMetrics* metrics) {
   constexpr int kLeast = 5;
   constexpr double kLeastPart = 0.15;
   std::map<std::string, int> num_kept, num_rejected;
@@ -247,23 +248,23 @@ void FindMisreadImages(const CalibrationResult& result,
     if (count < kLeast || num_kept[image] == 0 ||
         count < kLeastPart * num_features)
       continue;
-    ++figures->num_misread_images;
-    if (count > figures->most_misread.num_rejected)
-      figures->most_misread = {image, count, num_features};
+    ++metrics->num_misread_images;
+    if (count > metrics->most_misread.num_rejected)
+      metrics->most_misread = {image, count, num_features};
   }
 }
 
 // Images apart that are alone do not count as such; where most of their worst
 // features are.
-void TellAloneFromApart(const CalibrationResult& result,
-                        const std::set<std::string>& apart,
-                        CalibrationFigures* figures) {
+void SeparateOutlierImages(const CalibrationResult& result,
+                           const std::set<std::string>& apart,
+                           CalibrationMetrics* metrics) {
   constexpr double kWorst = 0.75;
-  figures->images_alone = result.images_alone;
-  std::set<std::string> alone(result.images_alone.begin(),
-                              result.images_alone.end());
+  metrics->unique_coverage_images = result.unique_coverage_images;
+  std::set<std::string> alone(result.unique_coverage_images.begin(),
+                              result.unique_coverage_images.end());
   for (const std::string& image : apart)
-    if (alone.count(image) == 0) figures->images_apart.push_back(image);
+    if (alone.count(image) == 0) metrics->outlier_images.push_back(image);
   std::set<std::string> places;
   for (const std::string& image : alone) {
     std::vector<double> norms;
@@ -280,28 +281,28 @@ void TellAloneFromApart(const CalibrationResult& result,
                                    })
                       ->first);
   }
-  figures->places_alone.assign(places.begin(), places.end());
+  metrics->unique_coverage_regions.assign(places.begin(), places.end());
 }
 
 void AddWhatWasTried(const CalibrationResult& result,
-                     CalibrationFigures* figures) {
-  BudgetFacts& tried = figures->tried;
+                     CalibrationMetrics* metrics) {
+  BudgetFacts& tried = metrics->tried;
   if (result.budget) tried = result.budget->facts;
   tried.model = result.camera.camera->Name();
-  tried.two_cameras = result.two_cameras.has_value();
+  tried.mixed_cameras = result.mixed_cameras.has_value();
   constexpr double kBetterPart = 0.99;
   // Boards are rigid in these residuals, of each model.
   const double own_px =
       result.camera.held_out ? result.camera.held_out->median_px : 0;
   double best_px = kBetterPart * own_px;
-  for (const ModelFigures& other : result.parametric_models) {
+  for (const ModelMetrics& other : result.parametric_models) {
     tried.noncentral_tried |= other.model == models::kNonCentralGeneric;
     tried.generic_tried |= other.model == models::kCentralGeneric;
     if (!other.held_out || other.held_out->median_px >= best_px ||
         !PredictsBetter(other, result))
       continue;
     best_px = other.held_out->median_px;
-    figures->better_model = {other.model, best_px, own_px};
+    metrics->better_model = {other.model, best_px, own_px};
     tried.better_model = other.model;
   }
 }
@@ -314,80 +315,81 @@ std::optional<double> PixelAspect(const CameraModel& camera) {
   if (!line ||
       !camera.Linearize(line->origin + line->direction, &pixel, 1, &projection))
     return std::nullopt;
-  return projection.by_point.row(1).norm() / projection.by_point.row(0).norm();
+  return projection.J_point.row(1).norm() / projection.J_point.row(0).norm();
 }
 
-Area AreaOfFeatures(const Dataset& dataset) {
+Area GetFeatureArea(const Dataset& dataset) {
   Area area = {1e9, 1e9, -1e9, -1e9};
   for (const ImageFeatures& image : dataset.images)
     for (const Feature& feature : image.features) area.Extend(feature.pixel);
   return area;
 }
 
-void AddSameViews(const CalibrationResult& result,
-                  CalibrationFigures* figures) {
+void AddNearDuplicates(const CalibrationResult& result,
+                       CalibrationMetrics* metrics) {
   std::set<std::string> views;
   for (const ImageFeatures& image : result.features.images)
     views.insert(image.image);
   for (const FeatureResidual& residual : result.held_out)
     views.insert(residual.image);
-  figures->held_out_copies = result.held_out_copies;
-  const size_t num_copies = result.held_out_copies.size();
-  figures->images_kept = static_cast<int>(views.size() - num_copies);
-  figures->images_alike =
-      static_cast<int>(NumOthers(result.same_views) + num_copies);
+  metrics->held_out_duplicates = result.held_out_duplicates;
+  const size_t num_copies = result.held_out_duplicates.size();
+  metrics->images_kept = static_cast<int>(views.size() - num_copies);
+  metrics->num_duplicate_images =
+      static_cast<int>(CountDuplicates(result.near_duplicates) + num_copies);
 }
 
-CalibrationFigures FiguresOf(const CalibrationResult& result,
-                             const std::set<std::string>& images_apart) {
-  CalibrationFigures figures;
-  figures.images_of_doubtful_turn = result.images_of_doubtful_turn;
-  figures.converged = result.converged;
-  figures.interrupted = result.checkpoint.has_value();
-  figures.image_size = result.camera.camera->image_size();
-  figures.features_area = AreaOfFeatures(result.features);
-  figures.images_used = static_cast<int>(result.features.images.size());
-  figures.images_rejected = static_cast<int>(result.rejected_images.size());
-  AddSameViews(result, &figures);
-  figures.images_with_too_few_features = static_cast<int>(std::count_if(
+CalibrationMetrics ComputeMetrics(const CalibrationResult& result,
+                                  const std::set<std::string>& outlier_images) {
+  CalibrationMetrics metrics;
+  metrics.ambiguous_rotation_images = result.ambiguous_rotation_images;
+  metrics.converged = result.converged;
+  metrics.interrupted = result.checkpoint.has_value();
+  metrics.image_size = result.camera.camera->image_size();
+  metrics.features_area = GetFeatureArea(result.features);
+  metrics.images_used = static_cast<int>(result.features.images.size());
+  metrics.images_rejected = static_cast<int>(result.rejected_images.size());
+  AddNearDuplicates(result, &metrics);
+  metrics.images_with_too_few_features = static_cast<int>(std::count_if(
       result.rejected_images.begin(), result.rejected_images.end(),
       [](const auto& image) { return image.has_too_few_features; }));
-  figures.training = *result.camera.training;
-  figures.boards_bend = result.bends.has_value();
-  figures.held_out =
-      figures.boards_bend ? result.held_out_flexed : result.camera.held_out;
-  figures.neighbor_correlation = SharedCorrelation(result, images_apart);
-  TellAloneFromApart(result, images_apart, &figures);
-  figures.two_cameras = result.two_cameras;
-  figures.different_views = CountDifferent(result);
+  metrics.training = *result.camera.training;
+  metrics.per_view_deformation = result.bends.has_value();
+  metrics.held_out = metrics.per_view_deformation ? result.held_out_deformed
+                                                  : result.camera.held_out;
+  metrics.neighbor_correlation = SharedCorrelation(result, outlier_images);
+  SeparateOutlierImages(result, outlier_images, &metrics);
+  metrics.mixed_cameras = result.mixed_cameras;
+  metrics.different_views = CountDifferent(result);
   const std::vector<Eigen::Vector3d> normals = SeenNormals(result);
-  if (normals.size() == result.poses.size()) figures.tilt_rad = TiltOf(normals);
-  AddSides(result, &figures);
-  figures.fold_over = result.fold_over;
-  figures.flat_board_height_m = result.flat_board_height_m;
-  figures.fleet_distance = result.fleet_distance;
-  if (result.row_time && !result.row_time->do_times_fit)
-    figures.wrong_times = result.row_time->untold;
-  figures.pixel_aspect = PixelAspect(*result.camera.camera);
+  if (normals.size() == result.poses.size()) metrics.tilt_rad = TiltOf(normals);
+  AddSides(result, &metrics);
+  metrics.fold_over = result.fold_over;
+  metrics.flatness_error_m = result.flatness_error_m;
+  metrics.fleet_distance = result.fleet_distance;
+  if (result.line_delay && !result.line_delay->are_timestamps_consistent)
+    metrics.timestamp_error = result.line_delay->unobservable_reason;
+  metrics.pixel_aspect = PixelAspect(*result.camera.camera);
   if (const auto& uncertainty = result.camera.uncertainty) {
     const Area& area = result.camera.camera->area();
     const double median_px =
-        uncertainty->lattice.MedianPx(area, figures.features_area);
-    if (std::isfinite(median_px)) figures.median_deviation_px = median_px;
-    figures.valid_share = ValidShare(*result.camera.camera, uncertainty->mask);
-    figures.valid_limit_px = uncertainty->max_deviation_px;
+        uncertainty->lattice.MedianPx(area, metrics.features_area);
+    if (std::isfinite(median_px)) metrics.median_deviation_px = median_px;
+    metrics.valid_share =
+        ComputeValidShare(*result.camera.camera, uncertainty->mask);
+    metrics.valid_limit_px = uncertainty->max_deviation_px;
   }
-  figures.extrapolated = result.extrapolated;
-  FindMisreadImages(result, &figures);
-  AddWhatWasTried(result, &figures);
-  return figures;
+  metrics.extrapolated = result.extrapolated;
+  FindMisreadImages(result, &metrics);
+  AddWhatWasTried(result, &metrics);
+  return metrics;
 }
 
 }  // namespace
 
-std::vector<FeatureResidual> TrainingResiduals(const Pattern& pattern,
-                                               const Adjusted& adjusted,
-                                               int camera, int num_threads) {
+std::vector<FeatureResidual> ComputeTrainingResiduals(
+    const Pattern& pattern, const AdjustmentResult& adjusted, int camera,
+    int num_threads) {
   const CalibrationProblem& problem = adjusted.problem;
   const std::vector<Residual> residuals =
       ComputeResiduals(adjusted.state, problem.views, num_threads);
@@ -398,7 +400,7 @@ std::vector<FeatureResidual> TrainingResiduals(const Pattern& pattern,
       const Residual& residual = residuals[index++];
       if (!residual.valid || problem.views[v].camera != camera) continue;
       const Feature feature =
-          problem.FeatureOf(pattern, static_cast<int>(v), observation);
+          problem.GetFeature(pattern, static_cast<int>(v), observation);
       result.push_back({problem.images[v], feature.board, feature.column,
                         feature.row, observation.pixel, residual.error_px});
     }
@@ -406,22 +408,23 @@ std::vector<FeatureResidual> TrainingResiduals(const Pattern& pattern,
   return result;
 }
 
-void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
-                const std::optional<ImageCircle>& image_circle, int num_threads,
-                CalibrationResult* result) {
+void FillResult(const Pattern& pattern, const AdjustmentResult& adjusted,
+                int camera, const std::optional<ImageCircle>& image_circle,
+                int num_threads, CalibrationResult* result) {
   const CalibrationProblem& problem = adjusted.problem;
   std::unique_ptr<CameraModel> model = adjusted.state.cameras[camera]->Clone();
   model->SetImageCircle(image_circle);
   result->camera.camera = std::move(model);
-  result->pattern = AdjustedPattern(pattern, adjusted);
+  result->pattern = MakeEstimatedPattern(pattern, adjusted);
   result->features = UsedFeatures(pattern, problem, camera);
   for (size_t v = 0; v < problem.views.size(); ++v)
     if (problem.views[v].camera == camera)
       result->poses.push_back(
           {problem.images[v], pattern.boards[problem.boards[v]].id,
-           adjusted.state.CameraFromPattern(problem.views[v])});
-  result->training = TrainingResiduals(pattern, adjusted, camera, num_threads);
-  result->camera.training = ComputeErrorFigures(result->training);
+           adjusted.state.ComputeCameraFromPattern(problem.views[v])});
+  result->training =
+      ComputeTrainingResiduals(pattern, adjusted, camera, num_threads);
+  result->camera.training = ComputeErrorMetrics(result->training);
   result->rejected_features = adjusted.rejected_features[camera];
   result->bends = BendsOf(pattern, adjusted, camera);
   result->num_parameters = adjusted.state.cameras[camera]->NumParameters();
@@ -429,12 +432,12 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
   result->bias_kl =
       ComputeBias(result->training, result->camera.camera->area());
   result->noise_bias_kl =
-      NoiseBias(result->training, result->camera.camera->area());
+      ComputeNoiseBias(result->training, result->camera.camera->area());
   if (!result->camera.camera->IsCentral())
     result->line_spread = MeasureLineSpread(*result->camera.camera);
 }
 
-void FillUncertainty(const Adjusted& adjusted, int camera,
+void FillUncertainty(const AdjustmentResult& adjusted, int camera,
                      const std::optional<ImageCircle>& image_circle,
                      const std::optional<double>& valid_limit_px,
                      int num_threads, CalibrationResult* result) {
@@ -462,30 +465,30 @@ void FillFleetDistance(const CameraModel& middle, const LensSpread& spread,
   result->fleet_distance = MeasureFleetDistance(
       middle, spread, *camera.camera,
       camera.uncertainty ? &camera.uncertainty->lattice : nullptr,
-      EvenlyChosen(pixels, kEnough));
+      SelectEvenly(pixels, kEnough));
 }
 
-void NameImagesAlone(const Adjusted& adjusted, int camera, int num_threads,
-                     CalibrationResult* result) {
+void FindUniqueCoverageImages(const AdjustmentResult& adjusted, int camera,
+                              int num_threads, CalibrationResult* result) {
   // Three, and twice that since lenses are less smooth beyond the features than
   // the prior has it.
   constexpr double kMuchMore = 6;
-  std::set<std::string> apart = ImagesApart(result->held_out);
-  for (const std::string& image : ImagesApart(result->training))
+  std::set<std::string> apart = FindOutlierImages(result->held_out);
+  for (const std::string& image : FindOutlierImages(result->training))
     apart.erase(image);
   if (apart.empty() || !result->cross_validated) return;
   const auto deviations =
-      DeviationsWithout(adjusted, camera, apart, num_threads);
+      PredictHeldOutDeviations(adjusted, camera, apart, num_threads);
   for (const auto& [image, deviation_px] : deviations) {
     std::vector<double> norms;
     for (const FeatureResidual& r : result->held_out)
       if (r.image == image) norms.push_back(r.error_px.norm());
     if (Quantile(norms, 0.5) <= kMuchMore * deviation_px)
-      result->images_alone.push_back(image);
+      result->unique_coverage_images.push_back(image);
   }
 }
 
-void NameUnusedImages(const Dataset& measured,
+void ListUnusedImages(const Dataset& measured,
                       const std::vector<RejectedImage>& skipped,
                       CalibrationResult* result) {
   std::vector<RejectedImage>& rejected = result->rejected_images;
@@ -507,37 +510,39 @@ void NameUnusedImages(const Dataset& measured,
   rejected.insert(rejected.end(), skipped.begin(), skipped.end());
 }
 
-void JudgeResult(int num_threads, CalibrationResult* result) {
+void AssessResult(int num_threads, CalibrationResult* result) {
   if (!result->held_out.empty())
-    result->camera.held_out = ComputeErrorFigures(result->held_out);
+    result->camera.held_out = ComputeErrorMetrics(result->held_out);
   const std::vector<FeatureResidual>& residuals = JudgedResiduals(*result);
-  const std::set<std::string> apart = ImagesApart(residuals);
+  const std::set<std::string> apart = FindOutlierImages(residuals);
   result->neighbor_correlation =
-      NeighborCorrelation(WithoutImages(residuals, apart));
+      ComputeNeighborCorrelation(WithoutImages(residuals, apart));
   if (result->camera.uncertainty && !result->held_out.empty())
-    result->camera.uncertainty->modes.beyond = ErrorsBeyondModes(
+    result->camera.uncertainty->modes.beyond = EstimateExcessErrors(
         result->camera, WithoutImages(result->held_out, apart),
-        result->cross_validated ? kCrossValidatingPart : 1, result->pattern,
+        result->cross_validated ? kTrainingShare : 1, result->pattern,
         num_threads);
-  CalibrationFigures figures = FiguresOf(*result, apart);
+  CalibrationMetrics metrics = ComputeMetrics(*result, apart);
   if (result->budget) {
-    result->budget->facts = figures.tried;
-    figures.limit = JudgeBudget(*result->budget);
+    result->budget->facts = metrics.tried;
+    metrics.limit = AssessBudget(*result->budget);
   }
-  result->verdict = JudgeCalibration(figures);
+  result->assessment = AssessCalibration(metrics);
 }
 
-bool NeighborsErrAlike(const CalibrationResult& result) {
+bool HasSystematicErrors(const CalibrationResult& result) {
   const std::vector<FeatureResidual>& residuals = JudgedResiduals(result);
   if (residuals.empty()) return false;
-  return ErrAlike(SharedCorrelation(result, ImagesApart(residuals)).value_or(0),
-                  ComputeErrorFigures(residuals));
+  return HasCorrelatedErrors(
+      SharedCorrelation(result, FindOutlierImages(residuals)).value_or(0),
+      ComputeErrorMetrics(residuals));
 }
 
-bool IsOneCamera(const CalibrationResult& result) {
+bool IsSingleCamera(const CalibrationResult& result) {
   const auto err_alike = [](const std::vector<FeatureResidual>& residuals) {
-    return ErrAlike(NeighborCorrelation(residuals).value_or(0),
-                    ComputeErrorFigures(residuals));
+    return HasCorrelatedErrors(
+        ComputeNeighborCorrelation(residuals).value_or(0),
+        ComputeErrorMetrics(residuals));
   };
   return !result.held_out.empty() && !result.training.empty() &&
          !err_alike(result.held_out) && !err_alike(result.training);

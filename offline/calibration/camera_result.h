@@ -8,20 +8,20 @@
 namespace raygrid {
 
 /// The residuals of the features that a camera was adjusted to.
-std::vector<FeatureResidual> TrainingResiduals(const Pattern& pattern,
-                                               const Adjusted& adjusted,
-                                               int camera, int num_threads);
+std::vector<FeatureResidual> ComputeTrainingResiduals(
+    const Pattern& pattern, const AdjustmentResult& adjusted, int camera,
+    int num_threads);
 
 /// Fills in the adjusted camera, which has the image circle if that is known,
 /// and the figures of its training features.
-void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
-                const std::optional<ImageCircle>& image_circle, int num_threads,
-                CalibrationResult* result);
+void FillResult(const Pattern& pattern, const AdjustmentResult& adjusted,
+                int camera, const std::optional<ImageCircle>& image_circle,
+                int num_threads, CalibrationResult* result);
 
 /// Fills in the predicted uncertainty, the valid region and what is
 /// extrapolated (EstimateUncertainty()). What FillResult() fills in is there,
 /// and is left alone.
-void FillUncertainty(const Adjusted& adjusted, int camera,
+void FillUncertainty(const AdjustmentResult& adjusted, int camera,
                      const std::optional<ImageCircle>& image_circle,
                      const std::optional<double>& valid_limit_px,
                      int num_threads, CalibrationResult* result);
@@ -29,13 +29,13 @@ void FillUncertainty(const Adjusted& adjusted, int camera,
 /// Names the images whose held-out errors are large because they alone show
 /// some places: their own training errors are no larger than those of others,
 /// and their held-out errors no larger than the equations say.
-void NameImagesAlone(const Adjusted& adjusted, int camera, int num_threads,
-                     CalibrationResult* result);
+void FindUniqueCoverageImages(const AdjustmentResult& adjusted, int camera,
+                              int num_threads, CalibrationResult* result);
 
 /// Adds to the rejected images those measured that are neither used nor held
 /// out nor rejected already, and those skipped: each that was given is in one
 /// of the lists.
-void NameUnusedImages(const Dataset& measured,
+void ListUnusedImages(const Dataset& measured,
                       const std::vector<RejectedImage>& skipped,
                       CalibrationResult* result);
 
@@ -46,15 +46,15 @@ void FillFleetDistance(const CameraModel& middle, const LensSpread& spread,
 
 /// Figures of the held-out residuals, if there are any, what they show beyond
 /// the camera's modes, and the verdict.
-void JudgeResult(int num_threads, CalibrationResult* result);
+void AssessResult(int num_threads, CalibrationResult* result);
 
 /// Whether there is more than noise in the errors, and so much that a verdict
 /// will say it.
-bool NeighborsErrAlike(const CalibrationResult& result);
+bool HasSystematicErrors(const CalibrationResult& result);
 
 /// Whether neighbours err alike neither in images that the camera is adjusted
 /// to nor in those held out: no camera fits the images of two.
-bool IsOneCamera(const CalibrationResult& result);
+bool IsSingleCamera(const CalibrationResult& result);
 
 }  // namespace raygrid
 

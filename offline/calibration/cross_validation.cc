@@ -6,14 +6,14 @@
 #include <optional>
 #include <set>
 
-#include "calibration/base_lens.h"
-#include "calibration/bend_share.h"
+#include "calibration/base_model.h"
 #include "calibration/camera_evaluation.h"
-#include "calibration/flexed_evaluation.h"
+#include "calibration/camera_initialization.h"
+#include "calibration/deformation_evaluation.h"
+#include "calibration/deformation_share.h"
+#include "calibration/near_duplicates.h"
 #include "calibration/rig_evaluation.h"
-#include "calibration/rig_start.h"
-#include "calibration/same_views.h"
-#include "calibration/starting_lens.h"
+#include "calibration/rig_initialization.h"
 #include "camera/model_fitting.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
@@ -22,21 +22,22 @@ namespace raygrid {
 namespace {
 
 constexpr size_t kFolds = 4;
-static_assert(kCrossValidatingPart == 1 - 1.0 / kFolds);
+static_assert(kTrainingShare == 1 - 1.0 / kFolds);
 
 const Trial* Find(const std::vector<Trial>& trials, int fold,
-                  const std::vector<double>& cells_px, bool rigid_boards,
-                  bool has_bodies) {
+                  const std::vector<double>& knot_spacings_px,
+                  bool rigid_boards, bool has_rigid_targets) {
   for (const Trial& trial : trials)
-    if (trial.fold == fold && trial.cells_px == cells_px &&
-        trial.rigid_boards == rigid_boards && trial.has_bodies == has_bodies)
+    if (trial.fold == fold && trial.knot_spacings_px == knot_spacings_px &&
+        trial.rigid_boards == rigid_boards &&
+        trial.has_rigid_targets == has_rigid_targets)
       return &trial;
   return nullptr;
 }
 
 // The names of the cameras' training images, each once: of one camera in the
 // order of its images, of a rig's in the order of names.
-std::vector<std::string> Instants(const std::vector<Split>& cameras) {
+std::vector<std::string> CollectFrameSets(const std::vector<Split>& cameras) {
   std::vector<std::string> instants;
   for (const Split& camera : cameras)
     for (const ImageFeatures& image : camera.training.images)
@@ -54,14 +55,14 @@ std::vector<std::vector<std::string>> Views(const std::vector<Split>& cameras) {
   double near_px = 0;
   for (const Split& camera : cameras) {
     datasets.push_back(camera.training);
-    near_px = std::max(near_px, NearViewPx(camera.training.image_size));
+    near_px = std::max(near_px, NearDuplicatePx(camera.training.image_size));
   }
   std::map<std::string, std::string> view_of;
-  for (const SameViews& group : FindSameViews(datasets, {}, near_px))
+  for (const NearDuplicates& group : FindNearDuplicates(datasets, {}, near_px))
     for (const std::string& other : group.others) view_of[other] = group.image;
   std::vector<std::vector<std::string>> views;
   std::map<std::string, size_t> index;
-  for (const std::string& instant : Instants(cameras)) {
+  for (const std::string& instant : CollectFrameSets(cameras)) {
     const auto found = view_of.find(instant);
     const std::string& view = found == view_of.end() ? instant : found->second;
     const size_t i = index.emplace(view, views.size()).first->second;
@@ -73,30 +74,32 @@ std::vector<std::vector<std::string>> Views(const std::vector<Split>& cameras) {
 
 std::vector<Trial> MissingTrials(
     int num_folds, const std::vector<std::vector<double>>& candidates,
-    bool rigid_boards, bool has_bodies, const std::vector<Trial>& done) {
+    bool rigid_boards, bool has_rigid_targets, const std::vector<Trial>& done) {
   std::vector<Trial> missing;
   for (int fold = 0; fold < num_folds; ++fold)
-    for (const std::vector<double>& cells_px : candidates)
-      if (!Find(done, fold, cells_px, rigid_boards, has_bodies))
-        missing.push_back({fold, cells_px, rigid_boards, {}, has_bodies});
+    for (const std::vector<double>& knot_spacings_px : candidates)
+      if (!Find(done, fold, knot_spacings_px, rigid_boards, has_rigid_targets))
+        missing.push_back(
+            {fold, knot_spacings_px, rigid_boards, {}, has_rigid_targets});
   return missing;
 }
 
 using KnownLenses = std::vector<std::shared_ptr<const CameraModel>>;
 
-Adjusted StartCameras(const std::vector<Split>& cameras,
-                      const KnownLenses& known, const Pattern& pattern,
-                      const Bodies& bodies, AreaChoice area,
-                      const AdjustmentOptions& options) {
+AdjustmentResult StartCameras(const std::vector<Split>& cameras,
+                              const KnownLenses& known, const Pattern& pattern,
+                              const RigidTargets& rigid_targets,
+                              AreaChoice area,
+                              const AdjustmentOptions& options) {
   std::vector<std::string> names;
-  std::vector<Adjusted> lenses;
+  std::vector<AdjustmentResult> lenses;
   for (size_t c = 0; c < cameras.size(); ++c) {
     names.push_back(cameras[c].camera);
-    lenses.push_back(AdjustStartingLens(cameras[c].training, pattern, options,
-                                        area, known[c].get()));
+    lenses.push_back(InitializeCamera(cameras[c].training, pattern, options,
+                                      area, known[c].get()));
   }
   std::vector<std::vector<RejectedImage>> rejected;
-  return PutTogether(names, lenses, bodies, options, &rejected);
+  return InitializeRig(names, lenses, rigid_targets, options, &rejected);
 }
 
 // A rig that hangs together by few views may fall apart without some of them:
@@ -137,7 +140,7 @@ AdjustmentOptions AdjustmentOptionsFor(int num_adjustments,
   AdjustmentOptions adjustment;
   adjustment.num_threads = std::max(
       1, NumThreads(options.num_threads) / std::max(1, num_adjustments));
-  adjustment.fix_points = options.flat_board;
+  adjustment.fix_points = options.fix_target_geometry;
   return adjustment;
 }
 
@@ -160,25 +163,27 @@ void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
     if (options.should_stop && options.should_stop()) return;
     UnlessRigFallsApart(fold.cameras.size(), [&] {
       if (!fold.start)
-        fold.start = StartCameras(fold.cameras, folds->known, pattern,
-                                  options.bodies, options.area, adjustment);
+        fold.start =
+            StartCameras(fold.cameras, folds->known, pattern,
+                         options.rigid_targets, options.area, adjustment);
       fold.start->problem.base_model = folds->base_model;
       fold.start->problem.like = options.like;
-      fold.start->problem.like_spread = options.like_spread;
+      fold.start->problem.prior_spread = options.prior_spread;
       if (!is_grid) return;
-      Adjusted lenses = *fold.start;
-      FitBaseLenses(adjustment, &lenses);
+      AdjustmentResult lenses = *fold.start;
+      FitBaseModels(adjustment, &lenses);
       fold.lenses = std::move(lenses);
     });
   });
 }
 
 // The knot spacing that a grid starts from, if it is not the lens.
-std::optional<double> SpacingBefore(const std::vector<double>& ladder_px,
-                                    const std::vector<double>& cells_px) {
-  if (cells_px.size() != 1) return std::nullopt;
+std::optional<double> SpacingBefore(
+    const std::vector<double>& ladder_px,
+    const std::vector<double>& knot_spacings_px) {
+  if (knot_spacings_px.size() != 1) return std::nullopt;
   const auto found =
-      std::find(ladder_px.begin(), ladder_px.end(), cells_px.front());
+      std::find(ladder_px.begin(), ladder_px.end(), knot_spacings_px.front());
   if (found == ladder_px.begin() || found == ladder_px.end())
     return std::nullopt;
   return *(found - 1);
@@ -186,38 +191,39 @@ std::optional<double> SpacingBefore(const std::vector<double>& ladder_px,
 
 // The cameras of a fold; nothing if they could not be started. What is not kept
 // is adjusted again, so that a resumed calibration has the same result.
-std::optional<Adjusted> RigidlyAdjusted(const Folds::Fold& fold,
-                                        const std::vector<double>& ladder_px,
-                                        const Pattern& pattern,
-                                        const std::string& model,
-                                        const std::vector<double>& cells_px,
-                                        const AdjustmentOptions& options) {
+std::optional<AdjustmentResult> RigidlyAdjusted(
+    const Folds::Fold& fold, const std::vector<double>& ladder_px,
+    const Pattern& pattern, const std::string& model,
+    const std::vector<double>& knot_spacings_px,
+    const AdjustmentOptions& options) {
   const bool is_grid = !IsParametricModel(model);
   for (const auto& [cells, kept] : fold.rigid)
-    if (is_grid && cells == cells_px) return kept;
-  std::optional<Adjusted> adjusted = is_grid ? fold.lenses : fold.start;
+    if (is_grid && cells == knot_spacings_px) return kept;
+  std::optional<AdjustmentResult> adjusted = is_grid ? fold.lenses : fold.start;
   if (!adjusted) return adjusted;
-  std::optional<Adjusted> coarser;
+  std::optional<AdjustmentResult> coarser;
   if (model == models::kCentralGeneric)
-    if (const auto before_px = SpacingBefore(ladder_px, cells_px))
+    if (const auto before_px = SpacingBefore(ladder_px, knot_spacings_px))
       coarser = RigidlyAdjusted(fold, ladder_px, pattern, model, {*before_px},
                                 options);
-  AdjustRigidly(pattern, model, cells_px, options, &*adjusted,
-                coarser ? &*coarser : nullptr);
+  OptimizeWithRigidBoards(pattern, model, knot_spacings_px, options, &*adjusted,
+                          coarser ? &*coarser : nullptr);
   return adjusted;
 }
 
 // Tests adjusted cameras with their test images.
-HeldOut TestCameras(const Adjusted& adjusted, const Pattern& pattern,
-                    const std::vector<Split>& cameras, const Bodies& bodies,
-                    int num_threads) {
-  const Pattern adjusted_pattern = AdjustedPattern(pattern, adjusted);
+HeldOutResiduals TestCameras(const AdjustmentResult& adjusted,
+                             const Pattern& pattern,
+                             const std::vector<Split>& cameras,
+                             const RigidTargets& rigid_targets,
+                             int num_threads) {
+  const Pattern adjusted_pattern = MakeEstimatedPattern(pattern, adjusted);
   RigModel rig = {{}, adjusted.state.camera_from_rig, {}};
-  if (!bodies.empty())
-    rig.bodies = AdjustedBodies(bodies, adjusted.problem,
-                                adjusted.state.body_from_board);
+  if (!rigid_targets.empty())
+    rig.rigid_targets = UpdateRigidTargets(rigid_targets, adjusted.problem,
+                                           adjusted.state.target_from_board);
   std::vector<Dataset> test;
-  HeldOut held_out;
+  HeldOutResiduals held_out;
   for (size_t c = 0; c < cameras.size(); ++c) {
     rig.cameras.push_back(adjusted.state.cameras[c].get());
     test.push_back(cameras[c].test);
@@ -225,7 +231,8 @@ HeldOut TestCameras(const Adjusted& adjusted, const Pattern& pattern,
         EvaluateCamera(*rig.cameras[c], test[c], adjusted_pattern, num_threads)
             .residuals);
   }
-  held_out.flexed = EvaluateFlexed(rig, test, adjusted_pattern, num_threads);
+  held_out.flexed =
+      EvaluateWithDeformation(rig, test, adjusted_pattern, num_threads);
   if (cameras.size() < 2) return held_out;
   for (Evaluation& evaluation :
        EvaluateRig(rig, test, adjusted_pattern, num_threads))
@@ -271,7 +278,7 @@ void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
   };
   std::vector<Trial> missing = MissingTrials(
       options.num_folds > 0 ? options.num_folds : folds->count(), candidates,
-      options.rigid_boards, !options.bodies.empty(), *done);
+      options.rigid_boards, !options.rigid_targets.empty(), *done);
   StartFolds(missing, pattern, options, folds);
 
   const int num_trials = static_cast<int>(missing.size());
@@ -279,7 +286,7 @@ void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
   AdjustmentOptions adjustment = AdjustmentOptionsFor(num_trials, options);
   adjustment.should_stop = options.should_stop;
   adjustment.rigid_boards = options.rigid_boards;
-  std::vector<std::optional<Adjusted>> rigid(missing.size());
+  std::vector<std::optional<AdjustmentResult>> rigid(missing.size());
   int num_done = 0;
   std::mutex mutex;
   ParallelFor(num_trials, num_threads, [&](int i) {
@@ -289,19 +296,21 @@ void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
     UnlessRigFallsApart(fold.cameras.size(), [&] {
       auto adjusted =
           RigidlyAdjusted(fold, folds->ladder_px, pattern, options.model,
-                          trial.cells_px, adjustment);
+                          trial.knot_spacings_px, adjustment);
       if (!adjusted) return;
       if (options.rigid_boards) {
         rigid[i] = *adjusted;
-        trial.share_of_bends = ShareOfBends(*adjusted, adjustment.num_threads);
+        trial.deformation_share =
+            ComputeDeformationShare(*adjusted, adjustment.num_threads);
       } else if (!IsParametricModel(options.model)) {
-        LetBoardsBend(pattern, adjustment, &*adjusted);
+        EstimateDeformation(pattern, adjustment, &*adjusted);
       }
-      FinishCameras(&*adjusted);
+      FinalizeCameras(&*adjusted);
       AlignBoards(pattern, &*adjusted);
       if (!should_stop())
-        trial.held_out = TestCameras(*adjusted, pattern, fold.cameras,
-                                     options.bodies, adjustment.num_threads);
+        trial.held_out =
+            TestCameras(*adjusted, pattern, fold.cameras, options.rigid_targets,
+                        adjustment.num_threads);
     });
     if (should_stop()) return;
     const std::lock_guard<std::mutex> lock(mutex);
@@ -314,37 +323,39 @@ void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
   if (should_stop() || !options.keep_rigid) return;
   for (size_t i = 0; i < missing.size(); ++i)
     if (rigid[i])
-      folds->folds[missing[i].fold].rigid.emplace_back(missing[i].cells_px,
-                                                       std::move(*rigid[i]));
+      folds->folds[missing[i].fold].rigid.emplace_back(
+          missing[i].knot_spacings_px, std::move(*rigid[i]));
 }
 
-HeldOut EvaluateHeldOut(const Adjusted& adjusted, const Pattern& pattern,
-                        const std::vector<Split>& cameras,
-                        const ValidationOptions& options,
-                        const std::vector<double>& cells_px, Folds* folds,
-                        std::vector<Trial>* done) {
+HeldOutResiduals EvaluateHeldOut(const AdjustmentResult& adjusted,
+                                 const Pattern& pattern,
+                                 const std::vector<Split>& cameras,
+                                 const ValidationOptions& options,
+                                 const std::vector<double>& knot_spacings_px,
+                                 Folds* folds, std::vector<Trial>* done) {
   if (std::any_of(cameras.begin(), cameras.end(), [](const Split& camera) {
         return !camera.test.images.empty();
       }))
-    return TestCameras(adjusted, pattern, cameras, options.bodies,
+    return TestCameras(adjusted, pattern, cameras, options.rigid_targets,
                        options.num_threads);
-  CrossValidate(pattern, options, {cells_px}, folds, done);
-  return JoinFolds(*done, folds->count(), cells_px, options.rigid_boards,
-                   !options.bodies.empty());
+  CrossValidate(pattern, options, {knot_spacings_px}, folds, done);
+  return JoinFolds(*done, folds->count(), knot_spacings_px,
+                   options.rigid_boards, !options.rigid_targets.empty());
 }
 
-HeldOut JoinFolds(const std::vector<Trial>& done, int num_folds,
-                  const std::vector<double>& cells_px, bool rigid_boards,
-                  bool has_bodies) {
+HeldOutResiduals JoinFolds(const std::vector<Trial>& done, int num_folds,
+                           const std::vector<double>& knot_spacings_px,
+                           bool rigid_boards, bool has_rigid_targets) {
   const auto append = [](const std::vector<std::vector<FeatureResidual>>& from,
                          std::vector<std::vector<FeatureResidual>>* to) {
     to->resize(std::max(to->size(), from.size()));
     for (size_t c = 0; c < from.size(); ++c)
       (*to)[c].insert((*to)[c].end(), from[c].begin(), from[c].end());
   };
-  HeldOut joined;
+  HeldOutResiduals joined;
   for (int fold = 0; fold < num_folds; ++fold) {
-    const Trial* trial = Find(done, fold, cells_px, rigid_boards, has_bodies);
+    const Trial* trial =
+        Find(done, fold, knot_spacings_px, rigid_boards, has_rigid_targets);
     if (!trial) return {};
     append(trial->held_out.alone, &joined.alone);
     append(trial->held_out.together, &joined.together);

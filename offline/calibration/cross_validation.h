@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "calibration/bodies.h"
 #include "calibration/model_adjustment.h"
+#include "calibration/rigid_targets.h"
 #include "camera/lens_spread.h"
 #include "dataset/dataset.h"
 #include "evaluation/checkpoint.h"
@@ -25,7 +25,7 @@ Split SplitImages(const std::string& camera, const Dataset& dataset,
                   const std::vector<std::string>& test_images);
 
 /// The part of the images that each camera is calibrated with.
-constexpr double kCrossValidatingPart = 0.75;
+constexpr double kTrainingShare = 0.75;
 
 /// The folds of a cross-validation, of the training images of one camera or of
 /// a rig: four, one for many images, which take long and need no more, or none
@@ -35,9 +35,10 @@ struct Folds {
   /// those to come.
   struct Fold {
     std::vector<Split> cameras;
-    std::optional<Adjusted> start;   ///< with starting lenses
-    std::optional<Adjusted> lenses;  ///< those that grids lie around
-    std::vector<std::pair<std::vector<double>, Adjusted>> rigid;  ///< by cells
+    std::optional<AdjustmentResult> start;   ///< with starting lenses
+    std::optional<AdjustmentResult> lenses;  ///< those that grids lie around
+    std::vector<std::pair<std::vector<double>, AdjustmentResult>>
+        rigid;  ///< by cells
   };
   std::vector<Fold> folds;
   /// Starting lenses of all training images, which each fold adjusts to its
@@ -64,14 +65,14 @@ struct ValidationOptions {
   AreaChoice area = AreaChoice::kWholeImage;
   /// Those of CalibrationOptions.
   std::shared_ptr<const CameraModel> like = {};
-  std::shared_ptr<const LensSpread> like_spread = {};
-  bool flat_board = false;
+  std::shared_ptr<const LensSpread> prior_spread = {};
+  bool fix_target_geometry = false;
   bool rigid_boards = true;  ///< in calibrating
   /// Whether to keep what is adjusted with rigid boards, for trials of the same
   /// model with boards that bend.
   bool keep_rigid = false;
   int num_folds = 0;  ///< the first ones; 0: all
-  Bodies bodies;
+  RigidTargets rigid_targets;
   int num_threads = 0;
   std::function<void(double)> progress;
   std::function<bool()> should_stop;
@@ -90,16 +91,17 @@ void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
 
 /// Tests adjusted cameras with their test images or, where no camera has any,
 /// cells by cross-validation, with what is done of it.
-HeldOut EvaluateHeldOut(const Adjusted& adjusted, const Pattern& pattern,
-                        const std::vector<Split>& cameras,
-                        const ValidationOptions& options,
-                        const std::vector<double>& cells_px, Folds* folds,
-                        std::vector<Trial>* done);
+HeldOutResiduals EvaluateHeldOut(const AdjustmentResult& adjusted,
+                                 const Pattern& pattern,
+                                 const std::vector<Split>& cameras,
+                                 const ValidationOptions& options,
+                                 const std::vector<double>& knot_spacings_px,
+                                 Folds* folds, std::vector<Trial>* done);
 
 /// The residuals over all folds of one candidate; nothing if a fold is missing.
-HeldOut JoinFolds(const std::vector<Trial>& done, int num_folds,
-                  const std::vector<double>& cells_px, bool rigid_boards,
-                  bool has_bodies = false);
+HeldOutResiduals JoinFolds(const std::vector<Trial>& done, int num_folds,
+                           const std::vector<double>& knot_spacings_px,
+                           bool rigid_boards, bool has_rigid_targets = false);
 
 }  // namespace raygrid
 

@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-size_t NumFeatures(const Adjusted& adjusted) {
+size_t NumFeatures(const AdjustmentResult& adjusted) {
   size_t count = 0;
   for (const View& view : adjusted.problem.views)
     count += view.observations.size();
@@ -23,7 +23,8 @@ double ErrorCapPx(const ImageSize& size) {
   return kCapPart * std::max(size.width, size.height);
 }
 
-double MeanErrorPx(const Adjusted& adjusted, const Adjusted& start) {
+double ComputeMeanErrorPx(const AdjustmentResult& adjusted,
+                          const AdjustmentResult& start) {
   const double cap_px = ErrorCapPx(start.problem.image_sizes.front());
   double less = 0;  // than all features at the cap
   for (const Residual& residual :
@@ -39,13 +40,15 @@ double MeanErrorPx(const Adjusted& adjusted, const Adjusted& start) {
   return cap_px - less / std::max(1.0, count);
 }
 
-bool IsAstray(double error_px, double other_px) {
+bool ExceedsDivergenceRatio(double error_px, double other_px) {
   constexpr double kNegligiblePx = 0.01;
-  return error_px > kAstrayRatio * other_px + kNegligiblePx;
+  return error_px > kDivergenceRatio * other_px + kNegligiblePx;
 }
 
-bool HasDiverged(const Adjusted& adjusted, const Adjusted& start) {
-  return IsAstray(MeanErrorPx(adjusted, start), MeanErrorPx(start, start));
+bool HasDiverged(const AdjustmentResult& adjusted,
+                 const AdjustmentResult& start) {
+  return ExceedsDivergenceRatio(ComputeMeanErrorPx(adjusted, start),
+                                ComputeMeanErrorPx(start, start));
 }
 
 }  // namespace raygrid

@@ -1,7 +1,7 @@
 #ifndef RAYGRID_CALIBRATION_DIVERGENCE_H
 #define RAYGRID_CALIBRATION_DIVERGENCE_H
 
-#include "calibration/adjusted.h"
+#include "calibration/adjustment_result.h"
 
 namespace raygrid {
 
@@ -11,18 +11,20 @@ double ErrorCapPx(const ImageSize& size);
 
 /// The mean reprojection error over all features of a start, each no more than
 /// ErrorCapPx(), which those have that an adjustment lost.
-double MeanErrorPx(const Adjusted& adjusted, const Adjusted& start);
+double ComputeMeanErrorPx(const AdjustmentResult& adjusted,
+                          const AdjustmentResult& start);
 
 /// The ratio of errors from which on a calibration is taken to have been led
 /// astray.
-constexpr double kAstrayRatio = 1.2;
+constexpr double kDivergenceRatio = 1.2;
 
-/// Whether a mean or median error is more than kAstrayRatio of another one, and
-/// not by next to nothing.
-bool IsAstray(double error_px, double other_px);
+/// Whether a mean or median error is more than kDivergenceRatio of another one,
+/// and not by next to nothing.
+bool ExceedsDivergenceRatio(double error_px, double other_px);
 
 /// Whether an adjustment went from a start to something that is much worse.
-bool HasDiverged(const Adjusted& adjusted, const Adjusted& start);
+bool HasDiverged(const AdjustmentResult& adjusted,
+                 const AdjustmentResult& start);
 
 }  // namespace raygrid
 

@@ -12,17 +12,17 @@ namespace raygrid {
 namespace {
 
 // A fiftieth of the turn that a frame may need.
-constexpr double kStillRad = kMaxFrameTurnRad / 50;
+constexpr double kStillRad = kMaxFrameRotationRad / 50;
 
 // The prior of a grid that is turned: around the turned mean, as strong as it
 // was. The lines' points are believed to lie around the origin in any frame.
 CameraPrior TurnedPrior(const CameraPrior& prior, const CameraModel& camera,
                         const std::vector<Eigen::Vector2d>& observed_px,
-                        const Eigen::Quaterniond& turned_from_camera,
+                        const Eigen::Quaterniond& rotated_from_camera,
                         double residual_variance) {
   const std::unique_ptr<CameraModel> mean = camera.Clone();
   mean->SetParameters(prior.mean);
-  const CentralGeneric base = CentralPart(*Turned(*mean, turned_from_camera));
+  const CentralGeneric base = CentralPart(*Rotated(*mean, rotated_from_camera));
   CameraPrior turned;
   if (camera.IsCentral()) {
     turned = SmoothnessPrior(base, observed_px, prior.base_lens, prior.spread);
@@ -32,31 +32,31 @@ CameraPrior TurnedPrior(const CameraPrior& prior, const CameraModel& camera,
     turned.groups.back() = prior.groups.back();
   }
   for (size_t g = 0; g < turned.groups.size(); ++g)
-    turned.groups[g].SetWeight(prior.groups[g].weight, residual_variance);
+    turned.groups[g].SetPrecision(prior.groups[g].weight, residual_variance);
   return turned;
 }
 
 // Turned surfaces are fitted anew, and what nothing is seen of, as corners
 // behind a fold, then lies anywhere: only the state's own orientation is one
 // that can be held.
-void TurnCamera(size_t camera, const Eigen::Quaterniond& turned_from_camera,
-                Adjusted* adjusted) {
+void TurnCamera(size_t camera, const Eigen::Quaterniond& rotated_from_camera,
+                AdjustmentResult* adjusted) {
   AdjustmentState& state = adjusted->state;
   CameraPrior& prior = adjusted->prior.cameras[camera];
   prior =
       TurnedPrior(prior, *state.cameras[camera],
                   ObservedPixels(adjusted->problem, static_cast<int>(camera)),
-                  turned_from_camera, std::pow(adjusted->summary.noise_px, 2));
-  state.cameras[camera] = Turned(*state.cameras[camera], turned_from_camera);
+                  rotated_from_camera, std::pow(adjusted->summary.noise_px, 2));
+  state.cameras[camera] = Rotated(*state.cameras[camera], rotated_from_camera);
   prior.orientation_difference =
       prior.OrientationError(state.cameras[camera]->Parameters());
   state.camera_from_rig[camera] =
-      Pose{turned_from_camera, Eigen::Vector3d::Zero()} *
+      Pose{rotated_from_camera, Eigen::Vector3d::Zero()} *
       state.camera_from_rig[camera];
 }
 
 // Returns whether any camera had to be turned.
-bool TurnCameras(Adjusted* adjusted) {
+bool TurnCameras(AdjustmentResult* adjusted) {
   bool have_turned = false;
   for (size_t c = 0; c < adjusted->state.cameras.size(); ++c) {
     const CameraFrame frame = FindCameraFrame(*adjusted->state.cameras[c]);
@@ -70,20 +70,20 @@ bool TurnCameras(Adjusted* adjusted) {
 
 }  // namespace
 
-void AdjustInCameraFrames(const AdjustmentOptions& options,
-                          Adjusted* adjusted) {
+void OptimizeInCameraFrames(const AdjustmentOptions& options,
+                            AdjustmentResult* adjusted) {
   constexpr int kRounds = 3;
   AdjustmentOptions as_before = options;
   as_before.fix_points = options.fix_points || !HavePointsMoved(*adjusted);
   for (int round = 1; round <= kRounds; ++round) {
-    const Adjusted before = *adjusted;
+    const AdjustmentResult before = *adjusted;
     if (!TurnCameras(adjusted)) return;
     as_before.fix_cameras = options.fix_cameras || round == kRounds;
     const double noise_px = adjusted->summary.noise_px;
-    adjusted->summary = AdjustBundle(adjusted->problem.views, adjusted->prior,
-                                     as_before, &adjusted->state);
+    adjusted->summary = RunBundleAdjustment(
+        adjusted->problem.views, adjusted->prior, as_before, &adjusted->state);
     adjusted->summary.noise_px = noise_px;
-    FinishCameras(adjusted);
+    FinalizeCameras(adjusted);
     if (!HasDiverged(*adjusted, before)) continue;
     *adjusted = before;
     return;

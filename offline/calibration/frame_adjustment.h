@@ -11,7 +11,8 @@ namespace raygrid {
 /// of the same grid; again where cameras then need a turn, and at last, when
 /// that is small, without their shapes. Parametric cameras have their frames
 /// already.
-void AdjustInCameraFrames(const AdjustmentOptions& options, Adjusted* adjusted);
+void OptimizeInCameraFrames(const AdjustmentOptions& options,
+                            AdjustmentResult* adjusted);
 
 }  // namespace raygrid
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "calibration/body_search.h"
-#include "calibration/model_choice.h"
-#include "calibration/rig_start.h"
+#include "calibration/model_selection.h"
+#include "calibration/rig_initialization.h"
+#include "calibration/rigid_target_search.h"
 #include "camera/lens_models.h"
 #include "dataset/error.h"
 #include "dataset/repeated_images.h"
@@ -50,7 +50,7 @@ void RequireImagesExist(const std::vector<CalibrationInput>& cameras,
 // By boards that both see at one instant or, if boards may be fixed to each
 // other, by such boards.
 void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
-                             const Pattern& pattern, bool boards_move) {
+                             const Pattern& pattern, bool independent_boards) {
   std::vector<std::string> names;
   std::vector<Dataset> datasets;
   for (const CalibrationInput& camera : cameras) {
@@ -63,8 +63,9 @@ void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
   std::vector<RejectedImage> rejected;
   CalibrationProblem problem = BuildProblem(datasets, pattern, &rejected);
   std::vector<Pose> unknown_places;
-  if (!boards_move)
-    JoinBoards(PossibleBodies(datasets, pattern), &problem, &unknown_places);
+  if (!independent_boards)
+    JoinBoards(ProposeRigidTargets(datasets, pattern), &problem,
+               &unknown_places);
   RequireConnected(names, problem);
 }
 
@@ -105,7 +106,7 @@ void RequireLikeCameraFits(const std::vector<CalibrationInput>& cameras,
 
 }  // namespace
 
-void RequireSoundInput(const std::vector<CalibrationInput>& cameras,
+void RequireValidInput(const std::vector<CalibrationInput>& cameras,
                        const Pattern& pattern,
                        const CalibrationOptions& options) {
   if (cameras.empty()) throw Error(ExitCode::kUsage, "no camera specified");
@@ -114,15 +115,15 @@ void RequireSoundInput(const std::vector<CalibrationInput>& cameras,
   RequireLikeCameraFits(cameras, options);
   RequireImagesOfTheirOwn(cameras);
   if (cameras.size() > 1)
-    RequireConnectedCameras(cameras, pattern, options.boards_move);
+    RequireConnectedCameras(cameras, pattern, options.independent_boards);
 }
 
-void RequireLikelyDistances(const Adjusted& adjusted) {
+void RequirePlausibleDistances(const AdjustmentResult& adjusted) {
   constexpr double kFarM = 20;
   std::vector<double> distances_m;
   for (const View& view : adjusted.problem.views)
     distances_m.push_back(
-        adjusted.state.CameraFromPattern(view).translation.norm());
+        adjusted.state.ComputeCameraFromPattern(view).translation.norm());
   const double median_m = Quantile(distances_m, 0.5);
   if (median_m > kFarM)
     throw Error(

@@ -12,13 +12,13 @@ namespace raygrid {
 /// kUsage for no camera, an unknown model, images to hold out that there are
 /// not, and two cameras of one name; kInitialization for a rig that does not
 /// hang together.
-void RequireSoundInput(const std::vector<CalibrationInput>& cameras,
+void RequireValidInput(const std::vector<CalibrationInput>& cameras,
                        const Pattern& pattern,
                        const CalibrationOptions& options);
 
 /// Boards that are mostly far away have their lengths in another unit: the
 /// images do not tell. Throws Error(kUsage).
-void RequireLikelyDistances(const Adjusted& adjusted);
+void RequirePlausibleDistances(const AdjustmentResult& adjusted);
 
 }  // namespace raygrid
 

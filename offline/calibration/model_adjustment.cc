@@ -8,14 +8,14 @@
 
 #include "adjustment/metric_scale.h"
 #include "adjustment/smoothness_prior.h"
-#include "calibration/base_lens.h"
+#include "calibration/base_model.h"
 #include "calibration/camera_adjustment.h"
 #include "calibration/divergence.h"
 #include "calibration/outlier_removal.h"
-#include "calibration/unseen_nodes.h"
+#include "calibration/unobserved_control_points.h"
 #include "camera/lens_models.h"
 #include "camera/noncentral_generic.h"
-#include "evaluation/board_shape.h"
+#include "evaluation/board_flatness.h"
 #include "evaluation/line_spread.h"
 #include "evaluation/residual_statistics.h"
 
@@ -39,33 +39,34 @@ void CenterLines(AdjustmentState* state) {
 }
 
 // Without outliers boards may have shapes that were not told before.
-void LetBoardsHaveShapes(Adjusted* adjusted) {
+void EstimateStaticDeformation(AdjustmentResult* adjusted) {
   AdjustmentState& state = adjusted->state;
-  state.KeepShapes();
-  state.TakeShapes(ModesOf(adjusted->problem), adjusted->problem.nominal);
+  state.ApplyStaticDeformation();
+  state.FitStaticDeformation(GetDeformationModes(adjusted->problem),
+                             adjusted->problem.nominal);
 }
 
-void AdjustAgain(const AdjustmentOptions& options, Adjusted* adjusted) {
-  adjusted->summary = AdjustWithLearnedPrior(
+void AdjustAgain(const AdjustmentOptions& options, AdjustmentResult* adjusted) {
+  adjusted->summary = OptimizeWithLearnedPrior(
       adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
 }
 
 // Grids around the lenses that they start from, before anything is adjusted,
 // with a prior that is as strong as the residuals are large.
-void PutGridsAroundLenses(const std::string& model, const Starts& starts,
+void PutGridsAroundLenses(const std::string& model, const InitialValues& starts,
                           const AdjustmentOptions& options,
-                          Adjusted* adjusted) {
+                          AdjustmentResult* adjusted) {
   const CalibrationProblem& problem = adjusted->problem;
   adjusted->prior = {};
   adjusted->prior.points_mean = problem.nominal;
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
-    const CentralGeneric grid = AsGrid(problem, c, starts);
+    const CentralGeneric grid = MakeInitialGrid(problem, c, starts);
     const std::vector<Eigen::Vector2d> observed_px =
         ObservedPixels(problem, static_cast<int>(c));
     if (model == models::kNonCentralGeneric) {
       adjusted->state.cameras[c] = NonCentralGeneric(grid).Clone();
       adjusted->prior.cameras.push_back(NonCentralPrior(
-          grid, observed_px, MeanDistance(problem, c, adjusted->state)));
+          grid, observed_px, ComputeMeanDistance(problem, c, adjusted->state)));
     } else {
       adjusted->state.cameras[c] = grid.Clone();
       adjusted->prior.cameras.push_back(SmoothnessPrior(grid, observed_px));
@@ -78,43 +79,44 @@ void PutGridsAroundLenses(const std::string& model, const Starts& starts,
       ResidualVariance(adjusted->summary.residuals, options.huber_px, 0);
   adjusted->summary.noise_px = std::sqrt(variance);
   for (CameraPrior& prior : adjusted->prior.cameras)
-    for (PriorGroup& group : prior.groups) group.SetWeight(1, variance);
+    for (PriorGroup& group : prior.groups) group.SetPrecision(1, variance);
 }
 
-// The steps of AdjustRigidly() from where the state is.
+// The steps of OptimizeWithRigidBoards() from where the state is.
 void AdjustFromLenses(const Pattern& pattern, const std::string& model,
-                      const std::vector<double>& cells_px,
+                      const std::vector<double>& knot_spacings_px,
                       const AdjustmentOptions& options,
-                      const Adjusted* other_spacing, Adjusted* adjusted) {
-  Lenses lenses = CopyCameras(adjusted->state);
+                      const AdjustmentResult* other_spacing,
+                      AdjustmentResult* adjusted) {
+  CameraModels lenses = CopyCameras(adjusted->state);
   const AdjustmentState start = adjusted->state;
   const auto adjust = [&](const AdjustmentOptions& with) {
-    adjusted->summary =
-        Adjust(model, adjusted->problem,
-               {lenses, cells_px, adjusted->base_lenses, other_spacing}, with,
-               &adjusted->prior, &adjusted->state);
+    adjusted->summary = OptimizeCameras(
+        model, adjusted->problem,
+        {lenses, knot_spacings_px, adjusted->base_lenses, other_spacing}, with,
+        &adjusted->prior, &adjusted->state);
   };
   // Once there are outliers, no more than they are asked for.
   AdjustmentOptions first = options;
   if (!IsParametricModel(model))
-    first.is_enough = [adjusted](const std::vector<Residual>& residuals) {
+    first.should_accept = [adjusted](const std::vector<Residual>& residuals) {
       return HasOutliers(residuals, adjusted->problem);
     };
   adjust(first);
   switch (RemoveOutliers(pattern, adjusted)) {
-    case Removed::kNone:
+    case RemovalResult::kNone:
       break;
-    case Removed::kSome:
-      if (!options.fix_points) LetBoardsHaveShapes(adjusted);
+    case RemovalResult::kSome:
+      if (!options.fix_points) EstimateStaticDeformation(adjusted);
       AdjustAgain(options, adjusted);
       break;
-    case Removed::kPartOfArea:
+    case RemovalResult::kPartOfArea:
       // Starts without an axis may have been turned (SetLens()).
       if (!AreParametric(lenses)) adjusted->state = start;
       if (!IsParametricModel(model)) {
         for (size_t c = 0; c < lenses.size(); ++c)
           adjusted->state.cameras[c] = lenses[c]->Clone();
-        FitBaseLenses(options, adjusted);
+        FitBaseModels(options, adjusted);
         lenses = CopyCameras(adjusted->state);
       }
       adjust(options);
@@ -126,29 +128,32 @@ void AdjustFromLenses(const Pattern& pattern, const std::string& model,
 // all do, a grid stays around the lens at hand, and has not converged, if that
 // has less error.
 void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
-                           const std::vector<double>& cells_px,
+                           const std::vector<double>& knot_spacings_px,
                            const AdjustmentOptions& options,
-                           const Adjusted& start, Adjusted* adjusted) {
-  double least_px = MeanErrorPx(*adjusted, start);
+                           const AdjustmentResult& start,
+                           AdjustmentResult* adjusted) {
+  double least_px = ComputeMeanErrorPx(*adjusted, start);
   for (const std::string& other : LensNames(ModelUse::kCompare)) {
     if (options.should_stop && options.should_stop()) break;
-    Adjusted from = start;
+    AdjustmentResult from = start;
     from.base_lenses.clear();
-    AdjustLenses(other, from.problem, CopyCameras(start.state),
-                 AsStart(options), &from.prior, &from.state);
+    OptimizeParametricCameras(other, from.problem, CopyCameras(start.state),
+                              MakeInitializationOptions(options), &from.prior,
+                              &from.state);
     if (HasDiverged(from, start)) continue;
-    AdjustFromLenses(pattern, model, cells_px, options, nullptr, &from);
-    const double error_px = MeanErrorPx(from, start);
+    AdjustFromLenses(pattern, model, knot_spacings_px, options, nullptr, &from);
+    const double error_px = ComputeMeanErrorPx(from, start);
     if (error_px >= least_px) continue;
     least_px = error_px;
     *adjusted = std::move(from);
   }
   if (IsParametricModel(model) || !HasDiverged(*adjusted, start)) return;
   // Cells may also be too coarse for the lens: then this is no better.
-  Adjusted around = start;
-  PutGridsAroundLenses(model, {CopyCameras(start.state), cells_px, {}}, options,
-                       &around);
-  if (MeanErrorPx(around, start) < least_px) *adjusted = std::move(around);
+  AdjustmentResult around = start;
+  PutGridsAroundLenses(model, {CopyCameras(start.state), knot_spacings_px, {}},
+                       options, &around);
+  if (ComputeMeanErrorPx(around, start) < least_px)
+    *adjusted = std::move(around);
 }
 
 // Whether cameras were of the model before they were adjusted: others may
@@ -162,72 +167,80 @@ bool CanJudge(const AdjustmentState& start, const std::string& model) {
 
 }  // namespace
 
-void AdjustRigidly(const Pattern& pattern, const std::string& model,
-                   const std::vector<double>& cells_px,
-                   const AdjustmentOptions& options, Adjusted* adjusted,
-                   const Adjusted* other_spacing) {
-  const Adjusted start = *adjusted;
-  AdjustFromLenses(pattern, model, cells_px, options, other_spacing, adjusted);
+void OptimizeWithRigidBoards(const Pattern& pattern, const std::string& model,
+                             const std::vector<double>& knot_spacings_px,
+                             const AdjustmentOptions& options,
+                             AdjustmentResult* adjusted,
+                             const AdjustmentResult* other_spacing) {
+  const AdjustmentResult start = *adjusted;
+  AdjustFromLenses(pattern, model, knot_spacings_px, options, other_spacing,
+                   adjusted);
   if (CanJudge(start.state, model) && HasDiverged(*adjusted, start))
-    AdjustFromOtherLenses(pattern, model, cells_px, options, start, adjusted);
+    AdjustFromOtherLenses(pattern, model, knot_spacings_px, options, start,
+                          adjusted);
 }
 
-void LetBoardsBend(const Pattern& pattern, const AdjustmentOptions& options,
-                   Adjusted* adjusted) {
+void EstimateDeformation(const Pattern& pattern,
+                         const AdjustmentOptions& options,
+                         AdjustmentResult* adjusted) {
   AdjustmentState& state = adjusted->state;
   const std::vector<Eigen::Vector3d> points = state.points;
-  state.KeepShapes();
+  state.ApplyStaticDeformation();
   for (size_t i = 0; i < points.size(); ++i)
     adjusted->prior.points_mean[i] += state.points[i] - points[i];
-  state.SetModes(ModesOf(adjusted->problem), BendScope::kPose);
-  adjusted->prior.flex_weights = {};
+  state.SetModes(GetDeformationModes(adjusted->problem),
+                 DeformationScope::kPose);
+  adjusted->prior.deformation_precisions = {};
   AdjustAgain(options, adjusted);
-  if (RemoveOutliers(pattern, adjusted) == Removed::kSome)
+  if (RemoveOutliers(pattern, adjusted) == RemovalResult::kSome)
     AdjustAgain(options, adjusted);
 }
 
-double HeightOfFlatBoards(const Pattern& pattern,
-                          const AdjustmentOptions& options, Adjusted adjusted) {
+double EstimateFlatnessError(const Pattern& pattern,
+                             const AdjustmentOptions& options,
+                             AdjustmentResult adjusted) {
   if (AreParametric(CopyCameras(adjusted.state))) return 0;
   AdjustmentOptions free = options;
   free.fix_points = false;
-  LetBoardsHaveShapes(&adjusted);
+  EstimateStaticDeformation(&adjusted);
   AdjustAgain(free, &adjusted);
-  if (!adjusted.state.HasShapes()) return 0;
+  if (!adjusted.state.HasStaticDeformation()) return 0;
   AlignBoards(pattern, &adjusted);
   double height_m = 0;
-  for (const Board& board : AdjustedPattern(pattern, adjusted).boards)
+  for (const Board& board : MakeEstimatedPattern(pattern, adjusted).boards)
     if (!board.IsPointSet())  // these may have depth
-      height_m = std::max(height_m, MeasureBoardShape(board).rms_height_m);
+      height_m = std::max(height_m, MeasureFlatness(board).rms_height_m);
   return height_m;
 }
 
-void AdjustModel(const Pattern& pattern, const std::string& model,
-                 const std::vector<double>& cells_px,
-                 const AdjustmentOptions& options, Adjusted* adjusted) {
+void OptimizeModel(const Pattern& pattern, const std::string& model,
+                   const std::vector<double>& knot_spacings_px,
+                   const AdjustmentOptions& options,
+                   AdjustmentResult* adjusted) {
   const bool is_grid = !IsParametricModel(model);
-  if (is_grid) FitBaseLenses(options, adjusted);
-  AdjustRigidly(pattern, model, cells_px, options, adjusted);
+  if (is_grid) FitBaseModels(options, adjusted);
+  OptimizeWithRigidBoards(pattern, model, knot_spacings_px, options, adjusted);
   if (is_grid && !options.rigid_boards) {
-    Adjusted rigid = *adjusted;
-    LetBoardsBend(pattern, options, adjusted);
+    AdjustmentResult rigid = *adjusted;
+    EstimateDeformation(pattern, options, adjusted);
     if (HasDiverged(*adjusted, rigid)) *adjusted = std::move(rigid);
   }
-  FinishCameras(adjusted);
+  FinalizeCameras(adjusted);
 }
 
-void FinishCameras(Adjusted* adjusted) {
+void FinalizeCameras(AdjustmentResult* adjusted) {
   for (size_t c = 0; c < adjusted->state.cameras.size(); ++c) {
     std::unique_ptr<CameraModel>& camera = adjusted->state.cameras[c];
     if (const ParametricModel* lens = camera->Parametric())
-      camera = lens->OverArea(
+      camera = lens->CloneWithArea(
           CalibratedArea(adjusted->problem, static_cast<int>(c)));
-    LimitUnseenNodes(adjusted->problem, static_cast<int>(c), camera.get());
+    LimitUnobservedControlPoints(adjusted->problem, static_cast<int>(c),
+                                 camera.get());
   }
   CenterLines(&adjusted->state);
 }
 
-void AlignBoards(const Pattern& pattern, Adjusted* adjusted) {
+void AlignBoards(const Pattern& pattern, AdjustmentResult* adjusted) {
   const CalibrationProblem& problem = adjusted->problem;
   // Poses of a body are those of the board that is its frame.
   std::vector<std::set<int>> poses(pattern.boards.size());
@@ -254,7 +267,7 @@ void AlignBoards(const Pattern& pattern, Adjusted* adjusted) {
   AlignToNominal(boards, &adjusted->state);
 }
 
-bool HavePointsMoved(const Adjusted& adjusted) {
+bool HavePointsMoved(const AdjustmentResult& adjusted) {
   constexpr double kRoundingM = 1e-9;
   constexpr Eigen::Index kLeast = 3;  // fewer do not tell a motion
   const std::vector<int>& firsts = adjusted.problem.first_points;
@@ -277,12 +290,13 @@ bool HavePointsMoved(const Adjusted& adjusted) {
   return false;
 }
 
-Pattern AdjustedPattern(const Pattern& pattern, const Adjusted& adjusted) {
+Pattern MakeEstimatedPattern(const Pattern& pattern,
+                             const AdjustmentResult& adjusted) {
   Pattern result = pattern;
   for (size_t b = 0; b < pattern.boards.size(); ++b) {
     const int first = adjusted.problem.first_points[b];
     for (int i = 0; i < pattern.boards[b].num_points(); ++i)
-      result.boards[b].points[i] = adjusted.state.ShapedPoint(first + i);
+      result.boards[b].points[i] = adjusted.state.DeformedPoint(first + i);
   }
   return result;
 }

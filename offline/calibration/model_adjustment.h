@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/adjusted.h"
+#include "calibration/adjustment_result.h"
 
 namespace raygrid {
 
@@ -14,43 +14,48 @@ namespace raygrid {
 /// is as good as the lens that it started from, and has not converged. Cells
 /// for each camera. Central grids start from those of another knot spacing, if
 /// they are given.
-void AdjustRigidly(const Pattern& pattern, const std::string& model,
-                   const std::vector<double>& cells_px,
-                   const AdjustmentOptions& options, Adjusted* adjusted,
-                   const Adjusted* other_spacing = nullptr);
+void OptimizeWithRigidBoards(const Pattern& pattern, const std::string& model,
+                             const std::vector<double>& knot_spacings_px,
+                             const AdjustmentOptions& options,
+                             AdjustmentResult* adjusted,
+                             const AdjustmentResult* other_spacing = nullptr);
 
 /// Goes on to boards that bend, once outliers are gone: bends would follow
 /// them. With few parameters, as parametric models have, bends would take on
 /// what these cannot follow of the lens.
-void LetBoardsBend(const Pattern& pattern, const AdjustmentOptions& options,
-                   Adjusted* adjusted);
+void EstimateDeformation(const Pattern& pattern,
+                         const AdjustmentOptions& options,
+                         AdjustmentResult* adjusted);
 
 /// All steps from starting lenses to the model asked for, with the options'
-/// boards, as far as FinishCameras(). Cells for each camera.
-void AdjustModel(const Pattern& pattern, const std::string& model,
-                 const std::vector<double>& cells_px,
-                 const AdjustmentOptions& options, Adjusted* adjusted);
+/// boards, as far as FinalizeCameras(). Cells for each camera.
+void OptimizeModel(const Pattern& pattern, const std::string& model,
+                   const std::vector<double>& knot_spacings_px,
+                   const AdjustmentOptions& options,
+                   AdjustmentResult* adjusted);
 
 /// Settles after an adjustment what no feature tells: parametric cameras over
 /// the calibrated area, unseen control points within what a blob can hold, the
 /// origin of lines that do not meet at the point nearest to them.
-void FinishCameras(Adjusted* adjusted);
+void FinalizeCameras(AdjustmentResult* adjusted);
 
 /// Brings boards whose points were free to where they are nominally.
-void AlignBoards(const Pattern& pattern, Adjusted* adjusted);
+void AlignBoards(const Pattern& pattern, AdjustmentResult* adjusted);
 
 /// How far the boards of grids are from flat that were taken for flat: RMS of
 /// the one that is farthest, metres, once they may bend. 0 unless they bend
 /// more than chance would have it.
-double HeightOfFlatBoards(const Pattern& pattern,
-                          const AdjustmentOptions& options, Adjusted adjusted);
+double EstimateFlatnessError(const Pattern& pattern,
+                             const AdjustmentOptions& options,
+                             AdjustmentResult adjusted);
 
 /// False where the prior's strength kept the points as they are; then they were
 /// no more than aligned.
-bool HavePointsMoved(const Adjusted& adjusted);
+bool HavePointsMoved(const AdjustmentResult& adjusted);
 
 /// The pattern with its points where they were found to be.
-Pattern AdjustedPattern(const Pattern& pattern, const Adjusted& adjusted);
+Pattern MakeEstimatedPattern(const Pattern& pattern,
+                             const AdjustmentResult& adjusted);
 
 }  // namespace raygrid
 

@@ -44,7 +44,7 @@ std::vector<std::vector<FeatureResidual>> TakeOutliers(
         continue;
       }
       const Feature feature =
-          problem->FeatureOf(pattern, static_cast<int>(v), observation);
+          problem->GetFeature(pattern, static_cast<int>(v), observation);
       removed[view.camera].push_back({problem->images[v], feature.board,
                                       feature.column, feature.row,
                                       observation.pixel, residual.error_px});
@@ -73,7 +73,8 @@ bool HasOutliers(const std::vector<Residual>& residuals,
   return false;
 }
 
-Removed RemoveOutliers(const Pattern& pattern, Adjusted* adjusted) {
+RemovalResult RemoveOutliers(const Pattern& pattern,
+                             AdjustmentResult* adjusted) {
   const std::vector<Area> areas = CalibratedAreas(adjusted->problem);
   const auto removed =
       TakeOutliers(pattern, adjusted->summary.residuals, &adjusted->problem);
@@ -83,9 +84,10 @@ Removed RemoveOutliers(const Pattern& pattern, Adjusted* adjusted) {
     rejected.insert(rejected.end(), removed[c].begin(), removed[c].end());
     have_removed = have_removed || !removed[c].empty();
   }
-  if (!have_removed) return Removed::kNone;
-  return CalibratedAreas(adjusted->problem) == areas ? Removed::kSome
-                                                     : Removed::kPartOfArea;
+  if (!have_removed) return RemovalResult::kNone;
+  return CalibratedAreas(adjusted->problem) == areas
+             ? RemovalResult::kSome
+             : RemovalResult::kPartOfArea;
 }
 
 }  // namespace raygrid

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "calibration/adjusted.h"
+#include "calibration/adjustment_result.h"
 
 namespace raygrid {
 
@@ -13,11 +13,12 @@ namespace raygrid {
 bool HasOutliers(const std::vector<Residual>& residuals,
                  const CalibrationProblem& problem);
 
-enum class Removed { kNone, kSome, kPartOfArea };
+enum class RemovalResult { kNone, kSome, kPartOfArea };
 
 /// Removes the outliers of the last adjustment from the problem, for good.
 /// kPartOfArea: the area of the grids has changed, which features may span.
-Removed RemoveOutliers(const Pattern& pattern, Adjusted* adjusted);
+RemovalResult RemoveOutliers(const Pattern& pattern,
+                             AdjustmentResult* adjusted);
 
 }  // namespace raygrid
 

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "calibration/camera_result.h"
-#include "calibration/cell_search.h"
-#include "calibration/grid_choice.h"
+#include "calibration/knot_spacing_search.h"
+#include "calibration/knot_spacing_selection.h"
 #include "camera/lens_models.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
@@ -18,14 +18,14 @@ using Beside = std::function<void(int num_threads)>;
 
 struct Candidate {
   std::string model;
-  double cell_px = 0;  // of grids
+  double knot_spacing_px = 0;  // of grids
 };
 
 // A model that is measured in two parts, at one time.
 struct Measurement {
   Candidate candidate;
-  ModelFigures figures;  // of all training images
-  HeldOut held_out;
+  ModelMetrics metrics;  // of all training images
+  HeldOutResiduals held_out;
   // Parts that came to an end: a fisheye may be beyond what a model can say.
   std::array<bool, 2> is_done = {};
 };
@@ -34,48 +34,51 @@ void MeasureTraining(const CameraInProgress& camera, const Pattern& pattern,
                      const ValidationOptions& validation,
                      const AdjustmentOptions& options,
                      Measurement* measurement) {
-  const std::vector<double> cells_px = {measurement->candidate.cell_px};
-  Adjusted adjusted = camera.lens;
-  AdjustModel(pattern, validation.model, cells_px, options, &adjusted);
+  const std::vector<double> knot_spacings_px = {
+      measurement->candidate.knot_spacing_px};
+  AdjustmentResult adjusted = camera.lens;
+  OptimizeModel(pattern, validation.model, knot_spacings_px, options,
+                &adjusted);
   AlignBoards(pattern, &adjusted);
   const std::vector<FeatureResidual> training =
-      TrainingResiduals(pattern, adjusted, 0, options.num_threads);
+      ComputeTrainingResiduals(pattern, adjusted, 0, options.num_threads);
   const CameraModel& model = adjusted.state.camera();
   // Images to test with are given, or there are folds.
   if (!camera.split.test.images.empty())
     measurement->held_out =
-        EvaluateHeldOut(adjusted, pattern, {camera.split}, validation, cells_px,
-                        nullptr, nullptr);
-  ModelFigures& figures = measurement->figures;
-  figures.model = validation.model;
-  figures.num_parameters = model.NumParameters();
-  figures.training = ComputeErrorFigures(training);
-  figures.bias_kl = ComputeBias(training, model.area());
+        EvaluateHeldOut(adjusted, pattern, {camera.split}, validation,
+                        knot_spacings_px, nullptr, nullptr);
+  ModelMetrics& metrics = measurement->metrics;
+  metrics.model = validation.model;
+  metrics.num_parameters = model.NumParameters();
+  metrics.training = ComputeErrorMetrics(training);
+  metrics.bias_kl = ComputeBias(training, model.area());
 }
 
 void MeasureHeldOut(const CameraInProgress& camera, const Pattern& pattern,
                     const ValidationOptions& validation, Folds* folds,
                     Measurement* measurement) {
   if (!camera.split.test.images.empty()) return;
-  const std::vector<double> cells_px = {measurement->candidate.cell_px};
+  const std::vector<double> knot_spacings_px = {
+      measurement->candidate.knot_spacing_px};
   std::vector<Trial> trials;
-  CrossValidate(pattern, validation, {cells_px}, folds, &trials);
-  measurement->held_out =
-      JoinFolds(trials, folds->count(), cells_px, validation.rigid_boards);
+  CrossValidate(pattern, validation, {knot_spacings_px}, folds, &trials);
+  measurement->held_out = JoinFolds(trials, folds->count(), knot_spacings_px,
+                                    validation.rigid_boards);
 }
 
-ModelFigures FiguresIn(Measurement measurement) {
-  ModelFigures figures = std::move(measurement.figures);
-  HeldOut& held_out = measurement.held_out;
-  if (held_out.alone.empty() || held_out.alone.front().empty()) return figures;
+ModelMetrics FiguresIn(Measurement measurement) {
+  ModelMetrics metrics = std::move(measurement.metrics);
+  HeldOutResiduals& held_out = measurement.held_out;
+  if (held_out.alone.empty() || held_out.alone.front().empty()) return metrics;
   if (!held_out.flexed.front().empty())
-    figures.held_out_flexed = ComputeErrorFigures(held_out.flexed.front());
-  figures.held_out_residuals = std::move(held_out.alone.front());
-  figures.held_out = ComputeErrorFigures(figures.held_out_residuals);
-  return figures;
+    metrics.held_out_deformed = ComputeErrorMetrics(held_out.flexed.front());
+  metrics.held_out_residuals = std::move(held_out.alone.front());
+  metrics.held_out = ComputeErrorMetrics(metrics.held_out_residuals);
+  return metrics;
 }
 
-std::vector<ModelFigures> Measure(const std::vector<Candidate>& candidates,
+std::vector<ModelMetrics> Measure(const std::vector<Candidate>& candidates,
                                   const CameraInProgress& camera,
                                   const Pattern& pattern,
                                   const CalibrationOptions& options,
@@ -85,8 +88,8 @@ std::vector<ModelFigures> Measure(const std::vector<Candidate>& candidates,
     measurements.push_back({candidate, {}, {}, {}});
   const int num_threads = NumThreads(options.num_threads);
   const int num_parts = 2 * static_cast<int>(candidates.size());
-  AdjustmentOptions adjustment = StoppableAdjustment(options);
-  adjustment.rigid_boards = !camera.boards_bend;
+  AdjustmentOptions adjustment = MakeStoppableOptions(options);
+  adjustment.rigid_boards = !camera.per_view_deformation;
   adjustment.num_threads = std::max(1, num_threads / num_parts);
   const int num_beside = beside ? 1 : 0;
   ParallelFor(num_beside + num_parts, num_threads, [&](int i) {
@@ -94,7 +97,7 @@ std::vector<ModelFigures> Measure(const std::vector<Candidate>& candidates,
     // The last models have the most parameters and take longest: first.
     const int from_last = (i - num_beside) / 2, part = (i - num_beside) % 2;
     Measurement& measurement = measurements[candidates.size() - 1 - from_last];
-    ValidationOptions validation = ValidationOptionsOf(options);
+    ValidationOptions validation = MakeValidationOptions(options);
     validation.model = measurement.candidate.model;
     validation.rigid_boards = adjustment.rigid_boards;
     validation.num_threads = adjustment.num_threads;
@@ -109,39 +112,41 @@ std::vector<ModelFigures> Measure(const std::vector<Candidate>& candidates,
     } catch (const Error&) {
     }
   });
-  std::vector<ModelFigures> figures;
-  if (options.ShouldStop()) return figures;
+  std::vector<ModelMetrics> metrics;
+  if (options.ShouldStop()) return metrics;
   for (Measurement& measurement : measurements)
     if (measurement.is_done[0] && measurement.is_done[1])
-      figures.push_back(FiguresIn(std::move(measurement)));
-  return figures;
+      metrics.push_back(FiguresIn(std::move(measurement)));
+  return metrics;
 }
 
 }  // namespace
 
-std::vector<ModelFigures> CompareParametricModels(
+std::vector<ModelMetrics> CompareParametricModels(
     const CameraInProgress& camera, const Pattern& pattern,
     const CalibrationOptions& options, const Beside& beside) {
   std::vector<Candidate> candidates;
   for (const std::string& model : LensNames(ModelUse::kCompare))
     if (model != options.model) candidates.push_back({model});
-  if (IsParametricModel(options.model) && camera.grid_cell_px > 0)
-    candidates.push_back({models::kCentralGeneric, camera.grid_cell_px});
+  if (IsParametricModel(options.model) && camera.grid_knot_spacing_px > 0)
+    candidates.push_back(
+        {models::kCentralGeneric, camera.grid_knot_spacing_px});
   return Measure(candidates, camera, pattern, options, beside);
 }
 
-std::optional<double> ModelErrorPx(const CalibrationResult& result) {
+std::optional<double> EstimateModelErrorPx(const CalibrationResult& result) {
   constexpr double kSurely = 2;
   const std::string own = result.camera.camera->Name();
   std::optional<double> error_px;
   if (result.held_out.empty()) return error_px;
-  const double own_px = ComputeErrorFigures(result.held_out).median_px;
-  for (const ModelFigures& other : result.parametric_models) {
+  const double own_px = ComputeErrorMetrics(result.held_out).median_px;
+  for (const ModelMetrics& other : result.parametric_models) {
     const bool is_richer =
         (other.model == models::kNonCentralGeneric && own != other.model) ||
         (other.model == models::kCentralGeneric && IsParametricModel(own));
     if (!is_richer || !other.held_out || other.held_out->median_px >= own_px ||
-        GainOver(result.held_out, other.held_out_residuals, own_px) < kSurely)
+        ComputeLossGain(result.held_out, other.held_out_residuals, own_px) <
+            kSurely)
       continue;
     const double other_px = other.held_out->median_px;
     error_px = std::max(error_px.value_or(0),
@@ -150,20 +155,21 @@ std::optional<double> ModelErrorPx(const CalibrationResult& result) {
   return error_px;
 }
 
-std::optional<ModelFigures> TryAnotherGrid(const CameraInProgress& camera,
-                                           const Pattern& pattern,
-                                           const CalibrationOptions& options) {
+std::optional<ModelMetrics> CompareAlternativeGrid(
+    const CameraInProgress& camera, const Pattern& pattern,
+    const CalibrationOptions& options) {
   if (options.model == models::kNonCentralGeneric) return std::nullopt;
   const std::string model = options.model == models::kCentralGeneric
                                 ? models::kNonCentralGeneric
                                 : models::kCentralGeneric;
   const Dataset& training = camera.split.training;
-  double cell_px = camera.result.cell_px;
-  cell_px = std::max(cell_px, MediumCellPx(training, model));
-  const std::vector<ModelFigures> figures =
-      Measure({{model, cell_px}}, camera, pattern, options, {});
-  if (figures.empty()) return std::nullopt;
-  return figures.front();
+  double knot_spacing_px = camera.result.knot_spacing_px;
+  knot_spacing_px =
+      std::max(knot_spacing_px, MediumKnotSpacingPx(training, model));
+  const std::vector<ModelMetrics> metrics =
+      Measure({{model, knot_spacing_px}}, camera, pattern, options, {});
+  if (metrics.empty()) return std::nullopt;
+  return metrics.front();
 }
 
 }  // namespace raygrid

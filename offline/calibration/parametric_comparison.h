@@ -14,7 +14,7 @@ namespace raygrid {
 /// out; without such, by cross-validation. Models that cannot be adjusted are
 /// left out. Other work for the camera is done beside them, with half of the
 /// threads: beside(num_threads) is called once.
-std::vector<ModelFigures> CompareParametricModels(
+std::vector<ModelMetrics> CompareParametricModels(
     const CameraInProgress& camera, const Pattern& pattern,
     const CalibrationOptions& options,
     const std::function<void(int num_threads)>& beside);
@@ -22,16 +22,16 @@ std::vector<ModelFigures> CompareParametricModels(
 /// noncentral-generic beside a central grid, and central-generic beside a
 /// parametric model, likewise: with cells of the same size, or larger where the
 /// features do not tell so many parameters. Nothing if it cannot be adjusted.
-std::optional<ModelFigures> TryAnotherGrid(const CameraInProgress& camera,
-                                           const Pattern& pattern,
-                                           const CalibrationOptions& options);
+std::optional<ModelMetrics> CompareAlternativeGrid(
+    const CameraInProgress& camera, const Pattern& pattern,
+    const CalibrationOptions& options);
 
 /// The part of the median held-out error that a richer model, a grid beside a
 /// parametric model or a non-central one beside a central one, does not have:
 /// the root of the difference of squares. Nothing if none is better by two
 /// standard errors. Standard deviations do not contain it, since all images
 /// share it.
-std::optional<double> ModelErrorPx(const CalibrationResult& result);
+std::optional<double> EstimateModelErrorPx(const CalibrationResult& result);
 
 }  // namespace raygrid
 

@@ -61,16 +61,16 @@ std::optional<Pose> LocalizeTogether(
   AdjustmentOptions options;
   options.fix_cameras = options.fix_points = true;
   options.num_threads = 1;
-  AdjustBundle(views, {}, options, &best);
+  RunBundleAdjustment(views, {}, options, &best);
   return best.rig_from_pattern.front();
 }
 
 // rig_from_pattern of each pose.
 std::vector<std::optional<Pose>> LocalizeRig(
     const RigModel& rig, const CalibrationProblem& problem, int num_threads,
-    const std::vector<Pose>& body_from_board = {}) {
+    const std::vector<Pose>& target_from_board = {}) {
   AdjustmentState state = StateOf(rig, problem);
-  state.body_from_board = body_from_board;
+  state.target_from_board = target_from_board;
   const auto alone = LocalizeAlone(rig, problem, num_threads);
   std::vector<std::vector<View>> views(problem.num_poses);
   std::vector<std::vector<Pose>> candidates(problem.num_poses);
@@ -78,9 +78,9 @@ std::vector<std::optional<Pose>> LocalizeRig(
     View view = problem.views[v];
     const int pose = view.pose;
     if (alone[v])
-      candidates[pose].push_back(BodyByBoard(
+      candidates[pose].push_back(ComputeTargetPose(
           view, rig.camera_from_rig[view.camera].Inverse() * *alone[v],
-          body_from_board));
+          target_from_board));
     view.pose = 0;
     views[pose].push_back(std::move(view));
   }
@@ -101,9 +101,9 @@ std::vector<Evaluation> EvaluateRig(const RigModel& rig,
     BuildProblem({datasets[c]}, pattern, &evaluations[c].rejected_images);
   std::vector<RejectedImage> of_all_cameras;
   CalibrationProblem problem = BuildProblem(datasets, pattern, &of_all_cameras);
-  std::vector<Pose> body_from_board;
-  JoinBoards(rig.bodies, &problem, &body_from_board);
-  const auto poses = LocalizeRig(rig, problem, num_threads, body_from_board);
+  std::vector<Pose> target_from_board;
+  JoinBoards(rig.rigid_targets, &problem, &target_from_board);
+  const auto poses = LocalizeRig(rig, problem, num_threads, target_from_board);
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     const View& view = problem.views[v];
     Evaluation& evaluation = evaluations[view.camera];
@@ -112,11 +112,11 @@ std::vector<Evaluation> EvaluateRig(const RigModel& rig,
           {problem.images[v], "pose estimation failed"});
       continue;
     }
-    AddResiduals(
-        *rig.cameras[view.camera],
-        BoardByBody(view, rig.camera_from_rig[view.camera] * *poses[view.pose],
-                    body_from_board),
-        pattern, problem, v, &evaluation);
+    AddResiduals(*rig.cameras[view.camera],
+                 ComputeBoardPose(
+                     view, rig.camera_from_rig[view.camera] * *poses[view.pose],
+                     target_from_board),
+                 pattern, problem, v, &evaluation);
   }
   return evaluations;
 }
@@ -138,8 +138,8 @@ std::vector<std::vector<BoardPose>> LocalizeBoards(
   return by_camera;
 }
 
-AdjustmentState LocalizedState(const RigModel& rig, CalibrationProblem* problem,
-                               int num_threads) {
+AdjustmentState LocalizeRigViews(const RigModel& rig,
+                                 CalibrationProblem* problem, int num_threads) {
   AdjustmentState state = StateOf(rig, *problem);
   const auto poses = LocalizeRig(rig, *problem, num_threads);
   std::vector<bool> is_lost;

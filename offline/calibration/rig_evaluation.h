@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "adjustment/adjustment_state.h"
-#include "calibration/bodies.h"
 #include "calibration/camera_evaluation.h"
+#include "calibration/rigid_targets.h"
 #include "camera/pose.h"
 
 namespace raygrid {
@@ -14,7 +14,7 @@ namespace raygrid {
 struct RigModel {
   std::vector<const CameraModel*> cameras;
   std::vector<Pose> camera_from_rig;
-  Bodies bodies = {};  ///< that boards in front of it belong to
+  RigidTargets rigid_targets = {};  ///< that boards in front of it belong to
 };
 
 /// Each body, or board, localised once for an instant, by all cameras that see
@@ -32,8 +32,8 @@ std::vector<std::vector<BoardPose>> LocalizeBoards(
 
 /// The rig with a pose for each board at each instant, as EvaluateRig()
 /// localises them. Views that cannot be localised leave the problem.
-AdjustmentState LocalizedState(const RigModel& rig, CalibrationProblem* problem,
-                               int num_threads);
+AdjustmentState LocalizeRigViews(const RigModel& rig,
+                                 CalibrationProblem* problem, int num_threads);
 
 }  // namespace raygrid
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "adjustment/group_jackknife.h"
-#include "calibration/rig_start.h"
+#include "calibration/rig_initialization.h"
 
 namespace raygrid {
 namespace {
@@ -53,7 +53,7 @@ Eigen::MatrixXd AllByPoses(const std::vector<Pose>& camera_from_rig,
 }
 
 // Leaves the deviations empty if the equations are singular.
-void AddDeviations(const Adjusted& adjusted, AdjustmentOptions options,
+void AddDeviations(const AdjustmentResult& adjusted, AdjustmentOptions options,
                    std::vector<Baseline>* baselines) {
   options.fix_points = !HavePointsMoved(adjusted);
   const LinearResponse response(adjusted.problem.views, adjusted.prior, options,
@@ -86,8 +86,8 @@ void AddDeviations(const Adjusted& adjusted, AdjustmentOptions options,
 
 }  // namespace
 
-std::vector<Baseline> MeasureBaselines(const Adjusted& adjusted,
-                                       const AdjustmentOptions& options) {
+std::vector<Baseline> EstimateBaselines(const AdjustmentResult& adjusted,
+                                        const AdjustmentOptions& options) {
   std::vector<Baseline> baselines =
       ComputeBaselines(adjusted.state.camera_from_rig);
   if (baselines.empty()) return baselines;

@@ -11,8 +11,8 @@ namespace raygrid {
 /// The baselines of every two cameras. Their standard deviations are those of
 /// the adjustment's equations and residuals, all other parameters being free;
 /// without, if the equations are singular.
-std::vector<Baseline> MeasureBaselines(const Adjusted& adjusted,
-                                       const AdjustmentOptions& options);
+std::vector<Baseline> EstimateBaselines(const AdjustmentResult& adjusted,
+                                        const AdjustmentOptions& options);
 
 }  // namespace raygrid
 

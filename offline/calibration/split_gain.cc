@@ -16,22 +16,22 @@ Eigen::MatrixXd ByCamera(const ViewJacobian& jacobian, int num_parameters) {
       Eigen::MatrixXd::Zero(2 * jacobian.count(), num_parameters);
   for (int i = 0; i < jacobian.count(); ++i) {
     auto rows = by_camera.middleRows<2>(2 * i);
-    const auto by_node = ViewJacobian::Block(jacobian.by_node, i);
+    const auto J_node = ViewJacobian::Block(jacobian.J_node, i);
     for (int node = 0; node < jacobian.num_nodes; ++node)
       rows.middleCols(jacobian.node_parameter(node, i),
                       jacobian.num_per_node) +=
           jacobian.node_weight(node, i) *
-          by_node.leftCols(jacobian.num_per_node);
+          J_node.leftCols(jacobian.num_per_node);
     rows.middleCols(jacobian.first_global, jacobian.num_global) +=
-        ViewJacobian::Block(jacobian.by_global, i)
-            .leftCols(jacobian.num_global);
+        ViewJacobian::Block(jacobian.J_global, i).leftCols(jacobian.num_global);
   }
   return by_camera;
 }
 
 }  // namespace
 
-SplitGain::SplitGain(const Adjusted& joint, double huber_px, int num_threads) {
+SplitGain::SplitGain(const AdjustmentResult& joint, double huber_px,
+                     int num_threads) {
   const int num_parameters = joint.state.camera().NumParameters();
   if (num_parameters > kMaxParameters) return;
   const std::vector<View>& views = joint.problem.views;
@@ -43,17 +43,18 @@ SplitGain::SplitGain(const Adjusted& joint, double huber_px, int num_threads) {
     Eigen::MatrixXd by_camera = ByCamera(jacobian, num_parameters);
     Eigen::VectorXd error = jacobian.error.reshaped();
     squares_ += error.squaredNorm();
-    const Eigen::MatrixXd by_pose = jacobian.by_pose.transpose();
-    const Eigen::LDLT<Eigen::MatrixXd> pose(by_pose.transpose() * by_pose);
-    by_camera -= by_pose * pose.solve(by_pose.transpose() * by_camera);
-    error -= by_pose * pose.solve(by_pose.transpose() * error);
+    const Eigen::MatrixXd J_pose = jacobian.J_pose.transpose();
+    const Eigen::LDLT<Eigen::MatrixXd> pose(J_pose.transpose() * J_pose);
+    by_camera -= J_pose * pose.solve(J_pose.transpose() * by_camera);
+    error -= J_pose * pose.solve(J_pose.transpose() * error);
     views_.push_back({joint.problem.images[v],
                       by_camera.transpose() * by_camera,
                       by_camera.transpose() * error});
   }
 }
 
-double SplitGain::LeftPart(const std::set<std::string>& first) const {
+double SplitGain::ComputeRemainingShare(
+    const std::set<std::string>& first) const {
   constexpr double kRidge = 1e-9;  // of directions that no view determines
   if (views_.empty()) return 0;
   const Eigen::Index size = views_.front().gradient.size();
@@ -61,7 +62,7 @@ double SplitGain::LeftPart(const std::set<std::string>& first) const {
   for (const bool is_first : {true, false}) {
     Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(size, size);
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(size);
-    for (const OfView& view : views_) {
+    for (const ViewTerms& view : views_) {
       if ((first.count(view.image) > 0) != is_first) continue;
       hessian += view.hessian;
       gradient += view.gradient;

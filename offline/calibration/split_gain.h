@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/adjusted.h"
+#include "calibration/adjustment_result.h"
 
 namespace raygrid {
 
@@ -15,22 +15,22 @@ namespace raygrid {
 /// of the images costs two small systems, not two adjustments.
 class SplitGain {
  public:
-  SplitGain(const Adjusted& joint, double huber_px, int num_threads);
+  SplitGain(const AdjustmentResult& joint, double huber_px, int num_threads);
 
   /// The part of the squared residuals that is left if the images with these
   /// names have a camera of their own, and the others another one. 0, which
   /// excludes nothing, where a camera has too many parameters to be asked.
-  double LeftPart(const std::set<std::string>& first) const;
+  double ComputeRemainingShare(const std::set<std::string>& first) const;
 
  private:
   // A view's normal equations of the camera.
-  struct OfView {
+  struct ViewTerms {
     std::string image;
     Eigen::MatrixXd hessian;
     Eigen::VectorXd gradient;
   };
 
-  std::vector<OfView> views_;
+  std::vector<ViewTerms> views_;
   double squares_ = 0;
 };
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "adjustment/linear_response.h"
-#include "camera/camera_stack.h"
+#include "camera/operating_point_model.h"
 
 namespace raygrid {
 namespace {
@@ -17,11 +17,11 @@ constexpr int kNumPose = 6;
 // differences.
 class ValueDerivatives {
  public:
-  ValueDerivatives(const CameraStack& stack, const View& view) {
+  ValueDerivatives(const OperatingPointModel& stack, const View& view) {
     for (size_t r = 0; r < stack.ranges().size(); ++r) {
-      const ConditionRange& range = stack.ranges()[r];
+      const OperatingRange& range = stack.ranges()[r];
       const double step = kPartOfRange * (range.high - range.low);
-      ConditionValues below = view.conditions, above = view.conditions;
+      OperatingPoint below = view.conditions, above = view.conditions;
       below[r] -= step;
       above[r] += step;
       sides_.push_back({stack.At(below), stack.At(above), 2 * step});
@@ -56,21 +56,21 @@ class ValueDerivatives {
 // loss's weight, and their derivatives by the view's pose and by its values.
 struct ViewEquations {
   Eigen::VectorXd error;
-  Eigen::MatrixXd by_pose, by_values;
+  Eigen::MatrixXd J_pose, by_values;
 
   // The moves of the pose that are nearest to errors, and what they leave.
   Eigen::MatrixXd PoseStep(const Eigen::MatrixXd& errors) const {
-    const Eigen::MatrixXd normal = by_pose.transpose() * by_pose;
-    return normal.ldlt().solve(by_pose.transpose() * errors);
+    const Eigen::MatrixXd normal = J_pose.transpose() * J_pose;
+    return normal.ldlt().solve(J_pose.transpose() * errors);
   }
   Eigen::MatrixXd BesidePose(const Eigen::MatrixXd& errors) const {
-    return errors - by_pose * PoseStep(errors);
+    return errors - J_pose * PoseStep(errors);
   }
 };
 
 ViewEquations EquationsOf(const AdjustmentState& state, const View& view) {
   const ValueDerivatives by_values(*state.camera().Stack(), view);
-  const Pose camera_from_board = state.CameraFromPattern(view);
+  const Pose camera_from_board = state.ComputeCameraFromPattern(view);
   const std::vector<LinearizedResidual> residuals = LinearizeView(state, view);
   const double huber_px = AdjustmentOptions().huber_px;
   const Eigen::Index num_rows =
@@ -90,7 +90,7 @@ ViewEquations EquationsOf(const AdjustmentState& state, const View& view) {
         camera_from_board *
         state.PointAt(view.pose, view.observations[k].point);
     equations.error.segment<2>(row) = root * r.residual.error_px;
-    equations.by_pose.middleRows<2>(row) = root * r.by_pose;
+    equations.J_pose.middleRows<2>(row) = root * r.J_pose;
     equations.by_values.middleRows<2>(row) =
         root * by_values.At(point, view.observations[k].pixel);
     row += 2;
@@ -134,16 +134,18 @@ std::vector<int> NumberImages(const CalibrationProblem& problem,
 
 }  // namespace
 
-ValueStep ValueEquations::StepOf(Eigen::Index unknown) const {
+ValueStep ValueEquations::ComputeStep(Eigen::Index unknown) const {
   // Beside the information that an image has by itself.
   constexpr double kUndetermined = 1e-6;
   const double found = information[unknown];
-  if (!(found > kUndetermined * own_information[unknown])) return {0, INFINITY};
+  if (!(found > kUndetermined * fixed_camera_information[unknown]))
+    return {0, INFINITY};
   return {-gradient[unknown] / found,
           noise_px[ImageOf(unknown)] / std::sqrt(found)};
 }
 
-ValueEquations MakeValueEquations(const Adjusted& adjusted, int num_threads) {
+ValueEquations MakeValueEquations(const AdjustmentResult& adjusted,
+                                  int num_threads) {
   const std::vector<View>& views = adjusted.problem.views;
   ValueEquations result;
   result.num_ranges =
@@ -164,7 +166,7 @@ ValueEquations MakeValueEquations(const Adjusted& adjusted, int num_threads) {
   const Eigen::Index num_values =
       static_cast<Eigen::Index>(num_images) * result.num_ranges;
   result.gradient = Eigen::VectorXd::Zero(num_values);
-  result.own_information = Eigen::VectorXd::Zero(num_values);
+  result.fixed_camera_information = Eigen::VectorXd::Zero(num_values);
   Eigen::MatrixXd right =
       Eigen::MatrixXd::Zero(response.layout().num_all(), num_values);
   for (size_t v = 0; v < views.size(); ++v) {
@@ -175,7 +177,7 @@ ValueEquations MakeValueEquations(const Adjusted& adjusted, int num_threads) {
     const Eigen::MatrixXd beside = equations.BesidePose(equations.by_values);
     result.gradient.segment(first, result.num_ranges) +=
         beside.transpose() * equations.error;
-    result.own_information.segment(first, result.num_ranges) +=
+    result.fixed_camera_information.segment(first, result.num_ranges) +=
         beside.colwise().squaredNorm().transpose();
     for (int r = 0; r < result.num_ranges; ++r) {
       const Eigen::VectorXd column = beside.col(r);
@@ -188,7 +190,7 @@ ValueEquations MakeValueEquations(const Adjusted& adjusted, int num_threads) {
   }
   Eigen::MatrixXd moves;
   if (!response.Solve(right, &moves)) return {};
-  result.information = result.own_information -
+  result.information = result.fixed_camera_information -
                        right.cwiseProduct(moves).colwise().sum().transpose();
   for (const auto& of_image : by_image)
     result.noise_px.push_back(
@@ -197,7 +199,7 @@ ValueEquations MakeValueEquations(const Adjusted& adjusted, int num_threads) {
 }
 
 ValueStep FitValue(AdjustmentState state, const std::vector<View>& views,
-                   size_t range, const ConditionRange& limits) {
+                   size_t range, const OperatingRange& limits) {
   constexpr int kMaxSteps = 12;
   constexpr double kPartOfDeviation = 0.05;
   const auto column = static_cast<Eigen::Index>(range);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "calibration/model_adjustment.h"
-#include "camera/camera_stack.h"
+#include "camera/operating_point_model.h"
 
 namespace raygrid {
 
@@ -32,7 +32,7 @@ struct ValueEquations {
   /// The information on each unknown; and, with the cameras as they are, where
   /// nothing but the image's
   /// own poses is eliminated.
-  Eigen::VectorXd information, own_information;
+  Eigen::VectorXd information, fixed_camera_information;
   /// Standard deviation of an image's residuals, of all where that is more.
   std::vector<double> noise_px;
 
@@ -40,21 +40,22 @@ struct ValueEquations {
   int ImageOf(Eigen::Index unknown) const {
     return static_cast<int>(unknown) / num_ranges;
   }
-  int RangeOf(Eigen::Index unknown) const {
+  int RangeIndex(Eigen::Index unknown) const {
     return static_cast<int>(unknown) % num_ranges;
   }
   /// The step of an unknown that is freed alone.
-  ValueStep StepOf(Eigen::Index unknown) const;
+  ValueStep ComputeStep(Eigen::Index unknown) const;
 };
 
 /// Empty if the equations of the adjustment are singular.
-ValueEquations MakeValueEquations(const Adjusted& adjusted, int num_threads);
+ValueEquations MakeValueEquations(const AdjustmentResult& adjusted,
+                                  int num_threads);
 
 /// The value of a range, within limits, that fits the features of one image's
 /// views best with the stack as it is, their poses being free. Infinite
 /// deviation where they do not determine it.
 ValueStep FitValue(AdjustmentState state, const std::vector<View>& views,
-                   size_t range, const ConditionRange& limits);
+                   size_t range, const OperatingRange& limits);
 
 }  // namespace raygrid
 

@@ -31,13 +31,13 @@ void AddTerm(double factor, const BSplineSurface& term, BSplineSurface* sum) {
 
 // The stack of straight lines that is nearest to a stack over the values of
 // views.
-CameraStack StraightStack(const CameraStack& stack,
-                          const std::vector<View>& views) {
+OperatingPointModel StraightStack(const OperatingPointModel& stack,
+                                  const std::vector<View>& views) {
   const size_t num_ranges = stack.ranges().size();
-  CameraStack straight(stack.ranges(), std::vector<int>(num_ranges, 1),
-                       stack.At(stack.Middle()));
+  OperatingPointModel straight(stack.ranges(), std::vector<int>(num_ranges, 1),
+                               stack.At(stack.Middle()));
   for (size_t r = 0; r < num_ranges; ++r) {
-    const ConditionRange& range = stack.ranges()[r];
+    const OperatingRange& range = stack.ranges()[r];
     Eigen::ArrayXd t(views.size());
     for (size_t v = 0; v < views.size(); ++v)
       t[static_cast<Eigen::Index>(v)] =
@@ -146,22 +146,22 @@ double TruncatedSquares(const TrimmedFit& fit, double scatter) {
 
 }  // namespace
 
-std::vector<FreeValue> FitFreeValues(const Adjusted& adjusted, size_t range,
-                                     int num_threads) {
-  const CameraStack& stack = *adjusted.state.camera().Stack();
+std::vector<FittedValue> FitValues(const AdjustmentResult& adjusted,
+                                   size_t range, int num_threads) {
+  const OperatingPointModel& stack = *adjusted.state.camera().Stack();
   const std::vector<View>& views = adjusted.problem.views;
   AdjustmentState state = adjusted.state;
-  const CameraStack straight = StraightStack(stack, views);
+  const OperatingPointModel straight = StraightStack(stack, views);
   state.SetCamera(StackedGrid(straight, straight.Middle()));
   // Wide limits: values that are wrong make the change seem small.
-  ConditionRange limits = stack.ranges()[range];
+  OperatingRange limits = stack.ranges()[range];
   const double width = limits.high - limits.low;
   limits.low -= 2 * width;
   limits.high += 2 * width;
   std::map<std::string, std::vector<View>> by_image;
   for (size_t v = 0; v < views.size(); ++v)
     by_image[adjusted.problem.images[v]].push_back(views[v]);
-  std::vector<FreeValue> values;
+  std::vector<FittedValue> values;
   for (const auto& [image, of_image] : by_image)
     values.push_back({image, of_image.front().conditions[range], 0, 0});
   ParallelFor(
@@ -172,7 +172,7 @@ std::vector<FreeValue> FitFreeValues(const Adjusted& adjusted, size_t range,
         values[i].deviation = step.deviation;
       });
   values.erase(std::remove_if(values.begin(), values.end(),
-                              [](const FreeValue& value) {
+                              [](const FittedValue& value) {
                                 return !(value.deviation > 0) ||
                                        !std::isfinite(value.deviation);
                               }),
@@ -180,7 +180,7 @@ std::vector<FreeValue> FitFreeValues(const Adjusted& adjusted, size_t range,
   return values;
 }
 
-ValueRegression RegressValues(const std::vector<FreeValue>& values) {
+ValueRegression RegressValues(const std::vector<FittedValue>& values) {
   constexpr int kNumTrials = 500, kNumPermutations = 200, kFewTrials = 40;
   constexpr size_t kLeastImages = 8;
   ValueRegression regression;
@@ -189,7 +189,7 @@ ValueRegression RegressValues(const std::vector<FreeValue>& values) {
   std::vector<double> stated;
   Equations equations = {Eigen::MatrixXd::Ones(count, 1),
                          Eigen::VectorXd(count), Eigen::VectorXd(count)};
-  for (const FreeValue& value : values) {
+  for (const FittedValue& value : values) {
     const auto i = static_cast<Eigen::Index>(stated.size());
     stated.push_back(value.stated);
     equations.fitted[i] = value.fitted;

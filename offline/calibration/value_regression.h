@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/adjusted.h"
+#include "calibration/adjustment_result.h"
 
 namespace raygrid {
 
@@ -13,14 +13,14 @@ namespace raygrid {
 /// stated: with the straight line through the adjusted stack that is nearest to
 /// it over the stated values, and with the poses free. A value that is wrong
 /// bends the stack, but hardly the direction that the camera changes in.
-struct FreeValue {
+struct FittedValue {
   std::string image;
   double stated = 0, fitted = 0, deviation = 0;
 };
 
 /// Those of one range. Images whose features do not determine it are left out.
-std::vector<FreeValue> FitFreeValues(const Adjusted& adjusted, size_t range,
-                                     int num_threads);
+std::vector<FittedValue> FitValues(const AdjustmentResult& adjusted,
+                                   size_t range, int num_threads);
 
 /// How fitted values depend on stated ones: a polynomial by least trimmed
 /// squares (Rousseeuw, "Least Median of Squares Regression", 1984), which
@@ -37,7 +37,7 @@ struct ValueRegression {
 };
 
 /// No scores where there are too few images.
-ValueRegression RegressValues(const std::vector<FreeValue>& values);
+ValueRegression RegressValues(const std::vector<FittedValue>& values);
 
 }  // namespace raygrid
 

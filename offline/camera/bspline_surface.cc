@@ -181,7 +181,7 @@ Eigen::Vector2d BSplineSurface::Evaluate(const Eigen::Vector2d& pixel,
   return value;
 }
 
-int MostlyHandedness(const BSplineSurface& surface) {
+int FindDominantHandedness(const BSplineSurface& surface) {
   constexpr int kSteps = 8;
   const Area& area = surface.area();
   const Eigen::Vector2d extent(area.width(), area.height());
@@ -198,18 +198,19 @@ int MostlyHandedness(const BSplineSurface& surface) {
   return sum < 0 ? -1 : 1;
 }
 
-UnfoldedSide UnfoldedSideOf(const BSplineSurface& surface) {
+UnfoldedSide FindUnfoldedSide(const BSplineSurface& surface) {
   constexpr double kMaxStep = 1 / 32.0;  // of the longer side
   const Area& area = surface.area();
-  const UnfoldedSide side = {MostlyHandedness(surface),
+  const UnfoldedSide side = {FindDominantHandedness(surface),
                              kMaxStep * std::max(area.width(), area.height())};
   for (int k = 0; k < surface.num_points(); ++k)
     if (IsFoldedAt(surface, k, side)) return side;
   return {};
 }
 
-int NumControlPoints(double extent_px, double cell_px) {
-  return std::max(1, static_cast<int>(std::ceil(extent_px / cell_px - 1e-9))) +
+int NumControlPoints(double extent_px, double knot_spacing_px) {
+  return std::max(1, static_cast<int>(
+                         std::ceil(extent_px / knot_spacing_px - 1e-9))) +
          3;
 }
 

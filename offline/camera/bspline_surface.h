@@ -39,7 +39,7 @@ class BSplineSurface {
 
   /// The place of a control point in the image; the outermost ring lies outside
   /// the area.
-  Eigen::Vector2d PixelOf(int index) const {
+  Eigen::Vector2d GetPixel(int index) const {
     return {area_.x0 + (index % columns_ - 1) * cell_width(),
             area_.y0 + (index / columns_ - 1) * cell_height()};
   }
@@ -65,14 +65,14 @@ class BSplineSurface {
 /// +1 or -1, the sign of the derivative's determinant in most of the area's
 /// middle, half as wide and half as high. It is the other one where the surface
 /// is folded, as a grid may be beyond a fisheye's image circle.
-int MostlyHandedness(const BSplineSurface& surface);
+int FindDominantHandedness(const BSplineSurface& surface);
 
 /// The side of most of the middle; no side where no control point is folded.
-UnfoldedSide UnfoldedSideOf(const BSplineSurface& surface);
+UnfoldedSide FindUnfoldedSide(const BSplineSurface& surface);
 
 /// The number of control points along an extent for cells no longer than
 /// cell_px.
-int NumControlPoints(double extent_px, double cell_px);
+int NumControlPoints(double extent_px, double knot_spacing_px);
 
 /// A measured value of a surface.
 struct SurfaceSample {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "camera/model_fitting.h"
-#include "camera/turned_camera.h"
+#include "camera/rotated_camera.h"
 
 namespace raygrid {
 
@@ -27,23 +27,24 @@ CameraFrame FindCameraFrame(const CameraModel& camera,
   return frame;
 }
 
-std::unique_ptr<CameraModel> Turned(
-    const CameraModel& camera, const Eigen::Quaterniond& turned_from_camera) {
+std::unique_ptr<CameraModel> Rotated(
+    const CameraModel& camera, const Eigen::Quaterniond& rotated_from_camera) {
   std::unique_ptr<CameraModel> turned =
-      camera.FittedTo(TurnedCamera(camera, turned_from_camera));
+      camera.FittedTo(RotatedCamera(camera, rotated_from_camera));
   turned->SetImageCircle(camera.image_circle());
   return turned;
 }
 
-std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(
+std::optional<Eigen::Quaterniond> AlignToCameraFrame(
     std::shared_ptr<const CameraModel>* camera) {
   constexpr double kAstrayRad = 1 * M_PI / 180;
   const CameraFrame frame = FindCameraFrame(**camera);
   if (frame.AngleRad() <= kAstrayRad) return std::nullopt;
   if ((*camera)->IsCentral())
-    *camera = std::make_shared<TurnedCamera>(**camera, frame.frame_from_camera);
+    *camera =
+        std::make_shared<RotatedCamera>(**camera, frame.frame_from_camera);
   else
-    *camera = Turned(**camera, frame.frame_from_camera);
+    *camera = Rotated(**camera, frame.frame_from_camera);
   return frame.frame_from_camera;
 }
 

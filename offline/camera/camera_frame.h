@@ -26,7 +26,7 @@ struct CameraFrame {
 
 /// A frame that is turned by less than this is as good as the right one: a
 /// fiftieth of a degree.
-constexpr double kMaxFrameTurnRad = 0.02 * M_PI / 180;
+constexpr double kMaxFrameRotationRad = 0.02 * M_PI / 180;
 
 /// The frame that a camera ought to have; that of a parametric one is its own.
 /// Among lenses that are as near to it but for 2 %, the first of those that are
@@ -38,15 +38,15 @@ CameraFrame FindCameraFrame(const CameraModel& camera,
 /// A grid in a turned frame, with as many control points. Turning is no linear
 /// map of a surface in the chart: the grid is fitted anew, which moves rays by
 /// 1e-5 px or so where cells are a tenth of the image. Other cameras are
-/// wrapped (camera/turned_camera.h).
-std::unique_ptr<CameraModel> Turned(
-    const CameraModel& camera, const Eigen::Quaterniond& turned_from_camera);
+/// wrapped (camera/rotated_camera.h).
+std::unique_ptr<CameraModel> Rotated(
+    const CameraModel& camera, const Eigen::Quaterniond& rotated_from_camera);
 
 /// Turns a grid that looks more than a degree off its lens's axes, as earlier
 /// calibrations left some, into the frame of its nearest lens. Local distortion
 /// moves that frame by less, so that known cameras stay as they are. Returns
 /// the rotation of the new frame from the old one, if there was any need.
-std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(
+std::optional<Eigen::Quaterniond> AlignToCameraFrame(
     std::shared_ptr<const CameraModel>* camera);
 
 }  // namespace raygrid

@@ -16,7 +16,7 @@
 namespace raygrid {
 
 class BSplineSurface;
-class CameraStack;
+class OperatingPointModel;
 class ParametricModel;
 
 /// A projection and its derivatives. It depends on the nodes (control points)
@@ -27,7 +27,7 @@ struct LinearizedProjection {
   static constexpr int kMaxParameters = kMaxNodes * kMaxPerNode + kMaxGlobal;
 
   Eigen::Vector2d pixel;
-  Eigen::Matrix<double, 2, 3> by_point;  ///< d pixel / d point
+  Eigen::Matrix<double, 2, 3> J_point;  ///< d pixel / d point
 
   /// The numbers of nodes and of their parameters, the same for all projections
   /// of a camera: nodes may have no weight.
@@ -35,10 +35,10 @@ struct LinearizedProjection {
   std::array<int, kMaxNodes> node_parameter;  ///< the first one of each node
   std::array<double, kMaxNodes> node_weight;
   /// d pixel / d a node's parameters, for a node of weight 1.
-  Eigen::Matrix<double, 2, kMaxPerNode> by_node;
+  Eigen::Matrix<double, 2, kMaxPerNode> J_node;
 
   int num_global = 0, first_global = 0;
-  Eigen::Matrix<double, 2, kMaxGlobal> by_global;
+  Eigen::Matrix<double, 2, kMaxGlobal> J_global;
 };
 
 /// Every calibrated pixel looks along one line. In a central camera all lines
@@ -58,7 +58,7 @@ class CameraModel {
   /// This model, if it is parametric; else null.
   virtual const ParametricModel* Parametric() const { return nullptr; }
   /// What a camera over a range of conditions is part of; null for others.
-  virtual const CameraStack* Stack() const { return nullptr; }
+  virtual const OperatingPointModel* Stack() const { return nullptr; }
 
   /// The generic model with as many control points, over the same area, that
   /// is closest to another camera; for others, that camera itself.
@@ -79,7 +79,7 @@ class CameraModel {
     image_circle_ = circle;
   }
   /// Whether the lens throws light on a pixel, as far as is known.
-  bool IsLit(const Eigen::Vector2d& pixel) const {
+  bool IsInImageCircle(const Eigen::Vector2d& pixel) const {
     return !image_circle_ || image_circle_->Contains(pixel);
   }
 

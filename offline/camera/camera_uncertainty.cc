@@ -30,8 +30,8 @@ LatticePlace PlaceOn(int columns, int rows, const Area& area,
 
 }  // namespace
 
-double DeviationLattice::At(const Area& area,
-                            const Eigen::Vector2d& pixel) const {
+double UncertaintyLattice::At(const Area& area,
+                              const Eigen::Vector2d& pixel) const {
   const LatticePlace place = PlaceOn(columns, rows, area, pixel);
   const double* corner = &deviation_px[place.node];
   const double upper = corner[0] + place.x * (corner[1] - corner[0]);
@@ -50,12 +50,12 @@ Eigen::Vector2d ErrorModes::At(size_t mode, const Area& area,
   return upper + place.y * (lower - upper);
 }
 
-double DeviationLattice::MedianPx() const {
+double UncertaintyLattice::MedianPx() const {
   const Area all = {0, 0, 1, 1};
   return MedianPx(all, all);
 }
 
-double DeviationLattice::MedianPx(const Area& area, const Area& part) const {
+double UncertaintyLattice::MedianPx(const Area& area, const Area& part) const {
   std::vector<double> known;
   for (int k = 0; k < columns * rows; ++k) {
     const Eigen::Vector2d place(
@@ -71,40 +71,40 @@ double DeviationLattice::MedianPx(const Area& area, const Area& part) const {
   return *middle;
 }
 
-TrustMask TrustMask::Over(const ImageSize& size) {
+ValidityMask ValidityMask::Over(const ImageSize& size) {
   const double longer = std::max(size.width, size.height);
-  TrustMask mask;
-  mask.cell_px =
+  ValidityMask mask;
+  mask.knot_spacing_px =
       1 << std::clamp(static_cast<int>(std::lround(std::log2(longer / 40))), 2,
                       8);
-  mask.columns = NumCells(size.width, mask.cell_px);
-  mask.rows = NumCells(size.height, mask.cell_px);
+  mask.columns = NumCells(size.width, mask.knot_spacing_px);
+  mask.rows = NumCells(size.height, mask.knot_spacing_px);
   mask.is_trusted.assign(mask.columns * mask.rows, false);
   return mask;
 }
 
-int TrustMask::CellOf(const Eigen::Vector2d& pixel) const {
+int ValidityMask::CellIndex(const Eigen::Vector2d& pixel) const {
   const auto cell = [this](double position, int count) {
-    return std::clamp(static_cast<int>((position + 0.5) / cell_px), 0,
+    return std::clamp(static_cast<int>((position + 0.5) / knot_spacing_px), 0,
                       count - 1);
   };
   return cell(pixel.y(), rows) * columns + cell(pixel.x(), columns);
 }
 
-Eigen::Vector2d TrustMask::CellCenter(int cell) const {
-  return {(cell % columns + 0.5) * cell_px - 0.5,
-          (cell / columns + 0.5) * cell_px - 0.5};
+Eigen::Vector2d ValidityMask::CellCenter(int cell) const {
+  return {(cell % columns + 0.5) * knot_spacing_px - 0.5,
+          (cell / columns + 0.5) * knot_spacing_px - 0.5};
 }
 
-bool TrustMask::TrustsAny() const {
+bool ValidityMask::HasValidCells() const {
   return std::find(is_trusted.begin(), is_trusted.end(), true) !=
          is_trusted.end();
 }
 
-void TrustMask::DistrustAbove(double max_deviation_px,
-                              const DeviationLattice& lattice,
-                              const Area& area) {
-  const double half = cell_px / 2.0;
+void ValidityMask::InvalidateAbove(double max_deviation_px,
+                                   const UncertaintyLattice& lattice,
+                                   const Area& area) {
+  const double half = knot_spacing_px / 2.0;
   for (size_t cell = 0; cell < is_trusted.size(); ++cell) {
     const Eigen::Vector2d center = CellCenter(static_cast<int>(cell));
     // Between its corners, deviations are about bilinear.
@@ -119,7 +119,7 @@ void TrustMask::DistrustAbove(double max_deviation_px,
   }
 }
 
-CameraUncertainty CameraUncertainty::OfMask(const TrustMask& mask) {
+CameraUncertainty CameraUncertainty::FromMask(const ValidityMask& mask) {
   CameraUncertainty known;
   known.lattice = {2, 2, std::vector<double>(4, NAN)};
   known.mask = mask;
@@ -127,20 +127,20 @@ CameraUncertainty CameraUncertainty::OfMask(const TrustMask& mask) {
   return known;
 }
 
-bool CameraUncertainty::TellsDeviations() const {
+bool CameraUncertainty::HasDeviations() const {
   return std::isfinite(max_deviation_px);
 }
 
-double CameraUncertainty::TrustedPart(const ImageSize& size,
-                                      const Area& area) const {
+double CameraUncertainty::ValidFraction(const ImageSize& size,
+                                        const Area& area) const {
   // Cells are rectangles, as is the area: rows and columns are counted, not
   // pixels, of which an image may have hundreds of millions.
   std::vector<int64_t> in_column(mask.columns), in_row(mask.rows);
   for (int x = 0; x < size.width; ++x)
-    in_column[mask.CellOf({x, 0}) % mask.columns] +=
+    in_column[mask.CellIndex({x, 0}) % mask.columns] +=
         area.Contains({static_cast<double>(x), area.y0});
   for (int y = 0; y < size.height; ++y)
-    in_row[mask.CellOf({0, y}) / mask.columns] +=
+    in_row[mask.CellIndex({0, y}) / mask.columns] +=
         area.Contains({area.x0, static_cast<double>(y)});
   int64_t count = 0;
   for (int j = 0; j < mask.rows; ++j)

@@ -13,7 +13,7 @@ namespace raygrid {
 /// Standard deviations of a coordinate of the projection of a far point, the
 /// RMS of both axes: on a lattice from corner to corner of the camera's area,
 /// row by row, bilinear between. NaN where the camera is undefined.
-struct DeviationLattice {
+struct UncertaintyLattice {
   int columns = 0, rows = 0;
   std::vector<double> deviation_px;
 
@@ -26,28 +26,28 @@ struct DeviationLattice {
 /// Which square cells of the image a camera can be trusted in. Pixel (x, y) is
 /// in cell (floor((x + 1/2) / cell_px), floor((y + 1/2) / cell_px)), pixels on
 /// the image's far edges in the last ones.
-struct TrustMask {
-  int cell_px = 0;  ///< a power of two from 4 to 256
+struct ValidityMask {
+  int knot_spacing_px = 0;  ///< a power of two from 4 to 256
   int columns = 0, rows = 0;
   std::vector<bool> is_trusted;  ///< row by row
 
   /// A mask with cells about a fortieth of the longer side, none trusted.
-  static TrustMask Over(const ImageSize& size);
+  static ValidityMask Over(const ImageSize& size);
   /// Cells of an image's rows and columns.
-  static int NumCells(int num_pixels, int cell_px) {
-    return (num_pixels - 1) / cell_px + 1;
+  static int NumCells(int num_pixels, int knot_spacing_px) {
+    return (num_pixels - 1) / knot_spacing_px + 1;
   }
 
-  int CellOf(const Eigen::Vector2d& pixel) const;
+  int CellIndex(const Eigen::Vector2d& pixel) const;
   Eigen::Vector2d CellCenter(int cell) const;
-  bool Trusts(const Eigen::Vector2d& pixel) const {
-    return is_trusted[CellOf(pixel)];
+  bool IsValidAt(const Eigen::Vector2d& pixel) const {
+    return is_trusted[CellIndex(pixel)];
   }
-  bool TrustsAny() const;
+  bool HasValidCells() const;
   /// Trusts no cell any more in which a deviation is larger. The deviations are
   /// those over the area; beyond it, the nearest ones of it count.
-  void DistrustAbove(double max_deviation_px, const DeviationLattice& lattice,
-                     const Area& area);
+  void InvalidateAbove(double max_deviation_px,
+                       const UncertaintyLattice& lattice, const Area& area);
 };
 
 /// Standard deviations of what moves the images of an unchanged camera beyond
@@ -76,23 +76,23 @@ struct ErrorModes {
 /// How well a camera is known: by the calibration's noise where it can be
 /// trusted, by all that is not known elsewhere.
 struct CameraUncertainty {
-  DeviationLattice lattice;
-  TrustMask mask;
+  UncertaintyLattice lattice;
+  ValidityMask mask;
   double max_deviation_px = 0;  ///< of the cells trusted
   ErrorModes modes;             ///< may be empty
   /// Of a calibration that is not from a file: the standard deviation between
   /// cameras of as many other images, the RMS of both axes.
-  DeviationLattice scatter;
+  UncertaintyLattice scatter;
   /// Standard deviations, as a multiple of those that white noise predicts: the
   /// median of the pixels near features.
   double jackknife_scale = 1;
 
   /// How well a camera is known of which no deviation is.
-  static CameraUncertainty OfMask(const TrustMask& mask);
-  bool TellsDeviations() const;
+  static CameraUncertainty FromMask(const ValidityMask& mask);
+  bool HasDeviations() const;
 
   /// The part of the image's pixels that is trusted.
-  double TrustedPart(const ImageSize& size, const Area& area) const;
+  double ValidFraction(const ImageSize& size, const Area& area) const;
 };
 
 }  // namespace raygrid

@@ -18,7 +18,7 @@ Eigen::Vector2d NearestControlPoint(const BSplineSurface& surface,
       points.begin(), points.end(), [&target](const auto& a, const auto& b) {
         return (a - target).squaredNorm() < (b - target).squaredNorm();
       });
-  return surface.PixelOf(static_cast<int>(nearest - points.begin()));
+  return surface.GetPixel(static_cast<int>(nearest - points.begin()));
 }
 
 std::optional<PixelSolution> Solve(const BSplineSurface& surface,
@@ -45,7 +45,7 @@ CentralGeneric::CentralGeneric(const ImageSize& image_size,
                                BSplineSurface surface)
     : CameraModel(image_size, surface.area()),
       surface_(std::move(surface)),
-      side_(UnfoldedSideOf(surface_)) {}
+      side_(FindUnfoldedSide(surface_)) {}
 
 std::optional<Eigen::Vector3d> CentralGeneric::Unproject(
     const Eigen::Vector2d& pixel) const {
@@ -70,12 +70,12 @@ bool CentralGeneric::Linearize(const Eigen::Vector3d& point,
   if (!solution) return false;
   const Eigen::Matrix2d inverse = solution->derivative.inverse();
   projection->pixel = solution->pixel;
-  projection->by_point = inverse * ToChartDerivative(point);
+  projection->J_point = inverse * ToChartDerivative(point);
 
   const SplineSupport support = surface_.Support(solution->pixel);
   projection->num_nodes = 16;
   projection->num_per_node = 2;
-  projection->by_node.leftCols<2>() = -inverse;
+  projection->J_node.leftCols<2>() = -inverse;
   for (int k = 0; k < 16; ++k) {
     const int index =
         (support.row + k / 4) * surface_.columns() + support.column + k % 4;
@@ -93,7 +93,7 @@ Eigen::VectorXd CentralGeneric::Parameters() const {
 void CentralGeneric::SetParameters(const Eigen::VectorXd& parameters) {
   Eigen::Map<Eigen::VectorXd>(surface_.points().front().data(),
                               2 * surface_.num_points()) = parameters;
-  side_ = UnfoldedSideOf(surface_);
+  side_ = FindUnfoldedSide(surface_);
 }
 
 std::unique_ptr<CameraModel> CentralGeneric::FittedTo(

@@ -135,9 +135,9 @@ bool CentralRadial::Linearize(const Eigen::Vector3d& point,
   projection->first_global = static_cast<int>(spline_.size());
   projection->num_global = kNumOthers;
   for (int row = 0; row < 2; ++row) {
-    projection->by_global.row(row).head<kNumOthers>() =
+    projection->J_global.row(row).head<kNumOthers>() =
         value[row].v.head<kNumOthers>().transpose();
-    projection->by_point.row(row) =
+    projection->J_point.row(row) =
         value[row].v.segment<3>(kNumOthers).transpose();
   }
   const Eigen::Vector2d at_uv(uv[0].a, uv[1].a);
@@ -150,7 +150,7 @@ bool CentralRadial::Linearize(const Eigen::Vector3d& point,
     projection->node_parameter[k] = support.first + (is_used ? k : 0);
     projection->node_weight[k] = is_used ? support.weight[k] : 0;
   }
-  projection->by_node.col(0) << others_[kFx] * at_uv.x(),
+  projection->J_node.col(0) << others_[kFx] * at_uv.x(),
       others_[kFy] * at_uv.y();
   return true;
 }

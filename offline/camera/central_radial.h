@@ -49,7 +49,8 @@ class CentralRadial : public ParametricModel {
   std::vector<int> DistortionOrders() const override {
     return {0, 0, 0, 0, -2, -2, -2, -2};
   }
-  std::unique_ptr<ParametricModel> OverArea(const Area& area) const override {
+  std::unique_ptr<ParametricModel> CloneWithArea(
+      const Area& area) const override {
     return std::make_unique<CentralRadial>(image_size(), area, max_angle_rad_,
                                            spline_, others_);
   }

@@ -40,8 +40,9 @@ struct EucmFormula {
 
   static std::vector<int> DistortionOrders() { return {0, 0, 0, 0, 3, 3}; }
 
-  static std::vector<std::array<double, kCount>> Starts(double f, double cx,
-                                                        double cy) {
+  static std::vector<std::array<double, kCount>> InitialValues(double f,
+                                                               double cx,
+                                                               double cy) {
     return {{f, f, cx, cy, 0.6, 1}};
   }
 };

@@ -8,7 +8,8 @@
 ///     the lens; not a number where the formula has nothing;
 ///   kReachRad: the angle that the formula never goes beyond;
 ///   DistortionOrders(): ParametricModel's;
-///   Starts(f, cx, cy): parameters of lenses with f pixels a radian in the
+///   InitialValues(f, cx, cy): parameters of lenses with f pixels a radian in
+///   the
 ///     centre, which fits start from.
 #ifndef RAYGRID_CAMERA_FORMULA_LENS_H
 #define RAYGRID_CAMERA_FORMULA_LENS_H
@@ -32,7 +33,7 @@ class FormulaLens : public ParametricModel {
   FormulaLens(const ImageSize& image_size, const Area& area,
               const ParameterArray& parameters)
       : ParametricModel(image_size, area), parameters_(parameters) {
-    FindReach();
+    FindMaxAngle();
   }
 
   std::string Name() const override { return Formula::kName; }
@@ -49,7 +50,8 @@ class FormulaLens : public ParametricModel {
     const auto distort = [&](const Eigen::Matrix<Jet, 2, 1>& uv) {
       return Formula::Pixel(DirectionAt(uv), constants.data());
     };
-    const auto uv = InvertDistortion(distort, pixel, StartOf(pixel), reach_);
+    const auto uv =
+        InvertDistortion(distort, pixel, GetInitialParameters(pixel), reach_);
     if (!uv) return std::nullopt;
     return FromEquidistant(*uv);
   }
@@ -80,9 +82,9 @@ class FormulaLens : public ParametricModel {
     projection->pixel = *pixel;
     projection->num_global = kCount;
     for (int row = 0; row < 2; ++row) {
-      projection->by_global.row(row).template head<kCount>() =
+      projection->J_global.row(row).template head<kCount>() =
           value[row].v.template head<kCount>().transpose();
-      projection->by_point.row(row) =
+      projection->J_point.row(row) =
           value[row].v.template segment<3>(kCount).transpose();
     }
     return true;
@@ -93,7 +95,7 @@ class FormulaLens : public ParametricModel {
   }
   void SetParameters(const Eigen::VectorXd& parameters) override {
     Eigen::Map<Eigen::VectorXd>(parameters_.data(), kCount) = parameters;
-    FindReach();
+    FindMaxAngle();
   }
   const std::vector<std::string>& ParameterNames() const override {
     return Formula::Names();
@@ -101,12 +103,13 @@ class FormulaLens : public ParametricModel {
   std::vector<int> DistortionOrders() const override {
     return Formula::DistortionOrders();
   }
-  std::unique_ptr<ParametricModel> OverArea(const Area& area) const override {
+  std::unique_ptr<ParametricModel> CloneWithArea(
+      const Area& area) const override {
     return std::make_unique<FormulaLens>(image_size(), area, parameters_);
   }
 
  private:
-  void FindReach() {
+  void FindMaxAngle() {
     reach_ = FindMaxTheta(
         [this](double theta) {
           return Formula::Radius(theta, parameters_.data()) / theta;
@@ -120,7 +123,7 @@ class FormulaLens : public ParametricModel {
 
   // The equidistant coordinates at about which a pixel is seen, without what
   // tilts the lens.
-  Eigen::Vector2d StartOf(const Eigen::Vector2d& pixel) const {
+  Eigen::Vector2d GetInitialParameters(const Eigen::Vector2d& pixel) const {
     const Eigen::Vector2d at((pixel.x() - parameters_[2]) / parameters_[0],
                              (pixel.y() - parameters_[3]) / parameters_[1]);
     const double radius = at.norm();

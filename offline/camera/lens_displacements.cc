@@ -1,15 +1,15 @@
 #include "camera/lens_displacements.h"
 
 #include "camera/nearest_rotation.h"
-#include "camera/turned_camera.h"
+#include "camera/rotated_camera.h"
 
 namespace raygrid {
 
-PixelField DisplacementsOf(const CameraModel& reference,
-                           const CameraModel& unit,
-                           const std::vector<Eigen::Vector2d>& pixels) {
-  const TurnedCamera turned(unit,
-                            NearestRotation(reference, unit, reference.area()));
+PixelField ComputeDisplacements(const CameraModel& reference,
+                                const CameraModel& unit,
+                                const std::vector<Eigen::Vector2d>& pixels) {
+  const RotatedCamera turned(
+      unit, ComputeNearestRotation(reference, unit, reference.area()));
   PixelField values;
   for (const Eigen::Vector2d& pixel : pixels) {
     const auto ray = turned.Unproject(pixel);

@@ -15,9 +15,9 @@ using PixelField = std::vector<std::optional<Eigen::Vector2d>>;
 /// How far a unit's pixels look beside a reference's, in the reference's pixels
 /// and without what a turn of the camera does. Nothing of what lies more than
 /// kDisplacementMarginPx beyond the reference's area.
-PixelField DisplacementsOf(const CameraModel& reference,
-                           const CameraModel& unit,
-                           const std::vector<Eigen::Vector2d>& pixels);
+PixelField ComputeDisplacements(const CameraModel& reference,
+                                const CameraModel& unit,
+                                const std::vector<Eigen::Vector2d>& pixels);
 
 constexpr double kDisplacementMarginPx = 50;
 

@@ -38,7 +38,7 @@ LensModel ModelOf(ModelUse use, StartList (*starts)(double, double, double)) {
 template <typename Formula>
 LensModel ModelOf(ModelUse use) {
   return ModelOf<FormulaLens<Formula>>(use, [](double f, double cx, double cy) {
-    return AsVectors(Formula::Starts(f, cx, cy));
+    return AsVectors(Formula::InitialValues(f, cx, cy));
   });
 }
 

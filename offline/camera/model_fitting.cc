@@ -29,13 +29,13 @@ struct Sample {
 // Rays of a lattice of pixels, so many across and down, of trusted ones alone
 // or of all.
 void AddRays(const CameraModel& camera, const Area& area, int across,
-             const TrustMask* trusted, bool only_trusted,
+             const ValidityMask* trusted, bool only_trusted,
              std::vector<Sample>* samples) {
   for (int j = 0; j < across; ++j) {
     for (int i = 0; i < across; ++i) {
       const Eigen::Vector2d pixel(area.x0 + area.width() * i / (across - 1),
                                   area.y0 + area.height() * j / (across - 1));
-      const bool is_trusted = !trusted || trusted->Trusts(pixel);
+      const bool is_trusted = !trusted || trusted->IsValidAt(pixel);
       if (only_trusted && !is_trusted) continue;
       const auto ray = camera.Unproject(pixel);
       if (ray) samples->push_back({pixel, *ray, is_trusted});
@@ -49,7 +49,7 @@ size_t NumTrusted(const std::vector<Sample>& samples) {
 }
 
 std::vector<Sample> SampleRays(const CameraModel& camera, const Area& area,
-                               const TrustMask* trusted) {
+                               const ValidityMask* trusted) {
   constexpr int kAcross = 40, kMostAcross = 320;
   constexpr size_t kEnough = 400;
   std::vector<Sample> samples;
@@ -92,7 +92,7 @@ Center CenterOf(const CameraModel& camera, const Eigen::Quaterniond& rotation,
   LinearizedProjection linear;
   if (camera.Linearize(matrix.row(2).transpose(), nullptr, 0, &linear)) {
     const Eigen::Matrix<double, 2, 3> by_turned =
-        linear.by_point * matrix.transpose();
+        linear.J_point * matrix.transpose();
     return {linear.pixel,
             std::sqrt(std::abs(by_turned.leftCols<2>().determinant()))};
   }
@@ -104,7 +104,7 @@ Center CenterOf(const CameraModel& camera, const Eigen::Quaterniond& rotation,
   return {area.center(), std::hypot(area.width(), area.height()) / widest};
 }
 
-std::vector<std::unique_ptr<ParametricModel>> Starts(
+std::vector<std::unique_ptr<ParametricModel>> InitialValues(
     const std::string& name, const CameraModel& camera, const Center& center,
     const std::vector<Sample>& samples, int num_knots) {
   const double f = center.focal_px, cx = center.pixel.x(),
@@ -222,12 +222,12 @@ Equations Linearize(const ParametricModel& model,
     by_parameters.setZero();
     for (int k = 0; k < linear.num_nodes; ++k)
       by_parameters.row(linear.node_parameter[k]) +=
-          linear.node_weight[k] * linear.by_node.col(0);
+          linear.node_weight[k] * linear.J_node.col(0);
     by_parameters.middleRows(linear.first_global, linear.num_global) =
-        linear.by_global.leftCols(linear.num_global).transpose();
+        linear.J_global.leftCols(linear.num_global).transpose();
     for (int k = 0; k < 3; ++k)
       by_parameters.row(num_parameters + k) =
-          linear.by_point * Eigen::Vector3d::Unit(k).cross(ray);
+          linear.J_point * Eigen::Vector3d::Unit(k).cross(ray);
     by_parameters *= std::sqrt(sample.Weight());
     for (int k = 0; k < size; ++k) {                 // the upper triangle
       if (by_parameters.row(k).isZero(0)) continue;  // a spline's, elsewhere
@@ -374,7 +374,7 @@ double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
   double num_samples = 0;
   for (const Sample& sample : target->samples) num_samples += sample.Weight();
   const std::unique_ptr<ParametricModel> start =
-      fit->model->OverArea(fit->model->area());
+      fit->model->CloneWithArea(fit->model->area());
   target->start = start->Parameters();
   target->lost_px = kLostPx;
   double rms_px = kFirstRmsPx, bend_px = kLeastRadialPart;
@@ -450,9 +450,10 @@ FittedModel FitParametricModel(const std::string& name,
       CenterOf(camera, start_from_camera, area, target.samples);
   FittedModel best;
   double best_cost = INFINITY;
-  for (auto& start : StartsWithout(
-           Starts(name, camera, center, target.samples, options.num_knots),
-           options.held)) {
+  for (auto& start :
+       StartsWithout(InitialValues(name, camera, center, target.samples,
+                                   options.num_knots),
+                     options.held)) {
     FittedModel fit;
     fit.model = std::move(start);
     const double cost =

@@ -25,10 +25,10 @@ struct FitOptions {
   /// The model may look elsewhere, as no calibration can tell; the result then
   /// does not depend on the camera's own frame.
   bool free_rotation = false;
-  std::vector<std::string> held = {};  ///< parameters that stay 0
-  bool ties_focal_lengths = false;     ///< fx = fy
-  int num_knots = 24;                  ///< of a central-radial lens's spline
-  const TrustMask* trusted = nullptr;  ///< what counts; null: all
+  std::vector<std::string> held = {};     ///< parameters that stay 0
+  bool ties_focal_lengths = false;        ///< fx = fy
+  int num_knots = 24;                     ///< of a central-radial lens's spline
+  const ValidityMask* trusted = nullptr;  ///< what counts; null: all
 };
 
 /// The parametric model closest to a camera over an area: least squares on how

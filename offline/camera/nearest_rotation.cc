@@ -4,9 +4,9 @@
 
 namespace raygrid {
 
-Eigen::Quaterniond NearestRotation(const CameraModel& target,
-                                   const CameraModel& camera,
-                                   const Area& area) {
+Eigen::Quaterniond ComputeNearestRotation(const CameraModel& target,
+                                          const CameraModel& camera,
+                                          const Area& area) {
   constexpr int kColumns = 15, kRows = 11;
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (int j = 0; j < kRows; ++j)

@@ -9,8 +9,9 @@ namespace raygrid {
 
 /// The rotation that brings the directions of a camera's pixels nearest to
 /// those of another one (Wahba 1965), over a lattice in an area.
-Eigen::Quaterniond NearestRotation(const CameraModel& target,
-                                   const CameraModel& camera, const Area& area);
+Eigen::Quaterniond ComputeNearestRotation(const CameraModel& target,
+                                          const CameraModel& camera,
+                                          const Area& area);
 
 }  // namespace raygrid
 

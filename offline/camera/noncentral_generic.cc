@@ -24,7 +24,7 @@ NonCentralGeneric::NonCentralGeneric(const ImageSize& image_size,
     : CameraModel(image_size, directions.area()),
       directions_(std::move(directions)),
       points_(std::move(points)),
-      side_(UnfoldedSideOf(directions_)) {
+      side_(FindUnfoldedSide(directions_)) {
   assert(static_cast<int>(points_.size()) == directions_.num_points());
 }
 
@@ -77,7 +77,7 @@ Eigen::Vector2d NonCentralGeneric::NearestControlPoint(
     smallest = distance;
     nearest = k;
   }
-  return directions_.PixelOf(nearest);
+  return directions_.GetPixel(nearest);
 }
 
 std::optional<PixelSolution> NonCentralGeneric::Solve(
@@ -114,14 +114,14 @@ bool NonCentralGeneric::Linearize(const Eigen::Vector3d& point,
   if (!solution) return false;
   const Eigen::Matrix2d inverse = solution->derivative.inverse();
   projection->pixel = solution->pixel;
-  projection->by_point =
+  projection->J_point =
       inverse * ToChartDerivative(point - Evaluate(solution->pixel).origin);
 
   const SplineSupport support = directions_.Support(solution->pixel);
   projection->num_nodes = 16;
   projection->num_per_node = kPerNode;
-  projection->by_node.leftCols<2>() = -inverse;
-  projection->by_node.middleCols<3>(2) = -projection->by_point;
+  projection->J_node.leftCols<2>() = -inverse;
+  projection->J_node.middleCols<3>(2) = -projection->J_point;
   for (int k = 0; k < 16; ++k) {
     const int index =
         (support.row + k / 4) * directions_.columns() + support.column + k % 4;
@@ -144,7 +144,7 @@ void NonCentralGeneric::SetParameters(const Eigen::VectorXd& parameters) {
     directions_.points()[k] = parameters.segment<2>(kPerNode * k);
     points_[k] = parameters.segment<3>(kPerNode * k + 2);
   }
-  side_ = UnfoldedSideOf(directions_);
+  side_ = FindUnfoldedSide(directions_);
 }
 
 std::unique_ptr<CameraModel> NonCentralGeneric::FittedTo(

@@ -46,8 +46,9 @@ struct OmniRadtanFormula {
     return {0, 0, 0, 0, 3, 3, 5, -2, -2};
   }
 
-  static std::vector<std::array<double, kCount>> Starts(double f, double cx,
-                                                        double cy) {
+  static std::vector<std::array<double, kCount>> InitialValues(double f,
+                                                               double cx,
+                                                               double cy) {
     return {{2 * f, 2 * f, cx, cy, 1}};
   }
 };

@@ -46,7 +46,8 @@ class OpenCvModel : public ParametricModel {
   }
 
   OpenCvModel WithArea(const Area& area) const;
-  std::unique_ptr<ParametricModel> OverArea(const Area& area) const override {
+  std::unique_ptr<ParametricModel> CloneWithArea(
+      const Area& area) const override {
     return std::make_unique<OpenCvModel>(WithArea(area));
   }
 

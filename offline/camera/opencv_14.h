@@ -92,8 +92,9 @@ struct OpenCv14Formula {
     return {0, 0, 0, 0, 3, 5, -2, -2, 7, 3, 5, 7, -2, -4, -2, -4, -2, -2};
   }
 
-  static std::vector<std::array<double, kCount>> Starts(double f, double cx,
-                                                        double cy) {
+  static std::vector<std::array<double, kCount>> InitialValues(double f,
+                                                               double cx,
+                                                               double cy) {
     // Pade's approximation of atan(r) / r: an equidistant lens.
     return {{f, f, cx, cy},
             {f, f, cx, cy, 1190 / 1155.0, 231 / 1155.0, 0, 0, 0, 1575 / 1155.0,

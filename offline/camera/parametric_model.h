@@ -24,7 +24,8 @@ class ParametricModel : public CameraModel {
   }
 
   /// The model with these parameters over another area.
-  virtual std::unique_ptr<ParametricModel> OverArea(const Area& area) const = 0;
+  virtual std::unique_ptr<ParametricModel> CloneWithArea(
+      const Area& area) const = 0;
 
  protected:
   using CameraModel::CameraModel;

@@ -83,8 +83,8 @@ bool ModeCamera::Linearize(const Eigen::Vector3d& point,
   const Eigen::Vector2d signed_scale = mode_.scale.cwiseProduct(
       Eigen::Vector2d(mode_.flip_x ? -1 : 1, mode_.flip_y ? -1 : 1));
   projection->pixel = mode_.FromCalibrated(projection->pixel);
-  projection->by_point =
-      (signed_scale.cwiseInverse().asDiagonal() * projection->by_point).eval();
+  projection->J_point =
+      (signed_scale.cwiseInverse().asDiagonal() * projection->J_point).eval();
   ForgetParameters(projection);
   return area().Contains(projection->pixel, margin_px);
 }

@@ -32,7 +32,7 @@ Eigen::Vector2d NearestPlace(const BSplineSurface& surface,
   Eigen::Vector2d nearest = surface.area().center();
   double least = INFINITY;
   for (int k = 0; k < surface.num_points(); ++k) {
-    const Eigen::Vector2d place = surface.PixelOf(k);
+    const Eigen::Vector2d place = surface.GetPixel(k);
     const double distance =
         (place + surface.points()[k] - target).squaredNorm();
     if (!(distance < least)) continue;
@@ -52,7 +52,8 @@ struct PlaneSample {
 // A lattice of pixels, so many along the longer side. What looks farther back
 // than a blob can hold is left out: a stereographic plane is mostly that.
 std::vector<PlaneSample> SamplePlane(const CameraModel& camera,
-                                     const TrustMask* trusted, double across) {
+                                     const ValidityMask* trusted,
+                                     double across) {
   constexpr double kUntrustedWeight = 1e-6, kFarthest = 8;
   const Area& area = camera.area();
   const double step_px = std::max(area.width(), area.height()) / across;
@@ -64,12 +65,12 @@ std::vector<PlaneSample> SamplePlane(const CameraModel& camera,
       const Eigen::Vector2d pixel(
           area.x0 + area.width() * i / std::max(columns, 1),
           area.y0 + area.height() * j / std::max(rows, 1));
-      if (!camera.IsLit(pixel)) continue;
+      if (!camera.IsInImageCircle(pixel)) continue;
       const auto ray = camera.Unproject(pixel);
       if (!ray) continue;
       const Eigen::Vector2d u = ToPlane(*ray);
       if (!(u.norm() < kFarthest)) continue;
-      const bool is_trusted = !trusted || trusted->Trusts(pixel);
+      const bool is_trusted = !trusted || trusted->IsValidAt(pixel);
       samples.push_back({u, pixel, is_trusted ? 1 : kUntrustedWeight});
     }
   }
@@ -116,7 +117,7 @@ SplineGrid CoveringGrid(const Eigen::Array2d& widest, int along) {
   grid.columns = NumControlPoints(2 * widest.x(), least_cell);
   grid.fov_x_deg =
       FovDegOfEdge(std::max(widest.x(), least_cell * (grid.columns - 3) / 2));
-  const double cell = DomainOf(grid).width() / (grid.columns - 3);
+  const double cell = ComputeDomain(grid).width() / (grid.columns - 3);
   grid.rows = NumControlPoints(2 * widest.y(), cell);
   return grid;
 }
@@ -164,7 +165,7 @@ double ChoiceErrorPx(const SplinedStereographic& model,
 std::unique_ptr<SplinedStereographic> FitGrid(
     const CameraModel& camera, const std::vector<PlaneSample>& samples,
     const Eigen::Vector4d& others, const SplineGrid& grid) {
-  const Area domain = DomainOf(grid);
+  const Area domain = ComputeDomain(grid);
   std::vector<SurfaceSample> corrections;
   for (const PlaneSample& sample : samples) {
     if (!domain.Contains(sample.u, 1e-9)) continue;
@@ -180,7 +181,7 @@ std::unique_ptr<SplinedStereographic> FitGrid(
 
 }  // namespace
 
-Area DomainOf(const SplinedStereographic::Grid& grid) {
+Area ComputeDomain(const SplinedStereographic::Grid& grid) {
   const double x = 2 * std::tan(grid.fov_x_deg * M_PI / 180 / 4);
   const double y = x * (grid.rows - 3) / (grid.columns - 3);
   return {-x, -y, x, y};
@@ -191,7 +192,7 @@ SplinedStereographic::SplinedStereographic(const ImageSize& image_size,
                                            const Eigen::VectorXd& parameters)
     : ParametricModel(image_size, area),
       grid_(grid),
-      surface_(DomainOf(grid), grid.columns, grid.rows) {
+      surface_(ComputeDomain(grid), grid.columns, grid.rows) {
   SetParameters(parameters);
 }
 
@@ -262,12 +263,12 @@ bool SplinedStereographic::Linearize(const Eigen::Vector3d& point,
   const Eigen::Vector2d corrected = Corrected(surface_, u, &derivative);
   const auto focal = focal_px_.matrix().asDiagonal();
   projection->pixel = *pixel;
-  projection->by_point = focal * derivative * 2 * ToChartDerivative(point);
+  projection->J_point = focal * derivative * 2 * ToChartDerivative(point);
 
   const SplineSupport support = surface_.Support(u);
   projection->num_nodes = 16;
   projection->num_per_node = 2;
-  projection->by_node.leftCols<2>() = focal;
+  projection->J_node.leftCols<2>() = focal;
   for (int k = 0; k < 16; ++k) {
     const int index =
         (support.row + k / 4) * surface_.columns() + support.column + k % 4;
@@ -276,13 +277,13 @@ bool SplinedStereographic::Linearize(const Eigen::Vector3d& point,
   }
   projection->num_global = 4;
   projection->first_global = 2 * surface_.num_points();
-  projection->by_global.leftCols<4>() << corrected.x(), 0, 1, 0, 0,
+  projection->J_global.leftCols<4>() << corrected.x(), 0, 1, 0, 0,
       corrected.y(), 0, 1;
   return true;
 }
 
 std::unique_ptr<SplinedStereographic> FitSplinedStereographic(
-    const CameraModel& camera, const TrustMask* trusted,
+    const CameraModel& camera, const ValidityMask* trusted,
     const std::optional<SplinedStereographic::Grid>& told) {
   constexpr double kWorthPart = 0.02, kCloseEnoughPx = 0.005;
   constexpr double kLeastAcross = 160, kPerCell = 4;

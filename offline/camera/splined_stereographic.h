@@ -50,7 +50,8 @@ class SplinedStereographic : public ParametricModel {
   void SetParameters(const Eigen::VectorXd& parameters) override;
   /// The names of the parameters that are no control points.
   const std::vector<std::string>& ParameterNames() const override;
-  std::unique_ptr<ParametricModel> OverArea(const Area& area) const override {
+  std::unique_ptr<ParametricModel> CloneWithArea(
+      const Area& area) const override {
     return std::make_unique<SplinedStereographic>(image_size(), area, grid_,
                                                   Parameters());
   }
@@ -65,7 +66,7 @@ class SplinedStereographic : public ParametricModel {
 };
 
 /// The u at which d has cells on all sides.
-Area DomainOf(const SplinedStereographic::Grid& grid);
+Area ComputeDomain(const SplinedStereographic::Grid& grid);
 
 /// The model nearest to a central camera, in its own frame: least squares on
 /// the pixels of its directions. Of grids that cover these the one with the
@@ -74,7 +75,7 @@ Area DomainOf(const SplinedStereographic::Grid& grid);
 /// grid may be told, with an angle of 0 if it is to cover all. Null for a
 /// camera that sees nothing, or one line alone, or is mirrored.
 std::unique_ptr<SplinedStereographic> FitSplinedStereographic(
-    const CameraModel& camera, const TrustMask* trusted,
+    const CameraModel& camera, const ValidityMask* trusted,
     const std::optional<SplinedStereographic::Grid>& told = std::nullopt);
 
 }  // namespace raygrid

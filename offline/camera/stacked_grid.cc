@@ -4,25 +4,26 @@
 
 namespace raygrid {
 
-static_assert(2 * (1 + CameraStack::kMaxConditions * CameraStack::kMaxOrder) <=
+static_assert(2 * (1 + OperatingPointModel::kMaxConditions *
+                           OperatingPointModel::kMaxOrder) <=
               LinearizedProjection::kMaxPerNode);
 
-StackedGrid::StackedGrid(CameraStack stack, ConditionValues values)
+StackedGrid::StackedGrid(OperatingPointModel stack, OperatingPoint values)
     : CameraModel(stack.image_size(), stack.terms().front().area()),
       stack_(std::move(stack)),
       values_(std::move(values)),
-      factors_(stack_.Factors(values_)),
+      factors_(stack_.EvaluateBasis(values_)),
       camera_(stack_.At(values_)) {}
 
 bool StackedGrid::Linearize(const Eigen::Vector3d& point,
                             const Eigen::Vector2d* start, double margin_px,
                             LinearizedProjection* projection) const {
   if (!camera_.Linearize(point, start, margin_px, projection)) return false;
-  const Eigen::Matrix2d by_grid = projection->by_node.leftCols<2>();
+  const Eigen::Matrix2d by_grid = projection->J_node.leftCols<2>();
   const int count = static_cast<int>(factors_.size());
   projection->num_per_node = 2 * count;
   for (int j = 0; j < count; ++j)
-    projection->by_node.middleCols<2>(2 * j) = factors_[j] * by_grid;
+    projection->J_node.middleCols<2>(2 * j) = factors_[j] * by_grid;
   for (int k = 0; k < projection->num_nodes; ++k)
     projection->node_parameter[k] *= count;
   return true;
@@ -48,9 +49,9 @@ void StackedGrid::SetParameters(const Eigen::VectorXd& parameters) {
   SetValues(values_);
 }
 
-void StackedGrid::SetValues(ConditionValues values) {
+void StackedGrid::SetValues(OperatingPoint values) {
   values_ = std::move(values);
-  factors_ = stack_.Factors(values_);
+  factors_ = stack_.EvaluateBasis(values_);
   camera_ = stack_.At(values_);
 }
 

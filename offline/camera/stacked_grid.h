@@ -1,7 +1,7 @@
 #ifndef RAYGRID_CAMERA_STACKED_GRID_H
 #define RAYGRID_CAMERA_STACKED_GRID_H
 
-#include "camera/camera_stack.h"
+#include "camera/operating_point_model.h"
 
 namespace raygrid {
 
@@ -10,7 +10,7 @@ namespace raygrid {
 /// the second, and so on.
 class StackedGrid : public CameraModel {
  public:
-  StackedGrid(CameraStack stack, ConditionValues values);
+  StackedGrid(OperatingPointModel stack, OperatingPoint values);
 
   std::string Name() const override { return camera_.Name(); }
   std::unique_ptr<CameraModel> Clone() const override {
@@ -32,16 +32,16 @@ class StackedGrid : public CameraModel {
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
 
-  const CameraStack& stack() const { return stack_; }
-  const CameraStack* Stack() const override { return &stack_; }
-  const ConditionValues& values() const { return values_; }
+  const OperatingPointModel& stack() const { return stack_; }
+  const OperatingPointModel* Stack() const override { return &stack_; }
+  const OperatingPoint& values() const { return values_; }
   /// Goes to other values of the conditions.
-  void SetValues(ConditionValues values);
+  void SetValues(OperatingPoint values);
   const CentralGeneric& camera() const { return camera_; }
 
  private:
-  CameraStack stack_;
-  ConditionValues values_;
+  OperatingPointModel stack_;
+  OperatingPoint values_;
   std::vector<double> factors_;
   CentralGeneric camera_;
 };

@@ -92,9 +92,9 @@ bool ThinPrismFisheye::Linearize(const Eigen::Vector3d& point,
   projection->pixel = *pixel;
   projection->num_global = kCount;
   for (int row = 0; row < 2; ++row) {
-    projection->by_global.row(row).head<kCount>() =
+    projection->J_global.row(row).head<kCount>() =
         value[row].v.head<kCount>().transpose();
-    projection->by_point.row(row) = value[row].v.segment<3>(kCount).transpose();
+    projection->J_point.row(row) = value[row].v.segment<3>(kCount).transpose();
   }
   return true;
 }

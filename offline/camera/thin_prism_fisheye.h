@@ -46,7 +46,8 @@ class ThinPrismFisheye : public ParametricModel {
   std::vector<int> DistortionOrders() const override {
     return {0, 0, 0, 0, 3, 5, 7, 9, -2, -2, -2, -2};
   }
-  std::unique_ptr<ParametricModel> OverArea(const Area& area) const override {
+  std::unique_ptr<ParametricModel> CloneWithArea(
+      const Area& area) const override {
     return std::make_unique<ThinPrismFisheye>(image_size(), area, parameters_);
   }
 

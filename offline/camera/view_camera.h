@@ -36,7 +36,8 @@ class ViewCamera : public ParametricModel {
     parameters_ = parameters;
   }
   const std::vector<std::string>& ParameterNames() const override;
-  std::unique_ptr<ParametricModel> OverArea(const Area& area) const override {
+  std::unique_ptr<ParametricModel> CloneWithArea(
+      const Area& area) const override {
     return std::make_unique<ViewCamera>(projection_, image_size(), area,
                                         parameters_);
   }

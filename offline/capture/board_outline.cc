@@ -81,9 +81,9 @@ std::vector<Eigen::Vector3d> OutlinePoints(const Board& board) {
   return points;
 }
 
-std::vector<Eigen::Vector2d> OutlineOf(const CameraModel& camera,
-                                       const Board& board,
-                                       const Pose& camera_from_board) {
+std::vector<Eigen::Vector2d> ProjectOutline(const CameraModel& camera,
+                                            const Board& board,
+                                            const Pose& camera_from_board) {
   const auto homography = FitHomography(camera, board, camera_from_board);
   std::vector<Eigen::Vector2d> outline;
   if (!homography) return outline;

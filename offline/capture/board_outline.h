@@ -18,9 +18,9 @@ constexpr int kOutlineSteps = 8;
 /// the last column. Outside the image, the camera is extrapolated by the
 /// homography that best fits the visible part. Empty if fewer than four
 /// features are visible.
-std::vector<Eigen::Vector2d> OutlineOf(const CameraModel& camera,
-                                       const Board& board,
-                                       const Pose& camera_from_board);
+std::vector<Eigen::Vector2d> ProjectOutline(const CameraModel& camera,
+                                            const Board& board,
+                                            const Pose& camera_from_board);
 
 /// Returns the points of an outline in the board frame, in the same order.
 std::vector<Eigen::Vector3d> OutlinePoints(const Board& board);

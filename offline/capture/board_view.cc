@@ -35,7 +35,7 @@ Eigen::Vector3d MiddleOf(const Board& board) {
 std::optional<Pose> PoseOf(const BoardView& view, const Board& board,
                            const CameraModel& camera) {
   const auto line = camera.Line(view.pixel);
-  if (!line || !camera.IsLit(view.pixel)) return std::nullopt;
+  if (!line || !camera.IsInImageCircle(view.pixel)) return std::nullopt;
   const double scale =
       std::sqrt(PixelsPerRadian(camera, view.pixel, Eigen::Vector2d::UnitX()) *
                 PixelsPerRadian(camera, view.pixel, Eigen::Vector2d::UnitY()));

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "calibration/calibration_problem.h"
-#include "capture/camera_knowledge.h"
+#include "capture/camera_information.h"
 
 namespace raygrid {
 namespace {
@@ -15,17 +15,18 @@ namespace {
 // A board in an image, with its pose by a calibrated camera.
 struct AdjustedView {
   Pose camera_from_board;
-  std::vector<PointOnPixel> seen;
+  std::vector<PointPixelMatch> seen;
 };
 
 using ViewsByInstant = std::map<std::pair<std::string, int>, AdjustedView>;
 
-ViewsByInstant ViewsOf(const Adjusted& adjusted) {
+ViewsByInstant ViewsOf(const AdjustmentResult& adjusted) {
   ViewsByInstant views;
   const CalibrationProblem& problem = adjusted.problem;
   for (size_t v = 0; v < problem.views.size(); ++v) {
     AdjustedView& view = views[{problem.images[v], problem.boards[v]}];
-    view.camera_from_board = adjusted.state.CameraFromPattern(problem.views[v]);
+    view.camera_from_board =
+        adjusted.state.ComputeCameraFromPattern(problem.views[v]);
     for (const Observation& o : problem.views[v].observations)
       view.seen.push_back({adjusted.state.points[o.point], o.pixel});
   }
@@ -35,16 +36,16 @@ ViewsByInstant ViewsOf(const Adjusted& adjusted) {
 // The information matrix of features on a small motion of their board, for a
 // noise of 1 px.
 MotionMatrix MotionInformation(const CameraModel& camera,
-                               const std::vector<PointOnPixel>& features,
+                               const std::vector<PointPixelMatch>& features,
                                const Pose& camera_from_board) {
   MotionMatrix information = MotionMatrix::Zero();
-  for (const PointOnPixel& feature : features) {
+  for (const PointPixelMatch& feature : features) {
     const Eigen::Vector3d point = camera_from_board * feature.point;
     LinearizedProjection linear;
     if (!camera.Linearize(point, &feature.pixel, 1, &linear)) continue;
-    const Eigen::Matrix<double, 2, 6> by_motion =
-        linear.by_point * PointByMotion(point);
-    information += by_motion.transpose() * by_motion;
+    const Eigen::Matrix<double, 2, 6> J_motion =
+        linear.J_point * ComputePointJacobian(point);
+    information += J_motion.transpose() * J_motion;
   }
   return information;
 }
@@ -82,7 +83,7 @@ Eigen::Matrix<double, 6, 1> MotionBetween(const Pose& from, const Pose& to) {
 std::optional<CameraLink> CameraLink::Of(const LiveCamera& first,
                                          const LiveCamera& second) {
   if (!first.adjusted() || !second.adjusted()) return std::nullopt;
-  const auto camera_of = [](const Adjusted& adjusted) {
+  const auto camera_of = [](const AdjustmentResult& adjusted) {
     return Camera{
         std::shared_ptr<const CameraModel>(adjusted.state.camera().Clone()),
         adjusted.summary.noise_px};
@@ -99,11 +100,11 @@ std::optional<CameraLink> CameraLink::Of(const LiveCamera& first,
                       view.seen, other->second.seen});
   }
   if (boards.empty()) return std::nullopt;
-  link.FindPose(boards);
-  link.FindScatter(boards);
+  link.EstimateRelativePose(boards);
+  link.EstimateScatter(boards);
   double num_features = 0;
   for (const SharedBoard& board : boards) {
-    link.information_ += link.InformationOf(board);
+    link.information_ += link.ComputeInformation(board);
     link.weighing_ += MotionInformation(*link.second_.model, board.in_second,
                                         board.second_from_board);
     num_features += static_cast<double>(board.in_second.size());
@@ -114,7 +115,7 @@ std::optional<CameraLink> CameraLink::Of(const LiveCamera& first,
 }
 
 // The mean of the boards' relative poses, weighted by information.
-void CameraLink::FindPose(const std::vector<SharedBoard>& boards) {
+void CameraLink::EstimateRelativePose(const std::vector<SharedBoard>& boards) {
   second_from_first_ =
       boards[0].second_from_board * boards[0].first_from_board.Inverse();
   constexpr int kSteps = 5;
@@ -122,7 +123,7 @@ void CameraLink::FindPose(const std::vector<SharedBoard>& boards) {
     MotionMatrix sum = MotionMatrix::Zero();
     Eigen::Matrix<double, 6, 1> weighed = Eigen::Matrix<double, 6, 1>::Zero();
     for (const SharedBoard& board : boards) {
-      const MotionMatrix information = InformationOf(board);
+      const MotionMatrix information = ComputeInformation(board);
       sum += information;
       weighed +=
           information * MotionBetween(second_from_first_,
@@ -135,21 +136,21 @@ void CameraLink::FindPose(const std::vector<SharedBoard>& boards) {
   }
 }
 
-void CameraLink::FindScatter(const std::vector<SharedBoard>& boards) {
+void CameraLink::EstimateScatter(const std::vector<SharedBoard>& boards) {
   if (boards.size() < 2) return;
   double sum = 0;
   for (const SharedBoard& board : boards) {
     const Eigen::Matrix<double, 6, 1> motion =
         MotionBetween(second_from_first_, board.second_from_board *
                                               board.first_from_board.Inverse());
-    sum += motion.dot(InformationOf(board) * motion);
+    sum += motion.dot(ComputeInformation(board) * motion);
   }
   constexpr double kPoseSize = 6;
   scatter_ =
       std::max(1.0, sum / (kPoseSize * static_cast<double>(boards.size() - 1)));
 }
 
-MotionMatrix CameraLink::InformationOf(const SharedBoard& shared) const {
+MotionMatrix CameraLink::ComputeInformation(const SharedBoard& shared) const {
   const MotionMatrix of_first = InverseOf(MotionInformation(
       *first_.model, shared.in_first, shared.first_from_board));
   const MotionMatrix of_second = InverseOf(MotionInformation(
@@ -165,26 +166,28 @@ double CameraLink::RmsPx() const {
   return std::sqrt(scatter_ * (weighing_ * InverseOf(information_)).trace());
 }
 
-double CameraLink::GainOf(const SharedBoard& shared) const {
+double CameraLink::ComputeGain(const SharedBoard& shared) const {
   if (shared.in_first.size() < kMinViewFeatures ||
       shared.in_second.size() < kMinViewFeatures)
     return 0;
   const double before = (weighing_ * InverseOf(information_)).trace();
   const double after =
-      (weighing_ * InverseOf(information_ + InformationOf(shared))).trace();
+      (weighing_ * InverseOf(information_ + ComputeInformation(shared)))
+          .trace();
   return 1 - after / before;
 }
 
-double CameraLink::GainOfView(const Board& board,
-                              const Pose& first_from_board) const {
+double CameraLink::PredictViewGain(const Board& board,
+                                   const Pose& first_from_board) const {
   SharedBoard shared;
   shared.first_from_board = first_from_board;
   shared.second_from_board = second_from_first_ * first_from_board;
   shared.in_second =
-      SeenPoints(*second_.model, board, shared.second_from_board);
+      PredictVisiblePoints(*second_.model, board, shared.second_from_board);
   if (shared.in_second.size() < kMinViewFeatures) return 0;
-  shared.in_first = SeenPoints(*first_.model, board, first_from_board);
-  return GainOf(shared);
+  shared.in_first =
+      PredictVisiblePoints(*first_.model, board, first_from_board);
+  return ComputeGain(shared);
 }
 
 }  // namespace raygrid

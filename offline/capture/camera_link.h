@@ -7,7 +7,7 @@
 
 #include "camera/camera_model.h"
 #include "camera/pose.h"
-#include "capture/camera_knowledge.h"
+#include "capture/camera_information.h"
 #include "capture/live_camera.h"
 #include "capture/pose_derivative.h"
 #include "dataset/pattern.h"
@@ -38,13 +38,14 @@ class CameraLink {
   /// A board's pose in each camera, and the features that each sees.
   struct SharedBoard {
     Pose first_from_board, second_from_board;
-    std::vector<PointOnPixel> in_first, in_second;
+    std::vector<PointPixelMatch> in_first, in_second;
   };
   /// The fraction by which a board would reduce the variance (RmsPx() squared).
   /// 0 if one camera sees fewer than 8 features.
-  double GainOf(const SharedBoard& shared) const;
+  double ComputeGain(const SharedBoard& shared) const;
   /// The gain of a board at a pose, with simulated features.
-  double GainOfView(const Board& board, const Pose& first_from_board) const;
+  double PredictViewGain(const Board& board,
+                         const Pose& first_from_board) const;
 
  private:
   struct Camera {
@@ -52,9 +53,9 @@ class CameraLink {
     double noise_px = 0;
   };
 
-  MotionMatrix InformationOf(const SharedBoard& shared) const;
-  void FindPose(const std::vector<SharedBoard>& boards);
-  void FindScatter(const std::vector<SharedBoard>& boards);
+  MotionMatrix ComputeInformation(const SharedBoard& shared) const;
+  void EstimateRelativePose(const std::vector<SharedBoard>& boards);
+  void EstimateScatter(const std::vector<SharedBoard>& boards);
 
   Camera first_, second_;
   Pose second_from_first_;

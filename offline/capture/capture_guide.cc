@@ -5,7 +5,7 @@
 
 #include "camera/thin_prism_fisheye.h"
 #include "capture/view_hint.h"
-#include "evaluation/enough_images.h"
+#include "evaluation/min_images.h"
 #include "initialization/localization.h"
 
 namespace raygrid {
@@ -37,9 +37,9 @@ double AngleBetween(const LocatedBoard& a, const LocatedBoard& b) {
 
 }  // namespace
 
-std::vector<PointOnPixel> MatchesOf(const Board& board,
-                                    const ImageFeatures& image) {
-  std::vector<PointOnPixel> matches;
+std::vector<PointPixelMatch> MakeMatches(const Board& board,
+                                         const ImageFeatures& image) {
+  std::vector<PointPixelMatch> matches;
   for (const Feature& feature : image.features)
     if (feature.board == board.id)
       matches.push_back(
@@ -48,15 +48,15 @@ std::vector<PointOnPixel> MatchesOf(const Board& board,
   return matches;
 }
 
-FeaturePlaces PlacesOf(const ImageFeatures& image) {
-  FeaturePlaces places;
+FeaturePositions CollectFeaturePositions(const ImageFeatures& image) {
+  FeaturePositions places;
   for (const Feature& feature : image.features)
     places[{feature.board, feature.row, feature.column}] = feature.pixel;
   return places;
 }
 
-std::optional<double> DistancePx(const FeaturePlaces& a,
-                                 const FeaturePlaces& b) {
+std::optional<double> DistancePx(const FeaturePositions& a,
+                                 const FeaturePositions& b) {
   double sum = 0;
   int count = 0;
   for (const auto& [feature, pixel] : a) {
@@ -75,8 +75,8 @@ CaptureGuide::CaptureGuide(const LiveCamera& live, const Pattern& pattern,
       num_images_(static_cast<int>(live.images().images.size())),
       assumed_(AssumedCamera(live.images().image_size)) {
   for (const ImageFeatures& image : live.images().images)
-    kept_.push_back(PlacesOf(image));
-  if (live.adjusted()) knowledge_ = CameraKnowledge::Of(*live.adjusted());
+    kept_.push_back(CollectFeaturePositions(image));
+  if (live.adjusted()) knowledge_ = CameraInformation::Of(*live.adjusted());
   if (knowledge_)
     ChooseNext();
   else
@@ -91,7 +91,7 @@ std::vector<LocatedBoard> CaptureGuide::Locate(
     const ImageFeatures& image) const {
   std::vector<LocatedBoard> located;
   for (const Board& board : pattern_->boards)
-    if (const auto pose = Localize(camera(), MatchesOf(board, image)))
+    if (const auto pose = Localize(camera(), MakeMatches(board, image)))
       located.push_back({&board, *pose});
   return located;
 }
@@ -115,12 +115,13 @@ void CaptureGuide::ChooseFirst(const LiveCamera& live) {
 }
 
 // The best view unlike those kept.
-std::optional<NextView> CaptureGuide::BestNewView(const Board& board) const {
+std::optional<NextView> CaptureGuide::FindBestNewView(
+    const Board& board) const {
   std::vector<Pose> avoided = options_.avoided;
   constexpr int kTries = 4;
   for (int k = 0; k < kTries; ++k) {
-    const auto view = BestNextView(*knowledge_, board, avoided);
-    if (!view || !IsSameView(ImageOf(board, view->camera_from_board)))
+    const auto view = FindBestNextView(*knowledge_, board, avoided);
+    if (!view || !IsDuplicateView(ImageOf(board, view->camera_from_board)))
       return view;
     avoided.push_back(view->camera_from_board);
   }
@@ -141,22 +142,22 @@ ImageFeatures CaptureGuide::ImageOf(const Board& board,
 
 void CaptureGuide::ChooseNext() {
   for (const Board& board : pattern_->boards)
-    if (const auto view = BestNewView(board))
+    if (const auto view = FindBestNewView(board))
       if (!next_ || view->gain > next_->gain)
         next_ = GuidedView{&board, view->camera_from_board, view->gain};
   const bool is_known = options_.target_px > 0 &&
                         knowledge_->Percentile95Px() <= options_.target_px;
   is_done_ =
-      !is_floor() && (is_known || !next_ || next_->gain < options_.least_gain);
+      !is_floor() && (is_known || !next_ || next_->gain < options_.min_gain);
   if (is_done_) next_.reset();
 }
 
-bool CaptureGuide::is_floor() const { return num_images_ < kEnoughImages; }
+bool CaptureGuide::is_floor() const { return num_images_ < kMinReliableImages; }
 
-bool CaptureGuide::IsSameView(const ImageFeatures& image) const {
+bool CaptureGuide::IsDuplicateView(const ImageFeatures& image) const {
   constexpr double kMoved = 0.01;
   const ImageSize& size = camera().image_size();
-  const FeaturePlaces places = PlacesOf(image);
+  const FeaturePositions places = CollectFeaturePositions(image);
   return std::any_of(kept_.begin(), kept_.end(), [&](const auto& kept) {
     const auto distance_px = DistancePx(places, kept);
     return distance_px &&
@@ -164,8 +165,8 @@ bool CaptureGuide::IsSameView(const ImageFeatures& image) const {
   });
 }
 
-double CaptureGuide::GainOf(const ImageFeatures& image) const {
-  if (IsSameView(image)) return 0;
+double CaptureGuide::ComputeGain(const ImageFeatures& image) const {
+  if (IsDuplicateView(image)) return 0;
   const std::vector<LocatedBoard> located = Locate(image);
   if (!knowledge_) {
     const auto is_other = [&](const LocatedBoard& board) {
@@ -180,11 +181,12 @@ double CaptureGuide::GainOf(const ImageFeatures& image) const {
   for (const LocatedBoard& board : located) {
     std::vector<Eigen::Vector3d> points;
     std::vector<Eigen::Vector2d> pixels;
-    for (const PointOnPixel& match : MatchesOf(*board.board, image)) {
+    for (const PointPixelMatch& match : MakeMatches(*board.board, image)) {
       points.push_back(match.point);
       pixels.push_back(match.pixel);
     }
-    left *= 1 - knowledge_->GainOf(points, pixels, board.camera_from_board);
+    left *=
+        1 - knowledge_->ComputeGain(points, pixels, board.camera_from_board);
   }
   return 1 - left;
 }
@@ -194,7 +196,7 @@ bool CaptureGuide::IsWorthKeeping(double gain, bool is_next_view) const {
   const double wanted =
       next_ && !is_next_view ? options_.part_of_next * next_->gain : 0;
   // Before the smoothness is determined, every image with any gain counts.
-  const double least = is_floor() ? 0 : options_.least_gain;
+  const double least = is_floor() ? 0 : options_.min_gain;
   return gain > 0 && gain >= std::max(least, wanted);
 }
 
@@ -203,8 +205,8 @@ bool CaptureGuide::IsNextView(const ImageFeatures& image) const {
   const std::vector<LocatedBoard> located = Locate(image);
   return std::any_of(located.begin(), located.end(), [&](const auto& seen) {
     return seen.board->id == next_->board->id &&
-           IsThere(camera(), *seen.board, seen.camera_from_board,
-                   next_->camera_from_board);
+           IsAtTarget(camera(), *seen.board, seen.camera_from_board,
+                      next_->camera_from_board);
   });
 }
 
@@ -212,14 +214,14 @@ std::optional<int> CaptureGuide::num_expected() const {
   if (is_done_) return 0;
   // At first, standard deviations decrease faster than predicted.
   constexpr int kFewestImages = 6;
-  const int num_missing = std::max(1, kEnoughImages - num_images_);
+  const int num_missing = std::max(1, kMinReliableImages - num_images_);
   if (!knowledge_ || !next_ || num_images_ < kFewestImages) return std::nullopt;
   // The mean variance decreases by the n-th image as n^(-n gain): fast at
   // first, and as 1 / n in the end.
   const double n = num_images_, power = n * next_->gain;
   if (!(power > 0)) return std::nullopt;
-  // Ends when gains fall below least_gain, or the target is reached.
-  double most = std::min(1.0, power) / options_.least_gain;
+  // Ends when gains fall below min_gain, or the target is reached.
+  double most = std::min(1.0, power) / options_.min_gain;
   if (options_.target_px > 0) {
     const double ratio = knowledge_->Percentile95Px() / options_.target_px;
     most = std::min(most, n * std::pow(std::max(1.0, ratio), 2 / power));

@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "capture/camera_knowledge.h"
+#include "capture/camera_information.h"
 #include "capture/live_camera.h"
 #include "capture/next_view.h"
 #include "dataset/dataset.h"
@@ -18,7 +18,7 @@ namespace raygrid {
 struct GuideOptions {
   /// Required 95 % quantile of the uncertainty; 0: until gains are too small.
   double target_px = 0;
-  double least_gain = 0.02;  ///< minimum gain of a view
+  double min_gain = 0.02;  ///< minimum gain of a view
   /// An image is kept if its gain is at least this fraction of the next view's:
   /// near enough to that view, and not a repetition of a recent one.
   double part_of_next = 0.5;
@@ -30,15 +30,15 @@ struct GuideOptions {
 };
 
 /// Returns one board's features in an image, with board-frame points.
-std::vector<PointOnPixel> MatchesOf(const Board& board,
-                                    const ImageFeatures& image);
+std::vector<PointPixelMatch> MakeMatches(const Board& board,
+                                         const ImageFeatures& image);
 
 /// Feature positions by board, row and column.
-using FeaturePlaces = std::map<std::tuple<int, int, int>, Eigen::Vector2d>;
-FeaturePlaces PlacesOf(const ImageFeatures& image);
+using FeaturePositions = std::map<std::tuple<int, int, int>, Eigen::Vector2d>;
+FeaturePositions CollectFeaturePositions(const ImageFeatures& image);
 /// RMS distance of the common features; nothing without any.
-std::optional<double> DistancePx(const FeaturePlaces& a,
-                                 const FeaturePlaces& b);
+std::optional<double> DistancePx(const FeaturePositions& a,
+                                 const FeaturePositions& b);
 
 /// A board of the pattern, and its pose in an image.
 struct LocatedBoard {
@@ -65,7 +65,7 @@ class CaptureGuide {
   /// The current estimate of the camera, or the assumed one.
   const CameraModel& camera() const;
   /// NULL before a first calibration.
-  const CameraKnowledge* knowledge() const {
+  const CameraInformation* knowledge() const {
     return knowledge_ ? &*knowledge_ : nullptr;
   }
   int num_images() const { return num_images_; }
@@ -76,7 +76,7 @@ class CaptureGuide {
   /// first calibration: 1 for a board with a new tilt, otherwise 0. Always 0
   /// for a near-duplicate of a kept view (features moved by less than 1 % of
   /// the longer image side), which would only reduce the noise.
-  double GainOf(const ImageFeatures& image) const;
+  double ComputeGain(const ImageFeatures& image) const;
   /// Whether to keep an image with this gain. An image of the recommended view
   /// is kept if it has any gain, since the operator cannot do better.
   bool IsWorthKeeping(double gain, bool is_next_view) const;
@@ -95,8 +95,8 @@ class CaptureGuide {
   std::optional<int> num_expected() const;
 
  private:
-  bool IsSameView(const ImageFeatures& image) const;
-  std::optional<NextView> BestNewView(const Board& board) const;
+  bool IsDuplicateView(const ImageFeatures& image) const;
+  std::optional<NextView> FindBestNewView(const Board& board) const;
   ImageFeatures ImageOf(const Board& board,
                         const Pose& camera_from_board) const;
   void ChooseFirst(const LiveCamera& live);
@@ -105,9 +105,9 @@ class CaptureGuide {
   std::shared_ptr<const Pattern> pattern_;
   GuideOptions options_;
   int num_images_ = 0;
-  std::vector<FeaturePlaces> kept_;
+  std::vector<FeaturePositions> kept_;
   std::shared_ptr<const CameraModel> assumed_;
-  std::optional<CameraKnowledge> knowledge_;
+  std::optional<CameraInformation> knowledge_;
   std::vector<LocatedBoard> first_views_;  // before a first calibration
   std::optional<GuidedView> next_;
   bool is_done_ = false;

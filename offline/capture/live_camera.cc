@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "calibration/starting_lens.h"
+#include "calibration/camera_initialization.h"
 #include "capture/next_view.h"
 #include "dataset/error.h"
 
@@ -32,14 +32,14 @@ void LiveCamera::Add(const ImageFeatures& image) {
   const size_t count = images_.images.size();
   if (count < kNumFirstViews) return;
   if (!adjusted_ || 2 * count >= 3 * num_at_anew_)
-    AdjustAnew();
+    OptimizeFromScratch();
   else
     GoOn();
 }
 
 void LiveCamera::Add(const std::vector<ImageFeatures>& images) {
   images_.images.insert(images_.images.end(), images.begin(), images.end());
-  if (images_.images.size() >= kNumFirstViews) AdjustAnew();
+  if (images_.images.size() >= kNumFirstViews) OptimizeFromScratch();
 }
 
 void LiveCamera::Remove(const std::string& image) {
@@ -50,16 +50,16 @@ void LiveCamera::Remove(const std::string& image) {
                               }),
                images.end());
   adjusted_.reset();
-  if (images.size() >= kNumFirstViews) AdjustAnew();
+  if (images.size() >= kNumFirstViews) OptimizeFromScratch();
 }
 
-void LiveCamera::AdjustAnew() {
-  const double cell_px =
+void LiveCamera::OptimizeFromScratch() {
+  const double knot_spacing_px =
       std::max(images_.image_size.width, images_.image_size.height) / kCells;
   try {
-    Adjusted adjusted = AdjustStartingLens(images_, pattern_, Options());
-    AdjustRigidly(pattern_, models::kCentralGeneric, {cell_px}, Options(),
-                  &adjusted);
+    AdjustmentResult adjusted = InitializeCamera(images_, pattern_, Options());
+    OptimizeWithRigidBoards(pattern_, models::kCentralGeneric,
+                            {knot_spacing_px}, Options(), &adjusted);
     adjusted_ = std::move(adjusted);
     num_at_anew_ = images_.images.size();
   } catch (const Error&) {
@@ -74,7 +74,7 @@ void LiveCamera::GoOn() {
   for (size_t v = 0; v < before.views.size(); ++v)
     poses[{before.images[v], before.boards[v]}] =
         adjusted_->state.rig_from_pattern[before.views[v].pose];
-  Adjusted next = *adjusted_;
+  AdjustmentResult next = *adjusted_;
   std::vector<RejectedImage> rejected;
   next.problem = BuildProblem({images_}, pattern_, &rejected);
   next.problem.area = before.area;
@@ -99,10 +99,10 @@ void LiveCamera::GoOn() {
   }
   RemoveViews(remove, &next.problem);
   next.state.rig_from_pattern = kept;
-  next.state.SetModes({}, BendScope::kBoard);
+  next.state.SetModes({}, DeformationScope::kBoard);
   const double noise_px = next.summary.noise_px;
-  next.summary =
-      AdjustBundle(next.problem.views, next.prior, Options(), &next.state);
+  next.summary = RunBundleAdjustment(next.problem.views, next.prior, Options(),
+                                     &next.state);
   next.summary.noise_px = noise_px;
   adjusted_ = std::move(next);
 }

@@ -29,10 +29,10 @@ class LiveCamera {
 
   const Dataset& images() const { return images_; }
   /// Nothing until a camera was estimated.
-  const std::optional<Adjusted>& adjusted() const { return adjusted_; }
+  const std::optional<AdjustmentResult>& adjusted() const { return adjusted_; }
 
  private:
-  void AdjustAnew();
+  void OptimizeFromScratch();
   void GoOn();
   AdjustmentOptions Options() const;
 
@@ -40,7 +40,7 @@ class LiveCamera {
   Dataset images_;
   int num_threads_;
   size_t num_at_anew_ = 0;
-  std::optional<Adjusted> adjusted_;
+  std::optional<AdjustmentResult> adjusted_;
 };
 
 }  // namespace raygrid

@@ -24,7 +24,7 @@ class Search {
     found_.push_back({view, *pose, gain_(*pose)});
   }
   /// Keeps only the best count candidates.
-  void Keep(size_t count) {
+  void Save(size_t count) {
     std::stable_sort(
         found_.begin(), found_.end(),
         [](const NextView& a, const NextView& b) { return a.gain > b.gain; });
@@ -42,7 +42,8 @@ class Search {
         ++num_all;
         const auto pixel = camera_.Project(
             pose * board_.points[board_.PointIndex(column, row)]);
-        num_seen += pixel && image.Contains(*pixel) && camera_.IsLit(*pixel);
+        num_seen +=
+            pixel && image.Contains(*pixel) && camera_.IsInImageCircle(*pixel);
       }
     return 2 * num_seen >= num_all;
   }
@@ -50,7 +51,7 @@ class Search {
   bool IsAvoided(const Pose& pose) const {
     return std::any_of(avoided_.begin(), avoided_.end(),
                        [&](const Pose& other) {
-                         return IsThere(camera_, board_, pose, other);
+                         return IsAtTarget(camera_, board_, pose, other);
                        });
   }
 
@@ -63,9 +64,10 @@ class Search {
 
 }  // namespace
 
-std::optional<NextView> BestNextView(const CameraModel& camera,
-                                     const Board& board, const ViewGain& gain,
-                                     const std::vector<Pose>& avoided) {
+std::optional<NextView> FindBestNextView(const CameraModel& camera,
+                                         const Board& board,
+                                         const ViewGain& gain,
+                                         const std::vector<Pose>& avoided) {
   constexpr int kColumns = 7, kRows = 5;
   constexpr double kWidths[] = {0.4, 0.7, 1.1};  // of the image's
   const ImageSize size = camera.image_size();
@@ -81,7 +83,7 @@ std::optional<NextView> BestNextView(const CameraModel& camera,
                     (turn++ % kNumAxes) * 2 * M_PI / kNumAxes,
                     0});
   // Around each of the best: vary tilt, and rotate by 90 degrees.
-  search.Keep(3);
+  search.Save(3);
   for (const NextView& start : std::vector<NextView>(search.found())) {
     for (const double turn_rad : {0.0, M_PI / 2}) {
       BoardView view = start.view;
@@ -96,7 +98,7 @@ std::optional<NextView> BestNextView(const CameraModel& camera,
         }
     }
   }
-  search.Keep(1);
+  search.Save(1);
   if (search.found().empty()) return std::nullopt;
   // Intermediate positions and widths.
   const BoardView best = search.found().front().view;
@@ -109,16 +111,16 @@ std::optional<NextView> BestNextView(const CameraModel& camera,
         view.width_px *= factor;
         search.Try(view);
       }
-  search.Keep(1);
+  search.Save(1);
   return search.found().front();
 }
 
-std::optional<NextView> BestNextView(const CameraKnowledge& knowledge,
-                                     const Board& board,
-                                     const std::vector<Pose>& avoided) {
-  return BestNextView(
+std::optional<NextView> FindBestNextView(const CameraInformation& knowledge,
+                                         const Board& board,
+                                         const std::vector<Pose>& avoided) {
+  return FindBestNextView(
       knowledge.camera(), board,
-      [&](const Pose& pose) { return knowledge.GainOfView(board, pose); },
+      [&](const Pose& pose) { return knowledge.PredictViewGain(board, pose); },
       avoided);
 }
 

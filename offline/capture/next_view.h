@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "capture/board_view.h"
-#include "capture/camera_knowledge.h"
+#include "capture/camera_information.h"
 
 namespace raygrid {
 
@@ -25,13 +25,14 @@ using ViewGain = std::function<double(const Pose&)>;
 /// various distances, tilts and rotations, refined around the best. Nothing if
 /// no candidate shows half of the board. Views that are similar to avoided ones
 /// (camera_from_board) are excluded.
-std::optional<NextView> BestNextView(const CameraModel& camera,
-                                     const Board& board, const ViewGain& gain,
-                                     const std::vector<Pose>& avoided = {});
-/// The view with the highest CameraKnowledge::GainOfView().
-std::optional<NextView> BestNextView(const CameraKnowledge& knowledge,
-                                     const Board& board,
-                                     const std::vector<Pose>& avoided = {});
+std::optional<NextView> FindBestNextView(const CameraModel& camera,
+                                         const Board& board,
+                                         const ViewGain& gain,
+                                         const std::vector<Pose>& avoided = {});
+/// The view with the highest CameraInformation::PredictViewGain().
+std::optional<NextView> FindBestNextView(const CameraInformation& knowledge,
+                                         const Board& board,
+                                         const std::vector<Pose>& avoided = {});
 
 /// The views to begin with, before a first calibration.
 BoardView FirstView(int index, const ImageSize& size);

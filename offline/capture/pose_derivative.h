@@ -19,10 +19,11 @@ inline Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& vector) {
 /// The Jacobian of a point with respect to a small rotation (radians) and
 /// translation (metres) in camera axes: point -> point + rotation x point +
 /// translation. Three rows, six columns.
-inline Eigen::Matrix<double, 3, 6> PointByMotion(const Eigen::Vector3d& point) {
-  Eigen::Matrix<double, 3, 6> by_motion;
-  by_motion << -CrossMatrix(point), Eigen::Matrix3d::Identity();
-  return by_motion;
+inline Eigen::Matrix<double, 3, 6> ComputePointJacobian(
+    const Eigen::Vector3d& point) {
+  Eigen::Matrix<double, 3, 6> J_motion;
+  J_motion << -CrossMatrix(point), Eigen::Matrix3d::Identity();
+  return J_motion;
 }
 
 }  // namespace raygrid

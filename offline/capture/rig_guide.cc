@@ -77,11 +77,13 @@ void RigGuide::ChooseLinkViews() {
     if (options_.target_px > 0 && link.link.RmsPx() <= options_.target_px)
       continue;
     for (const Board& board : pattern_->boards) {
-      const auto view = BestNextView(
+      const auto view = FindBestNextView(
           guide(link.first)->camera(), board,
-          [&](const Pose& pose) { return link.link.GainOfView(board, pose); },
+          [&](const Pose& pose) {
+            return link.link.PredictViewGain(board, pose);
+          },
           cameras_[link.first].avoided);
-      if (view && view->gain >= options_.least_gain &&
+      if (view && view->gain >= options_.min_gain &&
           (!link.next || view->gain > link.next->gain))
         link.next = GuidedView{&board, view->camera_from_board, view->gain};
     }
@@ -104,18 +106,18 @@ std::optional<Pose> RigGuide::FromCamera(size_t to, size_t from) const {
   return from_start[to];
 }
 
-double RigGuide::TotalGainOf(size_t camera, const Board& board,
-                             const Pose& camera_from_board) const {
+double RigGuide::ComputeTotalGain(size_t camera, const Board& board,
+                                  const Pose& camera_from_board) const {
   double total = 0;
   for (size_t c = 0; c < num_cameras(); ++c) {
     const auto pose = FromCamera(c, camera);
     if (!pose || !IsKnown(c) || guide(c)->is_done()) continue;
-    total +=
-        guide(c)->knowledge()->GainOfView(board, *pose * camera_from_board);
+    total += guide(c)->knowledge()->PredictViewGain(board,
+                                                    *pose * camera_from_board);
   }
   for (const Link& link : links_)
     if (const auto pose = FromCamera(link.first, camera); pose && link.next)
-      total += link.link.GainOfView(board, *pose * camera_from_board);
+      total += link.link.PredictViewGain(board, *pose * camera_from_board);
   return total;
 }
 
@@ -134,8 +136,9 @@ void RigGuide::ChooseNext() {
     if (link.next) candidates.push_back({link.first, *link.next});
   double most = 0;
   for (const RigView& candidate : candidates) {
-    const double gain = TotalGainOf(candidate.camera, *candidate.view.board,
-                                    candidate.view.camera_from_board);
+    const double gain =
+        ComputeTotalGain(candidate.camera, *candidate.view.board,
+                         candidate.view.camera_from_board);
     if (next_ && gain <= most) continue;
     most = gain;
     next_ = candidate;
@@ -159,13 +162,13 @@ std::optional<int> RigGuide::num_expected() const {
   return std::max(most, std::optional(1));
 }
 
-bool RigGuide::TellsLink(
+bool RigGuide::IsInformativeForLink(
     const Link* link, size_t first, size_t second,
     const std::vector<const ImageFeatures*>& images) const {
   const ImageFeatures &in_first = *images[first], &in_second = *images[second];
   // Views that both cameras already have would only reduce the noise.
-  if (guide(first)->GainOf(in_first) <= 0 &&
-      guide(second)->GainOf(in_second) <= 0)
+  if (guide(first)->ComputeGain(in_first) <= 0 &&
+      guide(second)->ComputeGain(in_second) <= 0)
     return false;
   const std::vector<LocatedBoard> seen = guide(second)->Locate(in_second);
   double left = 1;  // of the link's variance
@@ -175,32 +178,33 @@ bool RigGuide::TellsLink(
     if (!other) continue;
     is_shared = true;
     if (!link) continue;
-    left *= 1 - link->link.GainOf({board.camera_from_board,
-                                   other->camera_from_board,
-                                   MatchesOf(*board.board, in_first),
-                                   MatchesOf(*board.board, in_second)});
-    is_next |= link->next && link->next->board->id == board.board->id &&
-               IsThere(guide(first)->camera(), *board.board,
-                       board.camera_from_board, link->next->camera_from_board);
+    left *= 1 - link->link.ComputeGain({board.camera_from_board,
+                                        other->camera_from_board,
+                                        MakeMatches(*board.board, in_first),
+                                        MakeMatches(*board.board, in_second)});
+    is_next |=
+        link->next && link->next->board->id == board.board->id &&
+        IsAtTarget(guide(first)->camera(), *board.board,
+                   board.camera_from_board, link->next->camera_from_board);
   }
   if (!link) return is_shared;
   if (!link->next) return false;
   const double wanted = is_next ? 0 : options_.part_of_next * link->next->gain;
-  return 1 - left >= std::max(options_.least_gain, wanted);
+  return 1 - left >= std::max(options_.min_gain, wanted);
 }
 
-bool RigGuide::TellsLinks(
+bool RigGuide::IsInformativeForLinks(
     const std::vector<const ImageFeatures*>& images) const {
   const auto is_usable = [&](size_t c) { return images[c] && IsKnown(c); };
   for (const Link& link : links_)
     if (is_usable(link.first) && is_usable(link.second) &&
-        TellsLink(&link, link.first, link.second, images))
+        IsInformativeForLink(&link, link.first, link.second, images))
       return true;
   if (!to_connect_) return false;
   for (size_t a = 0; a < num_cameras(); ++a)
     for (size_t b = a + 1; b < num_cameras(); ++b)
       if (is_usable(a) && is_usable(b) && !FromCamera(b, a) &&
-          TellsLink(nullptr, a, b, images))
+          IsInformativeForLink(nullptr, a, b, images))
         return true;
   return false;
 }

@@ -65,7 +65,8 @@ class RigGuide {
 
   /// Whether to keep a frame for its information on links: images by camera,
   /// NULL for unusable ones.
-  bool TellsLinks(const std::vector<const ImageFeatures*>& images) const;
+  bool IsInformativeForLinks(
+      const std::vector<const ImageFeatures*>& images) const;
 
  private:
   bool IsKnown(size_t camera) const;
@@ -73,10 +74,11 @@ class RigGuide {
   void ChooseLinkViews();
   void ChooseNext();
   std::optional<Pose> FromCamera(size_t to, size_t from) const;
-  double TotalGainOf(size_t camera, const Board& board,
-                     const Pose& camera_from_board) const;
-  bool TellsLink(const Link* link, size_t first, size_t second,
-                 const std::vector<const ImageFeatures*>& images) const;
+  double ComputeTotalGain(size_t camera, const Board& board,
+                          const Pose& camera_from_board) const;
+  bool IsInformativeForLink(
+      const Link* link, size_t first, size_t second,
+      const std::vector<const ImageFeatures*>& images) const;
 
   std::vector<GuidedCamera> cameras_;
   std::shared_ptr<const Pattern> pattern_;

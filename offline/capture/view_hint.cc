@@ -33,7 +33,7 @@ Eigen::Vector2d TiltOf(const Eigen::Matrix3d& facing) {
   return -std::atan2(across, std::abs(behind.z())) * behind.head<2>() / across;
 }
 
-double TurnOf(const Eigen::Matrix3d& facing) {
+double ComputeRotation(const Eigen::Matrix3d& facing) {
   return std::atan2(facing(1, 0), facing(0, 0));
 }
 
@@ -68,7 +68,8 @@ std::vector<Move> MovesBetween(const CameraModel& camera, const Board& board,
   moves.push_back(Tilt(tilt.y(), "bottom", "top"));
   // Half a turn is ignored: boards look alike then.
   constexpr double kWorthTurn_rad = 0.5;
-  const double turn = std::remainder(TurnOf(then) - TurnOf(now), M_PI);
+  const double turn =
+      std::remainder(ComputeRotation(then) - ComputeRotation(now), M_PI);
   moves.push_back({std::abs(turn) / kWorthTurn_rad,
                    turn > 0 ? "rotate clockwise" : "rotate anticlockwise"});
   std::stable_sort(
@@ -89,8 +90,8 @@ std::string DescribeMove(const CameraModel& camera, const Board& board,
   return text.empty() ? "hold still" : text;
 }
 
-bool IsThere(const CameraModel& camera, const Board& board, const Pose& from,
-             const Pose& to) {
+bool IsAtTarget(const CameraModel& camera, const Board& board, const Pose& from,
+                const Pose& to) {
   return MovesBetween(camera, board, from, to).front().size < 1;
 }
 

@@ -16,8 +16,8 @@ std::string DescribeMove(const CameraModel& camera, const Board& board,
                          const Pose& from, const Pose& to);
 
 /// Whether the motion between two poses is negligible.
-bool IsThere(const CameraModel& camera, const Board& board, const Pose& from,
-             const Pose& to);
+bool IsAtTarget(const CameraModel& camera, const Board& board, const Pose& from,
+                const Pose& to);
 
 }  // namespace raygrid
 

@@ -13,13 +13,13 @@
 #include "camera/splined_stereographic.h"
 #include "camera/view_camera.h"
 #include "dataset/capture_node.h"
-#include "dataset/deviation_node.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_header.h"
+#include "dataset/operating_point_node.h"
 #include "dataset/pose_node.h"
 #include "dataset/spread_node.h"
-#include "dataset/stack_node.h"
+#include "dataset/uncertainty_node.h"
 #include "dataset/yaml_file.h"
 
 namespace raygrid {
@@ -160,9 +160,9 @@ std::shared_ptr<CameraModel> ParseSplinedStereographic(const YAML::Node& root,
   return std::make_shared<SplinedStereographic>(size, area, grid, parameters);
 }
 
-std::optional<ErrorFigures> ParseFigures(const YAML::Node& node) {
+std::optional<ErrorMetrics> ParseMetrics(const YAML::Node& node) {
   if (!node) return std::nullopt;
-  return ErrorFigures{YamlNumber(node["median_px"], "quality: median_px"),
+  return ErrorMetrics{YamlNumber(node["median_px"], "quality: median_px"),
                       YamlNumber(node["rms_px"], "quality: rms_px"),
                       YamlNumber(node["max_px"], "quality: max_px"),
                       node["count"].as<int>()};
@@ -197,14 +197,14 @@ ErrorModes ParseModes(const YAML::Node& node) {
   return modes;
 }
 
-TrustMask ParseMask(const YAML::Node& node, const ImageSize& size) {
-  TrustMask mask;
-  mask.cell_px = node["cell_px"].as<int>();
-  if (mask.cell_px < 4 || mask.cell_px > 256 ||
-      (mask.cell_px & (mask.cell_px - 1)) != 0)
+ValidityMask ParseMask(const YAML::Node& node, const ImageSize& size) {
+  ValidityMask mask;
+  mask.knot_spacing_px = node["cell_px"].as<int>();
+  if (mask.knot_spacing_px < 4 || mask.knot_spacing_px > 256 ||
+      (mask.knot_spacing_px & (mask.knot_spacing_px - 1)) != 0)
     throw InputError("trusted: cell_px must be a power of two, 4 to 256");
-  mask.columns = TrustMask::NumCells(size.width, mask.cell_px);
-  mask.rows = TrustMask::NumCells(size.height, mask.cell_px);
+  mask.columns = ValidityMask::NumCells(size.width, mask.knot_spacing_px);
+  mask.rows = ValidityMask::NumCells(size.height, mask.knot_spacing_px);
   const YAML::Node rows = node["cells"];
   RequireYamlList(rows, "trusted: cells", mask.rows);
   for (const YAML::Node& row : rows) {
@@ -222,13 +222,13 @@ std::optional<CameraUncertainty> ParseUncertainty(const YAML::Node& root,
                                                   const ImageSize& size) {
   if (!root["uncertainty"] && !root["trusted"]) return std::nullopt;
   if (!root["uncertainty"] && !root["trusted"]["max_deviation_px"])
-    return CameraUncertainty::OfMask(ParseMask(root["trusted"], size));
+    return CameraUncertainty::FromMask(ParseMask(root["trusted"], size));
   if (!root["uncertainty"] || !root["trusted"])
     throw InputError(
         "'uncertainty' and 'trusted' require each other, but one is missing; "
         "use the complete file");
   CameraUncertainty uncertainty;
-  uncertainty.lattice = ParseDeviations(root["uncertainty"]);
+  uncertainty.lattice = ParseUncertaintyLattice(root["uncertainty"]);
   uncertainty.mask = ParseMask(root["trusted"], size);
   uncertainty.max_deviation_px = YamlNumber(root["trusted"]["max_deviation_px"],
                                             "trusted: max_deviation_px");
@@ -247,14 +247,14 @@ std::optional<ImageCircle> ParseImageCircle(const YAML::Node& node) {
                      Eigen::Vector2d::Constant(radius_px)};
 }
 
-std::optional<RowTime> ParseRowTime(const YAML::Node& root) {
-  const YAML::Node row_time = root["row_time_us"];
+std::optional<LineDelay> ParseLineDelay(const YAML::Node& root) {
+  const YAML::Node line_delay = root["row_time_us"];
   const YAML::Node deviation = root["row_time_deviation_us"];
-  if (deviation && !row_time)
+  if (deviation && !line_delay)
     throw InputError("row_time_deviation_us requires row_time_us");
-  if (!row_time) return std::nullopt;
-  RowTime value;
-  value.seconds = YamlNumber(row_time, "row_time_us") * 1e-6;
+  if (!line_delay) return std::nullopt;
+  LineDelay value;
+  value.seconds = YamlNumber(line_delay, "row_time_us") * 1e-6;
   if (deviation)
     value.deviation_s = YamlNumber(deviation, "row_time_deviation_us") * 1e-6;
   if (!(std::abs(value.seconds) <= kLongestRowTimeS))
@@ -311,28 +311,28 @@ CameraFile Parse(const YAML::Node& root) {
   if (root["name"]) file.name = root["name"].as<std::string>();
   if (root["serial"]) file.serial = root["serial"].as<std::string>();
   if (root["quality"]) {
-    file.training = ParseFigures(root["quality"]["training"]);
-    file.held_out = ParseFigures(root["quality"]["held_out"]);
+    file.training = ParseMetrics(root["quality"]["training"]);
+    file.held_out = ParseMetrics(root["quality"]["held_out"]);
     if (root["quality"]["verdict"])
-      file.verdict = root["quality"]["verdict"].as<std::string>();
+      file.assessment = root["quality"]["verdict"].as<std::string>();
   }
   file.uncertainty = ParseUncertainty(root, image_size);
   file.capture = ParseCapture(root["capture"], image_size);
   file.spread = ParseSpread(root["spread"]);
-  file.stack = ParseStack(root["stack"], *file.camera);
-  file.row_time = ParseRowTime(root);
+  file.stack = ParseOperatingPointModel(root["stack"], *file.camera);
+  file.line_delay = ParseLineDelay(root);
   return file;
 }
 
-void EmitFigures(const char* name, const std::optional<ErrorFigures>& figures,
+void EmitMetrics(const char* name, const std::optional<ErrorMetrics>& metrics,
                  YAML::Emitter* out) {
-  if (!figures) return;
+  if (!metrics) return;
   *out << YAML::Key << name << YAML::Value << YAML::Flow << YAML::BeginMap
        << YAML::Key << "median_px" << YAML::Value
-       << fmt::format("{:.6f}", figures->median_px) << YAML::Key << "rms_px"
-       << YAML::Value << fmt::format("{:.6f}", figures->rms_px) << YAML::Key
-       << "max_px" << YAML::Value << fmt::format("{:.6f}", figures->max_px)
-       << YAML::Key << "count" << YAML::Value << figures->count << YAML::EndMap;
+       << fmt::format("{:.6f}", metrics->median_px) << YAML::Key << "rms_px"
+       << YAML::Value << fmt::format("{:.6f}", metrics->rms_px) << YAML::Key
+       << "max_px" << YAML::Value << fmt::format("{:.6f}", metrics->max_px)
+       << YAML::Key << "count" << YAML::Value << metrics->count << YAML::EndMap;
 }
 
 void EmitModes(const ErrorModes& modes, YAML::Emitter* out) {
@@ -355,20 +355,20 @@ void EmitModes(const ErrorModes& modes, YAML::Emitter* out) {
 
 void EmitLattice(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
   *out << YAML::Key << "uncertainty" << YAML::Value << YAML::BeginMap;
-  EmitDeviations(uncertainty.lattice, out);
+  EmitUncertaintyLattice(uncertainty.lattice, out);
   EmitModes(uncertainty.modes, out);
   *out << YAML::EndMap;
 }
 
 void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
-  if (uncertainty.TellsDeviations()) EmitLattice(uncertainty, out);
-  const TrustMask& mask = uncertainty.mask;
+  if (uncertainty.HasDeviations()) EmitLattice(uncertainty, out);
+  const ValidityMask& mask = uncertainty.mask;
   *out << YAML::Key << "trusted" << YAML::Value << YAML::BeginMap;
-  if (uncertainty.TellsDeviations())
+  if (uncertainty.HasDeviations())
     *out << YAML::Key << "max_deviation_px" << YAML::Value
          << fmt::format("{:.6f}", uncertainty.max_deviation_px);
-  *out << YAML::Key << "cell_px" << YAML::Value << mask.cell_px << YAML::Key
-       << "cells" << YAML::Value << YAML::BeginSeq;
+  *out << YAML::Key << "cell_px" << YAML::Value << mask.knot_spacing_px
+       << YAML::Key << "cells" << YAML::Value << YAML::BeginSeq;
   for (int row = 0; row < mask.rows; ++row) {
     std::string text;
     for (int column = 0; column < mask.columns; ++column)
@@ -378,12 +378,12 @@ void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
   *out << YAML::EndSeq << YAML::EndMap;
 }
 
-void EmitRowTime(const RowTime& row_time, YAML::Emitter* out) {
+void EmitLineDelay(const LineDelay& line_delay, YAML::Emitter* out) {
   *out << YAML::Key << "row_time_us" << YAML::Value
-       << fmt::format("{:.6f}", row_time.seconds * 1e6);
-  if (row_time.deviation_s > 0)
+       << fmt::format("{:.6f}", line_delay.seconds * 1e6);
+  if (line_delay.deviation_s > 0)
     *out << YAML::Key << "row_time_deviation_us" << YAML::Value
-         << fmt::format("{:.6f}", row_time.deviation_s * 1e6);
+         << fmt::format("{:.6f}", line_delay.deviation_s * 1e6);
 }
 
 void EmitPose(const Pose& pose, YAML::Emitter* out) {
@@ -486,18 +486,18 @@ std::string FormatCameraFile(const CameraFile& file, Digits digits) {
         << fmt::format("{:.3f}", circle->radii_px.x()) << YAML::EndSeq;
   if (file.training || file.held_out) {
     out << YAML::Key << "quality" << YAML::Value << YAML::BeginMap;
-    if (!file.verdict.empty())
-      out << YAML::Key << "verdict" << YAML::Value << file.verdict;
-    EmitFigures("training", file.training, &out);
-    EmitFigures("held_out", file.held_out, &out);
+    if (!file.assessment.empty())
+      out << YAML::Key << "verdict" << YAML::Value << file.assessment;
+    EmitMetrics("training", file.training, &out);
+    EmitMetrics("held_out", file.held_out, &out);
     out << YAML::EndMap;
   }
   if (file.uncertainty) EmitUncertainty(*file.uncertainty, &out);
   if (file.camera_from_view) EmitPose(*file.camera_from_view, &out);
   if (file.capture) EmitCapture(*file.capture, &out);
   if (file.spread) EmitSpread(*file.spread, &out);
-  if (file.stack) EmitStack(*file.stack, &out);
-  if (file.row_time) EmitRowTime(*file.row_time, &out);
+  if (file.stack) EmitOperatingPointModel(*file.stack, &out);
+  if (file.line_delay) EmitLineDelay(*file.line_delay, &out);
   // The required key, the model, comes last: a truncated file is invalid.
   EmitModel(camera, digits, &out);
   out << YAML::EndMap;

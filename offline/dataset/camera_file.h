@@ -6,47 +6,47 @@
 #include <string>
 
 #include "camera/camera_model.h"
-#include "camera/camera_stack.h"
 #include "camera/camera_uncertainty.h"
 #include "camera/lens_spread.h"
+#include "camera/operating_point_model.h"
 #include "camera/pose.h"
 #include "dataset/capture.h"
-#include "dataset/row_time.h"
+#include "dataset/line_delay.h"
 
 namespace raygrid {
 
 /// Error metrics: residual norms over a set of features.
-struct ErrorFigures {
+struct ErrorMetrics {
   double median_px = 0, rms_px = 0, max_px = 0;
   int count = 0;
 };
 
 /// The predicted uncertainty of an operating-point model at one operating
 /// point.
-struct StackDeviation {
-  ConditionValues values;
-  DeviationLattice lattice;
+struct OperatingPointUncertainty {
+  OperatingPoint values;
+  UncertaintyLattice lattice;
 };
 
 /// An operating-point model over ranges of conditions, with its uncertainty.
-struct StackOfCameras {
-  CameraStack cameras;
-  std::vector<StackDeviation> deviations;  ///< by values, ascending
+struct OperatingPointCalibration {
+  OperatingPointModel cameras;
+  std::vector<OperatingPointUncertainty> deviations;  ///< by values, ascending
 };
 
 /// The contents of camera.yaml.
 struct CameraFile {
   std::shared_ptr<const CameraModel> camera;
   std::string name, serial;
-  std::string verdict;  ///< the calibration's: "pass", "warn", "fail"; or ""
-  std::optional<ErrorFigures> training, held_out;
+  std::string assessment;  ///< the calibration's: "pass", "warn", "fail"; or ""
+  std::optional<ErrorMetrics> training, held_out;
   std::optional<CameraUncertainty> uncertainty;
   /// The pose of a rotated view relative to its camera.
   std::optional<Pose> camera_from_view;
   std::optional<Capture> capture;  ///< not empty if present
   /// The operating-point model, of which the camera is the middle.
-  std::optional<StackOfCameras> stack;
-  std::optional<RowTime> row_time;
+  std::optional<OperatingPointCalibration> stack;
+  std::optional<LineDelay> line_delay;
   /// If the camera is a population mean: the covariance of its fleet.
   std::optional<LensSpread> spread;
 };

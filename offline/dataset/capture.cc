@@ -21,7 +21,7 @@ bool IsPossible(int start, int span, int image) {
 
 }  // namespace
 
-const char* FindImpossible(const Capture& capture, const ImageSize& size) {
+const char* FindInvalidValue(const Capture& capture, const ImageSize& size) {
   const auto& crop = capture.crop;
   if (capture.lens_position &&
       !(std::abs(*capture.lens_position) <= kLargestDioptres))

@@ -25,7 +25,7 @@ struct Capture {
   std::optional<double> exposure_us;           ///< microseconds
   std::optional<double> analogue_gain;         ///< a factor
 
-  bool KnowsAny() const {
+  bool HasAny() const {
     return lens_position || crop || zoom || orientation ||
            sensor_temperature_c || exposure_us || analogue_gain;
   }
@@ -33,7 +33,7 @@ struct Capture {
 
 /// Returns the name of a value that is impossible for images of that size, with
 /// the valid range; NULL if all are valid.
-const char* FindImpossible(const Capture& capture, const ImageSize& size);
+const char* FindInvalidValue(const Capture& capture, const ImageSize& size);
 
 }  // namespace raygrid
 

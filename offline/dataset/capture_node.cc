@@ -60,8 +60,8 @@ std::optional<Capture> ParseCapture(const YAML::Node& node,
     if (node[number.key])
       capture.*number.value =
           YamlNumber(node[number.key], std::string("capture: ") + number.key);
-  if (!capture.KnowsAny()) throw InputError("capture: empty");
-  if (const char* const impossible = FindImpossible(capture, size))
+  if (!capture.HasAny()) throw InputError("capture: empty");
+  if (const char* const impossible = FindInvalidValue(capture, size))
     throw InputError(std::string("capture: ") + impossible);
   return capture;
 }

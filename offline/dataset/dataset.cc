@@ -193,7 +193,7 @@ std::string FormatFeatures(const std::vector<NamedDataset>& cameras) {
   return text;
 }
 
-void NameImagesByNumber(const std::string& source, Dataset* dataset) {
+void RenameImagesByNumber(const std::string& source, Dataset* dataset) {
   std::map<std::string, std::string> names;  // by number
   for (ImageFeatures& image : dataset->images) {
     const std::string number = LastNumber(image.image);

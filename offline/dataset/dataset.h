@@ -59,7 +59,7 @@ std::string FormatFeatures(const std::vector<NamedDataset>& cameras);
 /// Renames images to the last number in their file names, without leading
 /// zeros: "left01.jpg" becomes "1". Throws InputError if there is none or two
 /// images have the same; source is used in errors.
-void NameImagesByNumber(const std::string& source, Dataset* dataset);
+void RenameImagesByNumber(const std::string& source, Dataset* dataset);
 
 /// Throws InputError if a feature is not on the pattern or outside the image.
 void RequireConsistent(const std::string& name, const Dataset& dataset,

@@ -42,7 +42,7 @@ void MakeFolderOf(const std::string& path) {
   RequireFolderName(folder);
   std::error_code error;
   if (!folder.empty()) fs::create_directories(folder, error);
-  if (error) FailToWrite(folder.string(), error.value());
+  if (error) ThrowWriteError(folder.string(), error.value());
 }
 
 std::string TemporaryName(const std::string& path) {
@@ -164,7 +164,7 @@ int Rename(const std::string& from, const std::string& to) {
 
 }  // namespace
 
-void FailToWrite(const std::string& path, int error) {
+void ThrowWriteError(const std::string& path, int error) {
   throw Error(ExitCode::kOutput,
               fmt::format("{}: cannot be written ({}); free disk space, or use "
                           "another path with -o",
@@ -211,14 +211,14 @@ void OutputFiles::Commit() {
     std::error_code ignored;
     if (fs::is_directory(file.path, ignored) &&
         !(file.links == Links::kReplace && fs::is_symlink(file.path, ignored)))
-      FailToWrite(file.path, EISDIR);
+      ThrowWriteError(file.path, EISDIR);
   }
   for (const File& file : files_) {
     if (IsStream(file.path, file.links)) continue;
     const int error = WriteNew(TemporaryName(file.path), file.contents);
     if (error == 0) continue;
     remove_temporaries();
-    FailToWrite(file.path, error);
+    ThrowWriteError(file.path, error);
   }
   for (const File& file : files_) {
     const int error = IsStream(file.path, file.links)
@@ -226,7 +226,7 @@ void OutputFiles::Commit() {
                           : Rename(TemporaryName(file.path), file.path);
     if (error == 0) continue;
     remove_temporaries();
-    FailToWrite(file.path, error);
+    ThrowWriteError(file.path, error);
   }
   files_.clear();
 }
@@ -266,7 +266,7 @@ void RequireWritableFolder(const std::string& folder) {
   MakeFolderOf(probe);
   const int error = WriteNew(TemporaryName(probe), "");
   unlink(TemporaryName(probe).c_str());
-  if (error != 0) FailToWrite(folder, error);
+  if (error != 0) ThrowWriteError(folder, error);
 }
 
 }  // namespace raygrid

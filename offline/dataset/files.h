@@ -33,7 +33,7 @@ class OutputFiles {
 };
 
 /// Throws Error(kOutput) for a path that cannot be written; error is errno.
-[[noreturn]] void FailToWrite(const std::string& path, int error);
+[[noreturn]] void ThrowWriteError(const std::string& path, int error);
 
 /// Writes a single file.
 void WriteFile(const std::string& path, std::string contents);

@@ -238,7 +238,7 @@ FoundImages FindImages(const std::vector<std::string>& paths) {
   return found;
 }
 
-std::string RemarkOnTurned(const std::vector<std::string>& names) {
+std::string WarnAboutOrientation(const std::vector<std::string>& names) {
   if (names.empty()) return "";
   return fmt::format(
       "{}: EXIF orientation ignored; the image is used as stored, in sensor "

@@ -72,7 +72,7 @@ FoundImages FindImages(const std::vector<std::string>& paths);
 
 /// The warning about images whose files request rotation (EXIF); empty if there
 /// are none.
-std::string RemarkOnTurned(const std::vector<std::string>& names);
+std::string WarnAboutOrientation(const std::vector<std::string>& names);
 
 }  // namespace raygrid
 

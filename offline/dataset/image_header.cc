@@ -245,7 +245,7 @@ bool ParseByKind(const std::string& bytes, RawHeader* header) {
 }
 
 void RequireAllowed(const std::string& name, uint64_t width, uint64_t height) {
-  const std::string why = WhySizeIsRefused(width, height);
+  const std::string why = DescribeSizeLimit(width, height);
   if (!why.empty()) throw InputError(name + ": " + why);
 }
 
@@ -277,7 +277,7 @@ void RequireLikelyContents(const std::string& name, const RawHeader& header,
 
 void AllowHugeImages() { huge_is_allowed = true; }
 
-std::string WhySizeIsRefused(uint64_t width, uint64_t height) {
+std::string DescribeSizeLimit(uint64_t width, uint64_t height) {
   const uint64_t side = std::max(width, height);
   if (!huge_is_allowed && side > kMaxSidePx)
     return fmt::format(

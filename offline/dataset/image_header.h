@@ -36,7 +36,7 @@ constexpr int64_t kMaxHugePixels = int64_t{1} << 30;
 void AllowHugeImages();
 
 /// Why an image of this size is rejected; empty if it is accepted.
-std::string WhySizeIsRefused(uint64_t width, uint64_t height);
+std::string DescribeSizeLimit(uint64_t width, uint64_t height);
 
 }  // namespace raygrid
 

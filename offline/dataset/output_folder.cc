@@ -43,7 +43,7 @@ int LockEmptied(const std::string& path, int file) {
 // emptied. Nothing if another program uses it, or it is another user's.
 std::optional<int> LockNewFolder(const std::string& path) {
   const bool is_new = mkdir(path.c_str(), 0700) == 0;
-  if (!is_new && errno != EEXIST) FailToWrite(path, errno);
+  if (!is_new && errno != EEXIST) ThrowWriteError(path, errno);
   const int file =
       open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   const int error = file < 0 ? errno : LockEmptied(path, file);
@@ -51,7 +51,7 @@ std::optional<int> LockNewFolder(const std::string& path) {
   if (file >= 0) close(file);
   if (is_new && error != EWOULDBLOCK) {  // others would fail, too
     rmdir(path.c_str());
-    FailToWrite(path, error);
+    ThrowWriteError(path, error);
   }
   return std::nullopt;
 }
@@ -104,7 +104,7 @@ Contents List(const std::string& folder, const std::string& hidden) {
     (is_folder ? contents.folders : contents.files)
         .insert(it->path().lexically_relative(folder).string());
   }
-  if (error) FailToWrite(folder, error.value());
+  if (error) ThrowWriteError(folder, error.value());
   return contents;
 }
 
@@ -128,11 +128,11 @@ bool HoldsStale(const std::string& folder, const Paths& stale) {
 
 void Synchronize(const std::string& path) {
   const int file = open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
-  if (file < 0) FailToWrite(path, errno);
+  if (file < 0) ThrowWriteError(path, errno);
   const int error = fsync(file) == 0 ? 0 : errno;
   close(file);
   // Some file systems cannot do it for folders.
-  if (error != 0 && error != EINVAL) FailToWrite(path, error);
+  if (error != 0 && error != EINVAL) ThrowWriteError(path, error);
 }
 
 // Flushes the written files of a folder to disk, not those of others.
@@ -240,12 +240,12 @@ void MoveOneByOne(const std::string& folder, const Contents& old,
   for (const std::string& path : written.folders) {
     const std::string made = folder + "/" + path;
     if (mkdir(made.c_str(), 0777) != 0 && errno != EEXIST)
-      FailToWrite(made, errno);
+      ThrowWriteError(made, errno);
   }
   for (const std::string& path : written.files) {
     const std::string file = folder + "/" + path;
     if (std::rename((hidden + "/" + path).c_str(), file.c_str()) != 0)
-      FailToWrite(file, errno);
+      ThrowWriteError(file, errno);
   }
   for (const std::string& path : written.folders)
     Synchronize(folder + "/" + path);
@@ -258,10 +258,10 @@ OutputFolder::OutputFolder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (!error) folder_ = fs::canonical(folder, error).string();
-  if (error) FailToWrite(folder, error.value());
+  if (error) ThrowWriteError(folder, error.value());
   const std::string prefix = HiddenPrefix(folder_);
   for (int k = 0; lock_ < 0; ++k) {
-    if (k == 100) FailToWrite(hidden_, EEXIST);
+    if (k == 100) ThrowWriteError(hidden_, EEXIST);
     hidden_ = prefix + std::to_string(k);
     lock_ = LockNewFolder(hidden_).value_or(-1);
   }
@@ -278,7 +278,7 @@ OutputFolder::~OutputFolder() {
 void OutputFolder::Commit(const std::set<std::string>& stale) {
   const Contents old = List(folder_, hidden_), written = List(hidden_, "");
   for (const std::string& path : written.files)
-    if (Has(old.folders, path)) FailToWrite(folder_ + "/" + path, EISDIR);
+    if (Has(old.folders, path)) ThrowWriteError(folder_ + "/" + path, EISDIR);
   if (Exchange(folder_, old, hidden_, written, stale)) {
     hidden_.clear();
     return;
@@ -288,7 +288,7 @@ void OutputFolder::Commit(const std::set<std::string>& stale) {
     std::error_code ignored;
     fs::remove_all(within, ignored);
     if (std::rename(hidden_.c_str(), within.c_str()) != 0)
-      FailToWrite(folder_, errno);
+      ThrowWriteError(folder_, errno);
     hidden_ = within;
   }
   MoveOneByOne(folder_, old, hidden_, written, stale);

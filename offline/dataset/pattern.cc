@@ -64,15 +64,15 @@ Board ParseBoard(const std::string& place, const YAML::Node& node) {
 }
 
 // Throws what yaml-cpp throws, too.
-std::vector<BoardBody> ParseBodies(const std::string& name,
-                                   const YAML::Node& list,
-                                   const Pattern& pattern) {
+std::vector<RigidTarget> ParseRigidTargets(const std::string& name,
+                                           const YAML::Node& list,
+                                           const Pattern& pattern) {
   if (!list.IsSequence())
     throw InputError(name + ": 'board_bodies' is not a list");
-  std::vector<BoardBody> bodies;
+  std::vector<RigidTarget> rigid_targets;
   std::set<int> used;
   for (const YAML::Node& item : list) {
-    BoardBody& body = bodies.emplace_back();
+    RigidTarget& body = rigid_targets.emplace_back();
     body.boards = item["boards"].as<std::vector<int>>();
     for (const int id : body.boards)
       if (!pattern.FindBoard(id) || !used.insert(id).second)
@@ -89,12 +89,12 @@ std::vector<BoardBody> ParseBodies(const std::string& name,
           "target requires at least two boards and one pose per board",
           name, body.boards.size(), body.first_from_board.size()));
   }
-  return bodies;
+  return rigid_targets;
 }
 
-YAML::Node BodiesNode(const std::vector<BoardBody>& bodies) {
+YAML::Node RigidTargetsNode(const std::vector<RigidTarget>& rigid_targets) {
   YAML::Node list(YAML::NodeType::Sequence);
-  for (const BoardBody& body : bodies) {
+  for (const RigidTarget& body : rigid_targets) {
     YAML::Node node;
     node["boards"] = body.boards;
     node["boards"].SetStyle(YAML::EmitterStyle::Flow);
@@ -130,10 +130,10 @@ bool Board::IsPointSet() const { return KindOf(kind).is_point_set; }
 
 bool Board::IsTagGrid() const { return KindOf(kind).is_tag_grid; }
 
-int Board::NumTurns() const { return KindOf(kind).NumTurns(*this); }
+int Board::NumRotations() const { return KindOf(kind).NumRotations(*this); }
 
-std::pair<int, int> Board::Turned(int column, int row, int turn) const {
-  const int quarters = 4 / NumTurns() * turn % 4;
+std::pair<int, int> Board::Rotated(int column, int row, int turn) const {
+  const int quarters = 4 / NumRotations() * turn % 4;
   if (quarters == 0) return {column, row};
   if (quarters == 2) return {columns - 1 - column, rows - 1 - row};
   return quarters == 1 ? std::pair(rows - 1 - row, column)
@@ -187,7 +187,8 @@ Pattern ParsePattern(const std::string& name, const std::string& yaml) {
     }
     RequireDistinctTags(name, pattern);
     if (root["board_bodies"])
-      pattern.bodies = ParseBodies(name, root["board_bodies"], pattern);
+      pattern.rigid_targets =
+          ParseRigidTargets(name, root["board_bodies"], pattern);
   } catch (const YAML::Exception& error) {
     throw InputError(fmt::format("{}: {}", name, error.what()));
   }
@@ -214,8 +215,8 @@ std::string FormatPattern(const Pattern& pattern) {
     board[KindOf(pattern.boards[i]).points_key] = points;
   }
   root.remove("board_bodies");
-  if (!pattern.bodies.empty())
-    root["board_bodies"] = BodiesNode(pattern.bodies);
+  if (!pattern.rigid_targets.empty())
+    root["board_bodies"] = RigidTargetsNode(pattern.rigid_targets);
   // The key that no pattern lacks comes last: a file that was cut is no
   // pattern.
   root.remove("raygrid_pattern");

@@ -55,10 +55,10 @@ struct Board {
   /// In how many ways the board can be turned in its plane so that it looks as
   /// before: 2 for chessboards whose counts of corners are both even or both
   /// odd, 4 if these are equal and even, else 1.
-  int NumTurns() const;
+  int NumRotations() const;
   /// The column and row of the feature that one becomes by a turn, from 0 to
-  /// NumTurns() - 1 steps from the x axis towards the y axis.
-  std::pair<int, int> Turned(int column, int row, int turn) const;
+  /// NumRotations() - 1 steps from the x axis towards the y axis.
+  std::pair<int, int> Rotated(int column, int row, int turn) const;
   /// Whether the ink around features is symmetric about them, but for markers
   /// and the board's edge: not that of corners on white paper.
   bool HasSymmetricFeatures() const { return has_corner_squares; }
@@ -78,7 +78,7 @@ struct Board {
 };
 
 /// Boards that are fixed to each other, as a calibration found them.
-struct BoardBody {
+struct RigidTarget {
   std::vector<int> boards;             ///< ids
   std::vector<Pose> first_from_board;  ///< of each
 };
@@ -89,7 +89,8 @@ struct Pattern {
   /// The file's text as read, so that keys that are not used here are kept on
   /// writing.
   std::string yaml;
-  std::vector<BoardBody> bodies = {};  ///< other boards move by themselves
+  std::vector<RigidTarget> rigid_targets =
+      {};  ///< other boards move by themselves
 
   /// nullptr if there is no such board.
   const Board* FindBoard(int id) const;

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "dataset/deviation_node.h"
 #include "dataset/error.h"
+#include "dataset/uncertainty_node.h"
 
 namespace raygrid {
 

@@ -46,7 +46,7 @@ bool IsControl(uint32_t code) {
 
 }  // namespace
 
-size_t FindNoUtf8(std::string_view text) {
+size_t FindInvalidUtf8(std::string_view text) {
   for (size_t i = 0; i < text.size();) {
     const Character character = FirstCharacter(text.substr(i));
     if (character.num_bytes == 0 || character.code == 0) return i;
@@ -79,7 +79,7 @@ void RequireTextFile(const std::string& path, std::string_view contents) {
       throw InputError(
           path +
           ": begins with a byte order mark; save it as UTF-8 without BOM");
-  const size_t place = FindNoUtf8(contents);
+  const size_t place = FindInvalidUtf8(contents);
   if (place == std::string_view::npos) return;
   const auto line =
       1 + std::count(contents.begin(),
@@ -117,7 +117,7 @@ void RequireSmallTree(const std::string& path, std::string_view text,
 }
 
 void RequireStorableName(const std::string& what, const std::string& name) {
-  if (FindNoUtf8(name) != std::string::npos)
+  if (FindInvalidUtf8(name) != std::string::npos)
     throw InputError(fmt::format(
         "{} '{}': the name is not UTF-8, as result files require; rename it",
         what, Printable(name)));

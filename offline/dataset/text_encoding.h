@@ -8,7 +8,7 @@ namespace raygrid {
 
 /// The position of the first byte that is not UTF-8 text, including the byte 0;
 /// npos if there is none.
-size_t FindNoUtf8(std::string_view text);
+size_t FindInvalidUtf8(std::string_view text);
 
 /// Formats text as one line for a terminal: control characters and invalid
 /// UTF-8 are escaped as \n, \x1b and so on.

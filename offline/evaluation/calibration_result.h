@@ -9,6 +9,7 @@
 
 #include "dataset/camera_file.h"
 #include "dataset/dataset.h"
+#include "evaluation/assessment.h"
 #include "evaluation/checkpoint.h"
 #include "evaluation/fleet_distance.h"
 #include "evaluation/fold_over.h"
@@ -16,7 +17,6 @@
 #include "evaluation/residual_budget.h"
 #include "evaluation/residual_statistics.h"
 #include "evaluation/uncertainty_summary.h"
-#include "evaluation/verdict.h"
 
 namespace raygrid {
 
@@ -27,13 +27,13 @@ struct RejectedImage {
 };
 
 /// A group of near-duplicate images, and the one that is used.
-struct SameViews {
+struct NearDuplicates {
   std::string image;
   std::vector<std::string> others;
 };
 
 /// Per-view deformation of the boards relative to their mean shape.
-struct BoardBends {
+struct BoardDeformation {
   struct View {
     std::string image;
     int board = 0;
@@ -42,13 +42,13 @@ struct BoardBends {
   std::vector<View> views;
   double rms_m = 0;  ///< over all views
   /// Of the view with the largest deformation: its index, and point heights.
-  int most_bent = 0;
+  int most_deformed = 0;
   std::vector<double> heights_m;
 };
 
 /// A knot spacing that was compared, and its held-out error.
-struct CellCandidate {
-  double cell_px = 0;
+struct KnotSpacingCandidate {
+  double knot_spacing_px = 0;
   double loss = 0;  ///< mean held-out Huber loss, px^2
   double median_px = 0;
 };
@@ -62,11 +62,11 @@ struct ModelCandidate {
 };
 
 /// Another model, with the same training and held-out features.
-struct ModelFigures {
+struct ModelMetrics {
   std::string model;
   int num_parameters = 0;
-  ErrorFigures training;
-  std::optional<ErrorFigures> held_out, held_out_flexed;
+  ErrorMetrics training;
+  std::optional<ErrorMetrics> held_out, held_out_deformed;
   std::optional<double> bias_kl;
   std::vector<FeatureResidual> held_out_residuals;  ///< not written to files
 };
@@ -77,21 +77,21 @@ struct CalibrationResult {
   Pattern pattern;   ///< with the estimated points
   Dataset features;  ///< those used
   /// The rotations of boards relative to the numbering of the features, by
-  /// image and board id: steps of Board::Turned(). Boards without one are
+  /// image and board id: steps of Board::Rotated(). Boards without one are
   /// omitted.
   std::map<std::pair<std::string, int>, int> turns;
   /// Images in which the orientation of a rotationally symmetric board is
   /// ambiguous.
-  std::vector<std::string> images_of_doubtful_turn;
+  std::vector<std::string> ambiguous_rotation_images;
   /// Of all images; those of near-duplicates are last.
   std::vector<BoardPose> poses;
   /// Groups of near-duplicates that count as one image: of each, one is used or
   /// held out.
-  std::vector<SameViews> same_views;
+  std::vector<NearDuplicates> near_duplicates;
   /// Held-out images that are near-duplicates of calibration images.
-  std::vector<std::string> held_out_copies;
+  std::vector<std::string> held_out_duplicates;
   /// RMS change of features by refinement with a first camera.
-  std::optional<double> measured_again_rms_px;
+  std::optional<double> refinement_rms_px;
   std::vector<FeatureResidual> training;
   /// Residuals of the images in hold_out, or of cross-validation: each image
   /// localized with a camera calibrated without it.
@@ -99,18 +99,19 @@ struct CalibrationResult {
   /// Held-out errors with per-view deformation: pose and deformation are
   /// estimated from half of a held-out image's features, and errors evaluated
   /// on the other half.
-  std::optional<ErrorFigures> held_out_flexed;
+  std::optional<ErrorMetrics> held_out_deformed;
   bool cross_validated = false;
   /// Images with large held-out errors because they alone cover some part of
   /// the image: without them, the camera is extrapolated there.
-  std::vector<std::string> images_alone;
-  std::optional<BoardBends> bends;  ///< nothing without per-view deformation
+  std::vector<std::string> unique_coverage_images;
+  std::optional<BoardDeformation>
+      bends;  ///< nothing without per-view deformation
   std::vector<RejectedImage> rejected_images;
   std::vector<FeatureResidual> rejected_features;
-  std::optional<TwoCameras> two_cameras;
-  std::vector<CellCandidate> cell_candidates;
+  std::optional<MixedCameras> mixed_cameras;
+  std::vector<KnotSpacingCandidate> knot_spacing_candidates;
   std::vector<ModelCandidate> model_candidates;  ///< of model "auto"
-  double cell_px = 0;  ///< knot spacing; 0 for a parametric model
+  double knot_spacing_px = 0;  ///< knot spacing; 0 for a parametric model
   int num_parameters = 0;
   bool converged = false;
   /// The checkpoint of a calibration that was interrupted.
@@ -119,7 +120,7 @@ struct CalibrationResult {
   std::optional<double> noise_bias_kl;  ///< expected for pure noise
   /// Parametric models for comparison; also noncentral-generic if the residuals
   /// of a central model are correlated.
-  std::vector<ModelFigures> parametric_models;
+  std::vector<ModelMetrics> parametric_models;
   /// The fraction of the median held-out error that a richer model removes.
   std::optional<double> model_error_px;
   /// Correlation of neighbouring residuals, held-out if available, otherwise of
@@ -131,13 +132,13 @@ struct CalibrationResult {
   std::optional<ExtrapolatedRegion> extrapolated;
   std::optional<LineSpread> line_spread;  ///< of a non-central camera
   FoldOver fold_over;
-  double flat_board_height_m = 0;  ///< see CalibrationFigures
+  double flatness_error_m = 0;  ///< see CalibrationMetrics
   /// Distance from the fleet that is the prior; nothing without its covariance.
   std::optional<FleetDistance> fleet_distance;
-  std::optional<RowTimeEstimate> row_time;  ///< if requested
+  std::optional<LineDelayEstimate> line_delay;  ///< if requested
   /// The causes of the training residuals; nothing if interrupted.
   std::optional<ResidualBudget> budget;
-  Verdict verdict;
+  Assessment assessment;
 };
 
 }  // namespace raygrid

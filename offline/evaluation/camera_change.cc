@@ -33,7 +33,7 @@ using Displacements = Eigen::Matrix<double, 2, kNumMovements>;
 // The Jacobian of a pixel with respect to the scale (relative), a shift in
 // pixels, a tilt of the sensor about its vertical and horizontal axes in
 // radians, and local changes in pixels.
-Displacements DisplacementsAt(const KnownCamera& camera,
+Displacements DisplacementsAt(const ReferenceCamera& camera,
                               const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d p(pixel.x() - (camera.size.width - 1) / 2.0,
                           pixel.y() - (camera.size.height - 1) / 2.0);
@@ -58,19 +58,19 @@ struct ReducedView {
   Eigen::VectorXd error;
 };
 
-ReducedView Reduce(const KnownCamera& camera, const PlacedView& view,
+ReducedView Reduce(const ReferenceCamera& camera, const ProjectedView& view,
                    double clip_px) {
   const Eigen::Index rows = 2 * static_cast<Eigen::Index>(view.size());
   const Eigen::Index num_modes =
       static_cast<Eigen::Index>(camera.modes.displacements_px.size());
-  Eigen::MatrixXd by_pose(rows, 6), all(rows, num_modes + kNumMovements + 1);
+  Eigen::MatrixXd J_pose(rows, 6), all(rows, num_modes + kNumMovements + 1);
   for (size_t i = 0; i < view.size(); ++i) {
-    const PlacedFeature& feature = view[i];
+    const ProjectedFeature& feature = view[i];
     const Eigen::Index row = 2 * static_cast<Eigen::Index>(i);
     // Evaluated at the projection: at the observed pixel, the noise would
     // correlate with a change that poses nearly compensate, by its gradient.
     const Eigen::Vector2d pixel = feature.pixel - feature.error_px;
-    by_pose.middleRows<2>(row) = feature.by_pose;
+    J_pose.middleRows<2>(row) = feature.J_pose;
     for (Eigen::Index k = 0; k < num_modes; ++k)
       all.block<2, 1>(row, k) = camera.modes.At(k, camera.area, pixel);
     all.block<2, kNumMovements>(row, num_modes) =
@@ -80,9 +80,9 @@ ReducedView Reduce(const KnownCamera& camera, const PlacedView& view,
         feature.error_px * std::min(1.0, clip_px / std::max(norm, 1e-12));
   }
   const Eigen::MatrixXd reduced =
-      all - by_pose * (by_pose.transpose() * by_pose)
-                          .ldlt()
-                          .solve(by_pose.transpose() * all);
+      all -
+      J_pose *
+          (J_pose.transpose() * J_pose).ldlt().solve(J_pose.transpose() * all);
   return {reduced.leftCols(num_modes),
           reduced.middleCols<kNumMovements>(num_modes), reduced.rightCols<1>()};
 }
@@ -146,7 +146,7 @@ ToldApart DirectionsTold(const Eigen::MatrixXd& matrix) {
 struct Estimate {
   Eigen::VectorXd values, deviations;
   double chi_squared = 0;
-  int freedoms = 0;
+  int degrees_of_freedom = 0;
 };
 
 Eigen::MatrixXd MatrixOf(const Information& information,
@@ -175,14 +175,14 @@ Estimate EstimateOf(const Information& information,
   estimate.deviations = told.unit.cwiseProduct(
       (told.vectors.cwiseAbs2() * told.values.cwiseInverse()).cwiseSqrt());
   estimate.chi_squared = along.dot(shares);
-  estimate.freedoms = static_cast<int>(told.values.size());
+  estimate.degrees_of_freedom = static_cast<int>(told.values.size());
   return estimate;
 }
 
 // The inverse of ChiSquaredSigmas(). Inaccurate below one degree of freedom.
-double ChiSquaredAt(double sigmas, int freedoms) {
+double ChiSquaredAt(double sigmas, int degrees_of_freedom) {
   constexpr double kLeast = 0.02;  // times the degrees of freedom
-  const double k = freedoms;
+  const double k = degrees_of_freedom;
   const double root = 1 - 2 / (9 * k) + sigmas * std::sqrt(2 / (9 * k));
   return k * std::max(kLeast, std::pow(root, 3));
 }
@@ -190,8 +190,9 @@ double ChiSquaredAt(double sigmas, int freedoms) {
 // The displacement in standard deviations that is detected with a power of 99
 // %: the cube root of a noncentral chi-squared variable is nearly normal
 // (Abdel-Aty, 1954).
-double MovementFound(int freedoms) {
-  const double k = freedoms, alarm = ChiSquaredAt(kAlarmSigmas, freedoms);
+double MovementFound(int degrees_of_freedom) {
+  const double k = degrees_of_freedom,
+               alarm = ChiSquaredAt(kAlarmSigmas, degrees_of_freedom);
   double low = 0, high = 1e3;
   for (int round = 0; round < 60; ++round) {
     const double squared = (low + high) / 2, mean = k + squared;
@@ -207,10 +208,10 @@ double MovementFound(int freedoms) {
 // direction for the calibration's own errors.
 struct GroupTest {
   double chi_squared = 0;
-  int freedoms = 0;
+  int degrees_of_freedom = 0;
   double information = 0;  // sum over the directions
   Eigen::VectorXd values, deviations;
-  double found_from = 0;  // in any direction, with a power of 99 %
+  double detection_limit = 0;  // in any direction, with a power of 99 %
 };
 
 GroupTest TestGroup(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right,
@@ -231,10 +232,10 @@ GroupTest TestGroup(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right,
     variances += variance * vector.cwiseAbs2();
     test.chi_squared += moved * moved / variance;
     test.information += value;
-    ++test.freedoms;
+    ++test.degrees_of_freedom;
   }
   test.deviations = variances.cwiseSqrt();
-  test.found_from =
+  test.detection_limit =
       MovementFound(static_cast<int>(size)) *
       std::sqrt(1 / std::max(solver.eigenvalues()[0], kNone) + own);
   return test;
@@ -266,14 +267,15 @@ LocalEquations WithoutSmooth(const Information& information) {
 constexpr int kNumGroups = 4;
 using GroupTests = std::array<GroupTest, kNumGroups>;  // as in MovementErrors
 
-std::array<double, kNumGroups> DeviationsOf(const ErrorModes& modes) {
+std::array<double, kNumGroups> EstimateStandardDeviations(
+    const ErrorModes& modes) {
   const MovementErrors& beyond = modes.beyond;
   return {beyond.scale, beyond.shift_px, beyond.tilt_rad,
           std::hypot(modes.rest_px, beyond.local_px)};
 }
 
 GroupTests TestGroups(const Information& information, const ErrorModes& modes) {
-  const auto deviations = DeviationsOf(modes);
+  const auto deviations = EstimateStandardDeviations(modes);
   const auto smooth = [&](int first, int count, double deviation) {
     return TestGroup(information.matrix.block(first, first, count, count),
                      information.right.segment(first, count), deviation);
@@ -297,7 +299,7 @@ std::vector<Eigen::VectorXd> Remainders(const std::vector<ReducedView>& views,
 
 // The variance inflation of smooth sums by correlated residuals: an AR(1)
 // correlation of r between features, in both directions.
-double Inflation(const std::vector<PlacedView>& views,
+double Inflation(const std::vector<ProjectedView>& views,
                  const std::vector<Eigen::VectorXd>& remainders) {
   std::vector<FeatureResidual> residuals;
   for (size_t v = 0; v < views.size(); ++v)
@@ -309,15 +311,15 @@ double Inflation(const std::vector<PlacedView>& views,
   const double standard_error =
       1 / std::sqrt(2.0 * static_cast<double>(residuals.size()));
   const double correlation = std::clamp(
-      NeighborCorrelation(residuals).value_or(0) - 2 * standard_error, 0.0,
-      0.8);
+      ComputeNeighborCorrelation(residuals).value_or(0) - 2 * standard_error,
+      0.0, 0.8);
   return std::pow((1 + correlation) / (1 - correlation), 2);
 }
 
-double MedianErrorPx(const std::vector<PlacedView>& views) {
+double ComputeMedianErrorPx(const std::vector<ProjectedView>& views) {
   std::vector<double> norms;
-  for (const PlacedView& view : views)
-    for (const PlacedFeature& feature : view)
+  for (const ProjectedView& view : views)
+    for (const ProjectedFeature& feature : view)
       norms.push_back(feature.error_px.norm());
   return Quantile(norms, 0.5);
 }
@@ -333,12 +335,12 @@ Movement MovementOf(const std::string& name,
                     const GroupTest& test) {
   Movement movement;
   movement.name = name;
-  movement.sigmas = ChiSquaredSigmas(test.chi_squared, test.freedoms);
+  movement.sigmas = ChiSquaredSigmas(test.chi_squared, test.degrees_of_freedom);
   movement.parameters = parameters;
   if (parameters.empty()) return movement;
   movement.values.assign(test.values.begin(), test.values.end());
   movement.deviations.assign(test.deviations.begin(), test.deviations.end());
-  movement.found_from = test.found_from;
+  movement.detection_limit = test.detection_limit;
   return movement;
 }
 
@@ -365,7 +367,7 @@ std::vector<std::string> Explain(const Information& information,
       const Estimate estimate = EstimateOf(information, candidate.parameters);
       const double left =
           ChiSquaredSigmas(smooth_chi_squared - estimate.chi_squared,
-                           kNumSmooth - estimate.freedoms);
+                           kNumSmooth - estimate.degrees_of_freedom);
       if (left >= least) continue;
       best = &candidate;
       least = left;
@@ -377,10 +379,12 @@ std::vector<std::string> Explain(const Information& information,
 
 // Weakly observable directions are shrunk, assuming changes as large in all
 // others as their chi-squared variable indicates.
-void FindLargestLocal(const KnownCamera& camera, const LocalEquations& local,
-                      const GroupTest& test, CameraChange* change) {
+void FindLargestLocal(const ReferenceCamera& camera,
+                      const LocalEquations& local, const GroupTest& test,
+                      CameraChange* change) {
   const double moved_px2 =
-      std::max(0.0, test.chi_squared - test.freedoms) / test.information;
+      std::max(0.0, test.chi_squared - test.degrees_of_freedom) /
+      test.information;
   const Eigen::VectorXd values =
       (local.matrix * moved_px2 +
        Eigen::MatrixXd::Identity(kNumLocal, kNumLocal))
@@ -407,12 +411,14 @@ struct Judged {
   double noise_px = 0;
 };
 
-Judged Judge(const KnownCamera& camera, const std::vector<PlacedView>& views) {
+Judged Assess(const ReferenceCamera& camera,
+              const std::vector<ProjectedView>& views) {
   // The median norm of 2D normal noise is 1.18 standard deviations.
   const double clip_px =
-      kClipSigmas * std::max(camera.noise_px, MedianErrorPx(views) / 1.18);
+      kClipSigmas *
+      std::max(camera.noise_px, ComputeMedianErrorPx(views) / 1.18);
   Judged judged;
-  for (const PlacedView& view : views) {
+  for (const ProjectedView& view : views) {
     judged.reduced.push_back(Reduce(camera, view, clip_px));
     judged.num_features += static_cast<int>(view.size());
   }
@@ -423,11 +429,12 @@ Judged Judge(const KnownCamera& camera, const std::vector<PlacedView>& views) {
   double sum = 0;
   for (const Eigen::VectorXd& remainder : remainders)
     sum += remainder.squaredNorm();
-  const double freedoms = std::max(
+  const double degrees_of_freedom = std::max(
       1.0, 2.0 * judged.num_features - 6.0 * static_cast<double>(views.size()) -
-               first.freedoms);
-  judged.noise_px = std::max(camera.noise_px, std::sqrt(sum / freedoms)) *
-                    std::sqrt(Inflation(views, remainders));
+               first.degrees_of_freedom);
+  judged.noise_px =
+      std::max(camera.noise_px, std::sqrt(sum / degrees_of_freedom)) *
+      std::sqrt(Inflation(views, remainders));
   judged.information = Gather(judged.reduced, judged.noise_px);
   return judged;
 }
@@ -439,7 +446,7 @@ std::vector<std::string> SignificantOf(const std::vector<Movement>& movements) {
   return names;
 }
 
-bool WouldFindAHundredth(const KnownCamera& camera,
+bool WouldFindAHundredth(const ReferenceCamera& camera,
                          const std::vector<Movement>& movements) {
   constexpr double kPart = 0.01;
   for (const Movement& movement : movements) {
@@ -447,23 +454,23 @@ bool WouldFindAHundredth(const KnownCamera& camera,
                         : movement.name == "shift"
                             ? std::max(camera.size.width, camera.size.height)
                             : 0;
-    if (unit > 0 && !(movement.found_from <= kPart * unit)) return false;
+    if (unit > 0 && !(movement.detection_limit <= kPart * unit)) return false;
   }
   return true;
 }
 
 }  // namespace
 
-double ChiSquaredSigmas(double chi_squared, int freedoms) {
-  if (freedoms <= 0) return 0;
-  const double k = freedoms;
+double ChiSquaredSigmas(double chi_squared, int degrees_of_freedom) {
+  if (degrees_of_freedom <= 0) return 0;
+  const double k = degrees_of_freedom;
   return (std::cbrt(std::max(chi_squared, 0.0) / k) - (1 - 2 / (9 * k))) /
          std::sqrt(2 / (9 * k));
 }
 
-CameraChange TestForChange(const KnownCamera& camera,
-                           const std::vector<PlacedView>& views) {
-  const Judged judged = Judge(camera, views);
+CameraChange TestCameraChange(const ReferenceCamera& camera,
+                              const std::vector<ProjectedView>& views) {
+  const Judged judged = Assess(camera, views);
   const Information& information = judged.information;
   CameraChange change;
   change.num_features = judged.num_features;
@@ -492,7 +499,7 @@ CameraChange TestForChange(const KnownCamera& camera,
   }
   change.movements.push_back(local);
   change.is_degraded = !change.moved.empty();
-  change.can_tell = WouldFindAHundredth(camera, change.movements);
+  change.is_conclusive = WouldFindAHundredth(camera, change.movements);
 
   const Eigen::VectorXd fitted =
       is_local ? EstimateOf(information, Range(0, kNumMovements)).values
@@ -505,23 +512,24 @@ CameraChange TestForChange(const KnownCamera& camera,
   return change;
 }
 
-MovementErrors ErrorsBeyond(
-    const KnownCamera& camera,
-    const std::vector<std::vector<PlacedView>>& unchanged) {
+MovementErrors ComputeExcessErrors(
+    const ReferenceCamera& camera,
+    const std::vector<std::vector<ProjectedView>>& unchanged) {
   constexpr double kChanceSigmas = 1.645;  // p = 1/20
   std::array<double, kNumGroups> chi_squared = {}, information = {};
-  std::array<int, kNumGroups> freedoms = {};
-  for (const std::vector<PlacedView>& views : unchanged) {
+  std::array<int, kNumGroups> degrees_of_freedom = {};
+  for (const std::vector<ProjectedView>& views : unchanged) {
     const GroupTests tests =
-        TestGroups(Judge(camera, views).information, camera.modes);
+        TestGroups(Assess(camera, views).information, camera.modes);
     for (int g = 0; g < kNumGroups; ++g) {
       chi_squared[g] += tests[g].chi_squared;
       information[g] += tests[g].information;
-      freedoms[g] += tests[g].freedoms;
+      degrees_of_freedom[g] += tests[g].degrees_of_freedom;
     }
   }
   const auto is_more_than_chance = [&](int g) {
-    return ChiSquaredSigmas(chi_squared[g], freedoms[g]) > kChanceSigmas;
+    return ChiSquaredSigmas(chi_squared[g], degrees_of_freedom[g]) >
+           kChanceSigmas;
   };
   // A local change partly resembles the others, which may not show it with
   // their few degrees of freedom: they get the limit that is exceeded in one of
@@ -533,9 +541,10 @@ MovementErrors ErrorsBeyond(
     if (!is_local && !is_more_than_chance(g)) continue;
     // The chi-squared variable is below this equally rarely.
     const double below = is_more_than_chance(g) ? -kChanceSigmas : -1;
-    const double largest = chi_squared[g] / ChiSquaredAt(below, freedoms[g]);
-    deviations[g] =
-        std::sqrt(std::max(0.0, largest - 1) * freedoms[g] / information[g]);
+    const double largest =
+        chi_squared[g] / ChiSquaredAt(below, degrees_of_freedom[g]);
+    deviations[g] = std::sqrt(std::max(0.0, largest - 1) *
+                              degrees_of_freedom[g] / information[g]);
   }
   return {deviations[0], deviations[1], deviations[2], deviations[3]};
 }

@@ -11,16 +11,16 @@
 namespace raygrid {
 
 /// A feature, and its reprojection error with the existing calibration.
-struct PlacedFeature {
+struct ProjectedFeature {
   Eigen::Vector2d pixel;
-  Eigen::Vector2d error_px;             ///< observed - projected
-  Eigen::Matrix<double, 2, 6> by_pose;  ///< J_pose of the view
-  int column = 0, row = 0;              ///< on the board
+  Eigen::Vector2d error_px;            ///< observed - projected
+  Eigen::Matrix<double, 2, 6> J_pose;  ///< J_pose of the view
+  int column = 0, row = 0;             ///< on the board
 };
-using PlacedView = std::vector<PlacedFeature>;
+using ProjectedView = std::vector<ProjectedFeature>;
 
 /// The existing calibration, with its uncertainty.
-struct KnownCamera {
+struct ReferenceCamera {
   ImageSize size;
   Area area;
   double focal_px = 0;  ///< at the image centre
@@ -36,7 +36,7 @@ struct Movement {
   std::vector<double> values, deviations;  ///< with standard deviations
   double sigmas = 0;                       ///< significance, others being zero
   /// The magnitude detected with a probability of 99 %; not for "local".
-  double found_from = 0;
+  double detection_limit = 0;
 };
 
 struct CameraChange {
@@ -53,7 +53,7 @@ struct CameraChange {
   bool is_degraded = false;
   /// Whether a change of scale, or a shift, by 1 % would be detected with a
   /// probability of 99 %; otherwise a negative result is inconclusive.
-  bool can_tell = false;
+  bool is_conclusive = false;
   std::vector<std::string> moved;  ///< names of significant changes
 };
 
@@ -67,8 +67,8 @@ struct CameraChange {
 ///
 /// The noise is the larger one of calibration and current features, and is
 /// inflated for correlated residuals.
-CameraChange TestForChange(const KnownCamera& camera,
-                           const std::vector<PlacedView>& views);
+CameraChange TestCameraChange(const ReferenceCamera& camera,
+                              const std::vector<ProjectedView>& views);
 
 /// Estimates the displacement errors of an unchanged camera beyond its
 /// covariance, from images that were not used for the calibration, in groups of
@@ -77,13 +77,13 @@ CameraChange TestForChange(const KnownCamera& camera,
 /// feature errors. Zero if insignificant (p > 0.05); otherwise the upper 95 %
 /// limit of the standard deviation. If local changes are significant,
 /// insignificant others get the limit that is exceeded in one of six cases.
-MovementErrors ErrorsBeyond(
-    const KnownCamera& camera,
-    const std::vector<std::vector<PlacedView>>& unchanged);
+MovementErrors ComputeExcessErrors(
+    const ReferenceCamera& camera,
+    const std::vector<std::vector<ProjectedView>>& unchanged);
 
 /// Converts a chi-squared value to a one-sided normal quantile of equal
 /// probability (Wilson, Hilferty, 1931).
-double ChiSquaredSigmas(double chi_squared, int freedoms);
+double ChiSquaredSigmas(double chi_squared, int degrees_of_freedom);
 
 }  // namespace raygrid
 

@@ -27,7 +27,7 @@ std::array<Eigen::VectorXd, 2> PredictHalves(
   return {fit.Predict(0, errors[0]), fit.Predict(1, errors[1])};
 }
 
-double SumOf(const std::vector<double>& values) {
+double SumLanes(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
@@ -38,14 +38,15 @@ bool MayBeAlike(const std::vector<double>& more,
   std::vector<double> differences;
   for (size_t u = 0; u < more.size(); ++u)
     differences.push_back(more[u] - less[u]);
-  return SumOf(differences) <= 0 ||
+  return SumLanes(differences) <= 0 ||
          SignedRankProbability(differences) > kByChance;
 }
 
 }  // namespace
 
 double CauseGroup::Gain(const CrossFit& fit, const Halves& errors) const {
-  return SumOf(ExplainedSquares(fit, errors, PredictHalves(fit, errors))) /
+  return SumLanes(
+             ComputeExplainedSquares(fit, errors, PredictHalves(fit, errors))) /
          squares_;
 }
 
@@ -77,9 +78,9 @@ void CauseGroup::MeasureChance(const Eigen::VectorXd& errors,
 }
 
 // The cause with the largest significant share of the remainder.
-std::optional<size_t> CauseGroup::NextCause(const Halves& left,
-                                            const std::vector<bool>& is_taken,
-                                            ResidualBudget* budget) const {
+std::optional<size_t> CauseGroup::FindNextCause(
+    const Halves& left, const std::vector<bool>& is_taken,
+    ResidualBudget* budget) const {
   std::optional<size_t> best;
   double best_gain = 0;
   for (size_t k = 0; k < fits_.size(); ++k) {
@@ -108,7 +109,7 @@ Eigen::VectorXd CauseGroup::Explain(const Eigen::VectorXd& errors,
                                     ResidualBudget* budget) const {
   for (const NamedFit& named : fits_) {
     CauseShare& share = ShareOf(named.cause, budget);
-    share.can_be_told = true;
+    share.is_observable = true;
     share.alone = Gain(named.fit, {errors, errors});
   }
   MeasureChance(errors, budget);
@@ -116,7 +117,7 @@ Eigen::VectorXd CauseGroup::Explain(const Eigen::VectorXd& errors,
   // halves stay independent.
   Halves left = {errors, errors};
   std::vector<bool> is_taken(fits_.size(), false);
-  while (const auto next = NextCause(left, is_taken, budget)) {
+  while (const auto next = FindNextCause(left, is_taken, budget)) {
     is_taken[*next] = true;
     const Halves predicted = PredictHalves(fits_[*next].fit, left);
     for (int half = 0; half < 2; ++half) left[half] -= predicted[half];
@@ -124,27 +125,27 @@ Eigen::VectorXd CauseGroup::Explain(const Eigen::VectorXd& errors,
   return Join(left);
 }
 
-void CauseGroup::FindAlike(const Eigen::VectorXd& errors,
-                           const CrossFit& control,
-                           ResidualBudget* budget) const {
+void CauseGroup::FindEquivalentCauses(const Eigen::VectorXd& errors,
+                                      const CrossFit& control,
+                                      ResidualBudget* budget) const {
   const Halves halves = {errors, errors};
   const auto explained_by = [&](const CrossFit& fit) {
-    return ExplainedSquares(fit, halves, PredictHalves(fit, halves));
+    return ComputeExplainedSquares(fit, halves, PredictHalves(fit, halves));
   };
   const NamedFit* largest = nullptr;
   for (const NamedFit& named : fits_)
-    if (budget->Of(named.cause).IsTold() &&
+    if (budget->Of(named.cause).IsDetermined() &&
         (!largest ||
          budget->Of(named.cause).in_turn > budget->Of(largest->cause).in_turn))
       largest = &named;
   if (!largest) return;
   const std::vector<double> most = explained_by(largest->fit);
   for (const NamedFit& named : fits_)
-    ShareOf(named.cause, budget).is_alike =
+    ShareOf(named.cause, budget).is_indistinguishable =
         &named == largest || MayBeAlike(most, explained_by(named.fit));
   const std::vector<double> by_control = explained_by(control);
-  budget->column_time = SumOf(by_control) / squares_;
-  budget->column_time_is_alike = MayBeAlike(most, by_control);
+  budget->column_delay = SumLanes(by_control) / squares_;
+  budget->is_column_delay_indistinguishable = MayBeAlike(most, by_control);
 }
 
 }  // namespace raygrid

@@ -32,8 +32,9 @@ class CauseGroup {
 
   /// Marks the causes, or the control, that explain the units as well as the
   /// largest cause does.
-  void FindAlike(const Eigen::VectorXd& errors, const CrossFit& control,
-                 ResidualBudget* budget) const;
+  void FindEquivalentCauses(const Eigen::VectorXd& errors,
+                            const CrossFit& control,
+                            ResidualBudget* budget) const;
 
  private:
   using Halves = std::array<Eigen::VectorXd, 2>;
@@ -41,9 +42,9 @@ class CauseGroup {
   double Gain(const CrossFit& fit, const Halves& errors) const;
   void MeasureChance(const Eigen::VectorXd& errors,
                      ResidualBudget* budget) const;
-  std::optional<size_t> NextCause(const Halves& left,
-                                  const std::vector<bool>& is_taken,
-                                  ResidualBudget* budget) const;
+  std::optional<size_t> FindNextCause(const Halves& left,
+                                      const std::vector<bool>& is_taken,
+                                      ResidualBudget* budget) const;
   Eigen::VectorXd Join(const Halves& left) const;
 
   std::vector<NamedFit> fits_;

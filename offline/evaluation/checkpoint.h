@@ -10,7 +10,7 @@
 namespace raygrid {
 
 /// The held-out residuals of each camera.
-struct HeldOut {
+struct HeldOutResiduals {
   std::vector<std::vector<FeatureResidual>> alone;  ///< localized by one camera
   /// For rigs: each board localized once by all cameras that see it.
   std::vector<std::vector<FeatureResidual>> together;
@@ -23,13 +23,13 @@ struct HeldOut {
 /// held-out residuals of the fold.
 struct Trial {
   int fold = 0;
-  std::vector<double> cells_px;
+  std::vector<double> knot_spacings_px;
   bool rigid_boards = false;  ///< false: per-view deformation is estimated
-  HeldOut held_out;           ///< empty if the rig falls apart without the fold
-  bool has_bodies = false;    ///< rigid multi-board targets
+  HeldOutResiduals held_out;  ///< empty if the rig falls apart without the fold
+  bool has_rigid_targets = false;  ///< rigid multi-board targets
   /// With rigid boards: the fraction of the squared residuals that per-view
   /// deformation would explain.
-  double share_of_bends = 1;
+  double deformation_share = 1;
 };
 
 /// The finished stages of an interrupted calibration, whose results are reused.
@@ -37,7 +37,7 @@ struct Trial {
 /// it would converge to a result that differs within its tolerance.
 struct Checkpoint {
   /// Features as refined with a first camera.
-  std::optional<Dataset> measured_again;
+  std::optional<Dataset> refined_features;
 
   std::vector<Trial> trials;
 };

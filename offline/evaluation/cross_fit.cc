@@ -98,7 +98,7 @@ Eigen::VectorXd CrossFit::Predict(int half,
   return predicted;
 }
 
-std::vector<double> ExplainedSquares(
+std::vector<double> ComputeExplainedSquares(
     const CrossFit& fit, const std::array<Eigen::VectorXd, 2>& errors,
     const std::array<Eigen::VectorXd, 2>& predicted) {
   std::vector<double> explained(fit.num_units(), 0);

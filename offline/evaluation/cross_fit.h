@@ -48,7 +48,7 @@ class CrossFit {
 
 /// The reduction of each unit's squared errors by predicting each half from the
 /// other; negative if the prediction increases them.
-std::vector<double> ExplainedSquares(
+std::vector<double> ComputeExplainedSquares(
     const CrossFit& fit, const std::array<Eigen::VectorXd, 2>& errors,
     const std::array<Eigen::VectorXd, 2>& predicted);
 

@@ -15,7 +15,7 @@ Eigen::Index ColumnOf(size_t feature) {
 
 // Consecutive images are similar: they are assigned to one half.
 std::vector<int> HalvesByView(const BudgetInput& input) {
-  const int num_views = static_cast<int>(CountByView(input).size());
+  const int num_views = static_cast<int>(CountFeaturesByView(input).size());
   std::vector<int> half;
   for (const BudgetFeature& feature : input.features)
     half.push_back(feature.view * kViewBlocks / num_views % 2);
@@ -48,9 +48,10 @@ double CellPx(const BudgetInput& input) {
     area.Extend(feature.pixel);
   const double width = std::max(area.width(), 1.0);
   const double height = std::max(area.height(), 1.0);
-  const double cell_px = std::sqrt(width * height * kFeaturesInCell /
-                                   static_cast<double>(input.features.size()));
-  return std::clamp(cell_px, kMinCellPx,
+  const double knot_spacing_px =
+      std::sqrt(width * height * kFeaturesInCell /
+                static_cast<double>(input.features.size()));
+  return std::clamp(knot_spacing_px, kMinCellPx,
                     std::max(kMinCellPx, std::max(width, height) / kMinCells));
 }
 
@@ -110,24 +111,24 @@ Eigen::Vector2d ProjectedFromCenter(const BudgetInput& input,
 }
 
 // The Jacobian of a feature for the coefficients of a per-view cause.
-Eigen::Matrix2Xd ErrorsBy(ErrorCause cause, const BudgetInput& input,
-                          const std::vector<BoardPlane>& planes,
-                          const BudgetFeature& feature) {
+Eigen::Matrix2Xd ApplyJacobian(ErrorCause cause, const BudgetInput& input,
+                               const std::vector<BoardPlane>& planes,
+                               const BudgetFeature& feature) {
   const double width = input.image_size.width, height = input.image_size.height;
   const Eigen::Vector2d from_center = ProjectedFromCenter(input, feature);
   switch (cause) {
-    case ErrorCause::kBend:
-      return feature.by_point * input.bends[feature.point];
+    case ErrorCause::kDeformation:
+      return feature.J_point * input.bends[feature.point];
     case ErrorCause::kInPlane:
-      return feature.by_point * StretchesAt(planes[input.boards[feature.point]],
-                                            input.points[feature.point]);
+      return feature.J_point * StretchesAt(planes[input.boards[feature.point]],
+                                           input.points[feature.point]);
     case ErrorCause::kImageAffine: {
       Eigen::Matrix<double, 2, 3> errors;
       errors << from_center / width, Eigen::Matrix2d::Identity();
       return errors;
     }
     default:  // rolling shutter
-      return feature.by_pose * (from_center.y() / height);
+      return feature.J_pose * (from_center.y() / height);
   }
 }
 
@@ -142,9 +143,9 @@ void ScaleRows(Eigen::MatrixXd* columns) {
 
 // Makes a per-view cause from the Jacobian of each feature.
 template <typename Errors>
-LinearCause OfViews(const BudgetInput& input, const PoseParts& pose,
-                    const Errors& errors_of) {
-  const std::vector<int> counts = CountByView(input);
+LinearCause PerViewShare(const BudgetInput& input, const PoseParts& pose,
+                         const Errors& errors_of) {
+  const std::vector<int> counts = CountFeaturesByView(input);
   LinearCause linear;
   linear.half = HalvesByLattice(input);
   linear.num_units = static_cast<int>(counts.size());
@@ -163,7 +164,7 @@ LinearCause OfViews(const BudgetInput& input, const PoseParts& pose,
 
 }  // namespace
 
-std::vector<int> CountByView(const BudgetInput& input) {
+std::vector<int> CountFeaturesByView(const BudgetInput& input) {
   std::vector<int> counts;
   for (const BudgetFeature& feature : input.features) {
     if (static_cast<size_t>(feature.view) >= counts.size())
@@ -175,14 +176,14 @@ std::vector<int> CountByView(const BudgetInput& input) {
 
 PoseParts::PoseParts(const BudgetInput& input) {
   size_t first = 0;
-  for (const int count : CountByView(input)) {
+  for (const int count : CountFeaturesByView(input)) {
     if (count == 0) continue;
-    Eigen::MatrixXd by_pose(2 * count, 6);
+    Eigen::MatrixXd J_pose(2 * count, 6);
     for (int i = 0; i < count; ++i)
-      by_pose.middleRows<2>(2 * i) = input.features[first + i].by_pose;
+      J_pose.middleRows<2>(2 * i) = input.features[first + i].J_pose;
     for (Eigen::Index k = 0; k < 6; ++k)
-      if (by_pose.col(k).norm() > 0) by_pose.col(k).normalize();
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(by_pose);
+      if (J_pose.col(k).norm() > 0) J_pose.col(k).normalize();
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(J_pose);
     qr.setThreshold(1e-9);
     views_.push_back(
         {ColumnOf(first),
@@ -192,7 +193,7 @@ PoseParts::PoseParts(const BudgetInput& input) {
 }
 
 void PoseParts::Remove(Eigen::VectorXd* errors) const {
-  for (const OfView& view : views_) {
+  for (const ViewTerms& view : views_) {
     auto own = errors->segment(view.first, view.basis.rows());
     const Eigen::VectorXd part = view.basis.transpose() * own;
     own.noalias() -= view.basis * part;
@@ -200,24 +201,26 @@ void PoseParts::Remove(Eigen::VectorXd* errors) const {
 }
 
 void PoseParts::RemoveFromRows(Eigen::MatrixXd* columns) const {
-  for (const OfView& view : views_) {
+  for (const ViewTerms& view : views_) {
     auto own = columns->middleCols(view.first, view.basis.rows());
     const Eigen::MatrixXd part = own * view.basis;
     own.noalias() -= part * view.basis.transpose();
   }
 }
 
-LinearCause ImagePlaceCause(const BudgetInput& input) {
+LinearCause MakeImagePositionCause(const BudgetInput& input) {
   LinearCause cause;
   cause.half = HalvesByView(input);
-  const double cell_px = CellPx(input);
+  const double knot_spacing_px = CellPx(input);
   const int columns =
-      static_cast<int>(std::ceil(input.image_size.width / cell_px)) + 1;
+      static_cast<int>(std::ceil(input.image_size.width / knot_spacing_px)) + 1;
   const int rows =
-      static_cast<int>(std::ceil(input.image_size.height / cell_px)) + 1;
+      static_cast<int>(std::ceil(input.image_size.height / knot_spacing_px)) +
+      1;
   cause.num_units = columns * rows;
-  const auto cell_of = [cell_px](double position, int count) {
-    return std::clamp(static_cast<int>(position / cell_px), 0, count - 1);
+  const auto cell_of = [knot_spacing_px](double position, int count) {
+    return std::clamp(static_cast<int>(position / knot_spacing_px), 0,
+                      count - 1);
   };
   cause.columns.resize(2, 2 * input.features.size());
   for (size_t i = 0; i < input.features.size(); ++i) {
@@ -229,7 +232,7 @@ LinearCause ImagePlaceCause(const BudgetInput& input) {
   return cause;
 }
 
-LinearCause BoardPlaceCause(const BudgetInput& input) {
+LinearCause MakeBoardPositionCause(const BudgetInput& input) {
   LinearCause cause;
   cause.half = HalvesByView(input);
   cause.num_units = static_cast<int>(input.points.size());
@@ -237,29 +240,31 @@ LinearCause BoardPlaceCause(const BudgetInput& input) {
   for (size_t i = 0; i < input.features.size(); ++i) {
     cause.unit.push_back(input.features[i].point);
     cause.columns.middleCols<2>(ColumnOf(i)) =
-        input.features[i].by_point.transpose();
+        input.features[i].J_point.transpose();
   }
   return cause;
 }
 
-std::optional<LinearCause> ViewCause(ErrorCause cause, const BudgetInput& input,
-                                     const PoseParts& pose) {
-  const bool is_bend = cause == ErrorCause::kBend;
+std::optional<LinearCause> MakeViewCause(ErrorCause cause,
+                                         const BudgetInput& input,
+                                         const PoseParts& pose) {
+  const bool is_bend = cause == ErrorCause::kDeformation;
   if (is_bend && (input.bends.empty() || input.bends.front().cols() == 0))
     return std::nullopt;
   const std::vector<BoardPlane> planes = PlanesOf(input);
-  return OfViews(input, pose, [&](const BudgetFeature& feature) {
-    return ErrorsBy(cause, input, planes, feature);
+  return PerViewShare(input, pose, [&](const BudgetFeature& feature) {
+    return ApplyJacobian(cause, input, planes, feature);
   });
 }
 
-LinearCause ColumnTimeControl(const BudgetInput& input, const PoseParts& pose) {
+LinearCause MakeColumnDelayControl(const BudgetInput& input,
+                                   const PoseParts& pose) {
   const double width = input.image_size.width;
-  return OfViews(input, pose,
-                 [&](const BudgetFeature& feature) -> Eigen::Matrix2Xd {
-                   return feature.by_pose *
-                          (ProjectedFromCenter(input, feature).x() / width);
-                 });
+  return PerViewShare(
+      input, pose, [&](const BudgetFeature& feature) -> Eigen::Matrix2Xd {
+        return feature.J_pose *
+               (ProjectedFromCenter(input, feature).x() / width);
+      });
 }
 
 }  // namespace raygrid

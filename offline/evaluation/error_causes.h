@@ -21,30 +21,32 @@ class PoseParts {
   void RemoveFromRows(Eigen::MatrixXd* columns) const;
 
  private:
-  struct OfView {
+  struct ViewTerms {
     Eigen::Index first = 0;
     Eigen::MatrixXd basis;  // orthonormal columns
   };
-  std::vector<OfView> views_;
+  std::vector<ViewTerms> views_;
 };
 
 /// Errors shared by features in one region of the image, or at one target
 /// point. Halves are blocks of views that are consecutive in time.
-LinearCause ImagePlaceCause(const BudgetInput& input);
-LinearCause BoardPlaceCause(const BudgetInput& input);
+LinearCause MakeImagePositionCause(const BudgetInput& input);
+LinearCause MakeBoardPositionCause(const BudgetInput& input);
 
 /// Errors specific to a view beyond the board's motion. Halves are blocks of
 /// the board's lattice, in a checkerboard. Nothing for boards without
 /// deformation modes.
-std::optional<LinearCause> ViewCause(ErrorCause cause, const BudgetInput& input,
-                                     const PoseParts& pose);
+std::optional<LinearCause> MakeViewCause(ErrorCause cause,
+                                         const BudgetInput& input,
+                                         const PoseParts& pose);
 
 /// Motion during a column-wise readout, as a control for the line delay.
-LinearCause ColumnTimeControl(const BudgetInput& input, const PoseParts& pose);
+LinearCause MakeColumnDelayControl(const BudgetInput& input,
+                                   const PoseParts& pose);
 
 /// Views with fewer features are not used as units.
 constexpr int kMinBudgetViewFeatures = 24;
-std::vector<int> CountByView(const BudgetInput& input);
+std::vector<int> CountFeaturesByView(const BudgetInput& input);
 
 }  // namespace raygrid
 

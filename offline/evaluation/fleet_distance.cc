@@ -23,7 +23,7 @@ Eigen::MatrixXd DisplacementsByTurn(
     Eigen::Matrix3d cross;  // w x ray, for w
     cross << 0, ray->z(), -ray->y(), -ray->z(), 0, ray->x(), ray->y(),
         -ray->x(), 0;
-    by_turn.middleRows<2>(2 * i) = projection.by_point * cross;
+    by_turn.middleRows<2>(2 * i) = projection.J_point * cross;
   }
   return by_turn;
 }
@@ -49,7 +49,7 @@ double SquaresWithoutTurns(const Eigen::MatrixXd& by_turn,
 // mean.
 double SquaredDistances(const CameraModel& middle, const CameraModel& camera,
                         const std::vector<Eigen::Vector2d>& places) {
-  const PixelField field = DisplacementsOf(middle, camera, places);
+  const PixelField field = ComputeDisplacements(middle, camera, places);
   std::vector<Eigen::Vector2d> seen;
   for (size_t i = 0; i < places.size(); ++i)
     if (field[i]) seen.push_back(places[i]);
@@ -66,7 +66,7 @@ double SquaredDistances(const CameraModel& middle, const CameraModel& camera,
 }
 
 double SquaredDeviations(const CameraModel& camera,
-                         const DeviationLattice& deviations,
+                         const UncertaintyLattice& deviations,
                          const std::vector<Eigen::Vector2d>& places) {
   double sum = 0;
   for (const Eigen::Vector2d& place : places) {
@@ -78,7 +78,7 @@ double SquaredDeviations(const CameraModel& camera,
 
 }  // namespace
 
-bool FleetDistance::IsStranger() const {
+bool FleetDistance::IsOutlier() const {
   constexpr double kTimesUnits = 5, kLeastPx = 0.1;
   return rms_px > std::max(kLeastPx, kTimesUnits * units_px);
 }
@@ -104,7 +104,7 @@ std::string FleetDistance::Warning() const {
 
 std::optional<FleetDistance> MeasureFleetDistance(
     const CameraModel& middle, const LensSpread& spread,
-    const CameraModel& camera, const DeviationLattice* deviations,
+    const CameraModel& camera, const UncertaintyLattice* deviations,
     const std::vector<Eigen::Vector2d>& pixels) {
   std::vector<Eigen::Vector2d> places;
   for (const Eigen::Vector2d& pixel : pixels)

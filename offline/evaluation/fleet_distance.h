@@ -18,7 +18,7 @@ struct FleetDistance {
   double units_px = 0;  ///< expected of a unit, with the camera's own errors
 
   /// Whether the camera is an outlier of the fleet.
-  bool IsStranger() const;
+  bool IsOutlier() const;
   /// "4.1 px from the fleet's middle ..., units of the fleet 0.3 px".
   std::string Text() const;
   /// Text() for an outlier, with a recommendation.
@@ -31,7 +31,7 @@ struct FleetDistance {
 /// is in the area of the mean camera.
 std::optional<FleetDistance> MeasureFleetDistance(
     const CameraModel& middle, const LensSpread& spread,
-    const CameraModel& camera, const DeviationLattice* deviations,
+    const CameraModel& camera, const UncertaintyLattice* deviations,
     const std::vector<Eigen::Vector2d>& pixels);
 
 }  // namespace raygrid

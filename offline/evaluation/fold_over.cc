@@ -13,10 +13,10 @@ constexpr double kMaxCells = 20000;
 
 // The centres of the area's cells, row by row.
 std::vector<Eigen::Vector2d> CellMiddles(const Area& area) {
-  const double cell_px =
+  const double knot_spacing_px =
       std::max(kCellPx, std::sqrt(area.width() * area.height() / kMaxCells));
-  const auto count = [cell_px](double extent) {
-    return std::max(1, static_cast<int>(std::lround(extent / cell_px)));
+  const auto count = [knot_spacing_px](double extent) {
+    return std::max(1, static_cast<int>(std::lround(extent / knot_spacing_px)));
   };
   const int columns = count(area.width()), rows = count(area.height());
   std::vector<Eigen::Vector2d> middles;
@@ -40,7 +40,8 @@ int Handedness(const CameraModel& camera, const Eigen::Vector2d& pixel) {
 
 }  // namespace
 
-FoldOver MeasureFoldOver(const CameraModel& camera, const TrustMask* trusted) {
+FoldOver MeasureFoldOver(const CameraModel& camera,
+                         const ValidityMask* trusted) {
   const std::vector<Eigen::Vector2d> middles = CellMiddles(camera.area());
   std::vector<int> handedness;
   int sum = 0;
@@ -50,7 +51,7 @@ FoldOver MeasureFoldOver(const CameraModel& camera, const TrustMask* trusted) {
   for (size_t i = 0; i < middles.size(); ++i) {
     if (handedness[i] * sum >= 0) continue;
     ++folded;
-    folded_trusted += trusted && trusted->Trusts(middles[i]);
+    folded_trusted += trusted && trusted->IsValidAt(middles[i]);
   }
   const double count = static_cast<double>(middles.size());
   return {folded / count, folded_trusted / count};

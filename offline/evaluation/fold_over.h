@@ -9,12 +9,13 @@ namespace raygrid {
 /// The part of the area where the camera is mirrored relative to most of it, so
 /// that two pixels share a ray (the distortion folds).
 struct FoldOver {
-  double part = 0;          ///< fraction of the area
-  double trusted_part = 0;  ///< fraction of the area: folded, in valid region
+  double part = 0;        ///< fraction of the area
+  double valid_part = 0;  ///< fraction of the area: folded, in valid region
 };
 
 /// Measures the fold at the centres of square cells. nullptr: no valid region.
-FoldOver MeasureFoldOver(const CameraModel& camera, const TrustMask* trusted);
+FoldOver MeasureFoldOver(const CameraModel& camera,
+                         const ValidityMask* trusted);
 
 }  // namespace raygrid
 

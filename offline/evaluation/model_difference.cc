@@ -30,7 +30,8 @@ std::vector<LinePair> SampleLines(const CameraModel& first,
   for (double y = std::ceil(area.y0); y <= area.y1; y += step_px) {
     for (double x = std::ceil(area.x0); x <= area.x1; x += step_px) {
       const Eigen::Vector2d pixel(x, y);
-      if (!first.IsLit(pixel) || !second.IsLit(pixel)) continue;
+      if (!first.IsInImageCircle(pixel) || !second.IsInImageCircle(pixel))
+        continue;
       const auto a = first.Line(pixel);
       const auto b = second.Line(pixel);
       LinearizedProjection projection;
@@ -38,7 +39,7 @@ std::vector<LinePair> SampleLines(const CameraModel& first,
           !first.Linearize(a->origin + length_m * a->direction, &pixel, 1,
                            &projection))
         continue;
-      pairs.push_back({pixel, *a, *b, 0, length_m * projection.by_point});
+      pairs.push_back({pixel, *a, *b, 0, length_m * projection.J_point});
       if (are_central) continue;
       pairs.push_back(pairs.back());
       pairs.back().inverse_distance = 1 / distance_m;
@@ -154,7 +155,7 @@ ModelDifference CompareModels(const CameraModel& first,
   return DifferenceAfter(pairs, BestMotion(pairs, are_central), are_central);
 }
 
-ModelDifference CompareTurnedModels(
+ModelDifference CompareRotatedModels(
     const CameraModel& first, const CameraModel& second, double step_px,
     const Eigen::Quaterniond& first_from_second) {
   const std::vector<LinePair> pairs = SampleLines(first, second, step_px, 1);

@@ -31,7 +31,7 @@ ModelDifference CompareModels(const CameraModel& first,
                               double distance_m = 1);
 
 /// Compares two central cameras after a given rotation.
-ModelDifference CompareTurnedModels(
+ModelDifference CompareRotatedModels(
     const CameraModel& first, const CameraModel& second, double step_px,
     const Eigen::Quaterniond& first_from_second);
 

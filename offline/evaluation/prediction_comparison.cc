@@ -82,8 +82,8 @@ PredictionComparison ComparePredictions(
   }
 
   PredictionComparison comparison;
-  comparison.first = ComputeErrorFigures(common[0]);
-  comparison.second = ComputeErrorFigures(common[1]);
+  comparison.first = ComputeErrorMetrics(common[0]);
+  comparison.second = ComputeErrorMetrics(common[1]);
   comparison.num_left_out =
       static_cast<int>(first.size() + second.size() - 2 * common[0].size());
   std::vector<double> differences;

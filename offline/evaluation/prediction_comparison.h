@@ -17,7 +17,7 @@ struct ImagePrediction {
 
 /// Which of two cameras predicts features better.
 struct PredictionComparison {
-  ErrorFigures first, second;  ///< of the same features
+  ErrorMetrics first, second;  ///< of the same features
   int num_left_out = 0;        ///< features that only one camera predicts
   std::vector<ImagePrediction> images;
   int num_first_better = 0, num_second_better = 0;  ///< images

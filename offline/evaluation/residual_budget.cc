@@ -33,7 +33,7 @@ double DeviationOf(std::vector<double> norms) {
 // Views differ, depending on the causes; few large errors would mask all else.
 std::vector<double> LongestByView(const BudgetInput& input) {
   constexpr double kDeviations = 5;
-  std::vector<std::vector<double>> norms(CountByView(input).size());
+  std::vector<std::vector<double>> norms(CountFeaturesByView(input).size());
   std::vector<double> all, longest;
   for (const BudgetFeature& feature : input.features) {
     norms[feature.view].push_back(feature.error_px.norm());
@@ -64,29 +64,31 @@ Eigen::VectorXd ErrorsWithin(const BudgetInput& input) {
 void CannotTell(const std::vector<ErrorCause>& causes, const std::string& why,
                 ResidualBudget* budget) {
   for (const ErrorCause cause : causes)
-    budget->causes[static_cast<size_t>(cause)].untold = why;
+    budget->causes[static_cast<size_t>(cause)].unobservable_reason = why;
 }
 
 Eigen::VectorXd ExplainByPlaces(const BudgetInput& input, double squares,
                                 const Eigen::VectorXd& errors,
                                 ResidualBudget* budget) {
   if (budget->num_views < kMinBudgetViews) {
-    CannotTell({ErrorCause::kImagePlace, ErrorCause::kBoardPlace},
+    CannotTell({ErrorCause::kImagePosition, ErrorCause::kBoardPosition},
                fmt::format("{} views, at least {} required", budget->num_views,
                            kMinBudgetViews),
                budget);
     return errors;
   }
   std::vector<NamedFit> fits;
-  fits.push_back({ErrorCause::kImagePlace, CrossFit(ImagePlaceCause(input))});
-  fits.push_back({ErrorCause::kBoardPlace, CrossFit(BoardPlaceCause(input))});
+  fits.push_back(
+      {ErrorCause::kImagePosition, CrossFit(MakeImagePositionCause(input))});
+  fits.push_back(
+      {ErrorCause::kBoardPosition, CrossFit(MakeBoardPositionCause(input))});
   return CauseGroup(std::move(fits), nullptr, squares).Explain(errors, budget);
 }
 
 // Whether half of the features are in views with many features.
 bool HaveViewsMany(const BudgetInput& input) {
   size_t in_these = 0;
-  for (const int count : CountByView(input))
+  for (const int count : CountFeaturesByView(input))
     if (count >= kMinBudgetViewFeatures) in_these += count;
   return 2 * in_these >= input.features.size();
 }
@@ -94,8 +96,8 @@ bool HaveViewsMany(const BudgetInput& input) {
 void ExplainByViews(const BudgetInput& input, double squares,
                     Eigen::VectorXd errors, ResidualBudget* budget) {
   const std::vector<ErrorCause> causes = {
-      ErrorCause::kBend, ErrorCause::kInPlane, ErrorCause::kImageAffine,
-      ErrorCause::kRowTime};
+      ErrorCause::kDeformation, ErrorCause::kInPlane, ErrorCause::kImageAffine,
+      ErrorCause::kRollingShutter};
   if (!HaveViewsMany(input)) {
     CannotTell(causes,
                fmt::format("most views have fewer than {} features",
@@ -107,15 +109,16 @@ void ExplainByViews(const BudgetInput& input, double squares,
   pose.Remove(&errors);
   std::vector<NamedFit> fits;
   for (const ErrorCause cause : causes) {
-    if (auto linear = ViewCause(cause, input, pose))
+    if (auto linear = MakeViewCause(cause, input, pose))
       fits.push_back({cause, CrossFit(std::move(*linear))});
     else
       CannotTell({cause}, "the target is not planar, or too small", budget);
   }
   const CauseGroup group(std::move(fits), &pose, squares);
   group.Explain(errors, budget);
-  if (budget->OfViews() > 0)
-    group.FindAlike(errors, CrossFit(ColumnTimeControl(input, pose)), budget);
+  if (budget->PerViewShare() > 0)
+    group.FindEquivalentCauses(
+        errors, CrossFit(MakeColumnDelayControl(input, pose)), budget);
 }
 
 // ---- Noise -----------------------------------------------------------------
@@ -166,13 +169,13 @@ void AddNoise(const BudgetInput& input, double squares,
 
 }  // namespace
 
-const char* NameOf(ErrorCause cause) {
+const char* ToString(ErrorCause cause) {
   switch (cause) {
-    case ErrorCause::kImagePlace:
+    case ErrorCause::kImagePosition:
       return "lens model";
-    case ErrorCause::kBoardPlace:
+    case ErrorCause::kBoardPosition:
       return "target geometry";
-    case ErrorCause::kBend:
+    case ErrorCause::kDeformation:
       return "per-view deformation";
     case ErrorCause::kInPlane:
       return "in-plane deformation";
@@ -183,36 +186,38 @@ const char* NameOf(ErrorCause cause) {
   }
 }
 
-double ResidualBudget::OfViews() const {
-  return Of(ErrorCause::kBend).in_turn + Of(ErrorCause::kInPlane).in_turn +
+double ResidualBudget::PerViewShare() const {
+  return Of(ErrorCause::kDeformation).in_turn +
+         Of(ErrorCause::kInPlane).in_turn +
          Of(ErrorCause::kImageAffine).in_turn +
-         Of(ErrorCause::kRowTime).in_turn;
+         Of(ErrorCause::kRollingShutter).in_turn;
 }
 
-ResidualBudget MeasureResidualBudget(const BudgetInput& input) {
+ResidualBudget ComputeResidualBudget(const BudgetInput& input) {
   ResidualBudget budget;
   budget.facts = input.facts;
   budget.num_features = static_cast<int>(input.features.size());
-  budget.num_views = static_cast<int>(CountByView(input).size());
+  budget.num_views = static_cast<int>(CountFeaturesByView(input).size());
   const double squares = SquaresOf(input);
   if (budget.num_features < kMinBudgetFeatures) {
-    budget.untold = fmt::format("{} features, at least {} required",
-                                budget.num_features, kMinBudgetFeatures);
+    budget.unobservable_reason =
+        fmt::format("{} features, at least {} required", budget.num_features,
+                    kMinBudgetFeatures);
     return budget;
   }
   budget.rms_px = std::sqrt(squares / (2.0 * budget.num_features));
   const Eigen::VectorXd errors = ErrorsWithin(input);
   if (!(errors.squaredNorm() > 0) || !std::isfinite(squares)) {
-    budget.untold = "all residuals are zero";
+    budget.unobservable_reason = "all residuals are zero";
     return budget;
   }
   budget.large = 1 - errors.squaredNorm() / squares;
   const Eigen::VectorXd left = ExplainByPlaces(input, squares, errors, &budget);
   ExplainByViews(input, squares, left, &budget);
   AddNoise(input, squares, left, &budget);
-  const double explained = budget.large + budget.OfViews() +
-                           budget.Of(ErrorCause::kImagePlace).in_turn +
-                           budget.Of(ErrorCause::kBoardPlace).in_turn;
+  const double explained = budget.large + budget.PerViewShare() +
+                           budget.Of(ErrorCause::kImagePosition).in_turn +
+                           budget.Of(ErrorCause::kBoardPosition).in_turn;
   // Neighbours with opposite residuals make the noise appear larger than all
   // residuals.
   budget.noise = std::min(budget.noise, std::max(0.0, 1 - explained));

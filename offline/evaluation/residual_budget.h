@@ -19,23 +19,24 @@ struct BudgetFeature {
   int point = 0;  ///< index over all boards
   int column = 0, row = 0;
   Eigen::Vector2d pixel, error_px;
-  Eigen::Matrix<double, 2, 3> by_point;  ///< in the board's frame
+  Eigen::Matrix<double, 2, 3> J_point;  ///< in the board's frame
   /// With respect to a rotation and a translation in the camera frame.
-  Eigen::Matrix<double, 2, 6> by_pose;
+  Eigen::Matrix<double, 2, 6> J_pose;
 };
 
 /// What a calibration already includes: it is not recommended again.
 struct BudgetFacts {
   std::string model;
-  double cell_px = 0;         ///< knot spacing of a grid
-  bool cells_chosen = false;  ///< knot spacing was selected by held-out error
-  bool tried_finer = false;   ///< a finer grid did not predict better
-  bool points_free = false;   ///< target points were estimated
-  bool bends_tried = false;   ///< per-view deformation was tried or estimated
+  double knot_spacing_px = 0;  ///< knot spacing of a grid
+  bool knot_spacing_selected =
+      false;                 ///< knot spacing was selected by held-out error
+  bool tried_finer = false;  ///< a finer grid did not predict better
+  bool points_free = false;  ///< target points were estimated
+  bool bends_tried = false;  ///< per-view deformation was tried or estimated
   /// Models that were compared with this one.
   bool generic_tried = false, noncentral_tried = false;
-  std::string better_model;  ///< of them, if its held-out error is lower
-  bool two_cameras = false;  ///< the images seem to be from two
+  std::string better_model;    ///< of them, if its held-out error is lower
+  bool mixed_cameras = false;  ///< the images seem to be from two
 
   bool IsGrid() const {
     return model == models::kCentralGeneric ||
@@ -55,33 +56,34 @@ struct BudgetInput {
 };
 
 enum class ErrorCause {
-  kImagePlace,   ///< shared by features in one region of the image
-  kBoardPlace,   ///< shared by features of one target point
-  kBend,         ///< out-of-plane deformation of the board, per view
-  kInPlane,      ///< in-plane deformation of the board, per view
-  kImageAffine,  ///< scale or shift of the image, per view
-  kRowTime,      ///< rolling shutter with camera motion, per view
+  kImagePosition,   ///< shared by features in one region of the image
+  kBoardPosition,   ///< shared by features of one target point
+  kDeformation,     ///< out-of-plane deformation of the board, per view
+  kInPlane,         ///< in-plane deformation of the board, per view
+  kImageAffine,     ///< scale or shift of the image, per view
+  kRollingShutter,  ///< rolling shutter with camera motion, per view
 };
 constexpr int kNumErrorCauses = 6;
 
 /// "lens model", ...
-const char* NameOf(ErrorCause cause);
+const char* ToString(ErrorCause cause);
 
 /// The share of one cause, as a fraction of the sum of squared residuals.
 struct CauseShare {
-  bool can_be_told = false;
-  std::string untold;  ///< why it is not determined
+  bool is_observable = false;
+  std::string unobservable_reason;  ///< why it is not determined
   double alone = 0;    ///< before removing other causes; may be negative
   double in_turn = 0;  ///< of the remainder after previous causes; they add up
   double chance_mean = 0, chance_high = 0;  ///< `alone` for random errors
   /// For per-view causes: explains the views as well as the largest of these,
   /// within the significance of the differences.
-  bool is_alike = false;
-  bool IsTold() const { return can_be_told && in_turn > 0; }
+  bool is_indistinguishable = false;
+  bool IsDetermined() const { return is_observable && in_turn > 0; }
 };
 
 struct ResidualBudget {
-  std::string untold;  ///< why nothing is determined; otherwise empty
+  std::string
+      unobservable_reason;  ///< why nothing is determined; otherwise empty
   int num_features = 0, num_views = 0;
   double rms_px = 0;  ///< per coordinate
   /// Standard deviation of the white noise in x and y.
@@ -91,8 +93,8 @@ struct ResidualBudget {
   std::array<CauseShare, kNumErrorCauses> causes;
   /// The share of a motion during column-wise readout alone. No camera has it,
   /// so a per-view cause must explain more.
-  double column_time = 0;
-  bool column_time_is_alike = false;
+  double column_delay = 0;
+  bool is_column_delay_indistinguishable = false;
   double rest = 0;  ///< unexplained; may be negative
   BudgetFacts facts;
 
@@ -100,11 +102,11 @@ struct ResidualBudget {
     return causes[static_cast<size_t>(cause)];
   }
   /// The sum of all per-view causes.
-  double OfViews() const;
+  double PerViewShare() const;
 };
 
 /// Computes the budget; deterministic on any machine.
-ResidualBudget MeasureResidualBudget(const BudgetInput& input);
+ResidualBudget ComputeResidualBudget(const BudgetInput& input);
 
 }  // namespace raygrid
 

@@ -72,7 +72,7 @@ double Quantile(std::vector<double> values, double p) {
          (position - static_cast<double>(low)) * (values[high] - values[low]);
 }
 
-ErrorFigures ComputeErrorFigures(
+ErrorMetrics ComputeErrorMetrics(
     const std::vector<FeatureResidual>& residuals) {
   std::vector<double> norms;
   double sum = 0;
@@ -87,7 +87,7 @@ ErrorFigures ComputeErrorFigures(
   return {Quantile(std::move(norms), 0.5), rms, largest, count};
 }
 
-std::optional<double> NeighborCorrelation(
+std::optional<double> ComputeNeighborCorrelation(
     const std::vector<FeatureResidual>& residuals) {
   constexpr int kMinPairs = 200;  // for a standard error of 0.05
   using Place = std::tuple<std::string, int, int, int>;
@@ -112,8 +112,8 @@ std::optional<double> NeighborCorrelation(
   return products / squares;
 }
 
-std::vector<double> BiasOfCells(const std::vector<FeatureResidual>& residuals,
-                                const Area& area) {
+std::vector<double> ComputeCellBias(
+    const std::vector<FeatureResidual>& residuals, const Area& area) {
   std::vector<std::vector<Eigen::Vector2d>> cells(kBiasCells * kBiasCells);
   for (const FeatureResidual& residual : residuals) {
     const auto cell_of = [](double position, double start, double extent) {
@@ -136,14 +136,14 @@ std::vector<double> BiasOfCells(const std::vector<FeatureResidual>& residuals,
 std::optional<double> ComputeBias(const std::vector<FeatureResidual>& residuals,
                                   const Area& area) {
   std::vector<double> divergences;
-  for (const double divergence : BiasOfCells(residuals, area))
+  for (const double divergence : ComputeCellBias(residuals, area))
     if (std::isfinite(divergence)) divergences.push_back(divergence);
   if (divergences.empty()) return std::nullopt;
   return Quantile(std::move(divergences), 0.5);
 }
 
-std::optional<double> NoiseBias(const std::vector<FeatureResidual>& residuals,
-                                const Area& area) {
+std::optional<double> ComputeNoiseBias(
+    const std::vector<FeatureResidual>& residuals, const Area& area) {
   constexpr int kDraws = 5;
   std::mt19937_64 bits(1);  // the standard fixes its sequence
   const auto uniform = [&bits] {
@@ -164,7 +164,7 @@ std::optional<double> NoiseBias(const std::vector<FeatureResidual>& residuals,
   return sum / kDraws;
 }
 
-std::set<std::string> ImagesApart(
+std::set<std::string> FindOutlierImages(
     const std::vector<FeatureResidual>& residuals) {
   constexpr double kManyTimes = 5, kNegligiblePx = 0.02;
   std::map<std::string, std::vector<double>> norms;

@@ -23,7 +23,7 @@ struct FeatureResidual {
 /// interpolation between order statistics. 0 if empty.
 double Quantile(std::vector<double> values, double p);
 
-ErrorFigures ComputeErrorFigures(const std::vector<FeatureResidual>& residuals);
+ErrorMetrics ComputeErrorMetrics(const std::vector<FeatureResidual>& residuals);
 
 /// The bias of residuals in a region: the median, over a 50 x 50 grid of the
 /// area, of the Kullback-Leibler divergence of a cell's normalized residuals (8
@@ -35,24 +35,24 @@ std::optional<double> ComputeBias(const std::vector<FeatureResidual>& residuals,
 
 /// The bias expected for pure noise at the same positions, due to the finite
 /// number of residuals per histogram.
-std::optional<double> NoiseBias(const std::vector<FeatureResidual>& residuals,
-                                const Area& area);
+std::optional<double> ComputeNoiseBias(
+    const std::vector<FeatureResidual>& residuals, const Area& area);
 
 /// The divergence of each cell, row by row; NaN in cells with fewer than 5
 /// residuals.
 constexpr int kBiasCells = 50;  ///< along each side
-std::vector<double> BiasOfCells(const std::vector<FeatureResidual>& residuals,
-                                const Area& area);
+std::vector<double> ComputeCellBias(
+    const std::vector<FeatureResidual>& residuals, const Area& area);
 
 /// The correlation of residuals of neighbouring features on a board in one
 /// image: 0 for white noise, near 1 for model errors. Nothing if there are too
 /// few neighbours.
-std::optional<double> NeighborCorrelation(
+std::optional<double> ComputeNeighborCorrelation(
     const std::vector<FeatureResidual>& residuals);
 
 /// Images with median residuals many times those of the others: outliers, from
 /// another camera or another board.
-std::set<std::string> ImagesApart(
+std::set<std::string> FindOutlierImages(
     const std::vector<FeatureResidual>& residuals);
 
 }  // namespace raygrid

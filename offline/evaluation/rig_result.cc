@@ -10,12 +10,12 @@ constexpr int kEnoughSharedViews = 5;
 // nearly as well as if localized by it alone.
 constexpr double kMaxTogetherRatio = 1.5;
 
-ErrorFigures FiguresOfAll(
+ErrorMetrics FiguresOfAll(
     const std::vector<std::vector<FeatureResidual>>& by_camera) {
   std::vector<FeatureResidual> all;
   for (const auto& residuals : by_camera)
     all.insert(all.end(), residuals.begin(), residuals.end());
-  return ComputeErrorFigures(all);
+  return ComputeErrorMetrics(all);
 }
 
 int NumSharedViews(const RigResult& result, size_t camera) {
@@ -45,38 +45,39 @@ std::vector<Baseline> ComputeBaselines(
   return baselines;
 }
 
-ErrorFigures TrainingFigures(const RigResult& result) {
+ErrorMetrics ComputeTrainingMetrics(const RigResult& result) {
   std::vector<std::vector<FeatureResidual>> by_camera;
   for (const CalibrationResult& camera : result.cameras)
     by_camera.push_back(camera.training);
   return FiguresOfAll(by_camera);
 }
 
-std::optional<ErrorFigures> HeldOutFigures(const RigResult& result) {
-  const ErrorFigures figures = FiguresOfAll(result.held_out);
-  if (figures.count == 0) return std::nullopt;
-  return figures;
+std::optional<ErrorMetrics> ComputeHeldOutMetrics(const RigResult& result) {
+  const ErrorMetrics metrics = FiguresOfAll(result.held_out);
+  if (metrics.count == 0) return std::nullopt;
+  return metrics;
 }
 
-Verdict JudgeRig(const RigResult& result) {
-  if (!result.IsRig()) return result.cameras.front().verdict;
-  Verdict verdict = {"pass", {}};
-  const auto worsen = [&verdict](const std::string& word) {
-    if (word == "fail" || (word == "warn" && verdict.word == "pass"))
-      verdict.word = word;
+Assessment AssessRig(const RigResult& result) {
+  if (!result.IsRig()) return result.cameras.front().assessment;
+  Assessment assessment = {"pass", {}};
+  const auto worsen = [&assessment](const std::string& word) {
+    if (word == "fail" || (word == "warn" && assessment.word == "pass"))
+      assessment.word = word;
   };
   const auto warn = [&](const std::string& reason) {
     worsen("warn");
-    verdict.reasons.push_back(reason);
+    assessment.reasons.push_back(reason);
   };
   std::vector<std::vector<FeatureResidual>> alone;
   for (size_t c = 0; c < result.cameras.size(); ++c) {
     const CalibrationResult& camera = result.cameras[c];
-    if (camera.verdict.word == "fail" && verdict.word != "fail")
-      verdict.failure = camera.camera.name + ": " + camera.verdict.failure;
-    worsen(camera.verdict.word);
-    for (const std::string& reason : camera.verdict.reasons)
-      verdict.reasons.push_back(camera.camera.name + ": " + reason);
+    if (camera.assessment.word == "fail" && assessment.word != "fail")
+      assessment.failure =
+          camera.camera.name + ": " + camera.assessment.failure;
+    worsen(camera.assessment.word);
+    for (const std::string& reason : camera.assessment.reasons)
+      assessment.reasons.push_back(camera.camera.name + ": " + reason);
     const int num_shared = NumSharedViews(result, c);
     if (num_shared < kEnoughSharedViews)
       warn(fmt::format(
@@ -92,15 +93,15 @@ Verdict JudgeRig(const RigResult& result) {
         "squares",
         result.cameras[pair.first].camera.name,
         result.cameras[pair.second].camera.name, pair.num_shared_views));
-  const auto together = HeldOutFigures(result);
-  const ErrorFigures apart = FiguresOfAll(alone);
+  const auto together = ComputeHeldOutMetrics(result);
+  const ErrorMetrics apart = FiguresOfAll(alone);
   if (together && apart.count > 0 &&
       together->median_px > kMaxTogetherRatio * apart.median_px)
     warn(fmt::format(
         "the held-out error of the rig is {:.1f} times that of single cameras; "
         "check that they are rigidly mounted and synchronized",
         together->median_px / apart.median_px));
-  return verdict;
+  return assessment;
 }
 
 }  // namespace raygrid

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "camera/pose.h"
-#include "evaluation/board_bodies.h"
 #include "evaluation/calibration_result.h"
+#include "evaluation/rigid_target_text.h"
 
 namespace raygrid {
 
@@ -38,14 +38,14 @@ struct RigResult {
   Pattern pattern;                     ///< with the estimated points
   std::vector<Baseline> baselines;     ///< of each pair of cameras
   std::vector<BoardPair> board_pairs;  ///< with enough common frames
-  std::vector<BoardBody> bodies;
+  std::vector<RigidTarget> rigid_targets;
   std::vector<AmbiguousPair> ambiguous_pairs;
   /// Held-out residuals by camera, with each board localized once per frame by
   /// all cameras that see it: these also evaluate the camera poses.
   std::vector<std::vector<FeatureResidual>> held_out;
   bool cross_validated = false;
   bool converged = false;
-  Verdict verdict;
+  Assessment assessment;
   std::map<std::string, double> seconds;  ///< by stage, over all cameras
 
   bool IsRig() const { return cameras.size() > 1; }
@@ -56,12 +56,12 @@ std::vector<Baseline> ComputeBaselines(
     const std::vector<Pose>& camera_from_rig);
 
 /// Computes metrics over the residuals of all cameras.
-ErrorFigures TrainingFigures(const RigResult& result);
-std::optional<ErrorFigures> HeldOutFigures(const RigResult& result);
+ErrorMetrics ComputeTrainingMetrics(const RigResult& result);
+std::optional<ErrorMetrics> ComputeHeldOutMetrics(const RigResult& result);
 
 /// Returns the worst status of the cameras, with the reasons of the rig; that
 /// of a single camera unchanged.
-Verdict JudgeRig(const RigResult& result);
+Assessment AssessRig(const RigResult& result);
 
 }  // namespace raygrid
 

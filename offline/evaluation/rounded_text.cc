@@ -18,14 +18,14 @@ int Decimals(double value, int num_digits) {
 
 }  // namespace
 
-std::string WithDeviation(double value, double deviation,
-                          const std::string& separator) {
+std::string FormatWithStdDev(double value, double deviation,
+                             const std::string& separator) {
   const int decimals = Decimals(std::abs(deviation), 2);
   return fmt::format("{0:.{2}f}{3}{1:.{2}f}", value, deviation, decimals,
                      separator);
 }
 
-std::string ThreeDigits(double value) {
+std::string FormatThreeDigits(double value) {
   return fmt::format("{:.{}f}", value, Decimals(std::abs(value), 3));
 }
 

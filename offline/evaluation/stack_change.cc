@@ -20,7 +20,7 @@ double FocalPx(const CentralGeneric& camera) {
   if (!direction || !camera.Linearize(*direction, &pixel, 1, &projection))
     return NAN;
   const Eigen::Matrix2d square =
-      projection.by_point * projection.by_point.transpose();
+      projection.J_point * projection.J_point.transpose();
   return std::pow(square.determinant(), 0.25);
 }
 
@@ -111,7 +111,7 @@ StackChange ChangeOf(const CentralGeneric& middle, const CentralGeneric& camera,
 
 }  // namespace
 
-std::vector<StackChange> MeasureStackChanges(const CameraStack& stack,
+std::vector<StackChange> MeasureStackChanges(const OperatingPointModel& stack,
                                              int num_values) {
   const CentralGeneric middle = stack.At(stack.Middle());
   std::vector<StackChange> changes;
@@ -120,8 +120,8 @@ std::vector<StackChange> MeasureStackChanges(const CameraStack& stack,
   return changes;
 }
 
-std::vector<Eigen::Vector2d> PlacesOver(const Area& area, int columns,
-                                        int rows) {
+std::vector<Eigen::Vector2d> SampleCellCenters(const Area& area, int columns,
+                                               int rows) {
   std::vector<Eigen::Vector2d> places;
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < columns; ++i)

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "camera/camera_stack.h"
+#include "camera/operating_point_model.h"
 
 namespace raygrid {
 
@@ -21,12 +21,12 @@ struct StackChange {
 };
 
 /// Computes the changes at evenly spaced values over the range.
-std::vector<StackChange> MeasureStackChanges(const CameraStack& stack,
+std::vector<StackChange> MeasureStackChanges(const OperatingPointModel& stack,
                                              int num_values);
 
 /// Returns the centres of the cells of an area, row by row.
-std::vector<Eigen::Vector2d> PlacesOver(const Area& area, int columns,
-                                        int rows);
+std::vector<Eigen::Vector2d> SampleCellCenters(const Area& area, int columns,
+                                               int rows);
 
 /// Computes the displacements (px) of distant points between two operating
 /// points, after removing the scale and shift that explain most of it; NaN

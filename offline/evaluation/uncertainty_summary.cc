@@ -22,18 +22,20 @@ struct CountedCell {
 // Lists the cells of the image, or of its image circle.
 std::vector<CountedCell> CellsOf(const CameraModel& camera,
                                  const std::optional<ImageCircle>& circle,
-                                 const TrustMask& mask) {
+                                 const ValidityMask& mask) {
   const ImageSize& size = camera.image_size();
   const auto extent = [&](int index, int num_pixels) {
-    return std::min(mask.cell_px, num_pixels - index * mask.cell_px);
+    return std::min(mask.knot_spacing_px,
+                    num_pixels - index * mask.knot_spacing_px);
   };
   std::vector<CountedCell> cells;
   for (int cell = 0; cell < mask.columns * mask.rows; ++cell) {
     const int column = cell % mask.columns, row = cell / mask.columns;
     const double width = extent(column, size.width);
     const double height = extent(row, size.height);
-    const Eigen::Vector2d center(column * mask.cell_px + (width - 1) / 2,
-                                 row * mask.cell_px + (height - 1) / 2);
+    const Eigen::Vector2d center(
+        column * mask.knot_spacing_px + (width - 1) / 2,
+        row * mask.knot_spacing_px + (height - 1) / 2);
     if (circle && !circle->Contains(center)) continue;
     cells.push_back(
         {cell, center, width * height, camera.area().Contains(center)});
@@ -41,7 +43,7 @@ std::vector<CountedCell> CellsOf(const CameraModel& camera,
   return cells;
 }
 
-double SumOf(const std::vector<CountedCell>& cells) {
+double SumLanes(const std::vector<CountedCell>& cells) {
   double sum = 0;
   for (const CountedCell& cell : cells) sum += cell.num_pixels;
   return sum;
@@ -119,22 +121,22 @@ UncertaintySummary SummarizeUncertainty(const CameraModel& camera,
     for (size_t k = 0; k < kShareLimitsPx.size(); ++k)
       if (px < kShareLimitsPx[k]) summary.share_below[k] += cell.num_pixels;
   }
-  for (double& share : summary.share_below) share /= SumOf(cells);
-  summary.valid_share = ValidShare(camera, uncertainty.mask);
+  for (double& share : summary.share_below) share /= SumLanes(cells);
+  summary.valid_share = ComputeValidShare(camera, uncertainty.mask);
   return summary;
 }
 
-double ValidShare(const CameraModel& camera, const TrustMask& valid) {
+double ComputeValidShare(const CameraModel& camera, const ValidityMask& valid) {
   const std::vector<CountedCell> cells =
       CellsOf(camera, camera.image_circle(), valid);
   double num_valid = 0;
   for (const CountedCell& cell : cells)
     if (cell.is_calibrated && valid.is_trusted[cell.cell])
       num_valid += cell.num_pixels;
-  return num_valid / SumOf(cells);
+  return num_valid / SumLanes(cells);
 }
 
-std::string UncertaintySentence(const UncertaintySummary& summary,
+std::string DescribeUncertainty(const UncertaintySummary& summary,
                                 const CameraUncertainty& uncertainty,
                                 const CameraModel& camera) {
   return fmt::format(
@@ -147,7 +149,7 @@ std::string UncertaintySentence(const UncertaintySummary& summary,
 
 ExtrapolatedRegion FindExtrapolatedRegion(
     const CameraModel& camera, const std::optional<ImageCircle>& image_circle,
-    const TrustMask& supported, const DeviationLattice& lattice) {
+    const ValidityMask& supported, const UncertaintyLattice& lattice) {
   ExtrapolatedRegion region;
   const ImageSize& size = camera.image_size();
   std::array<std::array<double, 3>, 3> shares = {}, all = {};
@@ -165,7 +167,7 @@ ExtrapolatedRegion FindExtrapolatedRegion(
     if (std::isfinite(px)) uncertainties_px.push_back(px);
   }
   if (region.share == 0) return region;
-  region.share /= SumOf(cells);
+  region.share /= SumLanes(cells);
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column)
       if (all[row][column] > 0) shares[row][column] /= all[row][column];
@@ -175,8 +177,8 @@ ExtrapolatedRegion FindExtrapolatedRegion(
   return region;
 }
 
-void InvalidateBeyond(const ImageCircle& circle, TrustMask* mask) {
-  const double half = mask->cell_px / 2.0;
+void InvalidateOutside(const ImageCircle& circle, ValidityMask* mask) {
+  const double half = mask->knot_spacing_px / 2.0;
   for (size_t cell = 0; cell < mask->is_trusted.size(); ++cell) {
     const Eigen::Vector2d center = mask->CellCenter(static_cast<int>(cell));
     for (const double dy : {-half, half})

@@ -34,11 +34,11 @@ struct UncertaintySummary {
 UncertaintySummary SummarizeUncertainty(const CameraModel& camera,
                                         const CameraUncertainty& uncertainty);
 /// The share of the valid region, as in UncertaintySummary.
-double ValidShare(const CameraModel& camera, const TrustMask& valid);
+double ComputeValidShare(const CameraModel& camera, const ValidityMask& valid);
 
 /// Formats "83 % of the image is valid: supported by features, and predicted to
 /// better than 0.25 px".
-std::string UncertaintySentence(const UncertaintySummary& summary,
+std::string DescribeUncertainty(const UncertaintySummary& summary,
                                 const CameraUncertainty& uncertainty,
                                 const CameraModel& camera);
 
@@ -46,10 +46,10 @@ std::string UncertaintySentence(const UncertaintySummary& summary,
 /// features.
 ExtrapolatedRegion FindExtrapolatedRegion(
     const CameraModel& camera, const std::optional<ImageCircle>& image_circle,
-    const TrustMask& supported, const DeviationLattice& lattice);
+    const ValidityMask& supported, const UncertaintyLattice& lattice);
 
 /// Invalidates cells that are not completely within the image circle.
-void InvalidateBeyond(const ImageCircle& circle, TrustMask* mask);
+void InvalidateOutside(const ImageCircle& circle, ValidityMask* mask);
 
 }  // namespace raygrid
 

@@ -9,7 +9,7 @@
 #include "dataset/text_encoding.h"
 #include "exchange/camera_keys.h"
 #include "exchange/opencv_forms.h"
-#include "exchange/own_json.h"
+#include "exchange/raygrid_json.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -31,9 +31,9 @@ const std::vector<LensForm>& BasaltForms() {
         OpenCvForm("pinhole", 0),
         OpenCvForm("pinhole-radtan8", 8),
         fisheye,
-        FormOf("ds", models::kDoubleSphere, {"xi", "alpha"}),
-        FormOf("eucm", models::kEucm, {"alpha", "beta"}),
-        FormOf("ucm", models::kDoubleSphere, {"alpha"})};
+        MakeForm("ds", models::kDoubleSphere, {"xi", "alpha"}),
+        MakeForm("eucm", models::kEucm, {"alpha", "beta"}),
+        MakeForm("ucm", models::kDoubleSphere, {"alpha"})};
   }();
   return forms;
 }
@@ -66,11 +66,11 @@ const LensForm& BasaltFormNamed(const std::string& type) {
                                Printable(type), names));
 }
 
-LensInForm ReadBasaltLens(const YAML::Node& camera,
-                          std::vector<std::string>* remarks) {
+ConvertedLens ReadBasaltLens(const YAML::Node& camera,
+                             std::vector<std::string>* warnings) {
   if (!camera.IsMap() || !camera[kType] || !camera[kType].IsScalar())
     throw InputError(fmt::format("'{}' is missing", kType));
-  LensInForm lens;
+  ConvertedLens lens;
   lens.form = &BasaltFormNamed(camera[kType].as<std::string>());
   const YAML::Node values = camera[kLenses];
   if (!values || !values.IsMap())
@@ -79,7 +79,7 @@ LensInForm ReadBasaltLens(const YAML::Node& camera,
   for (const std::string& parameter : lens.form->parameters)
     lens.values.push_back(FiniteNumber(keys[parameter], parameter));
   keys.Skip({kRadius});
-  keys.Finish(*lens.form, remarks);
+  keys.Finish(*lens.form, warnings);
   return lens;
 }
 
@@ -90,7 +90,7 @@ Pose ReadBasaltPose(const YAML::Node& node) {
                                            "px", "py", "pz"};
   for (size_t k = 0; k < keys.size(); ++k)
     numbers[k] = FiniteNumber(node[keys[k]], keys[k]);
-  return PoseOfQuaternion(numbers);
+  return PoseFromQuaternion(numbers);
 }
 
 // An entry for each camera; empty if there is no list of this name.
@@ -117,10 +117,10 @@ auto ReadEntry(const std::string& list, size_t index, const Read& read) {
 // Names that raygrid wrote. Cameras of a file without any are numbered, and
 // one alone has none.
 void NameBasaltCameras(const YAML::Node& file, std::vector<ReadLens>* cameras) {
-  const auto own = ListOf(file, kOwnKey, cameras->size());
+  const auto own = ListOf(file, kRaygridKey, cameras->size());
   for (size_t c = 0; c < cameras->size(); ++c) {
     ReadLens& camera = (*cameras)[c];
-    if (!own.empty()) TakeOwnJson(own[c], &camera);
+    if (!own.empty()) ParseRaygridJson(own[c], &camera);
     if (camera.name.empty() && cameras->size() > 1)
       camera.name = fmt::format("cam{}", c);
   }
@@ -139,7 +139,7 @@ bool IsDefault(const std::string& key, const YAML::Node& value) {
                                            found->get<std::vector<double>>());
 }
 
-void AddRemarksOnOthers(const YAML::Node& root, ExchangeContents* contents) {
+void AddOtherWarnings(const YAML::Node& root, ExchangeContents* contents) {
   std::string others;
   for (const auto& entry : root) {
     const std::string key = entry.first.as<std::string>();
@@ -147,11 +147,11 @@ void AddRemarksOnOthers(const YAML::Node& root, ExchangeContents* contents) {
         !IsDefault(key, entry.second))
       others += (others.empty() ? "" : ", ") + Printable(key);
   }
-  if (!others.empty()) contents->remarks.push_back("ignored: " + others);
+  if (!others.empty()) contents->warnings.push_back("ignored: " + others);
   for (const YAML::Node& camera : root[kLenses]) {
     const YAML::Node radius = camera[kLenses][kRadius];
     if (!radius || FiniteNumber(radius, kRadius) == 0) continue;
-    contents->remarks.push_back(fmt::format(
+    contents->warnings.push_back(fmt::format(
         "ignored: {} (the calibrated area ends where the distortion folds)",
         kRadius));
     break;
@@ -172,9 +172,9 @@ ExchangeContents ReadBasalt(const ReadRequest& request) {
   for (size_t c = 0; c < count; ++c) {
     ReadLens camera;
     camera.lens = ReadEntry(kLenses, c, [&] {
-      return ReadBasaltLens(root[kLenses][c], &contents.remarks);
+      return ReadBasaltLens(root[kLenses][c], &contents.warnings);
     });
-    if (!sizes.empty()) camera.lens.size = SizeOfList(sizes[c], kSizes);
+    if (!sizes.empty()) camera.lens.size = GetListSize(sizes[c], kSizes);
     if (!poses.empty()) {
       const Pose imu_from_camera =
           ReadEntry(kPoses, c, [&] { return ReadBasaltPose(poses[c]); });
@@ -185,15 +185,15 @@ ExchangeContents ReadBasalt(const ReadRequest& request) {
     contents.cameras.push_back(std::move(camera));
   }
   NameBasaltCameras(file, &contents.cameras);
-  AddRemarksOnOthers(root, &contents);
+  AddOtherWarnings(root, &contents);
   if (imu_from_first.translation.norm() + imu_from_first.rotation.vec().norm() >
       0)
-    contents.remarks.push_back(
+    contents.warnings.push_back(
         fmt::format("the IMU pose is ignored: poses are relative to the first "
                     "camera, not as in {}",
                     kPoses));
   if (poses.empty() && count > 1)
-    contents.remarks.push_back(
+    contents.warnings.push_back(
         fmt::format("{} is missing: importing cameras without a rig", kPoses));
   return contents;
 }
@@ -214,7 +214,7 @@ Json BasaltPose(const Pose& pose) {
           {"qy", q.y()}, {"qz", q.z()}, {"qw", q.w()}};
 }
 
-Json BasaltLens(const LensInForm& lens) {
+Json BasaltLens(const ConvertedLens& lens) {
   Json values = Json::object();
   for (size_t k = 0; k < lens.values.size(); ++k)
     values[lens.form->parameters[k]] = lens.values[k];
@@ -230,15 +230,15 @@ std::string WriteBasalt(const WriteRequest& request) {
                {kSizes, Json::array()}};
   Json own = Json::array();
   for (const WrittenLens& camera : request.cameras) {
-    const LensInForm& lens = camera.lens;
+    const ConvertedLens& lens = camera.lens;
     root[kPoses].push_back(
         BasaltPose(camera.camera_from_rig.value_or(Pose{}).Inverse()));
     root[kLenses].push_back(BasaltLens(lens));
     root[kSizes].push_back({lens.size.width, lens.size.height});
-    own.push_back(OwnJson(camera));
+    own.push_back(MakeRaygridJson(camera));
   }
   root.update(DefaultsOfOthers());
-  return Json{{kRoot, std::move(root)}, {kOwnKey, std::move(own)}}.dump(4) +
+  return Json{{kRoot, std::move(root)}, {kRaygridKey, std::move(own)}}.dump(4) +
          "\n";
 }
 
@@ -252,7 +252,7 @@ Format BasaltFormat() {
       "and ucm cameras";
   format.forms = BasaltForms();
   format.ending = ".json";
-  format.holds_rigs = true;
+  format.supports_rigs = true;
   format.recognizes = IsBasalt;
   format.read = ReadBasalt;
   format.write = WriteBasalt;

@@ -102,7 +102,7 @@ bool Agrees(const std::string& key, const YAML::Node& value,
     return !(names("fisheye") && own != LensFamily::kFisheye) &&
            !(names("omni") && own != LensFamily::kOmni);
   }
-  const auto family = FamilyOfWord(text);
+  const auto family = ParseLensFamily(text);
   // An unknown word at another key is a maker's name.
   if (!family)
     return key.find("distortion") == std::string::npos && key != "projection";
@@ -124,7 +124,7 @@ bool IsValueOf(const LensForm& form, const std::vector<double>& values,
 }  // namespace
 
 // Whole words, since makers have names such as OmniVision and oCam.
-std::optional<LensFamily> FamilyOfWord(const std::string& word) {
+std::optional<LensFamily> ParseLensFamily(const std::string& word) {
   static const std::map<LensFamily, std::set<std::string>> families = {
       {LensFamily::kPinhole,
        {"pinhole", "plumbbob", "rational", "rationalpolynomial", "perspective",
@@ -180,7 +180,7 @@ std::optional<LensFamily> FamilyOfWord(const std::string& word) {
   return std::nullopt;
 }
 
-const char* TextOf(LensFamily family) {
+const char* ToText(LensFamily family) {
   switch (family) {
     case LensFamily::kPinhole:
       return "a pinhole";
@@ -279,7 +279,8 @@ void CameraKeys::FindUnread(
   }
 }
 
-void CameraKeys::Finish(const LensForm& form, std::vector<std::string>* remarks,
+void CameraKeys::Finish(const LensForm& form,
+                        std::vector<std::string>* warnings,
                         const std::vector<double>& values) const {
   std::vector<std::pair<std::string, YAML::Node>> unread;
   FindUnread(map_, "", &unread);
@@ -310,7 +311,7 @@ void CameraKeys::Finish(const LensForm& form, std::vector<std::string>* remarks,
   if (count > kMostNames)
     names += fmt::format(" and {} more", count - kMostNames);
   if (count > 0)
-    remarks->push_back(of_camera + "unknown keys ignored: " + names);
+    warnings->push_back(of_camera + "unknown keys ignored: " + names);
 }
 
 }  // namespace raygrid

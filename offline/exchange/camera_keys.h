@@ -17,10 +17,10 @@ enum class LensFamily { kPinhole, kFisheye, kOmni, kOther };
 
 /// The family of "plumb_bob", "KannalaBrandt8", "MEI" and the like; nothing for
 /// words that name none, as those of makers do.
-std::optional<LensFamily> FamilyOfWord(const std::string& word);
+std::optional<LensFamily> ParseLensFamily(const std::string& word);
 
 /// "a pinhole", "a fisheye", ...
-const char* TextOf(LensFamily family);
+const char* ToText(LensFamily family);
 
 /// The keys of a camera in another program's file, which knows which of them a
 /// reader has read. Readers look values up through it and nothing else, so
@@ -60,7 +60,7 @@ class CameraKeys {
   /// throws InputError for one that in some format selects another model, or is
   /// a parameter of one, unless its value says the same or nothing; the lens's
   /// own values may be repeated. The others become one remark that names them.
-  void Finish(const LensForm& form, std::vector<std::string>* remarks,
+  void Finish(const LensForm& form, std::vector<std::string>* warnings,
               const std::vector<double>& values = {}) const;
 
  private:

@@ -20,7 +20,7 @@ int SideOf(uint64_t side) {
 Pose GetPose(ByteReader* reader) {
   std::array<double, 7> numbers;
   for (double& number : numbers) number = reader->GetFinite();
-  return PoseOfQuaternion(numbers);
+  return PoseFromQuaternion(numbers);
 }
 
 void AppendPose(const Pose& pose, std::string* bytes) {

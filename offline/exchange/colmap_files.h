@@ -20,7 +20,7 @@ struct ColmapCamera {
   ImageSize size;
   std::vector<double> parameters;
   std::string name, serial;  ///< comments of raygrid's; "" in binary files
-  std::string remark;        ///< written as a comment
+  std::string warning;       ///< written as a comment
 };
 
 /// A camera of a rig; COLMAP's rigs have other sensors, too, which are left

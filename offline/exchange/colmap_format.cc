@@ -19,10 +19,10 @@
 namespace raygrid {
 namespace {
 
-LensForm ColmapForm(LensForm form, bool is_only_asked) {
+LensForm ColmapForm(LensForm form, bool is_explicit_only) {
   form.origin = PixelOrigin::kImageCorner;
   form.reach_rad = M_PI / 2;
-  form.is_only_asked = is_only_asked;
+  form.is_explicit_only = is_explicit_only;
   return form;
 }
 
@@ -35,8 +35,8 @@ std::vector<LensForm> MakeColmapForms() {
       ColmapForm(OpenCvForm("OPENCV", 4), false),
       ColmapForm(OpenCvForm("FULL_OPENCV", 8), false),
       ColmapForm(OpenCvFisheyeForm("OPENCV_FISHEYE"), false),
-      ColmapForm(FormOf("THIN_PRISM_FISHEYE", fisheye,
-                        {"k1", "k2", "p1", "p2", "k3", "k4", "sx1", "sy1"}),
+      ColmapForm(MakeForm("THIN_PRISM_FISHEYE", fisheye,
+                          {"k1", "k2", "p1", "p2", "k3", "k4", "sx1", "sy1"}),
                  false)};
   const std::vector<LensForm> asked = {
       {"SIMPLE_PINHOLE", models::kOpenCv, {"f", "cx", "cy"}},
@@ -46,7 +46,7 @@ std::vector<LensForm> MakeColmapForms() {
       {"RADIAL_FISHEYE", fisheye, {"f", "cx", "cy", "k1", "k2"}},
       {"SIMPLE_FISHEYE", fisheye, {"f", "cx", "cy"}},
       {"FISHEYE", fisheye, {"fx", "fy", "cx", "cy"}},
-      FormOf("EUCM", models::kEucm, {"alpha", "beta"})};
+      MakeForm("EUCM", models::kEucm, {"alpha", "beta"})};
   for (const LensForm& form : asked) forms.push_back(ColmapForm(form, true));
   return forms;
 }
@@ -114,15 +114,15 @@ std::optional<Eigen::Vector3d> AriaDirection(const Eigen::Vector2d& place,
   return std::nullopt;
 }
 
-LensInForm ReadAriaFisheye(const ColmapCamera& camera,
-                           std::vector<std::string>* remarks) {
+ConvertedLens ReadAriaFisheye(const ColmapCamera& camera,
+                              std::vector<std::string>* warnings) {
   const std::vector<double>& values = camera.parameters;
   if (values.size() != 16)
     throw InputError(fmt::format("camera {}: {}: found {} numbers, expected 16",
                                  camera.id, kAriaFisheye, values.size()));
   if (!(values[0] > 0 && values[1] > 0))
     throw InputError("focal lengths must be positive");
-  return NearestGrid(
+  return FitNearestGrid(
       camera.size,
       [&](const Eigen::Vector2d& pixel) {
         const Eigen::Vector2d at =
@@ -133,7 +133,7 @@ LensInForm ReadAriaFisheye(const ColmapCamera& camera,
       },
       fmt::format("camera {} is a {}, which has no equivalent model", camera.id,
                   kAriaFisheye),
-      remarks);
+      warnings);
 }
 
 bool IsBinaryPath(const std::string& path) {
@@ -155,7 +155,7 @@ std::vector<std::string> PathsBeside(const std::string& path) {
 // The one rig of several cameras, if all have poses in it; else nothing, with
 // a remark if there is any such rig.
 ColmapRig RigOf(const std::vector<ColmapRig>& rigs, size_t num_cameras,
-                std::vector<std::string>* remarks) {
+                std::vector<std::string>* warnings) {
   std::vector<ColmapRig> wide;
   for (const ColmapRig& rig : rigs)
     if (rig.size() > 1) wide.push_back(rig);
@@ -166,7 +166,7 @@ ColmapRig RigOf(const std::vector<ColmapRig>& rigs, size_t num_cameras,
       });
   if (wide.size() == 1 && wide.front().size() == num_cameras && has_poses)
     return wide.front();
-  remarks->push_back(
+  warnings->push_back(
       "rig poses are ignored, since they do not cover all cameras in one rig");
   return {};
 }
@@ -214,9 +214,9 @@ void AddImages(std::vector<ColmapImage> images,
   }
 }
 
-void ReadBeside(const ReadRequest& request, bool is_text,
-                const std::vector<ColmapCamera>& cameras,
-                ExchangeContents* contents) {
+void ReadCompanionFiles(const ReadRequest& request, bool is_text,
+                        const std::vector<ColmapCamera>& cameras,
+                        ExchangeContents* contents) {
   if (request.beside.size() != 2) return;
   const auto take = [&](const char* stem, const std::string& text,
                         const auto& parse, const auto& decode,
@@ -228,7 +228,7 @@ void ReadBeside(const ReadRequest& request, bool is_text,
   };
   take("rigs", request.beside[0], ParseColmapRigs, DecodeColmapRigs,
        [&](const std::vector<ColmapRig>& rigs) {
-         SetPoses(RigOf(rigs, cameras.size(), &contents->remarks), cameras,
+         SetPoses(RigOf(rigs, cameras.size(), &contents->warnings), cameras,
                   contents);
        });
   take("images", request.beside[1], ParseColmapImages, DecodeColmapImages,
@@ -254,12 +254,12 @@ ExchangeContents ReadColmap(const ReadRequest& request) {
                     : camera.name;
     read.serial = camera.serial;
     read.lens = camera.model == kAriaFisheye
-                    ? ReadAriaFisheye(camera, &contents.remarks)
-                    : LensInForm{&ColmapFormNamed(camera), camera.size,
-                                 camera.parameters};
+                    ? ReadAriaFisheye(camera, &contents.warnings)
+                    : ConvertedLens{&ColmapFormNamed(camera), camera.size,
+                                    camera.parameters};
     contents.cameras.push_back(std::move(read));
   }
-  ReadBeside(request, is_text, cameras, &contents);
+  ReadCompanionFiles(request, is_text, cameras, &contents);
   return contents;
 }
 
@@ -269,7 +269,7 @@ std::string WriteColmap(const WriteRequest& request) {
     cameras.push_back({static_cast<uint32_t>(cameras.size() + 1),
                        camera.lens.form->name, camera.lens.size,
                        camera.lens.values, camera.name, camera.serial,
-                       camera.fit ? LensFitText(*camera.fit) : ""});
+                       camera.fit ? FormatLensFit(*camera.fit) : ""});
   return IsBinaryPath(request.path) ? EncodeColmapCameras(cameras)
                                     : FormatColmapCameras(cameras);
 }
@@ -319,8 +319,8 @@ std::vector<ColmapFrame> FramesOf(const std::vector<ColmapImage>& images,
 // COLMAP opens no model without points, so there is a file of none. It replaces
 // none of a reconstruction, and then neither do the images. Versions from 3.12
 // on open no rig without frames.
-std::vector<BesideFile> WriteColmapBeside(const WriteRequest& request) {
-  std::vector<BesideFile> files;
+std::vector<CompanionFile> WriteColmapBeside(const WriteRequest& request) {
+  std::vector<CompanionFile> files;
   const bool is_binary = IsBinaryPath(request.path);
   const auto add = [&](const char* stem, const auto& encode, const auto& format,
                        const auto&... what) {
@@ -352,13 +352,13 @@ Format ColmapFormat() {
       "cameras.txt or cameras.bin; rigs with rigs.txt or rigs.bin; poses of a "
       "board as images.txt or images.bin";
   format.forms = ColmapForms();
-  format.holds_rigs = true;
+  format.supports_rigs = true;
   format.recognizes = [](const std::string& text) {
     return IsColmapText(text) || IsColmapBinary(text);
   };
   format.read = ReadColmap;
   format.write = WriteColmap;
-  format.holds_poses = true;
+  format.supports_poses = true;
   format.beside = PathsBeside;
   format.write_beside = WriteColmapBeside;
   return format;

@@ -79,7 +79,7 @@ Pose PoseOfWords(const WordLines& lines, size_t first) {
   for (size_t k = 0; k < numbers.size(); ++k)
     numbers[k] = lines.Get<double>(first + k);
   try {
-    return PoseOfQuaternion(numbers);
+    return PoseFromQuaternion(numbers);
   } catch (const InputError& error) {
     lines.Refuse(error.what());
   }
@@ -188,7 +188,7 @@ std::string FormatColmapCameras(const std::vector<ColmapCamera>& cameras) {
   for (const ColmapCamera& camera : cameras) {
     text += CommentText(kNameComment, camera.id, camera.name);
     text += CommentText(kSerialComment, camera.id, camera.serial);
-    text += CommentText("# Fit of camera ", camera.id, camera.remark);
+    text += CommentText("# Fit of camera ", camera.id, camera.warning);
     text += fmt::format("{} {} {} {}", camera.id, camera.model,
                         camera.size.width, camera.size.height);
     for (const double number : camera.parameters)

@@ -12,7 +12,7 @@
 #include "dataset/text_encoding.h"
 #include "exchange/camera_keys.h"
 #include "exchange/opencv_forms.h"
-#include "exchange/own_json.h"
+#include "exchange/raygrid_json.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -80,7 +80,7 @@ int WholeNumber(const YAML::Node& node, const std::string& name) {
   return static_cast<int>(number);
 }
 
-LensInForm ReadDevLens(const CameraKeys& camera) {
+ConvertedLens ReadDevLens(const CameraKeys& camera) {
   const int type = camera.Has("cameraType")
                        ? WholeNumber(camera["cameraType"], "cameraType")
                        : kDevPerspectiveType;
@@ -88,8 +88,8 @@ LensInForm ReadDevLens(const CameraKeys& camera) {
     throw InputError(fmt::format(
         "cameraType {}: unsupported, expected 0 (perspective) or 1 (fisheye)",
         type));
-  LensInForm lens;
-  TakeCameraMatrix(RowsOfMatrix(camera[kDevMatrix], kDevMatrix), kDevMatrix,
+  ConvertedLens lens;
+  ReadCameraMatrix(RowsOfMatrix(camera[kDevMatrix], kDevMatrix), kDevMatrix,
                    &lens);
   std::vector<double> coefficients =
       FiniteNumbers(camera[kDevCoefficients], kDevCoefficients);
@@ -124,11 +124,11 @@ void ReadDevLink(const YAML::Node& node, DevCamera* camera) {
     const std::string axis(1, "xyz"[row]);
     rows.push_back(FiniteNumber(t[axis], kDevTranslation) * kDevUnitM[unit]);
   }
-  camera->target_from_camera = PoseOfMatrix(rows, kDevExtrinsics);
+  camera->target_from_camera = PoseFromMatrix(rows, kDevExtrinsics);
 }
 
 DevCamera ReadDevCamera(const YAML::Node& entry,
-                        std::vector<std::string>* remarks) {
+                        std::vector<std::string>* warnings) {
   if (!entry.IsSequence() || entry.size() != 2 || !entry[1].IsMap())
     throw InputError("expected pairs of socket and camera");
   DevCamera camera;
@@ -140,7 +140,7 @@ DevCamera ReadDevCamera(const YAML::Node& entry,
   camera.lens.lens = ReadDevLens(keys);
   ReadDevLink(keys[kDevExtrinsics], &camera);
   keys.Skip({"lensPosition", "specHfovDeg"});
-  keys.Finish(*camera.lens.lens.form, remarks);
+  keys.Finish(*camera.lens.lens.form, warnings);
   return camera;
 }
 
@@ -169,7 +169,7 @@ void TakeDevPoses(const std::vector<DevCamera>& cameras,
   const std::map<int, Pose> poses = PosesOfLinks(cameras);
   for (const DevCamera& camera : cameras)
     if (poses.count(camera.socket) == 0) {
-      contents->remarks.push_back(
+      contents->warnings.push_back(
           fmt::format("importing cameras without a rig: no {} connects the "
                       "first camera to socket {}",
                       kDevExtrinsics, camera.socket));
@@ -183,11 +183,11 @@ void TakeDevPoses(const std::vector<DevCamera>& cameras,
 void NameDevCameras(const YAML::Node& root,
                     const std::vector<DevCamera>& cameras,
                     ExchangeContents* contents) {
-  const YAML::Node own = root[kOwnKey];
+  const YAML::Node own = root[kRaygridKey];
   const bool is_own = own && own.IsSequence() && own.size() == cameras.size();
   for (size_t c = 0; c < cameras.size(); ++c) {
     ReadLens& camera = contents->cameras[c];
-    if (is_own) TakeOwnJson(own[c], &camera);
+    if (is_own) ParseRaygridJson(own[c], &camera);
     if (camera.name.empty() && cameras.size() > 1)
       camera.name = fmt::format("CAM_{}", "ABCDEFGHIJ"[cameras[c].socket]);
   }
@@ -203,7 +203,7 @@ ExchangeContents ReadDepthAi(const ReadRequest& request) {
   std::vector<DevCamera> cameras;
   for (const YAML::Node& entry : root[kDevCameras]) {
     try {
-      cameras.push_back(ReadDevCamera(entry, &contents.remarks));
+      cameras.push_back(ReadDevCamera(entry, &contents.warnings));
     } catch (const InputError& error) {
       throw InputError(
           fmt::format("{}[{}]: {}", kDevCameras, cameras.size(), error.what()));
@@ -283,7 +283,7 @@ Json DevLink(const Pose& target_from_camera, int target) {
       {kDevTranslation, translation}};
 }
 
-Json DevLens(const LensInForm& lens) {
+Json DevLens(const ConvertedLens& lens) {
   Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
   k(0, 0) = lens.Value("fx");
   k(1, 1) = lens.Value("fy");
@@ -329,14 +329,14 @@ std::string WriteDepthAi(const WriteRequest& request) {
                       sockets[0])
             : DevLink(Pose{}, -1);
     cameras.push_back({sockets[c], std::move(entry)});
-    own.push_back(OwnJson(camera));
+    own.push_back(MakeRaygridJson(camera));
   }
   Json root = {{kDevCameras, std::move(cameras)}};
   Json rectification = DevRectification(request, sockets);
   if (!rectification.is_null())
     root["stereoRectificationData"] = std::move(rectification);
   root["version"] = 7;
-  root[kOwnKey] = std::move(own);
+  root[kRaygridKey] = std::move(own);
   return root.dump(4) + "\n";
 }
 
@@ -350,8 +350,8 @@ Format DepthAiFormat() {
       "the name, such as left or CAM_B";
   format.forms = DepthAiForms();
   format.ending = ".json";
-  format.holds_rigs = true;
-  format.holds_pairs = true;
+  format.supports_rigs = true;
+  format.supports_pairs = true;
   format.recognizes = IsDepthAi;
   format.read = ReadDepthAi;
   format.write = WriteDepthAi;

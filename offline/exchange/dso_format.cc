@@ -61,13 +61,13 @@ bool IsDso(const std::string& text) {
 }
 
 // The model of R. Devernay and O. Faugeras, whose radius is an angle.
-LensInForm ReadFov(const ImageSize& size, const std::vector<double>& values,
-                   std::vector<std::string>* remarks) {
+ConvertedLens ReadFov(const ImageSize& size, const std::vector<double>& values,
+                      std::vector<std::string>* warnings) {
   const double omega = values[4];
   if (!(omega > 0 && omega < M_PI))
     throw InputError(
         fmt::format("{}: {:g} is not a valid field of view", kDsoFov, omega));
-  return NearestGrid(
+  return FitNearestGrid(
       size,
       [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
         const Eigen::Vector2d xy((pixel.x() - values[2]) / values[0],
@@ -79,11 +79,11 @@ LensInForm ReadFov(const ImageSize& size, const std::vector<double>& values,
                      : 1;
         return Eigen::Vector3d(xy.x() * straight, xy.y() * straight, 1);
       },
-      "the FOV model has no equivalent", remarks);
+      "the FOV model has no equivalent", warnings);
 }
 
 ExchangeContents ReadDso(const ReadRequest& request) {
-  if (FindNoUtf8(request.text) != std::string::npos)
+  if (FindInvalidUtf8(request.text) != std::string::npos)
     throw InputError("not UTF-8 text");
   auto [lens, sides] = FirstLines(request.text);
   if (lens.empty() || sides.size() != 2)
@@ -116,9 +116,9 @@ ExchangeContents ReadDso(const ReadRequest& request) {
   if (!(values[0] > 0 && values[1] > 0))
     throw InputError("focal lengths must be positive");
   ExchangeContents contents;
-  LensInForm& read = contents.cameras.emplace_back().lens;
+  ConvertedLens& read = contents.cameras.emplace_back().lens;
   if (model == kDsoFov && values.size() == 5 && values[4] != 0) {
-    read = ReadFov(size, values, &contents.remarks);
+    read = ReadFov(size, values, &contents.warnings);
     return contents;
   }
   const std::string name = model == kDsoFov ? "Pinhole" : model;
@@ -145,7 +145,7 @@ std::string WriteDso(const WriteRequest& request) {
                       is_pinhole ? "none" : "crop", size);
   if (camera.fit)
     text += fmt::format("# nearest {}: {}\n", camera.lens.form->name,
-                        LensFitText(*camera.fit));
+                        FormatLensFit(*camera.fit));
   return text;
 }
 
@@ -159,7 +159,7 @@ Format DsoFormat() {
       "converted to central-generic";
   format.forms = DsoForms();
   format.ending = ".txt";
-  format.drops_rigs = true;
+  format.discards_rig_poses = true;
   format.recognizes = IsDso;
   format.read = ReadDso;
   format.write = WriteDso;

@@ -10,8 +10,8 @@
 #include "camera/pose.h"
 #include "dataset/camera_file.h"
 #include "dataset/dataset.h"
-#include "exchange/lens_choice.h"
 #include "exchange/lens_form.h"
+#include "exchange/lens_selection.h"
 
 namespace raygrid {
 
@@ -30,14 +30,15 @@ struct RectifiedProjection {
 /// A camera that was read.
 struct ReadLens {
   std::string name, serial;  ///< "" where the file does not tell
-  LensInForm lens;           ///< its size is 0 x 0 likewise
+  ConvertedLens lens;        ///< its size is 0 x 0 likewise
   std::optional<Pose> camera_from_rig;
   std::optional<RectifiedProjection> rectified;
   std::vector<ImageFeatures> features;  ///< that it was calibrated with
-  std::string why_no_features;   ///< if the file has some that are not taken
+  std::string
+      missing_features_reason;   ///< if the file has some that are not taken
   std::vector<BoardPose> poses;  ///< of boards, camera_from_board
   /// The cells that it can be trusted in.
-  std::optional<TrustMask> trusted = {};
+  std::optional<ValidityMask> trusted = {};
 };
 
 /// The contents of a file that was read.
@@ -47,8 +48,8 @@ struct ExchangeContents {
   std::vector<ImageFeatures> corners;
   /// The pose of a pair whose cameras stand in another file.
   std::optional<Pose> second_from_first;
-  std::vector<Board> boards;         ///< of a file that has boards alone
-  std::vector<std::string> remarks;  ///< what was not taken as it stands
+  std::vector<Board> boards;          ///< of a file that has boards alone
+  std::vector<std::string> warnings;  ///< what was not taken as it stands
 
   /// Whether there are several cameras, and all have poses.
   bool IsRig() const;
@@ -72,13 +73,13 @@ struct ReadRequest {
 /// A camera to be written.
 struct WrittenLens {
   std::string name, serial;
-  LensInForm lens;
+  ConvertedLens lens;
   std::optional<LensFit> fit;  ///< none if the lens is the camera itself
   std::optional<Pose> camera_from_rig;  ///< of the lens's frame, in a rig
   std::optional<RectifiedProjection> rectified;
   std::vector<BoardPose> poses;  ///< of boards, in the lens's frame
   /// The cells that it can be trusted in.
-  std::optional<TrustMask> trusted = {};
+  std::optional<ValidityMask> trusted = {};
 };
 
 struct WriteRequest {
@@ -90,7 +91,7 @@ struct WriteRequest {
 };
 
 /// A file that is written beside the first one.
-struct BesideFile {
+struct CompanionFile {
   std::string path, text;
   /// Another file of this name is not replaced: it would be a loss.
   bool is_never_replaced = false;
@@ -99,19 +100,19 @@ struct BesideFile {
 // ---- The table -------------------------------------------------------------
 
 struct Format {
-  std::string name;              ///< "opencv", for --to and --from
-  std::string holds;             ///< one line for --list
-  std::vector<LensForm> forms;   ///< none if files have no camera
-  std::string ending = ".yaml";  ///< of the files of a rig's cameras
-  bool holds_rigs = false;       ///< else a file has one camera
-  bool drops_rigs = false;       ///< files of a rig's cameras have no poses
-  bool holds_pairs = false;      ///< files of two cameras have R and P
-  bool holds_poses = false;      ///< of boards
-  bool holds_region = false;     ///< one, around what can be trusted
-  bool takes_model = false;      ///< --model: files may not say it
-  bool takes_board = false;      ///< corners alone, without a board's width
-  bool may_take_board = false;   ///< corners that may lack a board's width
-  bool lacks_size = false;       ///< files do not say the size of images
+  std::string name;                  ///< "opencv", for --to and --from
+  std::string holds;                 ///< one line for --list
+  std::vector<LensForm> forms;       ///< none if files have no camera
+  std::string ending = ".yaml";      ///< of the files of a rig's cameras
+  bool supports_rigs = false;        ///< else a file has one camera
+  bool discards_rig_poses = false;   ///< files of a rig's cameras have no poses
+  bool supports_pairs = false;       ///< files of two cameras have R and P
+  bool supports_poses = false;       ///< of boards
+  bool supports_region = false;      ///< one, around what can be trusted
+  bool accepts_model = false;        ///< --model: files may not say it
+  bool requires_board_size = false;  ///< corners alone, without a board's width
+  bool accepts_board_size = false;   ///< corners that may lack a board's width
+  bool requires_image_size = false;  ///< files do not say the size of images
 
   /// Whether a text is of this format, by words that others have not. It need
   /// not be well-formed.
@@ -123,7 +124,7 @@ struct Format {
   /// Paths of files that may stand beside the first, and those that are written
   /// with it; null if there are none.
   std::vector<std::string> (*beside)(const std::string& path) = nullptr;
-  std::vector<BesideFile> (*write_beside)(const WriteRequest& request) =
+  std::vector<CompanionFile> (*write_beside)(const WriteRequest& request) =
       nullptr;
   /// For formats whose cameras of a rig are files of one folder, by their
   /// numbers: the path of a camera, and all files, first those of the cameras
@@ -131,7 +132,7 @@ struct Format {
   /// files have the cameras' names.
   std::string (*file_in_folder)(const std::string& folder,
                                 int camera) = nullptr;
-  std::vector<BesideFile> (*write_folder)(const WriteRequest& request) =
+  std::vector<CompanionFile> (*write_folder)(const WriteRequest& request) =
       nullptr;
 
   /// Null if there is none of this name.
@@ -175,12 +176,12 @@ void RequireCameras(const ExchangeContents& contents, const std::string& path);
 
 /// The texts of the files beside one that is to be read; "" of one that is not
 /// there.
-std::vector<std::string> ReadBeside(const Format& format,
-                                    const std::string& path);
+std::vector<std::string> ReadCompanionFiles(const Format& format,
+                                            const std::string& path);
 
 /// Paths and texts of all files that a format writes for a request. Throws
 /// Error(kOutput) if one is there, of something else, that is never replaced.
-std::vector<std::pair<std::string, std::string>> WriteWithBeside(
+std::vector<std::pair<std::string, std::string>> WriteWithCompanions(
     const Format& format, WriteRequest request);
 
 /// Paths and texts of a rig's files in a folder, of a format that has one
@@ -190,7 +191,7 @@ std::vector<std::pair<std::string, std::string>> WriteFolder(
 
 /// The poses of cameras that have R and P, in the frame of the first one; none
 /// if a camera has not even these, or no view stands beside another one.
-void FindPosesOfPair(std::vector<ReadLens>* cameras);
+void ComputePairPoses(std::vector<ReadLens>* cameras);
 
 /// Throws InputError if --model is neither the name of the form that a file
 /// says, nor that of its model.
@@ -199,7 +200,7 @@ void RequireModelOfFile(const ReadRequest& request, const LensForm& form);
 /// The pose of a pair whose cameras stand in another file, if there is one.
 /// Throws InputError, naming the files, if they are not two cameras without
 /// poses.
-void TakePoseOfPair(const std::optional<Pose>& second_from_first,
+void AssignPairPose(const std::optional<Pose>& second_from_first,
                     const std::string& files, std::vector<ReadLens>* cameras);
 
 /// Throws InputError if poses are not all of one board, as programs ask that
@@ -208,7 +209,7 @@ void RequireOneBoard(const std::string& program,
                      const std::vector<WrittenLens>& cameras);
 
 /// A camera that was read as a camera file.
-CameraFile CameraFileOf(const ReadLens& read);
+CameraFile MakeCameraFile(const ReadLens& read);
 
 }  // namespace raygrid
 

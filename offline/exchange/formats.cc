@@ -45,7 +45,7 @@ bool HasByteOrderMark(const std::string& text) {
 }
 
 // How far the principal point is from the centre of an image, in parts of it.
-double OffCenter(const LensInForm& lens, double width, double height) {
+double OffCenter(const ConvertedLens& lens, double width, double height) {
   const Eigen::Vector2d point = FromProgram(
       lens.form->origin, lens.size, {lens.Value("cx"), lens.Value("cy")});
   return std::max(std::abs(point.x() / width - 0.5),
@@ -53,7 +53,7 @@ double OffCenter(const LensInForm& lens, double width, double height) {
 }
 
 // Throws for lengths in parts of the image, which some programs have.
-void RequirePixels(const LensInForm& lens) {
+void RequirePixels(const ConvertedLens& lens) {
   constexpr double kLeastFocalPx = 10;
   const auto is_part = [&](const char* name, double most) {
     return std::abs(lens.Value(name)) < most;
@@ -72,8 +72,8 @@ void RequirePixels(const LensInForm& lens) {
 }
 
 // The image of another resolution, or sides in the order of rows and columns.
-void AddRemarkOnCenter(const std::string& name, const LensInForm& lens,
-                       std::vector<std::string>* remarks) {
+void AddRemarkOnCenter(const std::string& name, const ConvertedLens& lens,
+                       std::vector<std::string>* warnings) {
   constexpr double kFar = 0.25, kNear = 0.1, kRatio = 4;
   if (!lens.form->Has("cx") || lens.values.empty()) return;
   const ImageSize& size = lens.size;
@@ -81,23 +81,23 @@ void AddRemarkOnCenter(const std::string& name, const LensInForm& lens,
   if (off < kFar &&
       (off < kNear || kRatio * OffCenter(lens, size.height, size.width) > off))
     return;
-  remarks->push_back(fmt::format(
+  warnings->push_back(fmt::format(
       "{}the principal point ({:g}, {:g}) is far from the centre of {} x {} "
       "px: check that the size is that of the calibration, width first",
       name, lens.Value("cx"), lens.Value("cy"), size.width, size.height));
 }
 
 // Says what a user may not expect of the lenses, all of which are made.
-void AddRemarksOnLenses(ExchangeContents* contents) {
+void AddLensWarnings(ExchangeContents* contents) {
   constexpr double kFarM = 10;
   double farthest_m = 0;
   for (const ReadLens& camera : contents->cameras) {
     const std::string name =
         contents->cameras.size() > 1 ? camera.name + ": " : "";
-    AddRemarkOnCenter(name, camera.lens, &contents->remarks);
-    const double part = PartWithoutRays(*MakeLens(camera.lens));
+    AddRemarkOnCenter(name, camera.lens, &contents->warnings);
+    const double part = ComputeUndefinedFraction(*MakeLens(camera.lens));
     if (part > 0)
-      contents->remarks.push_back(fmt::format(
+      contents->warnings.push_back(fmt::format(
           "{}no valid rays in {:.1f} % of the image, where the distortion "
           "folds or ends",
           name, 100 * part));
@@ -106,7 +106,7 @@ void AddRemarksOnLenses(ExchangeContents* contents) {
           std::max(farthest_m, camera.camera_from_rig->translation.norm());
   }
   if (farthest_m > kFarM)
-    contents->remarks.push_back(
+    contents->warnings.push_back(
         fmt::format("the cameras are {:g} m apart, assuming lengths in metres; "
                     "check the unit",
                     farthest_m));
@@ -127,40 +127,40 @@ void TakeOptions(const Format& format, const ReadRequest& request,
           "scaled or cropped images use 'raygrid pack --mode NAME:scale={:g}'",
           request.size->width, request.size->height, size.width, size.height,
           static_cast<double>(request.size->width) / size.width));
-    if (!format.takes_model) RequireModelOfFile(request, *camera.lens.form);
+    if (!format.accepts_model) RequireModelOfFile(request, *camera.lens.form);
     RequirePixels(camera.lens);
     if (camera.lens.skew_px != 0)
-      camera.lens = GridOfSkewedLens(camera.lens, &contents->remarks);
+      camera.lens = FitSkewedGrid(camera.lens, &contents->warnings);
   }
 }
 
 // A remark on each camera of a file is made once.
-void DropRepeated(std::vector<std::string>* remarks) {
+void DropRepeated(std::vector<std::string>* warnings) {
   std::vector<std::string> kept;
-  for (const std::string& remark : *remarks)
-    if (std::find(kept.begin(), kept.end(), remark) == kept.end())
-      kept.push_back(remark);
-  *remarks = std::move(kept);
+  for (const std::string& warning : *warnings)
+    if (std::find(kept.begin(), kept.end(), warning) == kept.end())
+      kept.push_back(warning);
+  *warnings = std::move(kept);
 }
 
 // A number that a file without an end of its last line ends with may be cut.
-void AddRemarkOnEnd(const std::string& text, ExchangeContents* contents) {
+void AddEndWarning(const std::string& text, ExchangeContents* contents) {
   if (!text.empty() && std::isdigit(static_cast<unsigned char>(text.back())) &&
-      FindNoUtf8(text) == std::string::npos)
-    contents->remarks.push_back(
+      FindInvalidUtf8(text) == std::string::npos)
+    contents->warnings.push_back(
         "the last line is not terminated: its last number may be truncated");
 }
 
 // Throws for a file whose loss would be one: that of a reconstruction.
-void RequireNoOther(const BesideFile& file) {
+void RequireNoOther(const CompanionFile& file) {
   if (std::filesystem::exists(file.path) && ReadFile(file.path) != file.text)
     throw Error(ExitCode::kOutput,
                 file.path + ": exists with other contents; use another folder");
 }
 
-void AddFiles(const std::vector<BesideFile>& written,
+void AddFiles(const std::vector<CompanionFile>& written,
               std::vector<std::pair<std::string, std::string>>* files) {
-  for (const BesideFile& file : written) {
+  for (const CompanionFile& file : written) {
     if (file.is_never_replaced) RequireNoOther(file);
     files->emplace_back(file.path, file.text);
   }
@@ -204,12 +204,12 @@ std::vector<const LensForm*> Format::FindForms(const std::string& model) const {
   std::vector<const LensForm*> chosen;
   std::string names;
   for (const LensForm& form : forms) {
-    if (model.empty() ? !form.is_only_asked : model == form.name)
+    if (model.empty() ? !form.is_explicit_only : model == form.name)
       chosen.push_back(&form);
     names += (names.empty() ? "" : ", ") + form.name;
   }
   for (const LensForm& form : forms)
-    if (!is_named && form.model == model && !form.is_only_asked)
+    if (!is_named && form.model == model && !form.is_explicit_only)
       chosen.push_back(&form);
   if (chosen.empty())
     throw Error(ExitCode::kUsage,
@@ -273,19 +273,19 @@ ExchangeContents ReadExchangeFile(const Format* format,
     const Format& own = *(format ? format : found);
     if (contents.cameras.empty() && contents.corners.empty() &&
         contents.boards.empty() && !contents.second_from_first)
-      throw InputError(own.takes_board ? "contains no corners"
-                                       : "contains no camera");
+      throw InputError(own.requires_board_size ? "contains no corners"
+                                               : "contains no camera");
     TakeOptions(own, request, &contents);
-    AddRemarkOnEnd(request.text, &contents);
-    AddRemarksOnLenses(&contents);
-    DropRepeated(&contents.remarks);
+    AddEndWarning(request.text, &contents);
+    AddLensWarnings(&contents);
+    DropRepeated(&contents.warnings);
     return contents;
   });
 }
 
 void RequireCameraFormat(const Format& format, const std::string& path) {
   if (!format.forms.empty()) return;
-  if (format.takes_board) ThrowOnCorners(path);
+  if (format.requires_board_size) ThrowOnCorners(path);
   throw InputError(
       fmt::format("{}: contains a target but no camera; convert it with "
                   "'raygrid import' to pattern.yaml for --pattern",
@@ -293,12 +293,12 @@ void RequireCameraFormat(const Format& format, const std::string& path) {
 }
 
 void RequireCameras(const ExchangeContents& contents, const std::string& path) {
-  if (contents.second_from_first) TakePoseOfPair(Pose{}, path, nullptr);
+  if (contents.second_from_first) AssignPairPose(Pose{}, path, nullptr);
   if (contents.cameras.empty()) ThrowOnCorners(path);
 }
 
-std::vector<std::string> ReadBeside(const Format& format,
-                                    const std::string& path) {
+std::vector<std::string> ReadCompanionFiles(const Format& format,
+                                            const std::string& path) {
   std::vector<std::string> texts;
   if (!format.beside) return texts;
   for (const std::string& beside : format.beside(path))
@@ -306,12 +306,13 @@ std::vector<std::string> ReadBeside(const Format& format,
   return texts;
 }
 
-std::vector<std::pair<std::string, std::string>> WriteWithBeside(
+std::vector<std::pair<std::string, std::string>> WriteWithCompanions(
     const Format& format, WriteRequest request) {
   std::vector<std::pair<std::string, std::string>> files = {
       {request.path, format.write(request)}};
   if (!format.write_beside) return files;
-  if (format.file_in_folder) request.beside = ReadBeside(format, request.path);
+  if (format.file_in_folder)
+    request.beside = ReadCompanionFiles(format, request.path);
   AddFiles(format.write_beside(request), &files);
   return files;
 }
@@ -320,7 +321,8 @@ std::vector<std::pair<std::string, std::string>> WriteFolder(
     const Format& format, WriteRequest request) {
   std::vector<std::pair<std::string, std::string>> files;
   if (format.write_folder) {
-    request.beside = ReadBeside(format, format.file_in_folder(request.path, 0));
+    request.beside =
+        ReadCompanionFiles(format, format.file_in_folder(request.path, 0));
     AddFiles(format.write_folder(request), &files);
     return files;
   }
@@ -340,7 +342,7 @@ bool ExchangeContents::IsRig() const {
          });
 }
 
-void FindPosesOfPair(std::vector<ReadLens>* cameras) {
+void ComputePairPoses(std::vector<ReadLens>* cameras) {
   bool is_pair = false;
   for (const ReadLens& camera : *cameras) {
     if (!camera.rectified) return;
@@ -371,7 +373,7 @@ void RequireModelOfFile(const ReadRequest& request, const LensForm& form) {
       request.form, form.name));
 }
 
-void TakePoseOfPair(const std::optional<Pose>& second_from_first,
+void AssignPairPose(const std::optional<Pose>& second_from_first,
                     const std::string& files, std::vector<ReadLens>* cameras) {
   if (!second_from_first) return;
   const bool is_pair = cameras && cameras->size() == 2 &&
@@ -402,12 +404,13 @@ void RequireOneBoard(const std::string& program,
     }
 }
 
-CameraFile CameraFileOf(const ReadLens& read) {
+CameraFile MakeCameraFile(const ReadLens& read) {
   CameraFile file;
   file.camera = MakeLens(read.lens);
   file.name = read.name;
   file.serial = read.serial;
-  if (read.trusted) file.uncertainty = CameraUncertainty::OfMask(*read.trusted);
+  if (read.trusted)
+    file.uncertainty = CameraUncertainty::FromMask(*read.trusted);
   return file;
 }
 

@@ -93,8 +93,8 @@ struct LookupError {
 };
 
 bool IsTrusted(const CameraTable& table, const Eigen::Vector2d& pixel) {
-  return table.camera->IsLit(pixel) &&
-         (!table.trusted || table.trusted->Trusts(pixel));
+  return table.camera->IsInImageCircle(pixel) &&
+         (!table.trusted || table.trusted->IsValidAt(pixel));
 }
 
 // ---- From pixels to directions ---------------------------------------------
@@ -111,7 +111,7 @@ std::vector<float> EnterTable(const CameraTable& table) {
   ParallelFor(size.height, NumThreads(table.num_threads), [&](int y) {
     for (int x = 0; x < size.width; ++x) {
       const Eigen::Vector2d pixel(x, y);
-      const auto seen = table.camera->IsLit(pixel)
+      const auto seen = table.camera->IsInImageCircle(pixel)
                             ? table.camera->Unproject(pixel)
                             : std::nullopt;
       const Eigen::Vector3d ray =
@@ -172,14 +172,14 @@ struct TexelCell {
   // The square has so many texels a side; (-1, -1) is its outer corner.
   static TexelCell At(const Eigen::Vector2d& place, int side) {
     TexelCell cell;
-    cell.x = Along(place.x(), side, &cell.part.x());
-    cell.y = Along(place.y(), side, &cell.part.y());
+    cell.x = SliceAlong(place.x(), side, &cell.part.x());
+    cell.y = SliceAlong(place.y(), side, &cell.part.y());
     return cell;
   }
 
  private:
   // The texel before a place along a side, and the part of the way from it.
-  static int Along(double place, int side, double* rest) {
+  static int SliceAlong(double place, int side, double* rest) {
     const double texel = std::clamp((place + 1) / 2 * side - 0.5, 0.0,
                                     static_cast<double>(side - 1));
     const int first = std::min(static_cast<int>(texel), side - 2);
@@ -523,7 +523,7 @@ TableOutput WriteIsaac(const CameraTable& table) {
       enter_path, size.width, size.height, enter_error.Text(), exit_path,
       exit.side, exit.side, ExitText(exit), size.width, size.height,
       size.width / 2.0, size.height / 2.0);
-  output.figures = {{"enter_max_px", enter_error.max_px},
+  output.metrics = {{"enter_max_px", enter_error.max_px},
                     {"enter_rms_px", enter_error.rms_px()},
                     {"exit_side", exit.side},
                     {"exit_max_px", exit.error.max_px},

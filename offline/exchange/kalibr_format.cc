@@ -107,16 +107,16 @@ void NameCameras(const YAML::Node& root, std::vector<ReadLens>* cameras) {
 constexpr char kDsecIntrinsics[] = "camera_matrix";
 constexpr char kDsecRectified[] = "camRect";
 
-LensInForm ReadKalibrLens(const CameraKeys& camera) {
+ConvertedLens ReadKalibrLens(const CameraKeys& camera) {
   const auto text_of = [&](const char* key) {
     if (!camera.Has(key)) throw InputError(fmt::format("'{}' is missing", key));
     return camera[key].as<std::string>();
   };
-  LensInForm lens;
+  ConvertedLens lens;
   lens.form =
       &FindKalibrForm(text_of("camera_model"), text_of("distortion_model"));
   if (camera.Has("resolution"))
-    lens.size = SizeOfList(camera["resolution"], "resolution");
+    lens.size = GetListSize(camera["resolution"], "resolution");
   const char* const intrinsics =
       camera.Has("intrinsics") ? "intrinsics" : kDsecIntrinsics;
   lens.values = FiniteNumbers(camera[intrinsics], intrinsics);
@@ -146,7 +146,7 @@ Pose ReadKalibrPose(const CameraKeys& camera, const char* name) {
   const std::vector<double> numbers = AllNumbers(camera[name], name);
   if (numbers.size() != 16)
     throw InputError(fmt::format("{}: not 4 x 4", name));
-  return PoseOfMatrix(numbers, name);
+  return PoseFromMatrix(numbers, name);
 }
 
 // The pose in the frame of the camera before; nothing if the file has none. The
@@ -193,7 +193,7 @@ ExchangeContents ReadKalibr(const ReadRequest& request) {
       }
       keys.Skip({"T_cam_imu", "T_imu_cam", "timeshift_cam_imu", "cam_overlaps",
                  "rostopic", "camera_type", "camera_location", "is_rectified"});
-      keys.Finish(*camera.lens.form, &contents.remarks);
+      keys.Finish(*camera.lens.form, &contents.warnings);
       contents.cameras.push_back(std::move(camera));
     } catch (const InputError& error) {
       const std::string message = error.what();
@@ -213,10 +213,10 @@ ExchangeContents ReadKalibr(const ReadRequest& request) {
         num_cameras, num_cameras - 1));
   NameCameras(root, &contents.cameras);
   if (first_from_imu)
-    contents.remarks.push_back(
+    contents.warnings.push_back(
         "camera-IMU extrinsics and time offsets are ignored");
   if (contents.cameras.size() > 1 && !contents.IsRig())
-    contents.remarks.push_back(
+    contents.warnings.push_back(
         "importing cameras without a rig: neither T_cn_cnm1 nor T_cam_imu");
   return contents;
 }
@@ -242,7 +242,7 @@ std::string WriteKalibr(const WriteRequest& request) {
   std::string text;
   for (size_t c = 0; c < request.cameras.size(); ++c) {
     const WrittenLens& camera = request.cameras[c];
-    const LensInForm& lens = camera.lens;
+    const ConvertedLens& lens = camera.lens;
     const std::string key = fmt::format("cam{}", c);
     const size_t num_coefficients =
         lens.form->Has("k1") ? 4 : 0;  // radtan's and equidistant's
@@ -255,7 +255,7 @@ std::string WriteKalibr(const WriteRequest& request) {
         overlaps += fmt::format("{}{}", overlaps.empty() ? "" : ", ", other);
     if (camera.fit)
       text += fmt::format("# Fitted {}: {}\n", lens.form->name,
-                          LensFitText(*camera.fit));
+                          FormatLensFit(*camera.fit));
     text += fmt::format(
         "{}:\n  camera_model: {}\n  intrinsics: [{}]\n  distortion_model: {}\n"
         "  distortion_coeffs: [{}]\n  resolution: [{}, {}]\n"
@@ -281,7 +281,7 @@ Format KalibrFormat() {
       "camchain .yaml: a camera or rig of pinhole, omni, ds and eucm cameras "
       "with radtan, equidistant or no distortion";
   format.forms = KalibrForms();
-  format.holds_rigs = true;
+  format.supports_rigs = true;
   format.recognizes = IsKalibr;
   format.read = ReadKalibr;
   format.write = WriteKalibr;

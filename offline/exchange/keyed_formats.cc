@@ -13,9 +13,9 @@
 #include "exchange/keyed_table.h"
 #include "exchange/keyed_writer.h"
 #include "exchange/opencv_forms.h"
-#include "exchange/own_json.h"
 #include "exchange/plain_trees.h"
 #include "exchange/radial_lens.h"
+#include "exchange/raygrid_json.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -43,7 +43,7 @@ YAML::Node ParseKeyed(const KeyedFormat& format, const ReadRequest& request) {
     case KeyedSyntax::kAssignments:
       return ParseKeyLines(request.text, '=');
     case KeyedSyntax::kNumbers:
-      return ParseKeyLines("numbers: " + LineOfNumbers(request.text));
+      return ParseKeyLines("numbers: " + FindNumberLine(request.text));
     default:
       return ParseFileStorage(request.path, format.is_normalized
                                                 ? WithoutScene(request.text)
@@ -53,7 +53,7 @@ YAML::Node ParseKeyed(const KeyedFormat& format, const ReadRequest& request) {
 
 // The first key of "KEY|KEY" that is there, or the first one.
 std::string FirstThatIsThere(const CameraKeys& keys, const std::string& names) {
-  const std::vector<std::string> all = PartsOf(names, '|');
+  const std::vector<std::string> all = SplitText(names, '|');
   for (const std::string& name : all)
     if (keys.Has(name)) return name;
   return all.empty() ? "" : all[0];
@@ -61,13 +61,13 @@ std::string FirstThatIsThere(const CameraKeys& keys, const std::string& names) {
 
 // Whether the file says a model; what it says counts as read then.
 bool IsSaid(const CameraKeys& keys, const KeyedModel& model) {
-  const std::vector<std::string> conditions = PartsOf(model.says);
+  const std::vector<std::string> conditions = SplitText(model.says);
   std::vector<std::string> read;
   for (const std::string& condition : conditions) {
-    KeyedWord said = Parted(condition, '?', "");
+    KeyedWord said = SplitAtMark(condition, '?', "");
     said.key = FirstThatIsThere(keys, said.key);
     const std::string word = Lowercase(keys.Word(said.key));
-    const std::vector<std::string> words = PartsOf(said.words, '|');
+    const std::vector<std::string> words = SplitText(said.words, '|');
     const bool is_absent = word.empty() || word == "null" || word == "~";
     if (is_absent ? !said.has_mark
                   : std::none_of(words.begin(), words.end(),
@@ -88,9 +88,9 @@ const KeyedModel& FindKeyedModel(const KeyedFormat& format,
     if (IsSaid(keys, model)) return model;
     names += (names.empty() ? "" : ", ") + model.form.name;
     said.clear();
-    for (const std::string& condition : PartsOf(model.says)) {
+    for (const std::string& condition : SplitText(model.says)) {
       const std::string key =
-          FirstThatIsThere(keys, Parted(condition, '?', "").key);
+          FirstThatIsThere(keys, SplitAtMark(condition, '?', "").key);
       said += fmt::format("{}{} '{}'", said.empty() ? "" : ", ", key,
                           Printable(keys.Word(key)));
     }
@@ -104,7 +104,7 @@ void TakeKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
                     const std::string& entry, const std::string& word,
                     std::map<std::string, double>* values, ReadLens* camera) {
   const bool may_be_missing = entry.find("?=") != std::string::npos;
-  KeyedWord part = Parted(entry, may_be_missing ? '?' : '~', word);
+  KeyedWord part = SplitAtMark(entry, may_be_missing ? '?' : '~', word);
   part.key = FirstThatIsThere(keys, part.key);
   if (!keys.Has(part.key)) {
     if (may_be_missing) return;
@@ -118,7 +118,7 @@ void TakeKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
     if (numbers.size() != (is_p ? 12 : 9))
       throw InputError(fmt::format("{}: not 3 x {}", part.key, is_p ? 4 : 3));
     const auto& n = numbers;
-    TakeCameraMatrix(is_p ? std::vector<double>{n[0], n[1], n[2], n[4], n[5],
+    ReadCameraMatrix(is_p ? std::vector<double>{n[0], n[1], n[2], n[4], n[5],
                                                 n[6], n[8], n[9], n[10]}
                           : n,
                      part.key, &camera->lens);
@@ -131,7 +131,7 @@ void TakeKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
     *values = {{"fx", k[0]}, {"fy", k[1]}, {"cx", k[2]}, {"cy", k[3]}};
     return;
   }
-  const std::vector<std::string> parameters = PartsOf(part.words, ',');
+  const std::vector<std::string> parameters = SplitText(part.words, ',');
   const bool is_longer = numbers.size() > parameters.size();
   if ((numbers.size() < parameters.size() && !part.has_mark) ||
       (is_longer &&
@@ -147,22 +147,22 @@ void TakeKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
 
 ImageSize KeyedSizeOf(const KeyedFormat& format, const CameraKeys& keys,
                       const std::string& word) {
-  std::vector<std::string> names = PartsOf(WithWord(format.size, word));
+  std::vector<std::string> names = SplitText(SubstituteWord(format.size, word));
   for (std::string& name : names) name = FirstThatIsThere(keys, name);
   if (names.empty() || !keys.Has(names[0])) return {};
-  if (names.size() == 1) return SizeOfList(keys[names[0]], names[0]);
+  if (names.size() == 1) return GetListSize(keys[names[0]], names[0]);
   return {SidePx(keys[names[0]], names[0]), SidePx(keys[names[1]], names[1])};
 }
 
 std::optional<Pose> KeyedPoseOf(const KeyedPose& pose, const CameraKeys& keys,
                                 const std::string& word) {
   std::vector<std::vector<double>> numbers;
-  for (const std::string& text : PartsOf(pose.keys)) {
-    const std::string key = WithWord(text, word);
+  for (const std::string& text : SplitText(pose.keys)) {
+    const std::string key = SubstituteWord(text, word);
     if (!keys.Has(key)) return std::nullopt;
     numbers.push_back(AllNumbers(keys[key], key));
   }
-  const std::string name = WithWord(pose.keys, word);
+  const std::string name = SubstituteWord(pose.keys, word);
   const auto require = [&](bool is_right) {
     if (!is_right) throw InputError(fmt::format("{}: expected a pose", name));
   };
@@ -185,17 +185,17 @@ std::optional<Pose> KeyedPoseOf(const KeyedPose& pose, const CameraKeys& keys,
                   numbers[0].begin() + 3 * row + 3);
       rows.push_back(numbers[1][row]);
     }
-    return PoseOfMatrix(rows, name);
+    return PoseFromMatrix(rows, name);
   }
   require(numbers[0].size() == 16 || numbers[0].size() == 12);
-  const Pose matrix = PoseOfMatrix(numbers[0], name);
+  const Pose matrix = PoseFromMatrix(numbers[0], name);
   return pose.kind == PoseKind::kCameraFromRig ? matrix : matrix.Inverse();
 }
 
 // A polynomial of the radius. Its grid needs the size of the image.
 void TakeRadialLens(const std::map<std::string, double>& values,
                     const ReadRequest& request,
-                    std::vector<std::string>* remarks, ReadLens* camera) {
+                    std::vector<std::string>* warnings, ReadLens* camera) {
   if (camera->lens.skew_px != 0)
     throw InputError(
         fmt::format("camera matrix: a skew of {:g} px is not supported by {}",
@@ -209,19 +209,19 @@ void TakeRadialLens(const std::map<std::string, double>& values,
     return values.count(name) > 0 ? values.at(name) : 0.0;
   };
   lens.coefficients = {coefficient("c"), coefficient("b"), coefficient("a"), 0};
-  camera->lens =
-      LensOfRadial(camera->lens.form->name, camera->lens.size, lens, remarks);
+  camera->lens = MakeRadialLens(camera->lens.form->name, camera->lens.size,
+                                lens, warnings);
 }
 
 ReadLens ReadKeyedCamera(const KeyedFormat& format, const CameraKeys& keys,
                          const std::string& word, const ReadRequest& request,
-                         std::vector<std::string>* remarks) {
+                         std::vector<std::string>* warnings) {
   const KeyedModel& model = FindKeyedModel(format, keys);
   ReadLens camera;
   camera.lens.form = &model.form;
   camera.lens.size = KeyedSizeOf(format, keys, word);
   std::map<std::string, double> values;
-  for (const std::string& entry : PartsOf(model.values))
+  for (const std::string& entry : SplitText(model.values))
     TakeKeyedValue(format, keys, entry, word, &values, &camera);
   const double unit = format.is_normalized ? std::max(camera.lens.size.width,
                                                       camera.lens.size.height)
@@ -231,13 +231,13 @@ ReadLens ReadKeyedCamera(const KeyedFormat& format, const CameraKeys& keys,
   camera.lens.values.clear();
   for (const std::string& parameter : model.form.parameters)
     camera.lens.values.push_back(values[parameter]);
-  if (model.form.IsGrid()) TakeRadialLens(values, request, remarks, &camera);
+  if (model.form.IsGrid()) TakeRadialLens(values, request, warnings, &camera);
   for (const KeyedPose& pose : format.poses) {
     if (pose.word[0] != 0 && word != pose.word) continue;
     if (!camera.camera_from_rig)
       camera.camera_from_rig = KeyedPoseOf(pose, keys, word);
   }
-  for (const std::string& key : PartsOf(format.ones))
+  for (const std::string& key : SplitText(format.ones))
     if (keys.Has(key) && !keys[key].IsNull() &&
         FiniteNumber(keys[key], key) != 1)
       throw InputError(
@@ -256,17 +256,17 @@ void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
                   const std::string& name, const ReadRequest& request,
                   ExchangeContents* contents) {
   const size_t first = contents->cameras.size();
-  const std::string value = PartsOf(format.models[0].values)[0];
+  const std::string value = SplitText(format.models[0].values)[0];
   if (format.words.empty()) {
     contents->cameras.push_back(
-        ReadKeyedCamera(format, keys, "", request, &contents->remarks));
+        ReadKeyedCamera(format, keys, "", request, &contents->warnings));
     ReadLens& camera = contents->cameras.back();
     if (camera.name.empty()) camera.name = name;
   }
   for (const char* word : format.words) {
-    if (!keys.Has(Parted(value, '?', word).key)) continue;
+    if (!keys.Has(SplitAtMark(value, '?', word).key)) continue;
     contents->cameras.push_back(
-        ReadKeyedCamera(format, keys, word, request, &contents->remarks));
+        ReadKeyedCamera(format, keys, word, request, &contents->warnings));
     contents->cameras.back().name = fmt::format(
         "{}{}", std::isdigit(static_cast<unsigned char>(word[0])) ? "cam" : "",
         word + (word[0] == '_'));
@@ -280,15 +280,15 @@ void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
       contents->cameras.back().camera_from_rig)
     leader.camera_from_rig = Pose{};
   keys.Skip(format.others);
-  keys.Finish(*leader.lens.form, &contents->remarks);
+  keys.Finish(*leader.lens.form, &contents->warnings);
 }
 
 // Maps by their names, or those of a list. Without the key that a camera begins
 // with, a map is none.
 void ReadKeyedMaps(const KeyedFormat& format, const YAML::Node& maps,
                    const ReadRequest& request, ExchangeContents* contents) {
-  const std::string value = PartsOf(format.models[0].values)[0];
-  const std::string begin = Parted(value, '?', "").key;
+  const std::string value = SplitText(format.models[0].values)[0];
+  const std::string begin = SplitAtMark(value, '?', "").key;
   int number = 0;
   for (const auto& entry : maps) {
     const YAML::Node map = maps.IsMap() ? entry.second : YAML::Node(entry);
@@ -298,11 +298,12 @@ void ReadKeyedMaps(const KeyedFormat& format, const YAML::Node& maps,
     ++number;
     if (!map.IsMap() || (maps.IsMap() && map.size() == 0)) continue;
     const CameraKeys keys(map, Printable(name));
-    if (std::none_of(format.models.begin(), format.models.end(),
-                     [&](const KeyedModel& model) {
-                       return keys.Has(
-                           Parted(PartsOf(model.values)[0], '?', "").key);
-                     }))
+    if (std::none_of(
+            format.models.begin(), format.models.end(),
+            [&](const KeyedModel& model) {
+              return keys.Has(
+                  SplitAtMark(SplitText(model.values)[0], '?', "").key);
+            }))
       continue;
     try {
       ReadKeyedMap(format, keys, name, request, contents);
@@ -345,7 +346,7 @@ ExchangeContents ReadKeyed(const KeyedFormat& format,
 
 std::vector<Format> KeyedFormats() {
   std::vector<Format> formats;
-  for (const KeyedFormat& row : KeyedTable()) {
+  for (const KeyedFormat& row : ListKeyedFormats()) {
     Format format;
     format.name = row.name;
     format.holds = row.holds;
@@ -359,10 +360,11 @@ std::vector<Format> KeyedFormats() {
     };
     if (is_written) {
       format.ending = row.ending;
-      format.lacks_size = row.size[0] == 0;
-      format.holds_rigs = row.HoldsRigs();
-      format.drops_rigs = !row.HasProjections() &&
-                          (row.poses.empty() || row.poses.front().word[0] != 0);
+      format.requires_image_size = row.size[0] == 0;
+      format.supports_rigs = row.SupportsRigs();
+      format.discards_rig_poses =
+          !row.HasProjections() &&
+          (row.poses.empty() || row.poses.front().word[0] != 0);
       format.write = [&row](const WriteRequest& request) {
         return WriteKeyed(row, request);
       };

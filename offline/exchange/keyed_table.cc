@@ -22,7 +22,7 @@ bool HasAllWords(const std::string& text,
 bool IsLineOfNumbers(const std::string& text) {
   constexpr size_t kLongest = 400;
   if (text.size() > kLongest) return false;
-  const std::string line = LineOfNumbers(text);
+  const std::string line = FindNumberLine(text);
   if (line.find_first_not_of("0123456789.+-eE \t\r") != std::string::npos)
     return false;
   std::istringstream words(line);
@@ -36,7 +36,7 @@ LensForm KeyedPinhole(const char* name, int count) {
 }
 LensForm KeyedPinhole(const char* name,
                       const std::vector<std::string>& coefficients) {
-  LensForm form = FormOf(name, models::kOpenCv, coefficients);
+  LensForm form = MakeForm(name, models::kOpenCv, coefficients);
   form.reach_rad = M_PI / 2;
   return form;
 }
@@ -46,7 +46,7 @@ LensForm KeyedFisheye(const char* name) {
   return form;
 }
 LensForm KeyedOmni(const char* name) {
-  return FormOf(name, models::kOmniRadtan, {"xi", "k1", "k2", "p1", "p2"});
+  return MakeForm(name, models::kOmniRadtan, {"xi", "k1", "k2", "p1", "p2"});
 }
 // OpenSfM's pixels count from the image's middle.
 LensForm FromMiddle(LensForm form) {
@@ -56,7 +56,7 @@ LensForm FromMiddle(LensForm form) {
 
 }  // namespace
 
-const std::vector<KeyedFormat>& KeyedTable() {
+const std::vector<KeyedFormat>& ListKeyedFormats() {
   static const std::vector<KeyedFormat> table = {
       {"gyroflow",
        "Gyroflow's lens profile .json",
@@ -323,10 +323,10 @@ const std::vector<KeyedFormat>& KeyedTable() {
         {FromMiddle(KeyedPinhole("brown", 5)), "projection_type=brown",
          "focal_x=fx focal_y=fy c_x=cx c_y=cy k1?=k1 k2?=k2 p1?=p1 p2?=p2 "
          "k3?=k3"},
-        {FromMiddle(FormOf("simple_radial", models::kOpenCv, {"k1"})),
+        {FromMiddle(MakeForm("simple_radial", models::kOpenCv, {"k1"})),
          "projection_type=simple_radial",
          "focal_x=fx focal_y=fy c_x=cx c_y=cy k1=k1"},
-        {FromMiddle(FormOf("radial", models::kOpenCv, {"k1", "k2"})),
+        {FromMiddle(MakeForm("radial", models::kOpenCv, {"k1", "k2"})),
          "projection_type=radial",
          "focal_x=fx focal_y=fy c_x=cx c_y=cy k1=k1 k2=k2"},
         {FromMiddle({"fisheye", models::kThinPrismFisheye, {"f", "k1", "k2"}}),
@@ -483,7 +483,7 @@ const std::vector<KeyedFormat>& KeyedTable() {
   return table;
 }
 
-std::vector<std::string> PartsOf(const std::string& text, char space) {
+std::vector<std::string> SplitText(const std::string& text, char space) {
   std::vector<std::string> words;
   std::istringstream stream(text);
   for (std::string word; std::getline(stream, word, space);)
@@ -491,7 +491,7 @@ std::vector<std::string> PartsOf(const std::string& text, char space) {
   return words;
 }
 
-std::string LineOfNumbers(const std::string& text) {
+std::string FindNumberLine(const std::string& text) {
   constexpr char kSpaces[] = " \t\r";
   std::istringstream lines(text);
   std::string found;
@@ -504,17 +504,18 @@ std::string LineOfNumbers(const std::string& text) {
   return found;
 }
 
-std::string WithWord(std::string key, const std::string& word) {
+std::string SubstituteWord(std::string key, const std::string& word) {
   const size_t at = key.find('@');
   return at == std::string::npos ? key : key.replace(at, 1, word);
 }
 
-KeyedWord Parted(const std::string& text, char mark, const std::string& word) {
+KeyedWord SplitAtMark(const std::string& text, char mark,
+                      const std::string& word) {
   const size_t equals = text.find('=');
   KeyedWord parted = {text.substr(0, equals), text.substr(equals + 1)};
   parted.has_mark = parted.key.back() == mark;
   if (parted.has_mark) parted.key.pop_back();
-  parted.key = WithWord(parted.key, word);
+  parted.key = SubstituteWord(parted.key, word);
   return parted;
 }
 

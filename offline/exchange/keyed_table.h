@@ -78,7 +78,7 @@ struct KeyedFormat {
   const char* fit_key = "";  ///< of a text that says the error of a fit
 
   /// Whether a file has the cameras of a rig, with their poses.
-  bool HoldsRigs() const {
+  bool SupportsRigs() const {
     return HasProjections() ||
            (!poses.empty() && (place[0] != 0 || !words.empty()) &&
             poses.front().word[0] == 0);
@@ -90,14 +90,14 @@ struct KeyedFormat {
   }
 };
 
-const std::vector<KeyedFormat>& KeyedTable();
+const std::vector<KeyedFormat>& ListKeyedFormats();
 
 /// Words of a text, or its parts at another character.
-std::vector<std::string> PartsOf(const std::string& text, char space = ' ');
+std::vector<std::string> SplitText(const std::string& text, char space = ' ');
 
 /// The one line of a text beside comments and empty lines; a text that is no
 /// number if there are several.
-std::string LineOfNumbers(const std::string& text);
+std::string FindNumberLine(const std::string& text);
 
 /// "KEY?=WORDS" as "KEY" and "WORDS", and whether the mark stands there; '@' in
 /// the key becomes the camera's word.
@@ -105,10 +105,11 @@ struct KeyedWord {
   std::string key, words;
   bool has_mark = false;
 };
-KeyedWord Parted(const std::string& text, char mark, const std::string& word);
+KeyedWord SplitAtMark(const std::string& text, char mark,
+                      const std::string& word);
 
 /// A key with the camera's word in it.
-std::string WithWord(std::string key, const std::string& word);
+std::string SubstituteWord(std::string key, const std::string& word);
 
 }  // namespace raygrid
 

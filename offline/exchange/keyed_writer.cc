@@ -8,7 +8,7 @@
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
-#include "exchange/own_json.h"
+#include "exchange/raygrid_json.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -19,7 +19,7 @@ namespace {
 // Sets the value at a key, or at keys of maps in each other: "a/b".
 void SetAt(const std::string& path, Json value, Json* map) {
   Json* place = map;
-  for (const std::string& key : PartsOf(path, '/')) place = &(*place)[key];
+  for (const std::string& key : SplitText(path, '/')) place = &(*place)[key];
   *place = std::move(value);
 }
 
@@ -58,7 +58,7 @@ const KeyedModel& KeyedModelOf(const KeyedFormat& format,
       [&](const KeyedModel& model) { return model.form.name == form.name; });
 }
 
-double KeyedValue(const KeyedFormat& format, const LensInForm& lens,
+double KeyedValue(const KeyedFormat& format, const ConvertedLens& lens,
                   const std::string& parameter) {
   const double value = lens.Value(parameter);
   const bool is_length = parameter[0] == 'f' || parameter[0] == 'c';
@@ -69,7 +69,8 @@ double KeyedValue(const KeyedFormat& format, const LensInForm& lens,
 
 void AddSize(const KeyedFormat& format, const ImageSize& size,
              const std::string& word, Json* map) {
-  const std::vector<std::string> keys = PartsOf(WithWord(format.size, word));
+  const std::vector<std::string> keys =
+      SplitText(SubstituteWord(format.size, word));
   if (keys.size() == 1)
     SetAt(FirstKey(keys[0]), Json::array({size.width, size.height}), map);
   if (keys.size() != 2) return;
@@ -78,8 +79,8 @@ void AddSize(const KeyedFormat& format, const ImageSize& size,
 }
 
 void AddModel(const KeyedModel& model, Json* map) {
-  for (const std::string& condition : PartsOf(model.says)) {
-    const KeyedWord said = Parted(condition, '?', "");
+  for (const std::string& condition : SplitText(model.says)) {
+    const KeyedWord said = SplitAtMark(condition, '?', "");
     const std::string word = FirstKey(said.words);
     if (word == "true" || word == "false")
       SetAt(said.key, word == "true", map);
@@ -119,10 +120,10 @@ Eigen::MatrixXd ProjectionOf(const WrittenLens& camera,
 
 void AddValues(const KeyedFormat& format, const KeyedModel& model,
                const WrittenLens& camera, const std::string& word, Json* map) {
-  const LensInForm& lens = camera.lens;
-  for (const std::string& entry : PartsOf(model.values)) {
+  const ConvertedLens& lens = camera.lens;
+  for (const std::string& entry : SplitText(model.values)) {
     const bool may_be_missing = entry.find("?=") != std::string::npos;
-    const KeyedWord part = Parted(entry, may_be_missing ? '?' : '~', word);
+    const KeyedWord part = SplitAtMark(entry, may_be_missing ? '?' : '~', word);
     const std::string key = FirstKey(part.key);
     if (part.words == "K" || part.words == "P") {
       Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
@@ -137,7 +138,7 @@ void AddValues(const KeyedFormat& format, const KeyedModel& model,
       continue;
     }
     std::vector<double> numbers;
-    for (const std::string& parameter : PartsOf(part.words, ','))
+    for (const std::string& parameter : SplitText(part.words, ','))
       numbers.push_back(KeyedValue(format, lens, parameter));
     if (numbers.size() == 1) {
       SetAt(key, numbers[0], map);
@@ -154,18 +155,18 @@ void AddPose(const KeyedFormat& format, const std::optional<Pose>& given,
   if (format.poses.empty() || format.poses.front().word[0] != 0) return;
   const KeyedPose& row = format.poses.front();
   const Pose pose = given.value_or(Pose{});
-  const std::vector<std::string> keys = PartsOf(row.keys);
+  const std::vector<std::string> keys = SplitText(row.keys);
   if (row.kind == PoseKind::kVectors || row.kind == PoseKind::kRAndT) {
     const Eigen::AngleAxisd turn(pose.rotation);
     const Eigen::Vector3d vector = turn.angle() * turn.axis();
     const Eigen::Matrix3d matrix = pose.rotation.toRotationMatrix();
-    SetAt(WithWord(keys[0], word),
+    SetAt(SubstituteWord(keys[0], word),
           FlatMatrix(row.kind == PoseKind::kVectors
                          ? Eigen::MatrixXd(vector.transpose())
                          : Eigen::MatrixXd(matrix)),
           map);
-    SetAt(WithWord(keys[1], word), FlatMatrix(pose.translation.transpose()),
-          map);
+    SetAt(SubstituteWord(keys[1], word),
+          FlatMatrix(pose.translation.transpose()), map);
     return;
   }
   const Pose written =
@@ -187,7 +188,7 @@ void AddCamera(const KeyedFormat& format, const WrittenLens& camera,
   if (format.fit_key[0] != 0 && camera.fit)
     SetAt(format.fit_key,
           fmt::format("nearest {}: {}", model.form.name,
-                      LensFitText(*camera.fit)),
+                      FormatLensFit(*camera.fit)),
           map);
   if (format.camera_name[0] != 0 && !camera.name.empty())
     SetAt(format.camera_name, Printable(camera.name), map);
@@ -202,7 +203,8 @@ Json FileTree(const KeyedFormat& format, const WriteRequest& request) {
   Json root = Json::object();
   const std::string place = format.place;
   if (!format.words.empty() &&
-      request.cameras.size() > (format.HoldsRigs() ? format.words.size() : 1))
+      request.cameras.size() >
+          (format.SupportsRigs() ? format.words.size() : 1))
     throw InputError(fmt::format("{} cameras, but {} supports up to {}",
                                  request.cameras.size(), format.name,
                                  format.words.size()));
@@ -319,7 +321,7 @@ std::string FitComments(const KeyedFormat& format,
     if (camera.fit)
       text += fmt::format("# {}{}nearest {}: {}\n", Printable(camera.name),
                           camera.name.empty() ? "" : ": ",
-                          camera.lens.form->name, LensFitText(*camera.fit));
+                          camera.lens.form->name, FormatLensFit(*camera.fit));
   return text;
 }
 

@@ -49,7 +49,7 @@ void RequireFocalLengths(const Eigen::Vector2d& focal_px) {
     throw InputError("focal lengths must be positive");
 }
 
-std::unique_ptr<ParametricModel> MakeNamedLens(const LensInForm& lens) {
+std::unique_ptr<ParametricModel> MakeNamedLens(const ConvertedLens& lens) {
   const LensForm& form = *lens.form;
   const LensModel& model = *FindLensModel(form.model);
   if (lens.values.size() != form.parameters.size())
@@ -69,17 +69,17 @@ std::unique_ptr<ParametricModel> MakeNamedLens(const LensInForm& lens) {
   return model.make(lens.size, WholeImage(lens.size), parameters);
 }
 
-std::unique_ptr<ParametricModel> MakeSpline(const LensInForm& lens) {
+std::unique_ptr<ParametricModel> MakeSpline(const ConvertedLens& lens) {
   const Eigen::VectorXd parameters = lens.spline->Parameters();
   if (!(parameters.cwiseAbs().maxCoeff() <= kLargestNumber))
     throw InputError(
         fmt::format("{}: a parameter is not a number, or larger than {:g}",
                     lens.form->name, kLargestNumber));
   RequireFocalLengths(parameters.tail<4>().head<2>());
-  return lens.spline->OverArea(WholeImage(lens.size));
+  return lens.spline->CloneWithArea(WholeImage(lens.size));
 }
 
-std::unique_ptr<CameraModel> MakeGrid(const LensInForm& lens) {
+std::unique_ptr<CameraModel> MakeGrid(const ConvertedLens& lens) {
   if (!(lens.grid->Parameters().cwiseAbs().maxCoeff() <= kLargestNumber))
     throw InputError(
         fmt::format("{}: a parameter is not a number, or larger than {:g}",
@@ -127,27 +127,27 @@ std::vector<std::string> LensForm::Missing() const {
   return missing;
 }
 
-LensForm FormOf(const std::string& name, const std::string& model,
-                const std::vector<std::string>& coefficients) {
+LensForm MakeForm(const std::string& name, const std::string& model,
+                  const std::vector<std::string>& coefficients) {
   LensForm form = {name, model, {"fx", "fy", "cx", "cy"}};
   form.parameters.insert(form.parameters.end(), coefficients.begin(),
                          coefficients.end());
   return form;
 }
 
-double LensInForm::Value(const std::string& parameter) const {
+double ConvertedLens::Value(const std::string& parameter) const {
   for (size_t k = 0; k < form->parameters.size(); ++k)
     if (form->parameters[k] == parameter) return values[k];
   throw std::out_of_range(parameter);
 }
 
-std::vector<double> LensInForm::ValuesFrom(size_t first) const {
+std::vector<double> ConvertedLens::ValuesFrom(size_t first) const {
   return {values.begin() + static_cast<std::ptrdiff_t>(first), values.end()};
 }
 
 // Each sample stands in the middle of the same part of the area: samples on its
 // edges would count too much of what lies there, as folds do.
-double PartWithoutRays(const CameraModel& lens) {
+double ComputeUndefinedFraction(const CameraModel& lens) {
   constexpr int kAcross = 64;
   const Area area = lens.area();
   int num_without = 0;
@@ -159,7 +159,7 @@ double PartWithoutRays(const CameraModel& lens) {
   return static_cast<double>(num_without) / (kAcross * kAcross);
 }
 
-std::unique_ptr<CameraModel> MakeLens(const LensInForm& lens) {
+std::unique_ptr<CameraModel> MakeLens(const ConvertedLens& lens) {
   const LensForm& form = *lens.form;
   RequireSize(lens.size);
   std::unique_ptr<CameraModel> made;
@@ -169,7 +169,7 @@ std::unique_ptr<CameraModel> MakeLens(const LensInForm& lens) {
     made = MakeSpline(lens);
   else
     made = MakeNamedLens(lens);
-  if (PartWithoutRays(*made) == 1)
+  if (ComputeUndefinedFraction(*made) == 1)
     throw InputError(
         fmt::format("{}: no pixel of the {} x {} image has a valid ray; check "
                     "model, parameters and image size",
@@ -177,19 +177,19 @@ std::unique_ptr<CameraModel> MakeLens(const LensInForm& lens) {
   return made;
 }
 
-std::optional<LensInForm> InForm(const LensForm& form,
-                                 const CameraModel& camera) {
+std::optional<ConvertedLens> ConvertToForm(const LensForm& form,
+                                           const CameraModel& camera) {
   if (form.IsGrid()) return std::nullopt;
   std::unique_ptr<CameraModel> lens = AsNamedLens(camera);
   if (lens->Name() == models::kOpenCv && form.model == models::kOpenCv14)
     lens = WithoutPrism(*lens);
   if (lens->Name() != form.model) return std::nullopt;
   if (form.IsSpline())
-    return LensInForm{&form,
-                      lens->image_size(),
-                      {},
-                      std::make_shared<SplinedStereographic>(
-                          dynamic_cast<const SplinedStereographic&>(*lens))};
+    return ConvertedLens{&form,
+                         lens->image_size(),
+                         {},
+                         std::make_shared<SplinedStereographic>(
+                             dynamic_cast<const SplinedStereographic&>(*lens))};
   const LensModel& model = *FindLensModel(form.model);
   Eigen::VectorXd parameters = lens->Parameters();
   for (const std::string& missing : form.Missing())
@@ -197,7 +197,7 @@ std::optional<LensInForm> InForm(const LensForm& form,
   if (form.Has("f") && parameters[0] != parameters[1]) return std::nullopt;
   parameters.segment<2>(2) =
       ToProgram(form.origin, lens->image_size(), parameters.segment<2>(2));
-  LensInForm held = {&form, lens->image_size(), {}, nullptr};
+  ConvertedLens held = {&form, lens->image_size(), {}, nullptr};
   for (const std::string& parameter : form.parameters)
     held.values.push_back(parameters[IndexOf(model, parameter)]);
   return held;

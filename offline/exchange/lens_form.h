@@ -32,11 +32,11 @@ struct LensForm {
   /// The program goes no farther from the axis.
   double reach_rad = M_PI;
   /// An export takes it only if it is asked for.
-  bool is_only_asked = false;
+  bool is_explicit_only = false;
   /// The program's camera that is nearest to one of raygrid's, for forms that
   /// are grids; null for those of puzzlepaint.
   FormGrid (*fit_grid)(const CameraModel& camera,
-                       const TrustMask* trusted) = nullptr;
+                       const ValidityMask* trusted) = nullptr;
 
   /// A spline has as many parameters as it likes.
   bool IsSpline() const { return model == models::kSplinedStereographic; }
@@ -49,12 +49,12 @@ struct LensForm {
 };
 
 /// fx, fy, cx, cy and these coefficients of a model: most forms are like this.
-LensForm FormOf(const std::string& name, const std::string& model,
-                const std::vector<std::string>& coefficients);
+LensForm MakeForm(const std::string& name, const std::string& model,
+                  const std::vector<std::string>& coefficients);
 
 /// A lens in the terms of a form: its values in the order of the form's
 /// parameters, pixels in the program's convention.
-struct LensInForm {
+struct ConvertedLens {
   const LensForm* form = nullptr;
   ImageSize size;
   std::vector<double> values;
@@ -71,20 +71,21 @@ struct LensInForm {
   /// Throws std::out_of_range if the form has no such parameter.
   double Value(const std::string& parameter) const;
   /// The values behind the first so many, which are the coefficients of forms
-  /// that FormOf() makes.
+  /// that MakeForm() makes.
   std::vector<double> ValuesFrom(size_t first) const;
 };
 
 /// The lens of a form, over the whole image; or its grid. Throws InputError for
 /// numbers that no lens has: such as not finite ones, and focal lengths of 0.
-std::unique_ptr<CameraModel> MakeLens(const LensInForm& lens);
+std::unique_ptr<CameraModel> MakeLens(const ConvertedLens& lens);
 
 /// The part of the area that looks nowhere, by 64 x 64 samples.
-double PartWithoutRays(const CameraModel& lens);
+double ComputeUndefinedFraction(const CameraModel& lens);
 
 /// A lens in a form; nothing if the form cannot hold it exactly, as grids hold
 /// none.
-std::optional<LensInForm> InForm(const LensForm& form, const CameraModel& lens);
+std::optional<ConvertedLens> ConvertToForm(const LensForm& form,
+                                           const CameraModel& lens);
 
 }  // namespace raygrid
 

@@ -205,7 +205,7 @@ std::optional<double> CropOfCamera(const std::vector<XmlElement>& elements) {
 }
 
 void RequireKnownElements(const XmlElement& lens,
-                          std::vector<std::string>* remarks) {
+                          std::vector<std::string>* warnings) {
   YAML::Node map(YAML::NodeType::Map);
   for (const XmlElement& child : lens.children)
     if (!map[child.name].IsDefined()) map[child.name] = child.text;
@@ -213,7 +213,7 @@ void RequireKnownElements(const XmlElement& lens,
   keys.Skip({"maker", "model", "variant", "notes", "mount", "type", "focal",
              "aperture", "cropfactor", "aspect-ratio", "center",
              "calibration"});
-  keys.Finish(LensfunForms()[0], remarks);
+  keys.Finish(LensfunForms()[0], warnings);
 }
 
 ExchangeContents ReadLensfun(const ReadRequest& request) {
@@ -228,7 +228,7 @@ ExchangeContents ReadLensfun(const ReadRequest& request) {
   for (const XmlElement& lens : elements) {
     const XmlElement* calibration = lens.Child("calibration");
     if (lens.name != "lens" || !calibration) continue;
-    RequireKnownElements(lens, &contents.remarks);
+    RequireKnownElements(lens, &contents.warnings);
     for (const XmlElement& distortion : calibration->children) {
       if (distortion.name != "distortion") continue;
       if (contents.cameras.size() == kMost)
@@ -242,8 +242,8 @@ ExchangeContents ReadLensfun(const ReadRequest& request) {
       ReadLens& camera = contents.cameras.emplace_back();
       camera.name = fmt::format("{}-{}mm", FileName(TextOfChild(lens, "model")),
                                 FileName(distortion.attributes.at("focal")));
-      camera.lens = LensOfRadial(NameOfLens(lens, distortion), *request.size,
-                                 radial, &contents.remarks);
+      camera.lens = MakeRadialLens(NameOfLens(lens, distortion), *request.size,
+                                   radial, &contents.warnings);
     }
   }
   if (contents.cameras.size() == 1 && !elements.empty())
@@ -269,7 +269,7 @@ std::string Escaped(const std::string& text) {
 // A camera of crop factor 1, whose images are those of the calibration.
 std::string WriteLensfun(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const LensInForm& lens = camera.lens;
+  const ConvertedLens& lens = camera.lens;
   const Eigen::Vector2d sides_px = SidesPx(lens.size);
   const double mm_per_pixel = kDiagonalMm / sides_px.norm();
   const double smaller_px = sides_px.minCoeff();
@@ -279,7 +279,7 @@ std::string WriteLensfun(const WriteRequest& request) {
   std::string text = "<lensdatabase version=\"1\">\n";
   if (camera.fit)
     text += fmt::format("    <!-- Fitted {}: {} -->\n", lens.form->name,
-                        LensFitText(*camera.fit));
+                        FormatLensFit(*camera.fit));
   return text +
          fmt::format(
              "    <lens>\n"
@@ -315,8 +315,8 @@ Format LensfunFormat() {
       "projections converted to central-generic); written as poly5";
   format.forms = LensfunForms();
   format.ending = ".xml";
-  format.drops_rigs = true;
-  format.lacks_size = true;
+  format.discards_rig_poses = true;
+  format.requires_image_size = true;
   format.recognizes = [](const std::string& text) {
     return text.find("<lensdatabase") != std::string::npos ||
            (text.find("<lens>") != std::string::npos &&

@@ -7,7 +7,7 @@
 #include "dataset/text_encoding.h"
 #include "exchange/camera_keys.h"
 #include "exchange/opencv_forms.h"
-#include "exchange/own_json.h"
+#include "exchange/raygrid_json.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -37,10 +37,10 @@ YAML::Node DewarpNode(const YAML::Node& root) {
       fmt::format("{}: missing module '{}'", kTuningModules, kTuningDewarp));
 }
 
-LensInForm ReadDewarp(const CameraKeys& dewarp,
-                      std::vector<std::string>* remarks) {
-  LensInForm lens;
-  TakeCameraMatrix(FiniteNumbers(dewarp[kTuningMatrix], kTuningMatrix, 9),
+ConvertedLens ReadDewarp(const CameraKeys& dewarp,
+                         std::vector<std::string>* warnings) {
+  ConvertedLens lens;
+  ReadCameraMatrix(FiniteNumbers(dewarp[kTuningMatrix], kTuningMatrix, 9),
                    kTuningMatrix, &lens);
   const std::vector<double> coefficients =
       FiniteNumbers(dewarp[kTuningCoefficients], kTuningCoefficients);
@@ -52,7 +52,7 @@ LensInForm ReadDewarp(const CameraKeys& dewarp,
                     kTuningCoefficients, coefficients.size()));
   lens.values.insert(lens.values.end(), coefficients.begin(),
                      coefficients.end());
-  dewarp.Finish(*lens.form, remarks);
+  dewarp.Finish(*lens.form, warnings);
   return lens;
 }
 
@@ -61,11 +61,11 @@ ExchangeContents ReadLibcamera(const ReadRequest& request) {
   ExchangeContents contents;
   ReadLens camera;
   camera.lens = ReadDewarp(CameraKeys(DewarpNode(root), kTuningDewarp),
-                           &contents.remarks);
-  const YAML::Node own = root[kOwnKey];
-  TakeOwnJson(own, &camera);
+                           &contents.warnings);
+  const YAML::Node own = root[kRaygridKey];
+  ParseRaygridJson(own, &camera);
   if (own && own.IsMap() && own[kTuningSize])
-    camera.lens.size = SizeOfList(own[kTuningSize], kTuningSize);
+    camera.lens.size = GetListSize(own[kTuningSize], kTuningSize);
   contents.cameras.push_back(std::move(camera));
   return contents;
 }
@@ -81,21 +81,21 @@ bool IsLibcamera(const std::string& text) {
 // libcamera passes over keys that it does not know.
 std::string WriteLibcamera(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const LensInForm& lens = camera.lens;
+  const ConvertedLens& lens = camera.lens;
   std::string own = fmt::format("  {}: [{}, {}]\n", kTuningSize,
                                 lens.size.width, lens.size.height);
   if (!camera.name.empty()) own += "  name: " + QuotedYaml(camera.name) + "\n";
   if (!camera.serial.empty())
     own += "  serial: " + QuotedYaml(camera.serial) + "\n";
   if (camera.fit)
-    own += "  fit: " + QuotedYaml(LensFitText(*camera.fit)) + "\n";
+    own += "  fit: " + QuotedYaml(FormatLensFit(*camera.fit)) + "\n";
   return fmt::format(
       "%YAML 1.1\n---\nversion: 1\nmodules:\n  - Dewarp:\n      cm: [\n"
       "        {},\n        {},\n        {},\n      ]\n      coefficients: [\n"
       "        {},\n      ]\n{}:\n{}...\n",
       RealTexts({lens.Value("fx"), 0, lens.Value("cx")}),
       RealTexts({0, lens.Value("fy"), lens.Value("cy")}), RealTexts({0, 0, 1}),
-      RealTexts(lens.ValuesFrom(4)), kOwnKey, own);
+      RealTexts(lens.ValuesFrom(4)), kRaygridKey, own);
 }
 
 }  // namespace
@@ -107,7 +107,7 @@ Format LibcameraFormat() {
       "libcamera tuning file of the i.MX 8M Plus: intrinsics of the Dewarp "
       "module";
   format.forms = LibcameraForms();
-  format.drops_rigs = true;
+  format.discards_rig_poses = true;
   format.recognizes = IsLibcamera;
   format.read = ReadLibcamera;
   format.write = WriteLibcamera;

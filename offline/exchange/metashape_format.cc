@@ -20,9 +20,9 @@ constexpr char kRoot[] = "calibration", kDocument[] = "document";
 const std::vector<LensForm>& MetashapeForms() {
   static const std::vector<LensForm> forms = [] {
     std::vector<LensForm> made = {
-        FormOf("frame", models::kOpenCv, {"k1", "k2", "k3", "p2", "p1"}),
-        FormOf("fisheye", models::kThinPrismFisheye,
-               {"k1", "k2", "k3", "k4", "p2", "p1"})};
+        MakeForm("frame", models::kOpenCv, {"k1", "k2", "k3", "p2", "p1"}),
+        MakeForm("fisheye", models::kThinPrismFisheye,
+                 {"k1", "k2", "k3", "k4", "p2", "p1"})};
     for (LensForm& form : made) {
       form.origin = PixelOrigin::kImageMiddle;
       form.reach_rad = M_PI / 2;
@@ -100,10 +100,10 @@ CameraKeys KeysOfCalibration(const XmlElement& calibration,
   return CameraKeys(map, name);
 }
 
-LensInForm ReadCalibration(const CameraKeys& keys,
-                           const std::string& projection,
-                           std::vector<std::string>* remarks) {
-  LensInForm lens;
+ConvertedLens ReadCalibration(const CameraKeys& keys,
+                              const std::string& projection,
+                              std::vector<std::string>* warnings) {
+  ConvertedLens lens;
   lens.form = &FormOfProjection(projection);
   RequireNothingElse(keys, *lens.form);
   if (keys.Has("width") || keys.Has("height"))
@@ -116,7 +116,7 @@ LensInForm ReadCalibration(const CameraKeys& keys,
   for (const std::string& key : KeysOf(*lens.form))
     lens.values.push_back(NumberOf(keys, key));
   keys.Skip({"projection", "date"});
-  keys.Finish(*lens.form, remarks);
+  keys.Finish(*lens.form, warnings);
   return lens;
 }
 
@@ -150,22 +150,23 @@ void ReadSensors(const XmlElement& root, ExchangeContents* contents) {
                                  : "";
     const XmlElement* const calibration = CalibrationOf(*sensor);
     if (!calibration) {
-      contents->remarks.push_back(
+      contents->warnings.push_back(
           fmt::format("sensor '{}' has no calibration", Printable(label)));
       continue;
     }
     const std::string type = AttributeOf(*calibration, "type");
     ReadLens camera;
     camera.name = name;
-    camera.lens = ReadCalibration(
-        KeysOfCalibration(*calibration, name),
-        type.empty() ? AttributeOf(*sensor, "type") : type, &contents->remarks);
+    camera.lens =
+        ReadCalibration(KeysOfCalibration(*calibration, name),
+                        type.empty() ? AttributeOf(*sensor, "type") : type,
+                        &contents->warnings);
     if (AttributeOf(*calibration, "class") == "initial")
-      contents->remarks.push_back(fmt::format(
+      contents->warnings.push_back(fmt::format(
           "sensor '{}' has only its initial calibration", Printable(label)));
     contents->cameras.push_back(std::move(camera));
   }
-  contents->remarks.push_back("camera poses are ignored");
+  contents->warnings.push_back("camera poses are ignored");
 }
 
 ExchangeContents ReadMetashape(const ReadRequest& request) {
@@ -180,7 +181,7 @@ ExchangeContents ReadMetashape(const ReadRequest& request) {
                                  Printable(root.name), kRoot, kDocument));
   const CameraKeys keys = KeysOfCalibration(root, "");
   contents.cameras.emplace_back().lens =
-      ReadCalibration(keys, keys.Word("projection"), &contents.remarks);
+      ReadCalibration(keys, keys.Word("projection"), &contents.warnings);
   return contents;
 }
 
@@ -196,11 +197,11 @@ bool IsMetashape(const std::string& text) {
 
 std::string WriteMetashape(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const LensInForm& lens = camera.lens;
+  const ConvertedLens& lens = camera.lens;
   std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
   if (camera.fit)
     text += fmt::format("<!-- Fitted {}: {} -->\n", lens.form->name,
-                        LensFitText(*camera.fit));
+                        FormatLensFit(*camera.fit));
   text += fmt::format("<{}>\n", kRoot);
   const auto add = [&](const std::string& name, const std::string& value) {
     text += fmt::format("  <{0}>{1}</{0}>\n", name, value);
@@ -230,7 +231,7 @@ Format MetashapeFormat() {
       "file per camera of a rig";
   format.forms = MetashapeForms();
   format.ending = ".xml";
-  format.drops_rigs = true;
+  format.discards_rig_poses = true;
   format.recognizes = IsMetashape;
   format.read = ReadMetashape;
   format.write = WriteMetashape;

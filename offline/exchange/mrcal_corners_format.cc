@@ -77,8 +77,8 @@ struct CornerCounts {
 };
 
 // Whether the program took a corner that has a position.
-bool IsTaken(const WordLines& line, const CornerColumns& columns,
-             CornerCounts* counts) {
+bool IsOccupied(const WordLines& line, const CornerColumns& columns,
+                CornerCounts* counts) {
   if (columns.count < 4) return true;
   if (line.Text(3) == kNoValue) return false;
   const double value = line.Get<double>(3);
@@ -91,7 +91,7 @@ std::optional<Eigen::Vector2d> CornerOf(const WordLines& line,
                                         CornerCounts* counts) {
   if (line.Text(1) == kNoValue && line.Text(2) == kNoValue) return std::nullopt;
   const Eigen::Vector2d pixel(line.Get<double>(1), line.Get<double>(2));
-  if (!IsTaken(line, columns, counts)) return std::nullopt;
+  if (!IsOccupied(line, columns, counts)) return std::nullopt;
   return pixel;
 }
 
@@ -170,11 +170,10 @@ ImageFeatures FeaturesOfRows(const CornerRows& image, const ImageSize& board) {
   return features;
 }
 
-void AddRemarksOnCorners(const CornerCounts& counts,
-                         ExchangeContents* contents) {
+void AddCornerWarnings(const CornerCounts& counts, ExchangeContents* contents) {
   const auto add = [&](size_t count, const char* noun, const char* what) {
     if (count > 0)
-      contents->remarks.push_back(
+      contents->warnings.push_back(
           fmt::format("{}: {}", what, CountText(count, noun)));
   };
   add(counts.without_board, "image", "without a board");
@@ -203,7 +202,7 @@ ExchangeContents ReadMrcalCorners(const ReadRequest& request) {
       contents.corners.push_back(std::move(features));
   }
   RequireThisWayRound(images, *request.board);
-  AddRemarksOnCorners(counts, &contents);
+  AddCornerWarnings(counts, &contents);
   return contents;
 }
 
@@ -215,7 +214,7 @@ Format MrcalCornersFormat() {
   format.holds =
       "corners.vnl of mrcal and mrgingham: corners of a board, imported with "
       "--board-size COLUMNSxROWS";
-  format.takes_board = true;
+  format.requires_board_size = true;
   format.recognizes = IsMrcalCorners;
   format.read = ReadMrcalCorners;
   format.write = nullptr;

@@ -134,15 +134,15 @@ std::string ModelNameOf(const CameraKeys& root) {
   return kPrefix + (behind == "NONE" ? "PINHOLE" : behind);
 }
 
-LensInForm LensOf(const CameraKeys& root) {
+ConvertedLens LensOf(const CameraKeys& root) {
   const std::string name = ModelNameOf(root);
   const bool is_spline = name.rfind(kSplined, 0) == 0;
-  LensInForm lens;
+  ConvertedLens lens;
   lens.form = &MrcalFormNamed(is_spline ? kSplined : name);
   const char* const size_key =
       root.Has("imagersize") ? "imagersize" : "dimensions";
   if (!root.Has(size_key)) throw InputError("'imagersize' is missing");
-  lens.size = SizeOfList(root[size_key], size_key);
+  lens.size = GetListSize(root[size_key], size_key);
   lens.values = FiniteNumbers(root["intrinsics"], "intrinsics");
   if (is_spline) {
     lens.spline = SplineOf(name, lens.size, lens.values);
@@ -160,8 +160,8 @@ std::optional<Pose> MrcalPoseOf(const CameraKeys& root) {
 }
 
 // None if the file has no region, which means that it does not tell.
-std::optional<TrustMask> TrustIn(const CameraKeys& root,
-                                 const ImageSize& size) {
+std::optional<ValidityMask> TrustIn(const CameraKeys& root,
+                                    const ImageSize& size) {
   constexpr char kKey[] = "valid_intrinsics_region";
   const YAML::Node node = root[kKey];
   if (!node.IsDefined() || node.IsNull()) return std::nullopt;
@@ -174,7 +174,7 @@ std::optional<TrustMask> TrustIn(const CameraKeys& root,
   }
   if (!region.empty() && region.size() < 3)
     throw InputError(fmt::format("{}: fewer than 3 points", kKey));
-  return TrustOfRegion(region, size);
+  return MakeValidityMask(region, size);
 }
 
 ExchangeContents ReadMrcal(const ReadRequest& request) {
@@ -189,7 +189,7 @@ ExchangeContents ReadMrcal(const ReadRequest& request) {
              "icam_intrinsics_optimization_inputs", "optimization_inputs",
              "observed_pixel_uncertainty", "invJtJ_intrinsics_full",
              "invJtJ_intrinsics_observations_only", "covariance_intrinsics*"});
-  root.Finish(*camera.lens.form, &contents.remarks);
+  root.Finish(*camera.lens.form, &contents.warnings);
   contents.cameras.push_back(std::move(camera));
   return contents;
 }
@@ -197,7 +197,7 @@ ExchangeContents ReadMrcal(const ReadRequest& request) {
 // ---- Writing ---------------------------------------------------------------
 
 // The name of a lens's model, and its numbers in mrcal's order.
-std::pair<std::string, std::vector<double>> ModelOf(const LensInForm& lens) {
+std::pair<std::string, std::vector<double>> ModelOf(const ConvertedLens& lens) {
   if (!lens.spline) return {lens.form->name, lens.values};
   const SplinedStereographic::Grid& grid = lens.spline->grid();
   const Eigen::VectorXd parameters = lens.spline->Parameters();
@@ -213,9 +213,9 @@ std::string Comment(const std::string& what, const std::string& text) {
   return text.empty() ? "" : fmt::format("# {}{}\n", what, Printable(text));
 }
 
-std::string RegionText(const TrustMask& trusted, const ImageSize& size) {
+std::string RegionText(const ValidityMask& trusted, const ImageSize& size) {
   std::string text = "    'valid_intrinsics_region': [\n";
-  for (const Eigen::Vector2d& point : RegionOfTrust(trusted, size))
+  for (const Eigen::Vector2d& point : ComputeValidRegion(trusted, size))
     text += fmt::format("    [ {}, {} ],\n", point.x(), point.y());
   return text + "],\n\n";
 }
@@ -232,7 +232,7 @@ std::string WriteMrcal(const WriteRequest& request) {
   const std::string rt = RealTexts({r.x(), r.y(), r.z(), t.x(), t.y(), t.z()});
   std::string text = Comment("raygrid camera ", camera.name);
   text += Comment("serial ", camera.serial);
-  if (camera.fit) text += Comment("fit: ", LensFitText(*camera.fit));
+  if (camera.fit) text += Comment("fit: ", FormatLensFit(*camera.fit));
   text += fmt::format("{{\n    'lensmodel': '{}',\n\n", model);
   text += fmt::format("    'intrinsics': [ {},],\n\n", RealTexts(values));
   if (camera.trusted) text += RegionText(*camera.trusted, camera.lens.size);
@@ -262,7 +262,7 @@ Format MrcalFormat() {
       "splined stereographic model; one file per camera of a rig";
   format.forms = MrcalForms();
   format.ending = ".cameramodel";
-  format.holds_region = true;
+  format.supports_region = true;
   format.recognizes = IsMrcal;
   format.read = ReadMrcal;
   format.write = WriteMrcal;

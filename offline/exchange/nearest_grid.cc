@@ -8,7 +8,7 @@
 
 #include "camera/central_generic.h"
 #include "dataset/error.h"
-#include "exchange/lens_choice.h"
+#include "exchange/lens_selection.h"
 
 namespace raygrid {
 namespace {
@@ -56,18 +56,19 @@ const LensForm& NearestGridForm() {
   return form;
 }
 
-LensInForm NearestGrid(const ImageSize& size, const DirectionAtPixel& direction,
-                       const std::string& why,
-                       std::vector<std::string>* remarks) {
+ConvertedLens FitNearestGrid(const ImageSize& size,
+                             const DirectionAtPixel& direction,
+                             const std::string& why,
+                             std::vector<std::string>* warnings) {
   constexpr double kNearEnoughPx = 0.002, kMostWithout = 0.9;
   constexpr int kFewest = 12, kMost = 96;
   const DirectionCamera camera(size, direction);
-  if (PartWithoutRays(camera) > kMostWithout)
+  if (ComputeUndefinedFraction(camera) > kMostWithout)
     throw InputError(
         fmt::format("hardly any pixel of the {} x {} image has a valid ray; "
                     "check parameters and image size",
                     size.width, size.height));
-  LensInForm lens = {&NearestGridForm(), size, {}};
+  ConvertedLens lens = {&NearestGridForm(), size, {}};
   LensFit fit;
   const Area image = WholeImage(size);
   const double longest = std::max(image.width(), image.height());
@@ -78,18 +79,18 @@ LensInForm NearestGrid(const ImageSize& size, const DirectionAtPixel& direction,
     };
     lens.grid = std::make_shared<CentralGeneric>(FitCentralGeneric(
         camera, image, points(image.width()), points(image.height())));
-    fit = MeasureLens(camera, nullptr, *lens.grid, *lens.form,
-                      Eigen::Quaterniond::Identity());
+    fit = MeasureLensFit(camera, nullptr, *lens.grid, *lens.form,
+                         Eigen::Quaterniond::Identity());
     if (fit.rms_px < kNearEnoughPx || along + along / 2 > kMost) break;
   }
-  remarks->push_back(
+  warnings->push_back(
       fmt::format("{}: converted to central-generic with fit error {}", why,
-                  LensFitText(fit)));
+                  FormatLensFit(fit)));
   return lens;
 }
 
-LensInForm GridOfSkewedLens(const LensInForm& lens,
-                            std::vector<std::string>* remarks) {
+ConvertedLens FitSkewedGrid(const ConvertedLens& lens,
+                            std::vector<std::string>* warnings) {
   const Area image = WholeImage(lens.size);
   const double shear = lens.skew_px / lens.Value("fy");
   const double cy =
@@ -98,13 +99,13 @@ LensInForm GridOfSkewedLens(const LensInForm& lens,
   if (!(widest < lens.size.width))
     throw InputError(fmt::format(
         "camera matrix: a skew of {:g} px is out of range", lens.skew_px));
-  LensInForm straight = lens;
+  ConvertedLens straight = lens;
   straight.skew_px = 0;
   const auto made = MakeLens(straight);
   // Pixels beside the image come into it.
-  const auto wide = made->Parametric()->OverArea(
+  const auto wide = made->Parametric()->CloneWithArea(
       {image.x0 - widest, image.y0, image.x1 + widest, image.y1});
-  return NearestGrid(
+  return FitNearestGrid(
       lens.size,
       [&](const Eigen::Vector2d& pixel) {
         return wide->Unproject(
@@ -112,7 +113,7 @@ LensInForm GridOfSkewedLens(const LensInForm& lens,
       },
       fmt::format("a skew of {:g} px in the camera matrix is not supported",
                   lens.skew_px),
-      remarks);
+      warnings);
 }
 
 }  // namespace raygrid

@@ -22,13 +22,14 @@ const LensForm& NearestGridForm();
 /// The grid nearest to what pixels look along. A remark says why, "it has a
 /// skew of 2 px, which no lens of raygrid has", and the error that is left.
 /// Throws InputError if hardly a pixel looks anywhere.
-LensInForm NearestGrid(const ImageSize& size, const DirectionAtPixel& direction,
-                       const std::string& why,
-                       std::vector<std::string>* remarks);
+ConvertedLens FitNearestGrid(const ImageSize& size,
+                             const DirectionAtPixel& direction,
+                             const std::string& why,
+                             std::vector<std::string>* warnings);
 
 /// That of a lens whose camera matrix has a skew.
-LensInForm GridOfSkewedLens(const LensInForm& lens,
-                            std::vector<std::string>* remarks);
+ConvertedLens FitSkewedGrid(const ConvertedLens& lens,
+                            std::vector<std::string>* warnings);
 
 }  // namespace raygrid
 

@@ -9,7 +9,7 @@
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "exchange/camera_keys.h"
-#include "exchange/own_json.h"
+#include "exchange/raygrid_json.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -33,10 +33,10 @@ constexpr std::array<const char*, 6> kCoefficients = {"k1", "k2", "k3",
 const std::vector<LensForm>& NerfstudioForms() {
   static const std::vector<LensForm> forms = [] {
     std::vector<LensForm> made = {
-        FormOf("PINHOLE", models::kOpenCv, {}),
-        FormOf("OPENCV", models::kOpenCv, {"k1", "k2", "k3", "p1", "p2"}),
-        FormOf(kNerfFisheye, models::kThinPrismFisheye,
-               {"k1", "k2", "k3", "k4"})};
+        MakeForm("PINHOLE", models::kOpenCv, {}),
+        MakeForm("OPENCV", models::kOpenCv, {"k1", "k2", "k3", "p1", "p2"}),
+        MakeForm(kNerfFisheye, models::kThinPrismFisheye,
+                 {"k1", "k2", "k3", "k4"})};
     for (LensForm& form : made) {
       form.origin = PixelOrigin::kImageCorner;
       form.reach_rad = form.name == kNerfFisheye ? M_PI : M_PI / 2;
@@ -47,7 +47,7 @@ const std::vector<LensForm>& NerfstudioForms() {
 }
 
 // A camera looks along -z there, and y is up.
-Pose Turned(const Pose& world_from_camera) {
+Pose Rotated(const Pose& world_from_camera) {
   return world_from_camera *
          Pose{Eigen::Quaterniond(0, 1, 0, 0), Eigen::Vector3d::Zero()};
 }
@@ -82,7 +82,7 @@ const std::vector<std::string> kSceneKeys = {kFrames,
                                              "depth_file_path",
                                              "depth_path",
                                              "colmap_im_id",
-                                             kOwnKey,
+                                             kRaygridKey,
                                              "fisheye_crop_radius"};
 
 // The map that has the camera: the file, or the first of its frames if all say
@@ -167,11 +167,11 @@ const LensForm& FormOfModel(const std::string& model,
                   kNerfModel, Printable(model), kNerfFisheye));
 }
 
-LensInForm ReadNerfstudioLens(const YAML::Node& root,
-                              std::vector<std::string>* remarks) {
+ConvertedLens ReadNerfstudioLens(const YAML::Node& root,
+                                 std::vector<std::string>* warnings) {
   const CameraKeys camera(CameraNode(root));
   const std::vector<double> coefficients = CoefficientsOf(camera);
-  LensInForm lens;
+  ConvertedLens lens;
   lens.form = &FormOfModel(NerfModelOf(camera, root), coefficients);
   if (camera.Has("w") || camera.Has("h"))
     lens.size = {SidePx(camera["w"], "w"), SidePx(camera["h"], "h")};
@@ -181,7 +181,7 @@ LensInForm ReadNerfstudioLens(const YAML::Node& root,
     if (lens.form->Has(kCoefficients[k]))
       lens.values.push_back(coefficients[k]);
   camera.Skip(kSceneKeys);
-  camera.Finish(*lens.form, remarks);
+  camera.Finish(*lens.form, warnings);
   return lens;
 }
 
@@ -197,7 +197,7 @@ BoardPose ReadFrame(const YAML::Node& frame) {
     for (const double number : FiniteNumbers(rows[row], kFramePlace, 4))
       numbers.push_back(number);
   return {frame["file_path"].as<std::string>(), 0,
-          Turned(PoseOfMatrix(numbers, kFramePlace)).Inverse()};
+          Rotated(PoseFromMatrix(numbers, kFramePlace)).Inverse()};
 }
 
 void ReadFrames(const YAML::Node& frames, ExchangeContents* contents) {
@@ -207,7 +207,7 @@ void ReadFrames(const YAML::Node& frames, ExchangeContents* contents) {
     try {
       poses.push_back(ReadFrame(frames[k]));
     } catch (const InputError& error) {
-      contents->remarks.push_back(fmt::format(
+      contents->warnings.push_back(fmt::format(
           "frame poses are ignored: frames[{}]: {}", k, error.what()));
       return;
     }
@@ -219,11 +219,11 @@ ExchangeContents ReadNerfstudio(const ReadRequest& request) {
   const YAML::Node root = LoadForeignMap(request.path, request.text);
   ExchangeContents contents;
   ReadLens camera;
-  camera.lens = ReadNerfstudioLens(root, &contents.remarks);
-  TakeOwnJson(root[kOwnKey], &camera);
+  camera.lens = ReadNerfstudioLens(root, &contents.warnings);
+  ParseRaygridJson(root[kRaygridKey], &camera);
   contents.cameras.push_back(std::move(camera));
   if (root["fisheye_crop_radius"])
-    contents.remarks.push_back("ignored: fisheye_crop_radius");
+    contents.warnings.push_back("ignored: fisheye_crop_radius");
   ReadFrames(root[kFrames], &contents);
   return contents;
 }
@@ -235,7 +235,7 @@ bool IsNerfstudio(const std::string& text) {
 // ---- Writing ---------------------------------------------------------------
 
 Json FrameJson(const BoardPose& pose) {
-  const Pose place = Turned(pose.camera_from_board.Inverse());
+  const Pose place = Rotated(pose.camera_from_board.Inverse());
   const Eigen::Matrix3d r = place.rotation.toRotationMatrix();
   Json rows = Json::array();
   for (int row = 0; row < 3; ++row)
@@ -247,7 +247,7 @@ Json FrameJson(const BoardPose& pose) {
 
 std::string WriteNerfstudio(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const LensInForm& lens = camera.lens;
+  const ConvertedLens& lens = camera.lens;
   RequireOneBoard("nerfstudio", request.cameras);
   Json root = {{kNerfModel, lens.form->name},
                {"w", lens.size.width},
@@ -256,7 +256,7 @@ std::string WriteNerfstudio(const WriteRequest& request) {
     root[key] = lens.Value(parameter);
   for (const char* key : kCoefficients)
     root[key] = lens.form->Has(key) ? lens.Value(key) : 0.0;
-  root[kOwnKey] = OwnJson(camera);
+  root[kRaygridKey] = MakeRaygridJson(camera);
   root[kFrames] = Json::array();
   for (const BoardPose& pose : camera.poses)
     root[kFrames].push_back(FrameJson(pose));
@@ -273,8 +273,8 @@ Format NerfstudioFormat() {
       "fisheye; one file per camera of a rig; poses of a board as frames";
   format.forms = NerfstudioForms();
   format.ending = ".json";
-  format.holds_poses = true;
-  format.drops_rigs = true;
+  format.supports_poses = true;
+  format.discards_rig_poses = true;
   format.recognizes = IsNerfstudio;
   format.read = ReadNerfstudio;
   format.write = WriteNerfstudio;

@@ -59,7 +59,7 @@ struct OcamSample {
 
 // Pixels that count, and what they look along.
 std::vector<OcamSample> SamplesOf(const CameraModel& camera,
-                                  const TrustMask* trusted) {
+                                  const ValidityMask* trusted) {
   constexpr double kAcross = 28;
   const Area& area = camera.area();
   const double step_px =
@@ -68,7 +68,8 @@ std::vector<OcamSample> SamplesOf(const CameraModel& camera,
   for (double y = area.y0; y <= area.y1; y += step_px)
     for (double x = area.x0; x <= area.x1; x += step_px) {
       const Eigen::Vector2d pixel(x, y);
-      if ((trusted && !trusted->Trusts(pixel)) || !camera.IsLit(pixel))
+      if ((trusted && !trusted->IsValidAt(pixel)) ||
+          !camera.IsInImageCircle(pixel))
         continue;
       if (const auto ray = camera.Unproject(pixel))
         samples.push_back({pixel, ray->normalized()});
@@ -114,7 +115,7 @@ class OcamFit {
       damping /= 10;
       if (before_sum - residuals.squaredNorm() < kEnough * before_sum) break;
     }
-    Fitted fitted = {NumbersOf(x), TurnOf(x), 0};
+    Fitted fitted = {NumbersOf(x), ComputeRotation(x), 0};
     fitted.rms_px = std::sqrt(residuals.squaredNorm() /
                               static_cast<double>(samples_.size()));
     return fitted;
@@ -158,7 +159,7 @@ class OcamFit {
     return numbers;
   }
 
-  Eigen::Quaterniond TurnOf(const Eigen::VectorXd& x) const {
+  Eigen::Quaterniond ComputeRotation(const Eigen::VectorXd& x) const {
     const Eigen::Vector3d turn = x.segment<3>(5);
     const double angle = turn.norm();
     return (angle > 0
@@ -170,7 +171,7 @@ class OcamFit {
   Eigen::VectorXd Residuals(const Eigen::VectorXd& x) const {
     constexpr double kAnywherePx = 1e9, kLostPx = 100;
     const OcamCamera camera(size_, NumbersOf(x));
-    const Eigen::Quaterniond turn = TurnOf(x);
+    const Eigen::Quaterniond turn = ComputeRotation(x);
     Eigen::VectorXd residuals(2 * samples_.size());
     for (size_t k = 0; k < samples_.size(); ++k) {
       const auto pixel =
@@ -318,7 +319,7 @@ std::vector<double> InverseOcamPolynomial(const OcamCamera& camera) {
   return best;
 }
 
-FormGrid FitOcamCamera(const CameraModel& camera, const TrustMask* trusted) {
+FormGrid FitOcamCamera(const CameraModel& camera, const ValidityMask* trusted) {
   constexpr int kUsualDegree = 4, kMostDegree = 8;
   constexpr double kWorthPart = 0.02, kCloseEnoughPx = 0.002;
   FitOptions options;

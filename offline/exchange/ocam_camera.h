@@ -65,7 +65,7 @@ std::vector<double> InverseOcamPolynomial(const OcamCamera& camera);
 /// The nearest camera of this model, by least squares of how far it projects
 /// the directions of trusted pixels from them: of the degree of 4 that
 /// OCamCalib begins with, up to 8 while that leaves 2 % less.
-FormGrid FitOcamCamera(const CameraModel& camera, const TrustMask* trusted);
+FormGrid FitOcamCamera(const CameraModel& camera, const ValidityMask* trusted);
 
 }  // namespace raygrid
 

@@ -21,7 +21,7 @@ constexpr char kDirect[] = "polynomial coefficients for the DIRECT mapping";
 class OcamReader {
  public:
   explicit OcamReader(const std::string& text) {
-    if (FindNoUtf8(text) != std::string::npos)
+    if (FindInvalidUtf8(text) != std::string::npos)
       throw InputError("not UTF-8 text");
     RequireSmallTree("", text, " \t\n");
     std::istringstream lines(text);
@@ -76,9 +76,9 @@ ExchangeContents ReadOcamCalib(const ReadRequest& request) {
     throw InputError(
         "affine parameters: the matrix is singular or out of range");
   ExchangeContents contents;
-  contents.cameras.emplace_back().lens = NearestGrid(
+  contents.cameras.emplace_back().lens = FitNearestGrid(
       size, [&](const Eigen::Vector2d& pixel) { return lens.Direction(pixel); },
-      "the radial polynomial has no equivalent model", &contents.remarks);
+      "the radial polynomial has no equivalent model", &contents.warnings);
   return contents;
 }
 
@@ -110,7 +110,8 @@ std::string WriteOcamCalib(const WriteRequest& request) {
   add("image size: height and width",
       fmt::format("{} {}", written.lens.size.height, written.lens.size.width));
   if (written.fit)
-    text += fmt::format("#fitted polynomial: {}\n", LensFitText(*written.fit));
+    text +=
+        fmt::format("#fitted polynomial: {}\n", FormatLensFit(*written.fit));
   return text;
 }
 
@@ -131,7 +132,7 @@ Format OcamCalibFormat() {
   format.holds =
       "calib_results.txt of OCamCalib; its polynomial is converted by fitting";
   format.ending = ".txt";
-  format.drops_rigs = true;
+  format.discards_rig_poses = true;
   format.forms = OcamForms();
   format.recognizes = [](const std::string& text) {
     return text.find(kDirect) != std::string::npos;

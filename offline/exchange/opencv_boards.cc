@@ -76,12 +76,12 @@ void TakeFeatures(const YAML::Node& root, const ReadRequest& request,
     camera->features =
         FeaturesOf(root, points, BoardOf(root, request, points.columns));
   } catch (const InputError& error) {
-    camera->why_no_features = error.what();
+    camera->missing_features_reason = error.what();
   }
 }
 
-ExchangeContents ReadCornersAlone(const YAML::Node& root,
-                                  const ReadRequest& request) {
+ExchangeContents ReadCornersOnly(const YAML::Node& root,
+                                 const ReadRequest& request) {
   const StoredMatrix points = ParseStoredPoints(root[kPointsKey], kPointsKey);
   ExchangeContents contents;
   contents.corners =
@@ -89,7 +89,7 @@ ExchangeContents ReadCornersAlone(const YAML::Node& root,
   return contents;
 }
 
-std::vector<BoardPose> PosesInFile(const YAML::Node& root) {
+std::vector<BoardPose> ReadBoardPoses(const YAML::Node& root) {
   std::vector<BoardPose> poses;
   if (!root["extrinsic_parameters"]) return poses;
   const StoredMatrix rows =

@@ -20,12 +20,12 @@ void TakeFeatures(const YAML::Node& root, const ReadRequest& request,
                   ReadLens* camera);
 
 /// The corners of a file that has no camera. Throws InputError.
-ExchangeContents ReadCornersAlone(const YAML::Node& root,
-                                  const ReadRequest& request);
+ExchangeContents ReadCornersOnly(const YAML::Node& root,
+                                 const ReadRequest& request);
 
 /// extrinsic_parameters: a rotation vector and a translation a row. Throws
 /// InputError.
-std::vector<BoardPose> PosesInFile(const YAML::Node& root);
+std::vector<BoardPose> ReadBoardPoses(const YAML::Node& root);
 
 /// Adds these, with the names of their images and boards.
 void AddPoses(const std::vector<BoardPose>& poses, FileStorageText* text);

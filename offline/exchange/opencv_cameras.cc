@@ -29,26 +29,26 @@ std::optional<Pose> PoseInFile(const CameraKeys& keys) {
                 r.data.begin() + 3 * row + 3);
     rows.push_back(t.data[row]);
   }
-  return PoseOfMatrix(rows, "R");
+  return PoseFromMatrix(rows, "R");
 }
 
 ReadLens ReadCamera(const CameraKeys& keys, const Affixes& affixes,
                     const ReadRequest& request,
-                    std::vector<std::string>* remarks) {
+                    std::vector<std::string>* warnings) {
   ReadLens camera;
-  LensInForm& lens = camera.lens;
-  lens.size = SizeInFile(keys, affixes);
-  TakeIntrinsics(keys, affixes, &lens);
-  CoefficientsInFile coefficients;
+  ConvertedLens& lens = camera.lens;
+  lens.size = ReadImageSize(keys, affixes);
+  ReadIntrinsics(keys, affixes, &lens);
+  DistortionCoefficients coefficients;
   // Cameras of depth sensors and renderers have none; OpenCV's always do.
   if (lens.size == ImageSize{} || IsFileStorage(request.text) ||
       HasCoefficients(keys, affixes) || keys.HasKeyWith({"dist", "coef"}))
     coefficients = Coefficients(keys, affixes);
   else
-    remarks->push_back(
+    warnings->push_back(
         "no distortion coefficients: assuming a camera without distortion");
-  lens.form =
-      &FormSaid(keys, affixes, request, lens.skew_px, &coefficients, remarks);
+  lens.form = &DetermineForm(keys, affixes, request, lens.skew_px,
+                             &coefficients, warnings);
   lens.values.insert(lens.values.end(), coefficients.numbers.begin(),
                      coefficients.numbers.end());
   if (lens.form->name == kOmnidir) {
@@ -65,16 +65,16 @@ ReadLens ReadCamera(const CameraKeys& keys, const Affixes& affixes,
 // A camera, and what else a file of one has.
 ReadLens ReadSingle(const CameraKeys& keys, const YAML::Node& root,
                     const ReadRequest& request,
-                    std::vector<std::string>* remarks) {
-  ReadLens camera = ReadCamera(keys, {}, request, remarks);
+                    std::vector<std::string>* warnings) {
+  ReadLens camera = ReadCamera(keys, {}, request, warnings);
   camera.name = TextAt(keys, kNameKeys);
   camera.serial = keys.Word("serial");
   camera.camera_from_rig = PoseInFile(keys);
   TakeFeatures(root, request, &camera);
-  camera.poses = PosesInFile(root);
+  camera.poses = ReadBoardPoses(root);
   keys.Skip(kOtherKeys);
   keys.NameOnly(kVagueKeys);
-  keys.Finish(*camera.lens.form, remarks, camera.lens.values);
+  keys.Finish(*camera.lens.form, warnings, camera.lens.values);
   return camera;
 }
 
@@ -84,12 +84,12 @@ void ReadSeveral(const CameraKeys& keys, const std::vector<Affixes>& cameras,
                  const ReadRequest& request, ExchangeContents* contents) {
   for (const Affixes& affixes : cameras) {
     contents->cameras.push_back(
-        ReadCamera(keys, affixes, request, &contents->remarks));
+        ReadCamera(keys, affixes, request, &contents->warnings));
     contents->cameras.back().name = affixes.camera;
   }
-  TakePoseOfPair(PoseInFile(keys), request.path, &contents->cameras);
+  AssignPairPose(PoseInFile(keys), request.path, &contents->cameras);
   keys.Skip(kOtherKeys);
-  keys.Finish(*contents->cameras.front().lens.form, &contents->remarks);
+  keys.Finish(*contents->cameras.front().lens.form, &contents->warnings);
 }
 
 }  // namespace
@@ -103,7 +103,7 @@ void ReadNamed(const YAML::Node& root, const ReadRequest& request, int depth,
     if (node.IsMap()) {
       const CameraKeys keys(node);
       if (HasMatrix(keys) && HasCoefficients(keys)) {
-        ReadLens camera = ReadSingle(keys, node, request, &contents->remarks);
+        ReadLens camera = ReadSingle(keys, node, request, &contents->warnings);
         if (root.IsMap() && entry.first.IsScalar())
           camera.name = entry.first.as<std::string>();
         contents->cameras.push_back(std::move(camera));
@@ -118,11 +118,11 @@ ExchangeContents ReadTree(const YAML::Node& root, const ReadRequest& request) {
   const CameraKeys keys(root);
   const bool has_matrix = HasMatrix(keys);
   if (!has_matrix && keys.Has(kPointsKey))
-    return ReadCornersAlone(root, request);
+    return ReadCornersOnly(root, request);
   ExchangeContents contents;
   if (has_matrix) {
     contents.cameras.push_back(
-        ReadSingle(keys, root, request, &contents.remarks));
+        ReadSingle(keys, root, request, &contents.warnings));
     return contents;
   }
   if (const auto cameras = FindCameras(keys); !cameras.empty()) {

@@ -36,7 +36,7 @@ void AddFit(const LensFit& fit, FileStorageText* text) {
 
 std::string WriteOpenCv(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const LensInForm& lens = camera.lens;
+  const ConvertedLens& lens = camera.lens;
   FileStorageText text(FileStorageText::KindOf(request.path));
   if (!camera.name.empty()) text.Add("camera_name", camera.name);
   if (!camera.serial.empty()) text.Add("serial", camera.serial);
@@ -83,9 +83,9 @@ Format OpenCvFormat() {
       "stereo_calib; one file per camera of a rig, with R and T; poses and "
       "corners of boards";
   format.forms = opencv_file::OpenCvForms();
-  format.holds_poses = true;
-  format.takes_model = true;
-  format.may_take_board = true;
+  format.supports_poses = true;
+  format.accepts_model = true;
+  format.accepts_board_size = true;
   format.recognizes = IsFileStorage;
   format.read = ReadOpenCv;
   format.write = WriteOpenCv;

@@ -19,8 +19,9 @@ inline LensForm OpenCvForm(const std::string& name, int count) {
   const std::vector<std::string> all = {"k1", "k2", "p1", "p2", "k3",
                                         "k4", "k5", "k6", "s1", "s2",
                                         "s3", "s4", "tx", "ty"};
-  LensForm form = FormOf(name, count > 8 ? models::kOpenCv14 : models::kOpenCv,
-                         {all.begin(), all.begin() + count});
+  LensForm form =
+      MakeForm(name, count > 8 ? models::kOpenCv14 : models::kOpenCv,
+               {all.begin(), all.begin() + count});
   form.reach_rad = M_PI / 2;
   return form;
 }
@@ -29,7 +30,7 @@ inline LensForm OpenCvForm(const std::string& name, int count) {
 /// It divides by z: the half space before the camera is its reach.
 inline LensForm OpenCvFisheyeForm(const std::string& name) {
   LensForm form =
-      FormOf(name, models::kThinPrismFisheye, {"k1", "k2", "k3", "k4"});
+      MakeForm(name, models::kThinPrismFisheye, {"k1", "k2", "k3", "k4"});
   form.reach_rad = M_PI / 2;
   return form;
 }
@@ -37,8 +38,8 @@ inline LensForm OpenCvFisheyeForm(const std::string& name) {
 /// Sets fx, fy, cx, cy and the skew of a lens by a camera matrix, row by row,
 /// or column by column as MATLAB, Open3D and Apple have it. Throws InputError,
 /// naming it, for a matrix that is not fx s cx, 0 fy cy, 0 0 1.
-inline void TakeCameraMatrix(std::vector<double> k, const std::string& name,
-                             LensInForm* lens) {
+inline void ReadCameraMatrix(std::vector<double> k, const std::string& name,
+                             ConvertedLens* lens) {
   if (k.size() != 9) throw InputError(fmt::format("{}: not 3 x 3", name));
   if (k[2] == 0 && k[5] == 0 && k[6] != 0 && k[7] != 0)
     k = {k[0], k[3], k[6], k[1], k[4], k[7], k[2], k[5], k[8]};

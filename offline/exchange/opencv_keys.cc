@@ -227,7 +227,7 @@ bool HasMatrix(const CameraKeys& keys, const Affixes& affixes) {
                      });
 }
 
-ImageSize SizeInFile(const CameraKeys& keys, const Affixes& affixes) {
+ImageSize ReadImageSize(const CameraKeys& keys, const Affixes& affixes) {
   for (const Affixes& own : {affixes, Affixes{}}) {
     const std::string width = FindKey(keys, kWidthKeys, own),
                       height = FindKey(keys, kHeightKeys, own),
@@ -235,7 +235,7 @@ ImageSize SizeInFile(const CameraKeys& keys, const Affixes& affixes) {
                       shape = FindKey(keys, kShapeKeys, own);
     if (!width.empty() && !height.empty())
       return {SidePx(keys[width], width), SidePx(keys[height], height)};
-    if (!size.empty()) return SizeOfList(keys[size], size);
+    if (!size.empty()) return GetListSize(keys[size], size);
     if (!shape.empty()) {
       const YAML::Node sides = keys[shape];
       if (!sides.IsSequence() || sides.size() < 2)
@@ -246,15 +246,15 @@ ImageSize SizeInFile(const CameraKeys& keys, const Affixes& affixes) {
   return {};
 }
 
-void TakeIntrinsics(const CameraKeys& keys, const Affixes& affixes,
-                    LensInForm* lens) {
+void ReadIntrinsics(const CameraKeys& keys, const Affixes& affixes,
+                    ConvertedLens* lens) {
   const std::string key = FindMatrix(keys, affixes);
   if (!key.empty()) {
     const std::vector<double> k = ParseStoredMatrix(keys[key], key).data;
     if (k.size() == 4)
       lens->values = k;  // fx, fy, cx, cy
     else
-      TakeCameraMatrix(k, key, lens);
+      ReadCameraMatrix(k, key, lens);
     return;
   }
   for (const KeyList& names : kScalarKeys) {
@@ -269,8 +269,8 @@ namespace {
 
 // k1, k2, p1, p2, k3 and so on as numbers of their own; those that are missing
 // are 0. k1 to k4 alone are those of a fisheye.
-CoefficientsInFile ScalarCoefficients(const CameraKeys& keys,
-                                      const Affixes& affixes) {
+DistortionCoefficients ScalarCoefficients(const CameraKeys& keys,
+                                          const Affixes& affixes) {
   const auto has = [&](const std::string& name) {
     return keys.Has(affixes.before + name + affixes.behind);
   };
@@ -295,8 +295,8 @@ bool HasCoefficients(const CameraKeys& keys, const Affixes& affixes) {
          keys.Has(affixes.before + "k1" + affixes.behind);
 }
 
-CoefficientsInFile Coefficients(const CameraKeys& keys,
-                                const Affixes& affixes) {
+DistortionCoefficients Coefficients(const CameraKeys& keys,
+                                    const Affixes& affixes) {
   const std::string key = FindKey(keys, kDistortionKeys, affixes);
   if (key.empty() && HasCoefficients(keys, affixes))
     return ScalarCoefficients(keys, affixes);

@@ -43,20 +43,21 @@ std::string TextAt(const CameraKeys& keys, const KeyList& names);
 bool HasMatrix(const CameraKeys& keys, const Affixes& affixes = {});
 
 /// 0 x 0 if the file does not say it. Throws InputError.
-ImageSize SizeInFile(const CameraKeys& keys, const Affixes& affixes);
+ImageSize ReadImageSize(const CameraKeys& keys, const Affixes& affixes);
 
 /// Sets the values and the skew of a lens by its matrix. Throws InputError.
-void TakeIntrinsics(const CameraKeys& keys, const Affixes& affixes,
-                    LensInForm* lens);
+void ReadIntrinsics(const CameraKeys& keys, const Affixes& affixes,
+                    ConvertedLens* lens);
 
 /// Distortion coefficients, and whether they are a column of four, as
 /// cv::fisheye writes them (cv::calibrateCamera() has five or more), or have
 /// the names of a fisheye's.
-struct CoefficientsInFile {
+struct DistortionCoefficients {
   std::vector<double> numbers;
   bool is_fisheye_column = false, has_fisheye_names = false;
 };
-CoefficientsInFile Coefficients(const CameraKeys& keys, const Affixes& affixes);
+DistortionCoefficients Coefficients(const CameraKeys& keys,
+                                    const Affixes& affixes);
 bool HasCoefficients(const CameraKeys& keys, const Affixes& affixes = {});
 
 }  // namespace opencv_file

@@ -19,8 +19,8 @@ namespace {
 // OpenCV's omnidir: k1, k2, p1, p2, and xi, which stands in a key of its own.
 LensForm OmnidirForm() {
   LensForm form =
-      FormOf(kOmnidir, models::kOmniRadtan, {"k1", "k2", "p1", "p2", "xi"});
-  form.is_only_asked = true;
+      MakeForm(kOmnidir, models::kOmniRadtan, {"k1", "k2", "p1", "p2", "xi"});
+  form.is_explicit_only = true;
   return form;
 }
 
@@ -75,8 +75,8 @@ std::optional<SaidModel> ModelInFile(const CameraKeys& keys,
     if (said && !is_vague && said->family != family &&
         keys.Word(key) != "pinhole")
       throw InputError(fmt::format("'{}' indicates {}, but '{}' indicates {}",
-                                   said->key, TextOf(said->family), key,
-                                   TextOf(family)));
+                                   said->key, ToText(said->family), key,
+                                   ToText(family)));
     if (!said || is_vague) said = SaidModel{family, key, keys.Word(key)};
   };
   const std::string xi = affixes.before + "xi" + affixes.behind;
@@ -94,7 +94,7 @@ std::optional<SaidModel> ModelInFile(const CameraKeys& keys,
     keys.Skip({key});
   }
   for (const std::string& key : kModelKeys) {
-    const auto family = FamilyOfWord(keys.Word(key));
+    const auto family = ParseLensFamily(keys.Word(key));
     if (!family) continue;
     say(*family, key);
     keys.Skip({key});
@@ -104,10 +104,10 @@ std::optional<SaidModel> ModelInFile(const CameraKeys& keys,
 
 }  // namespace
 
-const LensForm& FormSaid(const CameraKeys& keys, const Affixes& affixes,
-                         const ReadRequest& request, double skew_px,
-                         CoefficientsInFile* coefficients,
-                         std::vector<std::string>* remarks) {
+const LensForm& DetermineForm(const CameraKeys& keys, const Affixes& affixes,
+                              const ReadRequest& request, double skew_px,
+                              DistortionCoefficients* coefficients,
+                              std::vector<std::string>* warnings) {
   std::vector<double>& d = coefficients->numbers;
   const auto said = ModelInFile(keys, affixes);
   bool is_fisheye = said && said->family == LensFamily::kFisheye;
@@ -146,7 +146,7 @@ const LensForm& FormSaid(const CameraKeys& keys, const Affixes& affixes,
   if (!said && !wanted && d.size() == 4) {
     const bool is_named = coefficients->has_fisheye_names;
     is_fisheye = is_named || coefficients->is_fisheye_column || skew_px != 0;
-    remarks->push_back(
+    warnings->push_back(
         is_named
             ? "assuming k1, k2, k3, k4 of cv::fisheye, because of their names"
         : is_fisheye

@@ -20,10 +20,10 @@ const std::vector<LensForm>& OpenCvForms();
 /// The form of what the file says, or else the user; or else of the number of
 /// coefficients. Takes zeros off these that the form has no place for. Throws
 /// InputError.
-const LensForm& FormSaid(const CameraKeys& keys, const Affixes& affixes,
-                         const ReadRequest& request, double skew_px,
-                         CoefficientsInFile* coefficients,
-                         std::vector<std::string>* remarks);
+const LensForm& DetermineForm(const CameraKeys& keys, const Affixes& affixes,
+                              const ReadRequest& request, double skew_px,
+                              DistortionCoefficients* coefficients,
+                              std::vector<std::string>* warnings);
 
 }  // namespace opencv_file
 }  // namespace raygrid

@@ -12,7 +12,7 @@
 #include "exchange/camera_keys.h"
 #include "exchange/count_text.h"
 #include "exchange/opencv_forms.h"
-#include "exchange/own_json.h"
+#include "exchange/raygrid_json.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -109,11 +109,11 @@ void RequireOpenCvLens(const Json& root) {
                   kOpenCvLens));
 }
 
-LensInForm ReadPhotonLens(const Json& root) {
+ConvertedLens ReadPhotonLens(const Json& root) {
   RequireOpenCvLens(root);
-  LensInForm lens;
+  ConvertedLens lens;
   lens.size = {PhotonSidePx(root, "width"), PhotonSidePx(root, "height")};
-  TakeCameraMatrix(PhotonNumbers(root, kPhotonMatrix), kPhotonMatrix, &lens);
+  ReadCameraMatrix(PhotonNumbers(root, kPhotonMatrix), kPhotonMatrix, &lens);
   std::vector<double> coefficients = PhotonCoefficients(root);
   if (coefficients.size() == 4) coefficients.push_back(0);
   if (coefficients.size() != 5 && coefficients.size() != 8)
@@ -127,14 +127,14 @@ LensInForm ReadPhotonLens(const Json& root) {
 
 // All keys are known but those that newer programs may add.
 void FinishPhotonKeys(Json root, const LensForm& form,
-                      std::vector<std::string>* remarks) {
+                      std::vector<std::string>* warnings) {
   root.erase(kObservations);
   const CameraKeys keys(YAML::Load(root.dump()));
   keys.Skip({kPhotonSize, kPhotonMatrix, kPhotonDistortion[0],
-             kPhotonDistortion[1], kLensModel, kSpacing, kOwnKey,
+             kPhotonDistortion[1], kLensModel, kSpacing, kRaygridKey,
              "calobjectWarp", "calobjectSize", "perViewErrors",
              "standardDeviation"});
-  keys.Finish(form, remarks);
+  keys.Finish(form, warnings);
 }
 
 // ---- Corners ---------------------------------------------------------------
@@ -212,7 +212,7 @@ std::optional<Pose> PhotonPose(const Json& pose) {
         FiniteJson(ValueAt(t, std::string(1, "xyz"[k])), "translation");
   if (numbers[4] == 0 && numbers[5] == 0 && numbers[6] == 0)
     return std::nullopt;
-  return PoseOfQuaternion(numbers);
+  return PoseFromQuaternion(numbers);
 }
 
 PhotonView ReadPhotonView(const Json& view, size_t index,
@@ -314,15 +314,15 @@ void AddPhotonViews(const Json& root, ExchangeContents* contents) {
     if (view.camera_from_board && first.isZero())
       camera.poses.push_back({view.image, 0, *view.camera_from_board});
   }
-  const auto remark = [&](size_t count, const char* what) {
+  const auto warning = [&](size_t count, const char* what) {
     if (count > 0)
-      contents->remarks.push_back(fmt::format(
+      contents->warnings.push_back(fmt::format(
           "ignored {} that its solver had rejected", CountText(count, what)));
   };
-  remark(counts.left_out, "corner");
-  remark(counts.skipped, "image");
+  warning(counts.left_out, "corner");
+  warning(counts.skipped, "image");
   if (!first.isZero())
-    contents->remarks.push_back(
+    contents->warnings.push_back(
         "board poses are ignored: PhotonVision's board origin is one square "
         "from the first corner");
 }
@@ -330,8 +330,8 @@ void AddPhotonViews(const Json& root, ExchangeContents* contents) {
 void ReadPhotonCamera(const Json& root, ExchangeContents* contents) {
   ReadLens& camera = contents->cameras.emplace_back();
   camera.lens = ReadPhotonLens(root);
-  FinishPhotonKeys(root, *camera.lens.form, &contents->remarks);
-  TakeOwnJson(YAML::Load(ValueAt(root, kOwnKey).dump()), &camera);
+  FinishPhotonKeys(root, *camera.lens.form, &contents->warnings);
+  ParseRaygridJson(YAML::Load(ValueAt(root, kRaygridKey).dump()), &camera);
   AddPhotonViews(root, contents);
 }
 
@@ -365,7 +365,7 @@ Json PhotonMatrix(int rows, const std::vector<double>& data) {
 
 std::string WritePhotonVision(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const LensInForm& lens = camera.lens;
+  const ConvertedLens& lens = camera.lens;
   const Json root = {
       {kPhotonSize,
        {{"width", double(lens.size.width)},
@@ -379,7 +379,7 @@ std::string WritePhotonVision(const WriteRequest& request) {
       {"calobjectSize", {{"width", 0.0}, {"height", 0.0}}},
       {kSpacing, 0.0},
       {kLensModel, kOpenCvLens},
-      {kOwnKey, OwnJson(camera)}};
+      {kRaygridKey, MakeRaygridJson(camera)}};
   return root.dump(2) + "\n";
 }
 
@@ -400,7 +400,7 @@ Format PhotonVisionFormat() {
       "per camera of a rig; corners and poses of boards are imported";
   format.forms = PhotonVisionForms();
   format.ending = ".json";
-  format.drops_rigs = true;
+  format.discards_rig_poses = true;
   format.recognizes = IsPhotonVision;
   format.read = ReadPhotonVision;
   format.write = WritePhotonVision;

@@ -27,7 +27,8 @@ std::string WithoutSpaces(const std::string& text) {
 
 void RequireText(const std::string& text) {
   RequireSmallTree("", text, "\n,:[{? \t");
-  if (FindNoUtf8(text) != std::string::npos) throw InputError("not UTF-8 text");
+  if (FindInvalidUtf8(text) != std::string::npos)
+    throw InputError("not UTF-8 text");
 }
 
 // A line without its comment, and how many brackets it leaves open.

@@ -56,7 +56,7 @@ FeatureTable ReadPuzzlepaintDataset(const std::string& path,
     for (size_t c = 0; c < num_cameras; ++c)
       table.cameras.push_back(
           {num_cameras > 1 ? PuzzlepaintCameraName(static_cast<int>(c)) : "",
-           {dataset.image_sizes[c], FeaturesOfCamera(dataset, c)}});
+           {dataset.image_sizes[c], GetCameraFeatures(dataset, c)}});
     for (const PuzzlepaintGeometry& geometry : dataset.geometries)
       table.boards.push_back(
           BoardOfGeometry(geometry, static_cast<int>(table.boards.size())));
@@ -67,7 +67,7 @@ FeatureTable ReadPuzzlepaintDataset(const std::string& path,
 // ---- Writing ---------------------------------------------------------------
 
 // The length of a cell, of a board whose features lie in a lattice of squares.
-double CellOf(const Board& board) {
+double CellIndex(const Board& board) {
   constexpr double kRounding = 1e-6;  // of the points of pattern.yaml
   if (board.IsTagGrid())
     throw InputError(
@@ -99,7 +99,7 @@ FeatureIds AddGeometries(const std::vector<Board>& boards,
   FeatureIds ids;
   for (const Board& board : boards) {
     PuzzlepaintGeometry& geometry = dataset->geometries.emplace_back();
-    geometry.cell_m = static_cast<float>(CellOf(board));
+    geometry.cell_m = static_cast<float>(CellIndex(board));
     for (int row = 0; row < board.rows; ++row)
       for (int column = 0; column < board.columns; ++column) {
         if (!board.HasFeature(column, row)) continue;
@@ -171,9 +171,9 @@ TableOutput WritePuzzlepaintDataset(const FeatureTable& table) {
 
 }  // namespace
 
-std::vector<ImageFeatures> FeaturesOfCamera(const PuzzlepaintDataset& dataset,
-                                            size_t camera) {
-  const std::vector<std::string> names = ImageNamesOf(dataset);
+std::vector<ImageFeatures> GetCameraFeatures(const PuzzlepaintDataset& dataset,
+                                             size_t camera) {
+  const std::vector<std::string> names = GetImageNames(dataset);
   const std::map<int32_t, LatticePlace> places = PlacesOfFeatures(dataset);
   std::vector<ImageFeatures> images;
   for (size_t i = 0; i < names.size(); ++i) {

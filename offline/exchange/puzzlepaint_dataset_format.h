@@ -11,8 +11,8 @@ namespace raygrid {
 TableFormat PuzzlepaintDatasetFormat();
 
 /// The images in which a camera saw a board.
-std::vector<ImageFeatures> FeaturesOfCamera(const PuzzlepaintDataset& dataset,
-                                            size_t camera);
+std::vector<ImageFeatures> GetCameraFeatures(const PuzzlepaintDataset& dataset,
+                                             size_t camera);
 
 }  // namespace raygrid
 

@@ -192,7 +192,7 @@ Pose PoseOfNode(const YAML::Node& node, const std::string& name) {
     numbers[k] =
         FiniteNumber(node[keys[k]], fmt::format("{}: {}", name, keys[k]));
   try {
-    return PoseOfQuaternion(numbers);
+    return PoseFromQuaternion(numbers);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", name, error.what()));
   }
@@ -271,7 +271,7 @@ std::string EncodePuzzlepaintDataset(const PuzzlepaintDataset& dataset) {
   return bytes;
 }
 
-std::vector<std::string> ImageNamesOf(const PuzzlepaintDataset& dataset) {
+std::vector<std::string> GetImageNames(const PuzzlepaintDataset& dataset) {
   std::vector<std::string> names;
   std::set<std::string> distinct = {""};
   for (const PuzzlepaintImageset& imageset : dataset.imagesets) {

@@ -59,7 +59,7 @@ std::string EncodePuzzlepaintDataset(const PuzzlepaintDataset& dataset);
 
 /// Names of the images, all different: those that the file has, or 0, 1, ... if
 /// one is empty or stands twice.
-std::vector<std::string> ImageNamesOf(const PuzzlepaintDataset& dataset);
+std::vector<std::string> GetImageNames(const PuzzlepaintDataset& dataset);
 
 /// camera_tr_rig.yaml and rig_tr_global.yaml: poses by the number of the camera
 /// or image. Images that were not used have none.

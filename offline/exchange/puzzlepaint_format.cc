@@ -84,8 +84,9 @@ std::vector<Eigen::Vector3d> VectorsOf(const YAML::Node& root,
 }
 
 // Directions come to length 1, as the program itself does when it loads them.
-std::vector<Eigen::Vector3d> DirectionsOf(const YAML::Node& root,
-                                          const std::string& name, int count) {
+std::vector<Eigen::Vector3d> ComputeDirections(const YAML::Node& root,
+                                               const std::string& name,
+                                               int count) {
   std::vector<Eigen::Vector3d> directions = VectorsOf(root, name, count);
   for (Eigen::Vector3d& direction : directions) {
     if (!(direction.norm() > 1e-6))
@@ -105,8 +106,8 @@ UnitGrid GridOf(const YAML::Node& root, const LensForm& form) {
           BoundsInFile(root, size),
           columns,
           rows,
-          DirectionsOf(root, has_points ? "direction_grid" : "grid",
-                       columns * rows),
+          ComputeDirections(root, has_points ? "direction_grid" : "grid",
+                            columns * rows),
           has_points ? VectorsOf(root, "point_grid", columns * rows)
                      : std::vector<Eigen::Vector3d>{}};
 }
@@ -120,23 +121,23 @@ std::shared_ptr<const CameraModel> NearestToUnitGrid(const UnitGrid& grid) {
       FitNonCentralGeneric(grid, grid.area(), columns, rows));
 }
 
-LensInForm ReadPuzzlepaintLens(const YAML::Node& root,
-                               std::vector<std::string>* remarks) {
-  LensInForm lens;
+ConvertedLens ReadPuzzlepaintLens(const YAML::Node& root,
+                                  std::vector<std::string>* warnings) {
+  ConvertedLens lens;
   lens.form = &FormOfType(root);
   const UnitGrid grid = GridOf(root, *lens.form);
   lens.size = grid.image_size();
   const CameraKeys keys(root);
   keys.Skip({"type", "width", "height", "calibration_*", "grid_width",
              "grid_height", "grid", "point_grid", "direction_grid"});
-  keys.Finish(*lens.form, remarks);
+  keys.Finish(*lens.form, warnings);
   lens.grid = NearestToUnitGrid(grid);
-  const LensFit fit = MeasureLens(grid, nullptr, *lens.grid, *lens.form,
-                                  Eigen::Quaterniond::Identity());
-  remarks->push_back(
+  const LensFit fit = MeasureLensFit(grid, nullptr, *lens.grid, *lens.form,
+                                     Eigen::Quaterniond::Identity());
+  warnings->push_back(
       "converted from a grid of unit vectors to stereographic coordinates with "
       "fit error " +
-      LensFitText(fit));
+      FormatLensFit(fit));
   return lens;
 }
 
@@ -144,8 +145,8 @@ ExchangeContents ReadPuzzlepaint(const ReadRequest& request) {
   const YAML::Node root = LoadForeignMap(request.path, request.text);
   ExchangeContents contents;
   ReadLens& camera = contents.cameras.emplace_back();
-  TakeState(request, &camera, &contents.remarks);
-  camera.lens = ReadPuzzlepaintLens(root, &contents.remarks);
+  ReadCameraState(request, &camera, &contents.warnings);
+  camera.lens = ReadPuzzlepaintLens(root, &contents.warnings);
   return contents;
 }
 
@@ -171,7 +172,7 @@ std::string WritePuzzlepaint(const WriteRequest& request) {
       text += fmt::format("# raygrid's {} {}\n", what, Printable(words));
   if (camera.fit)
     text += fmt::format("# Fitted {}: {}\n", camera.lens.form->name,
-                        LensFitText(*camera.fit));
+                        FormatLensFit(*camera.fit));
   text += fmt::format(
       "type : {}\nwidth : {}\nheight : {}\n{} : {}\ncalibration_min_y : {}\n"
       "calibration_max_x : {}\ncalibration_max_y : {}\ngrid_width : {}\n"
@@ -187,9 +188,9 @@ std::string WritePuzzlepaint(const WriteRequest& request) {
 
 // ---- Writing a state -------------------------------------------------------
 
-std::vector<BesideFile> WriteStateOfOne(const WriteRequest& request) {
+std::vector<CompanionFile> WriteStateOfOne(const WriteRequest& request) {
   if (request.cameras.front().poses.empty()) return {};
-  if (IndexOfCameraFile(request.path) != 0)
+  if (ParseCameraFileIndex(request.path) != 0)
     throw Error(ExitCode::kUsage,
                 fmt::format("-o {}: with --poses the camera file must be named "
                             "intrinsics0.yaml",
@@ -207,16 +208,16 @@ std::vector<WrittenLens> InOrder(std::vector<WrittenLens> cameras) {
   return cameras;
 }
 
-std::vector<BesideFile> WriteStateOfRig(const WriteRequest& request) {
+std::vector<CompanionFile> WriteStateOfRig(const WriteRequest& request) {
   const std::vector<WrittenLens> cameras = InOrder(request.cameras);
-  std::vector<BesideFile> files;
+  std::vector<CompanionFile> files;
   for (const WrittenLens& camera : cameras) {
     const std::string path =
-        FileInState(request.path, static_cast<int>(files.size()));
+        MakeStateFilePath(request.path, static_cast<int>(files.size()));
     files.push_back({path, WritePuzzlepaint({path, {camera}, {}})});
   }
-  for (BesideFile& file :
-       WriteState(FileInState(request.path, 0), cameras, request.beside))
+  for (CompanionFile& file :
+       WriteState(MakeStateFilePath(request.path, 0), cameras, request.beside))
     files.push_back(std::move(file));
   return files;
 }
@@ -231,15 +232,15 @@ Format PuzzlepaintFormat() {
       "noncentral generic models; a rig as a state folder with "
       "camera_tr_rig.yaml; poses of a board as rig_tr_global.yaml";
   format.forms = PuzzlepaintForms();
-  format.holds_poses = true;
+  format.supports_poses = true;
   format.recognizes = [](const std::string& text) {
     return text.find(kFirstX) != std::string::npos;
   };
   format.read = ReadPuzzlepaint;
   format.write = WritePuzzlepaint;
-  format.beside = StateFilesBeside;
+  format.beside = ListStateFiles;
   format.write_beside = WriteStateOfOne;
-  format.file_in_folder = FileInState;
+  format.file_in_folder = MakeStateFilePath;
   format.write_folder = WriteStateOfRig;
   return format;
 }

@@ -30,11 +30,11 @@ struct PuzzlepaintState {
   std::map<int, Eigen::Vector3d> points;
 };
 
-// texts: of StateFilesBeside(path).
+// texts: of ListStateFiles(path).
 PuzzlepaintState ReadState(const std::string& path,
                            const std::vector<std::string>& texts) {
   PuzzlepaintState state;
-  const std::vector<std::string> paths = StateFilesBeside(path);
+  const std::vector<std::string> paths = ListStateFiles(path);
   const auto take = [&](size_t k, const auto& read) {
     if (k < texts.size() && !texts[k].empty())
       ReadNamingFile(paths[k], [&] { read(paths[k], texts[k]); });
@@ -131,7 +131,7 @@ std::vector<BoardPose> PosesOfCamera(const PuzzlepaintState& state, int index,
   const std::map<int, Pose> boards =
       has_dataset ? BoardsInWorld(state) : std::map<int, Pose>{};
   const std::vector<std::string> names =
-      has_dataset ? ImageNamesOf(*state.dataset) : std::vector<std::string>{};
+      has_dataset ? GetImageNames(*state.dataset) : std::vector<std::string>{};
   std::vector<BoardPose> poses;
   for (const auto& [image, rig_from_world] : state.rig_from_world->poses) {
     const std::string name = has_dataset ? names[image] : std::to_string(image);
@@ -177,7 +177,7 @@ NumberedImages NumberImages(const std::vector<WrittenLens>& cameras,
                             const PuzzlepaintDataset* dataset) {
   NumberedImages images;
   if (dataset) {
-    for (const std::string& name : ImageNamesOf(*dataset))
+    for (const std::string& name : GetImageNames(*dataset))
       images.Put(name, static_cast<int>(images.names.size()));
     return images;
   }
@@ -232,7 +232,7 @@ std::string CameraPosesText(const std::vector<WrittenLens>& cameras) {
 // The lattice of the dataset's one board, whose frame is the world. The program
 // opens no state without it; one of a calibration is not replaced.
 void AddPoints(const std::string& path, const PuzzlepaintDataset& dataset,
-               std::vector<BesideFile>* files) {
+               std::vector<CompanionFile>* files) {
   if (dataset.geometries.size() != 1) return;
   const PuzzlepaintGeometry& geometry = dataset.geometries.front();
   std::map<int, Eigen::Vector3d> points;
@@ -243,7 +243,7 @@ void AddPoints(const std::string& path, const PuzzlepaintDataset& dataset,
 
 }  // namespace
 
-std::optional<int> IndexOfCameraFile(const std::string& path) {
+std::optional<int> ParseCameraFileIndex(const std::string& path) {
   const std::string stem = std::filesystem::path(path).stem().string();
   const size_t at = stem.find_first_of("0123456789");
   int index = 0;
@@ -255,59 +255,59 @@ std::optional<int> IndexOfCameraFile(const std::string& path) {
   return index;
 }
 
-std::vector<std::string> StateFilesBeside(const std::string& path) {
+std::vector<std::string> ListStateFiles(const std::string& path) {
   std::vector<std::string> paths;
-  if (!IndexOfCameraFile(path)) return paths;
+  if (!ParseCameraFileIndex(path)) return paths;
   for (const char* name : kStateFiles)
     paths.push_back(
         std::filesystem::path(path).replace_filename(name).string());
   return paths;
 }
 
-std::string FileInState(const std::string& folder, int camera) {
+std::string MakeStateFilePath(const std::string& folder, int camera) {
   return (std::filesystem::path(folder) /
           (PuzzlepaintCameraName(camera) + ".yaml"))
       .string();
 }
 
-void TakeState(const ReadRequest& request, ReadLens* camera,
-               std::vector<std::string>* remarks) {
-  const std::optional<int> number = IndexOfCameraFile(request.path);
+void ReadCameraState(const ReadRequest& request, ReadLens* camera,
+                     std::vector<std::string>* warnings) {
+  const std::optional<int> number = ParseCameraFileIndex(request.path);
   if (!number) return;
   const int index = *number;
   const PuzzlepaintState state = ReadState(request.path, request.beside);
   if (state.dataset && HasCamera(*state.dataset, index))
-    camera->features = FeaturesOfCamera(*state.dataset, index);
+    camera->features = GetCameraFeatures(*state.dataset, index);
   if (!state.camera_from_rig) {
     if (state.rig_from_world)
-      remarks->push_back(
+      warnings->push_back(
           "rig_tr_global.yaml is ignored without camera_tr_rig.yaml");
     return;
   }
   const auto own = state.camera_from_rig->poses.find(index);
   if (own == state.camera_from_rig->poses.end()) {
-    remarks->push_back(
+    warnings->push_back(
         fmt::format("missing pose of camera {} in camera_tr_rig.yaml", index));
     return;
   }
   camera->camera_from_rig = own->second;
   if (!state.rig_from_world) return;
   if (state.dataset && !IsDatasetOf(state, index))
-    remarks->push_back(
+    warnings->push_back(
         "dataset.bin does not match the poses; images are named by number");
   if (state.dataset && state.dataset->geometries.size() > 1 &&
       state.points.empty())
-    remarks->push_back(
+    warnings->push_back(
         "several boards but no points.yaml: assuming poses of board 0");
   camera->poses = PosesOfCamera(state, index, own->second);
 }
 
-std::vector<BesideFile> WriteState(const std::string& path,
-                                   const std::vector<WrittenLens>& cameras,
-                                   const std::vector<std::string>& beside) {
+std::vector<CompanionFile> WriteState(const std::string& path,
+                                      const std::vector<WrittenLens>& cameras,
+                                      const std::vector<std::string>& beside) {
   RequireOneBoard("puzzlepaint", cameras);
-  const std::vector<std::string> paths = StateFilesBeside(path);
-  std::vector<BesideFile> files = {{paths[0], CameraPosesText(cameras)}};
+  const std::vector<std::string> paths = ListStateFiles(path);
+  std::vector<CompanionFile> files = {{paths[0], CameraPosesText(cameras)}};
   const bool has_poses =
       std::any_of(cameras.begin(), cameras.end(),
                   [](const WrittenLens& lens) { return !lens.poses.empty(); });

@@ -12,26 +12,26 @@
 namespace raygrid {
 
 /// The number in a name "intrinsics1.yaml"; none for other names.
-std::optional<int> IndexOfCameraFile(const std::string& path);
+std::optional<int> ParseCameraFileIndex(const std::string& path);
 
 /// The path of a camera's file.
-std::string FileInState(const std::string& folder, int camera);
+std::string MakeStateFilePath(const std::string& folder, int camera);
 
 /// Files beside one of a camera, in the order of ReadRequest::beside: poses of
 /// the cameras, poses of the rig, features, points. None beside a file of
 /// another name.
-std::vector<std::string> StateFilesBeside(const std::string& path);
+std::vector<std::string> ListStateFiles(const std::string& path);
 
 /// Fills the camera's pose in the rig, and those of boards, from the files
 /// beside it. Throws InputError, naming the file.
-void TakeState(const ReadRequest& request, ReadLens* camera,
-               std::vector<std::string>* remarks);
+void ReadCameraState(const ReadRequest& request, ReadLens* camera,
+                     std::vector<std::string>* warnings);
 
 /// The files beside those of cameras, whose order is that of their numbers.
-/// path: of the first one. beside: texts of StateFilesBeside(path).
-std::vector<BesideFile> WriteState(const std::string& path,
-                                   const std::vector<WrittenLens>& cameras,
-                                   const std::vector<std::string>& beside);
+/// path: of the first one. beside: texts of ListStateFiles(path).
+std::vector<CompanionFile> WriteState(const std::string& path,
+                                      const std::vector<WrittenLens>& cameras,
+                                      const std::vector<std::string>& beside);
 
 }  // namespace raygrid
 

@@ -105,7 +105,7 @@ ExchangeContents ReadPython(const ReadRequest& request) {
 
 }  // namespace
 
-bool IsNpzOfCamera(const std::string& bytes) {
+bool IsCameraNpz(const std::string& bytes) {
   const auto has_any = [&](const KeyList& names) {
     return std::any_of(names.begin(), names.end(),
                        [&](const std::string& name) {
@@ -123,9 +123,9 @@ Format PythonFormat() {
       "camera_matrix, and D, dist or dist_coeffs of OpenCV models, for one "
       "camera or by camera name";
   format.forms = opencv_file::OpenCvForms();
-  format.takes_model = true;
+  format.accepts_model = true;
   format.recognizes = [](const std::string& text) {
-    if (IsNpz(text)) return IsNpzOfCamera(text);
+    if (IsNpz(text)) return IsCameraNpz(text);
     for (const Format& other : Formats())  // whose words say more
       if (other.name != "python" && other.recognizes(text)) return false;
     return HasAnyKey(text, ':') || HasAnyKey(text, '=');

@@ -12,7 +12,7 @@ namespace raygrid {
 Format PythonFormat();
 
 /// Whether an archive of numpy has a camera matrix and coefficients.
-bool IsNpzOfCamera(const std::string& bytes);
+bool IsCameraNpz(const std::string& bytes);
 
 }  // namespace raygrid
 

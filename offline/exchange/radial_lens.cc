@@ -58,8 +58,8 @@ std::optional<double> IdealRadius(const std::array<double, 4>& c, double seen) {
 }
 
 // The named lens that such a lens is. Its form lives as long as the program.
-LensInForm NamedLens(const std::string& name, const ImageSize& size,
-                     const RadialLens& lens) {
+ConvertedLens NamedLens(const std::string& name, const ImageSize& size,
+                        const RadialLens& lens) {
   static std::mutex mutex;
   static std::map<std::pair<std::string, std::string>, LensForm> forms;
   const bool is_pinhole = lens.projection == RadialProjection::kRectilinear;
@@ -67,7 +67,7 @@ LensInForm NamedLens(const std::string& name, const ImageSize& size,
       is_pinhole ? models::kOpenCv : models::kThinPrismFisheye;
   const std::lock_guard<std::mutex> lock(mutex);
   LensForm& form =
-      forms.try_emplace({name, model}, FormOf(name, model, {"k1", "k2"}))
+      forms.try_emplace({name, model}, MakeForm(name, model, {"k1", "k2"}))
           .first->second;
   form.reach_rad = is_pinhole ? M_PI / 2 : M_PI;
   return {&form,
@@ -82,9 +82,9 @@ LensForm RadialLensForm(const std::string& name) {
   return {name, models::kCentralGeneric, {}};
 }
 
-LensInForm LensOfRadial(const std::string& name, const ImageSize& size,
-                        const RadialLens& lens,
-                        std::vector<std::string>* remarks) {
+ConvertedLens MakeRadialLens(const std::string& name, const ImageSize& size,
+                             const RadialLens& lens,
+                             std::vector<std::string>* warnings) {
   if (size == ImageSize{})
     throw InputError("missing image size; specify --image-size WxH");
   if (!(lens.focal_px.minCoeff() > 0))
@@ -93,7 +93,7 @@ LensInForm LensOfRadial(const std::string& name, const ImageSize& size,
   const bool is_named = lens.projection == RadialProjection::kRectilinear ||
                         lens.projection == RadialProjection::kEquidistant;
   if (is_named && c[0] == 0 && c[2] == 0) return NamedLens(name, size, lens);
-  return NearestGrid(
+  return FitNearestGrid(
       size,
       [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
         const Eigen::Vector2d seen =
@@ -107,7 +107,7 @@ LensInForm LensOfRadial(const std::string& name, const ImageSize& size,
         const Eigen::Vector2d side = seen * (std::sin(*angle) / radius);
         return Eigen::Vector3d(side.x(), side.y(), std::cos(*angle));
       },
-      fmt::format("{} has no equivalent model", name), remarks);
+      fmt::format("{} has no equivalent model", name), warnings);
 }
 
 }  // namespace raygrid

@@ -38,9 +38,9 @@ LensForm RadialLensForm(const std::string& name);
 /// with c1 and c3 of 0. Else the nearest grid, and a remark on its error. name
 /// is used there, and is that of the form. Throws InputError for numbers that
 /// are no lens, and without a size.
-LensInForm LensOfRadial(const std::string& name, const ImageSize& size,
-                        const RadialLens& lens,
-                        std::vector<std::string>* remarks);
+ConvertedLens MakeRadialLens(const std::string& name, const ImageSize& size,
+                             const RadialLens& lens,
+                             std::vector<std::string>* warnings);
 
 }  // namespace raygrid
 

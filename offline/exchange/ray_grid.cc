@@ -88,9 +88,9 @@ std::string ModelOfTable(const std::string& model,
                           model, kCentralGeneric, kNonCentralGeneric));
 }
 
-BSplineSurface SurfaceOf(const Area& area, int columns, int rows,
-                         const std::vector<RaySample>& samples,
-                         Eigen::Vector2d (*value)(const RaySample&)) {
+BSplineSurface MakeSurface(const Area& area, int columns, int rows,
+                           const std::vector<RaySample>& samples,
+                           Eigen::Vector2d (*value)(const RaySample&)) {
   std::vector<SurfaceSample> points;
   points.reserve(samples.size());
   for (const RaySample& sample : samples)
@@ -103,11 +103,11 @@ std::unique_ptr<CameraModel> FitGridTo(const RayTable& rays,
                                        const Area& area, int columns, int rows,
                                        bool is_central) {
   const auto surface = [&](Eigen::Vector2d (*value)(const RaySample&)) {
-    return SurfaceOf(area, columns, rows, samples, value);
+    return MakeSurface(area, columns, rows, samples, value);
   };
   const BSplineSurface directions =
       surface([](const RaySample& ray) { return ToChart(ray.direction); });
-  if (MostlyHandedness(directions) < 0)
+  if (FindDominantHandedness(directions) < 0)
     throw InputError(
         fmt::format("{}: the image is mirrored; axes must be x right, y down, "
                     "z forward, and t of an STMap increases upwards",
@@ -211,8 +211,8 @@ double PartOfEmptyCells(const ImageSize& size,
          static_cast<double>(is_seen.size());
 }
 
-double PartWithoutRays(const RayTable& rays,
-                       const std::vector<RaySample>& samples) {
+double ComputeUndefinedFraction(const RayTable& rays,
+                                const std::vector<RaySample>& samples) {
   if (!rays.pixels.empty()) return PartOfEmptyCells(rays.image_size, samples);
   const auto count = std::count_if(
       rays.directions.begin(), rays.directions.end(),
@@ -250,7 +250,7 @@ RayGrid FitRayGrid(const RayTable& rays, const std::string& model,
   RayGrid best = std::move(*std::find_if(
       grids.begin(), grids.end(),
       [&](const RayGrid& grid) { return grid.rms_px <= enough_px; }));
-  best.part_without_rays = PartWithoutRays(rays, samples);
+  best.part_without_rays = ComputeUndefinedFraction(rays, samples);
   best.left_out_rms_px = LeftOutRmsPx(rays, samples, area, best, num_threads);
   return best;
 }

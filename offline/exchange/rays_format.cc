@@ -77,8 +77,9 @@ std::vector<Eigen::Vector3d> VectorsOf(const NpyArray& array, size_t rows,
 }
 
 // The places of columns or rows: all pixels, if the file does not say.
-std::vector<double> PlacesOf(const std::vector<NpyArray>& arrays,
-                             const std::string& name, size_t count) {
+std::vector<double> CollectFeaturePositions(const std::vector<NpyArray>& arrays,
+                                            const std::string& name,
+                                            size_t count) {
   std::vector<double> places(count);
   for (size_t k = 0; k < count; ++k) places[k] = static_cast<double>(k);
   const NpyArray* array = FindArray(arrays, name);
@@ -114,8 +115,9 @@ ImageSize SizeOf(const std::vector<NpyArray>& arrays, const RayTable& rays) {
   const std::string why =
       rays.x.front() < 0 || rays.y.front() < 0
           ? "x, y: must not be negative"
-          : WhySizeIsRefused(static_cast<uint64_t>(std::min(width, kFarAway)),
-                             static_cast<uint64_t>(std::min(height, kFarAway)));
+          : DescribeSizeLimit(
+                static_cast<uint64_t>(std::min(width, kFarAway)),
+                static_cast<uint64_t>(std::min(height, kFarAway)));
   if (!why.empty()) throw InputError(why);
   return {static_cast<int>(width), static_cast<int>(height)};
 }
@@ -139,8 +141,8 @@ RayTable RaysOf(const std::vector<NpyArray>& arrays) {
       directions->shape[1] < 2)
     throw InputError("directions: expected rows x columns x 3 numbers");
   RayTable rays;
-  rays.y = PlacesOf(arrays, "y", directions->shape[0]);
-  rays.x = PlacesOf(arrays, "x", directions->shape[1]);
+  rays.y = CollectFeaturePositions(arrays, "y", directions->shape[0]);
+  rays.x = CollectFeaturePositions(arrays, "x", directions->shape[1]);
   rays.image_size = SizeOf(arrays, rays);
   rays.directions = VectorsOf(*directions, rays.y.size(), rays.x.size());
   if (const NpyArray* origins = FindArray(arrays, "origins"))
@@ -171,7 +173,7 @@ TableFormat RaysFormat() {
   format.options = {"stride"};
   format.write_rays = WriteRays;
   format.recognizes = [](const std::string& bytes) {
-    return IsNpz(bytes) && !IsNpzOfCamera(bytes);
+    return IsNpz(bytes) && !IsCameraNpz(bytes);
   };
   format.read_rays = ReadRays;
   return format;

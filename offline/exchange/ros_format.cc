@@ -68,9 +68,9 @@ std::optional<std::string> ModelInFile(const CameraKeys& keys) {
   if (has_model)
     return keys["distortion_model"].IsScalar() ? keys.Word("distortion_model")
                                                : "";
-  if (!FamilyOfWord(camera)) return std::nullopt;
+  if (!ParseLensFamily(camera)) return std::nullopt;
   keys.Skip({"camera_model"});
-  return *FamilyOfWord(camera) == LensFamily::kPinhole ? kPlumbBob : camera;
+  return *ParseLensFamily(camera) == LensFamily::kPinhole ? kPlumbBob : camera;
 }
 
 // Matrices of files have a list of data; those of messages are the list.
@@ -115,7 +115,7 @@ ImageSize SizeIn(const CameraKeys& keys) {
 // Single cameras may lack both; what is missing of one is that of a camera
 // alone.
 std::optional<RectifiedProjection> RectifiedIn(const CameraKeys& keys,
-                                               const LensInForm& lens) {
+                                               const ConvertedLens& lens) {
   const auto in_r = MatrixIn(keys, "rectification_matrix", "R", 9),
              in_p = MatrixIn(keys, "projection_matrix", "P", 12);
   if (!in_r && !in_p) return std::nullopt;
@@ -131,15 +131,16 @@ std::optional<RectifiedProjection> RectifiedIn(const CameraKeys& keys,
     for (int column = 0; column < 4; ++column)
       rectified.p(row, column) = p[4 * row + column];
   }
-  PoseOfMatrix({r[0], r[1], r[2], 0, r[3], r[4], r[5], 0, r[6], r[7], r[8], 0},
-               "rectification_matrix");
+  PoseFromMatrix(
+      {r[0], r[1], r[2], 0, r[3], r[4], r[5], 0, r[6], r[7], r[8], 0},
+      "rectification_matrix");
   if (!(p[0] > 0 && p[5] > 0))
     throw InputError("projection_matrix: focal lengths must be positive");
   return rectified;
 }
 
 // Parts of frames that a driver had when the message was printed.
-void AddRemarks(const CameraKeys& keys, ExchangeContents* contents) {
+void AddWarnings(const CameraKeys& keys, ExchangeContents* contents) {
   const auto is_set = [&](const char* key) {
     const std::string word = keys[key].IsDefined() ? keys.Word(key) : "";
     return !word.empty() && word != "0" && word != "1";
@@ -149,7 +150,7 @@ void AddRemarks(const CameraKeys& keys, ExchangeContents* contents) {
                           "roi/y_offset", "roi/width", "roi/height"})
     is_part = is_set(key) || is_part;
   if (is_part)
-    contents->remarks.push_back(
+    contents->warnings.push_back(
         "binning and region of interest are ignored: the camera is that of the "
         "full frame");
   keys.Skip({"header", "roi", "camera_info_url"});
@@ -173,7 +174,7 @@ ExchangeContents ReadRosCamera(const YAML::Node& root,
   ReadLens camera;
   camera.name = keys["camera_name"].IsDefined() ? keys.Word("camera_name") : "";
   camera.lens.size = SizeIn(keys);
-  TakeCameraMatrix(MatrixOf(keys, "camera_matrix", "K", 9), "camera_matrix",
+  ReadCameraMatrix(MatrixOf(keys, "camera_matrix", "K", 9), "camera_matrix",
                    &camera.lens);
   std::vector<double> d = MatrixOf(keys, "distortion_coefficients", "D", -1);
   const auto in_file = ModelInFile(keys);
@@ -183,14 +184,14 @@ ExchangeContents ReadRosCamera(const YAML::Node& root,
   if (in_file) RequireModelOfFile(request, *camera.lens.form);
   camera.rectified = RectifiedIn(keys, camera.lens);
   camera.lens.values.insert(camera.lens.values.end(), d.begin(), d.end());
-  AddRemarks(keys, &contents);
-  keys.Finish(*camera.lens.form, &contents.remarks);
+  AddWarnings(keys, &contents);
+  keys.Finish(*camera.lens.form, &contents.warnings);
   contents.cameras.push_back(std::move(camera));
   return contents;
 }
 
-RosMatrices RosMatricesOf(const WrittenLens& camera) {
-  const LensInForm& lens = camera.lens;
+RosMatrices MakeRosMatrices(const WrittenLens& camera) {
+  const ConvertedLens& lens = camera.lens;
   const double fx = lens.Value("fx"), fy = lens.Value("fy"),
                cx = lens.Value("cx"), cy = lens.Value("cy");
   RosMatrices matrices = {{fx, 0, cx, 0, fy, cy, 0, 0, 1},
@@ -230,12 +231,12 @@ std::string MatrixText(const char* name, int rows, int columns,
 
 std::string WriteRos(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const LensInForm& lens = camera.lens;
-  const RosMatrices matrices = RosMatricesOf(camera);
+  const ConvertedLens& lens = camera.lens;
+  const RosMatrices matrices = MakeRosMatrices(camera);
   std::string text;
   if (camera.fit)
     text += fmt::format("# Fitted {}: {}\n", lens.form->name,
-                        LensFitText(*camera.fit));
+                        FormatLensFit(*camera.fit));
   text += fmt::format("image_width: {}\nimage_height: {}\n", lens.size.width,
                       lens.size.height);
   if (!camera.name.empty())
@@ -257,8 +258,8 @@ Format RosFormat() {
       "camera_info .yaml: plumb_bob, rational_polynomial or equidistant; one "
       "file per camera of a rig, with R and P for a rectified pair";
   format.forms = RosForms();
-  format.holds_pairs = true;
-  format.takes_model = true;
+  format.supports_pairs = true;
+  format.accepts_model = true;
   format.recognizes = IsRos;
   format.read = ReadRos;
   format.write = WriteRos;

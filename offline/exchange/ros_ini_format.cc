@@ -66,17 +66,17 @@ ExchangeContents ReadRosIni(const ReadRequest& request) {
         TreeOfRosIni(std::string(lines, '\n') + text.substr(at, end - at)),
         request);
     if (one.cameras.front().lens.form->name == kFourCoefficients)
-      one.remarks.push_back(
+      one.warnings.push_back(
           "assuming the fisheye model equidistant, of which ROS writes four "
           "coefficients");
     all.cameras.push_back(std::move(one.cameras.front()));
-    all.remarks.insert(all.remarks.end(), one.remarks.begin(),
-                       one.remarks.end());
+    all.warnings.insert(all.warnings.end(), one.warnings.begin(),
+                        one.warnings.end());
   }
   if (all.cameras.size() > 1) {
     for (ReadLens& camera : all.cameras)  // of "narrow_stereo/left"
       camera.name.erase(0, camera.name.rfind('/') + 1);
-    FindPosesOfPair(&all.cameras);
+    ComputePairPoses(&all.cameras);
   }
   return all;
 }
@@ -91,14 +91,14 @@ std::string IniRows(const std::string& key, const std::vector<double>& numbers,
 
 std::string WriteRosIni(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const RosMatrices matrices = RosMatricesOf(camera);
+  const RosMatrices matrices = MakeRosMatrices(camera);
   std::string name;  // of a section, which ends with the bracket
   for (const char c : Printable(camera.name))
     if (c != '[' && c != ']') name += c;
   std::string text = "# Camera intrinsics\n\n";
   if (camera.fit)
     text += fmt::format("# Fitted {}: {}\n\n", camera.lens.form->name,
-                        LensFitText(*camera.fit));
+                        FormatLensFit(*camera.fit));
   return text +
          fmt::format("[image]\n\nwidth\n{}\n\nheight\n{}\n\n[{}]\n\n",
                      camera.lens.size.width, camera.lens.size.height,
@@ -120,7 +120,7 @@ Format RosIniFormat() {
   format.forms = {OpenCvForm("plumb_bob", 5),
                   OpenCvForm("rational_polynomial", 8)};
   format.ending = ".ini";
-  format.holds_pairs = true;
+  format.supports_pairs = true;
   format.recognizes = IsRosIni;
   format.read = ReadRosIni;
   format.write = WriteRosIni;

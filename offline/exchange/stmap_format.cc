@@ -26,7 +26,7 @@ using StPixel = std::array<float, kChannels.size()>;
 
 // The source as a part of the image's width and height, from its lower left
 // corner on, and whether there is one.
-StPixel PixelOf(const ViewTable& view, int x, int y) {
+StPixel GetPixel(const ViewTable& view, int x, int y) {
   const auto source = view.At(x, y);
   if (!source) return {-1, -1, 0, 0};
   const Eigen::Vector2d at = ToProgram(PixelOrigin::kImageCorner, {}, *source);
@@ -39,7 +39,7 @@ TableOutput WriteStMap(const ViewTable& view) {
   numbers.reserve(view.sources.size() * kChannels.size());
   for (int y = 0; y < view.size.height; ++y)
     for (int x = 0; x < view.size.width; ++x)
-      for (const float number : PixelOf(view, x, y)) numbers.push_back(number);
+      for (const float number : GetPixel(view, x, y)) numbers.push_back(number);
   return {{{view.path, WriteExr(view.size, {kChannels.begin(), kChannels.end()},
                                 numbers)}},
           "s from the left, t from the bottom, alpha: valid pixels"};
@@ -81,8 +81,8 @@ ImageSize SizeOfWindow(const Imath::Box2i& window, size_t num_bytes) {
   const int64_t width = int64_t{window.max.x} - window.min.x + 1,
                 height = int64_t{window.max.y} - window.min.y + 1;
   if (width < 1 || height < 1) throw InputError("image size is zero");
-  const std::string why = WhySizeIsRefused(static_cast<uint64_t>(width),
-                                           static_cast<uint64_t>(height));
+  const std::string why = DescribeSizeLimit(static_cast<uint64_t>(width),
+                                            static_cast<uint64_t>(height));
   if (!why.empty()) throw InputError(why);
   if (width * height > kMostPixelsPerByte * static_cast<int64_t>(num_bytes))
     throw InputError(fmt::format("{} bytes are too few for {} x {} pixels",

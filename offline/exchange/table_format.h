@@ -65,10 +65,10 @@ struct RayTable {
 /// A camera to be looked up in tables, for formats that ask it themselves.
 struct CameraTable {
   std::string path;
-  std::string model;                    ///< one of the format's
-  const CameraModel* camera = nullptr;  ///< a central one
-  const TrustMask* trusted = nullptr;   ///< none trusts all
-  std::optional<double> max_error_px;   ///< that is let through
+  std::string model;                      ///< one of the format's
+  const CameraModel* camera = nullptr;    ///< a central one
+  const ValidityMask* trusted = nullptr;  ///< none trusts all
+  std::optional<double> max_error_px;     ///< that is let through
   int num_threads = 0;
 };
 
@@ -91,7 +91,7 @@ struct FeatureTable {
 struct TableOutput {
   std::vector<std::pair<std::string, std::string>> files;
   std::string told;
-  std::vector<std::pair<std::string, double>> figures = {};  ///< for --json
+  std::vector<std::pair<std::string, double>> metrics = {};  ///< for --json
 };
 
 // ---- The table -------------------------------------------------------------
@@ -138,7 +138,7 @@ struct TableFormat {
     return read_rays || read_view || read_poses || read_features;
   }
   /// Text for errors where a camera is wanted: what import makes of a file.
-  std::string WhyNoCamera() const;
+  std::string ExplainMissingCamera() const;
   /// Throws Error(kUsage) for a file that ends otherwise.
   void RequireEnding(const std::string& path) const;
   /// "a blob", for --list and errors.

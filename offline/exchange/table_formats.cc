@@ -77,7 +77,7 @@ std::string TableFormat::Source() const {
                           : "poses.csv";
 }
 
-std::string TableFormat::WhyNoCamera() const {
+std::string TableFormat::ExplainMissingCamera() const {
   return fmt::format(
       "has the format {}; convert it with 'raygrid import' to {}", name,
       read_poses      ? "poses.csv"

@@ -115,9 +115,10 @@ std::pair<int, int> GridSizeOf(const CameraModel& camera) {
   if (const BSplineSurface* grid = camera.DirectionGrid())
     return {grid->columns(), grid->rows()};
   const double width = camera.area().width(), height = camera.area().height();
-  const double cell_px =
+  const double knot_spacing_px =
       std::max(kCellPx, std::max(width, height) / kMostCells);
-  return {NumControlPoints(width, cell_px), NumControlPoints(height, cell_px)};
+  return {NumControlPoints(width, knot_spacing_px),
+          NumControlPoints(height, knot_spacing_px)};
 }
 
 }  // namespace

@@ -21,15 +21,15 @@ struct Place {
 // Right, down, left and up: each is the one before it, turned to the right.
 constexpr Place kSteps[4] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
 
-bool Holds(const TrustMask& mask, const Place& cell) {
+bool Holds(const ValidityMask& mask, const Place& cell) {
   return cell.column >= 0 && cell.column < mask.columns && cell.row >= 0 &&
          cell.row < mask.rows &&
          mask.is_trusted[cell.row * mask.columns + cell.column];
 }
 
 // Takes a part of the cells out of a mask: those that are joined to a cell.
-TrustMask TakePart(int first, TrustMask* rest) {
-  TrustMask part = *rest;
+ValidityMask TakePart(int first, ValidityMask* rest) {
+  ValidityMask part = *rest;
   part.is_trusted.assign(part.is_trusted.size(), false);
   std::vector<int> next = {first};
   rest->is_trusted[first] = false;
@@ -48,17 +48,17 @@ TrustMask TakePart(int first, TrustMask* rest) {
   return part;
 }
 
-int64_t NumTrustedCells(const TrustMask& mask) {
+int64_t NumTrustedCells(const ValidityMask& mask) {
   return std::count(mask.is_trusted.begin(), mask.is_trusted.end(), true);
 }
 
 // The largest part; the first of equals. Empty if nothing is trusted.
-TrustMask LargestPart(TrustMask rest) {
-  TrustMask largest = rest;
+ValidityMask LargestPart(ValidityMask rest) {
+  ValidityMask largest = rest;
   largest.is_trusted.assign(rest.is_trusted.size(), false);
   for (size_t cell = 0; cell < rest.is_trusted.size(); ++cell) {
     if (!rest.is_trusted[cell]) continue;
-    TrustMask part = TakePart(static_cast<int>(cell), &rest);
+    ValidityMask part = TakePart(static_cast<int>(cell), &rest);
     if (NumTrustedCells(part) > NumTrustedCells(largest))
       largest = std::move(part);
   }
@@ -67,19 +67,19 @@ TrustMask LargestPart(TrustMask rest) {
 
 // Whether a mask holds the cell to the right of the way from a corner along a
 // step. The cell to its left is to the right of the step before.
-bool HoldsBeside(const TrustMask& mask, const Place& corner, int step) {
+bool HoldsBeside(const ValidityMask& mask, const Place& corner, int step) {
   constexpr Place kRight[4] = {{0, 0}, {-1, 0}, {-1, -1}, {0, -1}};
   return Holds(mask, corner + kRight[step % 4]);
 }
 
-Eigen::Vector2d PixelOfCorner(const Place& corner, const TrustMask& mask,
+Eigen::Vector2d PixelOfCorner(const Place& corner, const ValidityMask& mask,
                               const ImageSize& size) {
-  return {std::min(corner.column * mask.cell_px, size.width) - 0.5,
-          std::min(corner.row * mask.cell_px, size.height) - 0.5};
+  return {std::min(corner.column * mask.knot_spacing_px, size.width) - 0.5,
+          std::min(corner.row * mask.knot_spacing_px, size.height) - 0.5};
 }
 
 // The middle of what lies in the image of a cell.
-Eigen::Vector2d MiddleOf(const Place& cell, const TrustMask& mask,
+Eigen::Vector2d MiddleOf(const Place& cell, const ValidityMask& mask,
                          const ImageSize& size) {
   return (PixelOfCorner(cell, mask, size) +
           PixelOfCorner(cell + Place{1, 1}, mask, size)) /
@@ -100,8 +100,8 @@ bool IsInside(const ValidRegion& region, const Eigen::Vector2d& place) {
 }
 
 // A mask's cells whose middle is in a region.
-TrustMask CellsInside(const ValidRegion& region, TrustMask mask,
-                      const ImageSize& size) {
+ValidityMask CellsInside(const ValidRegion& region, ValidityMask mask,
+                         const ImageSize& size) {
   for (size_t k = 0; k < mask.is_trusted.size(); ++k) {
     const int cell = static_cast<int>(k);
     mask.is_trusted[k] = IsInside(
@@ -115,8 +115,9 @@ TrustMask CellsInside(const ValidRegion& region, TrustMask mask,
 
 // The way around begins with the part's first cell, which it has to its right
 // ever after.
-ValidRegion RegionOfTrust(const TrustMask& mask, const ImageSize& size) {
-  const TrustMask part = LargestPart(mask);
+ValidRegion ComputeValidRegion(const ValidityMask& mask,
+                               const ImageSize& size) {
+  const ValidityMask part = LargestPart(mask);
   const auto first =
       std::find(part.is_trusted.begin(), part.is_trusted.end(), true);
   if (first == part.is_trusted.end()) return {};
@@ -137,12 +138,14 @@ ValidRegion RegionOfTrust(const TrustMask& mask, const ImageSize& size) {
   return region;
 }
 
-TrustMask TrustOfRegion(const ValidRegion& region, const ImageSize& size) {
-  return CellsInside(region, TrustMask::Over(size), size);
+ValidityMask MakeValidityMask(const ValidRegion& region,
+                              const ImageSize& size) {
+  return CellsInside(region, ValidityMask::Over(size), size);
 }
 
-RegionLoss LossOfRegion(const TrustMask& mask, const ImageSize& size) {
-  const TrustMask held = CellsInside(RegionOfTrust(mask, size), mask, size);
+RegionLoss ComputeRegionLoss(const ValidityMask& mask, const ImageSize& size) {
+  const ValidityMask held =
+      CellsInside(ComputeValidRegion(mask, size), mask, size);
   RegionLoss loss;
   for (size_t k = 0; k < mask.is_trusted.size(); ++k) {
     loss.num_left_out += mask.is_trusted[k] && !held.is_trusted[k];

@@ -16,16 +16,16 @@ using ValidRegion = std::vector<Eigen::Vector2d>;
 /// The outline of the largest part of the trusted cells, along their edges.
 /// Cells that touch at a corner alone are not of one part. Holes are not
 /// outlined.
-ValidRegion RegionOfTrust(const TrustMask& mask, const ImageSize& size);
+ValidRegion ComputeValidRegion(const ValidityMask& mask, const ImageSize& size);
 
 /// The cells whose middle, of what lies in the image, is in a region.
-TrustMask TrustOfRegion(const ValidRegion& region, const ImageSize& size);
+ValidityMask MakeValidityMask(const ValidRegion& region, const ImageSize& size);
 
 /// Trusted cells that a region leaves out, and others that it holds.
 struct RegionLoss {
   int num_left_out = 0, num_held = 0;
 };
-RegionLoss LossOfRegion(const TrustMask& mask, const ImageSize& size);
+RegionLoss ComputeRegionLoss(const ValidityMask& mask, const ImageSize& size);
 
 }  // namespace raygrid
 

@@ -112,7 +112,8 @@ const XmlElement* XmlElement::Child(const std::string& child) const {
 
 XmlElement ParseXml(const std::string& text) {
   RequireSmallTree("", text, kXmlMarks);
-  if (FindNoUtf8(text) != std::string::npos) throw InputError("not UTF-8 text");
+  if (FindInvalidUtf8(text) != std::string::npos)
+    throw InputError("not UTF-8 text");
   return XmlTree().Parse(text);
 }
 

@@ -62,7 +62,7 @@ int SidePx(const YAML::Node& node, const std::string& name) {
   return static_cast<int>(side);
 }
 
-ImageSize SizeOfList(const YAML::Node& node, const std::string& name) {
+ImageSize GetListSize(const YAML::Node& node, const std::string& name) {
   const YAML::Node sides = node.IsMap() ? node["data"] : node;
   if (!sides.IsDefined() || !sides.IsSequence() || sides.size() != 2)
     throw InputError(fmt::format("{}: expected width and height", name));
@@ -76,7 +76,7 @@ std::string RealText(double number) {
   return text;
 }
 
-Pose PoseOfMatrix(const std::vector<double>& rows, const std::string& name) {
+Pose PoseFromMatrix(const std::vector<double>& rows, const std::string& name) {
   Eigen::Matrix3d rotation;
   Eigen::Vector3d translation;
   for (int row = 0; row < 3; ++row) {
@@ -92,7 +92,7 @@ Pose PoseOfMatrix(const std::vector<double>& rows, const std::string& name) {
   return {Eigen::Quaterniond(rotation).normalized(), translation};
 }
 
-Pose PoseOfQuaternion(const std::array<double, 7>& numbers) {
+Pose PoseFromQuaternion(const std::array<double, 7>& numbers) {
   const Eigen::Quaterniond rotation(numbers[0], numbers[1], numbers[2],
                                     numbers[3]);
   if (!(rotation.norm() > 0.5) || !(rotation.norm() < 2))

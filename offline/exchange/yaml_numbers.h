@@ -32,7 +32,7 @@ std::vector<double> AllNumbers(const YAML::Node& node, const std::string& name);
 int SidePx(const YAML::Node& node, const std::string& name);
 
 /// A list of width and height.
-ImageSize SizeOfList(const YAML::Node& node, const std::string& name);
+ImageSize GetListSize(const YAML::Node& node, const std::string& name);
 
 /// A number in as many digits as it needs, never without a point: Python takes
 /// 500 for another type than 500.0, and 1e-05 for a text.
@@ -40,11 +40,11 @@ std::string RealText(double number);
 
 /// A pose of a matrix [R t], or [R t; 0 0 0 1], row by row. Throws InputError,
 /// naming it, if R is no rotation.
-Pose PoseOfMatrix(const std::vector<double>& rows, const std::string& name);
+Pose PoseFromMatrix(const std::vector<double>& rows, const std::string& name);
 
 /// A pose of a quaternion w, x, y, z and a translation. The quaternion may be
 /// of about any length but 0. Throws InputError.
-Pose PoseOfQuaternion(const std::array<double, 7>& numbers);
+Pose PoseFromQuaternion(const std::array<double, 7>& numbers);
 
 /// RealText() of numbers, with commas and spaces between.
 std::string RealTexts(const std::vector<double>& numbers);

@@ -24,8 +24,8 @@ std::vector<std::string> EveryFifth(const Dataset& dataset) {
   return images;
 }
 
-std::vector<Condition> ConditionsOf(const ExperimentFeatures& features,
-                                    const std::string& source) {
+std::vector<Condition> ReadOperatingPoints(const ExperimentFeatures& features,
+                                           const std::string& source) {
   const Dataset& dataset = features.dataset;
   return {
       {"features",
@@ -79,8 +79,8 @@ ComparedCameras UsersCameras(const std::vector<NamedCamera>& users) {
 
 }  // namespace
 
-ExperimentFeatures FeaturesFor(const ExperimentOptions& options,
-                               const std::string& lens) {
+ExperimentFeatures SelectFeatures(const ExperimentOptions& options,
+                                  const std::string& lens) {
   ExperimentFeatures features;
   if (options.data.features) {
     features.dataset = *options.data.features;
@@ -88,19 +88,19 @@ ExperimentFeatures FeaturesFor(const ExperimentOptions& options,
     features.hold_out = options.data.hold_out;
     if (features.hold_out.empty())
       features.hold_out = EveryFifth(features.dataset);
-    features.conditions = ConditionsOf(features, "(own data)");
+    features.conditions = ReadOperatingPoints(features, "(own data)");
     return features;
   }
   SimulationOptions simulation;
   simulation.num_images = options.num_images;
   simulation.seed = options.seed + 1;
-  features.truth = SimulatedLens(lens, options.size);
+  features.truth = MakeSimulatedLens(lens, options.size);
   features.pattern = ChessboardPattern(30, 24, 0.02);
   features.dataset =
       SimulateObservations(*features.truth, features.pattern, simulation)
           .dataset;
   features.hold_out = EveryFifth(features.dataset);
-  features.conditions = ConditionsOf(features, "simulated");
+  features.conditions = ReadOperatingPoints(features, "simulated");
   features.conditions.push_back({"lens", lens});
   features.conditions.push_back(
       {"noise", fmt::format("{:g} px per axis", simulation.noise_px)});
@@ -122,19 +122,19 @@ CalibrationResult CalibrateModel(const ExperimentFeatures& features,
   CalibrationOptions calibration;
   calibration.model = choice.model;
   if (choice.cells > 0)
-    calibration.cell_px =
+    calibration.knot_spacing_px =
         std::max(2.0, double(std::max(size.width, size.height)) / choice.cells);
   calibration.hold_out = features.hold_out;
   calibration.num_threads = options.num_threads;
   return Calibrate(features.dataset, features.pattern, calibration);
 }
 
-std::optional<TrustMask> KnownPart(const CameraFile& file) {
+std::optional<ValidityMask> ComputeDefinedFraction(const CameraFile& file) {
   if (!file.uncertainty) return std::nullopt;
-  const DeviationLattice& lattice = file.uncertainty->lattice;
+  const UncertaintyLattice& lattice = file.uncertainty->lattice;
   if (lattice.deviation_px.empty()) return file.uncertainty->mask;
   const double limit_px = std::max(kKnownPx, lattice.MedianPx());
-  TrustMask known = TrustMask::Over(file.camera->image_size());
+  ValidityMask known = ValidityMask::Over(file.camera->image_size());
   for (size_t k = 0; k < known.is_trusted.size(); ++k)
     known.is_trusted[k] =
         lattice.At(file.camera->area(),
@@ -146,7 +146,8 @@ std::vector<FittedCamera> FitModels(const NamedCamera& camera) {
   std::vector<FittedCamera> fits;
   FitOptions fit;
   fit.free_rotation = true;
-  if (camera.known && camera.known->TrustsAny()) fit.trusted = &*camera.known;
+  if (camera.known && camera.known->HasValidCells())
+    fit.trusted = &*camera.known;
   for (const std::string& name : LensNames(ModelUse::kCompare)) {
     FittedModel fitted =
         FitParametricModel(name, *camera.model, camera.model->area(), fit);
@@ -163,14 +164,15 @@ std::vector<FittedCamera> FitModels(const NamedCamera& camera) {
 ComparedCameras CamerasToCompare(const ExperimentOptions& options,
                                  const std::vector<std::string>& models) {
   if (!options.data.cameras.empty()) return UsersCameras(options.data.cameras);
-  const ExperimentFeatures features = FeaturesFor(options);
+  const ExperimentFeatures features = SelectFeatures(options);
   ComparedCameras compared;
   compared.conditions = features.conditions;
   compared.conditions.push_back({"calibrated", kHowCalibrated});
   for (const std::string& model : models) {
     try {
       const CameraFile file = CalibrateModel(features, {model}, options).camera;
-      compared.cameras.push_back({model, file.camera, KnownPart(file)});
+      compared.cameras.push_back(
+          {model, file.camera, ComputeDefinedFraction(file)});
     } catch (const Error& error) {
       compared.conditions.push_back({model, error.what()});
     }
@@ -187,9 +189,9 @@ ComparedCameras CamerasToCompare(const ExperimentOptions& options,
   return compared;
 }
 
-bool AllKnow(const ComparedCameras& compared, const Eigen::Vector2d& pixel) {
+bool AllDefined(const ComparedCameras& compared, const Eigen::Vector2d& pixel) {
   const auto& known = compared.cameras.back().known;
-  if (known && !known->Trusts(pixel)) return false;
+  if (known && !known->IsValidAt(pixel)) return false;
   return std::all_of(compared.cameras.begin(), compared.cameras.end(),
                      [&pixel](const NamedCamera& camera) {
                        return camera.model->Line(pixel).has_value();

@@ -25,8 +25,8 @@ struct ExperimentFeatures {
 /// Returns the user's features, or simulates a chessboard of 30 x 24 points, at
 /// most 240 of them in an image, 0.05 px of noise. A fifth of the images is
 /// held out unless the user specifies it.
-ExperimentFeatures FeaturesFor(const ExperimentOptions& options,
-                               const std::string& lens = "example");
+ExperimentFeatures SelectFeatures(const ExperimentOptions& options,
+                                  const std::string& lens = "example");
 
 /// A model, and its knot spacing relative to the longer image side.
 struct ModelChoice {
@@ -48,7 +48,7 @@ CalibrationResult CalibrateModel(const ExperimentFeatures& features,
 /// if that is larger, so at least half of the image. This is larger than the
 /// valid region, which depends on the camera's quality. For a file with only a
 /// validity mask, that mask; nothing without one.
-std::optional<TrustMask> KnownPart(const CameraFile& file);
+std::optional<ValidityMask> ComputeDefinedFraction(const CameraFile& file);
 constexpr double kKnownPx = 0.1;
 
 /// Cameras compared in an experiment. The last is the reference: the truth, or
@@ -81,7 +81,7 @@ Area CommonArea(const std::vector<NamedCamera>& cameras);
 
 /// Whether all cameras have a line for the pixel, and it is in the valid region
 /// of an assumed reference.
-bool AllKnow(const ComparedCameras& compared, const Eigen::Vector2d& pixel);
+bool AllDefined(const ComparedCameras& compared, const Eigen::Vector2d& pixel);
 
 }  // namespace raygrid
 

@@ -147,7 +147,7 @@ struct Operator {
     const auto pose = PoseOf(view, board(), truth);
     if (!pose) return {};
     std::vector<Feature> seen = VisibleFeatures(truth, board(), Held(*pose));
-    const Area found = AreaOfFeatures(truth.image_size());
+    const Area found = GetFeatureArea(truth.image_size());
     seen.erase(std::remove_if(seen.begin(), seen.end(),
                               [&found](const Feature& feature) {
                                 return !found.Contains(feature.pixel);
@@ -199,8 +199,8 @@ struct Operator {
     const int index = static_cast<int>(live.images().images.size());
     std::vector<Feature> seen;
     if (live.adjusted()) {
-      if (const auto knowledge = CameraKnowledge::Of(*live.adjusted()))
-        if (const auto next = BestNextView(*knowledge, board()))
+      if (const auto knowledge = CameraInformation::Of(*live.adjusted()))
+        if (const auto next = FindBestNextView(*knowledge, board()))
           seen = Try(next->view);
     } else if (index < kNumFirstViews) {
       seen = Try(FirstView(index, truth.image_size()));
@@ -264,7 +264,7 @@ CaptureRun CaptureUntilKnown(Follows follows, const ThinPrismFisheye& truth,
         TrueError95(truth, live.adjusted()->state.camera()) <= kTargetPx;
   }
   if (live.adjusted())
-    if (const auto knowledge = CameraKnowledge::Of(*live.adjusted()))
+    if (const auto knowledge = CameraInformation::Of(*live.adjusted()))
       capture.predicted_px = knowledge->Percentile95Px();
   return capture;
 }

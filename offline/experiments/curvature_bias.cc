@@ -92,7 +92,7 @@ class Photographer {
       for (int w = 0; w < kNumWindows; ++w)
         measured.found.push_back(refiners_[w]->RefineWith(
             image, measured.truth, [&](const Feature& feature) {
-              auto mapping = MappingThroughCamera(camera_, pose, board_,
+              auto mapping = ComputeCameraMapping(camera_, pose, board_,
                                                   feature, kWindows[w]);
               if (mapping && way == kHomography)
                 mapping = WithoutCurvature(*mapping);
@@ -160,9 +160,9 @@ Outcome Evaluate(const CameraModel& camera, const Board& board,
     dataset.images.push_back(
         {fmt::format("{:03}.png", i), images[i].found[kind]});
   CalibrationOptions calibration;
-  calibration.cell_px =
+  calibration.knot_spacing_px =
       double(std::max(options.size.width, options.size.height)) / kCells;
-  calibration.flat_board = true;
+  calibration.fix_target_geometry = true;
   calibration.hold_out = {dataset.images.back().image};
   calibration.num_threads = options.num_threads;
   const CalibrationResult result =
@@ -217,9 +217,12 @@ struct ShiftedFeatures {
   int count = 0;
 };
 
-ImageFeatures MeasureAgain(const GreyImage& image, const Photograph& photograph,
-                           const CameraModel& camera, const Board& board,
-                           const FeatureRefiner& refiner, int window, int way) {
+ImageFeatures RefineFeaturesCallback(const GreyImage& image,
+                                     const Photograph& photograph,
+                                     const CameraModel& camera,
+                                     const Board& board,
+                                     const FeatureRefiner& refiner, int window,
+                                     int way) {
   std::vector<Feature> own;
   for (const Feature& feature : photograph.features.features)
     if (feature.board == board.id) own.push_back(feature);
@@ -227,7 +230,7 @@ ImageFeatures MeasureAgain(const GreyImage& image, const Photograph& photograph,
   return {photograph.features.image,
           refiner.RefineWith(image, own, [&](const Feature& feature) {
             auto mapping =
-                MappingThroughCamera(camera, pose, board, feature, window);
+                ComputeCameraMapping(camera, pose, board, feature, window);
             if (mapping && way == kHomography)
               mapping = WithoutCurvature(*mapping);
             return mapping;
@@ -251,7 +254,7 @@ ShiftedFeatures MeasureShift(const std::vector<Photograph>& photographs,
     for (int way = 0; way < kNumWays; ++way) {
       measured[way][i].image = photograph.features.image;
       for (const auto& [id, pose] : photograph.poses) {
-        const ImageFeatures again = MeasureAgain(
+        const ImageFeatures again = RefineFeaturesCallback(
             image, photograph, camera, *options.data.pattern.FindBoard(id),
             *refiners.at(id), window, way);
         measured[way][i].features.insert(measured[way][i].features.end(),
@@ -324,7 +327,7 @@ ExperimentResult MeasureUsersShift(const ExperimentOptions& options) {
     double rms_px[kNumWays];
     for (int way = 0; way < kNumWays; ++way)
       rms_px[way] =
-          ComputeErrorFigures(EvaluateCamera(camera, shifted.measured[way],
+          ComputeErrorMetrics(EvaluateCamera(camera, shifted.measured[way],
                                              data.pattern, options.num_threads)
                                   .residuals)
               .rms_px;
@@ -347,7 +350,7 @@ ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options) {
   if (options.data.features || !options.data.images.empty() ||
       !options.data.cameras.empty())
     return MeasureUsersShift(options);
-  const auto camera = SimulatedLens(kBiasLens, options.size);
+  const auto camera = MakeSimulatedLens(kBiasLens, options.size);
   const Photographer photographer(*camera, options);
   const std::vector<Pose> poses =
       ChoosePoses(*camera, photographer.board(), options);

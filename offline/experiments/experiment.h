@@ -28,7 +28,7 @@ namespace raygrid {
 struct NamedCamera {
   std::string name;
   std::shared_ptr<const CameraModel> model;
-  std::optional<TrustMask> known = {};  ///< its valid region, if given
+  std::optional<ValidityMask> known = {};  ///< its valid region, if given
 };
 
 /// Two cameras of one rig.
@@ -36,8 +36,8 @@ struct NamedStereo {
   std::string name;
   std::shared_ptr<const CameraModel> left, right;
   Pose right_from_left;
-  std::optional<TrustMask> left_known = {};  ///< its valid region, if given
-  std::optional<TrustMask> right_known = {};
+  std::optional<ValidityMask> left_known = {};  ///< its valid region, if given
+  std::optional<ValidityMask> right_known = {};
 };
 
 /// A user's data, used instead of simulation.

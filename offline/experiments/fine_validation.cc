@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "calibration/camera_evaluation.h"
+#include "calibration/camera_initialization.h"
 #include "calibration/camera_result.h"
 #include "calibration/model_adjustment.h"
-#include "calibration/starting_lens.h"
 #include "camera/lens_models.h"
 #include "dataset/error.h"
 #include "dataset/kinds/star.h"
@@ -31,10 +31,11 @@ constexpr int kTestEvery = 5;
 
 struct FineModel {
   std::string name;
-  double cell_px;  // 0 of a parametric model
+  double knot_spacing_px;  // 0 of a parametric model
 
   std::string Label() const {
-    return cell_px > 0 ? fmt::format("{}/{:g}", name, cell_px) : name;
+    return knot_spacing_px > 0 ? fmt::format("{}/{:g}", name, knot_spacing_px)
+                               : name;
   }
 };
 
@@ -43,7 +44,8 @@ std::vector<FineModel> FineModels() {
   for (const std::string& name : LensNames(ModelUse::kCompare))
     models.push_back({name, 0});
   for (const char* name : {models::kCentralGeneric, models::kNonCentralGeneric})
-    for (const double cell_px : {30, 20, 10}) models.push_back({name, cell_px});
+    for (const double knot_spacing_px : {30, 20, 10})
+      models.push_back({name, knot_spacing_px});
   return models;
 }
 
@@ -159,26 +161,27 @@ struct FineFigures {
 // target points.
 FineFigures AddFineRow(const FineModel& model, const CameraModel& truth,
                        const FineImages& images, const Pattern& pattern,
-                       const Adjusted& start, double bump_width_px,
+                       const AdjustmentResult& start, double bump_width_px,
                        const ExperimentOptions& options,
                        ExperimentResult* table) {
   AdjustmentOptions adjustment;
   adjustment.num_threads = NumThreads(options.num_threads);
-  Adjusted adjusted = start;
-  AdjustModel(pattern, model.name, {model.cell_px}, adjustment, &adjusted);
+  AdjustmentResult adjusted = start;
+  OptimizeModel(pattern, model.name, {model.knot_spacing_px}, adjustment,
+                &adjusted);
   AlignBoards(pattern, &adjusted);
   const CameraModel& camera = adjusted.state.camera();
-  FineFigures figures;
-  figures.training =
-      TrainingResiduals(pattern, adjusted, 0, options.num_threads);
-  figures.test_px =
-      ComputeErrorFigures(EvaluateCamera(camera, images.test,
-                                         AdjustedPattern(pattern, adjusted),
-                                         options.num_threads)
-                              .residuals)
-          .median_px;
-  figures.bias = ComputeBias(figures.training, camera.area());
-  const auto noise_bias = NoiseBias(figures.training, camera.area());
+  FineFigures metrics;
+  metrics.training =
+      ComputeTrainingResiduals(pattern, adjusted, 0, options.num_threads);
+  metrics.test_px = ComputeErrorMetrics(
+                        EvaluateCamera(camera, images.test,
+                                       MakeEstimatedPattern(pattern, adjusted),
+                                       options.num_threads)
+                            .residuals)
+                        .median_px;
+  metrics.bias = ComputeBias(metrics.training, camera.area());
+  const auto noise_bias = ComputeNoiseBias(metrics.training, camera.area());
   constexpr double kStepPx = 5;
   const ModelDifference difference = CompareModels(truth, camera, kStepPx);
   const auto or_dash = [](const std::optional<double>& number) {
@@ -186,22 +189,22 @@ FineFigures AddFineRow(const FineModel& model, const CameraModel& truth,
   };
   table->rows.push_back(
       {static_cast<int>(bump_width_px), model.name,
-       static_cast<int>(model.cell_px), camera.NumParameters(),
-       ComputeErrorFigures(figures.training).median_px, figures.test_px,
-       or_dash(figures.bias), or_dash(noise_bias),
-       FewestInACell(figures.training, camera.area()), difference.median_px,
+       static_cast<int>(model.knot_spacing_px), camera.NumParameters(),
+       ComputeErrorMetrics(metrics.training).median_px, metrics.test_px,
+       or_dash(metrics.bias), or_dash(noise_bias),
+       FewestInACell(metrics.training, camera.area()), difference.median_px,
        difference.rms_px});
-  return figures;
+  return metrics;
 }
 
 // Short enough for a picture's caption.
-std::string CaptionOf(const FineModel& model, const FineFigures& figures) {
+std::string CaptionOf(const FineModel& model, const FineFigures& metrics) {
   std::string label = model.Label();
   const size_t generic = label.find("-generic");
   if (generic != std::string::npos) label.erase(generic, 8);
   const std::string bias =
-      figures.bias ? fmt::format(", bias {:.3f}", *figures.bias) : "";
-  return fmt::format("{}: test {:.3g} px{}", label, figures.test_px, bias);
+      metrics.bias ? fmt::format(", bias {:.3f}", *metrics.bias) : "";
+  return fmt::format("{}: test {:.3g} px{}", label, metrics.test_px, bias);
 }
 
 std::vector<Condition> FineConditions(const ExperimentOptions& options) {
@@ -245,8 +248,8 @@ ExperimentResult EmptyFineTable(const ExperimentOptions& options) {
   for (const FineModel& model : FineModels())
     table.chart.ticks.push_back(
         {double(table.chart.ticks.size()),
-         model.cell_px > 0
-             ? fmt::format("{}/{:g}", model.name[0], model.cell_px)
+         model.knot_spacing_px > 0
+             ? fmt::format("{}/{:g}", model.name[0], model.knot_spacing_px)
              : model.name});
   return table;
 }
@@ -270,19 +273,19 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
                      images.test.num_features())});
     AdjustmentOptions adjustment;
     adjustment.num_threads = NumThreads(options.num_threads);
-    const Adjusted start =
-        AdjustStartingLens(images.training, pattern, adjustment);
+    const AdjustmentResult start =
+        InitializeCamera(images.training, pattern, adjustment);
     ChartSeries series = {
         fmt::format("local distortion {:g} px wide", width_px), {}, false};
     std::vector<SheetPicture> pictures;
     for (size_t i = 0; i < models.size(); ++i) {
       const FineModel& model = models[i];
       try {
-        const FineFigures figures = AddFineRow(
+        const FineFigures metrics = AddFineRow(
             model, truth, images, pattern, start, width_px, options, &table);
-        series.points.push_back({double(i), figures.test_px});
-        pictures.push_back({CaptionOf(model, figures),
-                            DirectionPicture(figures.training, options.size,
+        series.points.push_back({double(i), metrics.test_px});
+        pictures.push_back({CaptionOf(model, metrics),
+                            DirectionPicture(metrics.training, options.size,
                                              WholeImage(options.size))});
       } catch (const Error& error) {
         table.conditions.push_back({fmt::format("{}, local distortion {:g} px",

@@ -22,10 +22,10 @@ constexpr int kMaxFrames = 64;
 
 // Points in the true camera's frame, which stands at the origin; at pixels that
 // all cameras know.
-std::vector<PointOnPixel> MakeScene(const ComparedCameras& compared,
-                                    const Area& area, Random* random) {
+std::vector<PointPixelMatch> MakeScene(const ComparedCameras& compared,
+                                       const Area& area, Random* random) {
   constexpr int kMaxTries = 10000;
-  std::vector<PointOnPixel> scene;
+  std::vector<PointPixelMatch> scene;
   for (int tries = 0; static_cast<int>(scene.size()) < kPoints; ++tries) {
     if (tries == kMaxTries)
       throw Error(ExitCode::kTooFew,
@@ -34,7 +34,7 @@ std::vector<PointOnPixel> MakeScene(const ComparedCameras& compared,
     const double x = random->Uniform(area.x0 + 1, area.x1 - 1);
     const Eigen::Vector2d pixel(x, random->Uniform(area.y0 + 1, area.y1 - 1));
     const double distance_m = random->Uniform(kNearM, kFarM);
-    if (!AllKnow(compared, pixel)) continue;
+    if (!AllDefined(compared, pixel)) continue;
     const auto line = compared.truth().Line(pixel);
     scene.push_back({line->origin + distance_m * line->direction, pixel});
   }
@@ -46,14 +46,14 @@ std::vector<PointOnPixel> MakeScene(const ComparedCameras& compared,
 using Errors = std::vector<std::optional<Eigen::Vector3d>>;
 
 Errors LocalizeScene(const CameraModel& camera,
-                     const std::vector<PointOnPixel>& scene, uint64_t seed) {
+                     const std::vector<PointPixelMatch>& scene, uint64_t seed) {
   Random random(seed);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int count = 0;
   Errors errors;
   for (int frame = 1; frame <= kMaxFrames; ++frame) {
-    std::vector<PointOnPixel> seen = scene;
-    for (PointOnPixel& match : seen) {
+    std::vector<PointPixelMatch> seen = scene;
+    for (PointPixelMatch& match : seen) {
       match.pixel.x() += kNoisePx * random.Normal();
       match.pixel.y() += kNoisePx * random.Normal();
     }
@@ -104,7 +104,8 @@ PlaceErrors MeasurePlaces(const CameraModel& camera,
   std::vector<Errors> scenes(kScenes);
   ParallelFor(kScenes, NumThreads(options.num_threads), [&](int i) {
     Random random(options.seed * 1000003 + i + 1);
-    const std::vector<PointOnPixel> scene = MakeScene(compared, area, &random);
+    const std::vector<PointPixelMatch> scene =
+        MakeScene(compared, area, &random);
     scenes[i] = LocalizeScene(camera, scene, options.seed * 7919 + i + 1);
   });
   PlaceErrors errors;

@@ -127,7 +127,7 @@ using Outcomes = std::vector<std::vector<BoardTrial::Outcome>>;
 
 Outcomes RunAll(const std::vector<BoardTrial>& trials,
                 const ExperimentOptions& options) {
-  const auto camera = SimulatedLens(kBoardLens, options.size);
+  const auto camera = MakeSimulatedLens(kBoardLens, options.size);
   const std::vector<Pose> poses = ChoosePoses(*camera, options);
   const int num_threads = NumThreads(options.num_threads);
   const PixelRays rays(*camera, num_threads);
@@ -165,7 +165,7 @@ std::vector<std::vector<int>> FoundInAll(const Outcomes& outcomes,
   return found;
 }
 
-LocalizationError Summarize(
+LocalizationError SummarizeCandidate(
     const std::vector<BoardTrial::Outcome>& outcomes_by_image, size_t way,
     const std::vector<std::vector<int>>& compared) {
   LocalizationError summary;
@@ -220,7 +220,7 @@ std::vector<LocalizationError> MeasureLocalization(
   std::vector<LocalizationError> errors;
   for (size_t trial = 0; trial < trials.size(); ++trial)
     for (size_t way = 0; way < trials[trial].num_ways(); ++way)
-      errors.push_back(Summarize(outcomes[trial], way, compared));
+      errors.push_back(SummarizeCandidate(outcomes[trial], way, compared));
   return errors;
 }
 

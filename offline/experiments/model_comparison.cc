@@ -19,7 +19,7 @@ std::shared_ptr<const CameraModel> GenericCamera(
     conditions->push_back({"camera", "user-provided, " + camera.model->Name()});
     return camera.model;
   }
-  const ExperimentFeatures features = FeaturesFor(options);
+  const ExperimentFeatures features = SelectFeatures(options);
   *conditions = features.conditions;
   const ModelChoice choice = {models::kCentralGeneric, kCells};
   conditions->push_back({"camera", choice.Label() + ", calibrated"});

@@ -77,7 +77,7 @@ SheetPicture Directions(const ModelChoice& choice,
 
 ExperimentResult ValidateModels(const ExperimentOptions& options) {
   if (options.fine) return ValidateFineModels(options);
-  const ExperimentFeatures features = FeaturesFor(options);
+  const ExperimentFeatures features = SelectFeatures(options);
   ExperimentResult table;
   table.conditions = features.conditions;
   table.columns = {

@@ -23,7 +23,7 @@ struct Camera {
 
 Camera CalibrateLines(const ExperimentOptions& options) {
   constexpr int kCells = 8;
-  const ExperimentFeatures features = FeaturesFor(options, "glass");
+  const ExperimentFeatures features = SelectFeatures(options, "glass");
   Camera camera = {nullptr, features.conditions};
   for (const char* model :
        {models::kCentralGeneric, models::kNonCentralGeneric}) {
@@ -77,7 +77,7 @@ Effect EffectAt(const CameraModel& camera, const Eigen::Vector3d& center,
     LinearizedProjection linear;
     if (!camera.Linearize(point, &pixel, 1, &linear)) continue;
     const double error_px =
-        (linear.by_point * distance_m *
+        (linear.J_point * distance_m *
          (seen_from_center(right_at_m) - seen_from_center(distance_m)))
             .norm();
     effect.rms_px += error_px * error_px;

@@ -73,7 +73,7 @@ Image ColorLegend(ColorScale scale, const std::string& low,
   cv::Mat legend(kBarHeight + 24, kBarWidth + 60, CV_8UC3,
                  cv::Scalar(255, 255, 255));
   for (int x = 0; x < kBarWidth; ++x) {
-    const auto color = ColorOf(scale, double(x) / (kBarWidth - 1));
+    const auto color = GetColor(scale, double(x) / (kBarWidth - 1));
     legend.col(x)
         .rowRange(0, kBarHeight)
         .setTo(cv::Scalar(color[0], color[1], color[2]));

@@ -40,8 +40,8 @@ ImageSet Simulated(const std::string& name, const ExperimentOptions& options,
   simulation.shared_noise_features = 8;
   const Pattern pattern = ChessboardPattern(30, 24, 0.02);
   return {name,
-          SimulateObservations(*SimulatedLens("example", options.size), pattern,
-                               simulation)
+          SimulateObservations(*MakeSimulatedLens("example", options.size),
+                               pattern, simulation)
               .dataset,
           pattern};
 }
@@ -72,7 +72,7 @@ std::array<std::vector<std::string>, 2> Halves(const Dataset& dataset,
 struct Place {
   int index = 0;  // of all candidates
   Eigen::Vector2d pixel, difference_px;
-  Eigen::Matrix<double, 2, 3> by_rotation;
+  Eigen::Matrix<double, 2, 3> J_rotation;
   double stated_px = 0;   // predicted uncertainty of both, as reported
   double scatter_px = 0;  // noise of both, RMS of both axes
   bool is_trusted = false;
@@ -92,8 +92,8 @@ bool IsAmong(const Dataset& features, const Eigen::Vector2d& pixel,
   return sides[0] && sides[1] && sides[2] && sides[3];
 }
 
-std::vector<Place> PlacesOf(const CalibrationResult& first,
-                            const CalibrationResult& second) {
+std::vector<Place> CollectFeaturePositions(const CalibrationResult& first,
+                                           const CalibrationResult& second) {
   constexpr int kColumns = 64;
   constexpr double kNearPart = 1 / 16.0;  // of the width
   const CameraModel &a = *first.camera.camera, &b = *second.camera.camera;
@@ -119,7 +119,7 @@ std::vector<Place> PlacesOf(const CalibrationResult& first,
       Eigen::Matrix3d minus_cross;
       minus_cross << 0, ray->z(), -ray->y(), -ray->z(), 0, ray->x(), ray->y(),
           -ray->x(), 0;
-      place.by_rotation = linear.by_point * minus_cross;
+      place.J_rotation = linear.J_point * minus_cross;
       const double stated_px[] = {ua.lattice.At(area, place.pixel),
                                   ub.lattice.At(b.area(), place.pixel)};
       if (!(std::max(stated_px[0], stated_px[1]) <= kKnownPx)) continue;
@@ -127,7 +127,7 @@ std::vector<Place> PlacesOf(const CalibrationResult& first,
       place.scatter_px = std::hypot(ua.scatter.At(area, place.pixel),
                                     ub.scatter.At(b.area(), place.pixel));
       place.is_trusted =
-          ua.mask.Trusts(place.pixel) && ub.mask.Trusts(place.pixel);
+          ua.mask.IsValidAt(place.pixel) && ub.mask.IsValidAt(place.pixel);
       places.push_back(place);
     }
   return places;
@@ -135,7 +135,7 @@ std::vector<Place> PlacesOf(const CalibrationResult& first,
 
 // Removes the rotation, a gauge freedom. Pixels are weighted by their
 // uncertainty; those that differ by more than predicted, less.
-void TakeRotationOut(std::vector<Place>* places) {
+void RemoveRotation(std::vector<Place>* places) {
   constexpr int kSteps = 10;
   constexpr double kFar = 2;  // standard deviations
   for (int step = 0; step < kSteps; ++step) {
@@ -144,14 +144,14 @@ void TakeRotationOut(std::vector<Place>* places) {
     for (const Place& place : *places) {
       const double far = place.difference_px.norm() / (kFar * place.stated_px);
       const Eigen::Matrix<double, 3, 2> weighted =
-          place.by_rotation.transpose() /
+          place.J_rotation.transpose() /
           (std::pow(place.stated_px, 2) * std::max(1.0, far));
-      square += weighted * place.by_rotation;
+      square += weighted * place.J_rotation;
       right += weighted * place.difference_px;
     }
     const Eigen::Vector3d rotation = square.ldlt().solve(right);
     for (Place& place : *places)
-      place.difference_px -= place.by_rotation * rotation;
+      place.difference_px -= place.J_rotation * rotation;
   }
 }
 
@@ -255,16 +255,16 @@ std::optional<Repetition> Repeat(const ImageSet& set,
   for (const std::vector<std::string>& half : Halves(set.dataset, &random)) {
     CalibrationOptions calibration;
     calibration.num_threads = 1;
-    calibration.cell_px = all.cell_px;
+    calibration.knot_spacing_px = all.knot_spacing_px;
     calibration.rigid_board = !all.bends;
     calibration.hold_out = half;
-    calibration.same_view_px = 0;
+    calibration.duplicate_px = 0;
     results.push_back(Calibrate(set.dataset, set.pattern, calibration));
     if (!results.back().camera.uncertainty) return std::nullopt;
   }
-  std::vector<Place> places = PlacesOf(results[0], results[1]);
+  std::vector<Place> places = CollectFeaturePositions(results[0], results[1]);
   if (places.empty()) return std::nullopt;
-  TakeRotationOut(&places);
+  RemoveRotation(&places);
   Repetition repetition;
   for (const Place& place : places) {
     repetition.known.Add(place);

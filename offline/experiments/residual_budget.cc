@@ -7,7 +7,7 @@
 
 #include "calibration/budget_input.h"
 #include "dataset/error.h"
-#include "evaluation/budget_verdict.h"
+#include "evaluation/budget_assessment.h"
 #include "experiments/experiment.h"
 #include "simulation/faulty_observations.h"
 #include "simulation/simulated_lenses.h"
@@ -19,9 +19,9 @@ double InPercent(double part) { return std::round(1e4 * part) / 100; }
 
 void AddVerdict(const ResidualBudget& budget, const std::string& prefix,
                 ExperimentResult* table) {
-  const BudgetVerdict verdict = JudgeBudget(budget);
-  table->conditions.push_back({prefix + "limited by", verdict.sentence});
-  table->conditions.push_back({prefix + "to do", verdict.advice});
+  const BudgetAssessment assessment = AssessBudget(budget);
+  table->conditions.push_back({prefix + "limited by", assessment.sentence});
+  table->conditions.push_back({prefix + "to do", assessment.advice});
 }
 
 // ---- A user's calibration ---------------------------------------------------
@@ -33,19 +33,20 @@ void AddPart(const std::string& name, double part, ExperimentResult* table) {
 
 void AddCauseRow(ErrorCause cause, const CauseShare& share,
                  ExperimentResult* table) {
-  if (!share.can_be_told) {
-    table->rows.push_back({std::string(NameOf(cause)), 0.0, std::string("-"),
+  if (!share.is_observable) {
+    table->rows.push_back({std::string(ToString(cause)), 0.0, std::string("-"),
                            std::string("-"),
-                           "not observable: " + share.untold});
+                           "not observable: " + share.unobservable_reason});
     return;
   }
   table->rows.push_back(
-      {std::string(NameOf(cause)), InPercent(share.in_turn),
+      {std::string(ToString(cause)), InPercent(share.in_turn),
        fmt::format("{:.2f}", 100 * share.alone),
        fmt::format("{:.2f}", 100 * share.chance_high),
-       std::string(share.is_alike   ? "indistinguishable from the largest"
-                   : share.IsTold() ? "significant"
-                                    : "not significant")});
+       std::string(share.is_indistinguishable
+                       ? "indistinguishable from the largest"
+                   : share.IsDetermined() ? "significant"
+                                          : "not significant")});
 }
 
 Chart ChartOfBudget(const ResidualBudget& budget) {
@@ -68,8 +69,8 @@ Chart ChartOfBudget(const ResidualBudget& budget) {
   for (int k = 0; k < kNumErrorCauses; ++k) {
     const auto cause = static_cast<ErrorCause>(k);
     const CauseShare& share = budget.Of(cause);
-    const double x = tick(NameOf(cause));
-    if (!share.can_be_told) continue;
+    const double x = tick(ToString(cause));
+    if (!share.is_observable) continue;
     parts.points.push_back({x, percent(share.in_turn)});
     alone.points.push_back({x, percent(share.alone)});
     chance.points.push_back({x, percent(share.chance_high)});
@@ -89,7 +90,7 @@ BudgetInput InputOfUser(const ExperimentData& data, int num_threads) {
       throw InputError(
           "--result: interrupted, or written by another version of raygrid; "
           "calibrate again");
-    return BudgetInputOf(*data.result, data.result->budget->facts);
+    return MakeBudgetInput(*data.result, data.result->budget->facts);
   }
   if (!data.features || data.cameras.size() != 1)
     throw Error(ExitCode::kUsage,
@@ -99,15 +100,15 @@ BudgetInput InputOfUser(const ExperimentData& data, int num_threads) {
   if (camera.image_size() != data.features->image_size)
     throw InputError(data.cameras.front().name +
                      ": its image size differs from --image-size");
-  return BudgetInputOf(camera, *data.features, data.pattern, num_threads);
+  return MakeBudgetInput(camera, *data.features, data.pattern, num_threads);
 }
 
 ExperimentResult BudgetOfUser(const ExperimentOptions& options) {
   const BudgetInput input = InputOfUser(options.data, options.num_threads);
-  const ResidualBudget budget = MeasureResidualBudget(input);
-  if (!budget.untold.empty())
-    throw Error(ExitCode::kTooFew,
-                "residual-budget: not observable: " + budget.untold);
+  const ResidualBudget budget = ComputeResidualBudget(input);
+  if (!budget.unobservable_reason.empty())
+    throw Error(ExitCode::kTooFew, "residual-budget: not observable: " +
+                                       budget.unobservable_reason);
   ExperimentResult table;
   table.conditions = {
       {"residuals",
@@ -134,7 +135,7 @@ ExperimentResult BudgetOfUser(const ExperimentOptions& options) {
 
 ExperimentResult BudgetsOfFaults(const ExperimentOptions& options) {
   constexpr char kLens[] = "example";
-  const auto camera = SimulatedLens(kLens, options.size);
+  const auto camera = MakeSimulatedLens(kLens, options.size);
   const Pattern pattern = ChessboardPattern(17, 11, 0.024);
   SimulationOptions simulation;
   simulation.num_images = options.num_images;
@@ -155,7 +156,7 @@ ExperimentResult BudgetsOfFaults(const ExperimentOptions& options) {
   table.chart.x_label = "fault";
   table.chart.y_label = "share of the squared residuals, %";
   for (int k = 0; k < kNumErrorCauses; ++k) {
-    const char* name = NameOf(static_cast<ErrorCause>(k));
+    const char* name = ToString(static_cast<ErrorCause>(k));
     table.columns.push_back(name);
     table.chart.series.push_back({name, {}, false});
   }
@@ -165,12 +166,12 @@ ExperimentResult BudgetsOfFaults(const ExperimentOptions& options) {
     const auto fault = static_cast<SimulatedFault>(f);
     const Dataset seen =
         SimulateFaultyObservations(*camera, pattern, simulation, fault);
-    const ResidualBudget budget = MeasureResidualBudget(
-        BudgetInputOf(*camera, seen, pattern, options.num_threads));
-    std::vector<Cell> row = {std::string(NameOf(fault)),
-                             JudgeBudget(budget).limit, budget.rms_px,
+    const ResidualBudget budget = ComputeResidualBudget(
+        MakeBudgetInput(*camera, seen, pattern, options.num_threads));
+    std::vector<Cell> row = {std::string(ToString(fault)),
+                             AssessBudget(budget).limit, budget.rms_px,
                              budget.noise_px.mean(), InPercent(budget.noise)};
-    table.chart.ticks.push_back({double(f), NameOf(fault)});
+    table.chart.ticks.push_back({double(f), ToString(fault)});
     for (int k = 0; k < kNumErrorCauses; ++k) {
       const double part = budget.Of(static_cast<ErrorCause>(k)).in_turn;
       row.push_back(InPercent(part));

@@ -126,8 +126,8 @@ void CalibratePairs(const Dataset& left, const Dataset& right,
         {model, result.cameras[0].camera.camera,
          result.cameras[1].camera.camera,
          result.camera_from_rig[1] * result.camera_from_rig[0].Inverse(),
-         KnownPart(result.cameras[0].camera),
-         KnownPart(result.cameras[1].camera)});
+         ComputeDefinedFraction(result.cameras[0].camera),
+         ComputeDefinedFraction(result.cameras[1].camera)});
     if (options.progress)
       options.progress(0.15 * double(compared->pairs.size()));
   }
@@ -141,7 +141,7 @@ void CalibratePairs(const Dataset& left, const Dataset& right,
 
 ComparedPairs SimulatedPairs(const ExperimentOptions& options) {
   const SimulatedRig rig =
-      CamerasInARow(SimulatedLens("example", options.size), 2, kBaselineM);
+      MakeCameraRow(MakeSimulatedLens("example", options.size), 2, kBaselineM);
   const Pattern pattern = ChessboardPattern(30, 24, 0.02);
   SimulationOptions simulation;
   simulation.num_images = options.num_images;
@@ -248,7 +248,7 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
       options.progress(0.6 + 0.4 * double(clouds.size()) /
                                  double(compared.pairs.size()));
   }
-  const Surface surface = SurfaceOf(clouds.back(), reference, matching);
+  const Surface surface = MakeSurface(clouds.back(), reference, matching);
 
   ExperimentResult table;
   table.conditions = compared.conditions;
@@ -341,7 +341,7 @@ ExperimentResult CompareOnWall(const ComparedPairs& compared,
       [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
     const auto line = truth.left->Line(pixel);
     const auto& known = truth.left_known;
-    if (!line || (known && !known->Trusts(pixel))) return std::nullopt;
+    if (!line || (known && !known->IsValidAt(pixel))) return std::nullopt;
     return wall.Seen(*line);
   };
 

@@ -187,8 +187,8 @@ StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
   return cloud;
 }
 
-Surface SurfaceOf(const StereoCloud& cloud, const NamedStereo& cameras,
-                  const Matching& matching) {
+Surface MakeSurface(const StereoCloud& cloud, const NamedStereo& cameras,
+                    const Matching& matching) {
   constexpr double kSmooth = 0.03;  // of inverse depth, between nodes
   const ImageSize size = cameras.left->image_size();
   const Eigen::Matrix3d rectified_from_left = RectifiedFromLeft(cameras);

@@ -45,8 +45,8 @@ using Surface =
     std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>;
 
 /// Uses a cloud of the same images as the surface, where it is smooth.
-Surface SurfaceOf(const StereoCloud& cloud, const NamedStereo& cameras,
-                  const Matching& matching);
+Surface MakeSurface(const StereoCloud& cloud, const NamedStereo& cameras,
+                    const Matching& matching);
 
 /// Evaluates the depth errors of a cloud relative to a surface after alignment
 /// by a similarity (Umeyama, 1991), over the cloud's lattice; NaN where there

@@ -105,7 +105,7 @@ Walk MakeWalk(const ComparedCameras& compared, uint64_t seed) {
       if (!pixel) continue;
       const Eigen::Vector2d seen =
           *pixel + kNoisePx * Eigen::Vector2d(random.Normal(), random.Normal());
-      if (area.Contains(seen, -2) && AllKnow(compared, seen))
+      if (area.Contains(seen, -2) && AllDefined(compared, seen))
         view.observations.push_back({k, seen});
     }
     if (view.observations.size() < kMinSeen)
@@ -152,7 +152,7 @@ struct Reconstruction {
   std::vector<Eigen::Vector3d> points;
 };
 
-struct Adjusted : Reconstruction {
+struct AdjustmentResult : Reconstruction {
   double median_px = 0;  // residuals
   bool converged = false;
 };
@@ -197,9 +197,9 @@ Reconstruction PerturbedStart(const Walk& walk, uint64_t seed) {
 // ---- Optimization ----------------------------------------------------------
 
 // The gauge and the scale are fixed only by the prior of the points.
-Adjusted AdjustWalk(const CameraModel& camera, const Walk& walk,
-                    const Reconstruction& start,
-                    const ExperimentOptions& options) {
+AdjustmentResult AdjustWalk(const CameraModel& camera, const Walk& walk,
+                            const Reconstruction& start,
+                            const ExperimentOptions& options) {
   constexpr double kWeakPx = 0.01;  // relative to the path's length
   AdjustmentState state;
   state.SetCamera(camera);
@@ -207,12 +207,12 @@ Adjusted AdjustWalk(const CameraModel& camera, const Walk& walk,
   state.points = start.points;
   GaussianPrior prior;
   prior.points_mean = start.points;
-  prior.points_weight = std::pow(kWeakPx / walk.Length(), 2);
+  prior.points_precision = std::pow(kWeakPx / walk.Length(), 2);
   AdjustmentOptions adjustment;
   adjustment.fix_cameras = true;
   adjustment.num_threads = options.num_threads;
   const AdjustmentSummary summary =
-      AdjustBundle(walk.views, prior, adjustment, &state);
+      RunBundleAdjustment(walk.views, prior, adjustment, &state);
   std::vector<double> norms;
   for (const Residual& residual : summary.residuals)
     if (residual.valid) norms.push_back(residual.error_px.norm());
@@ -272,11 +272,11 @@ double EndDifferencePercent(const Reconstruction& found,
 
 // One camera's optimizations of a walk.
 struct DriftOfCamera {
-  std::vector<Adjusted> by_start;
+  std::vector<AdjustmentResult> by_start;
 
   bool Converged() const {
     return std::all_of(by_start.begin(), by_start.end(),
-                       [](const Adjusted& a) { return a.converged; });
+                       [](const AdjustmentResult& a) { return a.converged; });
   }
 };
 
@@ -423,7 +423,7 @@ ExperimentResult AdjustUsersWalk(const ExperimentOptions& options) {
     if (options.progress)
       options.progress(double(drifts.size()) / double(cameras.size()));
   }
-  const Adjusted& reference = drifts.back().by_start[0];
+  const AdjustmentResult& reference = drifts.back().by_start[0];
 
   ExperimentResult table = EmptyTable(cameras);
   table.conditions = compared.conditions;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "dataset/image_room.h"
+#include "dataset/image_memory_budget.h"
 #include "dataset/kinds/target_kind.h"
 #include "dataset/parallel_for.h"
 #include "features/board_view/low_contrast.h"
@@ -16,7 +16,7 @@ namespace raygrid {
 namespace {
 
 std::optional<Guess> GuessChessboard(const GreyImage& image, const Board&) {
-  const auto size = SeenChessboardSize(image);
+  const auto size = EstimateChessboardSize(image);
   if (!size) return std::nullopt;
   Guess guess;
   guess.kind = "chessboard";
@@ -107,10 +107,10 @@ int CountNegatives(const FolderDetection& found, const Pattern& pattern,
   std::vector<int> are_negative(chosen.size(), 0);
   ParallelFor(
       static_cast<int>(chosen.size()), NumThreads(num_threads), [&](int i) {
-        const ImageRoom room(found.dataset.image_size);
+        const ImageMemoryBudget room(found.dataset.image_size);
         const GreyImage image =
             MakeGreyImage(Negative(ReadGreyLevels(found.paths[chosen[i]])));
-        if (IsNoiseAlone(image) || HasHardlyAnyContrast(image)) return;
+        if (IsPureNoise(image) || HasLowContrast(image)) return;
         const size_t before = found.images[chosen[i]].features.size();
         are_negative[i] = detector.Detect(image).features.size() > 2 * before;
       });
@@ -162,17 +162,17 @@ std::string Remedy(const Guess& guess, const Board& asked,
   std::string what = "columns and rows";
   if (guess.kind != asked.kind)
     what = "the target kind";
-  else if (!HasMarkersAsAsked(guess, asked))
+  else if (!HasRequestedMarkers(guess, asked))
     what = KindOf(asked).markers;
   return fmt::format("correct {} in {}", what, pattern_name);
 }
 
 // A line if most of the images show the boards in white on black.
-std::optional<std::string> RemarkOnNegatives(const FolderDetection& found,
-                                             const Pattern& pattern,
-                                             const std::string& pattern_name,
-                                             const std::vector<int>& chosen,
-                                             int num_threads) {
+std::optional<std::string> WarnAboutNegatives(const FolderDetection& found,
+                                              const Pattern& pattern,
+                                              const std::string& pattern_name,
+                                              const std::vector<int>& chosen,
+                                              int num_threads) {
   // A chessboard's negative is a chessboard.
   if (chosen.empty() || !pattern.boards.front().HasMarkers())
     return std::nullopt;
@@ -191,8 +191,8 @@ std::optional<std::string> RemarkOnNegatives(const FolderDetection& found,
 
 }  // namespace
 
-std::string SoughtBoards(const Pattern& pattern,
-                         const std::string& pattern_name) {
+std::string DescribeExpectedBoards(const Pattern& pattern,
+                                   const std::string& pattern_name) {
   const size_t num_others = pattern.boards.size() - 1;
   return fmt::format(
       "searched for {}{}; check that {} describes the target in the images",
@@ -208,23 +208,24 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
   const Board& asked = pattern.boards.front();
   const std::vector<int> chosen = ImagesToLookAt(found, asked);
   const auto negative = [&] {
-    return RemarkOnNegatives(found, pattern, pattern_name, chosen, num_threads);
+    return WarnAboutNegatives(found, pattern, pattern_name, chosen,
+                              num_threads);
   };
   if (pattern.boards.size() > 1 || !asked.tags.empty()) return negative();
   std::vector<std::optional<Guess>> guesses(chosen.size());
   ParallelFor(static_cast<int>(chosen.size()), NumThreads(num_threads),
               [&](int i) {
-                const ImageRoom room(found.dataset.image_size);
+                const ImageMemoryBudget room(found.dataset.image_size);
                 const GreyImage image =
                     MakeGreyImage(ReadGreyLevels(found.paths[chosen[i]]));
-                if (!IsNoiseAlone(image) && !HasHardlyAnyContrast(image))
-                  guesses[i] = GuessFrom(WithLittleNoise(image), asked);
+                if (!IsPureNoise(image) && !HasLowContrast(image))
+                  guesses[i] = GuessFrom(Denoise(image), asked);
               });
   int num_votes = 0;
   auto guess = MostVoted(guesses, &num_votes);
   if (!guess) return negative();
   TurnAs(asked, &*guess);
-  if (IsAsAsked(*guess, asked)) return negative();
+  if (MatchesRequest(*guess, asked)) return negative();
   return fmt::format(
       "the images show {}{} ({} of {} inspected images), not {}; {}",
       guess->is_mirrored   ? "a mirrored board of "

@@ -23,8 +23,8 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
 
 /// The end of an error's line where images show no board: what was searched
 /// for, and what to check.
-std::string SoughtBoards(const Pattern& pattern,
-                         const std::string& pattern_name);
+std::string DescribeExpectedBoards(const Pattern& pattern,
+                                   const std::string& pattern_name);
 
 }  // namespace raygrid
 

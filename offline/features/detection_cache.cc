@@ -39,7 +39,7 @@ std::string OnOneLine(std::string text) {
   return text;
 }
 
-std::string FormatEntry(const SeenImage& seen) {
+std::string FormatEntry(const DetectedImage& seen) {
   std::string entry =
       fmt::format("size {} {}\n", seen.size.width, seen.size.height);
   for (const Feature& feature : seen.detection.features)
@@ -47,8 +47,8 @@ std::string FormatEntry(const SeenImage& seen) {
   for (const RejectedFeature& rejected : seen.detection.rejected)
     entry += FormatFeature("rejected", rejected.feature) + " " +
              OnOneLine(rejected.reason) + "\n";
-  for (const std::string& remark : seen.detection.remarks)
-    entry += "remark " + OnOneLine(remark) + "\n";
+  for (const std::string& warning : seen.detection.warnings)
+    entry += "remark " + OnOneLine(warning) + "\n";
   return entry;
 }
 
@@ -70,8 +70,8 @@ Feature ParseFeature(std::istringstream* line) {
 }
 
 // The image's detection in a text whose checksum is right.
-SeenImage ParseEntry(const std::string& entry) {
-  SeenImage seen;
+DetectedImage ParseEntry(const std::string& entry) {
+  DetectedImage seen;
   std::istringstream lines(entry);
   for (std::string text; std::getline(lines, text);) {
     std::istringstream line(text);
@@ -84,7 +84,7 @@ SeenImage ParseEntry(const std::string& entry) {
       const Feature feature = ParseFeature(&line);
       seen.detection.rejected.push_back({feature, Rest(&line)});
     }
-    if (word == "remark") seen.detection.remarks.push_back(Rest(&line));
+    if (word == "remark") seen.detection.warnings.push_back(Rest(&line));
   }
   return seen;
 }
@@ -120,7 +120,8 @@ std::string DetectionCache::Key(const std::string& image_bytes,
   return hash.Text();
 }
 
-std::optional<SeenImage> DetectionCache::Find(const std::string& key) const {
+std::optional<DetectedImage> DetectionCache::Find(
+    const std::string& key) const {
   std::error_code error;
   if (folder_.empty() || !fs::exists(Path(key), error)) return std::nullopt;
   try {
@@ -136,7 +137,7 @@ std::optional<SeenImage> DetectionCache::Find(const std::string& key) const {
 }
 
 void DetectionCache::Store(const std::string& key,
-                           const SeenImage& seen) const {
+                           const DetectedImage& seen) const {
   if (folder_.empty()) return;
   const std::string entry = FormatEntry(seen);
   try {

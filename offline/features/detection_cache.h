@@ -10,7 +10,7 @@ namespace raygrid {
 
 /// The detection in one image, and the image's size, which is not known before
 /// it is decoded.
-struct SeenImage {
+struct DetectedImage {
   ImageSize size;
   ImageDetection detection;
 };
@@ -31,8 +31,8 @@ class DetectionCache {
   static std::string Key(const std::string& image_bytes, const Pattern& pattern,
                          const DetectionOptions& options);
 
-  std::optional<SeenImage> Find(const std::string& key) const;
-  void Store(const std::string& key, const SeenImage& seen) const;
+  std::optional<DetectedImage> Find(const std::string& key) const;
+  void Store(const std::string& key, const DetectedImage& seen) const;
   /// Removes the oldest files above a number.
   void Trim(int max_files = 20000) const;
 

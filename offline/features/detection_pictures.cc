@@ -160,7 +160,7 @@ Image DrawDetection(const GreyImage& image, const ImageDetection& detection) {
     overlay.Cross(rejected.feature.pixel, kRed);
     overlay.Label(rejected.feature.pixel, rejected.reason);
   }
-  overlay.Heading(detection.remarks);
+  overlay.Heading(detection.warnings);
   return FromMat(overlay.canvas());
 }
 

@@ -61,9 +61,9 @@ std::optional<Levels> FindLevels(const BrightestCells& cells) {
 // outwards, in the directions in which they do.
 std::vector<Eigen::Vector2d> EdgePixels(const BrightestCells& cells,
                                         double lit) {
-  const double step = cells.cell_px / 4.0;
+  const double step = cells.knot_spacing_px / 4.0;
   const Eigen::Vector2d middle =
-      Eigen::Vector2d(cells.columns, cells.rows) * cells.cell_px / 2 -
+      Eigen::Vector2d(cells.columns, cells.rows) * cells.knot_spacing_px / 2 -
       Eigen::Vector2d::Constant(0.5);
   std::vector<Eigen::Vector2d> edge;
   for (int k = 0; k < kDirections; ++k) {
@@ -117,7 +117,7 @@ std::vector<Eigen::Vector2d> Near(const Circle& circle, double distance_px,
 
 // The circle that most pixels lie near, of those through three far apart.
 std::optional<Circle> CircleOfMost(const std::vector<Eigen::Vector2d>& edge,
-                                   double cell_px) {
+                                   double knot_spacing_px) {
   std::optional<Circle> best;
   size_t most = 0;
   for (size_t k = 0; k < edge.size(); ++k) {
@@ -125,13 +125,13 @@ std::optional<Circle> CircleOfMost(const std::vector<Eigen::Vector2d>& edge,
         FitCircle({edge[k], edge[(k + edge.size() / 3) % edge.size()],
                    edge[(k + edge.size() * 2 / 3) % edge.size()]});
     if (!circle) continue;
-    const size_t count = Near(*circle, 1.5 * cell_px, edge).size();
+    const size_t count = Near(*circle, 1.5 * knot_spacing_px, edge).size();
     if (count <= most) continue;
     most = count;
     best = circle;
   }
   for (int round = 0; best && round < 3; ++round)
-    best = FitCircle(Near(*best, 1.5 * cell_px, edge));
+    best = FitCircle(Near(*best, 1.5 * knot_spacing_px, edge));
   return best;
 }
 
@@ -162,9 +162,10 @@ bool IsDarkBeyond(const BrightestCells& cells, double lit,
   for (int row = 0; row < cells.rows; ++row)
     for (int column = 0; column < cells.columns; ++column) {
       const Eigen::Vector2d pixel =
-          Eigen::Vector2d(column + 0.5, row + 0.5) * cells.cell_px -
+          Eigen::Vector2d(column + 0.5, row + 0.5) * cells.knot_spacing_px -
           Eigen::Vector2d::Constant(0.5);
-      if ((pixel - circle.center).norm() < circle.radius_px + 2 * cells.cell_px)
+      if ((pixel - circle.center).norm() <
+          circle.radius_px + 2 * cells.knot_spacing_px)
         continue;
       ++num_beyond;
       num_lit += cells.levels[row * cells.columns + column] > lit;
@@ -177,9 +178,10 @@ bool IsDarkBeyond(const BrightestCells& cells, double lit,
 BrightestCells BrightestCells::Over(const ImageSize& size) {
   constexpr int kCells = 320;
   BrightestCells cells;
-  cells.cell_px = std::max(1, std::max(size.width, size.height) / kCells);
-  cells.columns = size.width / cells.cell_px;
-  cells.rows = size.height / cells.cell_px;
+  cells.knot_spacing_px =
+      std::max(1, std::max(size.width, size.height) / kCells);
+  cells.columns = size.width / cells.knot_spacing_px;
+  cells.rows = size.height / cells.knot_spacing_px;
   cells.levels.assign(static_cast<size_t>(cells.columns) * cells.rows, 0);
   return cells;
 }
@@ -188,16 +190,17 @@ void BrightestCells::Add(const GreyLevels& image) {
   std::vector<float> sums(columns);
   for (int row = 0; row < rows; ++row) {
     std::fill(sums.begin(), sums.end(), 0.f);
-    for (int y = row * cell_px; y < (row + 1) * cell_px; ++y) {
+    for (int y = row * knot_spacing_px; y < (row + 1) * knot_spacing_px; ++y) {
       const float* const pixels =
           image.levels.data() + static_cast<size_t>(y) * image.size.width;
-      for (int x = 0; x < columns * cell_px; ++x)
-        sums[x / cell_px] += pixels[x];
+      for (int x = 0; x < columns * knot_spacing_px; ++x)
+        sums[x / knot_spacing_px] += pixels[x];
     }
     for (int column = 0; column < columns; ++column) {
       float& level = levels[static_cast<size_t>(row) * columns + column];
-      level = std::max(level,
-                       sums[column] / (static_cast<float>(cell_px) * cell_px));
+      level = std::max(
+          level, sums[column] /
+                     (static_cast<float>(knot_spacing_px) * knot_spacing_px));
     }
   }
 }
@@ -209,9 +212,9 @@ void BrightestCells::Add(const BrightestCells& other) {
 
 double BrightestCells::At(const Eigen::Vector2d& pixel) const {
   const double x =
-      std::clamp((pixel.x() + 0.5) / cell_px - 0.5, 0.0, columns - 1.0);
+      std::clamp((pixel.x() + 0.5) / knot_spacing_px - 0.5, 0.0, columns - 1.0);
   const double y =
-      std::clamp((pixel.y() + 0.5) / cell_px - 0.5, 0.0, rows - 1.0);
+      std::clamp((pixel.y() + 0.5) / knot_spacing_px - 0.5, 0.0, rows - 1.0);
   const int column = std::min(static_cast<int>(x), std::max(columns - 2, 0));
   const int row = std::min(static_cast<int>(y), std::max(rows - 2, 0));
   const auto level = [&](int i, int j) {
@@ -226,18 +229,18 @@ double BrightestCells::At(const Eigen::Vector2d& pixel) const {
 
 bool BrightestCells::IsInside(const Eigen::Vector2d& pixel) const {
   return pixel.x() >= -0.5 && pixel.y() >= -0.5 &&
-         pixel.x() <= columns * cell_px - 0.5 &&
-         pixel.y() <= rows * cell_px - 0.5;
+         pixel.x() <= columns * knot_spacing_px - 0.5 &&
+         pixel.y() <= rows * knot_spacing_px - 0.5;
 }
 
 std::optional<ImageCircle> FindImageCircle(const BrightestCells& brightest) {
   const auto levels = FindLevels(brightest);
   if (!levels) return std::nullopt;
   const std::vector<Eigen::Vector2d> edge = EdgePixels(brightest, levels->lit);
-  const auto circle = CircleOfMost(edge, brightest.cell_px);
+  const auto circle = CircleOfMost(edge, brightest.knot_spacing_px);
   if (!circle) return std::nullopt;
   const std::vector<Eigen::Vector2d> near =
-      Near(*circle, 1.5 * brightest.cell_px, edge);
+      Near(*circle, 1.5 * brightest.knot_spacing_px, edge);
   if (static_cast<double>(near.size()) <
           kMinInliers * static_cast<double>(edge.size()) ||
       !IsSeenAllAround(*circle, near) ||

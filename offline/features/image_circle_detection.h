@@ -15,7 +15,7 @@ namespace raygrid {
 /// means of their pixels, 0 to 255. Cells cut off by the image's edge are left
 /// out.
 struct BrightestCells {
-  int cell_px = 0, columns = 0, rows = 0;
+  int knot_spacing_px = 0, columns = 0, rows = 0;
   std::vector<float> levels;
 
   /// Dark cells, about 320 along the image's longer side.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "features/squares/aprilgrid.h"
-#include "features/squares/seen_markers.h"
+#include "features/squares/detected_markers.h"
 
 namespace raygrid {
 namespace {
@@ -79,8 +79,8 @@ struct BestLayout {
   bool is_clear = false;  // hardly a marker is elsewhere
 };
 
-void Compare(const MarkerLayout& layout, const std::vector<SeenMarker>& seen,
-             BestLayout* best) {
+void Compare(const MarkerLayout& layout,
+             const std::vector<DetectedMarker>& seen, BestLayout* best) {
   const MarkerConstellation all(layout.markers, layout.pitch_m, seen);
   const int agreement = all.Agreement();
   if (agreement <= best->agreement) return;
@@ -93,7 +93,7 @@ void Compare(const MarkerLayout& layout, const std::vector<SeenMarker>& seen,
   best->is_clear = consistent.size() >= kClearPart * all.size();
   best->across = layout.across;
   best->max_marker = 0;
-  for (const SeenMarker& marker : consistent.seen())
+  for (const DetectedMarker& marker : consistent.seen())
     best->max_marker = std::max(best->max_marker, marker.index);
   best->num_rows = 1 + static_cast<int>(std::lround(std::fabs(std::floor(
                            layout.markers[best->max_marker].corner.y()))));
@@ -105,7 +105,7 @@ cv::Ptr<cv::aruco::Dictionary> Predefined(const Dictionary& dictionary) {
 
 // The markers of a dictionary, and how many squares may be markers of any.
 struct DictionaryView {
-  std::vector<SeenMarker> seen;
+  std::vector<DetectedMarker> seen;
   int num_squares = 0;
 };
 
@@ -118,7 +118,7 @@ DictionaryView ViewOf(const cv::Mat& readable, const Dictionary& dictionary,
   DictionaryView view;
   view.num_squares = static_cast<int>(corners.size() + others.size());
   for (size_t i = 0; i < ids.size(); ++i) {
-    SeenMarker marker;
+    DetectedMarker marker;
     marker.index = ids[i] - first_marker;
     if (marker.index < 0 || marker.index >= kMaxMarkers) continue;
     for (int k = 0; k < 4; ++k)
@@ -173,9 +173,9 @@ std::vector<GridTags> GridTagsToTry(const Board& asked) {
 }
 
 // The tags of one family as markers of a board.
-std::vector<SeenMarker> SeenOf(const std::vector<DetectedTag>& tags,
-                               TagFamily family, int first_marker) {
-  std::vector<SeenMarker> seen;
+std::vector<DetectedMarker> SeenOf(const std::vector<DetectedTag>& tags,
+                                   TagFamily family, int first_marker) {
+  std::vector<DetectedMarker> seen;
   for (const DetectedTag& tag : tags) {
     const int index = tag.id - first_marker;
     if (tag.family == family && index >= 0 && index < kMaxMarkers)
@@ -184,9 +184,9 @@ std::vector<SeenMarker> SeenOf(const std::vector<DetectedTag>& tags,
   return seen;
 }
 
-std::vector<SeenMarker> QuarterTurned(std::vector<SeenMarker> markers,
-                                      int turns) {
-  for (SeenMarker& marker : markers)
+std::vector<DetectedMarker> QuarterTurned(std::vector<DetectedMarker> markers,
+                                          int turns) {
+  for (DetectedMarker& marker : markers)
     std::rotate(marker.corners_px.begin(), marker.corners_px.begin() + turns,
                 marker.corners_px.end());
   return markers;
@@ -194,7 +194,7 @@ std::vector<SeenMarker> QuarterTurned(std::vector<SeenMarker> markers,
 
 // Improves on the best layout of a grid by markers of one kind, which are named
 // in kind; the other properties of the guess are found here.
-void CompareGrids(const std::vector<SeenMarker>& seen, Guess kind,
+void CompareGrids(const std::vector<DetectedMarker>& seen, Guess kind,
                   const Board& asked, BestLayout* best, Guess* guess) {
   const bool is_asked = asked.IsTagGrid();
   const double tag_part = 1 / (1 + (is_asked ? asked.spacing_ratio : 0.3));
@@ -205,7 +205,7 @@ void CompareGrids(const std::vector<SeenMarker>& seen, Guess kind,
   const bool is_usual_first =
       is_asked ? asked.is_numbered_from_top : kind.border_cells == 1;
   for (int turns = 0; turns < 4; ++turns) {
-    const std::vector<SeenMarker> turned = QuarterTurned(seen, turns);
+    const std::vector<DetectedMarker> turned = QuarterTurned(seen, turns);
     for (const bool from_top : {is_usual_first, !is_usual_first}) {
       for (const int across : AcrossToTry(is_asked ? asked.columns / 2 : 2)) {
         const int before = best->agreement;
@@ -216,7 +216,7 @@ void CompareGrids(const std::vector<SeenMarker>& seen, Guess kind,
         guess->rows = 2 * best->num_rows;
         guess->max_marker = best->max_marker;
         guess->is_numbered_from_top = from_top;
-        if (best->is_clear && IsAsAsked(*guess, asked)) return;
+        if (best->is_clear && MatchesRequest(*guess, asked)) return;
       }
     }
   }
@@ -231,7 +231,7 @@ Guess GuessOfFamily(const std::string& family, int border_cells) {
 
 }  // namespace
 
-bool HasMarkersAsAsked(const Guess& guess, const Board& asked) {
+bool HasRequestedMarkers(const Guess& guess, const Board& asked) {
   if (asked.IsTagGrid())
     return asked.tag_family.compare(0, guess.dictionary.size(),
                                     guess.dictionary) == 0 &&
@@ -241,14 +241,14 @@ bool HasMarkersAsAsked(const Guess& guess, const Board& asked) {
                                   guess.dictionary) == 0;
 }
 
-bool IsAsAsked(const Guess& guess, const Board& asked) {
+bool MatchesRequest(const Guess& guess, const Board& asked) {
   if (guess.kind != asked.kind || guess.is_mirrored || guess.is_negative)
     return false;
   if (!guess.HasMarkers())
     return guess.columns == asked.columns && guess.rows == asked.rows;
   return guess.columns == asked.columns && guess.rows <= asked.rows &&
          guess.is_numbered_from_top == asked.is_numbered_from_top &&
-         HasMarkersAsAsked(guess, asked);
+         HasRequestedMarkers(guess, asked);
 }
 
 std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
@@ -265,7 +265,7 @@ std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
        {Shown::kAsSeen, Shown::kMirrored, Shown::kNegative}) {
     if (shown == Shown::kNegative && best.agreement > 0) break;
     const GreyImage changed = shown == Shown::kAsSeen     ? image
-                              : shown == Shown::kMirrored ? Mirrored(image)
+                              : shown == Shown::kMirrored ? MirrorImage(image)
                                                           : Negative(image);
     const cv::Mat readable = ReadableImage(changed);
     for (const Dictionary& dictionary : DictionariesToTry(asked.dictionary)) {
@@ -284,7 +284,7 @@ std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
         guess.rows = best.num_rows - 1;
         guess.max_marker = best.max_marker;
         guess.is_negative = shown == Shown::kNegative;
-        if (best.is_clear && IsAsAsked(guess, asked)) return guess;
+        if (best.is_clear && MatchesRequest(guess, asked)) return guess;
       }
     }
   }
@@ -319,8 +319,8 @@ std::optional<Guess> GuessAprilGrid(const GreyImage& image,
     }
   };
   compare(image, false, TagSearch::kThorough, true);
-  if (best.is_clear && IsAsAsked(guess, asked)) return guess;
-  compare(Mirrored(image), true, TagSearch::kQuick, true);
+  if (best.is_clear && MatchesRequest(guess, asked)) return guess;
+  compare(MirrorImage(image), true, TagSearch::kQuick, true);
   if (best.agreement > 0) return guess;
   compare(image, false, TagSearch::kQuick, false);
   if (best.agreement > 0) return guess;

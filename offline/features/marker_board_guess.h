@@ -39,9 +39,9 @@ struct Guess {
 
 /// Whether the markers are of the board's kind; if they are on boards of one
 /// kind.
-bool HasMarkersAsAsked(const Guess& guess, const Board& asked);
+bool HasRequestedMarkers(const Guess& guess, const Board& asked);
 /// Whether the board may be the one that is guessed.
-bool IsAsAsked(const Guess& guess, const Board& asked);
+bool MatchesRequest(const Guess& guess, const Board& asked);
 
 /// The layout of markers that those in the image confirm best: of dictionaries
 /// and families of any name, the asked one first. Nothing if there are too few,

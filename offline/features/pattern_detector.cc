@@ -14,7 +14,7 @@
 
 #include "dataset/error.h"
 #include "dataset/image_header.h"
-#include "dataset/image_room.h"
+#include "dataset/image_memory_budget.h"
 #include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
 #include "features/board_view/locators.h"
@@ -55,7 +55,7 @@ void Append(ImageDetection part, ImageDetection* whole) {
   };
   append(part.features, &whole->features);
   append(part.rejected, &whole->rejected);
-  append(part.remarks, &whole->remarks);
+  append(part.warnings, &whole->warnings);
 }
 
 bool IsBefore(const Feature& a, const Feature& b) {
@@ -122,20 +122,20 @@ ImageDetection PatternDetector::Data::Detect(const GreyImage& image) const {
 }
 
 ImageDetection PatternDetector::Detect(const GreyImage& image) const {
-  if (!CanShowBoard(image.size)) return {};
+  if (!IsLargeEnough(image.size)) return {};
   ImageDetection detection;
-  if (!IsNoiseAlone(image)) {
+  if (!IsPureNoise(image)) {
     detection = data_->Detect(image);
     if (detection.features.empty())
-      if (const auto amplified = WithNoiseOfOneLevel(image))
+      if (const auto amplified = AmplifyLowContrast(image))
         detection = data_->Detect(*amplified);
   }
-  if (detection.features.empty() && HasHardlyAnyContrast(image))
-    detection.remarks.push_back(
+  if (detection.features.empty() && HasLowContrast(image))
+    detection.warnings.push_back(
         "too little contrast (below 8 grey levels, or below the noise); check "
         "light, exposure and lens cap");
   if (image.was_mosaic)
-    detection.remarks.push_back(
+    detection.warnings.push_back(
         "raw Bayer image: used as grey after white balancing");
   return detection;
 }
@@ -144,7 +144,7 @@ namespace {
 
 // One image of a folder: seen, or the reason why not.
 struct Outcome {
-  std::optional<SeenImage> seen;
+  std::optional<DetectedImage> seen;
   std::string failure;
   bool is_turned = false;  // its file asks to be shown turned
 };
@@ -162,7 +162,7 @@ class ImageReader {
     try {
       const std::string bytes = ReadImageFile(path);
       const ImageHeader header = ParseImageHeader(path, bytes);
-      if (!CanShowBoard(header.size))
+      if (!IsLargeEnough(header.size))
         throw InputError(
             fmt::format("{}: {} x {} pixels, too small to show a board", path,
                         header.size.width, header.size.height));
@@ -179,16 +179,16 @@ class ImageReader {
   }
 
  private:
-  SeenImage See(const std::string& path, const std::string& bytes,
-                const ImageSize& size) const {
+  DetectedImage See(const std::string& path, const std::string& bytes,
+                    const ImageSize& size) const {
     std::string key;
     if (cache_) {
       key = DetectionCache::Key(bytes, pattern_, options_);
       if (const auto seen = cache_->Find(key)) return *seen;
     }
-    const ImageRoom room(size);
+    const ImageMemoryBudget room(size);
     const GreyImage image = MakeGreyImage(DecodeGreyLevels(path, bytes));
-    const SeenImage seen = {image.size, detector_.Detect(image)};
+    const DetectedImage seen = {image.size, detector_.Detect(image)};
     if (cache_) cache_->Store(key, seen);
     return seen;
   }
@@ -265,7 +265,7 @@ FolderDetection Collect(const std::vector<std::string>& paths,
   const ImageSize size = CommonSize(paths, outcomes);
   folder.dataset.image_size = size;
   for (size_t i = 0; i < paths.size(); ++i) {
-    std::optional<SeenImage>& seen = outcomes[i].seen;
+    std::optional<DetectedImage>& seen = outcomes[i].seen;
     if (!seen) {
       folder.skipped.push_back(
           {paths[i], WithoutPath(outcomes[i].failure, paths[i])});
@@ -287,23 +287,23 @@ FolderDetection Collect(const std::vector<std::string>& paths,
 
 }  // namespace
 
-std::vector<std::string> SummarizeRemarks(const FolderDetection& folder) {
+std::vector<std::string> SummarizeWarnings(const FolderDetection& folder) {
   std::map<std::string, std::pair<int, std::string>> seen;  // count, first
   for (size_t i = 0; i < folder.images.size(); ++i) {
     const ImageDetection& image = folder.images[i];
-    std::vector<std::string> remarks = image.remarks;
+    std::vector<std::string> warnings = image.warnings;
     if (image.features.empty() && !image.rejected.empty())
-      remarks.push_back("features rejected: " + image.rejected[0].reason);
-    for (const std::string& remark : remarks) {
-      auto& [count, first] = seen[remark];
+      warnings.push_back("features rejected: " + image.rejected[0].reason);
+    for (const std::string& warning : warnings) {
+      auto& [count, first] = seen[warning];
       if (count++ == 0) first = FileName(folder.paths[i]);
     }
   }
   std::vector<std::string> summary;
-  for (const auto& [remark, where] : seen)
+  for (const auto& [warning, where] : seen)
     summary.push_back(where.first == 1
-                          ? fmt::format("{} ({})", remark, where.second)
-                          : fmt::format("{} ({} images, first {})", remark,
+                          ? fmt::format("{} ({})", warning, where.second)
+                          : fmt::format("{} ({} images, first {})", warning,
                                         where.first, where.second));
   return summary;
 }

@@ -32,12 +32,12 @@ struct FolderDetection {
   std::vector<std::string> paths;      ///< of the dataset's images
   std::vector<ImageDetection> images;  ///< likewise
   std::vector<SkippedImage> skipped;   ///< damaged, or of another size
-  std::vector<std::string> turned;     ///< names, for RemarkOnTurned()
+  std::vector<std::string> turned;     ///< names, for WarnAboutOrientation()
 };
 
 /// The remarks on images, and why those without a board have none: each with
 /// the number of its images and the name of the first.
-std::vector<std::string> SummarizeRemarks(const FolderDetection& folder);
+std::vector<std::string> SummarizeWarnings(const FolderDetection& folder);
 
 /// Detects the pattern in all images; told how much is done. Images without a
 /// board have no features. Without a cache, pass nullptr. The size of most

@@ -4,8 +4,8 @@
 
 namespace raygrid {
 
-Eigen::VectorXd PolynomialsAt(const Area& area, const Eigen::Vector2d& pixel,
-                              int degree) {
+Eigen::VectorXd EvaluatePolynomials(const Area& area,
+                                    const Eigen::Vector2d& pixel, int degree) {
   const Eigen::Array2d place = 2 * (pixel - area.center()).array() /
                                Eigen::Array2d(area.width(), area.height());
   std::vector<Eigen::Array2d> values = {Eigen::Array2d::Ones(), place};

@@ -7,15 +7,15 @@
 
 namespace raygrid {
 
-/// The number of polynomials of PolynomialsAt() up to a degree.
+/// The number of polynomials of EvaluatePolynomials() up to a degree.
 constexpr int NumPolynomials(int degree) {
   return (degree + 1) * (degree + 2) / 2;
 }
 
 /// Evaluates products of Legendre polynomials of a pixel's position in an area,
 /// up to a degree: 1, x, y, x^2, ...; coordinates are scaled to -1 to 1.
-Eigen::VectorXd PolynomialsAt(const Area& area, const Eigen::Vector2d& pixel,
-                              int degree);
+Eigen::VectorXd EvaluatePolynomials(const Area& area,
+                                    const Eigen::Vector2d& pixel, int degree);
 
 }  // namespace raygrid
 

@@ -10,7 +10,7 @@
 #include <set>
 #include <tuple>
 
-#include "camera/camera_stack.h"
+#include "camera/operating_point_model.h"
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "dataset/yaml_file.h"
@@ -103,7 +103,7 @@ std::string ConditionText(const YAML::Node& value) {
   std::vector<std::string> names;
   for (const YAML::Node& node : several) {
     const std::string name = node.IsScalar() ? node.Scalar() : "";
-    if (!FindCondition(name))
+    if (!FindOperatingParameter(name))
       throw InputError(fmt::format(
           "vary_with: unknown quantity '{}'; expected lens_position, "
           "temperature or [lens_position, temperature]",
@@ -273,9 +273,9 @@ BatchUnit ReadUnit(const YAML::Node& given, const YAML::Node& plan) {
   return unit;
 }
 
-FigureLimits ReadLimits(const YAML::Node& node) {
-  FigureLimits limits;
-  const std::vector<std::string>& names = FigureNames();
+MetricLimits ReadLimits(const YAML::Node& node) {
+  MetricLimits limits;
+  const std::vector<std::string>& names = ListMetricNames();
   for (const auto& entry : node) {
     std::string name = entry.first.as<std::string>();
     if (const auto former = kFormerFigures.find(name);
@@ -364,7 +364,7 @@ BatchPlan ReadPlan(const YAML::Node& given) {
 
 }  // namespace
 
-const std::vector<std::string>& FigureNames() {
+const std::vector<std::string>& ListMetricNames() {
   static const std::vector<std::string> kNames = {
       "center_x_px",        "center_y_px",     "focal_px", "held_out_max_px",
       "held_out_median_px", "held_out_rms_px", "images",   "max_uncertainty_px",

@@ -27,16 +27,16 @@ struct BatchUnit {
 };
 
 /// Lower and upper limits of metrics; both may be infinite.
-using FigureLimits = std::map<std::string, std::pair<double, double>>;
+using MetricLimits = std::map<std::string, std::pair<double, double>>;
 
 /// The plan.yaml of raygrid batch; see offline/fleet/README.md.
 struct BatchPlan {
   std::vector<BatchUnit> units;  ///< sorted by serial (bytewise)
-  FigureLimits limits;           ///< keys are FigureNames()
+  MetricLimits limits;           ///< keys are ListMetricNames()
 };
 
 /// The metrics of a unit that a plan can limit.
-const std::vector<std::string>& FigureNames();
+const std::vector<std::string>& ListMetricNames();
 
 /// Throws InputError naming the path and the fault: not a plan, an unknown key,
 /// a serial that is not a valid folder name or is repeated.

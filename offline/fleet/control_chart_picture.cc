@@ -8,8 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "report/axis_ticks.h"
 #include "report/html.h"
-#include "report/round_figures.h"
 
 namespace raygrid {
 namespace {
@@ -85,10 +85,10 @@ DrawnChart DrawnOf(const ControlChart& chart) {
 // Ordinates of round numbers.
 std::vector<double> TicksOf(const VerticalAxis& axis) {
   const double low = axis.FigureOf(axis.low), high = axis.FigureOf(axis.high);
-  if (!axis.is_logarithmic) return EvenTicks(low, high);
+  if (!axis.is_logarithmic) return MakeTicks(low, high);
   std::vector<double> ticks;
   if (high / low < 5) {
-    for (const double tick : EvenTicks(low, high))
+    for (const double tick : MakeTicks(low, high))
       ticks.push_back(std::log(tick));
     return ticks;
   }
@@ -116,7 +116,7 @@ std::string AxesSvg(const VerticalAxis& axis,
     svg += fmt::format("<path class=\"tick\" d=\"M{} {:.1f}H{}\"/>", kLeft,
                        axis.At(tick), kRight);
     svg += SvgText(kLeft - 6, axis.At(tick) + 4, "end",
-                   ChartFigure(axis.FigureOf(tick)));
+                   FormatChartValue(axis.FigureOf(tick)));
   }
   size_t longest = 4;
   for (const std::string& serial : serials)
@@ -161,7 +161,7 @@ std::string LineFiguresSvg(const DrawnChart& chart) {
     const double ordinate = chart.middle.back() + offset;
     const double y = std::max(chart.axis.At(ordinate) + 4, above + 12);
     svg += SvgText(kRight + 6, y, "start",
-                   ChartFigure(chart.axis.FigureOf(ordinate)));
+                   FormatChartValue(chart.axis.FigureOf(ordinate)));
     above = y;
   }
   return svg;
@@ -197,7 +197,7 @@ std::string BeyondSvg(const DrawnChart& chart,
         "<path class=\"beyond\" d=\"M{:.1f} {:.1f}l5 9h-10z\"><title>{}: "
         "{}</title></path>",
         x, y - 6, serials[u],
-        ChartFigure(chart.axis.FigureOf(chart.values[u])));
+        FormatChartValue(chart.axis.FigureOf(chart.values[u])));
     const double half = 3.6 * static_cast<double>(serials[u].size());
     if (x - half < free_from) continue;
     const bool is_left = x + 10 + 2 * half < kRight;
@@ -229,7 +229,7 @@ std::string BatchesSvg(const ChartSurroundings& surroundings) {
           "fill=\"{}\"><title>{}</title></rect>",
           x, kBottom + 5,
           AcrossOf(static_cast<double>(end) - 0.5, batches.size()) - x,
-          ColorOfBatch(batches[begin]),
+          GetBatchColor(batches[begin]),
           EscapeHtml(surroundings.batch_names[batches[begin]]));
     begin = end;
   }
@@ -262,14 +262,14 @@ std::string ControlChartSvg(const ControlChart& chart,
   return svg + BatchesSvg(surroundings) + "</svg>\n";
 }
 
-const char* ColorOfBatch(int batch) {
+const char* GetBatchColor(int batch) {
   constexpr const char* kColors[] = {"#e69f00", "#56b4e9", "#009e73",
                                      "#f0e442", "#0072b2", "#d55e00",
                                      "#cc79a7", "#999999"};
   return kColors[batch % 8];
 }
 
-std::string ChartFigure(double value) {
+std::string FormatChartValue(double value) {
   return std::abs(value) >= 1 ? fmt::format("{:.6g}", value)
                               : fmt::format("{:.4g}", value);
 }

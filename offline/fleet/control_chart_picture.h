@@ -25,10 +25,10 @@ std::string ControlChartSvg(const ControlChart& chart,
                             const ChartSurroundings& surroundings);
 
 /// Returns the colour of a batch; colours repeat cyclically.
-const char* ColorOfBatch(int batch);
+const char* GetBatchColor(int batch);
 
 /// Formats a metric for charts, tables and sentences: four to six digits.
-std::string ChartFigure(double value);
+std::string FormatChartValue(double value);
 
 }  // namespace raygrid
 

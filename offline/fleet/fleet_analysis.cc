@@ -10,7 +10,7 @@ namespace {
 // Repeat calibrations of golden units, including the unit itself if present.
 GaugeStudy StudyRepeats(const std::vector<UnitRow>& rows,
                         const std::vector<std::string>& folders,
-                        const FleetInput& fleet, const FigureLimits& limits) {
+                        const FleetInput& fleet, const MetricLimits& limits) {
   std::set<std::string> goldens;
   for (const UnitRow& row : rows)
     if (!row.repeats.empty()) goldens.insert(row.repeats);
@@ -31,7 +31,7 @@ GaugeStudy StudyRepeats(const std::vector<UnitRow>& rows,
 
 FleetAnalysis AnalyseFleet(const std::vector<UnitRow>& rows,
                            const std::vector<std::string>& folders,
-                           const FigureLimits& limits) {
+                           const MetricLimits& limits) {
   FleetAnalysis fleet;
   fleet.rows = rows;
   std::vector<size_t> candidates;
@@ -40,7 +40,7 @@ FleetAnalysis AnalyseFleet(const std::vector<UnitRow>& rows,
   const ComparedUnits units = CompareUnits(rows, folders, candidates);
   fleet.compared = units.rows;
   fleet.statistics = FindOutliers(units.input);
-  for (const UnusualUnit& unusual : fleet.statistics.unusual)
+  for (const OutlierUnit& unusual : fleet.statistics.unusual)
     fleet.rows[units.rows[unusual.unit]].unusual = unusual.charts;
   std::vector<std::string> batches;
   for (const size_t row : units.rows) batches.push_back(rows[row].lens_batch);

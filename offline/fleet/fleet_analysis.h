@@ -24,7 +24,7 @@ struct FleetAnalysis {
 /// excluded. folders: of the rows' units.
 FleetAnalysis AnalyseFleet(const std::vector<UnitRow>& rows,
                            const std::vector<std::string>& folders,
-                           const FigureLimits& limits);
+                           const MetricLimits& limits);
 
 }  // namespace raygrid
 

@@ -34,16 +34,16 @@ std::vector<std::optional<Eigen::Vector2d>> PixelsOf(
 }
 
 // Independent metrics; the others follow from the camera.
-FleetFigure FigureOf(const std::string& name, bool is_positive,
+FleetMetric FigureOf(const std::string& name, bool is_positive,
                      const std::vector<UnitRow>& rows,
                      const std::vector<size_t>& compared) {
-  FleetFigure figure{name, {}, is_positive};
+  FleetMetric metric{name, {}, is_positive};
   for (const size_t row : compared) {
-    const auto found = rows[row].figures.find(name);
-    figure.values.push_back(found == rows[row].figures.end() ? std::nan("")
+    const auto found = rows[row].metrics.find(name);
+    metric.values.push_back(found == rows[row].metrics.end() ? std::nan("")
                                                              : found->second);
   }
-  return figure;
+  return metric;
 }
 
 }  // namespace
@@ -87,11 +87,11 @@ ComparedUnits CompareUnits(const std::vector<UnitRow>& rows,
         std::pair("center_y_px", false), std::pair("held_out_median_px", true),
         std::pair("max_uncertainty_px", true),
         std::pair("sensor_temperature_c", false)}) {
-    FleetFigure figure = FigureOf(name, is_positive, rows, units.rows);
+    FleetMetric metric = FigureOf(name, is_positive, rows, units.rows);
     const bool is_known =
-        std::any_of(figure.values.begin(), figure.values.end(),
+        std::any_of(metric.values.begin(), metric.values.end(),
                     [](double value) { return std::isfinite(value); });
-    if (is_known) units.input.figures.push_back(std::move(figure));
+    if (is_known) units.input.metrics.push_back(std::move(metric));
   }
   return units;
 }

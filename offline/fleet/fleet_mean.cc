@@ -166,12 +166,13 @@ BSplineSurface MovedToMiddle(const CentralGeneric& reference,
                              std::vector<bool>* is_usual) {
   std::vector<Polynomials> polynomials;
   for (const Eigen::Vector2d& pixel : pixels)
-    polynomials.push_back(PolynomialsAt(reference.area(), pixel, kDegree));
+    polynomials.push_back(
+        EvaluatePolynomials(reference.area(), pixel, kDegree));
   std::vector<SmoothFit> fits;
   std::vector<PixelField> rests;
   for (const CameraFile& file : cameras) {
-    PixelField& rest =
-        rests.emplace_back(DisplacementsOf(reference, *file.camera, pixels));
+    PixelField& rest = rests.emplace_back(
+        ComputeDisplacements(reference, *file.camera, pixels));
     const SmoothFit fit = FitSmooth(rest, polynomials);
     for (size_t i = 0; i < pixels.size(); ++i)
       if (rest[i]) *rest[i] -= fit.transpose() * polynomials[i];
@@ -193,13 +194,14 @@ BSplineSurface MovedToMiddle(const CentralGeneric& reference,
 
 }  // namespace
 
-std::optional<CameraFile> MeanCamera(const FleetAnalysis& fleet,
-                                     const std::vector<std::string>& folders) {
+std::optional<CameraFile> ComputeMeanCamera(
+    const FleetAnalysis& fleet, const std::vector<std::string>& folders) {
   if (fleet.statistics.charts.empty()) return std::nullopt;
-  return MeanCamera(UsualCameras(fleet, folders));
+  return ComputeMeanCamera(UsualCameras(fleet, folders));
 }
 
-std::optional<CameraFile> MeanCamera(const std::vector<CameraFile>& cameras) {
+std::optional<CameraFile> ComputeMeanCamera(
+    const std::vector<CameraFile>& cameras) {
   if (cameras.empty()) return std::nullopt;
   // Cells of a thirty-second of the image's width.
   constexpr int kColumns = 35, kSamplesPerCell = 3;
@@ -223,7 +225,7 @@ std::optional<CameraFile> MeanCamera(const std::vector<CameraFile>& cameras) {
   std::vector<CameraFile> usual;
   for (size_t u = 0; u < cameras.size(); ++u)
     if (is_usual[u]) usual.push_back(cameras[u]);
-  file.spread = SpreadAround(*file.camera, usual);
+  file.spread = EstimateSpread(*file.camera, usual);
   file.name = fmt::format("mean of {} units", cameras.size());
   return file;
 }

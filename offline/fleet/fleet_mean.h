@@ -15,11 +15,12 @@ namespace raygrid {
 /// the chart, so that poor extrapolation by single units has no effect. At most
 /// 200 units are used, evenly spaced. Returns nothing for a fleet without
 /// charts, or with non-central cameras. folders: of the rows' units.
-std::optional<CameraFile> MeanCamera(const FleetAnalysis& fleet,
-                                     const std::vector<std::string>& folders);
+std::optional<CameraFile> ComputeMeanCamera(
+    const FleetAnalysis& fleet, const std::vector<std::string>& folders);
 
 /// Computes the mean of any number of central cameras; nothing if empty.
-std::optional<CameraFile> MeanCamera(const std::vector<CameraFile>& cameras);
+std::optional<CameraFile> ComputeMeanCamera(
+    const std::vector<CameraFile>& cameras);
 
 }  // namespace raygrid
 

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "fleet/control_chart_picture.h"
-#include "fleet/fleet_words.h"
+#include "fleet/fleet_text.h"
 #include "report/html.h"
 
 namespace raygrid {
@@ -38,7 +38,7 @@ std::string UnitLink(const UnitRow& row) {
 
 // ---- The verdict -----------------------------------------------------------
 
-std::string CountsTold(const std::vector<UnitRow>& rows) {
+std::string DescribeCounts(const std::vector<UnitRow>& rows) {
   std::map<std::string, int> counts;
   for (const UnitRow& row : rows) ++counts[row.status];
   std::string text;
@@ -57,18 +57,19 @@ std::string SummarySection(const FleetAnalysis& fleet) {
   const bool is_unusual = !statistics.unusual.empty() ||
                           !statistics.jumps.empty() ||
                           !statistics.drifts.empty();
-  std::vector<std::string> told = {CountsTold(fleet.rows)};
+  std::vector<std::string> told = {DescribeCounts(fleet.rows)};
   if (statistics.charts.empty())
     told.push_back(
         fmt::format("{} units can be compared; outliers are determined from {} "
                     "units upwards",
-                    fleet.compared.size(), kFewestFleetUnits));
+                    fleet.compared.size(), kMinFleetUnits));
   else
     told.push_back(
         fmt::format("{} of {} units are outliers, the mean changes {} times",
                     statistics.unusual.size(), fleet.compared.size(),
                     statistics.jumps.size() + statistics.drifts.size()));
-  if (const std::string seconds = SecondsTold(fleet.rows); !seconds.empty())
+  if (const std::string seconds = DescribeDuration(fleet.rows);
+      !seconds.empty())
     told.push_back(seconds);
   return fmt::format("<div class=\"verdict {}\">\n{}</div>\n",
                      has_failed   ? "fail"
@@ -82,10 +83,10 @@ std::string SummarySection(const FleetAnalysis& fleet) {
 std::string UnusualSection(const FleetAnalysis& fleet) {
   if (fleet.statistics.unusual.empty()) return "";
   std::vector<HtmlRow> rows;
-  for (const UnusualUnit& unusual : fleet.statistics.unusual) {
+  for (const OutlierUnit& unusual : fleet.statistics.unusual) {
     std::string what;
     for (const std::string& piece :
-         WhatIsUnusual(fleet.statistics, unusual.unit))
+         DescribeOutliers(fleet.statistics, unusual.unit))
       what += (what.empty() ? "" : "<br>") + EscapeHtml(Upper(piece));
     const UnitRow& row = fleet.rows[fleet.compared[unusual.unit]];
     rows.push_back({UnitLink(row), what});
@@ -95,28 +96,29 @@ std::string UnusualSection(const FleetAnalysis& fleet) {
 }
 
 std::string ChangesSection(const FleetAnalysis& fleet) {
-  const std::vector<std::string> told = ChangesTold(fleet);
+  const std::vector<std::string> told = DescribeChanges(fleet);
   if (told.empty()) return "";
   return "<h2>Changes over time</h2>\n" + HtmlList(told);
 }
 
 // ---- Charts ----------------------------------------------------------------
 
-std::string LimitsTold(const ControlChart& chart, const FleetAnalysis& fleet,
-                       const std::vector<int>& jumps, bool has_drift) {
+std::string DescribeLimits(const ControlChart& chart,
+                           const FleetAnalysis& fleet,
+                           const std::vector<int>& jumps, bool has_drift) {
   const auto range = [&](size_t unit) {
-    const auto figure = [&](double value) {
-      return ChartFigure(chart.is_logarithm ? std::exp(value) : value);
+    const auto metric = [&](double value) {
+      return FormatChartValue(chart.is_logarithm ? std::exp(value) : value);
     };
-    return fmt::format("{} to {}{}", figure(chart.middle[unit] + chart.lower),
-                       figure(chart.middle[unit] + chart.upper),
-                       UnitOfFigure(chart.name));
+    return fmt::format("{} to {}{}", metric(chart.middle[unit] + chart.lower),
+                       metric(chart.middle[unit] + chart.upper),
+                       GetMetricUnit(chart.name));
   };
   if (!std::isfinite(chart.upper))
     return "No limits: most consecutive units are equal.";
   if (!std::isfinite(chart.lower))
-    return fmt::format("Limit: {}{}.", ChartFigure(chart.upper),
-                       UnitOfFigure(chart.name));
+    return fmt::format("Limit: {}{}.", FormatChartValue(chart.upper),
+                       GetMetricUnit(chart.name));
   const size_t last = chart.values.size() - 1;
   if (has_drift)
     return fmt::format("Limits: {} at the beginning, {} at the end.", range(0),
@@ -180,9 +182,9 @@ std::string ChartSection(const FleetAnalysis& fleet) {
     html += fmt::format(
         "<figure><figcaption><b>{}</b>{} {}</figcaption>\n<div "
         "class=\"scroll\">{}</div></figure>\n",
-        EscapeHtml(Upper(TitleOfFigure(chart.name))),
+        EscapeHtml(Upper(GetMetricTitle(chart.name))),
         MeaningOfChart(chart.name, fleet.statistics.num_directions),
-        LimitsTold(chart, fleet, surroundings.jumps, has_drift),
+        DescribeLimits(chart, fleet, surroundings.jumps, has_drift),
         ControlChartSvg(chart, surroundings));
   }
   return html;
@@ -196,27 +198,27 @@ std::string BatchesSection(const BatchComparison& batches) {
   for (size_t b = 0; b < batches.batches.size(); ++b)
     head.push_back(fmt::format(
         "<i class=\"part\" style=\"background: {}\"></i>{} ({} units)",
-        ColorOfBatch(static_cast<int>(b)), EscapeHtml(batches.batches[b]),
+        GetBatchColor(static_cast<int>(b)), EscapeHtml(batches.batches[b]),
         batches.num_units[b]));
   for (const char* column : {"standard deviation within", "p value", ""})
     head.emplace_back(column);
   std::vector<HtmlRow> rows;
-  for (const BatchedFigure& figure : batches.figures) {
-    HtmlRow row = {EscapeHtml(TitleOfFigure(figure.name))};
+  for (const BatchedMetric& metric : batches.metrics) {
+    HtmlRow row = {EscapeHtml(GetMetricTitle(metric.name))};
     for (size_t b = 0; b < batches.batches.size(); ++b)
-      row.push_back(figure.means.empty() ? "&ndash;"
-                                         : ChartFigure(figure.means[b]));
-    row.push_back(figure.means.empty()
+      row.push_back(metric.means.empty() ? "&ndash;"
+                                         : FormatChartValue(metric.means[b]));
+    row.push_back(metric.means.empty()
                       ? "&ndash;"
-                      : fmt::format("{:.3g}", figure.deviation_within));
-    row.push_back(EscapeHtml(ChanceText(figure.chance)));
-    row.emplace_back(figure.differs ? "<b>differs</b>" : "");
+                      : fmt::format("{:.3g}", metric.deviation_within));
+    row.push_back(EscapeHtml(FormatProbability(metric.chance)));
+    row.emplace_back(metric.differs ? "<b>differs</b>" : "");
     rows.push_back(row);
   }
   return "<h2>Batches of lenses</h2>\n" +
-         (BatchesTold(batches).empty()
+         (DescribeBatches(batches).empty()
               ? "<p>No significant difference between batches.</p>\n"
-              : HtmlList(BatchesTold(batches))) +
+              : HtmlList(DescribeBatches(batches))) +
          HtmlTable(head, rows) +
          fmt::format(
              "<p>Analysis of variance; for the intrinsics, Pillai's trace "
@@ -225,12 +227,12 @@ std::string BatchesSection(const BatchComparison& batches) {
              "units are excluded. Standard deviations of errors are relative. "
              "Batches calibrated at different times may differ for other "
              "reasons.</p>\n",
-             100 * kFleetChance, kFewestBatchUnits);
+             100 * kFleetChance, kMinBatchUnits);
 }
 
 // A deviation that stays on one line.
-std::string DeviationCell(const GaugeFigure& figure, double deviation) {
-  std::string text = GaugeDeviation(figure, deviation);
+std::string DeviationCell(const GaugeMetric& metric, double deviation) {
+  std::string text = FormatGaugeDeviation(metric, deviation);
   return text.replace(text.find(' '), 1, "&nbsp;");
 }
 
@@ -238,19 +240,20 @@ std::string PercentOrNone(const std::optional<double>& part) {
   return part ? fmt::format("{:.1f} %", 100 * *part) : "&ndash;";
 }
 
-HtmlRow GaugeRow(const GaugeFigure& figure) {
-  HtmlRow row = {EscapeHtml(TitleOfFigure(figure.name)),
-                 DeviationCell(figure, figure.repeatability)};
-  for (const GaugeFactor& factor : figure.factors)
-    row.push_back(DeviationCell(figure, factor.deviation) +
-                  (factor.chance ? fmt::format(" (p value {})",
-                                               ChanceText(*factor.chance))
-                                 : ""));
-  row.push_back(DeviationCell(figure, figure.gauge));
-  row.push_back(PercentOrNone(figure.part_of_fleet));
-  row.push_back(figure.num_classes ? fmt::format("{:.0f}", *figure.num_classes)
+HtmlRow GaugeRow(const GaugeMetric& metric) {
+  HtmlRow row = {EscapeHtml(GetMetricTitle(metric.name)),
+                 DeviationCell(metric, metric.repeatability)};
+  for (const GaugeFactor& factor : metric.factors)
+    row.push_back(
+        DeviationCell(metric, factor.deviation) +
+        (factor.chance
+             ? fmt::format(" (p value {})", FormatProbability(*factor.chance))
+             : ""));
+  row.push_back(DeviationCell(metric, metric.gauge));
+  row.push_back(PercentOrNone(metric.part_of_fleet));
+  row.push_back(metric.num_classes ? fmt::format("{:.0f}", *metric.num_classes)
                                    : "&ndash;");
-  row.push_back(PercentOrNone(figure.part_of_limits));
+  row.push_back(PercentOrNone(metric.part_of_limits));
   return row;
 }
 
@@ -260,20 +263,21 @@ std::string GaugeSection(const GaugeStudy& gauge) {
       "<h2>Gauge repeatability and reproducibility</h2>\n<p>{} repeated "
       "calibrations of {} golden unit{}, {} degrees of freedom.</p>\n",
       gauge.num_repeats, gauge.num_goldens, gauge.num_goldens == 1 ? "" : "s",
-      gauge.freedoms);
-  if (!gauge.figures.empty()) {
+      gauge.degrees_of_freedom);
+  if (!gauge.metrics.empty()) {
     HtmlRow head = {"standard deviation", "repeats"};
-    for (const GaugeFactor& factor : gauge.figures[0].factors)
+    for (const GaugeFactor& factor : gauge.metrics[0].factors)
       head.push_back(factor.name + "s");
     for (const char* column : {"total gauge", "of the fleet's variation",
                                "distinct categories", "of the tolerance"})
       head.emplace_back(column);
     std::vector<HtmlRow> rows;
-    for (const GaugeFigure& figure : gauge.figures)
-      rows.push_back(GaugeRow(figure));
+    for (const GaugeMetric& metric : gauge.metrics)
+      rows.push_back(GaugeRow(metric));
     html += HtmlTable(head, rows);
   }
-  if (!gauge.untold.empty()) html += HtmlList(gauge.untold);
+  if (!gauge.unobservable_reason.empty())
+    html += HtmlList(gauge.unobservable_reason);
   return html +
          "<p>Standard deviations (1 sigma) by analysis of variance. Pixels are "
          "RMS over the image; errors are relative. According to AIAG, "
@@ -286,14 +290,14 @@ std::string GaugeSection(const GaugeStudy& gauge) {
 // ---- All units -------------------------------------------------------------
 
 std::string FigureCell(const UnitRow& row, const char* name) {
-  const auto figure = row.figures.find(name);
-  return figure == row.figures.end() ? "" : ChartFigure(figure->second);
+  const auto metric = row.metrics.find(name);
+  return metric == row.metrics.end() ? "" : FormatChartValue(metric->second);
 }
 
 std::string UnitsSection(const std::vector<UnitRow>& units) {
   std::vector<HtmlRow> rows;
   for (const UnitRow& unit : units) {
-    const std::string remark =
+    const std::string warning =
         unit.repeats.empty() ? unit.reason : "repeats " + unit.repeats;
     rows.push_back(
         {UnitLink(unit), unit.status, FigureCell(unit, "focal_px"),
@@ -302,8 +306,8 @@ std::string UnitsSection(const std::vector<UnitRow>& units) {
          FigureCell(unit, "max_uncertainty_px"), EscapeHtml(unit.lens_batch),
          unit.seconds > 0 ? fmt::format("{:.1f}", unit.seconds) : "",
          fmt::format("{}", fmt::join(unit.unusual, ", ")) +
-             (unit.unusual.empty() || remark.empty() ? "" : "; ") +
-             EscapeHtml(remark)});
+             (unit.unusual.empty() || warning.empty() ? "" : "; ") +
+             EscapeHtml(warning)});
   }
   return "<h2>All units</h2>\n<div class=\"told\">" +
          HtmlTable({"unit", "status", "focal px", "centre x", "centre y",

@@ -19,7 +19,7 @@ constexpr int kNumShapes = NumPolynomials(kSpreadDegree);
 constexpr int kNumFactors = 2 * kNumShapes;
 
 Eigen::VectorXd ShapesAt(const Area& area, const Eigen::Vector2d& pixel) {
-  Eigen::VectorXd shapes = PolynomialsAt(area, pixel, kSpreadDegree);
+  Eigen::VectorXd shapes = EvaluatePolynomials(area, pixel, kSpreadDegree);
   int k = 0;
   for (int sum = 0; sum <= kSpreadDegree; ++sum)
     for (int j = 0; j <= sum; ++j, ++k)
@@ -128,8 +128,8 @@ std::vector<Eigen::VectorXd> Directions(const Eigen::MatrixXd& covariance) {
 
 }  // namespace
 
-std::optional<LensSpread> SpreadAround(const CameraModel& middle,
-                                       const std::vector<CameraFile>& units) {
+std::optional<LensSpread> EstimateSpread(const CameraModel& middle,
+                                         const std::vector<CameraFile>& units) {
   constexpr size_t kFewest = 8;
   if (units.size() < kFewest) return std::nullopt;
   const Area& area = middle.area();
@@ -139,8 +139,8 @@ std::optional<LensSpread> SpreadAround(const CameraModel& middle,
   const double count = static_cast<double>(units.size());
   Eigen::MatrixXd of_middle = Eigen::MatrixXd::Zero(kNumFactors, kNumFactors);
   for (const CameraFile& unit : units) {
-    differences.push_back(
-        factors.Of(DisplacementsOf(middle, *unit.camera, factors.places())));
+    differences.push_back(factors.Of(
+        ComputeDisplacements(middle, *unit.camera, factors.places())));
     errors.push_back(factors.ErrorsOf(unit));
     of_middle += errors.back() / (count * count);
   }

@@ -14,8 +14,8 @@ namespace raygrid {
 /// files, plus the uncertainty of the mean. The strongest directions come
 /// first, with reproducible signs. Returns nothing for fewer than 8 units, or
 /// for units that do not differ.
-std::optional<LensSpread> SpreadAround(const CameraModel& middle,
-                                       const std::vector<CameraFile>& units);
+std::optional<LensSpread> EstimateSpread(const CameraModel& middle,
+                                         const std::vector<CameraFile>& units);
 
 }  // namespace raygrid
 

@@ -16,7 +16,8 @@ namespace raygrid {
 namespace {
 
 // The control limit in standard deviations for a probability, if estimated by
-// DeviationByNeighbours(), which has 0.31 times as many degrees of freedom.
+// EstimateNeighbourDeviation(), which has 0.31 times as many degrees of
+// freedom.
 double DeviationsAt(double chance, double count) {
   return boost::math::quantile(
       boost::math::complement(boost::math::students_t(0.31 * count), chance));
@@ -36,8 +37,8 @@ double SquaresLimit(double chance, const std::vector<double>& usual) {
   for (const double value : usual)
     variance += (value - mean) * (value - mean) / (usual.size() - 1.0);
   if (!(mean > 0 && variance > 0)) return std::numeric_limits<double>::max();
-  const double freedoms = 2 * mean * mean / variance;
-  const boost::math::fisher_f distribution(freedoms,
+  const double degrees_of_freedom = 2 * mean * mean / variance;
+  const boost::math::fisher_f distribution(degrees_of_freedom,
                                            static_cast<double>(usual.size()));
   return mean *
          boost::math::quantile(boost::math::complement(distribution, chance));
@@ -136,7 +137,7 @@ LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
   constexpr int kRounds = 10;
   for (int round = 0; round < kRounds; ++round) {
     const Eigen::MatrixXd rows = AboutUsual(lenses, is_usual);
-    charts.directions = DirectionsOf(rows, is_usual);
+    charts.directions = ComputeDirections(rows, is_usual);
     const Eigen::MatrixXd scores = rows * charts.directions.axes;
     const Eigen::VectorXd rest =
         (rows - scores * charts.directions.axes.transpose())
@@ -186,7 +187,7 @@ LensDirections NeighbourDirections(const Eigen::MatrixXd& pixels) {
   const double most = 4 * Median(sizes);
   std::vector<bool> is_usual;
   for (const double size : sizes) is_usual.push_back(size <= most);
-  return DirectionsOf(differences, is_usual);
+  return ComputeDirections(differences, is_usual);
 }
 
 void AddNamed(const std::string& name, const MeanChanges& changes,
@@ -220,13 +221,13 @@ CenteredLenses AboutTheirMean(const Eigen::MatrixXd& pixels, double chance,
   return {rows, MeansOf(changes, count)};
 }
 
-void AddFigureChart(const FleetFigure& figure, double chance,
+void AddFigureChart(const FleetMetric& metric, double chance,
                     double change_chance, FleetStatistics* statistics) {
-  const std::vector<double> values = figure.Scattering();
+  const std::vector<double> values = metric.Scattering();
   MeanChanges changes = FindMeanChanges({values}, change_chance);
   const std::vector<double> middle = MiddleOf(values, changes);
   const auto figure_of = [&](double value) {
-    return figure.is_positive ? std::exp(value) : value;
+    return metric.is_positive ? std::exp(value) : value;
   };
   for (MeanJump& jump : changes.jumps) {
     jump.before = figure_of(middle[jump.unit - 1]);
@@ -236,18 +237,18 @@ void AddFigureChart(const FleetFigure& figure, double chance,
     drift.first = figure_of(middle.front());
     drift.last = figure_of(middle.back());
   }
-  AddNamed(figure.name, changes, statistics);
+  AddNamed(metric.name, changes, statistics);
   // Most neighbours are equal, as with few digits: no limit can be estimated.
-  const double deviation = DeviationByNeighbours(values);
+  const double deviation = EstimateNeighbourDeviation(values);
   const auto count = static_cast<double>(values.size());
   const double most = deviation > 0
                           ? DeviationsAt(chance / 2, count) * deviation
                           : std::numeric_limits<double>::infinity();
   statistics->charts.push_back(
-      {figure.name, values, middle, -most, most, figure.is_positive});
+      {metric.name, values, middle, -most, most, metric.is_positive});
 }
 
-std::vector<UnusualUnit> BeyondLimits(const std::vector<ControlChart>& charts) {
+std::vector<OutlierUnit> BeyondLimits(const std::vector<ControlChart>& charts) {
   std::map<int, std::vector<std::string>> unusual;
   for (const ControlChart& chart : charts)
     for (size_t i = 0; i < chart.values.size(); ++i) {
@@ -255,14 +256,14 @@ std::vector<UnusualUnit> BeyondLimits(const std::vector<ControlChart>& charts) {
       if (offset < chart.lower || offset > chart.upper)
         unusual[static_cast<int>(i)].push_back(chart.name);
     }
-  std::vector<UnusualUnit> units;
+  std::vector<OutlierUnit> units;
   for (auto& [unit, names] : unusual) units.push_back({unit, names});
   return units;
 }
 
 }  // namespace
 
-std::vector<double> FleetFigure::Scattering() const {
+std::vector<double> FleetMetric::Scattering() const {
   std::vector<double> scattering = values;
   if (is_positive)
     for (double& value : scattering)
@@ -273,14 +274,14 @@ std::vector<double> FleetFigure::Scattering() const {
 FleetStatistics FindOutliers(const FleetInput& input) {
   FleetStatistics statistics;
   const Eigen::Index count = input.pixels.rows();
-  if (count < kFewestFleetUnits || input.pixels.cols() == 0) return statistics;
+  if (count < kMinFleetUnits || input.pixels.cols() == 0) return statistics;
   // The probability is shared between lenses and each metric.
   const double change_chance =
-      kFleetChance / (1 + static_cast<double>(input.figures.size()));
+      kFleetChance / (1 + static_cast<double>(input.metrics.size()));
   const CenteredLenses centered =
       AboutTheirMean(input.pixels, change_chance, &statistics);
   const double chance =
-      kFleetChance / (static_cast<double>(2 + input.figures.size()) * count);
+      kFleetChance / (static_cast<double>(2 + input.metrics.size()) * count);
   const LensCharts lenses = ChartLenses(centered, chance);
   statistics.num_directions =
       static_cast<int>(lenses.directions.variances.size());
@@ -290,8 +291,8 @@ FleetStatistics FindOutliers(const FleetInput& input) {
       {"lens", lenses.lens, zeros, none, lenses.lens_limit});
   statistics.charts.push_back(
       {"shape", lenses.shape, zeros, none, lenses.shape_limit});
-  for (const FleetFigure& figure : input.figures)
-    AddFigureChart(figure, chance, change_chance, &statistics);
+  for (const FleetMetric& metric : input.metrics)
+    AddFigureChart(metric, chance, change_chance, &statistics);
   std::stable_sort(
       statistics.jumps.begin(), statistics.jumps.end(),
       [](const MeanJump& a, const MeanJump& b) { return a.unit < b.unit; });

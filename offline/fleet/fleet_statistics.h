@@ -10,7 +10,7 @@
 namespace raygrid {
 
 /// A metric of each unit, in their order; NaN if unknown.
-struct FleetFigure {
+struct FleetMetric {
   std::string name;
   std::vector<double> values;
   bool is_positive = false;  ///< its logarithm is normally distributed
@@ -23,7 +23,7 @@ struct FleetFigure {
 struct FleetInput {
   /// One row per unit: its pixels of the common directions.
   Eigen::MatrixXd pixels;
-  std::vector<FleetFigure> figures;
+  std::vector<FleetMetric> metrics;
 };
 
 /// The values of all units, and limits for a fleet without outliers, with the
@@ -36,7 +36,7 @@ struct ControlChart {
   bool is_logarithm = false;    ///< values and middle are logarithms
 };
 
-struct UnusualUnit {
+struct OutlierUnit {
   int unit = 0;
   std::vector<std::string> charts;  ///< whose limits it exceeds
 };
@@ -45,12 +45,12 @@ struct FleetStatistics {
   std::vector<ControlChart> charts;
   std::vector<MeanJump> jumps;       ///< by unit
   std::vector<MeanDrift> drifts;     ///< ordered as charts
-  std::vector<UnusualUnit> unusual;  ///< by unit
+  std::vector<OutlierUnit> unusual;  ///< by unit
   int num_directions = 0;            ///< principal directions of the lenses
 };
 
 /// The minimum number of units for control limits.
-constexpr int kFewestFleetUnits = 20;
+constexpr int kMinFleetUnits = 20;
 /// The probability of any false alarm in a fleet without outliers, and of any
 /// reported change of a constant mean.
 constexpr double kFleetChance = 0.05;
@@ -65,7 +65,7 @@ constexpr double kFleetChance = 0.05;
 /// all charts and units, and one with a constant mean a jump or a drift with
 /// another kFleetChance.
 ///
-/// With fewer than kFewestFleetUnits units, there are no charts.
+/// With fewer than kMinFleetUnits units, there are no charts.
 FleetStatistics FindOutliers(const FleetInput& input);
 
 }  // namespace raygrid

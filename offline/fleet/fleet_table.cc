@@ -11,7 +11,7 @@
 #include "dataset/csv.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
-#include "dataset/held_stack.h"
+#include "dataset/fixed_operating_point.h"
 #include "dataset/text_encoding.h"
 #include "report/result_keys.h"
 
@@ -40,12 +40,12 @@ void AddNumber(const Json& json, const std::vector<std::string>& keys,
     if (!at->is_object() || !at->contains(key)) return;
     at = &at->at(key);
   }
-  if (at->is_number()) row->figures[name] = at->get<double>();
+  if (at->is_number()) row->metrics[name] = at->get<double>();
 }
 
 void AddResult(const Json& result, UnitRow* row) {
-  for (const char* figure : {"median_px", "rms_px", "max_px"})
-    AddNumber(result, {"held_out", figure}, std::string("held_out_") + figure,
+  for (const char* metric : {"median_px", "rms_px", "max_px"})
+    AddNumber(result, {"held_out", metric}, std::string("held_out_") + metric,
               row);
   AddNumber(result, {"training", "median_px"}, "training_median_px", row);
   AddNumber(result, {"images", "used"}, "images", row);
@@ -74,31 +74,31 @@ std::optional<double> FocalLength(const CameraModel& camera) {
 
 void AddCamera(const CameraFile& file, UnitRow* row) {
   if (const auto center = file.camera->Project({0, 0, 1})) {
-    row->figures["center_x_px"] = center->x();
-    row->figures["center_y_px"] = center->y();
+    row->metrics["center_x_px"] = center->x();
+    row->metrics["center_y_px"] = center->y();
   }
   if (file.capture && file.capture->sensor_temperature_c)
-    row->figures["sensor_temperature_c"] = *file.capture->sensor_temperature_c;
+    row->metrics["sensor_temperature_c"] = *file.capture->sensor_temperature_c;
   if (const auto focal = FocalLength(*file.camera))
-    row->figures["focal_px"] = *focal;
+    row->metrics["focal_px"] = *focal;
   double worst = 0;
   if (const auto known =
-          file.stack ? UncertaintyOverRanges(file) : file.uncertainty)
+          file.stack ? ComputeMaxUncertainty(file) : file.uncertainty)
     for (const double deviation : known->lattice.deviation_px)
       if (std::isfinite(deviation)) worst = std::max(worst, deviation);
-  if (worst > 0) row->figures["max_uncertainty_px"] = worst;
+  if (worst > 0) row->metrics["max_uncertainty_px"] = worst;
 }
 
 // The first metric beyond its limits; empty if all are within.
-std::string WhyBeyond(const UnitRow& row, const FigureLimits& limits) {
+std::string ExplainOutOfRange(const UnitRow& row, const MetricLimits& limits) {
   for (const auto& [name, range] : limits) {
-    const auto figure = row.figures.find(name);
-    if (figure == row.figures.end()) return name + " is unknown";
-    if (figure->second > range.second)
-      return fmt::format("{} is {:.6g}, above {:.6g}", name, figure->second,
+    const auto metric = row.metrics.find(name);
+    if (metric == row.metrics.end()) return name + " is unknown";
+    if (metric->second > range.second)
+      return fmt::format("{} is {:.6g}, above {:.6g}", name, metric->second,
                          range.second);
-    if (figure->second < range.first)
-      return fmt::format("{} is {:.6g}, below {:.6g}", name, figure->second,
+    if (metric->second < range.first)
+      return fmt::format("{} is {:.6g}, below {:.6g}", name, metric->second,
                          range.first);
   }
   return "";
@@ -117,7 +117,7 @@ std::string TextField(const std::string& text) {
 }  // namespace
 
 UnitRow ReadUnitRow(const std::string& serial, const std::string& folder,
-                    const FigureLimits& limits) {
+                    const MetricLimits& limits) {
   UnitRow row;
   row.serial = serial;
   const std::string path = folder + "/result.json";
@@ -133,7 +133,7 @@ UnitRow ReadUnitRow(const std::string& serial, const std::string& folder,
   }
   if (std::filesystem::exists(folder + "/camera.yaml"))
     AddCamera(ReadCameraFile(folder + "/camera.yaml"), &row);
-  const std::string beyond = WhyBeyond(row, limits);
+  const std::string beyond = ExplainOutOfRange(row, limits);
   if (!beyond.empty() && row.status != "fail") {
     row.status = "fail";
     row.reason = beyond;
@@ -149,10 +149,10 @@ std::string FormatFleetTable(const std::vector<UnitRow>& rows) {
     text +=
         fmt::format("{},{},{}", row.serial, row.status, TextField(row.reason));
     for (const std::string& column : kColumns) {
-      const auto figure = row.figures.find(column);
-      text += figure == row.figures.end()
+      const auto metric = row.metrics.find(column);
+      text += metric == row.metrics.end()
                   ? ","
-                  : fmt::format(",{:.9g}", figure->second);
+                  : fmt::format(",{:.9g}", metric->second);
     }
     text += "," + TextField(row.lens_batch) + "," +
             TextField(fmt::format("{}", fmt::join(row.unusual, " ")));

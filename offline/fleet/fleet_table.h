@@ -17,7 +17,7 @@ struct UnitRow {
   std::string status = "missing";
   std::string reason;
   int exit_code = 0;                      ///< of an error
-  std::map<std::string, double> figures;  ///< of FigureNames(), those known
+  std::map<std::string, double> metrics;  ///< of ListMetricNames(), those known
   double seconds = 0;                     ///< of its calibration; 0: unknown
   /// Names of the charts whose limits it exceeds (FindOutliers()).
   std::vector<std::string> unusual;
@@ -33,7 +33,7 @@ struct UnitRow {
 /// is over the calibrated area, and over the range of an operating-point model.
 /// For rigs, only result.json is used.
 UnitRow ReadUnitRow(const std::string& serial, const std::string& folder,
-                    const FigureLimits& limits);
+                    const MetricLimits& limits);
 
 /// Formats fleet.csv; unknown fields are empty.
 std::string FormatFleetTable(const std::vector<UnitRow>& rows);

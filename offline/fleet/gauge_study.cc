@@ -42,14 +42,14 @@ double Remaining(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& columns) {
 
 struct GaugeTerm {
   std::string name;
-  Eigen::MatrixXd without;  // a basis of the model without this term
-  double freedoms = 0;      // that it adds to that model
-  double size = 0;          // expected squares of a variance of 1
+  Eigen::MatrixXd without;        // a basis of the model without this term
+  double degrees_of_freedom = 0;  // that it adds to that model
+  double size = 0;                // expected squares of a variance of 1
 };
 
 struct GaugeModel {
   Eigen::MatrixXd basis;
-  double freedoms = 0;  // of what the model leaves
+  double degrees_of_freedom = 0;  // of what the model leaves
   std::vector<GaugeTerm> terms;
 };
 
@@ -67,7 +67,7 @@ size_t NumLevels(const std::vector<std::string>& levels) {
 }
 
 GaugeModel MakeModel(const std::vector<GaugeRepeat>& repeats,
-                     std::vector<std::string>* untold) {
+                     std::vector<std::string>* unobservable_reason) {
   std::vector<std::string> goldens, persons, stations;
   for (const GaugeRepeat& repeat : repeats) {
     goldens.push_back(repeat.golden);
@@ -84,20 +84,21 @@ GaugeModel MakeModel(const std::vector<GaugeRepeat>& repeats,
     }
   GaugeModel model;
   model.basis = BasisOf(Beside(parts));
-  model.freedoms = static_cast<double>(model.basis.rows() - model.basis.cols());
+  model.degrees_of_freedom =
+      static_cast<double>(model.basis.rows() - model.basis.cols());
   for (size_t k = 1; k < parts.size(); ++k) {
     std::vector<Eigen::MatrixXd> others = parts;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
     GaugeTerm term;
     term.name = names[k];
     term.without = BasisOf(Beside(others));
-    term.freedoms =
+    term.degrees_of_freedom =
         static_cast<double>(model.basis.cols() - term.without.cols());
     term.size = Remaining(term.without, parts[k]);
-    if (term.freedoms > 0)
+    if (term.degrees_of_freedom > 0)
       model.terms.push_back(std::move(term));
     else
-      untold->push_back(
+      unobservable_reason->push_back(
           fmt::format("the effect of {0}s is not separable from other "
                       "differences; calibrate one golden unit at more than one "
                       "{0}, all else being equal",
@@ -110,54 +111,57 @@ GaugeModel MakeModel(const std::vector<GaugeRepeat>& repeats,
 
 // values: one column for each metric of a kind, combined by the mean of their
 // variances.
-GaugeFigure Analyse(const std::string& name, const Eigen::MatrixXd& values,
+GaugeMetric Analyse(const std::string& name, const Eigen::MatrixXd& values,
                     const GaugeModel& model) {
-  GaugeFigure figure;
-  figure.name = name;
+  GaugeMetric metric;
+  metric.name = name;
   const auto num_columns = static_cast<double>(values.cols());
   const double left = Remaining(model.basis, values);
-  const double variance = left / model.freedoms / num_columns;
+  const double variance = left / model.degrees_of_freedom / num_columns;
   double sum = variance;
   for (const GaugeTerm& term : model.terms) {
     const double added = Remaining(term.without, values) - left;
     const double of_term = std::max(
-        0.0, (added / num_columns - term.freedoms * variance) / term.size);
+        0.0,
+        (added / num_columns - term.degrees_of_freedom * variance) / term.size);
     GaugeFactor factor{term.name, std::sqrt(of_term), {}};
     if (values.cols() == 1 && variance > 0)
       factor.chance = boost::math::cdf(boost::math::complement(
-          boost::math::fisher_f(term.freedoms, model.freedoms),
-          std::max(0.0, added / term.freedoms / variance)));
-    figure.factors.push_back(factor);
+          boost::math::fisher_f(term.degrees_of_freedom,
+                                model.degrees_of_freedom),
+          std::max(0.0, added / term.degrees_of_freedom / variance)));
+    metric.factors.push_back(factor);
     sum += of_term;
   }
-  figure.repeatability = std::sqrt(variance);
-  figure.gauge = std::sqrt(sum);
-  return figure;
+  metric.repeatability = std::sqrt(variance);
+  metric.gauge = std::sqrt(sum);
+  return metric;
 }
 
-void CompareWithFleet(double fleet, GaugeFigure* figure) {
+void CompareWithFleet(double fleet, GaugeMetric* metric) {
   if (!(fleet > 0)) return;
-  figure->fleet = fleet;
-  figure->part_of_fleet = figure->gauge / fleet;
+  metric->fleet = fleet;
+  metric->part_of_fleet = metric->gauge / fleet;
   const double unit =
-      std::sqrt(std::max(0.0, fleet * fleet - figure->gauge * figure->gauge));
-  if (figure->gauge > 0)
-    figure->num_classes = std::floor(M_SQRT2 * unit / figure->gauge);
+      std::sqrt(std::max(0.0, fleet * fleet - metric->gauge * metric->gauge));
+  if (metric->gauge > 0)
+    metric->num_classes = std::floor(M_SQRT2 * unit / metric->gauge);
 }
 
 double PixelDeviation(const Eigen::MatrixXd& pixels) {
   double sum = 0;
   for (Eigen::Index k = 0; k < pixels.cols(); ++k)
-    sum +=
-        std::pow(DeviationByNeighbours({pixels.col(k).data(),
-                                        pixels.col(k).data() + pixels.rows()}),
-                 2);
+    sum += std::pow(
+        EstimateNeighbourDeviation(
+            {pixels.col(k).data(), pixels.col(k).data() + pixels.rows()}),
+        2);
   return std::sqrt(sum / static_cast<double>(pixels.cols()));
 }
 
 double FleetDeviation(const FleetInput& fleet, const std::string& name) {
-  for (const FleetFigure& figure : fleet.figures)
-    if (figure.name == name) return DeviationByNeighbours(figure.Scattering());
+  for (const FleetMetric& metric : fleet.metrics)
+    if (metric.name == name)
+      return EstimateNeighbourDeviation(metric.Scattering());
   return 0;
 }
 
@@ -169,53 +173,53 @@ bool Scatters(const std::vector<double>& values) {
          *least < *most;
 }
 
-void CompareWithLimits(const FigureLimits& limits, GaugeFigure* figure) {
-  const auto found = limits.find(figure->name);
-  if (found == limits.end() || figure->is_logarithm) return;
+void CompareWithLimits(const MetricLimits& limits, GaugeMetric* metric) {
+  const auto found = limits.find(metric->name);
+  if (found == limits.end() || metric->is_logarithm) return;
   const double width = found->second.second - found->second.first;
   if (std::isfinite(width) && width > 0)
-    figure->part_of_limits = 6 * figure->gauge / width;
+    metric->part_of_limits = 6 * metric->gauge / width;
 }
 
 }  // namespace
 
 GaugeStudy StudyGauge(const FleetInput& input,
                       const std::vector<GaugeRepeat>& repeats,
-                      const FleetInput& fleet, const FigureLimits& limits) {
+                      const FleetInput& fleet, const MetricLimits& limits) {
   GaugeStudy study;
   if (repeats.empty()) return study;
   study.num_repeats = static_cast<int>(repeats.size());
   std::set<std::string> goldens;
   for (const GaugeRepeat& repeat : repeats) goldens.insert(repeat.golden);
   study.num_goldens = static_cast<int>(goldens.size());
-  const GaugeModel model = MakeModel(repeats, &study.untold);
-  study.freedoms = static_cast<int>(model.freedoms);
-  if (study.freedoms == 0) {
-    study.untold = {
+  const GaugeModel model = MakeModel(repeats, &study.unobservable_reason);
+  study.degrees_of_freedom = static_cast<int>(model.degrees_of_freedom);
+  if (study.degrees_of_freedom == 0) {
+    study.unobservable_reason = {
         "no golden unit was repeated by the same operator at the same station; "
         "repeat one calibration without changes"};
     return study;
   }
-  const bool has_fleet = fleet.pixels.rows() >= kFewestFleetUnits;
+  const bool has_fleet = fleet.pixels.rows() >= kMinFleetUnits;
   if (input.pixels.cols() > 0) {
-    GaugeFigure pixels = Analyse("pixels", input.pixels, model);
+    GaugeMetric pixels = Analyse("pixels", input.pixels, model);
     if (has_fleet && fleet.pixels.cols() > 0)
       CompareWithFleet(PixelDeviation(fleet.pixels), &pixels);
-    study.figures.push_back(pixels);
+    study.metrics.push_back(pixels);
   }
-  for (const FleetFigure& figure : input.figures) {
-    const std::vector<double> values = figure.Scattering();
-    if (figure.name == "sensor_temperature_c" || !Scatters(values)) continue;
-    GaugeFigure analysed =
-        Analyse(figure.name,
+  for (const FleetMetric& metric : input.metrics) {
+    const std::vector<double> values = metric.Scattering();
+    if (metric.name == "sensor_temperature_c" || !Scatters(values)) continue;
+    GaugeMetric analysed =
+        Analyse(metric.name,
                 Eigen::Map<const Eigen::VectorXd>(
                     values.data(), static_cast<Eigen::Index>(values.size())),
                 model);
-    analysed.is_logarithm = figure.is_positive;
+    analysed.is_logarithm = metric.is_positive;
     if (has_fleet)
-      CompareWithFleet(FleetDeviation(fleet, figure.name), &analysed);
+      CompareWithFleet(FleetDeviation(fleet, metric.name), &analysed);
     CompareWithLimits(limits, &analysed);
-    study.figures.push_back(analysed);
+    study.metrics.push_back(analysed);
   }
   return study;
 }

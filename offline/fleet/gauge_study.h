@@ -24,7 +24,7 @@ struct GaugeFactor {
 };
 
 /// The measurement uncertainty of a metric.
-struct GaugeFigure {
+struct GaugeMetric {
   std::string name;  ///< of the figure; "pixels": the RMS over all directions
   bool is_logarithm = false;         ///< deviations are relative
   double repeatability = 0;          ///< deviation under equal conditions
@@ -39,10 +39,10 @@ struct GaugeFigure {
 
 struct GaugeStudy {
   int num_repeats = 0, num_goldens = 0;
-  int freedoms = 0;  ///< degrees of freedom of the repeatability
-  std::vector<GaugeFigure> figures;
+  int degrees_of_freedom = 0;  ///< degrees of freedom of the repeatability
+  std::vector<GaugeMetric> metrics;
   /// Why there are no results, or which factor is not determined; else empty.
-  std::vector<std::string> untold;
+  std::vector<std::string> unobservable_reason;
 };
 
 /// Gauge repeatability and reproducibility by analysis of variance. A value is
@@ -53,11 +53,11 @@ struct GaugeStudy {
 ///
 /// input: the repeats. Metrics that some of them lack or that are constant are
 /// ignored, and so is the temperature, which is not a measurement. fleet: the
-/// units for comparison, if there are at least kFewestFleetUnits. Both are in
+/// units for comparison, if there are at least kMinFleetUnits. Both are in
 /// the order of their units.
 GaugeStudy StudyGauge(const FleetInput& input,
                       const std::vector<GaugeRepeat>& repeats,
-                      const FleetInput& fleet, const FigureLimits& limits);
+                      const FleetInput& fleet, const MetricLimits& limits);
 
 }  // namespace raygrid
 

@@ -15,25 +15,25 @@ namespace {
 using UnitsOfBatch = std::map<std::string, std::vector<int>>;
 
 UnitsOfBatch ChooseUnits(const std::vector<std::string>& batches,
-                         const std::vector<UnusualUnit>& unusual) {
+                         const std::vector<OutlierUnit>& unusual) {
   std::set<int> left_out;
-  for (const UnusualUnit& unit : unusual) left_out.insert(unit.unit);
+  for (const OutlierUnit& unit : unusual) left_out.insert(unit.unit);
   UnitsOfBatch chosen;
   for (int u = 0; u < static_cast<int>(batches.size()); ++u)
     if (!batches[u].empty() && left_out.count(u) == 0)
       chosen[batches[u]].push_back(u);
   for (auto it = chosen.begin(); it != chosen.end();)
-    it = static_cast<int>(it->second.size()) < kFewestBatchUnits
-             ? chosen.erase(it)
-             : std::next(it);
+    it = static_cast<int>(it->second.size()) < kMinBatchUnits ? chosen.erase(it)
+                                                              : std::next(it);
   if (chosen.size() < 2) chosen.clear();
   return chosen;
 }
 
-double ChanceOf(double f, double freedoms, double freedoms_within) {
+double ChanceOf(double f, double degrees_of_freedom, double freedoms_within) {
   if (!std::isfinite(f)) return f > 0 ? 0 : 1;
   return boost::math::cdf(boost::math::complement(
-      boost::math::fisher_f(freedoms, freedoms_within), std::max(f, 0.0)));
+      boost::math::fisher_f(degrees_of_freedom, freedoms_within),
+      std::max(f, 0.0)));
 }
 
 double MeanOfGroup(const std::vector<double>& values) {
@@ -42,11 +42,11 @@ double MeanOfGroup(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-BatchedFigure CompareFigure(const FleetFigure& figure,
+BatchedMetric CompareFigure(const FleetMetric& metric,
                             const UnitsOfBatch& units) {
-  BatchedFigure compared;
-  compared.name = figure.name;
-  const std::vector<double> values = figure.Scattering();
+  BatchedMetric compared;
+  compared.name = metric.name;
+  const std::vector<double> values = metric.Scattering();
   std::vector<std::vector<double>> groups;
   std::vector<double> all;
   for (const auto& batch : units) {
@@ -58,7 +58,7 @@ BatchedFigure CompareFigure(const FleetFigure& figure,
       all.push_back(value);
     }
     const double mean = MeanOfGroup(groups.back());
-    compared.means.push_back(figure.is_positive ? std::exp(mean) : mean);
+    compared.means.push_back(metric.is_positive ? std::exp(mean) : mean);
   }
   double between = 0, within = 0, num_groups = 0, squares = 0;
   for (const std::vector<double>& group : groups) {
@@ -72,23 +72,24 @@ BatchedFigure CompareFigure(const FleetFigure& figure,
       squares += value * value;
     }
   }
-  const double freedoms = num_groups - 1,
+  const double degrees_of_freedom = num_groups - 1,
                freedoms_within = static_cast<double>(all.size()) - num_groups;
   constexpr double kRounding = 1e-24;  // of equal values' squares
-  if (freedoms < 1 || freedoms_within < 1 ||
+  if (degrees_of_freedom < 1 || freedoms_within < 1 ||
       between + within <= kRounding * squares)
     return compared;
   compared.deviation_within = std::sqrt(within / freedoms_within);
-  compared.chance = ChanceOf(between / freedoms / (within / freedoms_within),
-                             freedoms, freedoms_within);
+  compared.chance =
+      ChanceOf(between / degrees_of_freedom / (within / freedoms_within),
+               degrees_of_freedom, freedoms_within);
   return compared;
 }
 
 // Pillai's trace of the lenses' coefficients along the principal directions,
 // and its F approximation.
-BatchedFigure CompareLenses(const Eigen::MatrixXd& pixels,
+BatchedMetric CompareLenses(const Eigen::MatrixXd& pixels,
                             const UnitsOfBatch& units) {
-  BatchedFigure compared;
+  BatchedMetric compared;
   compared.name = "lens";
   std::vector<int> rows;
   for (const auto& batch : units)
@@ -98,7 +99,8 @@ BatchedFigure CompareLenses(const Eigen::MatrixXd& pixels,
   for (Eigen::Index i = 0; i < count; ++i) chosen.row(i) = pixels.row(rows[i]);
   chosen.rowwise() -= chosen.colwise().mean().eval();
   const Eigen::MatrixXd scores =
-      chosen * DirectionsOf(chosen, std::vector<bool>(rows.size(), true)).axes;
+      chosen *
+      ComputeDirections(chosen, std::vector<bool>(rows.size(), true)).axes;
   const Eigen::MatrixXd total = scores.transpose() * scores;
   Eigen::MatrixXd between = Eigen::MatrixXd::Zero(total.rows(), total.cols());
   Eigen::Index begin = 0;
@@ -110,13 +112,14 @@ BatchedFigure CompareLenses(const Eigen::MatrixXd& pixels,
     begin += size;
   }
   const auto p = static_cast<double>(scores.cols());
-  const double freedoms = static_cast<double>(units.size()) - 1,
-               freedoms_within = static_cast<double>(count) - freedoms - 1;
-  const double s = std::min(p, freedoms);
+  const double degrees_of_freedom = static_cast<double>(units.size()) - 1,
+               freedoms_within =
+                   static_cast<double>(count) - degrees_of_freedom - 1;
+  const double s = std::min(p, degrees_of_freedom);
   const double t = freedoms_within - p + s;
   const double trace = total.fullPivLu().solve(between).trace();
   if (!(t > 0) || !std::isfinite(trace)) return compared;
-  const double larger = std::max(p, freedoms);
+  const double larger = std::max(p, degrees_of_freedom);
   compared.chance =
       ChanceOf(t * trace / (larger * (s - trace)), s * larger, s * t);
   return compared;
@@ -126,7 +129,7 @@ BatchedFigure CompareLenses(const Eigen::MatrixXd& pixels,
 
 BatchComparison CompareLensBatches(const FleetInput& input,
                                    const std::vector<std::string>& batches,
-                                   const std::vector<UnusualUnit>& unusual) {
+                                   const std::vector<OutlierUnit>& unusual) {
   BatchComparison comparison;
   const UnitsOfBatch units = ChooseUnits(batches, unusual);
   if (units.empty() || input.pixels.cols() == 0) return comparison;
@@ -134,12 +137,12 @@ BatchComparison CompareLensBatches(const FleetInput& input,
     comparison.batches.push_back(batch.first);
     comparison.num_units.push_back(static_cast<int>(batch.second.size()));
   }
-  comparison.figures.push_back(CompareLenses(input.pixels, units));
-  for (const FleetFigure& figure : input.figures)
-    comparison.figures.push_back(CompareFigure(figure, units));
-  const auto num_figures = static_cast<double>(comparison.figures.size());
-  for (BatchedFigure& figure : comparison.figures)
-    figure.differs = figure.chance < kFleetChance / num_figures;
+  comparison.metrics.push_back(CompareLenses(input.pixels, units));
+  for (const FleetMetric& metric : input.metrics)
+    comparison.metrics.push_back(CompareFigure(metric, units));
+  const auto num_figures = static_cast<double>(comparison.metrics.size());
+  for (BatchedMetric& metric : comparison.metrics)
+    metric.differs = metric.chance < kFleetChance / num_figures;
   return comparison;
 }
 

@@ -9,7 +9,7 @@
 namespace raygrid {
 
 /// A metric by lens batches, or "lens": the principal directions.
-struct BatchedFigure {
+struct BatchedMetric {
   std::string name;
   bool differs = false;  ///< significant at the level per comparison
   double chance = 1;     ///< p-value of equal batches
@@ -24,15 +24,15 @@ struct BatchedFigure {
 struct BatchComparison {
   std::vector<std::string> batches;  ///< sorted bytewise
   std::vector<int> num_units;        ///< compared, in each batch
-  std::vector<BatchedFigure> figures;
+  std::vector<BatchedMetric> metrics;
 };
 
 /// The minimum number of units of a batch that is compared.
-constexpr int kFewestBatchUnits = 3;
+constexpr int kMinBatchUnits = 3;
 
 /// Compares batches by analysis of variance: each metric by its F statistic,
 /// lenses along their principal directions by Pillai's trace. Outliers, units
-/// without a batch and batches of fewer than kFewestBatchUnits other units are
+/// without a batch and batches of fewer than kMinBatchUnits other units are
 /// omitted. For equal batches, the probability of any significant difference is
 /// kFleetChance.
 ///
@@ -40,7 +40,7 @@ constexpr int kFewestBatchUnits = 3;
 /// than two batches.
 BatchComparison CompareLensBatches(const FleetInput& input,
                                    const std::vector<std::string>& batches,
-                                   const std::vector<UnusualUnit>& unusual);
+                                   const std::vector<OutlierUnit>& unusual);
 
 }  // namespace raygrid
 

@@ -5,8 +5,8 @@
 
 namespace raygrid {
 
-LensDirections DirectionsOf(const Eigen::MatrixXd& rows,
-                            const std::vector<bool>& is_usual) {
+LensDirections ComputeDirections(const Eigen::MatrixXd& rows,
+                                 const std::vector<bool>& is_usual) {
   const auto count =
       static_cast<double>(std::count(is_usual.begin(), is_usual.end(), true));
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(rows.cols(), rows.cols());

@@ -14,8 +14,8 @@ struct LensDirections {
 
 /// Computes the directions that explain 99.9 % of the variance about 0 of the
 /// inlier rows, at most one per four rows.
-LensDirections DirectionsOf(const Eigen::MatrixXd& rows,
-                            const std::vector<bool>& is_usual);
+LensDirections ComputeDirections(const Eigen::MatrixXd& rows,
+                                 const std::vector<bool>& is_usual);
 
 }  // namespace raygrid
 

@@ -27,9 +27,9 @@ std::vector<StandardSeries> Standardize(
     const std::vector<std::vector<double>>& series) {
   std::vector<StandardSeries> all;
   for (const std::vector<double>& values : series) {
-    const double deviation = DeviationByNeighbours(values);
+    const double deviation = EstimateNeighbourDeviation(values);
     if (!(deviation > 0)) continue;
-    StandardSeries standard{Clipped(values, deviation), {0}};
+    StandardSeries standard{ClipOutliers(values, deviation), {0}};
     for (double& value : standard.values) {
       value = std::isfinite(value) ? value / deviation : 0;
       standard.sums.push_back(standard.sums.back() + value);
@@ -126,8 +126,8 @@ MeanChanges FindMeanChanges(const std::vector<std::vector<double>>& series,
 
 std::vector<double> MiddleOf(const std::vector<double>& values,
                              const MeanChanges& changes) {
-  return changes.drifts.empty() ? MiddleOfParts(values, changes.Cuts())
-                                : MiddleLine(values);
+  return changes.drifts.empty() ? ComputeSegmentMedians(values, changes.Cuts())
+                                : FitRobustLine(values);
 }
 
 }  // namespace raygrid

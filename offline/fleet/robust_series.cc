@@ -12,7 +12,7 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-double DeviationByNeighbours(const std::vector<double>& values) {
+double EstimateNeighbourDeviation(const std::vector<double>& values) {
   std::vector<double> differences;
   for (size_t i = 1; i < values.size(); ++i)
     if (const double difference = std::abs(values[i] - values[i - 1]);
@@ -22,8 +22,8 @@ double DeviationByNeighbours(const std::vector<double>& values) {
   return differences.empty() ? 0 : Median(differences) / kMedianOfDifference;
 }
 
-std::vector<double> Clipped(const std::vector<double>& values,
-                            double deviation) {
+std::vector<double> ClipOutliers(const std::vector<double>& values,
+                                 double deviation) {
   constexpr int kWidth = 5;
   constexpr double kMostSigmas = 3;
   std::vector<double> clipped = values;
@@ -42,8 +42,8 @@ std::vector<double> Clipped(const std::vector<double>& values,
   return clipped;
 }
 
-std::vector<double> MiddleOfParts(const std::vector<double>& values,
-                                  const std::vector<int>& cuts) {
+std::vector<double> ComputeSegmentMedians(const std::vector<double>& values,
+                                          const std::vector<int>& cuts) {
   std::vector<double> middle(values.size());
   int begin = 0;
   for (size_t k = 0; k <= cuts.size(); ++k) {
@@ -57,9 +57,9 @@ std::vector<double> MiddleOfParts(const std::vector<double>& values,
   return middle;
 }
 
-std::vector<double> MiddleLine(const std::vector<double>& values) {
+std::vector<double> FitRobustLine(const std::vector<double>& values) {
   const std::vector<double> clipped =
-      Clipped(values, DeviationByNeighbours(values));
+      ClipOutliers(values, EstimateNeighbourDeviation(values));
   const auto count = static_cast<double>(values.size());
   const double middle_place = (count - 1) / 2;
   double mean = 0, products = 0, squares = 0, num_known = 0;

@@ -11,20 +11,20 @@ double Median(std::vector<double> values);
 
 /// The standard deviation estimated from differences of neighbours, robust to
 /// jumps and outliers; 0 for fewer than two known values. NaN is unknown.
-double DeviationByNeighbours(const std::vector<double>& values);
+double EstimateNeighbourDeviation(const std::vector<double>& values);
 
 /// Clamps values to three deviations from the median of their neighbours, so
 /// that a single outlier is no jump. NaN (unknown) becomes the median.
-std::vector<double> Clipped(const std::vector<double>& values,
-                            double deviation);
+std::vector<double> ClipOutliers(const std::vector<double>& values,
+                                 double deviation);
 
 /// The median of the segment of each value; segments begin at cuts, which
 /// ascend.
-std::vector<double> MiddleOfParts(const std::vector<double>& values,
-                                  const std::vector<int>& cuts);
+std::vector<double> ComputeSegmentMedians(const std::vector<double>& values,
+                                          const std::vector<int>& cuts);
 
 /// Fits a line to the clipped values of a series by least squares.
-std::vector<double> MiddleLine(const std::vector<double>& values);
+std::vector<double> FitRobustLine(const std::vector<double>& values);
 
 }  // namespace raygrid
 

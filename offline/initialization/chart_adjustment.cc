@@ -132,8 +132,8 @@ void Minimize(const std::vector<ChartObservation>& observations,
 
 }  // namespace
 
-void AdjustInChart(const std::vector<ChartObservation>& observations,
-                   BSplineSurface* surface, std::vector<Pose>* poses) {
+void OptimizeInChart(const std::vector<ChartObservation>& observations,
+                     BSplineSurface* surface, std::vector<Pose>* poses) {
   std::vector<PoseBlocks> blocks;
   for (const Pose& pose : *poses) {
     const Eigen::AngleAxisd turn(pose.rotation);

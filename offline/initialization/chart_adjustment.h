@@ -20,8 +20,8 @@ struct ChartObservation {
 /// differences between the surface at a pixel and the chart coordinates of its
 /// point, in pixels to first order (Huber loss, 1 px), so that no projection is
 /// needed; deviations from the initial surface are regularized by smoothness.
-void AdjustInChart(const std::vector<ChartObservation>& observations,
-                   BSplineSurface* surface, std::vector<Pose>* poses);
+void OptimizeInChart(const std::vector<ChartObservation>& observations,
+                     BSplineSurface* surface, std::vector<Pose>* poses);
 
 }  // namespace raygrid
 

@@ -103,9 +103,9 @@ void FillSquare(const Corners& pixels, const Corners& points,
   }
 }
 
-std::vector<DenseMatch> MatchesOf(const ImageFeatures& image,
-                                  const Board& board,
-                                  const PixelLattice& lattice) {
+std::vector<DenseMatch> MakeMatches(const ImageFeatures& image,
+                                    const Board& board,
+                                    const PixelLattice& lattice) {
   const ViewFeatures features(board, image);
   PointsByPixel filled(lattice.size());
   for (int width = 1; width <= kMaxWidth; ++width) {
@@ -126,7 +126,7 @@ std::vector<DenseMatch> MatchesOf(const ImageFeatures& image,
 
 }  // namespace
 
-PixelLattice LatticeOf(const ImageSize& size) {
+PixelLattice MakePixelLattice(const ImageSize& size) {
   PixelLattice lattice;
   lattice.step_px =
       std::max(1, std::max(size.width, size.height) / kPixelsAlong);
@@ -135,14 +135,14 @@ PixelLattice LatticeOf(const ImageSize& size) {
   return lattice;
 }
 
-std::vector<DenseView> FormDenseViews(const Dataset& dataset,
+std::vector<DenseView> MakeDenseViews(const Dataset& dataset,
                                       const Pattern& pattern,
                                       const PixelLattice& lattice) {
   std::vector<DenseView> views;
   for (size_t i = 0; i < dataset.images.size(); ++i) {
     for (size_t b = 0; b < pattern.boards.size(); ++b) {
       std::vector<DenseMatch> matches =
-          MatchesOf(dataset.images[i], pattern.boards[b], lattice);
+          MakeMatches(dataset.images[i], pattern.boards[b], lattice);
       if (!matches.empty())
         views.push_back(
             {static_cast<int>(i), static_cast<int>(b), std::move(matches)});
@@ -151,9 +151,9 @@ std::vector<DenseView> FormDenseViews(const Dataset& dataset,
   return views;
 }
 
-std::vector<BoardPointTriple> CommonMatches(const DenseView& first,
-                                            const DenseView& second,
-                                            const DenseView& third) {
+std::vector<BoardPointTriple> FindCommonMatches(const DenseView& first,
+                                                const DenseView& second,
+                                                const DenseView& third) {
   std::vector<BoardPointTriple> common;
   auto b = second.matches.begin(), c = third.matches.begin();
   for (const DenseMatch& match : first.matches) {

@@ -20,7 +20,7 @@ struct PixelLattice {
 };
 
 /// Makes a lattice of about 160 pixels along the longer side.
-PixelLattice LatticeOf(const ImageSize& size);
+PixelLattice MakePixelLattice(const ImageSize& size);
 
 /// A point of a board's plane, in metres, at a lattice pixel.
 struct DenseMatch {
@@ -39,14 +39,14 @@ struct DenseView {
 /// initialization") by the homography of each square of neighbouring features,
 /// two or three spacings wide where features are missing. Boards are assumed to
 /// be planar. Views without any such square are omitted.
-std::vector<DenseView> FormDenseViews(const Dataset& dataset,
+std::vector<DenseView> MakeDenseViews(const Dataset& dataset,
                                       const Pattern& pattern,
                                       const PixelLattice& lattice);
 
 /// Returns the matches of three views at the pixels that all of them cover.
-std::vector<BoardPointTriple> CommonMatches(const DenseView& first,
-                                            const DenseView& second,
-                                            const DenseView& third);
+std::vector<BoardPointTriple> FindCommonMatches(const DenseView& first,
+                                                const DenseView& second,
+                                                const DenseView& third);
 
 }  // namespace raygrid
 

@@ -18,9 +18,9 @@ struct Sight {
 };
 
 std::vector<Sight> FormSights(const CameraModel& camera,
-                              const std::vector<PointOnPixel>& matches) {
+                              const std::vector<PointPixelMatch>& matches) {
   std::vector<Sight> sights;
-  for (const PointOnPixel& match : matches) {
+  for (const PointPixelMatch& match : matches) {
     // Linearized at a distance of a metre, which is uncritical: the scale
     // depends on distance only by the displacement of origins between pixels.
     const auto line = camera.Line(match.pixel);
@@ -28,7 +28,7 @@ std::vector<Sight> FormSights(const CameraModel& camera,
     if (line && camera.Linearize(line->origin + line->direction, &match.pixel,
                                  1, &projection))
       sights.push_back(
-          {match.point, line->origin, line->direction, projection.by_point});
+          {match.point, line->origin, line->direction, projection.J_point});
   }
   return sights;
 }
@@ -88,7 +88,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 // The cost of the reprojection errors of a pose (Huber loss, 1 px), and its
 // Gauss-Newton equations for the update of UpdatedPose(). Errors are of first
-// order in the angle between ray and point; by_ray does not depend on lengths.
+// order in the angle between ray and point; J_ray does not depend on lengths.
 struct PoseEquations {
   double cost = 0;
   Vector6d gradient = Vector6d::Zero();
@@ -108,13 +108,12 @@ PoseEquations EquationsOf(const std::vector<Sight>& sights, const Pose& pose) {
     const double weight = norm <= 1 ? 1 : 1 / norm;
     equations.cost += norm <= 1 ? norm * norm / 2 : norm - 0.5;
     for (int k = 0; k < 2; ++k) {
-      const Eigen::Vector3d by_ray = sight.pixel_by_ray.row(k);
-      const Eigen::Vector3d by_point =
-          (by_ray - error[k] * direction) / distance;
-      Vector6d by_pose;
-      by_pose << rotated.cross(by_point), by_point;
-      equations.gradient += (weight * error[k]) * by_pose;
-      equations.matrix += (weight * by_pose) * by_pose.transpose();
+      const Eigen::Vector3d J_ray = sight.pixel_by_ray.row(k);
+      const Eigen::Vector3d J_point = (J_ray - error[k] * direction) / distance;
+      Vector6d J_pose;
+      J_pose << rotated.cross(J_point), J_point;
+      equations.gradient += (weight * error[k]) * J_pose;
+      equations.matrix += (weight * J_pose) * J_pose.transpose();
     }
   }
   return equations;
@@ -165,7 +164,8 @@ std::vector<double> ErrorsPx(const std::vector<Sight>& sights,
   return errors;
 }
 
-double MedianErrorPx(const std::vector<Sight>& sights, const Pose& pose) {
+double ComputeMedianErrorPx(const std::vector<Sight>& sights,
+                            const Pose& pose) {
   std::vector<double> errors = ErrorsPx(sights, pose);
   const auto middle = errors.begin() + errors.size() / 2;
   std::nth_element(errors.begin(), middle, errors.end());
@@ -182,7 +182,8 @@ std::optional<Pose> BestPose(const std::vector<Sight>& sights) {
   const auto try_start = [&](const std::vector<Sight>& part) {
     const auto start = PoseFromPerspective(part);
     const auto pose = start ? Refine(sights, *start) : std::nullopt;
-    const double error_px = pose ? MedianErrorPx(sights, *pose) : INFINITY;
+    const double error_px =
+        pose ? ComputeMedianErrorPx(sights, *pose) : INFINITY;
     if (pose && (!best || error_px < best_px)) {
       best = pose;
       best_px = error_px;
@@ -204,7 +205,7 @@ std::vector<Sight> Consistent(const std::vector<Sight>& sights,
   constexpr double kTimesMedian = 6, kAlwaysPx = 3;
   const std::vector<double> errors = ErrorsPx(sights, pose);
   const double limit_px =
-      std::max(kAlwaysPx, kTimesMedian * MedianErrorPx(sights, pose));
+      std::max(kAlwaysPx, kTimesMedian * ComputeMedianErrorPx(sights, pose));
   std::vector<Sight> consistent;
   for (size_t i = 0; i < sights.size(); ++i)
     if (errors[i] <= limit_px) consistent.push_back(sights[i]);
@@ -214,7 +215,7 @@ std::vector<Sight> Consistent(const std::vector<Sight>& sights,
 }  // namespace
 
 std::optional<Pose> Localize(const CameraModel& camera,
-                             const std::vector<PointOnPixel>& matches) {
+                             const std::vector<PointPixelMatch>& matches) {
   constexpr int kMaxRounds = 5;
   std::vector<Sight> sights = FormSights(camera, matches);
   std::optional<Pose> pose;

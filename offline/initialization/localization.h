@@ -10,7 +10,7 @@
 namespace raygrid {
 
 /// A known point and its observation.
-struct PointOnPixel {
+struct PointPixelMatch {
   Eigen::Vector3d point;
   Eigen::Vector2d pixel;
 };
@@ -21,7 +21,7 @@ struct PointOnPixel {
 /// Ignores pixels outside the calibrated area; returns nothing if fewer than
 /// four remain or no pose is found.
 std::optional<Pose> Localize(const CameraModel& camera,
-                             const std::vector<PointOnPixel>& matches);
+                             const std::vector<PointPixelMatch>& matches);
 
 }  // namespace raygrid
 

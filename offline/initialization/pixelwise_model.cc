@@ -28,10 +28,10 @@ Eigen::Vector3d RayOf(const Pose& pose, const Eigen::Vector2d& point) {
   return (pose * Eigen::Vector3d(point.x(), point.y(), 0)).normalized();
 }
 
-std::vector<double> AngleErrors(const std::vector<PointOnRay>& matches,
+std::vector<double> AngleErrors(const std::vector<PointRayMatch>& matches,
                                 const Pose& pose) {
   std::vector<double> errors;
-  for (const PointOnRay& match : matches)
+  for (const PointRayMatch& match : matches)
     errors.push_back((RayOf(pose, match.point) - match.ray).norm());
   return errors;
 }
@@ -50,7 +50,7 @@ struct BoardHomography {
 };
 
 // Minimizes the algebraic error of ray x (H point) = 0.
-void FitRays(const std::vector<PointOnRay>& matches,
+void FitRays(const std::vector<PointRayMatch>& matches,
              const std::vector<bool>& use, BoardHomography* homography) {
   using Matrix9 = Eigen::Matrix<double, 9, 9>;
   Matrix9 normal = Matrix9::Zero();
@@ -74,14 +74,14 @@ void FitRays(const std::vector<PointOnRay>& matches,
 }
 
 std::optional<BoardHomography> FitRaysRobustly(
-    const std::vector<PointOnRay>& matches) {
+    const std::vector<PointRayMatch>& matches) {
   BoardHomography homography;
   const double count = static_cast<double>(matches.size());
   homography.centroid.setZero();
-  for (const PointOnRay& match : matches)
+  for (const PointRayMatch& match : matches)
     homography.centroid += match.point / count;
   double sum = 0;
-  for (const PointOnRay& match : matches)
+  for (const PointRayMatch& match : matches)
     sum += (match.point - homography.centroid).squaredNorm();
   homography.unit_m = std::sqrt(sum / (2 * count));
   if (!(homography.unit_m > 0)) return std::nullopt;
@@ -91,14 +91,14 @@ std::optional<BoardHomography> FitRaysRobustly(
     FitRays(matches, use, &homography);
     if (!homography.rays_from_board.allFinite()) return std::nullopt;
     std::vector<double> errors;
-    for (const PointOnRay& match : matches)
+    for (const PointRayMatch& match : matches)
       errors.push_back(
           (homography.Apply(match.point).normalized() - match.ray).norm());
     const double limit = kOutlierAngles * Median(errors) + 1e-12;
     for (size_t i = 0; i < matches.size(); ++i) use[i] = errors[i] <= limit;
   }
   const auto ahead = std::count_if(
-      matches.begin(), matches.end(), [&](const PointOnRay& match) {
+      matches.begin(), matches.end(), [&](const PointRayMatch& match) {
         return homography.Apply(match.point).dot(match.ray) > 0;
       });
   if (static_cast<double>(ahead) < kMinRaysAhead * count) return std::nullopt;
@@ -124,7 +124,7 @@ Pose PoseOf(const BoardHomography& homography) {
 }
 
 // The sum of the Cauchy loss of the angles.
-double RobustCost(const std::vector<PointOnRay>& matches, const Pose& pose,
+double RobustCost(const std::vector<PointRayMatch>& matches, const Pose& pose,
                   double scale) {
   double cost = 0;
   for (const double error : AngleErrors(matches, pose))
@@ -133,7 +133,7 @@ double RobustCost(const std::vector<PointOnRay>& matches, const Pose& pose,
 }
 
 // Levenberg-Marquardt, iteratively reweighted.
-Pose RefinePose(const std::vector<PointOnRay>& matches, const Pose& start) {
+Pose RefinePose(const std::vector<PointRayMatch>& matches, const Pose& start) {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   const double scale = 3 * Median(AngleErrors(matches, start)) + 1e-12;
@@ -143,7 +143,7 @@ Pose RefinePose(const std::vector<PointOnRay>& matches, const Pose& start) {
   for (int iteration = 0; iteration < kPoseIterations; ++iteration) {
     Matrix6 normal = Matrix6::Zero();
     Vector6 right = Vector6::Zero();
-    for (const PointOnRay& match : matches) {
+    for (const PointRayMatch& match : matches) {
       const Eigen::Vector3d rotated =
           pose.rotation * Eigen::Vector3d(match.point.x(), match.point.y(), 0);
       const Eigen::Vector3d moved = rotated + pose.translation;
@@ -181,18 +181,18 @@ Pose RefinePose(const std::vector<PointOnRay>& matches, const Pose& start) {
 }
 
 // The matches of a view at pixels with directions.
-std::vector<PointOnRay> MatchesWithDirections(const DenseView& view,
-                                              const PixelwiseModel& model) {
-  std::vector<PointOnRay> matches;
+std::vector<PointRayMatch> MatchesWithDirections(const DenseView& view,
+                                                 const PixelwiseModel& model) {
+  std::vector<PointRayMatch> matches;
   for (const DenseMatch& match : view.matches)
     if (model.directions[match.pixel])
       matches.push_back({match.point, *model.directions[match.pixel]});
   return matches;
 }
 
-std::vector<PointOnRay> Thinned(const std::vector<PointOnRay>& all) {
+std::vector<PointRayMatch> Thinned(const std::vector<PointRayMatch>& all) {
   const size_t count = std::min(all.size(), kMaxRays);
-  std::vector<PointOnRay> some;
+  std::vector<PointRayMatch> some;
   for (size_t i = 0; i < count; ++i)
     some.push_back(all[i * all.size() / count]);
   return some;
@@ -290,7 +290,7 @@ double MedianAnglePx(const std::vector<DenseView>& views,
 }  // namespace
 
 std::optional<LocalizedBoard> LocalizeOnRays(
-    const std::vector<PointOnRay>& matches) {
+    const std::vector<PointRayMatch>& matches) {
   if (matches.size() < kMinRays) return std::nullopt;
   const auto homography = FitRaysRobustly(matches);
   if (!homography) return std::nullopt;

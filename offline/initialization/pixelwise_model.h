@@ -11,7 +11,7 @@
 namespace raygrid {
 
 /// A point of a board's plane and the unit direction of its ray.
-struct PointOnRay {
+struct PointRayMatch {
   Eigen::Vector2d point;
   Eigen::Vector3d ray;
 };
@@ -24,7 +24,7 @@ struct LocalizedBoard {
 /// Estimates the pose of a board seen from its front, for rays in any
 /// direction: board-to-ray homography, then least angles (Cauchy loss).
 std::optional<LocalizedBoard> LocalizeOnRays(
-    const std::vector<PointOnRay>& matches);
+    const std::vector<PointRayMatch>& matches);
 
 /// A direction for each lattice pixel covered by a localized view, and the
 /// views' poses.

@@ -82,8 +82,8 @@ struct Candidate {
 
 Candidate Solve(const std::vector<DenseView>& views,
                 const ViewIndices& indices) {
-  const std::vector<BoardPointTriple> matches =
-      CommonMatches(views[indices[0]], views[indices[1]], views[indices[2]]);
+  const std::vector<BoardPointTriple> matches = FindCommonMatches(
+      views[indices[0]], views[indices[1]], views[indices[2]]);
   Candidate candidate;
   candidate.triplet.views = indices;
   candidate.triplet.num_matches = matches.size();

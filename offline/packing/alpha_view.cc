@@ -68,7 +68,7 @@ class BorderlessSearch {
  private:
   VirtualView At(size_t camera, const Eigen::Vector2d& middle,
                  double focal_px) const {
-    return ViewOfMiddle(cameras_[camera].plane, size_, middle, focal_px);
+    return MakeCentralView(cameras_[camera].plane, size_, middle, focal_px);
   }
 
   // The mean direction of the areas' centres; for several cameras, if
@@ -195,7 +195,7 @@ AreaOnPlane FindAreaOnPlane(const CameraAndPlane& seen, double limit_rad,
   const auto add = [&, &camera = camera](int i, int j) {
     const Eigen::Vector2d pixel(area.x0 + area.width() * i / num_steps,
                                 area.y0 + area.height() * j / num_steps);
-    if (camera.IsLit(pixel)) add_pixel(pixel);
+    if (camera.IsInImageCircle(pixel)) add_pixel(pixel);
   };
   if (const auto& circle = camera.image_circle())
     for (int k = 0; k < 4 * num_steps; ++k)
@@ -212,8 +212,8 @@ AreaOnPlane FindAreaOnPlane(const CameraAndPlane& seen, double limit_rad,
   return found;
 }
 
-VirtualView ViewOfMiddle(const VirtualView& plane, const ImageSize& size,
-                         const Eigen::Vector2d& middle, double focal_px) {
+VirtualView MakeCentralView(const VirtualView& plane, const ImageSize& size,
+                            const Eigen::Vector2d& middle, double focal_px) {
   VirtualView view = plane;
   view.size = size;
   view.focal_px = {focal_px, focal_px};
@@ -222,14 +222,14 @@ VirtualView ViewOfMiddle(const VirtualView& plane, const ImageSize& size,
   return view;
 }
 
-std::optional<VirtualView> LargestWithoutBorder(
+std::optional<VirtualView> FindLargestViewWithoutBorder(
     const std::vector<CameraAndPlane>& cameras, const ImageSize& size) {
   return BorderlessSearch(cameras, size).Find();
 }
 
-ViewOfAll SmallestOfAll(const std::vector<CameraAndPlane>& cameras,
-                        const ImageSize& size) {
-  ViewOfAll all;
+EnclosingView FindSmallestEnclosingView(
+    const std::vector<CameraAndPlane>& cameras, const ImageSize& size) {
+  EnclosingView all;
   Eigen::AlignedBox2d box;
   for (const CameraAndPlane& seen : cameras) {
     const AreaOnPlane area = FindAreaOnPlane(seen, kMostStretchRad, 256);
@@ -241,13 +241,13 @@ ViewOfAll SmallestOfAll(const std::vector<CameraAndPlane>& cameras,
   // A margin of half a pixel for positions between the samples.
   const Eigen::Vector2d room(std::max(1, size.width - 2),
                              std::max(1, size.height - 2));
-  all.view = ViewOfMiddle(cameras.front().plane, size, box.center(),
-                          (room.array() / box.sizes().array()).minCoeff());
+  all.view = MakeCentralView(cameras.front().plane, size, box.center(),
+                             (room.array() / box.sizes().array()).minCoeff());
   return all;
 }
 
-VirtualView BetweenViews(const VirtualView& at_0, const VirtualView& at_1,
-                         double alpha) {
+VirtualView InterpolateViews(const VirtualView& at_0, const VirtualView& at_1,
+                             double alpha) {
   VirtualView view = at_0;
   view.focal_px += alpha * (at_1.focal_px - view.focal_px);
   view.center_px += alpha * (at_1.center_px - view.center_px);

@@ -38,28 +38,28 @@ AreaOnPlane FindAreaOnPlane(const CameraAndPlane& seen, double limit_rad,
                             int num_steps);
 
 /// The view with the given point of the plane at the image centre.
-VirtualView ViewOfMiddle(const VirtualView& plane, const ImageSize& size,
-                         const Eigen::Vector2d& middle, double focal_px);
+VirtualView MakeCentralView(const VirtualView& plane, const ImageSize& size,
+                            const Eigen::Vector2d& middle, double focal_px);
 
 /// The largest view without border that cameras share, with the rotation of the
 /// first: its focal length is the shortest for which all of its pixels have
 /// sources in the areas of all cameras. Nothing if the centres are outside the
 /// areas, and no other common point is found.
-std::optional<VirtualView> LargestWithoutBorder(
+std::optional<VirtualView> FindLargestViewWithoutBorder(
     const std::vector<CameraAndPlane>& cameras, const ImageSize& size);
 
 /// The smallest view that shows every pixel of the areas of all cameras, with
 /// the rotation of the first; nothing if the stretch is too large.
-struct ViewOfAll {
+struct EnclosingView {
   std::optional<VirtualView> view;
   double most_stretch_rad = 0;
 };
-ViewOfAll SmallestOfAll(const std::vector<CameraAndPlane>& cameras,
-                        const ImageSize& size);
+EnclosingView FindSmallestEnclosingView(
+    const std::vector<CameraAndPlane>& cameras, const ImageSize& size);
 
 /// Interpolates focal length and principal point between two views.
-VirtualView BetweenViews(const VirtualView& at_0, const VirtualView& at_1,
-                         double alpha);
+VirtualView InterpolateViews(const VirtualView& at_0, const VirtualView& at_1,
+                             double alpha);
 
 }  // namespace raygrid
 

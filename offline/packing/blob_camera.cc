@@ -56,7 +56,7 @@ void SetChannel(const std::vector<uint8_t>& plane, int channel, Image* image) {
 
 }  // namespace
 
-VirtualView ViewOfTable(const rg_remap_section& table) {
+VirtualView GetTableView(const rg_remap_section& table) {
   VirtualView view;
   view.size = {table.width, table.height};
   if (table.direction == RG_DISTORT)
@@ -124,16 +124,16 @@ std::optional<Eigen::Vector2d> BlobCamera::Project(
   return Eigen::Vector2d(pixel.x_q16, pixel.y_q16) / 65536;
 }
 
-std::optional<ConditionRange> BlobCamera::Range() const {
+std::optional<OperatingRange> BlobCamera::Range() const {
   if (blob_.stack == 0) return std::nullopt;
   rg_stack_section stack;
   rg_blob_stack(&blob_, &stack);
   const auto value = [&](int knot) {
     return rg_knot_value(&stack, knot) / 65536.0;
   };
-  return ConditionRange{stack.condition == RG_CONDITION_TEMPERATURE
-                            ? CameraCondition::kTemperature
-                            : CameraCondition::kLensPosition,
+  return OperatingRange{stack.condition == RG_CONDITION_TEMPERATURE
+                            ? OperatingParameter::kTemperature
+                            : OperatingParameter::kLensPosition,
                         value(0), value(stack.num_knots - 1)};
 }
 
@@ -194,7 +194,7 @@ uint32_t BlobCamera::NumRemaps() const {
   return count;
 }
 
-std::vector<uint32_t> BlobCamera::TablesOfCalibratedFrames() const {
+std::vector<uint32_t> BlobCamera::ListCalibratedTables() const {
   std::vector<uint32_t> tables;
   for (uint32_t k = 0; k < NumRemaps(); ++k) {
     rg_remap_section remap;
@@ -204,12 +204,12 @@ std::vector<uint32_t> BlobCamera::TablesOfCalibratedFrames() const {
   return tables;
 }
 
-std::optional<TrustMask> BlobCamera::Trusted() const {
+std::optional<ValidityMask> BlobCamera::GetValidityMask() const {
   if (blob_.mask == 0) return std::nullopt;
   rg_mask_section section;
   rg_blob_mask(&blob_, &section);
-  TrustMask mask;
-  mask.cell_px = 1 << section.cell_log2;
+  ValidityMask mask;
+  mask.knot_spacing_px = 1 << section.cell_log2;
   mask.columns = section.columns;
   mask.rows = section.rows;
   for (int k = 0; k < mask.columns * mask.rows; ++k)
@@ -224,17 +224,17 @@ rg_camera BlobCamera::WithTable(uint32_t remap_index) const {
   return camera;
 }
 
-std::optional<RowTime> BlobCamera::TimeOfRow() const {
+std::optional<LineDelay> BlobCamera::GetRowTime() const {
   constexpr double kQ10PerSecond = 1024 * 1e9;
   int32_t row_time_ns_q10;
   uint32_t deviation_ns_q10;
   if (rg_row_time(&camera_, &row_time_ns_q10, &deviation_ns_q10) != RG_OK)
     return std::nullopt;
-  return RowTime{row_time_ns_q10 / kQ10PerSecond,
-                 deviation_ns_q10 / kQ10PerSecond};
+  return LineDelay{row_time_ns_q10 / kQ10PerSecond,
+                   deviation_ns_q10 / kQ10PerSecond};
 }
 
-std::optional<Capture> BlobCamera::CaptureAtCalibration() const {
+std::optional<Capture> BlobCamera::GetCalibrationCapture() const {
   if (!blob_.capture) return std::nullopt;
   rg_capture_section section;
   rg_blob_capture(&blob_, &section);
@@ -259,10 +259,10 @@ std::optional<Capture> BlobCamera::CaptureAtCalibration() const {
   return capture;
 }
 
-VirtualView BlobCamera::ViewOfRemap(uint32_t remap_index) const {
+VirtualView BlobCamera::GetRemapView(uint32_t remap_index) const {
   rg_remap_section remap;
   rg_read_remap(WithTable(remap_index).remap, &remap);
-  return ViewOfTable(remap);
+  return GetTableView(remap);
 }
 
 ImageSize BlobCamera::FrameSize(uint32_t remap_index) const {
@@ -270,7 +270,7 @@ ImageSize BlobCamera::FrameSize(uint32_t remap_index) const {
   return {camera.frame_width, camera.frame_height};
 }
 
-bool BlobCamera::Distorts(uint32_t remap_index) const {
+bool BlobCamera::IsInverseRemap(uint32_t remap_index) const {
   rg_remap_section remap;
   rg_read_remap(WithTable(remap_index).remap, &remap);
   return remap.direction == RG_DISTORT;
@@ -292,14 +292,14 @@ std::vector<SensorMode> BlobCamera::Modes() const {
   return modes;
 }
 
-std::optional<SensorMode> BlobCamera::ModeOfRemap(uint32_t remap_index) const {
+std::optional<SensorMode> BlobCamera::GetRemapMode(uint32_t remap_index) const {
   rg_remap_section remap;
   rg_read_remap(WithTable(remap_index).remap, &remap);
   if (!remap.has_view || remap.mode == 0) return std::nullopt;
   return Modes()[remap.mode - 1];
 }
 
-std::optional<uint32_t> BlobCamera::FindTableOfMode(
+std::optional<uint32_t> BlobCamera::FindModeTable(
     const std::string& name) const {
   const std::vector<SensorMode> modes = Modes();
   for (uint32_t k = 0;; ++k) {

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "camera/camera_stack.h"
 #include "camera/camera_uncertainty.h"
+#include "camera/operating_point_model.h"
 #include "camera/sensor_mode.h"
 #include "dataset/capture.h"
 #include "dataset/image_files.h"
-#include "dataset/row_time.h"
+#include "dataset/line_delay.h"
 #include "packing/view.h"
 #include "raygrid.h"
 #include "rg_blob.h"
@@ -38,11 +38,11 @@ class BlobCamera {
   bool has_remap() const { return blob_.remap != 0; }
   uint32_t NumRemaps() const;
   /// The tables for frames as calibrated.
-  std::vector<uint32_t> TablesOfCalibratedFrames() const;
+  std::vector<uint32_t> ListCalibratedTables() const;
 
   /// The range of the operating-point model, as in camera.yaml; nothing if the
   /// blob has none.
-  std::optional<ConditionRange> Range() const;
+  std::optional<OperatingRange> Range() const;
   /// Sets the operating point within its range. Throws Error(kBlob).
   void SetCondition(double value);
 
@@ -62,29 +62,29 @@ class BlobCamera {
   std::unique_ptr<CameraModel> ToModel() const;
 
   /// The blob's validity mask; nothing if it has none.
-  std::optional<TrustMask> Trusted() const;
+  std::optional<ValidityMask> GetValidityMask() const;
 
   /// The capture settings at calibration; nothing if the blob does not have
   /// them.
-  std::optional<Capture> CaptureAtCalibration() const;
+  std::optional<Capture> GetCalibrationCapture() const;
   /// The line delay; nothing if the blob does not have it.
-  std::optional<RowTime> TimeOfRow() const;
+  std::optional<LineDelay> GetRowTime() const;
 
   /// The view of a remap table, the frame size of its source, and its
   /// direction. Throw Error(kBlob) if there is no table of that index.
-  VirtualView ViewOfRemap(uint32_t remap_index) const;
+  VirtualView GetRemapView(uint32_t remap_index) const;
   ImageSize FrameSize(uint32_t remap_index) const;
   /// Whether a table is an inverse remap, from the view to the camera's image.
-  bool Distorts(uint32_t remap_index) const;
+  bool IsInverseRemap(uint32_t remap_index) const;
 
   /// The sensor modes for which there can be tables.
   std::vector<SensorMode> Modes() const;
   /// The mode of a table; nothing if it is for frames as calibrated. Throws
-  /// like ViewOfRemap().
-  std::optional<SensorMode> ModeOfRemap(uint32_t remap_index) const;
+  /// like GetRemapView().
+  std::optional<SensorMode> GetRemapMode(uint32_t remap_index) const;
   /// The first table for frames of the mode with this name; nothing if there is
   /// none.
-  std::optional<uint32_t> FindTableOfMode(const std::string& name) const;
+  std::optional<uint32_t> FindModeTable(const std::string& name) const;
 
   /// Undistorts an image by the runtime and one of the blob's remap tables,
   /// channel by channel, 8 or 16 bits; the image must have the table's
@@ -103,7 +103,7 @@ class BlobCamera {
   rg_blob blob_ = {};
 };
 
-VirtualView ViewOfTable(const rg_remap_section& table);
+VirtualView GetTableView(const rg_remap_section& table);
 
 /// Whether the file's name or first bytes are those of a blob.
 bool IsBlob(const std::string& path, const std::string& bytes);

@@ -14,7 +14,7 @@ uint32_t Figure(std::optional<double> value, double unit) {
       std::min(std::ceil(*value / unit), RG_UNKNOWN_FIGURE - 1.0));
 }
 
-void QuantizeDeviations(const DeviationLattice& lattice,
+void QuantizeDeviations(const UncertaintyLattice& lattice,
                         const rg_grid_section& grid,
                         UncertaintySections* sections) {
   rg_uncertainty_section& u = sections->uncertainty;
@@ -43,26 +43,25 @@ void UncertaintySections::AddTo(rg_blob_contents* contents) {
 UncertaintySections QuantizeUncertainty(const CameraUncertainty& known,
                                         const rg_grid_section& grid) {
   UncertaintySections sections;
-  if (known.TellsDeviations())
-    QuantizeDeviations(known.lattice, grid, &sections);
-  const TrustMask& mask = known.mask;
+  if (known.HasDeviations()) QuantizeDeviations(known.lattice, grid, &sections);
+  const ValidityMask& mask = known.mask;
   sections.mask.columns = static_cast<uint16_t>(mask.columns);
   sections.mask.rows = static_cast<uint16_t>(mask.rows);
   sections.mask.cell_log2 =
-      static_cast<uint8_t>(std::lround(std::log2(mask.cell_px)));
+      static_cast<uint8_t>(std::lround(std::log2(mask.knot_spacing_px)));
   sections.bits.assign((mask.is_trusted.size() + 31) / 32 * 4, 0);
   for (size_t k = 0; k < mask.is_trusted.size(); ++k)
     if (mask.is_trusted[k]) sections.bits[k / 8] |= 1u << k % 8;
   return sections;
 }
 
-rg_row_time_section QuantizeRowTime(const RowTime& row_time) {
+rg_row_time_section QuantizeLineDelay(const LineDelay& line_delay) {
   constexpr double kQ10PerSecond = 1024 * 1e9;
   rg_row_time_section section = {};
   section.row_time_ns_q10 =
-      static_cast<int32_t>(std::lround(row_time.seconds * kQ10PerSecond));
-  section.deviation_ns_q10 =
-      static_cast<uint32_t>(std::lround(row_time.deviation_s * kQ10PerSecond));
+      static_cast<int32_t>(std::lround(line_delay.seconds * kQ10PerSecond));
+  section.deviation_ns_q10 = static_cast<uint32_t>(
+      std::lround(line_delay.deviation_s * kQ10PerSecond));
   return section;
 }
 
@@ -109,25 +108,25 @@ rg_capture_section QuantizeCapture(const Capture& capture) {
   return section;
 }
 
-rg_quality_section QualityOf(const CameraFile& file,
-                             const UnprojectionError& packing) {
-  const auto figure = [](const std::optional<ErrorFigures>& figures,
-                         double ErrorFigures::*member) {
-    return Figure(figures ? std::optional((*figures).*member) : std::nullopt,
+rg_quality_section QuantizeQuality(const CameraFile& file,
+                                   const UnprojectionError& packing) {
+  const auto metric = [](const std::optional<ErrorMetrics>& metrics,
+                         double ErrorMetrics::*member) {
+    return Figure(metrics ? std::optional((*metrics).*member) : std::nullopt,
                   1e-6);
   };
-  const auto count = [](const std::optional<ErrorFigures>& figures) {
+  const auto count = [](const std::optional<ErrorMetrics>& metrics) {
     return Figure(
-        figures ? std::optional<double>(figures->count) : std::nullopt, 1);
+        metrics ? std::optional<double>(metrics->count) : std::nullopt, 1);
   };
   rg_quality_section quality = {};
-  quality.training_median_upx = figure(file.training, &ErrorFigures::median_px);
-  quality.training_rms_upx = figure(file.training, &ErrorFigures::rms_px);
-  quality.training_max_upx = figure(file.training, &ErrorFigures::max_px);
+  quality.training_median_upx = metric(file.training, &ErrorMetrics::median_px);
+  quality.training_rms_upx = metric(file.training, &ErrorMetrics::rms_px);
+  quality.training_max_upx = metric(file.training, &ErrorMetrics::max_px);
   quality.training_count = count(file.training);
-  quality.held_out_median_upx = figure(file.held_out, &ErrorFigures::median_px);
-  quality.held_out_rms_upx = figure(file.held_out, &ErrorFigures::rms_px);
-  quality.held_out_max_upx = figure(file.held_out, &ErrorFigures::max_px);
+  quality.held_out_median_upx = metric(file.held_out, &ErrorMetrics::median_px);
+  quality.held_out_rms_upx = metric(file.held_out, &ErrorMetrics::rms_px);
+  quality.held_out_max_upx = metric(file.held_out, &ErrorMetrics::max_px);
   quality.held_out_count = count(file.held_out);
   quality.packing_error_npx = Figure(packing.px, 1e-9);
   quality.packing_error_prad = Figure(packing.rad, 1e-12);

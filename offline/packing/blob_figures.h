@@ -31,11 +31,11 @@ UncertaintySections QuantizeUncertainty(const CameraUncertainty& known,
 rg_capture_section QuantizeCapture(const Capture& capture);
 
 /// Converts the line delay to the format's integers.
-rg_row_time_section QuantizeRowTime(const RowTime& row_time);
+rg_row_time_section QuantizeLineDelay(const LineDelay& line_delay);
 
 /// The errors of calibration, as in the file, and of packing; rounded up.
-rg_quality_section QualityOf(const CameraFile& file,
-                             const UnprojectionError& packing);
+rg_quality_section QuantizeQuality(const CameraFile& file,
+                                   const UnprojectionError& packing);
 
 }  // namespace raygrid
 

@@ -36,7 +36,7 @@ std::vector<bool> UsedControlPoints(const BSplineSurface& surface,
   for (size_t k = 0; k < region.nodes().size(); ++k) {
     if (!region.nodes()[k].is_regular) continue;
     const SplineSupport support =
-        surface.Support(region.PixelOf(static_cast<int>(k)));
+        surface.Support(region.GetPixel(static_cast<int>(k)));
     for (int m = 0; m < 16; ++m)
       is_used[(support.row + m / 4) * surface.columns() + support.column +
               m % 4] = true;
@@ -72,18 +72,19 @@ void DrawIntoChart(const RegularRegion& region, bool is_fitted,
 class GridSearch {
  public:
   GridSearch(const CameraModel& camera, const RegularRegion& region,
-             const TrustMask* trusted, double max_error_px)
+             const ValidityMask* trusted, double max_error_px)
       : camera_(camera), region_(region), max_error_px_(max_error_px) {
     double most_per_radian = INFINITY;
     for (const RegularRegion::Node& node : region.nodes())
-      if (node.is_regular && !node.by_ray.isZero(0))
-        most_per_radian = std::min(most_per_radian, node.by_ray.norm());
+      if (node.is_regular && !node.J_ray.isZero(0))
+        most_per_radian = std::min(most_per_radian, node.J_ray.norm());
     most_per_radian *= kHardlyTurn;
     for (size_t k = 0; k < region.nodes().size(); ++k) {
       const RegularRegion::Node& node = region.nodes()[k];
       const bool counts =
-          node.is_regular && node.by_ray.norm() < most_per_radian &&
-          (!trusted || trusted->Trusts(region.PixelOf(static_cast<int>(k))));
+          node.is_regular && node.J_ray.norm() < most_per_radian &&
+          (!trusted ||
+           trusted->IsValidAt(region.GetPixel(static_cast<int>(k))));
       counts_.push_back(counts);
       num_counting_ += counts;
     }
@@ -96,8 +97,8 @@ class GridSearch {
       if (!counts_[k]) continue;
       const RegularRegion::Node& node = region_.nodes()[k];
       const Eigen::Vector3d ray =
-          FromChart(surface.Evaluate(region_.PixelOf(static_cast<int>(k))));
-      is_followed[k] = (node.by_ray * (ray - node.ray)).norm() <= max_error_px_;
+          FromChart(surface.Evaluate(region_.GetPixel(static_cast<int>(k))));
+      is_followed[k] = (node.J_ray * (ray - node.ray)).norm() <= max_error_px_;
     }
     return is_followed;
   }
@@ -123,12 +124,12 @@ class GridSearch {
     const Area area = RepresentableArea(region_.area());
     const double longer = std::max(area.width(), area.height());
     for (int half_log2 = 2; half_log2 <= kFinestHalfLog2; ++half_log2) {
-      const double cell_px = longer / std::exp2(half_log2 / 2.0);
+      const double knot_spacing_px = longer / std::exp2(half_log2 / 2.0);
       if (half_log2 > kUsualHalfLog2 &&
-          (cell_px < kLeastCellPx || least <= kRoughPart ||
+          (knot_spacing_px < kLeastCellPx || least <= kRoughPart ||
            region_.Part() < kHardlyCut))
         break;
-      candidates.push_back(FitTrimmed(area, cell_px));
+      candidates.push_back(FitTrimmed(area, knot_spacing_px));
       least = std::min(least, candidates.back().lost);
       if (least <= (region_.IsWhole() ? 0 : kNegligiblePart))
         return candidates.back().surface;
@@ -159,10 +160,10 @@ class GridSearch {
   };
 
   // Fits a grid to the rays of the regular pixels that a previous one fitted.
-  BSplineSurface Fit(const Area& area, double cell_px,
+  BSplineSurface Fit(const Area& area, double knot_spacing_px,
                      const std::vector<bool>& is_good) const {
-    const int columns = NumControlPoints(area.width(), cell_px),
-              rows = NumControlPoints(area.height(), cell_px);
+    const int columns = NumControlPoints(area.width(), knot_spacing_px),
+              rows = NumControlPoints(area.height(), knot_spacing_px);
     const BSplineSurface grid(area, columns, rows);
     std::vector<SurfaceSample> samples;
     bool is_whole = true;
@@ -184,11 +185,11 @@ class GridSearch {
 
   // Rays that cannot be fitted, as near a fold, distort the grid next to them:
   // it is fitted again without them.
-  Candidate FitTrimmed(const Area& area, double cell_px) const {
+  Candidate FitTrimmed(const Area& area, double knot_spacing_px) const {
     Candidate best;
     std::vector<bool> is_good(counts_.size(), true);
     for (int round = 0; round < 2 && best.lost > kNegligiblePart; ++round) {
-      Candidate made = {Fit(area, cell_px, is_good)};
+      Candidate made = {Fit(area, knot_spacing_px, is_good)};
       const std::vector<bool> is_followed = FollowedBy(made.surface);
       made.lost = LostPart(is_followed);
       if (round == 0 || made.lost < best.lost) best = std::move(made);
@@ -206,20 +207,20 @@ class GridSearch {
 
 // A mask with cells half as large as usual, all valid: the limit of the regular
 // region is precise.
-TrustMask FineMask(const ImageSize& size) {
+ValidityMask FineMask(const ImageSize& size) {
   constexpr int kLeastCellPx = 4;
-  TrustMask mask = TrustMask::Over(size);
-  mask.cell_px = std::max(kLeastCellPx, mask.cell_px / 2);
-  mask.columns = TrustMask::NumCells(size.width, mask.cell_px);
-  mask.rows = TrustMask::NumCells(size.height, mask.cell_px);
+  ValidityMask mask = ValidityMask::Over(size);
+  mask.knot_spacing_px = std::max(kLeastCellPx, mask.knot_spacing_px / 2);
+  mask.columns = ValidityMask::NumCells(size.width, mask.knot_spacing_px);
+  mask.rows = ValidityMask::NumCells(size.height, mask.knot_spacing_px);
   mask.is_trusted.assign(mask.columns * mask.rows, true);
   return mask;
 }
 
 // Invalidates the cells that overlap an area.
-void DistrustCells(const Area& area, TrustMask* mask) {
-  const int first = mask->CellOf({area.x0, area.y0}),
-            last = mask->CellOf({area.x1, area.y1});
+void DistrustCells(const Area& area, ValidityMask* mask) {
+  const int first = mask->CellIndex({area.x0, area.y0}),
+            last = mask->CellIndex({area.x1, area.y1});
   for (int j = first / mask->columns; j <= last / mask->columns; ++j)
     for (int i = first % mask->columns; i <= last % mask->columns; ++i)
       mask->is_trusted[j * mask->columns + i] = false;
@@ -240,7 +241,7 @@ bool IsBlobGrid(const CameraModel& camera) {
 }
 
 BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
-                      const TrustMask* trusted, double max_error_px) {
+                      const ValidityMask* trusted, double max_error_px) {
   if (!region) return {CentralPart(camera), std::nullopt, true};
   const GridSearch search(camera, *region, trusted, max_error_px / 2);
   BSplineSurface surface;
@@ -261,12 +262,12 @@ BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
   BlobGrid made = {CentralGeneric(camera.image_size(), surface), std::nullopt,
                    true};
   made.follows_all = search.LostPart(is_followed) == 0;
-  TrustMask valid = trusted ? *trusted : FineMask(camera.image_size());
+  ValidityMask valid = trusted ? *trusted : FineMask(camera.image_size());
   const std::vector<bool> before = valid.is_trusted;
-  region->ForOtherCells(is_followed,
-                        [&](const Area& cell) { DistrustCells(cell, &valid); });
+  region->ForEachIrregularCell(
+      is_followed, [&](const Area& cell) { DistrustCells(cell, &valid); });
   if (valid.is_trusted != before) made.valid = valid;
-  if (!valid.TrustsAny())
+  if (!valid.HasValidCells())
     throw Error(
         ExitCode::kQuality,
         fmt::format("no grid represents this {} camera within {} px anywhere; "

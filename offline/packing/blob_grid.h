@@ -20,7 +20,7 @@ struct BlobGrid {
   /// The valid cells, except those that are not completely regular, and those
   /// in which the grid's error exceeds the bound; nothing if that is all of
   /// them.
-  std::optional<TrustMask> valid;
+  std::optional<ValidityMask> valid;
   /// Whether the fit error is within the bound in the whole regular region.
   bool follows_all = true;
 };
@@ -33,7 +33,7 @@ struct BlobGrid {
 /// camera, or NULL for a grid that the format represents exactly. Throws
 /// Error(kQuality) if no grid fits the camera anywhere.
 BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
-                      const TrustMask* trusted, double max_error_px);
+                      const ValidityMask* trusted, double max_error_px);
 
 /// Whether the format represents a camera without a fit: a grid whose area is
 /// in whole 1/65536 px, with all control points within the range of the chart.

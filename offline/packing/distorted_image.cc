@@ -71,21 +71,21 @@ void Distort(const SourceMap& map, const Image& picture, int num_threads,
 
 }  // namespace
 
-SourceMap MapOfDistortion(const CameraModel& camera, const VirtualView& view,
-                          int num_threads) {
+SourceMap MakeDistortionMap(const CameraModel& camera, const VirtualView& view,
+                            int num_threads) {
   SourceMap map =
-      MakeSourceMap(*CameraOfTurnedView(view), OutputOfCamera(camera),
+      MakeSourceMap(*MakeRotatedViewCamera(view), MakeCameraOutput(camera),
                     NumThreads(num_threads));
   if (!camera.image_circle()) return map;
   for (int y = 0; y < map.height; ++y)
     for (int x = 0; x < map.width; ++x)
-      if (!camera.IsLit(Eigen::Vector2d(x, y)))
+      if (!camera.IsInImageCircle(Eigen::Vector2d(x, y)))
         map.sources[0][map.Index(x, y)] = SourceMap::kUnknown;
   return map;
 }
 
-Image DistortedImage(const SourceMap& map, const Image& picture,
-                     int num_threads) {
+Image DistortImage(const SourceMap& map, const Image& picture,
+                   int num_threads) {
   Image result;
   result.size = {map.width, map.height};
   result.channels = picture.channels;

@@ -10,14 +10,13 @@ namespace raygrid {
 
 /// Computes the positions, in a view's picture, of the pixels of a camera's
 /// image within its image circle.
-SourceMap MapOfDistortion(const CameraModel& camera, const VirtualView& view,
-                          int num_threads);
+SourceMap MakeDistortionMap(const CameraModel& camera, const VirtualView& view,
+                            int num_threads);
 
 /// Distorts a view's picture to the camera's image, by bilinear interpolation,
 /// with the channels and depth of the picture; 0 outside the view. The picture
 /// has the size of the view, the result that of the camera.
-Image DistortedImage(const SourceMap& map, const Image& picture,
-                     int num_threads);
+Image DistortImage(const SourceMap& map, const Image& picture, int num_threads);
 
 }  // namespace raygrid
 

@@ -37,10 +37,10 @@ struct InverseSamples {
 // Samples of a surface, except where it folds.
 class SurfaceSampling {
  public:
-  SurfaceSampling(const BSplineSurface& surface, const TrustMask* trusted)
+  SurfaceSampling(const BSplineSurface& surface, const ValidityMask* trusted)
       : surface_(surface),
         trusted_(trusted),
-        handedness_(MostlyHandedness(surface)) {}
+        handedness_(FindDominantHandedness(surface)) {}
 
   // The area's edge densely, its inside more coarsely.
   InverseSamples Samples() const {
@@ -68,14 +68,14 @@ class SurfaceSampling {
     if (derivative.determinant() * handedness_ <= 0 ||
         chart.cwiseAbs().maxCoeff() > kMaxChart)
       return;
-    if (!trusted_ || trusted_->Trusts(pixel))
+    if (!trusted_ || trusted_->IsValidAt(pixel))
       samples->trusted.push_back({chart, pixel, 1});
     else
       samples->others.push_back({chart, pixel, kOthersWeight});
   }
 
   const BSplineSurface& surface_;
-  const TrustMask* const trusted_;
+  const ValidityMask* const trusted_;
   const int handedness_;
 };
 
@@ -177,8 +177,8 @@ class InverseFitting {
 
 bool IsBetter(const MeasuredInverse& a, const MeasuredInverse& b) {
   const auto faults = [](const MeasuredInverse& inverse) {
-    return std::make_tuple(inverse.error.trusted.MissedPart(),
-                           inverse.error.others.MissedPart(),
+    return std::make_tuple(inverse.error.trusted.MissedFraction(),
+                           inverse.error.others.MissedFraction(),
                            !inverse.is_close);
   };
   return faults(a) < faults(b);
@@ -214,7 +214,7 @@ void SearchCells(const InverseFitting& fitting,
 }  // namespace
 
 std::optional<MeasuredInverse> FitInverseGrid(const BSplineSurface& surface,
-                                              const TrustMask* trusted,
+                                              const ValidityMask* trusted,
                                               const MeasureInverse& measure) {
   const InverseSamples samples = SurfaceSampling(surface, trusted).Samples();
   if (samples.trusted.empty()) return std::nullopt;
@@ -241,7 +241,7 @@ namespace {
 
 // The inverses of several surfaces with this number of cells, of equal layout;
 // nothing if 16 bits cannot represent one of them.
-std::optional<std::vector<MeasuredInverse>> FitAlike(
+std::optional<std::vector<MeasuredInverse>> FitJointly(
     const std::vector<InverseFitting>& fittings,
     const std::vector<InverseSamples>& samples, int cells) {
   std::vector<BSplineSurface> fits;
@@ -268,19 +268,19 @@ std::optional<std::vector<MeasuredInverse>> FitAlike(
 }
 
 // The fraction missed by all of them.
-double MissedPart(const std::vector<MeasuredInverse>& inverses) {
+double MissedFraction(const std::vector<MeasuredInverse>& inverses) {
   double missed = 0;
   for (const MeasuredInverse& inverse : inverses)
     missed +=
-        inverse.error.trusted.MissedPart() + (inverse.is_close ? 0 : 1e-9);
+        inverse.error.trusted.MissedFraction() + (inverse.is_close ? 0 : 1e-9);
   return missed;
 }
 
 }  // namespace
 
-std::optional<std::vector<MeasuredInverse>> FitAlikeInverseGrids(
+std::optional<std::vector<MeasuredInverse>> FitInverseGridsJointly(
     const std::vector<const BSplineSurface*>& surfaces,
-    const TrustMask* trusted, const MeasureOneInverse& measure) {
+    const ValidityMask* trusted, const MeasureOneInverse& measure) {
   std::vector<InverseSamples> samples;
   std::vector<SurfaceSample> all;
   for (const BSplineSurface* surface : surfaces) {
@@ -300,7 +300,7 @@ std::optional<std::vector<MeasuredInverse>> FitAlikeInverseGrids(
   for (const int cells : kNumCells) {
     if (cells > kMaxCellsForMore) break;
     std::optional<std::vector<MeasuredInverse>> made =
-        FitAlike(fittings, samples, cells);
+        FitJointly(fittings, samples, cells);
     if (!made) continue;
     bool is_measured = true;
     for (size_t k = 0; k < made->size() && is_measured; ++k) {
@@ -308,10 +308,11 @@ std::optional<std::vector<MeasuredInverse>> FitAlikeInverseGrids(
       is_measured = error.has_value();
       if (error) (*made)[k].error = *error;
     }
-    if (!is_measured || (best && MissedPart(*made) >= MissedPart(*best)))
+    if (!is_measured ||
+        (best && MissedFraction(*made) >= MissedFraction(*best)))
       continue;
     best = std::move(made);
-    if (MissedPart(*best) == 0) break;
+    if (MissedFraction(*best) == 0) break;
   }
   return best;
 }

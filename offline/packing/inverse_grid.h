@@ -38,7 +38,7 @@ struct MeasuredInverse {
 /// the grid that loses fewest. nullptr: all pixels are valid. Nothing if no
 /// valid pixel can be found by any grid.
 std::optional<MeasuredInverse> FitInverseGrid(const BSplineSurface& surface,
-                                              const TrustMask* trusted,
+                                              const ValidityMask* trusted,
                                               const MeasureInverse& measure);
 
 /// Measures the runtime's projection with the inverse grid of one of several
@@ -51,9 +51,9 @@ using MeasureOneInverse = std::function<std::optional<ProjectionError>(
 /// the fewest cells, up to 24, for which the runtime finds all valid pixels of
 /// each surface in one step, otherwise those that lose fewest. Nothing if none
 /// can be stored in 16 bits.
-std::optional<std::vector<MeasuredInverse>> FitAlikeInverseGrids(
+std::optional<std::vector<MeasuredInverse>> FitInverseGridsJointly(
     const std::vector<const BSplineSurface*>& surfaces,
-    const TrustMask* trusted, const MeasureOneInverse& measure);
+    const ValidityMask* trusted, const MeasureOneInverse& measure);
 
 }  // namespace raygrid
 

@@ -69,7 +69,7 @@ std::optional<NarrowGrid> Narrow(const ControlPoints& points,
   return narrow;
 }
 
-std::optional<std::vector<NarrowGrid>> NarrowAlike(
+std::optional<std::vector<NarrowGrid>> NarrowTogether(
     const std::vector<ControlPoints>& grids) {
   uint32_t bits = RG_NARROW_MAX_BITS;
   for (const ControlPoints& points : grids) {

@@ -29,7 +29,7 @@ std::optional<NarrowGrid> Narrow(
 
 /// Narrows grids with a common number of fraction bits; nothing if one does not
 /// fit.
-std::optional<std::vector<NarrowGrid>> NarrowAlike(
+std::optional<std::vector<NarrowGrid>> NarrowTogether(
     const std::vector<ControlPoints>& grids);
 
 }  // namespace raygrid

@@ -73,7 +73,7 @@ class BlockBasis {
  public:
   using Nodes = std::array<int, kNodes>;
   // The factors for 1, x, y, x y of a pixel (x, y) of a cell.
-  using Factors = Eigen::Matrix<double, kNodes, 4>;
+  using EvaluateBasis = Eigen::Matrix<double, kNodes, 4>;
 
   explicit BlockBasis(const Blocks& blocks)
       : blocks_(blocks), cells_(blocks.size() / kFitCell) {
@@ -83,10 +83,10 @@ class BlockBasis {
   }
 
   // The factors of the cell in a column and row of its block, and of all cells.
-  const Factors& Of(int column, int row) const {
+  const EvaluateBasis& Of(int column, int row) const {
     return factors_[row * cells_ + column];
   }
-  const std::vector<Factors>& factors() const { return factors_; }
+  const std::vector<EvaluateBasis>& factors() const { return factors_; }
   int num_cells() const { return cells_; }  // along an edge
 
   Nodes NodesOf(int i, int j) const {
@@ -117,11 +117,11 @@ class BlockBasis {
   }
 
   // The factors of the cell at pixel (x, y) of a block.
-  Factors MakeFactors(int x, int y) const {
+  EvaluateBasis MakeFactors(int x, int y) const {
     const double unit = 1.0 / blocks_.size();
     const Line right = {x * unit, unit}, left = {1 - x * unit, -unit};
     const Line down = {y * unit, unit}, up = {1 - y * unit, -unit};
-    Factors factors;
+    EvaluateBasis factors;
     const auto set = [&factors](int node, const Line& across,
                                 const Line& along) {
       factors.row(node) << across.value * along.value,
@@ -143,7 +143,7 @@ class BlockBasis {
 
   const Blocks& blocks_;
   int cells_;
-  std::vector<Factors> factors_;
+  std::vector<EvaluateBasis> factors_;
 };
 
 // The least-squares problem of the nodes of used blocks. Second differences of
@@ -156,7 +156,7 @@ class NodeEquations {
         diagonal_(Eigen::ArrayXd::Constant(blocks.num_nodes(), kHold)) {
     const BlockBasis<kNodes> basis(blocks);
     normals_ = {Normal::Zero()};
-    for (const Factors& factors : basis.factors())
+    for (const EvaluateBasis& factors : basis.factors())
       normals_[kWhole] += Product(factors, sums.whole_products());
     for (int j = 0; j < blocks.rows; ++j)
       for (int i = 0; i < blocks.columns; ++i)
@@ -195,7 +195,7 @@ class NodeEquations {
   static constexpr double kSmoothness = 1e-3, kHold = 1e-9, kTiny = 1e-300;
   static constexpr double kTolerancePx = 1e-3;
   static constexpr int kMaxIterations = 500;
-  using Factors = typename BlockBasis<kNodes>::Factors;
+  using EvaluateBasis = typename BlockBasis<kNodes>::EvaluateBasis;
   using Normal = Eigen::Matrix<double, kNodes, kNodes>;
   using BlockPositions = Eigen::Matrix<double, kNodes, 2, Eigen::RowMajor>;
   using PerCoordinate = Eigen::Array<double, 1, 2>;
@@ -212,7 +212,7 @@ class NodeEquations {
   // Origin, step to the next column, step to the next row of blocks.
   using Affine = Eigen::Matrix<double, 3, 2>;
 
-  static Normal Product(const Factors& factors,
+  static Normal Product(const EvaluateBasis& factors,
                         const CellSums::Products& products) {
     return factors * products * factors.transpose();
   }
@@ -231,7 +231,7 @@ class NodeEquations {
     Normal normal = Normal::Zero();
     for (int row = j * cells; row < j * cells + rows; ++row) {
       for (int column = i * cells; column < i * cells + columns; ++column) {
-        const Factors& factors = basis.Of(column % cells, row % cells);
+        const EvaluateBasis& factors = basis.Of(column % cells, row % cells);
         block.right += factors.lazyProduct(sums.sources(column, row));
         is_whole &= sums.IsWhole(column, row);
       }
@@ -252,7 +252,7 @@ class NodeEquations {
   }
 
   void AddSmoothness(const Blocks& blocks) {
-    const std::vector<bool> needed = NeededNodes(blocks);
+    const std::vector<bool> needed = FindRequiredNodes(blocks);
     const auto add = [&](int k, int step) {
       if (!needed[k - step] || !needed[k] || !needed[k + step]) return;
       differences_.push_back({k, step});
@@ -349,7 +349,7 @@ NodePositions FitLeastSquares(const CellSums& sums, const Blocks& blocks) {
 NodePositions Balance(const SourceMap& map, const Blocks& blocks,
                       const NodePositions& fitted) {
   NodePositions moves = NodePositions::Zero(fitted.rows(), 2);
-  const std::vector<bool> needed = NeededNodes(blocks);
+  const std::vector<bool> needed = FindRequiredNodes(blocks);
   // The correction that an output pixel needs; nothing without a source.
   const auto lack = [&](int x, int y, const Eigen::RowVector2d& position) {
     if (x >= map.width || y >= map.height || !map.IsKnown(x, y))

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "camera/camera_of_scene.h"
 #include "camera/central_generic.h"
+#include "camera/equivalent_central_camera.h"
 #include "camera/noncentral_generic.h"
-#include "dataset/held_stack.h"
+#include "dataset/fixed_operating_point.h"
 #include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
 #include "packing/blob_camera.h"
@@ -37,7 +37,7 @@ std::string PaddedText(const char* what, const std::string& text) {
 
 // Why projection does not reach the guaranteed accuracy; nothing if it does.
 // Without an error the blob has no inverse grid.
-std::optional<std::string> RemarkOnProjection(
+std::optional<std::string> WarnAboutProjection(
     const std::optional<ProjectionError>& error, bool has_mask) {
   if (!error)
     return "no 16-bit inverse grid is accurate enough: the blob does not "
@@ -85,7 +85,7 @@ void RequireFewTables(const CameraFile& file, const PackOptions& options) {
                             (file.uncertainty ? 2 : !IsBlobGrid(*file.camera)) +
                             has_modes + file.capture.has_value() +
                             options.stack.has_value() +
-                            file.row_time.has_value();
+                            file.line_delay.has_value();
   const size_t max_tables = RG_MAX_SECTIONS - num_others;
   if (options.remaps.size() > max_tables)
     throw Error(ExitCode::kUsage,
@@ -106,7 +106,7 @@ void ThrowIfStopped(const PackOptions& options) {
 std::vector<RemapTable> FitDefaultTables(
     const std::vector<const CameraModel*>& cameras, double max_error_px,
     int num_threads, const std::function<void()>& go_on,
-    std::vector<std::string>* remarks) {
+    std::vector<std::string>* warnings) {
   const CameraModel& camera = *cameras.front();
   std::string fault;
   for (const RoughBlocks rough : {RoughBlocks::kRefuse, RoughBlocks::kLeaveOut})
@@ -120,12 +120,12 @@ std::vector<RemapTable> FitDefaultTables(
   try {
     std::vector<RemapTable> tables = FitRemapTables(
         cameras, MakeViewOfArea(camera), max_error_px, num_threads, go_on);
-    remarks->push_back(
+    warnings->push_back(
         "its undistortion table is limited to the calibrated area, which is "
         "far off the optical axis");
     return tables;
   } catch (const Error&) {
-    remarks->push_back(
+    warnings->push_back(
         "has no undistortion table; try another view with raygrid pack "
         "--remap: " +
         fault);
@@ -140,7 +140,7 @@ std::unique_ptr<CameraModel> CameraOfRequest(const CameraModel& central,
                                              const RemapRequest& request) {
   std::unique_ptr<CameraModel> camera = central.Clone();
   if (lines && request.scene)
-    camera = std::make_unique<CameraOfScene>(*lines, *request.scene);
+    camera = std::make_unique<EquivalentCentralCamera>(*lines, *request.scene);
   if (request.mode)
     camera = std::make_unique<ModeCamera>(*camera, *request.mode);
   return camera;
@@ -179,10 +179,10 @@ rg_mode_section QuantizeMode(const SensorMode& mode) {
 }
 
 // The pixels of frames of a mode, or as calibrated, in valid cells.
-ShownPixels TrustedPixels(const TrustMask& trusted,
+PixelFilter TrustedPixels(const ValidityMask& trusted,
                           const std::optional<SensorMode>& mode) {
   return [&trusted, mode](const Eigen::Vector2d& pixel) {
-    return trusted.Trusts(mode ? mode->ToCalibrated(pixel) : pixel);
+    return trusted.IsValidAt(mode ? mode->ToCalibrated(pixel) : pixel);
   };
 }
 
@@ -194,7 +194,7 @@ class RemapSections {
   // first one is always central. trusted: restricts what they show, or NULL.
   void Fit(const std::vector<const CameraModel*>& cameras,
            const NonCentralGeneric* lines, const PackOptions& options,
-           const TrustMask* trusted, int num_threads,
+           const ValidityMask* trusted, int num_threads,
            const std::function<void()>& go_on, PackedCamera* packed) {
     for (const RemapRequest& request : options.remaps) {
       std::vector<std::unique_ptr<CameraModel>> sources;
@@ -207,9 +207,9 @@ class RemapSections {
           FitTables(pointers, request, options, trusted, num_threads, go_on),
           request.mode));
       packed->remaps.back().distorts = request.distorts;
-      RemarkOnReach(packed);
+      WarnAboutReach(packed);
       if (packed->remaps.back().error_px > options.max_error_px)
-        packed->remarks.push_back(
+        packed->warnings.push_back(
             fmt::format("table {}: error up to {:.2g} px exceeds {} px even "
                         "with blocks of 8 px; reduce the field of view",
                         tables_.size() - 1, packed->remaps.back().error_px,
@@ -221,10 +221,10 @@ class RemapSections {
     }
     if (!options.has_default_remap) return;
     std::vector<RemapTable> tables = FitDefaultTables(
-        cameras, options.max_error_px, num_threads, go_on, &packed->remarks);
+        cameras, options.max_error_px, num_threads, go_on, &packed->warnings);
     if (tables.empty()) return;
     packed->remaps.push_back(Add(std::move(tables)));
-    RemarkOnReach(packed);
+    WarnAboutReach(packed);
   }
 
   // Adds the first camera's tables to contents, which point to memory owned by
@@ -264,17 +264,17 @@ class RemapSections {
   }
 
   // Says what the last table cannot reach, or follow.
-  void RemarkOnReach(PackedCamera* packed) const {
+  void WarnAboutReach(PackedCamera* packed) const {
     const RemapTable& table = tables_.back().front();
     if (table.num_out_of_reach > 0)
-      packed->remarks.push_back(fmt::format(
+      packed->warnings.push_back(fmt::format(
           "table {}: {} blocks of {} px at the image edge are filled with the "
           "border value, because their source positions exceed 8192 px; use a "
           "table for smaller frames (--mode)",
           tables_.size() - 1, table.num_out_of_reach,
           1 << table.section.block_log2));
     if (table.num_rough > 0)
-      packed->remarks.push_back(fmt::format(
+      packed->warnings.push_back(fmt::format(
           "table {}: {} blocks of {} px ({:.2g} % of the view) are filled with "
           "the border value, because their distortion cannot be represented "
           "within {} px; increase --max-error-px",
@@ -286,7 +286,7 @@ class RemapSections {
   static std::vector<RemapTable> FitTables(
       const std::vector<const CameraModel*>& sources,
       const RemapRequest& request, const PackOptions& options,
-      const TrustMask* trusted, int num_threads,
+      const ValidityMask* trusted, int num_threads,
       const std::function<void()>& go_on) {
     const auto fit = request.distorts ? FitDistortionTables : FitRemapTables;
     constexpr double kMostPx = 1;
@@ -295,7 +295,7 @@ class RemapSections {
       try {
         return fit(
             sources, request.view, bound_px, num_threads, go_on,
-            trusted ? TrustedPixels(*trusted, request.mode) : ShownPixels(),
+            trusted ? TrustedPixels(*trusted, request.mode) : PixelFilter(),
             options.is_table_bound_soft && bound_px < kMostPx
                 ? RoughBlocks::kRefuse
                 : RoughBlocks::kLeaveOut);
@@ -358,7 +358,8 @@ class RemapSections {
 };
 
 // Throws where the knots are not of one kind with each other.
-void RequireAlikeKnots(const StackKnots& stack, const CameraModel& camera) {
+void RequireAlikeKnots(const OperatingPointKnots& stack,
+                       const CameraModel& camera) {
   const auto require = [](bool is_good, const char* what) {
     if (!is_good) ThrowDoesNotFitBlob(what);
   };
@@ -388,8 +389,8 @@ void RequireAlikeKnots(const StackKnots& stack, const CameraModel& camera) {
 struct GridTask {
   const CameraModel& camera;
   const RegularRegion* region;  // NULL: the format holds the camera as it is
-  const TrustMask* trusted;     // NULL: all
-  const StackKnots* stack;      // NULL: none
+  const ValidityMask* trusted;  // NULL: all
+  const OperatingPointKnots* stack;  // NULL: none
   bool is_narrow_allowed = true;
   int num_threads = 0;
 };
@@ -398,10 +399,10 @@ struct GridTask {
 // has area and size in common.
 struct MadeGrids {
   std::vector<CentralGeneric> models;
-  std::optional<TrustMask> valid;  // as BlobGrid's, of all of them
+  std::optional<ValidityMask> valid;  // as BlobGrid's, of all of them
   bool follows_all = true;
 
-  const TrustMask* ValidOr(const TrustMask* trusted) const {
+  const ValidityMask* ValidOr(const ValidityMask* trusted) const {
     return valid ? &*valid : trusted;
   }
   void Add(const BlobGrid& grid) {
@@ -477,7 +478,7 @@ class BlobGrids {
 
  private:
   std::vector<PackingTruth> Truths(const GridTask& task) const {
-    const TrustMask* valid = made.ValidOr(task.trusted);
+    const ValidityMask* valid = made.ValidOr(task.trusted);
     std::vector<PackingTruth> truths = {{task.camera, made.models[0], valid}};
     for (size_t k = 1; k < made.models.size(); ++k)
       truths.push_back({task.stack->cameras[k - 1], made.models[k], valid});
@@ -500,29 +501,31 @@ std::unique_ptr<BlobGrids> FitBlobGrids(const GridTask& task,
 }
 
 // The part of the image that is calibrated, and trusted if there is a mask.
-double PartOf(const CameraModel& camera, const TrustMask* trusted) {
-  TrustMask mask = trusted ? *trusted : TrustMask::Over(camera.image_size());
+double PartOf(const CameraModel& camera, const ValidityMask* trusted) {
+  ValidityMask mask =
+      trusted ? *trusted : ValidityMask::Over(camera.image_size());
   if (!trusted) mask.is_trusted.assign(mask.is_trusted.size(), true);
-  return CameraUncertainty::OfMask(mask).TrustedPart(camera.image_size(),
-                                                     camera.area());
+  return CameraUncertainty::FromMask(mask).ValidFraction(camera.image_size(),
+                                                         camera.area());
 }
 
 // How well a camera is known, as far as it is valid. A camera that is trusted
 // nowhere stays so.
 std::optional<CameraUncertainty> UncertaintyWithin(
-    const std::optional<CameraUncertainty>& known, const TrustMask* valid) {
-  if (!valid || (known && !known->mask.TrustsAny())) return known;
-  CameraUncertainty within = known ? *known : CameraUncertainty::OfMask(*valid);
+    const std::optional<CameraUncertainty>& known, const ValidityMask* valid) {
+  if (!valid || (known && !known->mask.HasValidCells())) return known;
+  CameraUncertainty within =
+      known ? *known : CameraUncertainty::FromMask(*valid);
   within.mask = *valid;
   return within;
 }
 
 // A remark on what a blob leaves out of the image, and why; nothing if it is
 // nothing.
-std::optional<std::string> RemarkOnLeftOut(const GridTask& task,
-                                           const MadeGrids& made,
-                                           double left_out_part,
-                                           double max_error_px) {
+std::optional<std::string> WarnAboutLeftOut(const GridTask& task,
+                                            const MadeGrids& made,
+                                            double left_out_part,
+                                            double max_error_px) {
   if (left_out_part <= 0) return std::nullopt;
   std::string why;
   if (task.region && !task.region->IsWhole())
@@ -545,7 +548,7 @@ std::optional<std::string> RemarkOnLeftOut(const GridTask& task,
 
 void RequireBlobText(const char* what, const std::string& text) {
   const std::string place = fmt::format("{} '{}'", what, Printable(text));
-  if (FindNoUtf8(text) != std::string::npos)
+  if (FindInvalidUtf8(text) != std::string::npos)
     throw Error(ExitCode::kUsage, place + ": must be UTF-8 text");
   if (text.size() >= RG_TEXT_SIZE)
     throw Error(ExitCode::kUsage, fmt::format("{}: must have at most {} bytes",
@@ -558,14 +561,15 @@ namespace {
 // is the first.
 PackedCamera PackOverFirst(const CameraFile& file, const PackOptions& options) {
   CameraFile along = file;
-  along.stack = StackAlong(*file.stack, 0);
+  along.stack = SliceOperatingPointModel(*file.stack, 0);
   PackedCamera packed = PackCamera(along, options);
-  const std::vector<ConditionRange>& ranges = file.stack->cameras.ranges();
-  const std::string other = ConditionName(ranges[1].condition);
-  packed.remarks.push_back(fmt::format(
+  const std::vector<OperatingRange>& ranges = file.stack->cameras.ranges();
+  const std::string other = OperatingParameterName(ranges[1].condition);
+  packed.warnings.push_back(fmt::format(
       "a blob supports a range of one quantity: packed over {}, at the centre "
       "{} {:g}; select another value with pack --at {}=VALUE",
-      ConditionName(ranges[0].condition), other, ranges[1].Middle(), other));
+      OperatingParameterName(ranges[0].condition), other, ranges[1].Middle(),
+      other));
   return packed;
 }
 
@@ -576,10 +580,10 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
     return PackOverFirst(file, options);
   if (file.stack && !options.stack) {
     PackOptions with_stack = options;
-    with_stack.stack = KnotsOf(file.stack->cameras);
+    with_stack.stack = MakeModelKnots(file.stack->cameras);
     // A blob has one statement of how well its cameras are known.
     CameraFile known_everywhere = file;
-    known_everywhere.uncertainty = UncertaintyOverRanges(file);
+    known_everywhere.uncertainty = ComputeMaxUncertainty(file);
     return PackCamera(known_everywhere, with_stack);
   }
   const CameraModel& camera = *file.camera;
@@ -590,14 +594,14 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   const std::optional<CentralGeneric> far =
       lines ? std::optional(CentralPart(camera)) : std::nullopt;
   const CameraModel& central = far ? *far : camera;
-  const TrustMask* own_trusted =
-      file.uncertainty && file.uncertainty->mask.TrustsAny()
+  const ValidityMask* own_trusted =
+      file.uncertainty && file.uncertainty->mask.HasValidCells()
           ? &file.uncertainty->mask
           : nullptr;
   const int num_threads = NumThreads(options.num_threads);
   const std::function<void()> go_on = [&options] { ThrowIfStopped(options); };
 
-  const StackKnots* stack = options.stack ? &*options.stack : nullptr;
+  const OperatingPointKnots* stack = options.stack ? &*options.stack : nullptr;
   if (stack) RequireAlikeKnots(*stack, camera);
   const std::shared_ptr<const RegularRegion> region =
       IsBlobGrid(central)
@@ -625,30 +629,30 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   const std::unique_ptr<BlobGrids> grids =
       FitBlobGrids(task, options.max_ray_error_px, &contents);
   const GridPoints& points = *grids->points;
-  const TrustMask* trusted = grids->made.ValidOr(own_trusted);
+  const ValidityMask* trusted = grids->made.ValidOr(own_trusted);
 
   PackedCamera packed;
   packed.unproject_error_px = points.error().px;
   packed.unproject_error_rad = points.error().rad;
   packed.left_out_part =
       PartOf(central, own_trusted) - PartOf(central, trusted);
-  if (const auto remark = RemarkOnLeftOut(
+  if (const auto warning = WarnAboutLeftOut(
           task, grids->made, packed.left_out_part,
           std::max(kMaxPackingErrorPx, options.max_ray_error_px)))
-    packed.remarks.push_back(*remark);
+    packed.warnings.push_back(*warning);
   // To the pixels that look into a direction, also where those are of lines.
   const InverseSections inverse(grids->Surfaces(), points, trusted, num_threads,
                                 go_on, &contents);
   packed.projection = inverse.error();
-  if (const auto remark =
-          RemarkOnProjection(packed.projection, trusted != nullptr))
-    packed.remarks.push_back(*remark);
+  if (const auto warning =
+          WarnAboutProjection(packed.projection, trusted != nullptr))
+    packed.warnings.push_back(*warning);
   RemapSections remaps;
   remaps.Fit(cameras, lines, options, options.shown ? &*options.shown : nullptr,
              num_threads, go_on, &packed);
   remaps.AddTo(&contents);
 
-  const rg_quality_section quality = QualityOf(file, points.error());
+  const rg_quality_section quality = QuantizeQuality(file, points.error());
   contents.quality = &quality;
   std::vector<int32_t> line_points;
   if (lines) {
@@ -682,17 +686,17 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
     stack_contents.knots = knots.data();
     contents.stack = &stack_contents;
   }
-  rg_row_time_section row_time;
-  if (file.row_time) {
-    row_time = QuantizeRowTime(*file.row_time);
-    contents.row_time = &row_time;
+  rg_row_time_section line_delay;
+  if (file.line_delay) {
+    line_delay = QuantizeLineDelay(*file.line_delay);
+    contents.row_time = &line_delay;
   }
   packed.blob = WriteBlob(contents);
   return packed;
 }
 
-PackedCamera PackWhatCanBe(const CameraFile& file, int num_threads,
-                           const std::function<bool()>& should_stop) {
+PackedCamera PackSupportedParts(const CameraFile& file, int num_threads,
+                                const std::function<bool()>& should_stop) {
   PackOptions options;
   options.num_threads = num_threads;
   options.should_stop = should_stop;
@@ -703,14 +707,14 @@ PackedCamera PackWhatCanBe(const CameraFile& file, int num_threads,
     if (file.stack && error.code() != ExitCode::kNotConverged) {
       CameraFile alone = file;
       alone.stack.reset();
-      PackedCamera packed = PackWhatCanBe(alone, num_threads, should_stop);
-      packed.remarks.push_back(
+      PackedCamera packed = PackSupportedParts(alone, num_threads, should_stop);
+      packed.warnings.push_back(
           fmt::format("contains only the camera at the centre of the range: {}",
                       error.what()));
       return packed;
     }
     PackedCamera none;
-    none.remarks = {fmt::format("is omitted: {}", error.what())};
+    none.warnings = {fmt::format("is omitted: {}", error.what())};
     return none;
   }
 }

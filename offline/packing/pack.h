@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "camera/camera_of_scene.h"
 #include "camera/central_generic.h"
+#include "camera/equivalent_central_camera.h"
 #include "camera/sensor_mode.h"
 #include "dataset/camera_file.h"
 #include "packing/blob_limits.h"
@@ -34,7 +34,7 @@ struct RemapRequest {
 
 /// A central camera at sampled operating points of one condition, between which
 /// devices interpolate.
-struct StackKnots {
+struct OperatingPointKnots {
   rg_condition condition = RG_CONDITION_LENS_POSITION;
   std::vector<double> values;  ///< ascending; dioptres or degrees Celsius
   /// One camera per value, with grids of equal size over one area.
@@ -46,12 +46,13 @@ struct StackKnots {
 /// pixels over the area, at three intermediate values. All cameras have grids
 /// of equal size over one area. Throws Error(kQuality) if 64 samples do not
 /// suffice.
-StackKnots ChooseKnots(rg_condition condition, double low, double high,
-                       const std::function<CentralGeneric(double)>& camera_at,
-                       double max_error_px = 0.01);
+OperatingPointKnots SelectKnots(
+    rg_condition condition, double low, double high,
+    const std::function<CentralGeneric(double)>& camera_at,
+    double max_error_px = 0.01);
 
 /// Samples an operating-point model with one calibrated condition.
-StackKnots KnotsOf(const CameraStack& stack);
+OperatingPointKnots MakeModelKnots(const OperatingPointModel& stack);
 
 struct PackOptions {
   std::vector<RemapRequest> remaps;  ///< one table for each
@@ -66,10 +67,10 @@ struct PackOptions {
   double max_ray_error_px = kMaxPackingErrorPx;
   /// The pixels shown by tables: blocks without any are border. Nothing: all
   /// pixels.
-  std::optional<TrustMask> shown;
+  std::optional<ValidityMask> shown;
   /// An operating-point model in addition to the camera, which is its
   /// reference. Nothing: that of the camera's file, if there is one.
-  std::optional<StackKnots> stack;
+  std::optional<OperatingPointKnots> stack;
   bool is_narrow_allowed = true;  ///< 16-bit control points
   int num_threads = 0;
   /// Returning true aborts packing with Error(kNotConverged).
@@ -102,7 +103,7 @@ struct PackedCamera {
   /// The fraction of the image, of its calibrated and valid part, that is
   /// invalid in the blob: the camera is not regular there, or no grid fits it.
   double left_out_part = 0;
-  std::vector<std::string> remarks;  ///< warnings: what it lacks
+  std::vector<std::string> warnings;  ///< warnings: what it lacks
 };
 
 /// Packs a camera of any model; a central one other than central-generic is
@@ -125,8 +126,8 @@ void RequireBlobText(const char* what, const std::string& text);
 /// resolution of the image centre, otherwise of the calibrated area only.
 /// Warnings state why it lacks the table or the operating-point model, or why
 /// there is no blob; nothing is thrown for these reasons, nor if interrupted.
-PackedCamera PackWhatCanBe(const CameraFile& file, int num_threads,
-                           const std::function<bool()>& should_stop = {});
+PackedCamera PackSupportedParts(const CameraFile& file, int num_threads,
+                                const std::function<bool()>& should_stop = {});
 
 }  // namespace raygrid
 

@@ -43,7 +43,7 @@ GridPoints::GridPoints(const std::vector<GridSection>& grids, bool is_allowed,
     : grids_(grids) {
   std::vector<ControlPoints> points;
   for (const GridSection& grid : grids) points.push_back(grid.control_points);
-  if (is_allowed) narrow_ = NarrowAlike(points);
+  if (is_allowed) narrow_ = NarrowTogether(points);
   if (narrow_)
     for (NarrowGrid& narrow : *narrow_)
       narrow.section.residuals = narrow.residuals.data();
@@ -71,7 +71,7 @@ bool GridPoints::Measure(const std::vector<PackingTruth>& truths,
 
 InverseSections::InverseSections(
     const std::vector<const BSplineSurface*>& surfaces,
-    const GridPoints& points, const TrustMask* trusted, int num_threads,
+    const GridPoints& points, const ValidityMask* trusted, int num_threads,
     const std::function<void()>& go_on, rg_blob_contents* contents) {
   const auto measure = [&](size_t k, const InverseGrid& grid,
                            double max_pixels) {
@@ -93,7 +93,8 @@ InverseSections::InverseSections(
                              return measure(0, grid, max_pixels);
                            }))
       inverses_.push_back(*std::move(inverse));
-  } else if (auto inverses = FitAlikeInverseGrids(surfaces, trusted, measure)) {
+  } else if (auto inverses =
+                 FitInverseGridsJointly(surfaces, trusted, measure)) {
     inverses_ = *std::move(inverses);
   }
   for (const MeasuredInverse& inverse : inverses_)
@@ -106,8 +107,8 @@ std::optional<ProjectionError> InverseSections::error() const {
   if (inverses_.empty()) return std::nullopt;
   return std::max_element(inverses_.begin(), inverses_.end(),
                           [](const auto& a, const auto& b) {
-                            return a.error.trusted.MissedPart() <
-                                   b.error.trusted.MissedPart();
+                            return a.error.trusted.MissedFraction() <
+                                   b.error.trusted.MissedFraction();
                           })
       ->error;
 }

@@ -31,12 +31,12 @@ void Add(const FoundPixels& more, FoundPixels* sum) {
 }  // namespace
 
 ProjectionError MeasureProjection(const BlobCamera& blob,
-                                  const TrustMask* trusted, double max_pixels,
-                                  int num_threads) {
+                                  const ValidityMask* trusted,
+                                  double max_pixels, int num_threads) {
   const std::unique_ptr<CameraModel> model = blob.ToModel();
   const BSplineSurface& surface = *model->DirectionGrid();
   const Area& area = surface.area();
-  const int handedness = MostlyHandedness(surface);
+  const int handedness = FindDominantHandedness(surface);
   const int step = static_cast<int>(
       std::ceil(std::sqrt(area.width() * area.height() / max_pixels)));
   const std::vector<double> columns = Positions(area.x0, area.x1, step);
@@ -45,7 +45,7 @@ ProjectionError MeasureProjection(const BlobCamera& blob,
   ParallelFor(static_cast<int>(rows.size()), num_threads, [&](int j) {
     for (const double x : columns) {
       const Eigen::Vector2d pixel(x, rows[j]);
-      FoundPixels& found = !trusted || trusted->Trusts(pixel)
+      FoundPixels& found = !trusted || trusted->IsValidAt(pixel)
                                ? errors[j].trusted
                                : errors[j].others;
       Eigen::Matrix2d derivative;

@@ -20,7 +20,7 @@ struct FoundPixels {
 
   bool AreAllFound() const { return num_lost == 0 && num_off == 0; }
   /// The fraction lost or off.
-  double MissedPart() const {
+  double MissedFraction() const {
     return static_cast<double>(num_lost + num_off) /
            std::max<int64_t>(num_pixels, 1);
   }
@@ -42,8 +42,8 @@ constexpr double kMaxProjectionErrorPx = 0.002;
 /// at most max_pixels, against the blob's own surface in double precision. The
 /// blob must have an inverse grid.
 ProjectionError MeasureProjection(const BlobCamera& blob,
-                                  const TrustMask* trusted, double max_pixels,
-                                  int num_threads);
+                                  const ValidityMask* trusted,
+                                  double max_pixels, int num_threads);
 
 }  // namespace raygrid
 

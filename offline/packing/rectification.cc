@@ -122,8 +122,8 @@ VirtualView NarrowedToUse(const VirtualView& view) {
   const double least_px =
       std::max(view.size.width, view.size.height) / 2.0 / std::tan(kUsefulRad);
   if (focal_px >= least_px) return view;
-  return ViewOfMiddle(view, view.size, (last / 2 - view.center_px) / focal_px,
-                      least_px);
+  return MakeCentralView(view, view.size,
+                         (last / 2 - view.center_px) / focal_px, least_px);
 }
 
 VirtualView SharedView(const StereoCamera& first, const StereoCamera& second,
@@ -138,7 +138,7 @@ VirtualView SharedView(const StereoCamera& first, const StereoCamera& second,
   const double alpha = request.alpha.value_or(0);
   std::optional<VirtualView> largest;
   if (alpha < 1) {
-    largest = LargestWithoutBorder(cameras, size);
+    largest = FindLargestViewWithoutBorder(cameras, size);
     if (!largest)
       FailToRectify(first, second,
                     "no common view without border exists; set hfov for a view "
@@ -146,14 +146,14 @@ VirtualView SharedView(const StereoCamera& first, const StereoCamera& second,
     if (!request.alpha) return NarrowedToUse(*largest);
     if (alpha == 0) return *largest;
   }
-  const ViewOfAll all = SmallestOfAll(cameras, size);
+  const EnclosingView all = FindSmallestEnclosingView(cameras, size);
   if (!all.view)
     FailToRectify(
         first, second,
         fmt::format("alpha {}: a pinhole view cannot contain all pixels, up to "
                     "{:.0f} degrees off axis; use alpha 0 or hfov",
                     alpha, all.most_stretch_rad * 180 / M_PI));
-  return alpha == 1 ? *all.view : BetweenViews(*largest, *all.view, alpha);
+  return alpha == 1 ? *all.view : InterpolateViews(*largest, *all.view, alpha);
 }
 
 }  // namespace
@@ -186,7 +186,7 @@ Rectification Rectify(const StereoCamera& first, const StereoCamera& second,
       request.size.width != 0 ? request.size : first.camera.image_size();
   view.hfov_deg = request.hfov_deg;
   view.alpha = request.alpha;
-  RequireSensible(view);
+  RequireValidView(view);
   const Pose second_from_first =
       second.camera_from_rig * first.camera_from_rig.Inverse();
   const StereoBaseline baseline = FindBaseline(second_from_first);
@@ -209,7 +209,7 @@ Rectification Rectify(const StereoCamera& first, const StereoCamera& second,
   cameras.push_back({second.camera, plane});
   pair.views.fill(SharedView(first, second, cameras, view));
   pair.views[1].camera_from_view = plane.camera_from_view;
-  RequireThatBlobsHold(pair.views[0]);
+  RequirePackableView(pair.views[0]);
   return pair;
 }
 

@@ -28,13 +28,13 @@ using RayJacobian = Eigen::Matrix<double, 2, 3>;
 
 // The determinant of a projection's Jacobian in the plane across the ray:
 // positive where the image is not mirrored.
-double Determinant(const RayJacobian& by_ray, const Eigen::Vector3d& ray) {
-  return by_ray.row(0).cross(by_ray.row(1)).dot(ray);
+double Determinant(const RayJacobian& J_ray, const Eigen::Vector3d& ray) {
+  return J_ray.row(0).cross(J_ray.row(1)).dot(ray);
 }
 
 // The smaller singular value.
-double LeastScale(const RayJacobian& by_ray) {
-  const Eigen::Matrix2d product = by_ray * by_ray.transpose();
+double LeastScale(const RayJacobian& J_ray) {
+  const Eigen::Matrix2d product = J_ray * J_ray.transpose();
   const double half = product.trace() / 2;
   const double root =
       std::sqrt(std::max(0.0, half * half - product.determinant()));
@@ -50,16 +50,16 @@ RegularRegion::Node FindNode(const CameraModel& camera, bool is_grid,
   LinearizedProjection projection;
   if (!(chart.norm() <= kMaxChartRadius) ||
       !camera.Linearize(*ray, &pixel, 1, &projection) ||
-      !projection.by_point.allFinite()) {
+      !projection.J_point.allFinite()) {
     // A grid's fold projects nothing, but has rays.
     node.is_regular = is_grid && chart.norm() <= kMaxChartRadius;
     node.ray = *ray;
     return node;
   }
   node.ray = *ray;
-  node.by_ray = projection.by_point;
+  node.J_ray = projection.J_point;
   node.is_regular = is_grid || ((projection.pixel - pixel).norm() <= kBackPx &&
-                                Determinant(node.by_ray, *ray) > 0);
+                                Determinant(node.J_ray, *ray) > 0);
   return node;
 }
 
@@ -76,12 +76,12 @@ RegularRegion::RegularRegion(const CameraModel& camera, int num_threads)
       1 +
       std::max(1, static_cast<int>(std::ceil(camera_area_.height() / step_px)));
   FindNodes(camera, num_threads);
-  if (!camera.DirectionGrid()) LeaveOutSingular();
-  KeepJoined(FirstNode(camera));
+  if (!camera.DirectionGrid()) ExcludeSingularNodes();
+  KeepConnectedNodes(FirstNode(camera));
   Measure();
 }
 
-Eigen::Vector2d RegularRegion::PixelOf(int node) const {
+Eigen::Vector2d RegularRegion::GetPixel(int node) const {
   const int i = node % columns_, j = node / columns_;
   return {i + 1 == columns_
               ? camera_area_.x1
@@ -92,8 +92,8 @@ Eigen::Vector2d RegularRegion::PixelOf(int node) const {
 }
 
 Area RegularRegion::CellArea(int i, int j) const {
-  const Eigen::Vector2d a = PixelOf(j * columns_ + i),
-                        b = PixelOf((j + 1) * columns_ + i + 1);
+  const Eigen::Vector2d a = GetPixel(j * columns_ + i),
+                        b = GetPixel((j + 1) * columns_ + i + 1);
   return {a.x(), a.y(), b.x(), b.y()};
 }
 
@@ -102,22 +102,22 @@ void RegularRegion::FindNodes(const CameraModel& camera, int num_threads) {
   const bool is_grid = camera.DirectionGrid();
   ParallelFor(rows_, NumThreads(num_threads), [&](int j) {
     for (int k = j * columns_; k < (j + 1) * columns_; ++k)
-      nodes_[k] = FindNode(camera, is_grid, PixelOf(k));
+      nodes_[k] = FindNode(camera, is_grid, GetPixel(k));
   });
 }
 
-void RegularRegion::LeaveOutSingular() {
+void RegularRegion::ExcludeSingularNodes() {
   std::vector<double> scales;
   for (const Node& node : nodes_)
     if (node.is_regular)
-      scales.push_back(std::sqrt(Determinant(node.by_ray, node.ray)));
+      scales.push_back(std::sqrt(Determinant(node.J_ray, node.ray)));
   if (scales.empty()) return;
   const auto middle =
       scales.begin() + static_cast<std::ptrdiff_t>(scales.size() / 2);
   std::nth_element(scales.begin(), middle, scales.end());
   least_scale_ = kSingularPart * *middle;
   for (Node& node : nodes_)
-    if (!(LeastScale(node.by_ray) >= least_scale_)) node.is_regular = false;
+    if (!(LeastScale(node.J_ray) >= least_scale_)) node.is_regular = false;
 }
 
 // The regular node nearest to the pixel on the z axis, otherwise to the centre.
@@ -127,8 +127,8 @@ int RegularRegion::FirstNode(const CameraModel& camera) const {
   int nearest = -1;
   for (int k = 0; k < static_cast<int>(nodes_.size()); ++k)
     if (nodes_[k].is_regular &&
-        (nearest < 0 || (PixelOf(k) - place).squaredNorm() <
-                            (PixelOf(nearest) - place).squaredNorm()))
+        (nearest < 0 || (GetPixel(k) - place).squaredNorm() <
+                            (GetPixel(nearest) - place).squaredNorm()))
       nearest = k;
   return nearest;
 }
@@ -137,14 +137,14 @@ int RegularRegion::FirstNode(const CameraModel& camera) const {
 bool RegularRegion::IsJump(int from, int to) const {
   constexpr double kFar = 4;
   const double least =
-      std::min(LeastScale(nodes_[from].by_ray), LeastScale(nodes_[to].by_ray));
+      std::min(LeastScale(nodes_[from].J_ray), LeastScale(nodes_[to].J_ray));
   const double turn_rad =
       std::atan2(nodes_[from].ray.cross(nodes_[to].ray).norm(),
                  nodes_[from].ray.dot(nodes_[to].ray));
-  return turn_rad * least > kFar * (PixelOf(from) - PixelOf(to)).norm();
+  return turn_rad * least > kFar * (GetPixel(from) - GetPixel(to)).norm();
 }
 
-void RegularRegion::KeepJoined(int first) {
+void RegularRegion::KeepConnectedNodes(int first) {
   std::vector<bool> is_joined(nodes_.size(), false);
   std::vector<int> next;
   const auto add = [&](int node) {
@@ -186,12 +186,12 @@ void RegularRegion::Measure() {
                                    : static_cast<double>(num_regular) /
                                          static_cast<double>(num_cells);
   if (num_regular == 0) return;
-  const Eigen::Vector2d a = PixelOf(first_j * columns_ + first_i),
-                        b = PixelOf(last_j * columns_ + last_i);
+  const Eigen::Vector2d a = GetPixel(first_j * columns_ + first_i),
+                        b = GetPixel(last_j * columns_ + last_i);
   area_ = {a.x(), a.y(), b.x(), b.y()};
 }
 
-int RegularRegion::CellOf(const Eigen::Vector2d& pixel) const {
+int RegularRegion::CellIndex(const Eigen::Vector2d& pixel) const {
   const auto cell = [](double part, int num_nodes) {
     return std::clamp(static_cast<int>(part * (num_nodes - 1)), 0,
                       num_nodes - 2);
@@ -203,13 +203,13 @@ int RegularRegion::CellOf(const Eigen::Vector2d& pixel) const {
 
 bool RegularRegion::Contains(const Eigen::Vector2d& pixel) const {
   if (!camera_area_.Contains(pixel)) return false;
-  const int cell = CellOf(pixel);
+  const int cell = CellIndex(pixel);
   return IsRegularCell(cell % columns_, cell / columns_);
 }
 
 bool RegularRegion::Touches(const Eigen::Vector2d& pixel) const {
   if (!camera_area_.Contains(pixel)) return false;
-  const int cell = CellOf(pixel);
+  const int cell = CellIndex(pixel);
   return IsTouchedCell(cell % columns_, cell / columns_);
 }
 
@@ -219,13 +219,13 @@ bool RegularRegion::IsRegularRay(const CameraModel& camera,
   if (Contains(pixel)) return true;
   const Node node = FindNode(camera, camera.DirectionGrid(), pixel);
   return node.is_regular && (node.ray - ray).norm() <= kSameRayRad &&
-         (least_scale_ == 0 || LeastScale(node.by_ray) >= least_scale_);
+         (least_scale_ == 0 || LeastScale(node.J_ray) >= least_scale_);
 }
 
 bool RegularRegion::ContainsAmong(const std::vector<bool>& is_good,
                                   const Eigen::Vector2d& pixel) const {
   if (!Contains(pixel)) return false;
-  const int cell = CellOf(pixel);
+  const int cell = CellIndex(pixel);
   return HoldsAt(is_good, cell % columns_, cell / columns_);
 }
 
@@ -248,7 +248,7 @@ bool RegularCamera::Shows(const Eigen::Vector2d& pixel,
   constexpr double kAnywherePx = 1e9;
   return !camera().area().Contains(pixel) &&
          camera().Linearize(point, &pixel, kAnywherePx, &projection) &&
-         Determinant(projection.by_point, point) > 0;
+         Determinant(projection.J_point, point) > 0;
 }
 
 std::optional<Eigen::Vector2d> RegularCamera::Project(
@@ -270,8 +270,8 @@ bool RegularCamera::Linearize(const Eigen::Vector3d& point,
   return true;
 }
 
-std::unique_ptr<CameraModel> RegularPartOf(const CameraModel& camera,
-                                           int num_threads) {
+std::unique_ptr<CameraModel> ExtractRegularPart(const CameraModel& camera,
+                                                int num_threads) {
   if (!camera.IsCentral() || camera.DirectionGrid()) return camera.Clone();
   const auto region = std::make_shared<RegularRegion>(camera, num_threads);
   if (region->IsWhole() || region->IsEmpty()) return camera.Clone();

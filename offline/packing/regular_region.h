@@ -28,7 +28,7 @@ class RegularRegion {
   /// A regular pixel's ray, and the Jacobian of its projection.
   struct Node {
     Eigen::Vector3d ray = Eigen::Vector3d::Zero();
-    Eigen::Matrix<double, 2, 3> by_ray = Eigen::Matrix<double, 2, 3>::Zero();
+    Eigen::Matrix<double, 2, 3> J_ray = Eigen::Matrix<double, 2, 3>::Zero();
     bool is_regular = false;
   };
 
@@ -38,7 +38,7 @@ class RegularRegion {
   int columns() const { return columns_; }
   int rows() const { return rows_; }
   const std::vector<Node>& nodes() const { return nodes_; }
-  Eigen::Vector2d PixelOf(int node) const;
+  Eigen::Vector2d GetPixel(int node) const;
 
   /// Whether all of the camera's area is regular; and the regular fraction.
   bool IsWhole() const { return part_ == 1; }
@@ -60,8 +60,8 @@ class RegularRegion {
   /// Calls visit(area) for each cell of the lattice with a corner that is not
   /// regular, or not good.
   template <typename Visit>
-  void ForOtherCells(const std::vector<bool>& is_good,
-                     const Visit& visit) const {
+  void ForEachIrregularCell(const std::vector<bool>& is_good,
+                            const Visit& visit) const {
     for (int j = 0; j + 1 < rows_; ++j)
       for (int i = 0; i + 1 < columns_; ++i)
         if (!IsRegularCell(i, j) || !HoldsAt(is_good, i, j))
@@ -75,7 +75,7 @@ class RegularRegion {
            is_good[k + columns_ + 1];
   }
   // The index of the cell of a pixel: that of its upper left node.
-  int CellOf(const Eigen::Vector2d& pixel) const;
+  int CellIndex(const Eigen::Vector2d& pixel) const;
   bool IsRegularCell(int i, int j) const {
     const int k = j * columns_ + i;
     return nodes_[k].is_regular && nodes_[k + 1].is_regular &&
@@ -90,10 +90,10 @@ class RegularRegion {
   }
   Area CellArea(int i, int j) const;
   void FindNodes(const CameraModel& camera, int num_threads);
-  void LeaveOutSingular();
+  void ExcludeSingularNodes();
   int FirstNode(const CameraModel& camera) const;
   bool IsJump(int from, int to) const;
-  void KeepJoined(int first);
+  void KeepConnectedNodes(int first);
   void Measure();
 
   Area camera_area_, area_;
@@ -134,8 +134,8 @@ class RegularCamera : public CameraWrapper {
 
 /// Restricts a camera to its regular region; a copy if it is regular
 /// everywhere, a grid within the chart's range, or not central.
-std::unique_ptr<CameraModel> RegularPartOf(const CameraModel& camera,
-                                           int num_threads);
+std::unique_ptr<CameraModel> ExtractRegularPart(const CameraModel& camera,
+                                                int num_threads);
 
 }  // namespace raygrid
 

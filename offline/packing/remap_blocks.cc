@@ -2,7 +2,7 @@
 
 namespace raygrid {
 
-Blocks CutBlocks(const SourceMap& map, const BlockLayout& layout) {
+Blocks SplitIntoBlocks(const SourceMap& map, const BlockLayout& layout) {
   Blocks blocks;
   blocks.layout = layout;
   blocks.columns = ((map.width - 1) >> layout.block_log2) + 1;
@@ -24,7 +24,7 @@ Blocks CutBlocks(const SourceMap& map, const BlockLayout& layout) {
   return blocks;
 }
 
-std::vector<bool> NeededNodes(const Blocks& blocks) {
+std::vector<bool> FindRequiredNodes(const Blocks& blocks) {
   std::vector<bool> needed(blocks.num_nodes(), false);
   for (int j = 0; j < blocks.rows; ++j) {
     for (int i = 0; i < blocks.columns; ++i) {

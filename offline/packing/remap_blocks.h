@@ -40,10 +40,10 @@ struct Blocks {
   }
 };
 
-Blocks CutBlocks(const SourceMap& map, const BlockLayout& layout);
+Blocks SplitIntoBlocks(const SourceMap& map, const BlockLayout& layout);
 
 /// The nodes of used blocks; others are arbitrary.
-std::vector<bool> NeededNodes(const Blocks& blocks);
+std::vector<bool> FindRequiredNodes(const Blocks& blocks);
 
 }  // namespace raygrid
 

@@ -281,26 +281,28 @@ double WorstOfChroma(const SourceMap& map, const std::vector<uint32_t>& words,
 
 }  // namespace
 
-std::optional<double> WorstRemapError(const CameraModel& camera,
-                                      const OutputImage& output,
-                                      const SourceMap& map,
-                                      const Blocks& blocks,
-                                      const RemapTable& table, double limit_px,
-                                      int num_threads) {
+std::optional<double> ComputeMaxRemapError(const CameraModel& camera,
+                                           const OutputImage& output,
+                                           const SourceMap& map,
+                                           const Blocks& blocks,
+                                           const RemapTable& table,
+                                           double limit_px, int num_threads) {
   return TableErrors(camera, output, map, blocks, table, num_threads)
       .Worst(limit_px);
 }
 
-std::vector<bool> BlocksBeyond(const CameraModel& camera,
-                               const OutputImage& output, const SourceMap& map,
-                               const Blocks& blocks, const RemapTable& table,
-                               double limit_px, int num_threads) {
+std::vector<bool> FindBlocksAboveError(const CameraModel& camera,
+                                       const OutputImage& output,
+                                       const SourceMap& map,
+                                       const Blocks& blocks,
+                                       const RemapTable& table, double limit_px,
+                                       int num_threads) {
   return TableErrors(camera, output, map, blocks, table, num_threads)
       .Beyond(limit_px);
 }
 
-double WorstChromaError(const SourceMap& map, const RemapTable& table,
-                        int num_threads) {
+double ComputeMaxChromaError(const SourceMap& map, const RemapTable& table,
+                             int num_threads) {
   const std::vector<uint32_t> words = SectionWords(table);
   double worst = 0;
   for (const rg_format format : {RG_FORMAT_NV12, RG_FORMAT_YUYV}) {
@@ -311,7 +313,7 @@ double WorstChromaError(const SourceMap& map, const RemapTable& table,
   return worst;
 }
 
-double LeastRemapError(const SourceMap& map, int part_log2) {
+double ComputeMinRemapError(const SourceMap& map, int part_log2) {
   const int part = 1 << part_log2, half = part / 2;
   double worst = 0;
   for (int y0 = 0; y0 + part < map.height; y0 += part) {

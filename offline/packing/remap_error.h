@@ -16,29 +16,31 @@ namespace raygrid {
 /// source; for a pixel without a source, how far inside the rectangle its
 /// position is. Nothing if it exceeds the limit. Deterministic for any number
 /// of threads.
-std::optional<double> WorstRemapError(const CameraModel& camera,
-                                      const OutputImage& output,
-                                      const SourceMap& map,
-                                      const Blocks& blocks,
-                                      const RemapTable& table, double limit_px,
-                                      int num_threads);
+std::optional<double> ComputeMaxRemapError(const CameraModel& camera,
+                                           const OutputImage& output,
+                                           const SourceMap& map,
+                                           const Blocks& blocks,
+                                           const RemapTable& table,
+                                           double limit_px, int num_threads);
 
 /// The blocks, all with tiles of their own size, in which this error exceeds a
 /// limit, according to the map; row by row.
-std::vector<bool> BlocksBeyond(const CameraModel& camera,
-                               const OutputImage& output, const SourceMap& map,
-                               const Blocks& blocks, const RemapTable& table,
-                               double limit_px, int num_threads);
+std::vector<bool> FindBlocksAboveError(const CameraModel& camera,
+                                       const OutputImage& output,
+                                       const SourceMap& map,
+                                       const Blocks& blocks,
+                                       const RemapTable& table, double limit_px,
+                                       int num_threads);
 
 /// The maximum error of U and V in NV12 and YUYV, in chroma pixels, according
 /// to the map.
-double WorstChromaError(const SourceMap& map, const RemapTable& table,
-                        int num_threads);
+double ComputeMaxChromaError(const SourceMap& map, const RemapTable& table,
+                             int num_threads);
 
 /// A lower bound of the maximum error of any table with this tile size: the
 /// error of the best bilinear function at the corners, edge midpoints and
 /// centre of each tile.
-double LeastRemapError(const SourceMap& map, int part_log2);
+double ComputeMinRemapError(const SourceMap& map, int part_log2);
 
 }  // namespace raygrid
 

@@ -75,10 +75,10 @@ void RequireFormatLimits(const ImageSize& source, const ImageSize& output) {
 
 // The pixels of a camera's frames that are shown: those requested, within the
 // image circle. Nothing: all.
-ShownPixels ShownOfCamera(const CameraModel& camera, const ShownPixels& asked) {
+PixelFilter ShownOfCamera(const CameraModel& camera, const PixelFilter& asked) {
   if (!camera.image_circle()) return asked;
   return [&camera, asked](const Eigen::Vector2d& pixel) {
-    return camera.IsLit(pixel) && (!asked || asked(pixel));
+    return camera.IsInImageCircle(pixel) && (!asked || asked(pixel));
   };
 }
 
@@ -136,8 +136,8 @@ struct MappedInput {
 // differences elsewhere.
 void ContinueNodes(const Blocks& all, const std::vector<Blocks>& own,
                    size_t table, std::vector<NodePositions>* nodes) {
-  const std::vector<bool> needed = NeededNodes(all);
-  const std::vector<bool> here = NeededNodes(own[table]);
+  const std::vector<bool> needed = FindRequiredNodes(all);
+  const std::vector<bool> here = FindRequiredNodes(own[table]);
   if (here == needed) return;
   const auto basis = [&](int k) {
     return Eigen::Vector3d(1, k % (all.columns + 1), k / (all.columns + 1));
@@ -146,7 +146,7 @@ void ContinueNodes(const Blocks& all, const std::vector<Blocks>& own,
   for (size_t apart = 1; apart < own.size(); ++apart) {
     for (const size_t other : {table - apart, table + apart}) {
       if (other >= own.size()) continue;
-      const std::vector<bool> there = NeededNodes(own[other]);
+      const std::vector<bool> there = FindRequiredNodes(own[other]);
       Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
       Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
       for (int k = 0; k < all.num_vertices(); ++k) {
@@ -236,13 +236,13 @@ bool MeasureTable(const MappedInput& input, const Blocks& own,
   FillFields(input.input.camera->image_size(), input.map, table->view, own,
              &measured);
   const std::optional<double> worst =
-      WorstRemapError(*input.input.camera, input.input.output, input.map, own,
-                      measured, limit_px, num_threads);
+      ComputeMaxRemapError(*input.input.camera, input.input.output, input.map,
+                           own, measured, limit_px, num_threads);
   if (!worst) return false;
   table->max_error_px = *worst;
   if (*worst > max_error_px) return false;
   table->max_chroma_error_px =
-      WorstChromaError(input.map, measured, num_threads);
+      ComputeMaxChromaError(input.map, measured, num_threads);
   table->section.bound_upx =
       static_cast<uint32_t>(std::min(max_error_px * 1e6, 4e9));
   table->section.max_error_upx =
@@ -262,8 +262,8 @@ void LeaveOutRough(const std::vector<std::unique_ptr<MappedInput>>& inputs,
     FillFields(input.input.camera->image_size(), input.map, measured.view,
                (*own)[t], &measured);
     const std::vector<bool> beyond =
-        BlocksBeyond(*input.input.camera, input.input.output, input.map,
-                     (*own)[t], measured, max_error_px, num_threads);
+        FindBlocksAboveError(*input.input.camera, input.input.output, input.map,
+                             (*own)[t], measured, max_error_px, num_threads);
     for (size_t k = 0; k < beyond.size(); ++k)
       is_rough[k] = is_rough[k] || beyond[k];
   }
@@ -334,13 +334,13 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
     const bool is_last = &layout == std::end(kLayouts) - 1;
     if (!is_last &&
         std::any_of(inputs.begin(), inputs.end(), [&](const auto& input) {
-          return LeastRemapError(input->map, layout.SmallestLog2()) >
+          return ComputeMinRemapError(input->map, layout.SmallestLog2()) >
                  max_error_px;
         }))
       continue;
     std::vector<Blocks> own;
     for (const auto& input : inputs)
-      own.push_back(CutBlocks(input->map, layout));
+      own.push_back(SplitIntoBlocks(input->map, layout));
     Blocks all = UnionOf(own);
     if (std::count(all.used.begin(), all.used.end(), true) == 0)
       throw Error(ExitCode::kUsage,
@@ -380,12 +380,12 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
 std::vector<RemapTable> FitRemapTables(
     const std::vector<const CameraModel*>& cameras, const VirtualView& view,
     double max_error_px, int num_threads, const std::function<void()>& go_on,
-    const ShownPixels& asked, RoughBlocks rough) {
+    const PixelFilter& asked, RoughBlocks rough) {
   std::vector<TableInput> inputs;
   for (const CameraModel* camera : cameras) {
-    const ShownPixels shows = ShownOfCamera(*camera, asked);
+    const PixelFilter shows = ShownOfCamera(*camera, asked);
     inputs.push_back(
-        {camera, OutputOfView(view), [shows](SourceMap* map) {
+        {camera, MakeViewOutput(view), [shows](SourceMap* map) {
            if (shows)
              HideCells([&](int x, int y) { return shows(map->At(x, y)); }, map);
          }});
@@ -396,13 +396,13 @@ std::vector<RemapTable> FitRemapTables(
 std::vector<RemapTable> FitDistortionTables(
     const std::vector<const CameraModel*>& cameras, const VirtualView& view,
     double max_error_px, int num_threads, const std::function<void()>& go_on,
-    const ShownPixels& asked, RoughBlocks rough) {
-  const std::unique_ptr<CameraModel> turned = CameraOfTurnedView(view);
+    const PixelFilter& asked, RoughBlocks rough) {
+  const std::unique_ptr<CameraModel> turned = MakeRotatedViewCamera(view);
   std::vector<TableInput> inputs;
   for (const CameraModel* camera : cameras) {
-    const ShownPixels shows = ShownOfCamera(*camera, asked);
+    const PixelFilter shows = ShownOfCamera(*camera, asked);
     inputs.push_back(
-        {turned.get(), OutputOfCamera(*camera), [shows](SourceMap* map) {
+        {turned.get(), MakeCameraOutput(*camera), [shows](SourceMap* map) {
            if (shows)
              HideCells([&](int x, int y) { return shows({x, y}); }, map);
          }});

@@ -34,7 +34,7 @@ struct RemapTable {
 enum class RoughBlocks { kRefuse, kLeaveOut };
 
 /// Whether a pixel of a camera's image is shown; empty: all are.
-using ShownPixels = std::function<bool(const Eigen::Vector2d& pixel)>;
+using PixelFilter = std::function<bool(const Eigen::Vector2d& pixel)>;
 
 /// Fits the table with the largest tiles, and of these the fewest bytes, whose
 /// geometric error is at most max_error_px: vertices and bends approximately
@@ -51,7 +51,7 @@ using ShownPixels = std::function<bool(const Eigen::Vector2d& pixel)>;
 std::vector<RemapTable> FitRemapTables(
     const std::vector<const CameraModel*>& cameras, const VirtualView& view,
     double max_error_px, int num_threads,
-    const std::function<void()>& go_on = [] {}, const ShownPixels& shows = {},
+    const std::function<void()>& go_on = [] {}, const PixelFilter& shows = {},
     RoughBlocks rough = RoughBlocks::kRefuse);
 
 /// Fits inverse tables, which distort: output pixels are those of the camera's
@@ -62,14 +62,14 @@ std::vector<RemapTable> FitRemapTables(
 std::vector<RemapTable> FitDistortionTables(
     const std::vector<const CameraModel*>& cameras, const VirtualView& view,
     double max_error_px, int num_threads,
-    const std::function<void()>& go_on = [] {}, const ShownPixels& shows = {},
+    const std::function<void()>& go_on = [] {}, const PixelFilter& shows = {},
     RoughBlocks rough = RoughBlocks::kRefuse);
 
 /// Fits the table of one camera.
 inline RemapTable FitRemapTable(
     const CameraModel& camera, const VirtualView& view, double max_error_px,
     int num_threads, const std::function<void()>& go_on = [] {},
-    const ShownPixels& shows = {}) {
+    const PixelFilter& shows = {}) {
   return FitRemapTables({&camera}, view, max_error_px, num_threads, go_on,
                         shows)
       .front();
@@ -78,7 +78,7 @@ inline RemapTable FitRemapTable(
 inline RemapTable FitDistortionTable(
     const CameraModel& camera, const VirtualView& view, double max_error_px,
     int num_threads, const std::function<void()>& go_on = [] {},
-    const ShownPixels& shows = {}) {
+    const PixelFilter& shows = {}) {
   return FitDistortionTables({&camera}, view, max_error_px, num_threads, go_on,
                              shows)
       .front();

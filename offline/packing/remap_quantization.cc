@@ -79,7 +79,7 @@ void QuantizePlane(const Blocks& blocks,
 std::vector<double> ResidualsQ12(const Blocks& blocks,
                                  const NodePositions& vertices,
                                  const rg_remap_section& s, double* largest) {
-  const std::vector<bool> needed = NeededNodes(blocks);
+  const std::vector<bool> needed = FindRequiredNodes(blocks);
   std::vector<double> residuals_q12;
   for (int j = 0; j <= blocks.rows; ++j) {
     for (int i = 0; i <= blocks.columns; ++i) {
@@ -111,7 +111,7 @@ bool QuantizeBends(const Blocks& blocks,
     table.section.bend_shift = 0;
   }
   if (!blocks.layout.IsBent()) return true;
-  const std::vector<bool> needed = NeededNodes(blocks);
+  const std::vector<bool> needed = FindRequiredNodes(blocks);
   const double unit = kVertexUnits * std::ldexp(4, blocks.layout.part_log2 -
                                                        blocks.size_log2());
   const auto value = [&](size_t t, int node, int c) {

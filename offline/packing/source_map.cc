@@ -388,7 +388,7 @@ class CutOffSearch {
 
 }  // namespace
 
-OutputImage OutputOfView(const VirtualView& view) {
+OutputImage MakeViewOutput(const VirtualView& view) {
   return {
       view.size,
       [&view](const Eigen::Vector2d& pixel) { return view.Direction(pixel); },
@@ -397,7 +397,7 @@ OutputImage OutputOfView(const VirtualView& view) {
       }};
 }
 
-OutputImage OutputOfCamera(const CameraModel& camera) {
+OutputImage MakeCameraOutput(const CameraModel& camera) {
   return {camera.image_size(),
           [&camera](const Eigen::Vector2d& pixel) {
             return camera.Unproject(pixel);

@@ -25,9 +25,9 @@ struct OutputImage {
 };
 
 /// The image of a view. The view (below: the camera) must outlive the result.
-OutputImage OutputOfView(const VirtualView& view);
+OutputImage MakeViewOutput(const VirtualView& view);
 /// The camera's own image, for tables whose source is a view's picture.
-OutputImage OutputOfCamera(const CameraModel& camera);
+OutputImage MakeCameraOutput(const CameraModel& camera);
 
 /// The sources of the pixels of an output image.
 struct SourceMap {

@@ -36,11 +36,11 @@ double BlendError(const CentralGeneric& lower, const CentralGeneric& upper,
 }
 
 // Makes count evenly spaced samples; nothing if they exceed the limit.
-std::optional<StackKnots> MakeKnots(
+std::optional<OperatingPointKnots> MakeKnots(
     int num_knots, double low, double high,
     const std::function<CentralGeneric(double)>& camera_at,
     double max_error_px) {
-  StackKnots stack;
+  OperatingPointKnots stack;
   for (int k = 0; k < num_knots; ++k) {
     stack.values.push_back(low + (high - low) * k / (num_knots - 1));
     stack.cameras.push_back(camera_at(stack.values.back()));
@@ -58,21 +58,22 @@ std::optional<StackKnots> MakeKnots(
 
 }  // namespace
 
-StackKnots KnotsOf(const CameraStack& stack) {
-  const ConditionRange& range = stack.ranges()[0];
-  return ChooseKnots(range.condition == CameraCondition::kLensPosition
+OperatingPointKnots MakeModelKnots(const OperatingPointModel& stack) {
+  const OperatingRange& range = stack.ranges()[0];
+  return SelectKnots(range.condition == OperatingParameter::kLensPosition
                          ? RG_CONDITION_LENS_POSITION
                          : RG_CONDITION_TEMPERATURE,
                      range.low, range.high,
                      [&](double value) { return stack.At({value}); });
 }
 
-StackKnots ChooseKnots(rg_condition condition, double low, double high,
-                       const std::function<CentralGeneric(double)>& camera_at,
-                       double max_error_px) {
+OperatingPointKnots SelectKnots(
+    rg_condition condition, double low, double high,
+    const std::function<CentralGeneric(double)>& camera_at,
+    double max_error_px) {
   for (int num_knots = RG_MIN_KNOTS;
        num_knots <= static_cast<int>(RG_MAX_KNOTS); ++num_knots) {
-    std::optional<StackKnots> stack =
+    std::optional<OperatingPointKnots> stack =
         MakeKnots(num_knots, low, high, camera_at, max_error_px);
     if (!stack) continue;
     stack->condition = condition;

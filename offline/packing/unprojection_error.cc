@@ -58,7 +58,7 @@ UnprojectionError MeasureOpened(const PackingTruth& truth,
     const int y = first_row + step * row;
     for (int x = first; x <= last; x += step) {
       const Eigen::Vector2d pixel(x, y);
-      const bool is_trusted = truth.Trusts(pixel);
+      const bool is_trusted = truth.IsValidAt(pixel);
       const CameraModel& camera = is_trusted ? truth.camera : truth.elsewhere;
       const auto exact = camera.Unproject(pixel);
       LinearizedProjection projection;
@@ -69,9 +69,9 @@ UnprojectionError MeasureOpened(const PackingTruth& truth,
       const Eigen::Vector3d direction =
           Eigen::Vector3d(ray.x_q30, ray.y_q30, ray.z_q30) / (1 << 30);
       worst[row].rad = std::max(worst[row].rad, direction.cross(*exact).norm());
-      if (is_trusted && projection.by_point.norm() < most_per_radian)
+      if (is_trusted && projection.J_point.norm() < most_per_radian)
         worst[row].px =
-            std::max(worst[row].px, (projection.by_point * direction).norm());
+            std::max(worst[row].px, (projection.J_point * direction).norm());
     }
   });
   UnprojectionError total;

@@ -19,10 +19,10 @@ struct UnprojectionError {
 struct PackingTruth {
   const CameraModel& camera;
   const CameraModel& elsewhere;
-  const TrustMask* trusted;
+  const ValidityMask* trusted;
 
-  bool Trusts(const Eigen::Vector2d& pixel) const {
-    return !trusted || trusted->Trusts(pixel);
+  bool IsValidAt(const Eigen::Vector2d& pixel) const {
+    return !trusted || trusted->IsValidAt(pixel);
   }
 };
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "camera/opencv.h"
-#include "camera/turned_camera.h"
+#include "camera/rotated_camera.h"
 #include "camera/view_camera.h"
 
 namespace raygrid {
@@ -65,7 +65,7 @@ double VirtualView::VerticalFieldOfViewDeg() const {
                         size.height);
 }
 
-Eigen::Matrix3d RotationOfAngles(const Eigen::Vector3d& yaw_pitch_roll_deg) {
+Eigen::Matrix3d RotationFromAngles(const Eigen::Vector3d& yaw_pitch_roll_deg) {
   if (yaw_pitch_roll_deg.isZero(0)) return Eigen::Matrix3d::Identity();
   const Eigen::Vector3d angle = yaw_pitch_roll_deg * M_PI / 180;
   return (Eigen::AngleAxisd(angle[0], Eigen::Vector3d::UnitY()) *
@@ -74,7 +74,7 @@ Eigen::Matrix3d RotationOfAngles(const Eigen::Vector3d& yaw_pitch_roll_deg) {
       .toRotationMatrix();
 }
 
-Eigen::Vector3d AnglesOfRotation(const Eigen::Matrix3d& camera_from_view) {
+Eigen::Vector3d RotationToAngles(const Eigen::Matrix3d& camera_from_view) {
   const Eigen::Matrix3d& r = camera_from_view;
   const double across = std::hypot(r(0, 2), r(2, 2));
   // Straight up or down, yaw and roll are the same: all is roll.
@@ -85,7 +85,7 @@ Eigen::Vector3d AnglesOfRotation(const Eigen::Matrix3d& camera_from_view) {
   return Eigen::Vector3d(yaw, std::atan2(-r(1, 2), across), roll) * 180 / M_PI;
 }
 
-std::unique_ptr<CameraModel> CameraOfView(const VirtualView& view) {
+std::unique_ptr<CameraModel> MakeViewCamera(const VirtualView& view) {
   if (view.projection != ViewProjection::kPinhole)
     return std::make_unique<ViewCamera>(
         view.projection, view.size, WholeImage(view.size),
@@ -100,12 +100,12 @@ std::unique_ptr<CameraModel> CameraOfView(const VirtualView& view) {
                                        parameters);
 }
 
-std::unique_ptr<CameraModel> CameraOfTurnedView(const VirtualView& view) {
-  return std::make_unique<TurnedCamera>(
-      *CameraOfView(view), Eigen::Quaterniond(view.camera_from_view));
+std::unique_ptr<CameraModel> MakeRotatedViewCamera(const VirtualView& view) {
+  return std::make_unique<RotatedCamera>(
+      *MakeViewCamera(view), Eigen::Quaterniond(view.camera_from_view));
 }
 
-std::optional<VirtualView> ViewOfCamera(const CameraModel& camera) {
+std::optional<VirtualView> MakeCameraView(const CameraModel& camera) {
   const Eigen::VectorXd parameters = camera.Parameters();
   VirtualView view;
   if (const auto* own = dynamic_cast<const ViewCamera*>(&camera))

@@ -41,19 +41,19 @@ double FieldOfViewDeg(ViewProjection projection, int axis, double focal_px,
 
 /// The rotation of a view to the right, then up, then clockwise, in degrees:
 /// from view axes to camera axes.
-Eigen::Matrix3d RotationOfAngles(const Eigen::Vector3d& yaw_pitch_roll_deg);
-Eigen::Vector3d AnglesOfRotation(const Eigen::Matrix3d& camera_from_view);
+Eigen::Matrix3d RotationFromAngles(const Eigen::Vector3d& yaw_pitch_roll_deg);
+Eigen::Vector3d RotationToAngles(const Eigen::Matrix3d& camera_from_view);
 
 /// The view as a camera in its own axes, calibrated over its whole image: of a
 /// pinhole the model opencv without distortion, otherwise a ViewCamera.
-std::unique_ptr<CameraModel> CameraOfView(const VirtualView& view);
+std::unique_ptr<CameraModel> MakeViewCamera(const VirtualView& view);
 
 /// The view as a camera in the axes of the original camera.
-std::unique_ptr<CameraModel> CameraOfTurnedView(const VirtualView& view);
+std::unique_ptr<CameraModel> MakeRotatedViewCamera(const VirtualView& view);
 
 /// The unrotated view that is equivalent to such a camera; nothing if it has
 /// distortion or is of another model.
-std::optional<VirtualView> ViewOfCamera(const CameraModel& camera);
+std::optional<VirtualView> MakeCameraView(const CameraModel& camera);
 
 }  // namespace raygrid
 

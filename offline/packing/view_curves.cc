@@ -80,9 +80,9 @@ Eigen::Vector3d PointOfLoop(int axis, double offset, double angle_rad) {
 
 }  // namespace
 
-std::vector<PixelCurve> LinesOfRoom(const VirtualView& view,
-                                    const Eigen::Matrix3d& camera_from_room,
-                                    double square) {
+std::vector<PixelCurve> MakeRoomLines(const VirtualView& view,
+                                      const Eigen::Matrix3d& camera_from_room,
+                                      double square) {
   const int num_steps = StepsAroundCube(view);
   const int num_squares = static_cast<int>(std::lround(2 / square));
   CurveCollector collector(view.size);
@@ -106,16 +106,17 @@ double SquareOfView(const VirtualView& view) {
   return std::clamp(square, 1.0 / 256, 0.25);
 }
 
-std::vector<PixelCurve> OutlineOfTrusted(const TrustMask& mask,
-                                         const ImageSize& size) {
+std::vector<PixelCurve> ComputeValidOutline(const ValidityMask& mask,
+                                            const ImageSize& size) {
   std::vector<PixelCurve> curves;
   const auto is_trusted = [&](int i, int j) {
     return i >= 0 && i < mask.columns && j >= 0 && j < mask.rows &&
            mask.is_trusted[j * mask.columns + i];
   };
   const auto corner = [&](int i, int j) {
-    return Eigen::Vector2d(std::min(i * mask.cell_px, size.width) - 0.5,
-                           std::min(j * mask.cell_px, size.height) - 0.5);
+    return Eigen::Vector2d(
+        std::min(i * mask.knot_spacing_px, size.width) - 0.5,
+        std::min(j * mask.knot_spacing_px, size.height) - 0.5);
   };
   for (int j = 0; j <= mask.rows; ++j) {
     for (int i = 0; i <= mask.columns; ++i) {
@@ -128,7 +129,7 @@ std::vector<PixelCurve> OutlineOfTrusted(const TrustMask& mask,
   return curves;
 }
 
-std::vector<PixelCurve> OutlineOfArea(const Area& area) {
+std::vector<PixelCurve> ComputeAreaOutline(const Area& area) {
   std::vector<PixelCurve> curves;
   const Eigen::Vector2d corners[] = {{area.x0, area.y0},
                                      {area.x1, area.y0},
@@ -139,9 +140,9 @@ std::vector<PixelCurve> OutlineOfArea(const Area& area) {
   return curves;
 }
 
-std::vector<PixelCurve> CurvesInView(const CameraModel& camera,
-                                     const VirtualView& view,
-                                     const std::vector<PixelCurve>& curves) {
+std::vector<PixelCurve> ProjectCurves(const CameraModel& camera,
+                                      const VirtualView& view,
+                                      const std::vector<PixelCurve>& curves) {
   const Area& area = camera.area();
   CurveCollector collector(view.size);
   for (const PixelCurve& curve : curves) {
@@ -157,15 +158,15 @@ std::vector<PixelCurve> CurvesInView(const CameraModel& camera,
   return collector.Curves();
 }
 
-std::vector<PixelCurve> EdgeOfView(const CameraModel& camera,
-                                   const VirtualView& view) {
+std::vector<PixelCurve> ComputeViewEdge(const CameraModel& camera,
+                                        const VirtualView& view) {
   // Just inside, as edges of projections show nothing.
   constexpr double kInsetPx = 1e-3;
   std::vector<PixelCurve> seen;
   const double x1 = view.size.width - 0.5 - kInsetPx;
   const double y1 = view.size.height - 0.5 - kInsetPx;
   const double low = kInsetPx - 0.5;
-  for (const PixelCurve& edge : OutlineOfArea({low, low, x1, y1})) {
+  for (const PixelCurve& edge : ComputeAreaOutline({low, low, x1, y1})) {
     CurveCollector collector(camera.image_size());
     std::optional<Eigen::Vector2d> source;
     for (const Eigen::Vector2d& pixel : edge) {

@@ -17,27 +17,27 @@ using PixelCurve = std::vector<Eigen::Vector2d>;
 /// of a room, a cube centred at the camera with walls at a distance of 1 along
 /// the room's axes. Curves end at the limits of the projection, and extend
 /// beyond the image.
-std::vector<PixelCurve> LinesOfRoom(const VirtualView& view,
-                                    const Eigen::Matrix3d& camera_from_room,
-                                    double square);
+std::vector<PixelCurve> MakeRoomLines(const VirtualView& view,
+                                      const Eigen::Matrix3d& camera_from_room,
+                                      double square);
 
 /// The side of the squares, 2 / 2^k, for about ten lines across a view.
 double SquareOfView(const VirtualView& view);
 
 /// The edges of the valid region, also those at the image's edge.
-std::vector<PixelCurve> OutlineOfTrusted(const TrustMask& mask,
-                                         const ImageSize& size);
-std::vector<PixelCurve> OutlineOfArea(const Area& area);
+std::vector<PixelCurve> ComputeValidOutline(const ValidityMask& mask,
+                                            const ImageSize& size);
+std::vector<PixelCurve> ComputeAreaOutline(const Area& area);
 
 /// Transforms curves from a camera's image to a view. Points up to a pixel
 /// outside the camera's area are clamped to its edge.
-std::vector<PixelCurve> CurvesInView(const CameraModel& camera,
-                                     const VirtualView& view,
-                                     const std::vector<PixelCurve>& curves);
+std::vector<PixelCurve> ProjectCurves(const CameraModel& camera,
+                                      const VirtualView& view,
+                                      const std::vector<PixelCurve>& curves);
 
 /// The edge of a view's image, where the camera's area covers it.
-std::vector<PixelCurve> EdgeOfView(const CameraModel& camera,
-                                   const VirtualView& view);
+std::vector<PixelCurve> ComputeViewEdge(const CameraModel& camera,
+                                        const VirtualView& view);
 
 }  // namespace raygrid
 

@@ -45,7 +45,7 @@ VirtualView Plane(const ViewRequest& request) {
   plane.projection = request.projection.value_or(ViewProjection::kPinhole);
   plane.focal_px = {1, 1};
   if (request.rotate_deg)
-    plane.camera_from_view = RotationOfAngles(*request.rotate_deg);
+    plane.camera_from_view = RotationFromAngles(*request.rotate_deg);
   return plane;
 }
 
@@ -62,7 +62,7 @@ double CentralFocalLength(const CameraModel& camera, const VirtualView& plane) {
       continue;
     // The two singular values' geometric mean.
     const Eigen::Matrix2d product =
-        projection.by_point * projection.by_point.transpose();
+        projection.J_point * projection.J_point.transpose();
     return std::pow(product.determinant(), 0.25);
   }
   return camera.image_size().width;
@@ -89,7 +89,7 @@ double FocalOf(ViewProjection projection, int axis, double field_deg,
 }
 
 VirtualView SmallestOrThrow(const CameraAndPlane& seen, const ImageSize& size) {
-  const ViewOfAll all = SmallestOfAll({seen}, size);
+  const EnclosingView all = FindSmallestEnclosingView({seen}, size);
   if (all.view) return *all.view;
   const ViewProjection projection = seen.plane.projection;
   ThrowUsage(fmt::format(
@@ -106,13 +106,13 @@ VirtualView ViewOfAlpha(const CameraModel& camera, const VirtualView& plane,
                         const ImageSize& size, double alpha) {
   const CameraAndPlane seen = {camera, plane};
   if (alpha == 1) return SmallestOrThrow(seen, size);
-  const auto largest = LargestWithoutBorder({seen}, size);
+  const auto largest = FindLargestViewWithoutBorder({seen}, size);
   if (!largest)
     ThrowUsage(
         "alpha below 1: the view does not contain the centre of the calibrated "
         "area; set a field of view, or rotate the view");
   if (alpha == 0) return *largest;
-  return BetweenViews(*largest, SmallestOrThrow(seen, size), alpha);
+  return InterpolateViews(*largest, SmallestOrThrow(seen, size), alpha);
 }
 
 VirtualView Scaled(const VirtualView& view, const ImageSize& size) {
@@ -171,7 +171,7 @@ void RequireField(const char* name, ViewProjection projection,
 
 }  // namespace
 
-void RequireSensible(const ViewRequest& request) {
+void RequireValidView(const ViewRequest& request) {
   const int num_ways = (request.hfov_deg || request.vfov_deg) +
                        request.focal_px.has_value() +
                        request.alpha.has_value() + request.like.has_value();
@@ -198,7 +198,7 @@ void RequireSensible(const ViewRequest& request) {
                     *request.alpha));
 }
 
-void RequireThatBlobsHold(const VirtualView& view) {
+void RequirePackableView(const VirtualView& view) {
   const double focal_px = view.focal_px.maxCoeff();
   if (!(focal_px <= kMaxFocalPx))
     ThrowUsage(fmt::format(
@@ -213,7 +213,7 @@ void RequireThatBlobsHold(const VirtualView& view) {
 }
 
 VirtualView MakeView(const CameraModel& camera, const ViewRequest& request) {
-  RequireSensible(request);
+  RequireValidView(request);
   const ImageSize size = request.size.width != 0 ? request.size
                          : request.like          ? request.like->size
                                                  : camera.image_size();
@@ -222,20 +222,20 @@ VirtualView MakeView(const CameraModel& camera, const ViewRequest& request) {
       request.alpha  ? ViewOfAlpha(camera, plane, size, *request.alpha)
       : request.like ? Scaled(*request.like, size)
                      : ViewAsSharp(camera, plane, request, size);
-  RequireThatBlobsHold(view);
+  RequirePackableView(view);
   return view;
 }
 
 VirtualView MakeViewWithoutCamera(const ImageSize& size,
                                   const ViewRequest& request) {
-  RequireSensible(request);
+  RequireValidView(request);
   if (request.alpha) ThrowUsage("alpha requires the camera; use view instead");
   const VirtualView view = request.like
                                ? Scaled(*request.like, size)
                                : ViewAround(Plane(request), request, size);
   if (view.focal_px.x() == 0)
     ThrowUsage("missing field of view; specify hfov, vfov, focal or view");
-  RequireThatBlobsHold(view);
+  RequirePackableView(view);
   return view;
 }
 
@@ -273,7 +273,7 @@ VirtualView MakeViewOfArea(const CameraModel& camera) {
         (Eigen::Array2d(size.width, size.height) / seen.box.sizes().array())
             .minCoeff();
     const VirtualView view =
-        ViewOfMiddle(plane, size, seen.box.center(), focal_px);
+        MakeCentralView(plane, size, seen.box.center(), focal_px);
     if (focal_px <= kMaxFocalPx &&
         view.center_px.cwiseAbs().maxCoeff() <= kMaxCenterPx)
       return view;

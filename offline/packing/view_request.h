@@ -17,7 +17,7 @@ namespace raygrid {
 struct ViewRequest {
   ImageSize size = {0, 0};                   ///< 0 x 0: the camera's, or like's
   std::optional<ViewProjection> projection;  ///< default: pinhole, or like's
-  /// Yaw, pitch and roll in degrees: see RotationOfAngles().
+  /// Yaw, pitch and roll in degrees: see RotationFromAngles().
   std::optional<Eigen::Vector3d> rotate_deg;
   std::optional<double> hfov_deg, vfov_deg;
   std::optional<double> focal_px;
@@ -33,13 +33,13 @@ struct ViewRequest {
 
 /// Throws Error(kUsage) for requests that no camera can satisfy: mutually
 /// exclusive options, or impossible angles.
-void RequireSensible(const ViewRequest& request);
+void RequireValidView(const ViewRequest& request);
 
 /// Throws Error(kUsage) for a focal length or principal point that no blob can
 /// store.
-void RequireThatBlobsHold(const VirtualView& view);
+void RequirePackableView(const VirtualView& view);
 
-/// Throws like RequireSensible(), and Error(kUsage) for a view that sees
+/// Throws like RequireValidView(), and Error(kUsage) for a view that sees
 /// nothing of the camera's area or that a blob cannot store.
 VirtualView MakeView(const CameraModel& camera, const ViewRequest& request);
 

@@ -40,7 +40,8 @@ void LeaveOutUnlit(const CameraModel& camera, bool is_reverse,
   for (size_t k = 0; k < view->sources.size(); ++k) {
     const int x = static_cast<int>(k) % view->size.width,
               y = static_cast<int>(k) / view->size.width;
-    if (!camera.IsLit(is_reverse ? Eigen::Vector2d(x, y) : view->sources[k]))
+    if (!camera.IsInImageCircle(is_reverse ? Eigen::Vector2d(x, y)
+                                           : view->sources[k]))
       view->sources[k].setConstant(NAN);
   }
 }
@@ -57,17 +58,17 @@ std::unique_ptr<CameraModel> CentralCamera(const CameraModel& camera) {
   return CentralPart(camera).Clone();
 }
 
-ViewSources SourcesOfView(const CameraModel& lines, const VirtualView& view,
-                          bool is_reverse, int num_threads) {
+ViewSources MakeViewSources(const CameraModel& lines, const VirtualView& view,
+                            bool is_reverse, int num_threads) {
   const auto camera = CentralCamera(lines);
   ViewSources result;
   result.size = view.size;
   result.source_size = camera->image_size();
   if (is_reverse) std::swap(result.size, result.source_size);
-  result.sources = is_reverse
-                       ? ExactSources(*CameraOfTurnedView(view),
-                                      OutputOfCamera(*camera), num_threads)
-                       : ExactSources(*camera, OutputOfView(view), num_threads);
+  result.sources =
+      is_reverse ? ExactSources(*MakeRotatedViewCamera(view),
+                                MakeCameraOutput(*camera), num_threads)
+                 : ExactSources(*camera, MakeViewOutput(view), num_threads);
   LeaveOutUnlit(*camera, is_reverse, &result);
   return result;
 }

@@ -26,8 +26,8 @@ std::unique_ptr<CameraModel> CentralCamera(const CameraModel& camera);
 /// Computes the sources of a view's pixels; if is_reverse, of the camera's
 /// pixels in the view. Non-central cameras are evaluated at infinity. Throws
 /// like CentralCamera().
-ViewSources SourcesOfView(const CameraModel& camera, const VirtualView& view,
-                          bool is_reverse, int num_threads);
+ViewSources MakeViewSources(const CameraModel& camera, const VirtualView& view,
+                            bool is_reverse, int num_threads);
 
 }  // namespace raygrid
 

@@ -25,7 +25,7 @@ struct PyCamera {
 struct PyDetection {
   ImageSize size;
   ImageFeatures features;
-  std::vector<std::string> remarks;
+  std::vector<std::string> warnings;
 };
 
 /// The Calibration of Python.
@@ -54,7 +54,7 @@ Dataset DatasetOf(const GivenCamera& given);
 
 /// The text of camera.yaml. What was not calibrated keeps all digits, so that a
 /// lens comes out of the file as it is.
-std::string TextOf(const PyCamera& camera);
+std::string ToText(const PyCamera& camera);
 
 /// A path as Python has it: str, bytes or os.PathLike.
 std::string PathOf(const py::object& path);

@@ -38,7 +38,7 @@ std::vector<RejectedImage> Listed(const std::vector<SkippedImage>& images) {
 
 // Images that show the same as others leave: a copy would be predicted by a
 // camera that was calibrated with it.
-void LeaveOutCopies(MeasuredCamera* camera) {
+void ExcludeCopies(MeasuredCamera* camera) {
   Dataset& dataset = camera->dataset;
   const auto repeated = RepeatedImages(dataset);
   for (size_t i = repeated.size(); i-- > 0;) {
@@ -89,7 +89,7 @@ void RequireUsable(const GivenCamera& given, const MeasuredCamera& camera,
     throw Error(ExitCode::kTooFew,
                 fmt::format("{}: no target found in any of {} images; {}",
                             source, camera.dataset.images.size(),
-                            SoughtBoards(pattern, pattern_name)));
+                            DescribeExpectedBoards(pattern, pattern_name)));
 }
 
 MeasuredCamera Measure(const GivenCamera& given, const Pattern& pattern,
@@ -100,7 +100,7 @@ MeasuredCamera Measure(const GivenCamera& given, const Pattern& pattern,
       given.images.empty()
           ? MeasuredCamera{DatasetOf(given), {}, {}, {}}
           : MeasureImages(given, pattern, pattern_name, num_threads, progress);
-  LeaveOutCopies(&camera);
+  ExcludeCopies(&camera);
   RequireUsable(given, camera, pattern, pattern_name);
   camera.circle = wishes.circle;
   if (wishes.finds_circle && !camera.paths.empty())
@@ -110,16 +110,16 @@ MeasuredCamera Measure(const GivenCamera& given, const Pattern& pattern,
 }
 
 // A way to measure images again; empty for features alone.
-MeasureAgain AgainIn(const MeasuredCamera& camera, const Wishes& wishes,
-                     const Task* task) {
+RefineFeaturesCallback AgainIn(const MeasuredCamera& camera,
+                               const Wishes& wishes, const Task* task) {
   if (camera.paths.empty() || wishes.measures_once) return nullptr;
   return [&camera, task, num_threads = wishes.options.num_threads](
              const CameraModel& model, const Pattern& found_pattern,
              const std::vector<BoardPose>& poses) {
     try {
-      return RefineThroughCamera(camera.paths, camera.dataset,
-                                 {&model, &found_pattern, poses}, {},
-                                 num_threads, [task](double) { task->GoOn(); });
+      return RefineFeaturesWithCamera(
+          camera.paths, camera.dataset, {&model, &found_pattern, poses}, {},
+          num_threads, [task](double) { task->GoOn(); });
     } catch (const Interruption&) {
       return camera.dataset;
     }
@@ -150,7 +150,7 @@ RigResult RunCalibration(const std::vector<GivenCamera>& given,
     CalibrationInput& input = inputs.emplace_back();
     input.name = given.size() > 1 ? given[c].name : wishes.name;
     input.dataset = cameras[c].dataset;
-    input.measure_again = AgainIn(cameras[c], wishes, task);
+    input.refine_features = AgainIn(cameras[c], wishes, task);
     input.image_circle = cameras[c].circle;
   }
   wishes.options.should_stop = [task] { return task->ShouldStop(); };
@@ -220,7 +220,7 @@ PyCalibration CalibrateGiven(
     const std::vector<std::string>& hold_out,
     std::optional<double> duplicate_px, std::optional<double> valid_px,
     const py::object& image_circle, const std::string& name,
-    const std::string& serial, bool any_distance, int threads,
+    const std::string& serial, bool allow_large_distance, int threads,
     const py::object& progress, const py::kwargs& given) {
   FormerNames former(given);
   former.Take("cell_px", &knot_spacing_px);
@@ -238,7 +238,7 @@ PyCalibration CalibrateGiven(
   TakeCircle(image_circle, &wishes);
   CalibrationOptions& options = wishes.options;
   options.model = model;
-  options.cell_px = knot_spacing_px.value_or(0);
+  options.knot_spacing_px = knot_spacing_px.value_or(0);
   if (knot_spacing_px && !(*knot_spacing_px >= 2 && *knot_spacing_px <= 1e5))
     throw py::value_error("knot_spacing_px: expected None, or 2 to 1e5 pixels");
   if (area != "image" && area != "features")
@@ -246,12 +246,12 @@ PyCalibration CalibrateGiven(
                           "'");
   options.area =
       area == "features" ? AreaChoice::kFeatures : AreaChoice::kWholeImage;
-  options.flat_board = fix_target_geometry;
+  options.fix_target_geometry = fix_target_geometry;
   options.rigid_board = rigid_target;
-  options.boards_move = independent_boards;
+  options.independent_boards = independent_boards;
   options.compare_models = compare_models;
   options.hold_out = hold_out;
-  options.same_view_px = duplicate_px;
+  options.duplicate_px = duplicate_px;
   if (duplicate_px && !(*duplicate_px >= 0 && *duplicate_px <= 1e5))
     throw py::value_error(
         "duplicate_px: expected None or a number of pixels (0: keep all "
@@ -259,7 +259,7 @@ PyCalibration CalibrateGiven(
   options.valid_px = valid_px;
   if (valid_px && !(*valid_px >= 1e-3 && *valid_px <= 1e3))
     throw py::value_error("valid_px: expected None, or 0.001 to 1000 pixels");
-  options.any_distance = any_distance;
+  options.allow_large_distance = allow_large_distance;
   options.num_threads = threads;
   RequireBlobText("name", name);
   RequireBlobText("serial", serial);

@@ -9,7 +9,7 @@
 #include "camera/camera_frame.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
-#include "dataset/held_stack.h"
+#include "dataset/fixed_operating_point.h"
 #include "evaluation/uncertainty_summary.h"
 #include "exchange/format.h"
 #include "exchange/table_format.h"
@@ -34,27 +34,28 @@ const CameraUncertainty& UncertaintyOf(const PyCamera& self) {
 DoubleArray UncertaintyAt(const PyCamera& self, const py::object& given) {
   const GivenVectors pixels = TakeVectors(given, 2, "pixels");
   const CameraModel& camera = *self.file.camera;
-  const DeviationLattice& lattice = UncertaintyOf(self).lattice;
+  const UncertaintyLattice& lattice = UncertaintyOf(self).lattice;
   DoubleArray deviations = pixels.Like({});
   double* const deviation = deviations.mutable_data();
   for (size_t k = 0; k < pixels.count; ++k) {
     const Eigen::Vector2d pixel(pixels[k][0], pixels[k][1]);
-    deviation[k] = camera.area().Contains(pixel) && camera.IsLit(pixel)
-                       ? lattice.At(camera.area(), pixel)
-                       : NAN;
+    deviation[k] =
+        camera.area().Contains(pixel) && camera.IsInImageCircle(pixel)
+            ? lattice.At(camera.area(), pixel)
+            : NAN;
   }
   return deviations;
 }
 
 py::array_t<bool> IsTrusted(const PyCamera& self, const py::object& given) {
   const GivenVectors pixels = TakeVectors(given, 2, "pixels");
-  const TrustMask& mask = UncertaintyOf(self).mask;
+  const ValidityMask& mask = UncertaintyOf(self).mask;
   const CameraModel& camera = *self.file.camera;
   py::array_t<bool> trusted(pixels.axes);
   bool* const is_trusted = trusted.mutable_data();
   for (size_t k = 0; k < pixels.count; ++k) {
     const Eigen::Vector2d pixel(pixels[k][0], pixels[k][1]);
-    is_trusted[k] = camera.area().Contains(pixel) && mask.Trusts(pixel);
+    is_trusted[k] = camera.area().Contains(pixel) && mask.IsValidAt(pixel);
   }
   return trusted;
 }
@@ -62,16 +63,16 @@ py::array_t<bool> IsTrusted(const PyCamera& self, const py::object& given) {
 py::dict UncertaintyFigures(const PyCamera& self) {
   const CameraUncertainty& known = UncertaintyOf(self);
   const CameraModel& camera = *self.file.camera;
-  py::dict figures;
-  figures["median_px"] = known.lattice.MedianPx();
-  figures["valid_limit_px"] = known.max_deviation_px;
+  py::dict metrics;
+  metrics["median_px"] = known.lattice.MedianPx();
+  metrics["valid_limit_px"] = known.max_deviation_px;
   const UncertaintySummary summary = SummarizeUncertainty(camera, known);
-  figures["valid_share"] = summary.valid_share;
+  metrics["valid_share"] = summary.valid_share;
   py::dict shares;
   for (size_t k = 0; k < kShareLimitsPx.size(); ++k)
     shares[py::float_(kShareLimitsPx[k])] = summary.share_below[k];
-  figures["share_below_px"] = shares;
-  return figures;
+  metrics["share_below_px"] = shares;
+  return metrics;
 }
 
 // ---- Files -----------------------------------------------------------------
@@ -87,9 +88,9 @@ CameraFile ParseForeign(const std::string& path, const std::string& text,
     throw InputError(fmt::format(
         "{}: has {} cameras; load them with raygrid.importers.load()", path,
         contents.cameras.size()));
-  for (const std::string& remark : contents.remarks)
-    Warn(fmt::format("{}: {}", path, remark));
-  return CameraFileOf(contents.cameras.front());
+  for (const std::string& warning : contents.warnings)
+    Warn(fmt::format("{}: {}", path, warning));
+  return MakeCameraFile(contents.cameras.front());
 }
 
 PyCamera Load(const py::object& file) {
@@ -99,43 +100,45 @@ PyCamera Load(const py::object& file) {
     throw InputError(path +
                      ": is a blob; use raygrid.Blob, the fixed-point runtime");
   if (const TableFormat* table = RecognizeTable(bytes))
-    throw InputError(fmt::format("{}: {}", path, table->WhyNoCamera()));
+    throw InputError(
+        fmt::format("{}: {}", path, table->ExplainMissingCamera()));
   const Format* format = RecognizeCamera(path, bytes);
   return {format ? ParseForeign(path, bytes, *format)
                  : ParseCameraFile(path, bytes)};
 }
 
-std::vector<ConditionRange> RangesOf(const PyCamera& self) {
+std::vector<OperatingRange> RangesOf(const PyCamera& self) {
   if (!self.file.stack) return {};
   return self.file.stack->cameras.ranges();
 }
 
-py::tuple AsTuple(const ConditionRange& range) {
-  return py::make_tuple(ConditionName(range.condition), range.low, range.high);
+py::tuple AsTuple(const OperatingRange& range) {
+  return py::make_tuple(OperatingParameterName(range.condition), range.low,
+                        range.high);
 }
 
 py::object OnlyRange(const PyCamera& self) {
-  const std::vector<ConditionRange> ranges = RangesOf(self);
+  const std::vector<OperatingRange> ranges = RangesOf(self);
   if (ranges.size() != 1) return py::none();
   return AsTuple(ranges[0]);
 }
 
 py::list AllRanges(const PyCamera& self) {
   py::list all;
-  for (const ConditionRange& range : RangesOf(self)) all.append(AsTuple(range));
+  for (const OperatingRange& range : RangesOf(self)) all.append(AsTuple(range));
   return all;
 }
 
 // The values of the ranges, of which those without a name are of the only one.
-HeldConditions ValuesOfRanges(const std::vector<ConditionRange>& ranges,
-                              std::optional<double> value,
-                              std::optional<double> lens_position,
-                              std::optional<double> temperature) {
-  HeldConditions held;
-  for (const ConditionRange& range : ranges) {
+FixedOperatingPoint ValuesOfRanges(const std::vector<OperatingRange>& ranges,
+                                   std::optional<double> value,
+                                   std::optional<double> lens_position,
+                                   std::optional<double> temperature) {
+  FixedOperatingPoint held;
+  for (const OperatingRange& range : ranges) {
     std::optional<double>& named =
-        range.condition == CameraCondition::kLensPosition ? lens_position
-                                                          : temperature;
+        range.condition == OperatingParameter::kLensPosition ? lens_position
+                                                             : temperature;
     held.push_back(std::exchange(named, std::nullopt));
   }
   if (lens_position || temperature)
@@ -154,22 +157,22 @@ HeldConditions ValuesOfRanges(const std::vector<ConditionRange>& ranges,
 PyCamera CameraAt(const PyCamera& self, std::optional<double> value,
                   std::optional<double> lens_position,
                   std::optional<double> temperature) {
-  const std::vector<ConditionRange> ranges = RangesOf(self);
+  const std::vector<OperatingRange> ranges = RangesOf(self);
   if (ranges.empty())
     throw py::value_error(
         "the camera was not calibrated over focus or temperature");
-  const HeldConditions held =
+  const FixedOperatingPoint held =
       ValuesOfRanges(ranges, value, lens_position, temperature);
   for (size_t r = 0; r < ranges.size(); ++r)
     if (held[r] && !ranges[r].Contains(*held[r]))
       throw py::value_error(
           fmt::format("{:g} is outside the calibrated range, {}", *held[r],
                       ranges[r].Text()));
-  return {FileAt(self.file, held)};
+  return {MakeCameraFileAt(self.file, held)};
 }
 
 void Save(const PyCamera& self, const py::object& path) {
-  WriteFile(PathOf(path), TextOf(self));
+  WriteFile(PathOf(path), ToText(self));
 }
 
 // ---- Views -----------------------------------------------------------------
@@ -201,7 +204,7 @@ void RequireNumber(const std::optional<double>& number, const char* name) {
 // In the frame that views are made in.
 std::shared_ptr<const CameraModel> Upright(const PyCamera& self) {
   std::shared_ptr<const CameraModel> camera = self.file.camera;
-  TurnIntoCameraFrame(&camera);
+  AlignToCameraFrame(&camera);
   return camera;
 }
 
@@ -237,7 +240,7 @@ VirtualView ViewOf(const PyCamera& self,
   const bool is_told = size || hfov || vfov || focal || alpha ||
                        request.center_px || request.rotate_deg || projection;
   const py::gil_scoped_release released;
-  RequireSensible(request);
+  RequireValidView(request);
   const auto camera = Upright(self);
   return is_told ? MakeView(*camera, request) : MakeViewOfArea(*camera);
 }
@@ -255,8 +258,8 @@ py::tuple Maps(const PyCamera& self, const std::optional<VirtualView>& given,
   {
     const py::gil_scoped_release released;
     const auto camera = Upright(self);
-    found = SourcesOfView(*camera, given ? *given : MakeViewOfArea(*camera),
-                          is_reverse, num_threads);
+    found = MakeViewSources(*camera, given ? *given : MakeViewOfArea(*camera),
+                            is_reverse, num_threads);
   }
   py::array_t<float> x({found.size.height, found.size.width});
   py::array_t<float> y({found.size.height, found.size.width});
@@ -276,7 +279,7 @@ py::bytes Pack(const PyCamera& self, const std::vector<VirtualView>& views,
   RunInBackground(py::none(), [&](Task* task) {
     CameraFile file = self.file;
     // Its other cameras would have to turn, too.
-    if (TurnIntoCameraFrame(&file.camera)) file.stack.reset();
+    if (AlignToCameraFrame(&file.camera)) file.stack.reset();
     PackOptions options;
     for (const VirtualView& view : views) options.remaps.emplace_back(view);
     options.has_default_remap = views.empty();
@@ -285,7 +288,7 @@ py::bytes Pack(const PyCamera& self, const std::vector<VirtualView>& views,
     options.should_stop = [task] { return task->ShouldStop(); };
     packed = PackCamera(file, options);
   });
-  for (const std::string& remark : packed.remarks) Warn(remark);
+  for (const std::string& warning : packed.warnings) Warn(warning);
   return packed.blob;
 }
 
@@ -345,7 +348,7 @@ void BindView(py::module_* module) {
           "camera",
           [](const VirtualView& view) {
             CameraFile file;
-            file.camera = CameraOfView(view);
+            file.camera = MakeViewCamera(view);
             if (view.IsTurned())
               file.camera_from_view =
                   Pose{Eigen::Quaterniond(view.camera_from_view), {0, 0, 0}};
@@ -431,7 +434,7 @@ void BindCamera(py::module_* module) {
           "serial", [](const PyCamera& c) { return c.file.serial; },
           "Serial number of the camera; may be empty.")
       .def_property_readonly(
-          "verdict", [](const PyCamera& c) { return c.file.verdict; },
+          "verdict", [](const PyCamera& c) { return c.file.assessment; },
           "Status of the calibration, 'pass', 'warn' or 'fail'; empty if "
           "unknown.")
       .def_property_readonly(

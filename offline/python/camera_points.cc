@@ -57,16 +57,17 @@ void ProjectPoint(const CameraModel& camera, bool is_central,
       Moderate(Eigen::Map<const Eigen::Vector3d>(given), is_central, &shift);
   if (!by_point) {
     const auto found = camera.Project(point);
-    Put<2>(found && camera.IsLit(*found) ? *found : Eigen::Vector2d(NAN, NAN),
+    Put<2>(found && camera.IsInImageCircle(*found) ? *found
+                                                   : Eigen::Vector2d(NAN, NAN),
            pixel);
     return;
   }
   Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> derivative(by_point);
   LinearizedProjection found;
   if (camera.Linearize(point, nullptr, 0, &found) &&
-      camera.IsLit(found.pixel)) {
+      camera.IsInImageCircle(found.pixel)) {
     Put<2>(found.pixel, pixel);
-    derivative = found.by_point * std::ldexp(1, shift);
+    derivative = found.J_point * std::ldexp(1, shift);
   } else {
     Put<2>({NAN, NAN}, pixel);
     derivative.setConstant(NAN);
@@ -93,7 +94,7 @@ Eigen::Matrix2d ByMovement(const CameraModel& camera,
   if (!camera.Linearize(line.origin + distance * line.direction, &pixel,
                         kRoundingPx, &found))
     return Eigen::Matrix2d::Constant(NAN);
-  return found.by_point * across;
+  return found.J_point * across;
 }
 
 // d direction / d pixel. A pixel sees all points of its line, however the pixel
@@ -115,7 +116,7 @@ void UnprojectPixel(const CameraModel& camera, const double* given,
                     double* direction) {
   const Eigen::Vector2d pixel(given[0], given[1]);
   const std::optional<Eigen::Vector3d> found = camera.Unproject(pixel);
-  if (found && camera.IsLit(pixel))
+  if (found && camera.IsInImageCircle(pixel))
     Put<3>(*found, direction);
   else
     Put<3>({NAN, NAN, NAN}, direction);
@@ -188,7 +189,8 @@ py::tuple Rays(const PyCamera& self, const py::object& given, int num_threads) {
   ForParts(pixels.count, num_threads, [&](size_t first, size_t end) {
     for (size_t k = first; k < end; ++k) {
       const Eigen::Vector2d pixel(pixels[k][0], pixels[k][1]);
-      const auto line = camera.IsLit(pixel) ? camera.Line(pixel) : std::nullopt;
+      const auto line =
+          camera.IsInImageCircle(pixel) ? camera.Line(pixel) : std::nullopt;
       Put<3>(line ? line->origin : none, origin + 3 * k);
       Put<3>(line ? line->direction.normalized() : none, direction + 3 * k);
     }

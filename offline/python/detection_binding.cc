@@ -165,10 +165,10 @@ PyDetection Detect(const py::object& image, const py::object& pattern,
   const GreyImage grey = MakeGreyImage(
       bytes.empty() ? ReadGreyLevels(path) : DecodeGreyLevels(path, bytes));
   detection.size = grey.size;
-  if (!CanShowBoard(grey.size)) return detection;
+  if (!IsLargeEnough(grey.size)) return detection;
   ImageDetection found = detector.Detect(grey);
   detection.features.features = std::move(found.features);
-  detection.remarks = std::move(found.remarks);
+  detection.warnings = std::move(found.warnings);
   return detection;
 }
 
@@ -316,7 +316,7 @@ Raises:
           [](const PyDetection& d) { return IntegersOf(d, &Feature::board); },
           "Ids of the boards (N,), int32; read-only.")
       .def_property_readonly(
-          "remarks", [](const PyDetection& d) { return d.remarks; },
+          "remarks", [](const PyDetection& d) { return d.warnings; },
           "Remarks on the image, such as a mirrored target or other tags.")
       .def("__len__",
            [](const PyDetection& d) { return d.features.features.size(); })

@@ -24,7 +24,7 @@ py::tuple ToPython(const NamedCamera& camera) {
       pose ? py::object(ReadOnly(MatrixOfPose(*pose))) : py::none());
 }
 
-Pose PoseOfMatrix(const py::object& given, const std::string& name) {
+Pose PoseFromMatrix(const py::object& given, const std::string& name) {
   const GivenVectors rows = TakeVectors(given, 4, name);
   if (rows.count != 4)
     throw py::value_error(name + ": expected a matrix of the shape (4, 4)");
@@ -49,7 +49,7 @@ ExchangeContents ReadOne(const std::string& path, const Format* format,
   ReadRequest request = {path, ReadFile(path), model, size};
   const Format* const found = format ? format : RecognizeFormat(request.text);
   if (found) RequireCameraFormat(*found, path);
-  if (found) request.beside = ReadBeside(*found, path);
+  if (found) request.beside = ReadCompanionFiles(*found, path);
   ExchangeContents contents = ReadExchangeFile(format, request);
   if (!contents.second_from_first) RequireCameras(contents, path);
   return contents;
@@ -70,19 +70,19 @@ ExchangeContents ReadAll(const std::vector<std::string>& paths,
       all.second_from_first = contents.second_from_first;
       of_pose = path;
     }
-    for (const std::string& remark : contents.remarks)
-      all.remarks.push_back(path + ": " + remark);
+    for (const std::string& warning : contents.warnings)
+      all.warnings.push_back(path + ": " + warning);
     for (ReadLens& camera : contents.cameras) {
       stems.push_back(fs::path(path).stem().string());
       names.insert(camera.name);
       all.cameras.push_back(std::move(camera));
     }
   }
-  TakePoseOfPair(all.second_from_first, of_pose, &all.cameras);
+  AssignPairPose(all.second_from_first, of_pose, &all.cameras);
   if (paths.size() == 1) return all;
   if (names.size() < all.cameras.size() || names.count("") > 0)
     for (size_t c = 0; c < stems.size(); ++c) all.cameras[c].name = stems[c];
-  if (!all.IsRig()) FindPosesOfPair(&all.cameras);
+  if (!all.IsRig()) ComputePairPoses(&all.cameras);
   return all;
 }
 
@@ -100,11 +100,11 @@ py::list Import(const std::vector<py::object>& files, const std::string& format,
   std::optional<ImageSize> image_size;
   if (size) image_size = ImageSize{size->first, size->second};
   const ExchangeContents contents = ReadAll(paths, known, model, image_size);
-  for (const std::string& remark : contents.remarks) Warn(remark);
+  for (const std::string& warning : contents.warnings) Warn(warning);
   const bool is_rig = contents.IsRig();
   py::list cameras;
   for (const ReadLens& camera : contents.cameras)
-    cameras.append(ToPython({camera.name, PyCamera{CameraFileOf(camera)},
+    cameras.append(ToPython({camera.name, PyCamera{MakeCameraFile(camera)},
                              is_rig ? camera.camera_from_rig : std::nullopt}));
   return cameras;
 }
@@ -116,16 +116,17 @@ WrittenLens ChooseFor(const PyCamera& camera, const std::string& name,
                       const std::optional<Pose>& pose,
                       const std::optional<double>& max_fit_error_px) {
   const auto& uncertainty = camera.file.uncertainty;
-  const TrustMask* mask = uncertainty ? &uncertainty->mask : nullptr;
-  ChosenLens chosen = ChooseLens(forms, *camera.file.camera,
-                                 mask && mask->TrustsAny() ? mask : nullptr);
+  const ValidityMask* mask = uncertainty ? &uncertainty->mask : nullptr;
+  SelectedLens chosen =
+      SelectLens(forms, *camera.file.camera,
+                 mask && mask->HasValidCells() ? mask : nullptr);
   if (max_fit_error_px && chosen.fit &&
       (chosen.fit->num_beyond > 0 || chosen.fit->max_px > *max_fit_error_px))
     throw Error(
         ExitCode::kQuality,
         fmt::format("the fit error of {} exceeds max_fit_error {:g}: {}",
                     chosen.lens.form->name, *max_fit_error_px,
-                    LensFitText(*chosen.fit)));
+                    FormatLensFit(*chosen.fit)));
   WrittenLens lens;
   lens.name = name;
   lens.serial = camera.file.serial;
@@ -139,17 +140,17 @@ WrittenLens ChooseFor(const PyCamera& camera, const std::string& name,
   return lens;
 }
 
-py::object FiguresOfFit(const WrittenLens& lens) {
-  py::dict figures;
-  figures["model"] = lens.lens.form->name;
-  figures["exact"] = !lens.fit.has_value();
+py::object ComputeFitMetrics(const WrittenLens& lens) {
+  py::dict metrics;
+  metrics["model"] = lens.lens.form->name;
+  metrics["exact"] = !lens.fit.has_value();
   if (lens.fit) {
-    figures["rms_px"] = lens.fit->rms_px;
-    figures["max_px"] = lens.fit->max_px;
-    figures["lens_from_camera"] =
+    metrics["rms_px"] = lens.fit->rms_px;
+    metrics["max_px"] = lens.fit->max_px;
+    metrics["lens_from_camera"] =
         ReadOnly(lens.fit->lens_from_camera.toRotationMatrix());
   }
-  return std::move(figures);
+  return std::move(metrics);
 }
 
 // Cameras are (name, camera, camera_from_rig or None).
@@ -160,7 +161,7 @@ py::list Export(const std::vector<py::tuple>& cameras, const py::object& file,
   if (!format.write)
     throw Error(ExitCode::kUsage,
                 fmt::format("format {}: import only", format.name));
-  if (cameras.size() > 1 && !format.holds_rigs)
+  if (cameras.size() > 1 && !format.supports_rigs)
     throw Error(ExitCode::kUsage,
                 fmt::format("format {}: supports one camera per file; save the "
                             "cameras of a rig separately",
@@ -168,20 +169,21 @@ py::list Export(const std::vector<py::tuple>& cameras, const py::object& file,
   const std::vector<const LensForm*> forms = format.FindForms(model);
   WriteRequest request;
   request.path = PathOf(file);
-  py::list figures;
+  py::list metrics;
   for (const py::tuple& camera : cameras) {
     std::optional<Pose> pose;
-    if (!camera[2].is_none()) pose = PoseOfMatrix(camera[2], "camera_from_rig");
+    if (!camera[2].is_none())
+      pose = PoseFromMatrix(camera[2], "camera_from_rig");
     request.cameras.push_back(ChooseFor(camera[1].cast<const PyCamera&>(),
                                         camera[0].cast<std::string>(), forms,
                                         pose, max_fit_error));
-    figures.append(FiguresOfFit(request.cameras.back()));
+    metrics.append(ComputeFitMetrics(request.cameras.back()));
   }
   OutputFiles files;
-  for (const auto& [path, text] : WriteWithBeside(format, request))
+  for (const auto& [path, text] : WriteWithCompanions(format, request))
     files.Add(path, text);
   files.Commit();
-  return figures;
+  return metrics;
 }
 
 py::list ListFormats() {
@@ -189,9 +191,9 @@ py::list ListFormats() {
   for (const Format& format : Formats()) {
     py::list models;
     for (const LensForm& form : format.forms) models.append(form.name);
-    formats.append(py::make_tuple(format.name, format.holds, models,
-                                  format.read != nullptr,
-                                  format.write != nullptr, format.holds_rigs));
+    formats.append(py::make_tuple(
+        format.name, format.holds, models, format.read != nullptr,
+        format.write != nullptr, format.supports_rigs));
   }
   return formats;
 }
@@ -221,9 +223,9 @@ void WriteRig(const py::object& file, const std::vector<py::tuple>& cameras) {
       throw py::value_error(fmt::format(
           "camera name '{}': use only letters, digits, '-' and '_'", name));
     rig.push_back({name, name + "/camera.yaml",
-                   PoseOfMatrix(camera[2], "camera_from_rig")});
+                   PoseFromMatrix(camera[2], "camera_from_rig")});
     files.Add((folder / rig.back().file).string(),
-              TextOf(camera[1].cast<const PyCamera&>()));
+              ToText(camera[1].cast<const PyCamera&>()));
   }
   files.Add(path, FormatRigFile(rig));
   files.Commit();

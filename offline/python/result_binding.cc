@@ -66,30 +66,30 @@ py::dict CameraFromRig(const PyCalibration& self) {
 
 // ---- The result's folder ---------------------------------------------------
 
-PackingFigures FiguresOf(const PackedCamera& packed) {
-  PackingFigures figures;
-  figures.blob_bytes = packed.blob.size();
-  figures.unproject_error_px = packed.unproject_error_px;
-  figures.remarks = packed.remarks;
-  if (packed.remaps.empty()) return figures;
+PackingMetrics ComputeMetrics(const PackedCamera& packed) {
+  PackingMetrics metrics;
+  metrics.blob_bytes = packed.blob.size();
+  metrics.unproject_error_px = packed.unproject_error_px;
+  metrics.warnings = packed.warnings;
+  if (packed.remaps.empty()) return metrics;
   const VirtualView& view = packed.remaps[0].view;
-  figures.remap_error_px = packed.remaps[0].error_px;
-  figures.view = {view.size, view.focal_px, view.center_px};
-  return figures;
+  metrics.remap_error_px = packed.remaps[0].error_px;
+  metrics.view = {view.size, view.focal_px, view.center_px};
+  return metrics;
 }
 
 ResultExtras PackResult(const PyCalibration& self, const Task* task) {
   ResultExtras extras;
   for (const CalibrationResult& camera : self.result.cameras) {
     CameraExtras& own = extras.cameras.emplace_back();
-    const PackedCamera packed = PackWhatCanBe(
+    const PackedCamera packed = PackSupportedParts(
         camera.camera, self.num_threads, [task] { return task->ShouldStop(); });
     task->GoOn();
-    own.packing = FiguresOf(packed);
+    own.packing = ComputeMetrics(packed);
     own.blob = packed.blob;
     if (packed.remaps.empty()) continue;
     CameraFile view;
-    view.camera = CameraOfView(packed.remaps[0].view);
+    view.camera = MakeViewCamera(packed.remaps[0].view);
     view.name = camera.camera.name;
     own.view = FormatCameraFile(view);
   }
@@ -140,11 +140,11 @@ is the only camera. An unknown name raises KeyError.)")
           "the first camera, to camera axes.")
       .def_property_readonly(
           "verdict",
-          [](const PyCalibration& c) { return c.result.verdict.word; },
+          [](const PyCalibration& c) { return c.result.assessment.word; },
           "Status, 'pass', 'warn' or 'fail'.")
       .def_property_readonly(
           "reasons",
-          [](const PyCalibration& c) { return c.result.verdict.reasons; },
+          [](const PyCalibration& c) { return c.result.assessment.reasons; },
           "List of the reasons for the status, one line each.")
       .def_property_readonly(
           "result_json",
@@ -195,7 +195,7 @@ Raises:
     Error: the folder cannot be written.)")
       .def("__repr__", [](const PyCalibration& c) {
         return fmt::format("<raygrid.Calibration {}, {} camera{}>",
-                           c.result.verdict.word, c.result.cameras.size(),
+                           c.result.assessment.word, c.result.cameras.size(),
                            c.result.cameras.size() == 1 ? "" : "s");
       });
 }

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "evaluation/budget_verdict.h"
+#include "evaluation/budget_assessment.h"
 
 namespace raygrid {
 namespace {
@@ -10,44 +10,44 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 OrderedJson ShareJson(ErrorCause cause, const CauseShare& share) {
-  OrderedJson json = {{"cause", NameOf(cause)}};
-  if (!share.can_be_told) {
-    json["not_observable"] = share.untold;
+  OrderedJson json = {{"cause", ToString(cause)}};
+  if (!share.is_observable) {
+    json["not_observable"] = share.unobservable_reason;
     return json;
   }
   json["share"] = share.in_turn;
   json["share_alone"] = share.alone;
   json["chance_mean"] = share.chance_mean;
   json["chance_upper_bound"] = share.chance_high;
-  json["indistinguishable"] = share.is_alike;
+  json["indistinguishable"] = share.is_indistinguishable;
   return json;
 }
 
 CauseShare ParseShare(const OrderedJson& json) {
   CauseShare share;
-  share.can_be_told = !json.contains("not_observable");
-  if (!share.can_be_told) {
-    share.untold = json.at("not_observable").get<std::string>();
+  share.is_observable = !json.contains("not_observable");
+  if (!share.is_observable) {
+    share.unobservable_reason = json.at("not_observable").get<std::string>();
     return share;
   }
   share.in_turn = json.at("share").get<double>();
   share.alone = json.at("share_alone").get<double>();
   share.chance_mean = json.at("chance_mean").get<double>();
   share.chance_high = json.at("chance_upper_bound").get<double>();
-  share.is_alike = json.at("indistinguishable").get<bool>();
+  share.is_indistinguishable = json.at("indistinguishable").get<bool>();
   return share;
 }
 
 OrderedJson FactsJson(const BudgetFacts& facts) {
   OrderedJson json = {{"model", facts.model},
-                      {"knot_spacing_px", facts.cell_px},
-                      {"knot_spacing_selected", facts.cells_chosen},
+                      {"knot_spacing_px", facts.knot_spacing_px},
+                      {"knot_spacing_selected", facts.knot_spacing_selected},
                       {"finer_spacing_tested", facts.tried_finer},
                       {"target_geometry_estimated", facts.points_free},
                       {"per_view_deformation_tested", facts.bends_tried},
                       {"central_generic_tested", facts.generic_tried},
                       {"noncentral_generic_tested", facts.noncentral_tried},
-                      {"two_cameras_suspected", facts.two_cameras}};
+                      {"two_cameras_suspected", facts.mixed_cameras}};
   if (!facts.better_model.empty()) json["better_model"] = facts.better_model;
   return json;
 }
@@ -68,13 +68,15 @@ BudgetFacts ParseFacts(const OrderedJson& json) {
 }  // namespace
 
 OrderedJson BudgetJson(const ResidualBudget& budget) {
-  const BudgetVerdict verdict = JudgeBudget(budget);
-  OrderedJson json = {
-      {"limited_by", verdict.limit},      {"summary", verdict.sentence},
-      {"recommendation", verdict.advice}, {"features", budget.num_features},
-      {"views", budget.num_views},        {"tried", FactsJson(budget.facts)}};
-  if (!budget.untold.empty()) {
-    json["not_observable"] = budget.untold;
+  const BudgetAssessment assessment = AssessBudget(budget);
+  OrderedJson json = {{"limited_by", assessment.limit},
+                      {"summary", assessment.sentence},
+                      {"recommendation", assessment.advice},
+                      {"features", budget.num_features},
+                      {"views", budget.num_views},
+                      {"tried", FactsJson(budget.facts)}};
+  if (!budget.unobservable_reason.empty()) {
+    json["not_observable"] = budget.unobservable_reason;
     return json;
   }
   json["rms_px"] = budget.rms_px;
@@ -85,10 +87,11 @@ OrderedJson BudgetJson(const ResidualBudget& budget) {
     const auto cause = static_cast<ErrorCause>(k);
     json["causes"].push_back(ShareJson(cause, budget.Of(cause)));
   }
-  if (budget.OfViews() > 0)
-    json["column_delay"] = {{"share_alone", budget.column_time},
-                            {"indistinguishable", budget.column_time_is_alike}};
-  json["per_view_share"] = budget.OfViews();
+  if (budget.PerViewShare() > 0)
+    json["column_delay"] = {
+        {"share_alone", budget.column_delay},
+        {"indistinguishable", budget.is_column_delay_indistinguishable}};
+  json["per_view_share"] = budget.PerViewShare();
   json["unexplained_share"] = budget.rest;
   return json;
 }
@@ -99,7 +102,7 @@ ResidualBudget ParseBudget(const OrderedJson& json) {
   budget.num_views = json.at("views").get<int>();
   budget.facts = ParseFacts(json.at("tried"));
   if (json.contains("not_observable")) {
-    budget.untold = json.at("not_observable").get<std::string>();
+    budget.unobservable_reason = json.at("not_observable").get<std::string>();
     return budget;
   }
   budget.rms_px = json.at("rms_px").get<double>();
@@ -110,9 +113,9 @@ ResidualBudget ParseBudget(const OrderedJson& json) {
   for (int k = 0; k < kNumErrorCauses; ++k)
     budget.causes[static_cast<size_t>(k)] = ParseShare(json.at("causes").at(k));
   if (json.contains("column_delay")) {
-    budget.column_time =
+    budget.column_delay =
         json.at("column_delay").at("share_alone").get<double>();
-    budget.column_time_is_alike =
+    budget.is_column_delay_indistinguishable =
         json.at("column_delay").at("indistinguishable").get<bool>();
   }
   budget.rest = json.at("unexplained_share").get<double>();

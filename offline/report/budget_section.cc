@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "evaluation/budget_verdict.h"
+#include "evaluation/budget_assessment.h"
 #include "report/html.h"
 
 namespace raygrid {
@@ -21,11 +21,11 @@ struct BudgetPart {
 
 const char* MeaningOf(ErrorCause cause) {
   switch (cause) {
-    case ErrorCause::kImagePlace:
+    case ErrorCause::kImagePosition:
       return "residuals that depend on the position in the image";
-    case ErrorCause::kBoardPlace:
+    case ErrorCause::kBoardPosition:
       return "residuals that depend on the target point";
-    case ErrorCause::kBend:
+    case ErrorCause::kDeformation:
       return "out-of-plane target deformation per image";
     case ErrorCause::kInPlane:
       return "in-plane target deformation per image (stretch or shear)";
@@ -37,7 +37,7 @@ const char* MeaningOf(ErrorCause cause) {
   }
 }
 
-std::vector<BudgetPart> PartsOf(const ResidualBudget& budget) {
+std::vector<BudgetPart> SplitText(const ResidualBudget& budget) {
   constexpr const char* kColors[kNumErrorCauses] = {
       "#0072b2", "#009e73", "#d55e00", "#f0e442", "#cc79a7", "#e69f00"};
   std::vector<BudgetPart> parts = {
@@ -49,7 +49,7 @@ std::vector<BudgetPart> PartsOf(const ResidualBudget& budget) {
     const auto cause = static_cast<ErrorCause>(k);
     const CauseShare& share = budget.Of(cause);
     parts.push_back(
-        {NameOf(cause), MeaningOf(cause), share.in_turn, &share, kColors[k]});
+        {ToString(cause), MeaningOf(cause), share.in_turn, &share, kColors[k]});
   }
   parts.push_back({"unexplained", "spatially correlated, of unknown cause",
                    budget.rest, nullptr, "#56b4e9"});
@@ -86,9 +86,9 @@ HtmlRow RowOf(const BudgetPart& part) {
                              part.color, part.name),
                  Percent(part.part), "", "", part.meaning};
   if (!part.share) return row;
-  if (!part.share->can_be_told) {
+  if (!part.share->is_observable) {
     row[1] = "&ndash;";
-    row[4] = "not observable: " + EscapeHtml(part.share->untold);
+    row[4] = "not observable: " + EscapeHtml(part.share->unobservable_reason);
     return row;
   }
   row[2] = Percent(part.share->alone);
@@ -99,12 +99,13 @@ HtmlRow RowOf(const BudgetPart& part) {
 }  // namespace
 
 std::string BudgetSection(const ResidualBudget& budget) {
-  const BudgetVerdict verdict = JudgeBudget(budget);
+  const BudgetAssessment assessment = AssessBudget(budget);
   std::string html = fmt::format(
       "<h2>What limits this calibration</h2>\n<p><b>{}.</b> Remedy: {}.</p>\n",
-      EscapeHtml(Capitalized(verdict.sentence)), EscapeHtml(verdict.advice));
-  if (!budget.untold.empty()) return html;
-  const std::vector<BudgetPart> parts = PartsOf(budget);
+      EscapeHtml(Capitalized(assessment.sentence)),
+      EscapeHtml(assessment.advice));
+  if (!budget.unobservable_reason.empty()) return html;
+  const std::vector<BudgetPart> parts = SplitText(budget);
   std::vector<HtmlRow> rows;
   for (const BudgetPart& part : parts) rows.push_back(RowOf(part));
   return html + BarOf(parts) + "<div class=\"causes\">" +

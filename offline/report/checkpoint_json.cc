@@ -106,10 +106,10 @@ std::vector<FeatureResidual> ParseResiduals(const Json& json) {
 
 Json TrialJson(const Trial& trial) {
   return {{"fold", trial.fold},
-          {"cell_px", trial.cells_px.front()},
+          {"cell_px", trial.knot_spacings_px.front()},
           {"rigid_boards", trial.rigid_boards},
-          {"bodies", trial.has_bodies},
-          {"share_of_bends", trial.share_of_bends},
+          {"bodies", trial.has_rigid_targets},
+          {"share_of_bends", trial.deformation_share},
           {"held_out", ResidualsJson(trial.held_out.alone.front())},
           {"flexed", ResidualsJson(trial.held_out.flexed.front())}};
 }
@@ -117,8 +117,8 @@ Json TrialJson(const Trial& trial) {
 Trial ParseTrial(const Json& json) {
   Trial trial = {
       json.at("fold"), {json.at("cell_px")}, json.at("rigid_boards"), {}};
-  trial.has_bodies = json.at("bodies");
-  trial.share_of_bends = json.at("share_of_bends");
+  trial.has_rigid_targets = json.at("bodies");
+  trial.deformation_share = json.at("share_of_bends");
   trial.held_out.alone = {ParseResiduals(json.at("held_out"))};
   trial.held_out.flexed = {ParseResiduals(json.at("flexed"))};
   return trial;
@@ -127,7 +127,7 @@ Trial ParseTrial(const Json& json) {
 Checkpoint Parse(const Json& json) {
   Checkpoint checkpoint;
   if (json.contains("measured_again"))
-    checkpoint.measured_again = ParseFeatures(json.at("measured_again"));
+    checkpoint.refined_features = ParseFeatures(json.at("measured_again"));
   for (const Json& trial : json.at("trials"))
     checkpoint.trials.push_back(ParseTrial(trial));
   return checkpoint;
@@ -135,8 +135,8 @@ Checkpoint Parse(const Json& json) {
 
 Json CheckpointJson(const Checkpoint& checkpoint) {
   Json json = {{"trials", Json::array()}};
-  if (checkpoint.measured_again)
-    json["measured_again"] = FeaturesJson(*checkpoint.measured_again);
+  if (checkpoint.refined_features)
+    json["measured_again"] = FeaturesJson(*checkpoint.refined_features);
   for (const Trial& trial : checkpoint.trials)
     json["trials"].push_back(TrialJson(trial));
   return json;

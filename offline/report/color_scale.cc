@@ -35,7 +35,7 @@ const cv::Mat& TableOf(ColorScale scale) {
 
 }  // namespace
 
-std::array<uint8_t, 3> ColorOf(ColorScale scale, double part) {
+std::array<uint8_t, 3> GetColor(ColorScale scale, double part) {
   const long index = std::clamp(std::lround(255 * part), 0L, 255L);
   const auto color = TableOf(scale).at<cv::Vec3b>(0, static_cast<int>(index));
   return {color[0], color[1], color[2]};
@@ -45,23 +45,24 @@ std::string CssGradient(ColorScale scale) {
   constexpr int kStops = 17;
   std::string css = "linear-gradient(to right";
   for (int k = 0; k < kStops; ++k) {
-    const auto color = ColorOf(scale, double(k) / (kStops - 1));
+    const auto color = GetColor(scale, double(k) / (kStops - 1));
     css += fmt::format(",#{:02x}{:02x}{:02x}", color[2], color[1], color[0]);
   }
   return css + ")";
 }
 
 Image HeatMap(const std::vector<double>& values, int columns, double low,
-              double high, int cell_px, ColorScale scale) {
+              double high, int knot_spacing_px, ColorScale scale) {
   const int rows = static_cast<int>(values.size()) / columns;
   Image image;
-  image.size = {columns * cell_px, rows * cell_px};
+  image.size = {columns * knot_spacing_px, rows * knot_spacing_px};
   image.channels = 3;
   for (int y = 0; y < image.size.height; ++y) {
     for (int x = 0; x < image.size.width; ++x) {
-      const double value = values[y / cell_px * columns + x / cell_px];
+      const double value =
+          values[y / knot_spacing_px * columns + x / knot_spacing_px];
       const auto color = std::isfinite(value)
-                             ? ColorOf(scale, (value - low) / (high - low))
+                             ? GetColor(scale, (value - low) / (high - low))
                              : kNothing;
       image.pixels.insert(image.pixels.end(), color.begin(), color.end());
     }

@@ -18,7 +18,7 @@ enum class ColorScale {
 };
 
 /// Returns blue, green and red for a value from 0 to 1.
-std::array<uint8_t, 3> ColorOf(ColorScale scale, double part);
+std::array<uint8_t, 3> GetColor(ColorScale scale, double part);
 
 /// "linear-gradient(to right,#000004,...)".
 std::string CssGradient(ColorScale scale);
@@ -26,7 +26,8 @@ std::string CssGradient(ColorScale scale);
 /// Draws values row by row, scaled from low to high; NaN is white. Each cell is
 /// a square of cell_px pixels.
 Image HeatMap(const std::vector<double>& values, int columns, double low,
-              double high, int cell_px, ColorScale scale = ColorScale::kEven);
+              double high, int knot_spacing_px,
+              ColorScale scale = ColorScale::kEven);
 
 }  // namespace raygrid
 

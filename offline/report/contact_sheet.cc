@@ -270,7 +270,7 @@ Image ImageOfSurface(cairo_surface_t* surface) {
 
 }  // namespace
 
-SheetColor ColorOfView(size_t view) {
+SheetColor GetViewColor(size_t view) {
   constexpr SheetColor kColors[] = {{0.20, 0.55, 1.00}, {1.00, 0.20, 0.75},
                                     {0.10, 0.80, 0.85}, {0.65, 0.40, 1.00},
                                     {0.80, 0.10, 0.15}, {0.60, 0.45, 0.25}};

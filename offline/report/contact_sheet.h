@@ -19,7 +19,7 @@ constexpr SheetColor kEmptyColor = {0.23, 0.23, 0.23};
 constexpr SheetColor kAreaColor = {1.0, 0.85, 0.1};
 constexpr SheetColor kStraightColor = {1.0, 0.35, 0.0};
 /// The colour of a view by its index; colours repeat cyclically.
-SheetColor ColorOfView(size_t view);
+SheetColor GetViewColor(size_t view);
 
 /// Strokes over a picture, in pixels; (0, 0) is the centre of the first pixel.
 struct SheetCurves {

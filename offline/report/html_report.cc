@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <map>
 
-#include "dataset/held_stack.h"
-#include "evaluation/row_time_text.h"
+#include "dataset/fixed_operating_point.h"
+#include "evaluation/line_delay_text.h"
 #include "report/budget_section.h"
 #include "report/html.h"
+#include "report/operating_point_section.h"
 #include "report/page_data.h"
 #include "report/picture_sections.h"
 #include "report/report_sections.h"
-#include "report/stack_section.h"
 
 namespace raygrid {
 namespace {
@@ -20,15 +20,16 @@ namespace {
 // ---- Errors ----------------------------------------------------------------
 
 std::string ErrorSection(const CalibrationResult& result) {
-  std::vector<HtmlRow> rows = {FiguresRow("training", *result.camera.training)};
+  std::vector<HtmlRow> rows = {
+      FormatMetricsRow("training", *result.camera.training)};
   if (result.camera.held_out)
-    rows.push_back(FiguresRow(result.cross_validated
-                                  ? "held out (cross-validation)"
-                                  : "held out (images not used)",
-                              *result.camera.held_out));
-  if (result.held_out_flexed)
-    rows.push_back(FiguresRow("held out, with per-view deformation",
-                              *result.held_out_flexed));
+    rows.push_back(FormatMetricsRow(result.cross_validated
+                                        ? "held out (cross-validation)"
+                                        : "held out (images not used)",
+                                    *result.camera.held_out));
+  if (result.held_out_deformed)
+    rows.push_back(FormatMetricsRow("held out, with per-view deformation",
+                                    *result.held_out_deformed));
   std::string html = "<h2>Reprojection error</h2>\n" + ErrorTable(rows);
   if (result.camera.held_out)
     html +=
@@ -54,13 +55,16 @@ std::string ComparisonSection(const CalibrationResult& result) {
 }
 
 std::string CandidateSection(const CalibrationResult& result) {
-  if (result.cell_candidates.size() < 2) return "";
+  if (result.knot_spacing_candidates.size() < 2) return "";
   std::vector<HtmlRow> rows;
-  for (const CellCandidate& candidate : result.cell_candidates)
+  for (const KnotSpacingCandidate& candidate : result.knot_spacing_candidates)
     rows.push_back(
-        {fmt::format("{:.1f}{}", candidate.cell_px,
-                     candidate.cell_px == result.cell_px ? " (chosen)" : ""),
-         Px(candidate.median_px), fmt::format("{:.5f}", candidate.loss)});
+        {fmt::format("{:.1f}{}", candidate.knot_spacing_px,
+                     candidate.knot_spacing_px == result.knot_spacing_px
+                         ? " (chosen)"
+                         : ""),
+         FormatPixels(candidate.median_px),
+         fmt::format("{:.5f}", candidate.loss)});
   return "<h2>Knot spacings tried</h2>\n<p>The medium spacing is kept unless "
          "another has a significantly lower loss over the images.</p>\n" +
          HtmlTable({"knot spacing px", "held-out median px",
@@ -75,17 +79,17 @@ void AddUncertaintyRows(const CalibrationResult& result,
   const CameraModel& camera = *result.camera.camera;
   if (const auto& known = result.camera.uncertainty) {
     rows->push_back({"predicted uncertainty",
-                     Px(known->lattice.MedianPx()) + " px (median)"});
-    rows->push_back(
-        {"valid region", fmt::format("{:.0f} % of the image, below {:.2g} px",
-                                     100 * ValidShare(camera, known->mask),
-                                     known->max_deviation_px)});
+                     FormatPixels(known->lattice.MedianPx()) + " px (median)"});
+    rows->push_back({"valid region",
+                     fmt::format("{:.0f} % of the image, below {:.2g} px",
+                                 100 * ComputeValidShare(camera, known->mask),
+                                 known->max_deviation_px)});
     if (result.camera.stack) {
-      const auto everywhere = UncertaintyOverRanges(result.camera);
+      const auto everywhere = ComputeMaxUncertainty(result.camera);
       rows->push_back(
           {"valid over the whole operating range",
            fmt::format("{:.0f} % of the image",
-                       100 * ValidShare(camera, everywhere->mask))});
+                       100 * ComputeValidShare(camera, everywhere->mask))});
     }
     if (result.model_error_px)
       rows->push_back(
@@ -104,10 +108,10 @@ void AddUncertaintyRows(const CalibrationResult& result,
         {"image circle", fmt::format("radius {:.1f} px, centre {:.1f}, {:.1f}",
                                      circle->radii_px.x(), circle->center.x(),
                                      circle->center.y())});
-  if (result.row_time)
+  if (result.line_delay)
     rows->push_back(
-        {"line delay", EscapeHtml(RowTimeText(*result.row_time,
-                                              camera.image_size().height))});
+        {"line delay", EscapeHtml(FormatLineDelay(
+                           *result.line_delay, camera.image_size().height))});
   if (result.fleet_distance)
     rows->push_back(
         {"distance from the fleet", EscapeHtml(result.fleet_distance->Text())});
@@ -118,7 +122,7 @@ void AddUncertaintyRows(const CalibrationResult& result,
                                  1000 * result.line_spread->max_m)});
 }
 
-void AddPackingRows(const PackingFigures& packing, std::vector<HtmlRow>* rows) {
+void AddPackingRows(const PackingMetrics& packing, std::vector<HtmlRow>* rows) {
   if (packing.blob_bytes > 0) {
     rows->push_back({"blob", fmt::format("{} bytes", packing.blob_bytes)});
     rows->push_back({"unprojection error of packing",
@@ -134,14 +138,14 @@ void AddPackingRows(const PackingFigures& packing, std::vector<HtmlRow>* rows) {
                      view->size.width, view->size.height, view->focal_px.x(),
                      view->focal_px.y(), view->center_px.x(),
                      view->center_px.y())});
-  for (const std::string& remark : packing.remarks)
-    rows->push_back({"camera.raygrid", EscapeHtml(remark)});
+  for (const std::string& warning : packing.warnings)
+    rows->push_back({"camera.raygrid", EscapeHtml(warning)});
 }
 
 // The predicted uncertainty in one sentence, and as shares of the image.
 std::string UncertaintySection(const CalibrationResult& result) {
   const auto& uncertainty = result.camera.uncertainty;
-  if (!uncertainty || !uncertainty->TellsDeviations()) return "";
+  if (!uncertainty || !uncertainty->HasDeviations()) return "";
   const CameraModel& camera = *result.camera.camera;
   const UncertaintySummary summary = SummarizeUncertainty(camera, *uncertainty);
   HtmlRow head = {"predicted uncertainty (1 &sigma;) below"}, row = {"share"};
@@ -150,20 +154,20 @@ std::string UncertaintySection(const CalibrationResult& result) {
     row.push_back(fmt::format("{:.0f} %", 100 * summary.share_below[k]));
   }
   return "<h2>How certain the camera is</h2>\n<p>" +
-         UncertaintySentence(summary, *uncertainty, camera) + "</p>\n" +
+         DescribeUncertainty(summary, *uncertainty, camera) + "</p>\n" +
          HtmlTable(head, {row});
 }
 
 std::string CameraSection(const CalibrationResult& result,
-                          const std::optional<PackingFigures>& packing) {
+                          const std::optional<PackingMetrics>& packing) {
   const CameraModel& camera = *result.camera.camera;
   const Area& area = camera.area();
   std::vector<HtmlRow> rows = {
       {"model", camera.Name()},
       {"parameters", std::to_string(result.num_parameters)}};
-  if (result.cell_px > 0)
-    rows.push_back(
-        {"knot spacing", fmt::format("at most {:.1f} px", result.cell_px)});
+  if (result.knot_spacing_px > 0)
+    rows.push_back({"knot spacing",
+                    fmt::format("at most {:.1f} px", result.knot_spacing_px)});
   rows.push_back(
       {"image", fmt::format("{} &times; {} px", camera.image_size().width,
                             camera.image_size().height)});
@@ -172,9 +176,9 @@ std::string CameraSection(const CalibrationResult& result,
                                       area.x0, area.x1, area.y0, area.y1)});
   rows.push_back(
       {"images used", std::to_string(result.features.images.size())});
-  if (result.measured_again_rms_px)
+  if (result.refinement_rms_px)
     rows.push_back({"features refined with the model moved by",
-                    Px(*result.measured_again_rms_px) + " px (RMS)"});
+                    FormatPixels(*result.refinement_rms_px) + " px (RMS)"});
   if (result.neighbor_correlation)
     rows.push_back({"correlation of neighbouring residuals",
                     fmt::format("{:.2f}", *result.neighbor_correlation)});
@@ -184,7 +188,7 @@ std::string CameraSection(const CalibrationResult& result,
 }
 
 std::string GridSection(const CalibrationResult& result) {
-  if (result.cell_px <= 0) return "";
+  if (result.knot_spacing_px <= 0) return "";
   return "<div class=\"script\"><h2>Control "
          "points</h2>\n<figure><figcaption>Control points of the B-spline over "
          "the image. <span class=\"key seen\"></span> observed <span "
@@ -212,9 +216,9 @@ std::string ImageTable(const CalibrationResult& result) {
     for (const auto& [image, values] : *norms)
       rows[image] = {EscapeHtml(image), "&ndash;", "&ndash;"};
   for (const auto& [image, values] : training)
-    rows[image][1] = Px(Quantile(values, 0.5));
+    rows[image][1] = FormatPixels(Quantile(values, 0.5));
   for (const auto& [image, values] : held_out)
-    rows[image][2] = Px(Quantile(values, 0.5));
+    rows[image][2] = FormatPixels(Quantile(values, 0.5));
   std::vector<HtmlRow> list;
   for (const auto& [image, row] : rows) list.push_back(row);
   return "<details><summary>As a table</summary>\n" +
@@ -240,10 +244,10 @@ std::string ImagesSection(const CalibrationResult& result) {
 }
 
 // The groups of near-duplicate images.
-std::string SameViewsSection(const CalibrationResult& result) {
-  if (result.same_views.empty()) return "";
+std::string NearDuplicatesSection(const CalibrationResult& result) {
+  if (result.near_duplicates.empty()) return "";
   std::string html = "<h2>Near-duplicate views</h2>\n<ul>\n";
-  for (const SameViews& group : result.same_views) {
+  for (const NearDuplicates& group : result.near_duplicates) {
     html += fmt::format("<li>{} represents {} more: ", EscapeHtml(group.image),
                         group.others.size());
     for (size_t i = 0; i < group.others.size(); ++i)
@@ -324,16 +328,16 @@ std::string TrialSection(const std::string& blob) {
 
 std::string FormatHtmlReport(
     const CalibrationResult& result,
-    const std::optional<PackingFigures>& packing,
+    const std::optional<PackingMetrics>& packing,
     const std::optional<BeforeAfter>& example, const ThumbnailTexts& thumbnails,
     const std::string& blob,
     const std::vector<std::string>& rigid_target_summary) {
   const std::string name =
       result.camera.name.empty() ? "" : ": " + EscapeHtml(result.camera.name);
   std::string html = PageStart("Camera calibration" + name);
-  html += VerdictSection(result.verdict);
+  html += AssessmentSection(result.assessment);
   html += ErrorSection(result);
-  if (result.camera.stack) html += StackSection(*result.camera.stack);
+  if (result.camera.stack) html += OperatingPointSection(*result.camera.stack);
   if (result.budget) html += BudgetSection(*result.budget);
   html += ComparisonSection(result);
   html += UncertaintySection(result);
@@ -345,13 +349,14 @@ std::string FormatHtmlReport(
   html += GridSection(result);
   html += LinesSection(result);
   html += SpaceSection();
-  html += BoardSection(result.pattern) + BodySection(rigid_target_summary);
-  if (result.bends) html += BendSection(*result.bends, result.pattern);
+  html +=
+      BoardSection(result.pattern) + RigidTargetSection(rigid_target_summary);
+  if (result.bends) html += DeformationSection(*result.bends, result.pattern);
   html += CandidateSection(result);
-  html += SameViewsSection(result);
+  html += NearDuplicatesSection(result);
   html += RejectedSection(result);
-  html += WordsSection();
-  return html + PageEnd(PageData(result, thumbnails), !blob.empty());
+  html += GlossarySection();
+  return html + PageEnd(FormatPageData(result, thumbnails), !blob.empty());
 }
 
 }  // namespace raygrid

@@ -24,7 +24,7 @@ struct BeforeAfter {
 /// page.
 std::string FormatHtmlReport(
     const CalibrationResult& result,
-    const std::optional<PackingFigures>& packing,
+    const std::optional<PackingMetrics>& packing,
     const std::optional<BeforeAfter>& example,
     const ThumbnailTexts& thumbnails = {}, const std::string& blob = {},
     const std::vector<std::string>& rigid_target_summary = {});

@@ -252,8 +252,8 @@ Json Space(const Json& cameras,
 
 }  // namespace
 
-std::string PageData(const CalibrationResult& result,
-                     const ThumbnailTexts& thumbnails) {
+std::string FormatPageData(const CalibrationResult& result,
+                           const ThumbnailTexts& thumbnails) {
   const CameraModel& camera = *result.camera.camera;
   const Area& area = camera.area();
   Json json;
@@ -272,7 +272,7 @@ std::string PageData(const CalibrationResult& result,
   return json.dump();
 }
 
-std::string PageData(const RigResult& result) {
+std::string FormatPageData(const RigResult& result) {
   std::map<std::pair<std::string, int>, Json> boards;
   Json cameras = Json::array();
   for (size_t c = 0; c < result.cameras.size(); ++c) {

@@ -14,10 +14,10 @@ using ThumbnailTexts = std::map<std::string, std::string>;
 
 /// Formats the JSON for the page's script: residuals of every image, their
 /// distribution, the grid's control points, observation lines, and board poses.
-std::string PageData(const CalibrationResult& result,
-                     const ThumbnailTexts& thumbnails = {});
+std::string FormatPageData(const CalibrationResult& result,
+                           const ThumbnailTexts& thumbnails = {});
 /// Formats the JSON of a rig's camera and board poses.
-std::string PageData(const RigResult& result);
+std::string FormatPageData(const RigResult& result);
 
 }  // namespace raygrid
 

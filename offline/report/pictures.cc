@@ -22,7 +22,7 @@ Image ToImage(const cv::Mat& picture) {
 }
 
 cv::Vec3b ColorAt(ColorScale scale, double part) {
-  const auto color = ColorOf(scale, part);
+  const auto color = GetColor(scale, part);
   return {color[0], color[1], color[2]};
 }
 
@@ -103,7 +103,7 @@ Image DirectionLegend(int size_px) {
 Image BiasPicture(const std::vector<FeatureResidual>& residuals,
                   const Area& area, double full_scale) {
   constexpr int kCellPx = 8;
-  return HeatMap(BiasOfCells(residuals, area), kBiasCells, 0, full_scale,
+  return HeatMap(ComputeCellBias(residuals, area), kBiasCells, 0, full_scale,
                  kCellPx);
 }
 
@@ -134,7 +134,7 @@ Image DisplacementPicture(const std::vector<Eigen::Vector2d>& displacements,
   return picture;
 }
 
-Image Shrunk(const Image& image, int max_width_px) {
+Image ShrinkImage(const Image& image, int max_width_px) {
   if (image.size.width <= max_width_px) return image;
   const cv::Mat whole(image.size.height, image.size.width,
                       CV_8UC(image.channels),

@@ -37,7 +37,7 @@ Image DisplacementPicture(const std::vector<Eigen::Vector2d>& displacements,
                           int columns, double full_scale_px);
 
 /// Returns the image, scaled down if it is wider.
-Image Shrunk(const Image& image, int max_width_px);
+Image ShrinkImage(const Image& image, int max_width_px);
 
 }  // namespace raygrid
 

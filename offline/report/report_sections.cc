@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "evaluation/board_shape.h"
+#include "evaluation/board_flatness.h"
 #include "evaluation/rounded_text.h"
 #include "report/pictures.h"
 
@@ -17,27 +17,29 @@ std::string Optional(const std::optional<double>& value, const char* format) {
 }
 
 HtmlRow ModelRow(const std::string& name, int num_parameters,
-                 const ErrorFigures& training,
-                 const std::optional<ErrorFigures>& held_out,
-                 const std::optional<ErrorFigures>& held_out_flexed,
+                 const ErrorMetrics& training,
+                 const std::optional<ErrorMetrics>& held_out,
+                 const std::optional<ErrorMetrics>& held_out_deformed,
                  const std::optional<double>& bias_kl) {
   return {name,
           std::to_string(num_parameters),
-          Px(training.median_px),
-          held_out ? Px(held_out->median_px) : "&ndash;",
-          held_out ? Px(held_out->rms_px) : "&ndash;",
-          held_out_flexed ? Px(held_out_flexed->median_px) : "&ndash;",
+          FormatPixels(training.median_px),
+          held_out ? FormatPixels(held_out->median_px) : "&ndash;",
+          held_out ? FormatPixels(held_out->rms_px) : "&ndash;",
+          held_out_deformed ? FormatPixels(held_out_deformed->median_px)
+                            : "&ndash;",
           Optional(bias_kl, "{:.3f}")};
 }
 
-std::string BoardFigure(const Board& board, const BoardShape& shape) {
-  const int cell_px = std::clamp(480 / std::max(board.columns, 1), 4, 40);
+std::string BoardFigure(const Board& board, const BoardFlatness& shape) {
+  const int knot_spacing_px =
+      std::clamp(480 / std::max(board.columns, 1), 4, 40);
   std::vector<double> heights_um;
   for (const double height_m : shape.height_m)
     heights_um.push_back(1e6 * height_m);
   const double limit_um = std::max(1e6 * shape.max_height_m, 1.0);
   return HtmlPicture(
-      HeatMap(heights_um, board.columns, -limit_um, limit_um, cell_px),
+      HeatMap(heights_um, board.columns, -limit_um, limit_um, knot_spacing_px),
       fmt::format("Board {}: out-of-plane deformation {:.0f} &micro;m RMS, "
                   "{:.0f} &micro;m max; in-plane deviation {:.0f} &micro;m RMS",
                   board.id, 1e6 * shape.rms_height_m, 1e6 * shape.max_height_m,
@@ -54,16 +56,16 @@ std::string BoardFigure(const Board& board, const BoardShape& shape) {
 
 }  // namespace
 
-std::string Px(double value) { return ThreeDigits(value); }
+std::string FormatPixels(double value) { return FormatThreeDigits(value); }
 
-std::string VerdictSection(const Verdict& verdict) {
+std::string AssessmentSection(const Assessment& assessment) {
   std::string html =
       fmt::format("<div class=\"verdict {0}\"><h2>Verdict: {0}</h2>\n",
-                  EscapeHtml(verdict.word));
-  if (!verdict.reasons.empty()) html += "<ul>\n";
-  for (const std::string& reason : verdict.reasons)
+                  EscapeHtml(assessment.word));
+  if (!assessment.reasons.empty()) html += "<ul>\n";
+  for (const std::string& reason : assessment.reasons)
     html += fmt::format("<li>{}</li>\n", EscapeHtml(reason));
-  if (!verdict.reasons.empty()) html += "</ul>\n";
+  if (!assessment.reasons.empty()) html += "</ul>\n";
   return html + "</div>\n";
 }
 
@@ -71,22 +73,22 @@ std::string ErrorTable(const std::vector<HtmlRow>& rows) {
   return HtmlTable({"", "median px", "RMS px", "max px", "features"}, rows);
 }
 
-HtmlRow FiguresRow(const std::string& name, const ErrorFigures& figures) {
-  return {name, Px(figures.median_px), Px(figures.rms_px),
-          fmt::format("{:.3f}", figures.max_px), std::to_string(figures.count)};
+HtmlRow FormatMetricsRow(const std::string& name, const ErrorMetrics& metrics) {
+  return {name, FormatPixels(metrics.median_px), FormatPixels(metrics.rms_px),
+          fmt::format("{:.3f}", metrics.max_px), std::to_string(metrics.count)};
 }
 
 void AddModelRows(const std::string& prefix, const CalibrationResult& result,
                   std::vector<HtmlRow>* rows) {
   if (result.parametric_models.empty()) return;
-  rows->push_back(
-      ModelRow(prefix + "<b>" + result.camera.camera->Name() + "</b>",
-               result.num_parameters, *result.camera.training,
-               result.camera.held_out, result.held_out_flexed, result.bias_kl));
-  for (const ModelFigures& other : result.parametric_models)
+  rows->push_back(ModelRow(
+      prefix + "<b>" + result.camera.camera->Name() + "</b>",
+      result.num_parameters, *result.camera.training, result.camera.held_out,
+      result.held_out_deformed, result.bias_kl));
+  for (const ModelMetrics& other : result.parametric_models)
     rows->push_back(ModelRow(
         prefix + EscapeHtml(other.model), other.num_parameters, other.training,
-        other.held_out, other.held_out_flexed, other.bias_kl));
+        other.held_out, other.held_out_deformed, other.bias_kl));
   if (result.noise_bias_kl)
     rows->push_back({prefix + "white noise", "", "", "", "", "",
                      fmt::format("{:.3f}", *result.noise_bias_kl)});
@@ -102,11 +104,12 @@ std::string ModelTable(const std::vector<HtmlRow>& rows) {
 std::string BoardSection(const Pattern& pattern) {
   std::string html = "<h2>Target geometry</h2>\n<div class=\"pictures\">\n";
   for (const Board& board : pattern.boards)
-    html += BoardFigure(board, MeasureBoardShape(board));
+    html += BoardFigure(board, MeasureFlatness(board));
   return html + "</div>\n";
 }
 
-std::string BodySection(const std::vector<std::string>& rigid_target_summary) {
+std::string RigidTargetSection(
+    const std::vector<std::string>& rigid_target_summary) {
   if (rigid_target_summary.empty()) return "";
   std::string html = "<h2>Rigid multi-board target</h2>\n<ul>\n";
   for (const std::string& sentence : rigid_target_summary)
@@ -115,10 +118,10 @@ std::string BodySection(const std::vector<std::string>& rigid_target_summary) {
 }
 
 // One bar per image, proportional to the deformation of its board.
-std::string BendBars(const BoardBends& bends) {
-  const double most_m = bends.views[bends.most_bent].rms_m;
+std::string BendBars(const BoardDeformation& bends) {
+  const double most_m = bends.views[bends.most_deformed].rms_m;
   std::string html = "<div class=\"bars\">";
-  for (const BoardBends::View& view : bends.views)
+  for (const BoardDeformation::View& view : bends.views)
     html += fmt::format(
         "<i style=\"height: {:.1f}%\" title=\"{}, board {}: {:.3f} "
         "mm\"></i>\n",
@@ -127,8 +130,9 @@ std::string BendBars(const BoardBends& bends) {
   return html + "</div>\n";
 }
 
-std::string BendSection(const BoardBends& bends, const Pattern& pattern) {
-  const BoardBends::View& most = bends.views[bends.most_bent];
+std::string DeformationSection(const BoardDeformation& bends,
+                               const Pattern& pattern) {
+  const BoardDeformation::View& most = bends.views[bends.most_deformed];
   std::string html =
       "<h2>Per-view target deformation</h2>\n<figure><figcaption>Deformation "
       "relative to the mean shape, one bar per image" +
@@ -139,7 +143,8 @@ std::string BendSection(const BoardBends& bends, const Pattern& pattern) {
   if (!board ||
       bends.heights_m.size() != static_cast<size_t>(board->num_points()))
     return html;
-  const int cell_px = std::clamp(480 / std::max(board->columns, 1), 4, 40);
+  const int knot_spacing_px =
+      std::clamp(480 / std::max(board->columns, 1), 4, 40);
   std::vector<double> heights_um;
   double limit_um = 1;
   for (const double height_m : bends.heights_m) {
@@ -148,7 +153,8 @@ std::string BendSection(const BoardBends& bends, const Pattern& pattern) {
   }
   return html + "<div class=\"pictures\">\n" +
          HtmlPicture(
-             HeatMap(heights_um, board->columns, -limit_um, limit_um, cell_px),
+             HeatMap(heights_um, board->columns, -limit_um, limit_um,
+                     knot_spacing_px),
              fmt::format("Board {} in {}: height relative to the mean shape",
                          board->id, EscapeHtml(most.image)),
              {"column",
@@ -162,7 +168,7 @@ std::string BendSection(const BoardBends& bends, const Pattern& pattern) {
          "</div>\n";
 }
 
-std::string WordsSection() {
+std::string GlossarySection() {
   return "<h2>Glossary</h2>\n<ul>\n<li><b>predicted uncertainty</b>: "
          "standard deviation of a coordinate of a distant point's projection, "
          "from the noise and distribution of the features.</li>\n<li><b>valid "

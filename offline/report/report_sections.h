@@ -13,12 +13,12 @@
 namespace raygrid {
 
 /// Formats a length in pixels for tables.
-std::string Px(double value);
+std::string FormatPixels(double value);
 
-std::string VerdictSection(const Verdict& verdict);
+std::string AssessmentSection(const Assessment& assessment);
 
 /// Rows of reprojection errors, and their table.
-HtmlRow FiguresRow(const std::string& name, const ErrorFigures& figures);
+HtmlRow FormatMetricsRow(const std::string& name, const ErrorMetrics& metrics);
 std::string ErrorTable(const std::vector<HtmlRow>& rows);
 
 /// Rows of a camera's model and of other models fitted to the same features, if
@@ -31,14 +31,16 @@ std::string ModelTable(const std::vector<HtmlRow>& rows);
 std::string SpaceSection();
 
 /// Explains the terms of status and tables, one per line.
-std::string WordsSection();
+std::string GlossarySection();
 
 /// A picture of each board's heights.
 std::string BoardSection(const Pattern& pattern);
 /// Describes rigid multi-board targets; empty if there is no summary.
-std::string BodySection(const std::vector<std::string>& rigid_target_summary);
+std::string RigidTargetSection(
+    const std::vector<std::string>& rigid_target_summary);
 /// The per-view deformation: one bar per image, and the heights of the largest.
-std::string BendSection(const BoardBends& bends, const Pattern& pattern);
+std::string DeformationSection(const BoardDeformation& bends,
+                               const Pattern& pattern);
 
 }  // namespace raygrid
 

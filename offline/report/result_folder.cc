@@ -30,7 +30,7 @@ constexpr char kDisparityPicture[] = "rectified_disparity.png";
 void AddCameraFiles(const CalibrationResult& result, const CameraExtras& extras,
                     const std::string& folder, OutputFiles* files) {
   CameraFile camera = result.camera;
-  camera.verdict = result.verdict.word;
+  camera.assessment = result.assessment.word;
   files->Add(In(folder, "camera.yaml"), FormatCameraFile(camera));
   if (camera.uncertainty)
     files->Add(In(folder, "uncertainty.png"),
@@ -119,12 +119,12 @@ std::optional<BeforeAfter> ReadExample(const std::string& folder) {
 
 // Nothing for rigs without pictures.
 std::optional<StereoExample> ReadStereo(
-    const std::string& folder, const std::optional<StereoFigures>& figures) {
+    const std::string& folder, const std::optional<StereoMetrics>& metrics) {
   const std::string rows = In(folder, kRowsPicture);
   const std::string disparity = In(folder, kDisparityPicture);
-  if (!figures || !fs::exists(rows) || !fs::exists(disparity))
+  if (!metrics || !fs::exists(rows) || !fs::exists(disparity))
     return std::nullopt;
-  return StereoExample{*figures, ReadImage(rows, false),
+  return StereoExample{*metrics, ReadImage(rows, false),
                        ReadImage(disparity, false)};
 }
 
@@ -173,7 +173,7 @@ void AddResultFiles(const RigResult& result, const ResultExtras& extras,
   std::vector<NamedDataset> features;
   std::vector<NamedPoses> poses;
   std::vector<RigFileCamera> rig;
-  std::vector<std::optional<PackingFigures>> packing;
+  std::vector<std::optional<PackingMetrics>> packing;
   for (size_t c = 0; c < result.cameras.size(); ++c) {
     const CalibrationResult& camera = result.cameras[c];
     const std::string& name = camera.camera.name;
@@ -193,9 +193,9 @@ void AddResultFiles(const RigResult& result, const ResultExtras& extras,
   files->Add(In(folder, "poses.csv"),
              is_rig ? FormatPoses(poses) : FormatPoses(poses.front().poses));
   files->Add(In(folder, "residuals.csv"), FormatResiduals(result));
-  std::optional<StereoFigures> stereo;
+  std::optional<StereoMetrics> stereo;
   if (extras.stereo) {
-    stereo = extras.stereo->figures;
+    stereo = extras.stereo->metrics;
     files->Add(In(folder, kRowsPicture), EncodePng(extras.stereo->rows));
     files->Add(In(folder, kDisparityPicture),
                EncodePng(extras.stereo->disparity));
@@ -242,11 +242,11 @@ bool HasFinishedResult(const std::string& folder) {
   }
 }
 
-ResultFigures ReadResultFolder(const std::string& folder) {
+ResultMetrics ReadResultFolder(const std::string& folder) {
   const std::string path = In(folder, "result.json");
   RequireFile(path);
-  ResultFigures figures = ParseResultJson(path, ReadFile(path));
-  RigResult& result = figures.result;
+  ResultMetrics metrics = ParseResultJson(path, ReadFile(path));
+  RigResult& result = metrics.result;
   result.pattern = ReadResultPattern(folder);
   Tables tables = ReadTables(folder);
   const std::vector<RigFileCamera> cameras = CamerasIn(folder, result);
@@ -260,26 +260,26 @@ ResultFigures ReadResultFolder(const std::string& folder) {
              name, &tables, &camera);
     RequireMatching(folder, camera);
   }
-  return figures;
+  return metrics;
 }
 
 void AddReports(const std::string& folder, OutputFiles* files) {
-  const ResultFigures figures = ReadResultFolder(folder);
-  const RigResult& result = figures.result;
+  const ResultMetrics metrics = ReadResultFolder(folder);
+  const RigResult& result = metrics.result;
   for (size_t c = 0; c < result.cameras.size(); ++c) {
     const std::string own = In(folder, CameraFolder(result, c));
     files->Add(
         In(own, "report.html"),
-        FormatHtmlReport(result.cameras[c], figures.packing[c],
+        FormatHtmlReport(result.cameras[c], metrics.packing[c],
                          ReadExample(own), ReadThumbnails(own), ReadBlob(own),
                          result.IsRig() ? std::vector<std::string>()
-                                        : figures.rigid_target_summary),
+                                        : metrics.rigid_target_summary),
         Links::kReplace);
   }
   if (result.IsRig())
     files->Add(In(folder, "report.html"),
-               FormatRigReport(result, ReadStereo(folder, figures.stereo),
-                               figures.rigid_target_summary),
+               FormatRigReport(result, ReadStereo(folder, metrics.stereo),
+                               metrics.rigid_target_summary),
                Links::kReplace);
 }
 

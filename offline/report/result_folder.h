@@ -20,7 +20,7 @@ namespace raygrid {
 struct CameraExtras {
   std::string blob = {};  ///< empty: none
   std::string view = {};  ///< the view of its table, a camera file; or empty
-  std::optional<PackingFigures> packing = {};
+  std::optional<PackingMetrics> packing = {};
   std::optional<BeforeAfter> example = {};
   Thumbnails thumbnails = {};
 };
@@ -48,7 +48,7 @@ bool HasFinishedResult(const std::string& folder);
 
 /// Reads a calibration's result and metrics from its folder. Throws InputError
 /// for missing, malformed or incompatible files.
-ResultFigures ReadResultFolder(const std::string& folder);
+ResultMetrics ReadResultFolder(const std::string& folder);
 
 /// Makes report.html from the other files of the folder; for a rig, also
 /// NAME/report.html of each camera. Throws InputError for missing, malformed or

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "dataset/held_stack.h"
+#include "dataset/fixed_operating_point.h"
 #include "evaluation/stack_change.h"
 #include "report/budget_json.h"
 #include "report/result_keys.h"
@@ -15,14 +15,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json FiguresJson(const ErrorFigures& figures) {
-  return {{"median_px", figures.median_px},
-          {"rms_px", figures.rms_px},
-          {"max_px", figures.max_px},
-          {"count", figures.count}};
+Json MetricsJson(const ErrorMetrics& metrics) {
+  return {{"median_px", metrics.median_px},
+          {"rms_px", metrics.rms_px},
+          {"max_px", metrics.max_px},
+          {"count", metrics.count}};
 }
 
-Json ViewFiguresJson(const ViewFigures& view) {
+Json ViewMetricsJson(const ViewMetrics& view) {
   return {{"projection", "pinhole"},
           {"size", {view.size.width, view.size.height}},
           {"K",
@@ -31,14 +31,14 @@ Json ViewFiguresJson(const ViewFigures& view) {
             {0.0, 0.0, 1.0}}}};
 }
 
-Json PackingJson(const PackingFigures& packing) {
+Json PackingJson(const PackingMetrics& packing) {
   Json json = Json::object();
   if (packing.blob_bytes > 0)
     json = {{"blob_bytes", packing.blob_bytes},
             {"unproject_error_px", packing.unproject_error_px}};
   if (packing.remap_error_px) json["remap_error_px"] = *packing.remap_error_px;
-  if (packing.view) json["view"] = ViewFiguresJson(*packing.view);
-  if (!packing.remarks.empty()) json["warnings"] = packing.remarks;
+  if (packing.view) json["view"] = ViewMetricsJson(*packing.view);
+  if (!packing.warnings.empty()) json["warnings"] = packing.warnings;
   return json;
 }
 
@@ -51,58 +51,59 @@ Json RejectedJson(const std::vector<RejectedImage>& images) {
 
 Json ImagesJson(const CalibrationResult& result) {
   Json images = {{"used", result.features.images.size()}};
-  for (const SameViews& group : result.same_views)
+  for (const NearDuplicates& group : result.near_duplicates)
     images["near_duplicates"].push_back(
         {{"image", group.image}, {"duplicates", group.others}});
-  if (!result.held_out_copies.empty())
-    images["held_out_duplicates"] = result.held_out_copies;
+  if (!result.held_out_duplicates.empty())
+    images["held_out_duplicates"] = result.held_out_duplicates;
   images["rejected"] = RejectedJson(result.rejected_images);
   return images;
 }
 
-Json ModelJson(const ModelFigures& figures) {
-  Json json = {{"model", figures.model},
-               {"parameters", figures.num_parameters},
-               {"training", FiguresJson(figures.training)}};
-  if (figures.held_out) json["held_out"] = FiguresJson(*figures.held_out);
-  if (figures.held_out_flexed)
-    json["held_out_deformed"] = FiguresJson(*figures.held_out_flexed);
-  if (figures.bias_kl) json["bias_kl"] = *figures.bias_kl;
+Json ModelJson(const ModelMetrics& metrics) {
+  Json json = {{"model", metrics.model},
+               {"parameters", metrics.num_parameters},
+               {"training", MetricsJson(metrics.training)}};
+  if (metrics.held_out) json["held_out"] = MetricsJson(*metrics.held_out);
+  if (metrics.held_out_deformed)
+    json["held_out_deformed"] = MetricsJson(*metrics.held_out_deformed);
+  if (metrics.bias_kl) json["bias_kl"] = *metrics.bias_kl;
   return json;
 }
 
-Json RowTimeJson(const RowTimeEstimate& row_time) {
+Json LineDelayJson(const LineDelayEstimate& line_delay) {
   Json json;
-  if (row_time.IsTold()) {
-    json["value_us"] = row_time.value.seconds * 1e6;
-    json["sd_us"] = row_time.value.deviation_s * 1e6;
+  if (line_delay.IsDetermined()) {
+    json["value_us"] = line_delay.value.seconds * 1e6;
+    json["sd_us"] = line_delay.value.deviation_s * 1e6;
   } else {
-    json["not_observable"] = row_time.untold;
-    if (!row_time.do_times_fit) json["timestamps_consistent"] = false;
+    json["not_observable"] = line_delay.unobservable_reason;
+    if (!line_delay.are_timestamps_consistent)
+      json["timestamps_consistent"] = false;
   }
-  json["images"] = row_time.num_images;
-  json["compensated"] = row_time.is_taken_out;
-  if (row_time.num_left_out > 0)
-    json["uncompensated_images"] = row_time.num_left_out;
+  json["images"] = line_delay.num_images;
+  json["compensated"] = line_delay.is_compensated;
+  if (line_delay.num_left_out > 0)
+    json["uncompensated_images"] = line_delay.num_left_out;
   return json;
 }
 
-Json BendsJson(const BoardBends& bends) {
+Json BendsJson(const BoardDeformation& bends) {
   Json views = Json::array();
-  for (const BoardBends::View& view : bends.views)
+  for (const BoardDeformation::View& view : bends.views)
     views.push_back(
         {{"image", view.image}, {"board", view.board}, {"rms_m", view.rms_m}});
   return {{"rms_m", bends.rms_m},
           {"views", views},
-          {"largest_view", bends.most_bent},
+          {"largest_view", bends.most_deformed},
           {"largest_view_heights_m", bends.heights_m}};
 }
 
 // The camera over its only condition: differences from the middle.
-Json RangeJson(const StackOfCameras& stack) {
-  const CameraStack& cameras = stack.cameras;
-  const ConditionRange& range = cameras.ranges()[0];
-  Json json = {{"quantity", ConditionName(range.condition)},
+Json RangeJson(const OperatingPointCalibration& stack) {
+  const OperatingPointModel& cameras = stack.cameras;
+  const OperatingRange& range = cameras.ranges()[0];
+  Json json = {{"quantity", OperatingParameterName(range.condition)},
                {"low", range.low},
                {"high", range.high},
                {"polynomial_order", cameras.orders()[0]},
@@ -124,11 +125,12 @@ Json RangeJson(const StackOfCameras& stack) {
 }
 
 // The camera over each of its conditions, with the others at mid-range.
-Json RangesJson(const StackOfCameras& stack) {
+Json RangesJson(const OperatingPointCalibration& stack) {
   const size_t count = stack.cameras.ranges().size();
   Json json = Json::array();
   for (size_t r = 0; r < count; ++r)
-    json.push_back(RangeJson(count == 1 ? stack : StackAlong(stack, r)));
+    json.push_back(
+        RangeJson(count == 1 ? stack : SliceOperatingPointModel(stack, r)));
   return json;
 }
 
@@ -153,10 +155,10 @@ Json UncertaintyJson(const CalibrationResult& result) {
   }
   json["jackknife_scale"] = result.jackknife_scale;
   if (!result.camera.stack) return json;
-  const auto everywhere = UncertaintyOverRanges(result.camera);
+  const auto everywhere = ComputeMaxUncertainty(result.camera);
   json["over_operating_range"] = {
       {"median_px", everywhere->lattice.MedianPx()},
-      {"valid_share", ValidShare(camera, everywhere->mask)}};
+      {"valid_share", ComputeValidShare(camera, everywhere->mask)}};
   return json;
 }
 
@@ -169,27 +171,28 @@ void AddCamera(const CalibrationResult& result, Json* json) {
   const Area& area = camera.area();
   (*json)["area"] = {area.x0, area.y0, area.x1, area.y1};
   (*json)["parameters"] = result.num_parameters;
-  if (result.cell_px > 0) (*json)["knot_spacing_px"] = result.cell_px;
+  if (result.knot_spacing_px > 0)
+    (*json)["knot_spacing_px"] = result.knot_spacing_px;
   (*json)["images"] = ImagesJson(result);
   Json features = {{"used", result.features.num_features()},
                    {"rejected", result.rejected_features.size()}};
-  if (const size_t count = NumWithoutError(result))
+  if (const size_t count = CountMissingErrors(result))
     features["used_without_residual"] = count;
-  if (result.measured_again_rms_px)
-    features["refinement_shift_rms_px"] = *result.measured_again_rms_px;
+  if (result.refinement_rms_px)
+    features["refinement_shift_rms_px"] = *result.refinement_rms_px;
   (*json)["features"] = features;
-  (*json)["training"] = FiguresJson(*result.camera.training);
+  (*json)["training"] = MetricsJson(*result.camera.training);
   if (result.camera.held_out) {
-    (*json)["held_out"] = FiguresJson(*result.camera.held_out);
+    (*json)["held_out"] = MetricsJson(*result.camera.held_out);
     (*json)["held_out"]["method"] =
         (result.cross_validated ? kCrossValidation : kHeldOutImages);
   }
-  if (result.held_out_flexed)
-    (*json)["held_out_deformed"] = FiguresJson(*result.held_out_flexed);
+  if (result.held_out_deformed)
+    (*json)["held_out_deformed"] = MetricsJson(*result.held_out_deformed);
   if (result.bends) (*json)["target_deformation"] = BendsJson(*result.bends);
-  for (const CellCandidate& candidate : result.cell_candidates)
+  for (const KnotSpacingCandidate& candidate : result.knot_spacing_candidates)
     (*json)["knot_spacing_candidates"].push_back(
-        {{"knot_spacing_px", candidate.cell_px},
+        {{"knot_spacing_px", candidate.knot_spacing_px},
          {"held_out_loss", candidate.loss},
          {"median_px", candidate.median_px}});
   if (result.bias_kl) (*json)["bias_kl"] = *result.bias_kl;
@@ -201,7 +204,7 @@ void AddCamera(const CalibrationResult& result, Json* json) {
          {"cross_validated_loss", candidate.loss},
          {"median_px", candidate.median_px},
          {"gain_standard_errors", candidate.gain}});
-  for (const ModelFigures& other : result.parametric_models)
+  for (const ModelMetrics& other : result.parametric_models)
     (*json)["parametric_models"].push_back(ModelJson(other));
   if (result.model_error_px) (*json)["model_error_px"] = *result.model_error_px;
   if (result.neighbor_correlation)
@@ -216,22 +219,23 @@ void AddCamera(const CalibrationResult& result, Json* json) {
     (*json)["operating_ranges"] = RangesJson(*result.camera.stack);
   if (result.budget) (*json)["residual_budget"] = BudgetJson(*result.budget);
   (*json)["non_injective"] = {{"share", result.fold_over.part},
-                              {"valid_share", result.fold_over.trusted_part}};
+                              {"valid_share", result.fold_over.valid_part}};
   if (const auto& distance = result.fleet_distance) {
     Json& json_of = (*json)["population_distance"];
     json_of = {{"rms_px", distance->rms_px},
                {"population_px", distance->units_px}};
-    if (distance->IsStranger()) json_of["warning"] = distance->Warning();
+    if (distance->IsOutlier()) json_of["warning"] = distance->Warning();
   }
-  if (result.row_time) (*json)["line_delay"] = RowTimeJson(*result.row_time);
+  if (result.line_delay)
+    (*json)["line_delay"] = LineDelayJson(*result.line_delay);
   if (result.line_spread)
     (*json)["noncentrality"] = {{"rms_m", result.line_spread->rms_m},
                                 {"max_m", result.line_spread->max_m}};
 }
 
-void AddVerdict(const Verdict& verdict, Json* json) {
-  (*json)["verdict"] = verdict.word;
-  (*json)["reasons"] = verdict.reasons;
+void AddVerdict(const Assessment& assessment, Json* json) {
+  (*json)["verdict"] = assessment.word;
+  (*json)["reasons"] = assessment.reasons;
 }
 
 const char* Status(const RigResult& result) {
@@ -246,8 +250,8 @@ Json CameraOfRig(const RigResult& result, size_t camera) {
   AddCamera(own, &json);
   if (camera < result.held_out.size() && !result.held_out[camera].empty())
     json["held_out_in_rig"] =
-        FiguresJson(ComputeErrorFigures(result.held_out[camera]));
-  AddVerdict(own.verdict, &json);
+        MetricsJson(ComputeErrorMetrics(result.held_out[camera]));
+  AddVerdict(own.assessment, &json);
   return json;
 }
 
@@ -265,8 +269,8 @@ Json BaselineJson(const RigResult& result, const Baseline& baseline) {
 }
 
 // Adds rigid multi-board targets, and the evidence for them.
-void AddBodies(const RigResult& result, Json* json) {
-  for (const BoardBody& body : result.bodies) {
+void AddRigidTargets(const RigResult& result, Json* json) {
+  for (const RigidTarget& body : result.rigid_targets) {
     Json poses = Json::array();
     for (const Pose& pose : body.first_from_board) {
       const Eigen::Quaterniond& q = pose.rotation;
@@ -286,7 +290,8 @@ void AddBodies(const RigResult& result, Json* json) {
          {"rotation_sd_rad", pair.deviation_rad},
          {"expected_translation_sd_m", pair.expected_m},
          {"expected_rotation_sd_rad", pair.expected_rad}});
-  const auto told = BodySentences(result.bodies, result.board_pairs);
+  const auto told =
+      DescribeRigidTargets(result.rigid_targets, result.board_pairs);
   if (!told.empty()) (*json)["rigid_target_summary"] = told;
 }
 
@@ -315,7 +320,7 @@ Json RejectedInRig(const RigResult& result) {
   return rejected;
 }
 
-Json StereoJson(const StereoFigures& stereo) {
+Json StereoJson(const StereoMetrics& stereo) {
   return {{"left", stereo.left},
           {"right", stereo.right},
           {"orientation", stereo.is_vertical ? "vertical" : "horizontal"},
@@ -335,9 +340,9 @@ void AddRig(const RigResult& result, Json* json) {
                        {"rejected", RejectedInRig(result)}};
   (*json)["features"] = {{"used", counts.features},
                          {"rejected", counts.rejected_features}};
-  (*json)["training"] = FiguresJson(TrainingFigures(result));
-  if (const auto held_out = HeldOutFigures(result)) {
-    (*json)["held_out"] = FiguresJson(*held_out);
+  (*json)["training"] = MetricsJson(ComputeTrainingMetrics(result));
+  if (const auto held_out = ComputeHeldOutMetrics(result)) {
+    (*json)["held_out"] = MetricsJson(*held_out);
     (*json)["held_out"]["method"] =
         (result.cross_validated ? kCrossValidation : kHeldOutImages);
   }
@@ -349,15 +354,15 @@ void AddRig(const RigResult& result, Json* json) {
 
 }  // namespace
 
-size_t NumWithoutError(const CalibrationResult& result) {
+size_t CountMissingErrors(const CalibrationResult& result) {
   return std::max(result.features.num_features(), result.training.size()) -
          result.training.size();
 }
 
 std::string FormatResultJson(
     const RigResult& result, uint64_t seed, int64_t peak_memory_bytes,
-    const std::vector<std::optional<PackingFigures>>& packing,
-    const std::optional<StereoFigures>& stereo) {
+    const std::vector<std::optional<PackingMetrics>>& packing,
+    const std::optional<StereoMetrics>& stereo) {
   Json json;
   json["schema_version"] = kResultSchemaVersion;
   json["status"] = Status(result);
@@ -365,7 +370,7 @@ std::string FormatResultJson(
     AddRig(result, &json);
   else
     AddCamera(result.cameras.front(), &json);
-  AddBodies(result, &json);
+  AddRigidTargets(result, &json);
   for (size_t c = 0; c < packing.size(); ++c)
     if (packing[c])
       (result.IsRig() ? json["cameras"][c] : json)["packing"] =
@@ -374,7 +379,7 @@ std::string FormatResultJson(
   json["seconds"] = result.seconds;
   json["peak_memory_bytes"] = peak_memory_bytes;
   json["seed"] = seed;
-  AddVerdict(result.verdict, &json);
+  AddVerdict(result.assessment, &json);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

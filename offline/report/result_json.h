@@ -11,23 +11,23 @@
 namespace raygrid {
 
 /// The pinhole view of a blob's default remap table.
-struct ViewFigures {
+struct ViewMetrics {
   ImageSize size = {0, 0};
   Eigen::Vector2d focal_px = {0, 0};   ///< fx, fy
   Eigen::Vector2d center_px = {0, 0};  ///< cx, cy
 };
 
 /// The metrics of packing.
-struct PackingFigures {
+struct PackingMetrics {
   size_t blob_bytes = 0;  ///< 0: no blob
   double unproject_error_px = 0;
   std::optional<double> remap_error_px;
-  std::optional<ViewFigures> view = {};
-  std::vector<std::string> remarks = {};  ///< warnings: what the blob lacks
+  std::optional<ViewMetrics> view = {};
+  std::vector<std::string> warnings = {};  ///< warnings: what the blob lacks
 };
 
 /// A rectified stereo pair of a rig, for its report.
-struct StereoFigures {
+struct StereoMetrics {
   std::string left, right;  ///< camera names; vertical pair: upper, lower
   std::string instant;      ///< image name
   bool is_vertical = false;
@@ -40,7 +40,7 @@ struct StereoFigures {
 
 /// The number of features used in the calibration that the final camera cannot
 /// project, so that they are not included in error metrics.
-size_t NumWithoutError(const CalibrationResult& result);
+size_t CountMissingErrors(const CalibrationResult& result);
 
 /// Formats result.json; see formats/json/result.schema.json. Memory and seconds
 /// vary; everything else is deterministic.
@@ -51,20 +51,20 @@ size_t NumWithoutError(const CalibrationResult& result);
 /// held-out ones with images localized by that camera only.
 std::string FormatResultJson(
     const RigResult& result, uint64_t seed, int64_t peak_memory_bytes,
-    const std::vector<std::optional<PackingFigures>>& packing = {},
-    const std::optional<StereoFigures>& stereo = {});
+    const std::vector<std::optional<PackingMetrics>>& packing = {},
+    const std::optional<StereoMetrics>& stereo = {});
 
 /// The metrics in result.json; data in files of their own, such as camera,
 /// features and residuals, is empty.
-struct ResultFigures {
+struct ResultMetrics {
   RigResult result;
-  std::vector<std::optional<PackingFigures>> packing;  ///< by camera
-  std::optional<StereoFigures> stereo;
-  std::vector<std::string> rigid_target_summary;  ///< BodySentences()
+  std::vector<std::optional<PackingMetrics>> packing;  ///< by camera
+  std::optional<StereoMetrics> stereo;
+  std::vector<std::string> rigid_target_summary;  ///< DescribeRigidTargets()
 };
 
 /// Also reads older versions. Throws InputError, also for newer ones.
-ResultFigures ParseResultJson(const std::string& path, const std::string& text);
+ResultMetrics ParseResultJson(const std::string& path, const std::string& text);
 
 }  // namespace raygrid
 

@@ -14,14 +14,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-ErrorFigures ParseFigures(const Json& json) {
+ErrorMetrics ParseMetrics(const Json& json) {
   return {json.at("median_px").get<double>(), json.at("rms_px").get<double>(),
           json.at("max_px").get<double>(), json.at("count").get<int>()};
 }
 
-std::optional<ErrorFigures> FiguresIfAny(const Json& json, const char* key) {
+std::optional<ErrorMetrics> MetricsIfAny(const Json& json, const char* key) {
   if (!json.contains(key)) return std::nullopt;
-  return ParseFigures(json.at(key));
+  return ParseMetrics(json.at(key));
 }
 
 std::optional<double> NumberIfAny(const Json& json, const char* key) {
@@ -29,29 +29,31 @@ std::optional<double> NumberIfAny(const Json& json, const char* key) {
   return json.at(key).get<double>();
 }
 
-RowTimeEstimate ParseRowTime(const Json& json) {
-  RowTimeEstimate row_time;
-  row_time.num_images = json.at("images").get<int>();
-  row_time.is_taken_out = json.at("compensated").get<bool>();
-  row_time.num_left_out = json.value("uncompensated_images", 0);
-  row_time.value = {NumberIfAny(json, "value_us").value_or(0) * 1e-6,
-                    NumberIfAny(json, "sd_us").value_or(0) * 1e-6};
+LineDelayEstimate ParseLineDelay(const Json& json) {
+  LineDelayEstimate line_delay;
+  line_delay.num_images = json.at("images").get<int>();
+  line_delay.is_compensated = json.at("compensated").get<bool>();
+  line_delay.num_left_out = json.value("uncompensated_images", 0);
+  line_delay.value = {NumberIfAny(json, "value_us").value_or(0) * 1e-6,
+                      NumberIfAny(json, "sd_us").value_or(0) * 1e-6};
   if (json.contains("not_observable"))
-    row_time.untold = json.at("not_observable").get<std::string>();
-  row_time.do_times_fit = json.value("timestamps_consistent", true);
-  return row_time;
+    line_delay.unobservable_reason =
+        json.at("not_observable").get<std::string>();
+  line_delay.are_timestamps_consistent =
+      json.value("timestamps_consistent", true);
+  return line_delay;
 }
 
-BoardBends ParseBends(const Json& json) {
-  BoardBends bends;
+BoardDeformation ParseBends(const Json& json) {
+  BoardDeformation bends;
   bends.rms_m = json.at("rms_m").get<double>();
   for (const Json& view : json.at("views"))
     bends.views.push_back({view.at("image").get<std::string>(),
                            view.at("board").get<int>(),
                            view.at("rms_m").get<double>()});
-  bends.most_bent = json.at("largest_view").get<int>();
-  if (bends.most_bent < 0 ||
-      bends.most_bent >= static_cast<int>(bends.views.size()))
+  bends.most_deformed = json.at("largest_view").get<int>();
+  if (bends.most_deformed < 0 ||
+      bends.most_deformed >= static_cast<int>(bends.views.size()))
     throw InputError(
         "target_deformation: largest_view is not the index of a view");
   for (const Json& height : json.at("largest_view_heights_m"))
@@ -59,12 +61,12 @@ BoardBends ParseBends(const Json& json) {
   return bends;
 }
 
-ModelFigures ParseModel(const Json& json) {
+ModelMetrics ParseModel(const Json& json) {
   return {json.at("model").get<std::string>(),
           json.at("parameters").get<int>(),
-          ParseFigures(json.at("training")),
-          FiguresIfAny(json, "held_out"),
-          FiguresIfAny(json, "held_out_deformed"),
+          ParseMetrics(json.at("training")),
+          MetricsIfAny(json, "held_out"),
+          MetricsIfAny(json, "held_out_deformed"),
           NumberIfAny(json, "bias_kl"),
           {}};
 }
@@ -82,7 +84,7 @@ void ParseUncertainty(const Json& json, CalibrationResult* result) {
 void ParseMore(const Json& json, CalibrationResult* result) {
   if (json.contains("knot_spacing_candidates"))
     for (const Json& candidate : json.at("knot_spacing_candidates"))
-      result->cell_candidates.push_back(
+      result->knot_spacing_candidates.push_back(
           {candidate.at("knot_spacing_px").get<double>(),
            candidate.at("held_out_loss").get<double>(),
            candidate.at("median_px").get<double>()});
@@ -114,26 +116,26 @@ void ParseMore(const Json& json, CalibrationResult* result) {
   }
 }
 
-ViewFigures ParseViewFigures(const Json& json) {
+ViewMetrics ParseViewMetrics(const Json& json) {
   const auto size = json.at("size").get<std::vector<int>>();
   const auto rows = json.at("K").get<std::vector<std::vector<double>>>();
-  ViewFigures view;
+  ViewMetrics view;
   view.size = {size.at(0), size.at(1)};
   view.focal_px = {rows.at(0).at(0), rows.at(1).at(1)};
   view.center_px = {rows.at(0).at(2), rows.at(1).at(2)};
   return view;
 }
 
-PackingFigures ParsePacking(const Json& json) {
-  PackingFigures packing;
+PackingMetrics ParsePacking(const Json& json) {
+  PackingMetrics packing;
   if (json.contains("blob_bytes")) {
     packing.blob_bytes = json.at("blob_bytes").get<size_t>();
     packing.unproject_error_px = json.at("unproject_error_px").get<double>();
   }
   packing.remap_error_px = NumberIfAny(json, "remap_error_px");
-  if (json.contains("view")) packing.view = ParseViewFigures(json.at("view"));
+  if (json.contains("view")) packing.view = ParseViewMetrics(json.at("view"));
   if (json.contains("warnings"))
-    packing.remarks = json.at("warnings").get<std::vector<std::string>>();
+    packing.warnings = json.at("warnings").get<std::vector<std::string>>();
   return packing;
 }
 
@@ -143,28 +145,28 @@ CalibrationResult ParseCamera(const Json& json) {
   if (json.contains("name"))
     result.camera.name = json.at("name").get<std::string>();
   result.num_parameters = json.at("parameters").get<int>();
-  result.cell_px = NumberIfAny(json, "knot_spacing_px").value_or(0);
+  result.knot_spacing_px = NumberIfAny(json, "knot_spacing_px").value_or(0);
   for (const Json& image : json.at("images").at("rejected"))
     result.rejected_images.push_back({image.at("image").get<std::string>(),
                                       image.at("reason").get<std::string>()});
   if (json.at("images").contains("near_duplicates"))
     for (const Json& group : json.at("images").at("near_duplicates"))
-      result.same_views.push_back(
+      result.near_duplicates.push_back(
           {group.at("image").get<std::string>(),
            group.at("duplicates").get<std::vector<std::string>>()});
   if (json.at("images").contains("held_out_duplicates"))
-    result.held_out_copies = json.at("images")
-                                 .at("held_out_duplicates")
-                                 .get<std::vector<std::string>>();
-  result.measured_again_rms_px =
+    result.held_out_duplicates = json.at("images")
+                                     .at("held_out_duplicates")
+                                     .get<std::vector<std::string>>();
+  result.refinement_rms_px =
       NumberIfAny(json.at("features"), "refinement_shift_rms_px");
-  result.camera.training = ParseFigures(json.at("training"));
-  result.camera.held_out = FiguresIfAny(json, "held_out");
-  result.held_out_flexed = FiguresIfAny(json, "held_out_deformed");
+  result.camera.training = ParseMetrics(json.at("training"));
+  result.camera.held_out = MetricsIfAny(json, "held_out");
+  result.held_out_deformed = MetricsIfAny(json, "held_out_deformed");
   if (json.contains("target_deformation"))
     result.bends = ParseBends(json.at("target_deformation"));
   if (json.contains("line_delay"))
-    result.row_time = ParseRowTime(json.at("line_delay"));
+    result.line_delay = ParseLineDelay(json.at("line_delay"));
   result.cross_validated =
       json.contains("held_out") &&
       json.at("held_out").at("method").get<std::string>() == kCrossValidation;
@@ -172,8 +174,8 @@ CalibrationResult ParseCamera(const Json& json) {
   result.noise_bias_kl = NumberIfAny(json, "bias_kl_white_noise");
   result.neighbor_correlation = NumberIfAny(json, "residual_autocorrelation");
   ParseMore(json, &result);
-  result.verdict = {json.at("verdict").get<std::string>(),
-                    json.at("reasons").get<std::vector<std::string>>()};
+  result.assessment = {json.at("verdict").get<std::string>(),
+                       json.at("reasons").get<std::vector<std::string>>()};
   return result;
 }
 
@@ -197,8 +199,8 @@ Baseline ParseBaseline(const Json& json, const RigResult& rig) {
   return baseline;
 }
 
-StereoFigures ParseStereo(const Json& json) {
-  StereoFigures stereo;
+StereoMetrics ParseStereo(const Json& json) {
+  StereoMetrics stereo;
   stereo.left = json.at("left").get<std::string>();
   stereo.right = json.at("right").get<std::string>();
   stereo.is_vertical = json.at("orientation").get<std::string>() == "vertical";
@@ -223,38 +225,38 @@ Json ParseVersioned(const std::string& path, const std::string& text) {
   return json;
 }
 
-ResultFigures ParseResult(const Json& json) {
-  ResultFigures figures;
-  RigResult& result = figures.result;
+ResultMetrics ParseResult(const Json& json) {
+  ResultMetrics metrics;
+  RigResult& result = metrics.result;
   const Json cameras =
       json.contains("cameras") ? json.at("cameras") : Json::array({json});
   for (const Json& camera : cameras) {
     result.cameras.push_back(ParseCamera(camera));
     result.cross_validated |= result.cameras.back().cross_validated;
-    std::optional<PackingFigures>& packing = figures.packing.emplace_back();
+    std::optional<PackingMetrics>& packing = metrics.packing.emplace_back();
     if (camera.contains("packing")) packing = ParsePacking(camera["packing"]);
   }
   if (json.contains("baselines"))
     for (const Json& baseline : json.at("baselines"))
       result.baselines.push_back(ParseBaseline(baseline, result));
   if (json.contains("rigid_target_summary"))
-    figures.rigid_target_summary =
+    metrics.rigid_target_summary =
         json.at("rigid_target_summary").get<std::vector<std::string>>();
   if (json.contains("rectified_pair"))
-    figures.stereo = ParseStereo(json.at("rectified_pair"));
-  result.verdict = {json.at("verdict").get<std::string>(),
-                    json.at("reasons").get<std::vector<std::string>>()};
-  return figures;
+    metrics.stereo = ParseStereo(json.at("rectified_pair"));
+  result.assessment = {json.at("verdict").get<std::string>(),
+                       json.at("reasons").get<std::vector<std::string>>()};
+  return metrics;
 }
 
 }  // namespace
 
-ResultFigures ParseResultJson(const std::string& path,
+ResultMetrics ParseResultJson(const std::string& path,
                               const std::string& text) {
   const Json json = ParseVersioned(path, text);
   try {
-    ResultFigures figures = ParseResult(json);
-    if (!figures.result.cameras.empty()) return figures;
+    ResultMetrics metrics = ParseResult(json);
+    if (!metrics.result.cameras.empty()) return metrics;
     throw InputError(path + ": contains no camera; calibrate again");
   } catch (const nlohmann::json::exception& error) {
     throw InputError(

@@ -21,7 +21,7 @@ std::string CamerasTable(const RigResult& result) {
     const std::string name = EscapeHtml(camera.camera.name);
     const ImageSize& size = camera.camera.camera->image_size();
     rows.push_back({fmt::format("<a href=\"{0}/report.html\">{0}</a>", name),
-                    EscapeHtml(camera.verdict.word),
+                    EscapeHtml(camera.assessment.word),
                     camera.camera.camera->Name(),
                     std::to_string(camera.num_parameters),
                     std::to_string(camera.features.images.size()),
@@ -39,18 +39,20 @@ std::string RigErrorTable(const RigResult& result) {
   for (size_t c = 0; c < result.cameras.size(); ++c) {
     const CalibrationResult& camera = result.cameras[c];
     const std::string name = EscapeHtml(camera.camera.name);
-    rows.push_back(FiguresRow(name + ", training", *camera.camera.training));
-    if (camera.camera.held_out)
-      rows.push_back(FiguresRow(name + ", held out, pose from this camera",
-                                *camera.camera.held_out));
-    if (c < result.held_out.size() && !result.held_out[c].empty())
-      rows.push_back(FiguresRow(name + ", held out, pose from the rig",
-                                ComputeErrorFigures(result.held_out[c])));
-  }
-  rows.push_back(FiguresRow("all, training", TrainingFigures(result)));
-  if (const auto held_out = HeldOutFigures(result))
     rows.push_back(
-        FiguresRow("all, held out (" + by + "), pose from the rig", *held_out));
+        FormatMetricsRow(name + ", training", *camera.camera.training));
+    if (camera.camera.held_out)
+      rows.push_back(FormatMetricsRow(
+          name + ", held out, pose from this camera", *camera.camera.held_out));
+    if (c < result.held_out.size() && !result.held_out[c].empty())
+      rows.push_back(FormatMetricsRow(name + ", held out, pose from the rig",
+                                      ComputeErrorMetrics(result.held_out[c])));
+  }
+  rows.push_back(
+      FormatMetricsRow("all, training", ComputeTrainingMetrics(result)));
+  if (const auto held_out = ComputeHeldOutMetrics(result))
+    rows.push_back(FormatMetricsRow(
+        "all, held out (" + by + "), pose from the rig", *held_out));
   return "<h2>Reprojection error</h2>\n" + ErrorTable(rows);
 }
 
@@ -68,8 +70,8 @@ std::string RigComparisonTable(const RigResult& result) {
 std::string EstimateCell(double value, const std::optional<double>& deviation,
                          double scale) {
   return deviation
-             ? WithDeviation(value * scale, *deviation * scale, " &plusmn; ")
-             : ThreeDigits(value * scale);
+             ? FormatWithStdDev(value * scale, *deviation * scale, " &plusmn; ")
+             : FormatThreeDigits(value * scale);
 }
 
 std::string BaselineTable(const RigResult& result) {
@@ -89,22 +91,23 @@ std::string BaselineTable(const RigResult& result) {
 
 // The per-view deformation in all cameras' views. A board that several cameras
 // see in one frame has one deformation.
-std::optional<BoardBends> BendsOfAll(const RigResult& result) {
+std::optional<BoardDeformation> BendsOfAll(const RigResult& result) {
   std::map<std::pair<std::string, int>, double> rms_m;
-  BoardBends all;
+  BoardDeformation all;
   double most_m = -1, square_m2 = 0;
   for (const CalibrationResult& camera : result.cameras) {
     if (!camera.bends) continue;
-    for (const BoardBends::View& view : camera.bends->views)
+    for (const BoardDeformation::View& view : camera.bends->views)
       rms_m[{view.image, view.board}] = view.rms_m;
-    const double own_m = camera.bends->views[camera.bends->most_bent].rms_m;
+    const double own_m = camera.bends->views[camera.bends->most_deformed].rms_m;
     if (own_m <= most_m) continue;
     most_m = own_m;
     all.heights_m = camera.bends->heights_m;
   }
   if (rms_m.empty()) return std::nullopt;
   for (const auto& [view, bend_m] : rms_m) {
-    if (bend_m == most_m) all.most_bent = static_cast<int>(all.views.size());
+    if (bend_m == most_m)
+      all.most_deformed = static_cast<int>(all.views.size());
     all.views.push_back({view.first, view.second, bend_m});
     square_m2 += bend_m * bend_m;
   }
@@ -117,14 +120,15 @@ std::optional<BoardBends> BendsOfAll(const RigResult& result) {
 std::string FormatRigReport(
     const RigResult& result, const std::optional<StereoExample>& stereo,
     const std::vector<std::string>& rigid_target_summary) {
-  const std::optional<BoardBends> bends = BendsOfAll(result);
-  return PageStart("Rig calibration") + VerdictSection(result.verdict) +
+  const std::optional<BoardDeformation> bends = BendsOfAll(result);
+  return PageStart("Rig calibration") + AssessmentSection(result.assessment) +
          CamerasTable(result) + RigErrorTable(result) +
          RigComparisonTable(result) + BaselineTable(result) +
          (stereo ? StereoSection(*stereo) : "") + SpaceSection() +
-         BoardSection(result.pattern) + BodySection(rigid_target_summary) +
-         (bends ? BendSection(*bends, result.pattern) : "") + WordsSection() +
-         PageEnd(PageData(result));
+         BoardSection(result.pattern) +
+         RigidTargetSection(rigid_target_summary) +
+         (bends ? DeformationSection(*bends, result.pattern) : "") +
+         GlossarySection() + PageEnd(FormatPageData(result));
 }
 
 }  // namespace raygrid

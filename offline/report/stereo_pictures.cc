@@ -78,25 +78,25 @@ Image DisparityPicture(const RectifiedImages& images, int num_disparities) {
 }
 
 std::string StereoSection(const StereoExample& example) {
-  const StereoFigures& figures = example.figures;
-  const std::string left = EscapeHtml(figures.left),
-                    right = EscapeHtml(figures.right);
-  const char* const line = figures.is_vertical ? "column" : "row";
-  const char* const place = figures.is_vertical ? "above" : "on the left";
-  const char* const other = figures.is_vertical ? "below" : "on the right";
+  const StereoMetrics& metrics = example.metrics;
+  const std::string left = EscapeHtml(metrics.left),
+                    right = EscapeHtml(metrics.right);
+  const char* const line = metrics.is_vertical ? "column" : "row";
+  const char* const place = metrics.is_vertical ? "above" : "on the left";
+  const char* const other = metrics.is_vertical ? "below" : "on the right";
   return fmt::format(
              "<h2>Rectified pair: {0} and {1}</h2>\n<p>Corresponding points "
              "are in the same {2} of both images. The residual of common "
              "features is {3:.2g} px RMS, {4:.2g} px max ({5} features). "
              "<code>raygrid rectify rig.yaml --left {0} --right {1} -o "
              "DIR</code> writes blobs and projection matrices.</p>\n",
-             left, right, line, figures.rms_px, figures.max_px,
-             figures.num_features) +
+             left, right, line, metrics.rms_px, metrics.max_px,
+             metrics.num_features) +
          fmt::format(
              "<div class=\"pictures\">\n<figure "
              "class=\"wide\"><figcaption>{}: {} {}, {} {}, rectified by the "
              "runtime, with {}s drawn</figcaption>",
-             EscapeHtml(figures.instant), left, place, right, other, line) +
+             EscapeHtml(metrics.instant), left, place, right, other, line) +
          HtmlImage(example.rows, "Rectified pair") +
          fmt::format(
              "</figure>\n<figure><figcaption>Disparity of {} by OpenCV's "
@@ -105,7 +105,7 @@ std::string StereoSection(const StereoExample& example) {
              left) +
          HtmlImage(example.disparity, "Disparity") +
          HtmlColorBar({ColorScale::kEven, "disparity", "0",
-                       fmt::format("{} px", figures.num_disparities)}) +
+                       fmt::format("{} px", metrics.num_disparities)}) +
          "</figure>\n</div>\n";
 }
 

@@ -27,7 +27,7 @@ Image DisparityPicture(const RectifiedImages& images, int num_disparities);
 
 /// The stereo pictures of a rig's report, with their description.
 struct StereoExample {
-  StereoFigures figures;
+  StereoMetrics metrics;
   Image rows, disparity;
 };
 std::string StereoSection(const StereoExample& example);

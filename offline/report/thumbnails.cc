@@ -8,7 +8,7 @@
 #include "dataset/error.h"
 #include "dataset/image_codecs.h"
 #include "dataset/image_files.h"
-#include "dataset/image_room.h"
+#include "dataset/image_memory_budget.h"
 #include "dataset/parallel_for.h"
 #include "report/html.h"
 #include "report/pictures.h"
@@ -52,8 +52,8 @@ Thumbnails MakeThumbnails(const Dataset& dataset,
   std::vector<std::string> files(count);
   ParallelFor(count, NumThreads(num_threads), [&](int i) {
     try {
-      const ImageRoom room(dataset.image_size);
-      images[i] = Shrunk(ReadImage(paths[i], true), width_px);
+      const ImageMemoryBudget room(dataset.image_size);
+      images[i] = ShrinkImage(ReadImage(paths[i], true), width_px);
       files[i] = EncodeThumbnail(images[i]);
     } catch (const InputError&) {
       // An image that is gone has no thumbnail.
@@ -66,7 +66,7 @@ Thumbnails MakeThumbnails(const Dataset& dataset,
                          std::sqrt(kMaxBytes / double(TotalBytes(files)))));
     ParallelFor(count, NumThreads(num_threads), [&](int i) {
       if (!files[i].empty())
-        files[i] = EncodeThumbnail(Shrunk(images[i], width_px));
+        files[i] = EncodeThumbnail(ShrinkImage(images[i], width_px));
     });
   }
   Thumbnails thumbnails;

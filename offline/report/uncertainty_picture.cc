@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "evaluation/residual_statistics.h"
+#include "report/axis_ticks.h"
 #include "report/color_scale.h"
-#include "report/round_figures.h"
 
 namespace raygrid {
 namespace {
@@ -17,17 +17,17 @@ constexpr int kWidth = 800, kLegendHeight = 90, kMargin = 20;
 const cv::Vec3b kUnknown(128, 128, 128), kHatch(255, 255, 255);
 
 cv::Vec3b ScaleColor(double part) {
-  const auto color = ColorOf(ColorScale::kEven, part);
+  const auto color = GetColor(ColorScale::kEven, part);
   return {color[0], color[1], color[2]};
 }
 
 // Nearly all of the lattice is within the scale; a corner may exceed it.
-double FullScalePx(const DeviationLattice& lattice) {
+double FullScalePx(const UncertaintyLattice& lattice) {
   constexpr double kPart = 0.9;
   std::vector<double> known;
   for (const double value : lattice.deviation_px)
     if (std::isfinite(value)) known.push_back(value);
-  return RoundedUp(std::max(Quantile(known, kPart), 1e-6));
+  return RoundUp(std::max(Quantile(known, kPart), 1e-6));
 }
 
 void DrawText(const std::string& text, const cv::Point& left_baseline,
@@ -78,7 +78,7 @@ Image UncertaintyPicture(const CameraUncertainty& uncertainty,
       const double deviation = uncertainty.lattice.At(area, pixel);
       if (std::isfinite(deviation))
         color = ScaleColor(deviation / full_scale_px);
-      if (!uncertainty.mask.Trusts(pixel) && IsHatched(x, y)) color = kHatch;
+      if (!uncertainty.mask.IsValidAt(pixel) && IsHatched(x, y)) color = kHatch;
     }
   }
   DrawScale(full_scale_px, height + 16, &picture);

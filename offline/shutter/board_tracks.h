@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "shutter/frame_motion.h"
-#include "shutter/row_time.h"
+#include "shutter/line_delay.h"
 
 namespace raygrid {
 

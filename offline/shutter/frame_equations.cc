@@ -34,7 +34,7 @@ Eigen::Matrix<double, kImageTerms, 1> ImageTermsAt(const Eigen::Vector2d& pixel,
 // A residual with its Jacobians.
 struct PointEquations {
   Eigen::Vector2d error_px;
-  Eigen::Matrix<double, 2, 6> by_pose;
+  Eigen::Matrix<double, 2, 6> J_pose;
   Eigen::Matrix<double, 2, kShared> by_shared;
   double row = 0;  // relative to the middle one
 };
@@ -43,10 +43,10 @@ struct PointEquations {
 // Jacobians do not depend on the noise of the observation.
 std::optional<Eigen::Vector2d> PlaceToBeSeen(const FrameInput& input,
                                              const TrackPoint& point) {
-  const double middle = MiddleRow(input.camera->image_size());
+  const double middle = GetReferenceRow(input.camera->image_size());
   const double seconds = input.shared[0] * (point.pixel.y() - middle);
   return input.camera->Project(
-      input.motion.After(seconds, input.pose) * point.point, &point.pixel,
+      input.motion.PoseAfter(seconds, input.pose) * point.point, &point.pixel,
       kShutterMarginPx);
 }
 
@@ -56,7 +56,7 @@ bool LinearizePoint(const FrameInput& input, const TrackPoint& point,
   const SharedVector& shared = input.shared;
   const auto place = PlaceToBeSeen(input, point);
   if (!place) return false;
-  const double row = place->y() - MiddleRow(input.camera->image_size());
+  const double row = place->y() - GetReferenceRow(input.camera->image_size());
   const auto image_terms = ImageTermsAt(*place, input.camera->image_size());
   const auto board_terms = BoardTermsAt(point.place);
   Eigen::Vector3d on_board = point.point;
@@ -64,40 +64,41 @@ bool LinearizePoint(const FrameInput& input, const TrackPoint& point,
     on_board[k] += input.half_m * board_terms.dot(shared.segment<kBoardTerms>(
                                       kOfAllFrames + k * kBoardTerms));
   const double seconds = shared[0] * row;
-  const Pose then = input.motion.After(seconds, input.pose);
+  const Pose then = input.motion.PoseAfter(seconds, input.pose);
   const Eigen::Vector3d turned = then.rotation * on_board;
   LinearizedProjection projection;
   if (!input.camera->Linearize(turned + then.translation, &point.pixel,
                                kShutterMarginPx, &projection))
     return false;
   equations->error_px = projection.pixel - point.pixel;
-  Eigen::Matrix3d by_rotation;  // of the point seen: rotation x turned
-  by_rotation << 0, turned.z(), -turned.y(),  //
-      -turned.z(), 0, turned.x(),             //
+  Eigen::Matrix3d J_rotation;  // of the point seen: rotation x turned
+  J_rotation << 0, turned.z(), -turned.y(),  //
+      -turned.z(), 0, turned.x(),            //
       turned.y(), -turned.x(), 0;
-  equations->by_pose << projection.by_point * by_rotation, projection.by_point;
+  equations->J_pose << projection.J_point * J_rotation, projection.J_point;
   auto& by_shared = equations->by_shared;
   by_shared.setZero();
   equations->row = row;
-  by_shared.col(0) =
-      row * equations->by_pose * input.motion.VelocityAfter(seconds);
+  by_shared.col(0) = row * equations->J_pose * input.motion.VelocityAt(seconds);
   for (int k = 0; k < 2; ++k) {
     const int first = 1 + k * kImageTerms;
     equations->error_px[k] +=
         image_terms.dot(shared.segment<kImageTerms>(first));
     by_shared.block<1, kImageTerms>(k, first) = image_terms.transpose();
   }
-  const Eigen::Matrix<double, 2, 3> by_point =
-      input.half_m * projection.by_point * then.rotation.toRotationMatrix();
+  const Eigen::Matrix<double, 2, 3> J_point =
+      input.half_m * projection.J_point * then.rotation.toRotationMatrix();
   for (int k = 0; k < 3; ++k)
     by_shared.block<2, kBoardTerms>(0, kOfAllFrames + k * kBoardTerms) =
-        by_point.col(k) * board_terms.transpose();
+        J_point.col(k) * board_terms.transpose();
   return by_shared.allFinite() && equations->error_px.allFinite();
 }
 
 }  // namespace
 
-double MiddleRow(const ImageSize& size) { return (size.height - 1) / 2.0; }
+double GetReferenceRow(const ImageSize& size) {
+  return (size.height - 1) / 2.0;
+}
 
 FrameEquations MakeFrameEquations(const FrameInput& input,
                                   SharedMatrix* information) {
@@ -107,12 +108,12 @@ FrameEquations MakeFrameEquations(const FrameInput& input,
     if (!LinearizePoint(input, point, &one)) continue;
     const double weight =
         std::min(1.0, kHuberPx / std::max(1e-9, one.error_px.norm()));
-    const Matrix6d square = weight * one.by_pose.transpose() * one.by_pose;
+    const Matrix6d square = weight * one.J_pose.transpose() * one.J_pose;
     sum.pose += square;
     sum.by_row += one.row * square;
     sum.by_row2 += one.row * one.row * square;
-    sum.pose_gradient += weight * one.by_pose.transpose() * one.error_px;
-    sum.mixed.noalias() += weight * one.by_pose.transpose() * one.by_shared;
+    sum.pose_gradient += weight * one.J_pose.transpose() * one.error_px;
+    sum.mixed.noalias() += weight * one.J_pose.transpose() * one.by_shared;
     information->noalias() +=
         weight * one.by_shared.transpose() * one.by_shared;
     sum.gradient += weight * one.by_shared.transpose() * one.error_px;

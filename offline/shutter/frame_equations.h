@@ -31,7 +31,7 @@ struct FrameInput {
 };
 
 /// The row whose time is the time of the frame.
-double MiddleRow(const ImageSize& size);
+double GetReferenceRow(const ImageSize& size);
 
 /// How far (px) outside the calibrated area features may be projected.
 constexpr double kShutterMarginPx = 3;
@@ -54,7 +54,7 @@ struct FrameEquations {
     return -pose_covariance * (pose_gradient + mixed * change);
   }
   /// The information on the velocity, for a line delay of 1.
-  Matrix6d OnVelocity() const {
+  Matrix6d VelocityInformation() const {
     return by_row2 - by_row * pose_covariance * by_row;
   }
 };

@@ -35,7 +35,7 @@ MotionStencil MakeStencil(const std::vector<double>& times_s, int first,
 
 }  // namespace
 
-Vector6d UpdateBetween(const Pose& from, const Pose& to) {
+Vector6d ComputeUpdate(const Pose& from, const Pose& to) {
   const Eigen::AngleAxisd turn(to.rotation * from.rotation.conjugate());
   Vector6d update;
   update << turn.angle() * turn.axis(), to.translation - from.translation;
@@ -57,12 +57,12 @@ std::vector<MotionStencil> MakeStencils(const std::vector<double>& times_s) {
   return stencils;
 }
 
-FrameMotion MotionAt(const MotionStencil& stencil,
-                     const std::vector<Pose>& poses) {
+FrameMotion ComputeMotion(const MotionStencil& stencil,
+                          const std::vector<Pose>& poses) {
   FrameMotion motion;
   for (int j = 0; j < kFrames; ++j) {
     const Vector6d update =
-        UpdateBetween(poses[stencil.frame], poses[stencil.first + j]);
+        ComputeUpdate(poses[stencil.frame], poses[stencil.first + j]);
     motion.velocity += stencil.by_velocity[j] * update;
     motion.acceleration += stencil.by_acceleration[j] * update;
     motion.coarse_velocity += stencil.by_coarse_velocity[j] * update;

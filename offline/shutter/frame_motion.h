@@ -26,17 +26,17 @@ struct FrameMotion {
   Vector6d unevenness = Vector6d::Zero();
 
   /// Extrapolates a pose by an interval in seconds.
-  Pose After(double seconds, const Pose& pose) const {
+  Pose PoseAfter(double seconds, const Pose& pose) const {
     return UpdatedPose(
         pose, seconds * velocity + seconds * seconds / 2 * acceleration);
   }
-  Vector6d VelocityAfter(double seconds) const {
+  Vector6d VelocityAt(double seconds) const {
     return velocity + seconds * acceleration;
   }
 };
 
 /// The update in UpdatedPose()'s parametrization from one pose to another.
-Vector6d UpdateBetween(const Pose& from, const Pose& to);
+Vector6d ComputeUpdate(const Pose& from, const Pose& to);
 
 /// Five successive frames, and the one at which motion is evaluated.
 struct MotionStencil {
@@ -60,8 +60,8 @@ std::vector<MotionStencil> MakeStencils(const std::vector<double>& times_s);
 
 /// Computes the motion at a stencil's frame: the derivatives of the quartic
 /// through five poses, relative to the frame's.
-FrameMotion MotionAt(const MotionStencil& stencil,
-                     const std::vector<Pose>& poses);
+FrameMotion ComputeMotion(const MotionStencil& stencil,
+                          const std::vector<Pose>& poses);
 
 }  // namespace raygrid
 

@@ -9,7 +9,7 @@ BoardBend::BoardBend(const Board& board, double bend_m) {
   by_y2_ = bend_m / (2 * center_m_.y() * center_m_.y());
 }
 
-Board BentBoard(const Board& board, double bend_m) {
+Board BendBoard(const Board& board, double bend_m) {
   if (bend_m == 0) return board;
   Board bent = board;
   const BoardBend bend(board, bend_m);

@@ -29,7 +29,7 @@ class BoardBend {
 };
 
 /// Returns the board with its features on the curved surface.
-Board BentBoard(const Board& board, double bend_m);
+Board BendBoard(const Board& board, double bend_m);
 
 }  // namespace raygrid
 

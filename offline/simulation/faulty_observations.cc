@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/board_flex.h"
+#include "simulation/board_deformation.h"
 
 namespace raygrid {
 namespace {
@@ -21,8 +21,8 @@ class FaultyView {
       : fault_(fault),
         camera_(camera),
         strength_px_(strength_px),
-        board_(fault == SimulatedFault::kBend
-                   ? FlexedBoard(board, 3 * MetresPerPixel(board), random)
+        board_(fault == SimulatedFault::kDeformation
+                   ? DeformBoard(board, 3 * MetresPerPixel(board), random)
                    : board) {
     if (fault == SimulatedFault::kInPlane) Stretch(random);
     turn_ = NormalVector(random);
@@ -36,14 +36,14 @@ class FaultyView {
     const Eigen::Vector3d point =
         pose * board_.points[board_.PointIndex(feature.column, feature.row)];
     Eigen::Vector3d moved = point;
-    if (fault_ == SimulatedFault::kRowTime) {
+    if (fault_ == SimulatedFault::kRollingShutter) {
       const double per_px = point.norm() / camera_.image_size().width;
       const double time = feature.pixel.y() / camera_.image_size().height - 0.5;
       moved += 6 * strength_px_ * time * per_px *
                (move_ + turn_.cross(point.normalized()));
     }
     const auto pixel = camera_.Project(moved, &feature.pixel, 8);
-    return pixel ? Moved(*pixel) : feature.pixel;
+    return pixel ? MapToPoints(*pixel) : feature.pixel;
   }
 
  private:
@@ -67,9 +67,9 @@ class FaultyView {
     }
   }
 
-  Eigen::Vector2d Moved(const Eigen::Vector2d& pixel) const {
+  Eigen::Vector2d MapToPoints(const Eigen::Vector2d& pixel) const {
     const ImageSize& size = camera_.image_size();
-    if (fault_ == SimulatedFault::kImagePlace) {
+    if (fault_ == SimulatedFault::kImagePosition) {
       const double wave = 2 * M_PI * 7 / size.width;
       return pixel + strength_px_ * Eigen::Vector2d(std::sin(wave * pixel.y()),
                                                     std::cos(wave * pixel.x()));
@@ -101,7 +101,7 @@ void MovePoints(double strength_px, const ImageSize& size, Random* random,
 
 }  // namespace
 
-const char* NameOf(SimulatedFault fault) {
+const char* ToString(SimulatedFault fault) {
   constexpr const char* kNames[kNumFaults] = {"none",
                                               "lens model",
                                               "target geometry",
@@ -122,7 +122,7 @@ Dataset SimulateFaultyObservations(const CameraModel& camera,
   SimulatedObservations seen = SimulateObservations(camera, pattern, exact);
   Random random(options.seed + 7919);
   Board board = seen.true_pattern.boards.front();
-  if (fault == SimulatedFault::kBoardPlace)
+  if (fault == SimulatedFault::kBoardPosition)
     MovePoints(strength_px, camera.image_size(), &random, &board);
   for (size_t i = 0; i < seen.dataset.images.size(); ++i) {
     std::vector<Feature>& features = seen.dataset.images[i].features;

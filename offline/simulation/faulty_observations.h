@@ -8,17 +8,17 @@ namespace raygrid {
 /// Systematic errors of calibration images, besides noise.
 enum class SimulatedFault {
   kNone,
-  kImagePlace,   ///< ripples of the lens
-  kBoardPlace,   ///< target points differ from nominal
-  kBend,         ///< per-view deformation of the board
-  kInPlane,      ///< per-view in-plane stretch and shear
-  kImageAffine,  ///< per-view change of focus and sensor position
-  kRowTime,      ///< rolling shutter with motion
+  kImagePosition,   ///< ripples of the lens
+  kBoardPosition,   ///< target points differ from nominal
+  kDeformation,     ///< per-view deformation of the board
+  kInPlane,         ///< per-view in-plane stretch and shear
+  kImageAffine,     ///< per-view change of focus and sensor position
+  kRollingShutter,  ///< rolling shutter with motion
 };
 constexpr int kNumFaults = 7;
 
 /// "none", "lens model", ...
-const char* NameOf(SimulatedFault fault);
+const char* ToString(SimulatedFault fault);
 
 /// Adds a fault to SimulateObservations() that displaces features by a few
 /// times strength_px, before poses compensate part of it.

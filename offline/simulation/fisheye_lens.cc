@@ -49,9 +49,9 @@ bool FisheyeLens::Linearize(const Eigen::Vector3d& point,
   projection->pixel = *pixel;
   const double across = point.head<2>().norm(), z = point.z();
   const double norm2 = point.squaredNorm();
-  projection->by_point.setZero();
+  projection->J_point.setZero();
   if (across < 1e-12 * std::sqrt(norm2)) {
-    projection->by_point(0, 0) = projection->by_point(1, 1) =
+    projection->J_point(0, 0) = projection->J_point(1, 1) =
         parameters_.f_px / z;
     return true;
   }
@@ -60,10 +60,10 @@ bool FisheyeLens::Linearize(const Eigen::Vector3d& point,
   const double slope = parameters_.RadiusDerivative(theta);
   const Eigen::Vector2d unit = point.head<2>() / across;
   const Eigen::Matrix2d radial = unit * unit.transpose();
-  projection->by_point.leftCols<2>() =
+  projection->J_point.leftCols<2>() =
       slope * z / norm2 * radial + parameters_.Radius(theta) / across *
                                        (Eigen::Matrix2d::Identity() - radial);
-  projection->by_point.col(2) = -slope * across / norm2 * unit;
+  projection->J_point.col(2) = -slope * across / norm2 * unit;
   return true;
 }
 

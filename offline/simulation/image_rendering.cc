@@ -322,7 +322,7 @@ double Transmission(const CameraModel& camera, int column, int row,
   return lit * std::pow(1 + tan2_of_corner * (x * x + y * y) / corner2, -2);
 }
 
-void RequireSensible(const ImageSize& size, const ImagingOptions& options) {
+void RequireValidView(const ImageSize& size, const ImagingOptions& options) {
   if (size.width < 2 || size.height < 2)
     throw InputError("images must be at least 2 x 2 pixels");
   if (options.samples_per_pixel < 1 || options.samples_per_pixel > 64)
@@ -391,7 +391,7 @@ RenderedImage RenderImage(const PixelRays& rays,
                           const std::vector<PlacedBoard>& boards,
                           const ImagingOptions& options, int num_threads) {
   const ImageSize& size = rays.size();
-  RequireSensible(size, options);
+  RequireValidView(size, options);
   RenderedImage image;
   image.size = size;
   image.levels.resize(static_cast<size_t>(size.width) * size.height);

@@ -167,8 +167,8 @@ int32_t InkMap::CellAt(const Eigen::Vector2d& point_m) const {
                 static_cast<int>(cell.x())];
 }
 
-double InkMap::InkOfPart(const Eigen::Vector2d& center_m, const Footprint& part,
-                         int32_t cell) const {
+double InkMap::ComputePartInk(const Eigen::Vector2d& center_m,
+                              const Footprint& part, int32_t cell) const {
   if (cell == kWhite) return 0;
   if (cell == kBlack) return 1;
   if (cell == kSeveral) return Colour(center_m) == kBlack ? 1 : 0;
@@ -179,9 +179,9 @@ double InkMap::InkOfPart(const Eigen::Vector2d& center_m, const Footprint& part,
   return is_black_beyond ? beyond : 1 - beyond;
 }
 
-double InkMap::InkOfParts(const Eigen::Vector2d& center_m,
-                          const Footprint& footprint,
-                          int parts_along_side) const {
+double InkMap::ComputePartsInk(const Eigen::Vector2d& center_m,
+                               const Footprint& footprint,
+                               int parts_along_side) const {
   const Footprint part(footprint.sides_m() / parts_along_side);
   double sum = 0;
   for (int j = 0; j < parts_along_side; ++j) {
@@ -191,7 +191,7 @@ double InkMap::InkOfParts(const Eigen::Vector2d& center_m,
           center_m +
           part.sides_m() *
               (place.array() - (parts_along_side - 1) / 2.0).matrix();
-      sum += InkOfPart(at, part, CellAt(at));
+      sum += ComputePartInk(at, part, CellAt(at));
     }
   }
   return sum / (parts_along_side * parts_along_side);
@@ -201,13 +201,13 @@ double InkMap::InkFraction(const Eigen::Vector2d& center_m,
                            const Footprint& footprint) const {
   const double radius = footprint.radius_m() / cell_m_;
   if (radius > kMaxPatchRadius)
-    return InkOfParts(
+    return ComputePartsInk(
         center_m, footprint,
         static_cast<int>(
             std::min(std::ceil(radius / kMaxPatchRadius), 1.0 * kMostParts)));
   const int32_t cell = CellAt(center_m);
-  if (cell == kSeveral) return InkOfParts(center_m, footprint, kParts);
-  return InkOfPart(center_m, footprint, cell);
+  if (cell == kSeveral) return ComputePartsInk(center_m, footprint, kParts);
+  return ComputePartInk(center_m, footprint, cell);
 }
 
 }  // namespace raygrid

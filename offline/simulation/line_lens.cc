@@ -64,7 +64,7 @@ bool LineLens::Linearize(const Eigen::Vector3d& point,
   const auto solution = FindLine(*this, point, start);
   if (!solution || !area().Contains(solution->pixel, margin_px)) return false;
   projection->pixel = solution->pixel;
-  projection->by_point =
+  projection->J_point =
       solution->derivative.inverse() *
       ToChartDerivative(point - Line(solution->pixel)->origin);
   return true;

@@ -80,13 +80,13 @@ class HandPath {
 // is there.
 std::optional<Eigen::Vector2d> SeenByRows(const CameraModel& camera,
                                           const HandPath& path, double time,
-                                          double row_time_s,
+                                          double line_delay_s,
                                           const Eigen::Vector3d& point) {
   const double middle = (camera.image_size().height - 1) / 2.0;
   std::optional<Eigen::Vector2d> pixel = camera.Project(path.At(time) * point);
   // Each step reduces the error about a hundredfold.
   for (int step = 0; pixel && step < 12; ++step) {
-    const double then = time + row_time_s * (pixel->y() - middle);
+    const double then = time + line_delay_s * (pixel->y() - middle);
     pixel = camera.Project(path.At(then) * point);
   }
   return pixel;
@@ -94,16 +94,16 @@ std::optional<Eigen::Vector2d> SeenByRows(const CameraModel& camera,
 
 std::vector<Feature> FeaturesByRows(const CameraModel& camera,
                                     const Board& board, const HandPath& path,
-                                    double time, double row_time_s) {
+                                    double time, double line_delay_s) {
   std::vector<Feature> features;
   for (int row = 0; row < board.rows; ++row)
     for (int column = 0; column < board.columns; ++column) {
       if (!board.HasFeature(column, row)) continue;
       const auto pixel =
-          SeenByRows(camera, path, time, row_time_s,
+          SeenByRows(camera, path, time, line_delay_s,
                      board.points[board.PointIndex(column, row)]);
       if (pixel && WholeImage(camera.image_size()).Contains(*pixel) &&
-          camera.IsLit(*pixel))
+          camera.IsInImageCircle(*pixel))
         features.push_back({board.id, column, row, *pixel});
     }
   return features;
@@ -121,13 +121,13 @@ MovingObservations SimulateMovingObservations(const CameraModel& camera,
   seen.dataset.image_size = camera.image_size();
   seen.true_pattern = pattern;
   Board& board = seen.true_pattern.boards.front();
-  board = BentBoard(board, options.board_bend_m);
+  board = BendBoard(board, options.board_bend_m);
   const HandPath path(camera, board, motion.speed, &random);
   for (int i = 0; i < options.num_images; ++i) {
     const double time = i * motion.frame_interval_s;
     std::vector<Feature> features =
-        FeaturesByRows(camera, board, path, time, motion.row_time_s);
-    ThinFeatures(options.features_per_image, &random, &features);
+        FeaturesByRows(camera, board, path, time, motion.line_delay_s);
+    ThinOutFeatures(options.features_per_image, &random, &features);
     if (static_cast<int>(features.size()) < options.features_per_image)
       continue;
     AddNoise(options, &random, &features);

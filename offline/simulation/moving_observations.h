@@ -10,7 +10,7 @@ namespace raygrid {
 /// The hand-held motion of a board, or a camera, during a recording.
 struct HandMotion {
   double frame_interval_s = 1 / 30.0;
-  double row_time_s = 0;  ///< negative: from the last row to the first
+  double line_delay_s = 0;  ///< negative: from the last row to the first
   /// Speed of motion: 1 takes about three seconds from one side of the image to
   /// the other, with a tremor of 2 Hz; 0 is static.
   double speed = 1;

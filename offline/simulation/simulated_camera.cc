@@ -72,7 +72,7 @@ bool SimulatedCamera::Linearize(const Eigen::Vector3d& point,
   if (!lens_->Linearize(point, start, 0, projection)) return false;
   Eigen::Matrix2d derivative;
   projection->pixel = Bend(projection->pixel, &derivative);
-  projection->by_point = derivative * projection->by_point;
+  projection->J_point = derivative * projection->J_point;
   return area().Contains(projection->pixel, margin_px);
 }
 

@@ -86,8 +86,8 @@ std::unique_ptr<CameraModel> WithBumps(std::shared_ptr<const CameraModel> lens,
 
 }  // namespace
 
-std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
-                                           const ImageSize& size) {
+std::unique_ptr<CameraModel> MakeSimulatedLens(const std::string& name,
+                                               const ImageSize& size) {
   if (name == "pinhole")
     return Parametric(size, 0.785, -0.01, 0.002, 0).Clone();
   if (name == "wide") {
@@ -103,7 +103,7 @@ std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
   }
   if (name == "fisheye190") return Fisheye(size, 190 * kDegree, 1).Clone();
   if (name == "noncentral")
-    return MovingPupilLens(*SimulatedLens("fisheye", size), kPupilShiftM)
+    return MovingPupilLens(*MakeSimulatedLens("fisheye", size), kPupilShiftM)
         .Clone();
   if (name == "glass") {
     const SimulatedCamera lens(Parametric(size, 0.83, -0.28, 0.09, 0),
@@ -129,8 +129,8 @@ std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
       name));
 }
 
-std::unique_ptr<CameraModel> ChangingLens(const LensState& state,
-                                          const ImageSize& size) {
+std::unique_ptr<CameraModel> MakeChangingLens(const LensState& state,
+                                              const ImageSize& size) {
   const LensChange near = ChangeByPosition(state.lens_position);
   const LensChange warm = ChangeByTemperature(state.temperature);
   OpenCvModel lens = Parametric(size, 0.83, -0.28 + near.k1 + warm.k1, 0.09, 0);
@@ -142,14 +142,15 @@ std::unique_ptr<CameraModel> ChangingLens(const LensState& state,
   return std::make_unique<SimulatedCamera>(lens, Bumps(size));
 }
 
-std::unique_ptr<CameraModel> ChangingLens(CameraCondition condition,
-                                          double value, const ImageSize& size) {
+std::unique_ptr<CameraModel> MakeChangingLens(OperatingParameter condition,
+                                              double value,
+                                              const ImageSize& size) {
   LensState state;
-  if (condition == CameraCondition::kLensPosition)
+  if (condition == OperatingParameter::kLensPosition)
     state.lens_position = value;
   else
     state.temperature = value;
-  return ChangingLens(state, size);
+  return MakeChangingLens(state, size);
 }
 
 }  // namespace raygrid

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "camera/camera_stack.h"
+#include "camera/operating_point_model.h"
 
 namespace raygrid {
 
@@ -21,8 +21,8 @@ namespace raygrid {
 ///               lenses that no radial model fits within 20 px, see
 ///               simulation/uneven_lens.h
 /// Throws InputError for other names and for sizes a lens does not have.
-std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
-                                           const ImageSize& size);
+std::unique_ptr<CameraModel> MakeSimulatedLens(const std::string& name,
+                                               const ImageSize& size);
 
 /// The operating point of a simulated lens.
 struct LensState {
@@ -37,11 +37,12 @@ struct LensState {
 ///   temperature    the focal length decreases by 40 ppm/K relative to that at
 ///                  the lens position; the principal point moves by 0.5 px over
 ///                  50 K, less at high temperatures
-std::unique_ptr<CameraModel> ChangingLens(const LensState& state,
-                                          const ImageSize& size);
+std::unique_ptr<CameraModel> MakeChangingLens(const LensState& state,
+                                              const ImageSize& size);
 /// The lens at a value of one condition, with the other as in LensState.
-std::unique_ptr<CameraModel> ChangingLens(CameraCondition condition,
-                                          double value, const ImageSize& size);
+std::unique_ptr<CameraModel> MakeChangingLens(OperatingParameter condition,
+                                              double value,
+                                              const ImageSize& size);
 
 }  // namespace raygrid
 

@@ -6,7 +6,7 @@
 
 #include "dataset/error.h"
 #include "simulation/board_bend.h"
-#include "simulation/board_flex.h"
+#include "simulation/board_deformation.h"
 
 namespace raygrid {
 namespace {
@@ -18,7 +18,7 @@ Eigen::Vector3d RandomRay(const CameraModel& camera, const Area& area,
     const double x = random->Uniform(area.x0, area.x1);
     const double y = random->Uniform(area.y0, area.y1);
     const auto direction = camera.Unproject({x, y});
-    if (direction && camera.IsLit({x, y})) return *direction;
+    if (direction && camera.IsInImageCircle({x, y})) return *direction;
   }
 }
 
@@ -63,7 +63,7 @@ double Magnification(const CameraModel& camera, const Eigen::Vector3d& ray) {
   LinearizedProjection projection;
   if (!camera.Linearize(ray, nullptr, 1, &projection)) return 0;
   const Eigen::Matrix2d square =
-      projection.by_point * projection.by_point.transpose();
+      projection.J_point * projection.J_point.transpose();
   const double mean = square.trace() / 2;
   const double root =
       std::sqrt(std::max(0.0, mean * mean - square.determinant()));
@@ -90,8 +90,8 @@ void AddSharedNoise(double noise_px, double length, Random* random,
 
 }  // namespace
 
-void ThinFeatures(size_t count, Random* random,
-                  std::vector<Feature>* features) {
+void ThinOutFeatures(size_t count, Random* random,
+                     std::vector<Feature>* features) {
   while (features->size() > count)
     features->erase(features->begin() +
                     random->Index(static_cast<int>(features->size())));
@@ -115,7 +115,7 @@ std::vector<Feature> VisibleFeatures(const CameraModel& camera,
       const std::optional<Eigen::Vector2d> pixel =
           camera.Project(pose * board.points[board.PointIndex(column, row)]);
       if (pixel && WholeImage(camera.image_size()).Contains(*pixel) &&
-          camera.IsLit(*pixel))
+          camera.IsInImageCircle(*pixel))
         features.push_back({board.id, column, row, *pixel});
     }
   }
@@ -151,7 +151,7 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
   result.dataset.image_size = camera.image_size();
   result.true_pattern = pattern;
   Board& board = result.true_pattern.boards.front();
-  board = BentBoard(board, options.board_bend_m);
+  board = BendBoard(board, options.board_bend_m);
 
   int num_tries = 0;
   std::vector<ImageFeatures>& images = result.dataset.images;
@@ -164,11 +164,11 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
                               kMaxTries, options.features_per_image));
     const Pose pose = RandomPose(camera, board, &random);
     std::vector<Feature> features = VisibleFeatures(
-        camera, FlexedBoard(board, options.board_flex_m, &random), pose);
+        camera, DeformBoard(board, options.board_flex_m, &random), pose);
     if (static_cast<int>(features.size()) < options.features_per_image)
       continue;
     num_tries = 0;
-    ThinFeatures(options.features_per_image, &random, &features);
+    ThinOutFeatures(options.features_per_image, &random, &features);
     for (int shot = 0; shot < options.num_shots; ++shot) {
       const std::string name = fmt::format("sim{:04d}.png", images.size());
       images.push_back({name, features});

@@ -19,7 +19,7 @@ struct SimulationOptions {
   double noise_px = 0.05;        ///< standard deviation of each coordinate
   /// Deflection of the board at its edges: a paraboloid.
   double board_bend_m = 0;
-  /// Additional per-view deformation, RMS: FlexedBoard().
+  /// Additional per-view deformation, RMS: DeformBoard().
   double board_flex_m = 0;
   /// Spatially correlated noise, independent in each image: a smooth random
   /// displacement, with the standard deviation of each coordinate and the
@@ -44,7 +44,8 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
                                            const SimulationOptions& options);
 
 /// Keeps count random features in their order, or all if there are fewer.
-void ThinFeatures(size_t count, Random* random, std::vector<Feature>* features);
+void ThinOutFeatures(size_t count, Random* random,
+                     std::vector<Feature>* features);
 
 /// Adds white and spatially correlated noise to the features of an image.
 void AddNoise(const SimulationOptions& options, Random* random,

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "simulation/board_bend.h"
-#include "simulation/board_flex.h"
+#include "simulation/board_deformation.h"
 #include "simulation/random.h"
 
 namespace raygrid {
@@ -37,7 +37,8 @@ std::vector<Pose> BoardPoses(const SimulatedRig& rig, const Board& board,
 }
 
 // first_from_board of each of several boards.
-std::vector<Pose> PlacesOf(const Pattern& pattern, const FixedBoards& fixed) {
+std::vector<Pose> CollectFeaturePositions(const Pattern& pattern,
+                                          const FixedBoards& fixed) {
   std::vector<Pose> places = {Pose()};
   for (size_t b = 0; b + 1 < pattern.boards.size(); ++b) {
     const Eigen::Vector3d to_next(
@@ -59,9 +60,9 @@ Pose MovedPlace(const Pose& place, double move_m, Random* random) {
 
 // rig_from_body for each frame: the centre of a board, or of the gap after it,
 // is held in front of a camera.
-std::vector<Pose> BodyPoses(const SimulatedRig& rig, const Pattern& pattern,
-                            const std::vector<Pose>& places, int count,
-                            uint64_t seed) {
+std::vector<Pose> TargetPoses(const SimulatedRig& rig, const Pattern& pattern,
+                              const std::vector<Pose>& places, int count,
+                              uint64_t seed) {
   constexpr double kMaxTiltRad = 35 * M_PI / 180;
   constexpr double kMaxTurnRad = 25 * M_PI / 180;
   const auto middle = [&](size_t board) -> Eigen::Vector3d {
@@ -161,13 +162,13 @@ SimulatedRigObservations ObserveBoards(
   for (const auto& camera : rig.cameras)
     result.datasets.push_back({camera->image_size(), {}});
   for (Board& board : result.true_pattern.boards)
-    board = BentBoard(board, options.board_bend_m);
+    board = BendBoard(board, options.board_bend_m);
   Random random(options.seed);
   for (int i = 0; i < options.num_images; ++i) {
     // Each board has one deformation per frame, common to all cameras.
     std::vector<Board> boards;
     for (const Board& board : result.true_pattern.boards)
-      boards.push_back(FlexedBoard(board, options.board_flex_m, &random));
+      boards.push_back(DeformBoard(board, options.board_flex_m, &random));
     std::vector<Pose> instant;
     for (size_t b = 0; b < boards.size(); ++b) instant.push_back(poses[b][i]);
     AddInstant(rig, boards, instant, i * options.num_shots, options, &random,
@@ -209,7 +210,7 @@ void HideShared(SimulatedRigObservations* seen) {
 
 }  // namespace
 
-SimulatedRig CamerasInARow(const std::shared_ptr<const CameraModel>& camera,
+SimulatedRig MakeCameraRow(const std::shared_ptr<const CameraModel>& camera,
                            int count, double baseline_m) {
   SimulatedRig rig;
   for (int c = 0; c < count; ++c) {
@@ -235,16 +236,16 @@ SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
                                      const Pattern& pattern,
                                      const FixedBoards& fixed,
                                      const SimulationOptions& options) {
-  std::vector<Pose> places = PlacesOf(pattern, fixed);
-  const std::vector<Pose> bodies =
-      BodyPoses(rig, pattern, places, options.num_images, options.seed);
+  std::vector<Pose> places = CollectFeaturePositions(pattern, fixed);
+  const std::vector<Pose> rigid_targets =
+      TargetPoses(rig, pattern, places, options.num_images, options.seed);
   Random random(options.seed);
   const Pose moved = MovedPlace(places.back(), fixed.move_m, &random);
   std::vector<std::vector<Pose>> poses(places.size());
   for (int i = 0; i < options.num_images; ++i) {
     if (2 * i >= options.num_images) places.back() = moved;
     for (size_t b = 0; b < places.size(); ++b)
-      poses[b].push_back(bodies[i] * places[b]);
+      poses[b].push_back(rigid_targets[i] * places[b]);
   }
   SimulatedRigObservations seen = ObserveBoards(rig, pattern, poses, options);
   if (fixed.never_shared) HideShared(&seen);

@@ -17,7 +17,7 @@ struct SimulatedRig {
 
 /// Makes a row of identical cameras with parallel axes; the first defines the
 /// rig frame.
-SimulatedRig CamerasInARow(const std::shared_ptr<const CameraModel>& camera,
+SimulatedRig MakeCameraRow(const std::shared_ptr<const CameraModel>& camera,
                            int count, double baseline_m);
 
 /// A rigid multi-board target: boards side by side in the order of the pattern,

@@ -67,7 +67,7 @@ bool UnevenLens::Linearize(const Eigen::Vector3d& point,
                       (2 * kSlopeStepPx);
   }
   projection->pixel = *pixel;
-  projection->by_point = by_pixel.inverse() * ToChartDerivative(point);
+  projection->J_point = by_pixel.inverse() * ToChartDerivative(point);
   return true;
 }
 

@@ -95,7 +95,7 @@ ScreenBoards WithPixelPitch(ScreenBoards boards, double pixels_per_inch) {
   return boards;
 }
 
-ScreenLength LengthToMeasure(const Board& board) {
+ScreenLength GetMeasurableLength(const Board& board) {
   const Eigen::Vector3d last = board.NominalPoints().back() / board.square_m;
   return {last.x() >= last.y(), std::max(last.x(), last.y())};
 }

@@ -37,7 +37,7 @@ struct ScreenLength {
   bool is_row = true;
   double squares = 0;
 };
-ScreenLength LengthToMeasure(const Board& board);
+ScreenLength GetMeasurableLength(const Board& board);
 
 std::string ScreenYaml(const ScreenBoards& boards);
 std::string ScreenPng(const ScreenBoards& boards, const Board& board);

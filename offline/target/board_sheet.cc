@@ -23,7 +23,7 @@ constexpr double kBelowBoardMm = 9;   // ruler and text
 constexpr double kBesideBoardMm = 5;  // ruler
 constexpr int kMaxRulerMm = 200;
 
-Page Turned(const Page& page) { return {page.height_mm, page.width_mm}; }
+Page Rotated(const Page& page) { return {page.height_mm, page.width_mm}; }
 
 // The width and height that margins and rulers leave.
 double FreeWidth(const Page& page) {
@@ -66,7 +66,7 @@ std::string LargestCounts(const Board& board, const Page& page) {
 
 [[noreturn]] void RefuseBoard(const Board& board, const Page& page) {
   const Eigen::Vector2d size_mm = BoardSizeMm(board);
-  const Page turned = Turned(page);
+  const Page turned = Rotated(page);
   const Page& better =
       LargestScale(size_mm, turned) > LargestScale(size_mm, page) ? turned
                                                                   : page;
@@ -183,7 +183,7 @@ BoardSheets PlanBoardSheets(std::vector<Board> boards, const Page& page) {
   BoardSheets sheets;
   sheets.page = page;
   const Eigen::Vector2d size_mm = BoardSizeMm(boards.front());
-  if (!Fits(size_mm, page)) sheets.page = Turned(page);
+  if (!Fits(size_mm, page)) sheets.page = Rotated(page);
   if (!Fits(size_mm, sheets.page)) RefuseBoard(boards.front(), page);
   sheets.boards = std::move(boards);
   sheets.board_mm = PlaceBoard(size_mm, sheets.page);
@@ -191,8 +191,8 @@ BoardSheets PlanBoardSheets(std::vector<Board> boards, const Page& page) {
   return sheets;
 }
 
-PrintScale MeasuredScale(const BoardSheets& sheets, double measured_x_mm,
-                         double measured_y_mm) {
+PrintScale ComputePrintScale(const BoardSheets& sheets, double measured_x_mm,
+                             double measured_y_mm) {
   const PrintScale scale = {measured_x_mm / sheets.ruler_mm,
                             measured_y_mm / sheets.ruler_mm};
   for (const double s : {scale.x, scale.y})

@@ -33,8 +33,8 @@ BoardSheets PlanBoardSheets(std::vector<Board> boards, const Page& page);
 
 /// The boards with lengths as printed, given that of the rulers as measured;
 /// throws Error(kUsage) if that cannot be.
-PrintScale MeasuredScale(const BoardSheets& sheets, double measured_x_mm,
-                         double measured_y_mm);
+PrintScale ComputePrintScale(const BoardSheets& sheets, double measured_x_mm,
+                             double measured_y_mm);
 
 std::string SheetsYaml(const BoardSheets& sheets, const PrintScale& scale = {});
 

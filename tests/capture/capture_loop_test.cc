@@ -111,7 +111,7 @@ class CaptureLoopTest : public testing::Test {
     PairedFrames frames(std::move(cameras), 0);
     SessionFolder session(folder_ / "session", pattern_, frames.names(),
                           resume);
-    CaptureWishes wishes;
+    CaptureRequests wishes;
     std::vector<std::string> words;
     CaptureViewers viewers;
     viewers.show = [&](const CaptureState& state) {
@@ -119,7 +119,7 @@ class CaptureLoopTest : public testing::Test {
       const bool is_end = state.hint == "finished";
       if (!is_end && word != "moving" && word != "known" && word != "busy")
         words.push_back(word);
-      remarks_ = state.remarks;
+      remarks_ = state.warnings;
     };
     CaptureLoop(CaptureLoopOptions{}, pattern_, &frames, &session, viewers,
                 &wishes)
@@ -253,7 +253,7 @@ class RigLoopTest : public CaptureLoopTest {
 
   std::unique_ptr<MadeFrames> cameras_[2] = {
       std::make_unique<MadeFrames>(false), std::make_unique<MadeFrames>(false)};
-  CaptureWishes wishes_;
+  CaptureRequests wishes_;
   std::vector<CaptureState> states_;
   std::map<std::string, size_t> num_frames_;
   std::vector<Session> sessions_;
@@ -277,7 +277,7 @@ TEST_F(RigLoopTest, KeepsTheFramesOfAnInstantTogether) {
   const CaptureState& last = states_.back();
   ASSERT_EQ(last.cameras.size(), 2u);
   EXPECT_EQ(last.cameras[1].name, "right");
-  EXPECT_EQ(last.remarks.front(), "left: not locked: focus at 2 dioptres");
+  EXPECT_EQ(last.warnings.front(), "left: not locked: focus at 2 dioptres");
   for (const CaptureState& state : states_)
     EXPECT_EQ(state.camera, "left");  // the first one that is not known
 }

@@ -50,7 +50,7 @@ std::optional<std::vector<uint8_t>> CaptureOperator::Look(const Json& state) {
 std::optional<std::vector<uint8_t>> CaptureOperator::Fill(const Json& outline) {
   const std::vector<Eigen::Vector3d> points = OutlinePoints(board_);
   if (outline.size() != 2 * points.size()) return std::nullopt;
-  std::vector<PointOnPixel> matches;
+  std::vector<PointPixelMatch> matches;
   for (size_t k = 0; k < points.size(); ++k)
     matches.push_back(
         {points[k], Eigen::Vector2d(outline[2 * k].get<double>(),

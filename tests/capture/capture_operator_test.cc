@@ -163,7 +163,7 @@ class Camera {
 
 TEST(CaptureOperator, FollowsThePageToAnAccurateCamera) {
   const std::string spec = "star:14x10:18mm";
-  const auto truth = SimulatedLens("wide", kOperatedSize);
+  const auto truth = MakeSimulatedLens("wide", kOperatedSize);
   const TemporaryFolder folder;
   const std::string session = folder / "session";
   std::signal(SIGPIPE, SIG_IGN);

@@ -161,7 +161,7 @@ class Demo {
       state_.cameras = {{"left", "moving", 0.04}, {"right", "kept", 0.2}};
       state_.links = {{"left", "right", 0.013}};
     } else if (verb == "remark") {
-      state_.remarks.push_back(rest);
+      state_.warnings.push_back(rest);
     } else if (verb == "picture" && words >> number) {
       ShowPicture(number);
     }

@@ -154,7 +154,7 @@ TEST_F(CapturePageTest, TellsTheStateAsJson) {
   state.target_px = 0.2;
   state.kept = {"a.png", "b\xff.png"};
   state.num_expected = 9;
-  state.remarks = {"<b>"};
+  state.warnings = {"<b>"};
   page_->Show(state);
   HttpClient client(page_->port(), "GET /state");
   EXPECT_EQ(client.Status(), 200);
@@ -221,7 +221,7 @@ TEST_F(CapturePageTest, WhoIsSlowMissesStatesAndHoldsNobodyUp) {
   EXPECT_FALSE(NextState(&fast).is_null());
   constexpr int kNumStates = 1000;  // 60 MB, more than sockets hold
   CaptureState state;
-  state.remarks = {std::string(60000, 'x')};
+  state.warnings = {std::string(60000, 'x')};
   std::thread sender([&] {
     for (int k = 0; k <= kNumStates; ++k) {
       state.hint = std::to_string(k);

@@ -51,10 +51,10 @@ class Performance {
     HttpClient page(address.port, "GET /state", address.fields);
     while (const auto state = NextState(&page)) {
       const auto picture = person_->Look(*state);
-      const bool is_enough =
+      const bool should_accept =
           finish_at_ > 0 && person_->num_kept() >= finish_at_;
-      is_over_ = person_->is_done() || is_enough;
-      if (is_enough)
+      is_over_ = person_->is_done() || should_accept;
+      if (should_accept)
         HttpClient(address.port, "POST /finish", address.fields).Status();
       if (is_over_) return;
       if (unplug_at_ > 0 && person_->num_kept() >= unplug_at_) {
@@ -79,7 +79,7 @@ class Performance {
 int Run(char** argv) {
   const std::string size = argv[5];
   const size_t cross = size.find('x');
-  const auto camera = SimulatedLens(
+  const auto camera = MakeSimulatedLens(
       argv[4],
       {std::atoi(size.c_str()), std::atoi(size.substr(cross + 1).c_str())});
   const Pattern pattern = ReadPatternOrSpec(argv[6]);

@@ -21,7 +21,7 @@ set(RAYGRID_SLOW_WITH_SANITIZERS
   OutputFolder.Kills*
   PackCamera.CamerasWithoutRays*
   PackCamera.RoughCameras*
-  PlaceByLayout.IsNeverWrong*
+  AssignByLayout.IsNeverWrong*
   PrintedInk.OfAprilGrids*
   PrintedInk.OfCharuco*
   PrintedInk.OfSix*

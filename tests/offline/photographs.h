@@ -181,7 +181,7 @@ inline Image TurnedAround(Image image) {
   return image;
 }
 
-inline Image Mirrored(const Photograph& photograph) {
+inline Image MirrorImage(const Photograph& photograph) {
   cv::Mat mirrored;
   cv::flip(photograph.mat, mirrored, 1);
   return ToGrey(mirrored);

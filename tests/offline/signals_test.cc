@@ -16,7 +16,7 @@ class Interruptions : public testing::Test {
 using InterruptionsDeathTest = Interruptions;
 
 void Interrupt(int signal) {
-  NoteInterruptions();
+  InstallInterruptHandler();
   std::raise(signal);
 }
 
@@ -49,8 +49,8 @@ TEST_F(InterruptionsDeathTest, WorkThatHearsGoesOnToItsEnd) {
 TEST_F(InterruptionsDeathTest, WhatIsBeingWrittenIsWrittenToItsEnd) {
   EXPECT_EXIT(
       {
-        NoteInterruptions();
-        FinishUndisturbed();
+        InstallInterruptHandler();
+        IgnoreFirstSignal();
         std::raise(SIGTERM);
         WorkFor(2);
         std::exit(7);

@@ -109,7 +109,8 @@ inline CentralGeneric FoldedFisheye(double radius_px, double mirror) {
   const ImageSize size = {800, 800};
   BSplineSurface surface(WholeImage(size), 43, 43);
   for (int k = 0; k < surface.num_points(); ++k) {
-    const Eigen::Vector2d offset = surface.PixelOf(k) - surface.area().center();
+    const Eigen::Vector2d offset =
+        surface.GetPixel(k) - surface.area().center();
     const double angle = M_PI / 2 * offset.norm() / radius_px;
     const Eigen::Vector2d chart =
         offset / radius_px * (angle > 0 ? std::sin(angle) / angle : 1);
@@ -154,10 +155,12 @@ inline void ExpectProjectionIntoFold(const CameraModel& camera,
 }
 
 /// The grid nearest to a model over its area.
-inline CentralGeneric FittedGrid(const CameraModel& model, double cell_px) {
+inline CentralGeneric FittedGrid(const CameraModel& model,
+                                 double knot_spacing_px) {
   const Area& area = model.area();
-  return FitCentralGeneric(model, area, NumControlPoints(area.width(), cell_px),
-                           NumControlPoints(area.height(), cell_px));
+  return FitCentralGeneric(model, area,
+                           NumControlPoints(area.width(), knot_spacing_px),
+                           NumControlPoints(area.height(), knot_spacing_px));
 }
 
 /// Expects that Project() inverts Line() at random pixels.
@@ -190,7 +193,7 @@ inline void ExpectDerivativeByPoint(const CameraModel& camera,
     const auto project = [&](const Eigen::VectorXd& p) -> Eigen::VectorXd {
       return camera.Project(p, nullptr, 3).value();
     };
-    EXPECT_LT(RelativeDifference(linear.by_point,
+    EXPECT_LT(RelativeDifference(linear.J_point,
                                  CentralDifference(project, point, 1e-5)),
               tolerance);
   }
@@ -202,9 +205,9 @@ inline Eigen::MatrixXd DenseByParameter(const LinearizedProjection& linear,
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(2, num_parameters);
   for (int k = 0; k < linear.num_nodes; ++k)
     dense.middleCols(linear.node_parameter[k], linear.num_per_node) +=
-        linear.node_weight[k] * linear.by_node.leftCols(linear.num_per_node);
+        linear.node_weight[k] * linear.J_node.leftCols(linear.num_per_node);
   dense.middleCols(linear.first_global, linear.num_global) +=
-      linear.by_global.leftCols(linear.num_global);
+      linear.J_global.leftCols(linear.num_global);
   return dense;
 }
 
@@ -234,7 +237,7 @@ inline void ExpectDerivativeByParameter(const CameraModel& camera, double step,
 inline NonCentralGeneric ExampleLines() {
   const ImageSize size = {640, 480};
   const Area area = WholeImage(size);
-  return FitNonCentralGeneric(*SimulatedLens("glass", size), area,
+  return FitNonCentralGeneric(*MakeSimulatedLens("glass", size), area,
                               NumControlPoints(area.width(), 40),
                               NumControlPoints(area.height(), 40));
 }

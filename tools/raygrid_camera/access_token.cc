@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "atomic_file.h"
 #include "camera_error.h"
-#include "whole_file.h"
 
 namespace raygrid {
 

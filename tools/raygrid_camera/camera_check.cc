@@ -62,7 +62,7 @@ std::string DescribeSource(const CameraArguments& arguments) {
 
 }  // namespace
 
-CameraArguments ArgumentsOfCheck(CameraArguments arguments) {
+CameraArguments MakeCheckArguments(CameraArguments arguments) {
   arguments.output.clear();
   arguments.http.port = 0;
   arguments.num_frames = 1;

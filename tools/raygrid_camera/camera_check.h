@@ -12,7 +12,7 @@ namespace raygrid {
 
 /// The arguments of a session that undistorts as these ask, ends after a frame,
 /// and neither writes nor serves.
-CameraArguments ArgumentsOfCheck(CameraArguments arguments);
+CameraArguments MakeCheckArguments(CameraArguments arguments);
 
 /// The blob, the frames and their source in a line. Throws CameraError where no
 /// frame was undistorted.

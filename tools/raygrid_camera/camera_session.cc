@@ -98,14 +98,14 @@ class FrameLoop {
   void Run() {
     while (!IsSignalled() && !IsEnough() && !undistorter_->is_finished()) {
       TakeFrame();
-      statistics_.ShowSometimes(source_.counts(), *undistorter_);
+      statistics_.ShowPeriodically(source_.counts(), *undistorter_);
     }
   }
 
   // Writes the frames that wait, too, when a signal or the source ended it.
   void Finish() {
     while (!IsEnough() && !undistorter_->is_finished()) TakeFrame();
-    statistics_.ShowAtTheEnd(source_.counts(), *undistorter_);
+    statistics_.ShowSummary(source_.counts(), *undistorter_);
   }
 
  private:
@@ -197,8 +197,8 @@ unsigned AllProcessorsButOne() {
   return std::max(2u, std::thread::hardware_concurrency()) - 1;
 }
 
-void TellBenchmark(const CameraArguments& arguments,
-                   const Benchmark& benchmark) {
+void PrintBenchmark(const CameraArguments& arguments,
+                    const Benchmark& benchmark) {
   if (benchmark.is_complete())
     std::fputs(benchmark.Describe().c_str(),
                arguments.output == "-" ? stderr : stdout);
@@ -246,7 +246,7 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
   loop.Finish();
   capture->Finish();
   if (const auto fault = undistorter.fault()) throw *fault;
-  if (benchmark) TellBenchmark(arguments, *benchmark);
+  if (benchmark) PrintBenchmark(arguments, *benchmark);
   if (arguments.is_check)
     std::fputs(DescribeCheck(arguments, *source, undistorter).c_str(), stdout);
 }
@@ -280,7 +280,7 @@ void StreamPoints(const CameraArguments& arguments, rg_camera camera,
 
 }  // namespace
 
-void NoteSignals() {
+void InstallSignalHandlers() {
   struct sigaction action = {};
   action.sa_handler = OnSignal;
   action.sa_flags = SA_RESETHAND;  // no SA_RESTART: reads end too
@@ -300,7 +300,8 @@ void RunCameraSession(const CameraArguments& arguments, const rg_camera& camera,
   CaptureGuard capture(recorded, NameOfSource(arguments), arguments.is_strict,
                        SayLine);
   if (arguments.is_check)
-    return StreamFrames(ArgumentsOfCheck(arguments), camera, &capture, source);
+    return StreamFrames(MakeCheckArguments(arguments), camera, &capture,
+                        source);
   if (arguments.points.empty())
     return StreamFrames(arguments, camera, &capture, source);
   StreamPoints(arguments, camera, &capture, source);

@@ -17,7 +17,7 @@ void RunCameraSession(const CameraArguments& arguments, const rg_camera& camera,
 
 /// Makes SIGINT and SIGTERM end a session in order; a second one ends the
 /// program at once.
-void NoteSignals();
+void InstallSignalHandlers();
 bool IsSignalled();
 
 }  // namespace raygrid

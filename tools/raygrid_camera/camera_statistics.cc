@@ -27,8 +27,8 @@ void CameraStatistics::Count(const UndistortedFrame& frame) {
   waited_.Add(Clock::now() - frame.arrived - frame.remap_time);
 }
 
-void CameraStatistics::ShowSometimes(const SourceCounts& source,
-                                     const Undistorter& undistorter) {
+void CameraStatistics::ShowPeriodically(const SourceCounts& source,
+                                        const Undistorter& undistorter) {
   if (is_quiet_ || !is_terminal_) return;
   const Clock::time_point now = Clock::now();
   if (now - last_ < std::chrono::seconds(1)) return;
@@ -40,8 +40,8 @@ void CameraStatistics::ShowSometimes(const SourceCounts& source,
   last_undistorted_ = statistics.undistorted;
 }
 
-void CameraStatistics::ShowAtTheEnd(const SourceCounts& source,
-                                    const Undistorter& undistorter) {
+void CameraStatistics::ShowSummary(const SourceCounts& source,
+                                   const Undistorter& undistorter) {
   if (is_quiet_) return;
   const UndistorterStatistics statistics = undistorter.statistics();
   Show(source, statistics, Rate(statistics.undistorted, Clock::now() - start_),

@@ -17,9 +17,9 @@ class CameraStatistics {
   CameraStatistics(const CaptureGuard& capture, bool is_quiet);
   /// A frame that was taken to be written.
   void Count(const UndistortedFrame& frame);
-  void ShowSometimes(const SourceCounts& source,
-                     const Undistorter& undistorter);
-  void ShowAtTheEnd(const SourceCounts& source, const Undistorter& undistorter);
+  void ShowPeriodically(const SourceCounts& source,
+                        const Undistorter& undistorter);
+  void ShowSummary(const SourceCounts& source, const Undistorter& undistorter);
 
  private:
   void Show(const SourceCounts& source, const UndistorterStatistics& statistics,

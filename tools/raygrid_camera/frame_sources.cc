@@ -5,12 +5,12 @@
 
 #include <vector>
 
+#include "atomic_file.h"
 #include "camera_error.h"
 #include "camera_session.h"
 #include "jpeg_reader.h"
 #include "memory_source.h"
 #include "pipe_source.h"
-#include "whole_file.h"
 
 #if RAYGRID_HAS_LIBCAMERA
 #include "libcamera_source.h"

@@ -65,8 +65,8 @@ HostNames::HostNames(const sockaddr* address, uint16_t port,
   names_.push_back(std::string(name) + ".local");
 }
 
-bool HostNames::IsOwnName(const std::string& name,
-                          const sockaddr* reached) const {
+bool HostNames::IsLocalName(const std::string& name,
+                            const sockaddr* reached) const {
   const auto is_name = [&name](const std::string& own) {
     return AreSame(name, own);
   };
@@ -76,7 +76,8 @@ bool HostNames::IsOwnName(const std::string& name,
                               address == AddressBytes(reached));
 }
 
-bool HostNames::IsOwn(const std::string& host, const sockaddr* reached) const {
+bool HostNames::IsLocalHost(const std::string& host,
+                            const sockaddr* reached) const {
   // Else what follows a zero would not be compared.
   if (host.find('\0') != std::string::npos) return false;
   const auto is_host = [this, &host](const std::string& own) {
@@ -86,7 +87,7 @@ bool HostNames::IsOwn(const std::string& host, const sockaddr* reached) const {
   const size_t colon = host.find(':', host.rfind(']') + 1);
   const bool has_port = colon != std::string::npos;
   if ((has_port ? host.substr(colon + 1) : "80") != port_) return false;
-  return IsOwnName(host.substr(0, colon), reached);
+  return IsLocalName(host.substr(0, colon), reached);
 }
 
 }  // namespace raygrid

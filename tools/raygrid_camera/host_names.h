@@ -25,10 +25,10 @@ class HostNames {
 
   /// host     the field's value
   /// reached  the connection's own end
-  bool IsOwn(const std::string& host, const sockaddr* reached) const;
+  bool IsLocalHost(const std::string& host, const sockaddr* reached) const;
 
  private:
-  bool IsOwnName(const std::string& name, const sockaddr* reached) const;
+  bool IsLocalName(const std::string& name, const sockaddr* reached) const;
 
   const std::string listening_;  // an address's bytes
   const std::string port_;

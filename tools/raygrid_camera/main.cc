@@ -5,17 +5,17 @@
 #include <string>
 #include <vector>
 
+#include "atomic_file.h"
 #include "camera_arguments.h"
 #include "camera_check.h"
 #include "camera_error.h"
 #include "camera_session.h"
 #include "capture_guard.h"
 #include "frame_sources.h"
-#include "neighbour_program.h"
 #include "raygrid.h"
 #include "rg_blob.h"
+#include "sibling_program.h"
 #include "stream_guard.h"
-#include "whole_file.h"
 
 namespace raygrid {
 namespace {
@@ -104,9 +104,9 @@ void Run(CameraArguments arguments) {
 int Main(int argc, char** argv) {
   // Images that calibrate a camera come before the blob of it.
   if (argc > 1 && std::string(argv[1]) == "capture")
-    return BecomeNeighbour("raygrid-capture", {argv + 2, argv + argc});
+    return ExecSiblingProgram("raygrid-capture", {argv + 2, argv + argc});
   try {
-    NoteSignals();
+    InstallSignalHandlers();
     Run(ParseCameraArguments(argc, argv));
     return static_cast<int>(CameraExit::kDone);
   } catch (const CameraError& error) {

@@ -58,8 +58,8 @@ MHD_Result NewestStream::Answer(MHD_Connection* connection,
   client->part.reserve(max_size_);
   client->part.assign(first_.begin(), first_.end());
   MHD_Response* const response = MHD_create_response_from_callback(
-      MHD_SIZE_UNKNOWN, kPiece, &NewestStream::ReadOf, client.get(),
-      &NewestStream::FreeOf);
+      MHD_SIZE_UNKNOWN, kPiece, &NewestStream::ReadCallback, client.get(),
+      &NewestStream::FreeCallback);
   if (!response) return MHD_NO;
   client.release();  // now the response's
   ++num_clients_;
@@ -71,12 +71,13 @@ MHD_Result NewestStream::Answer(MHD_Connection* connection,
   return queued;
 }
 
-ssize_t NewestStream::ReadOf(void* state, uint64_t, char* bytes, size_t size) {
+ssize_t NewestStream::ReadCallback(void* state, uint64_t, char* bytes,
+                                   size_t size) {
   Client* const client = static_cast<Client*>(state);
   return client->stream->Read(client, bytes, size);
 }
 
-void NewestStream::FreeOf(void* state) {
+void NewestStream::FreeCallback(void* state) {
   const std::unique_ptr<Client> client(static_cast<Client*>(state));
   NewestStream* const stream = client->stream;
   const std::lock_guard<std::mutex> lock(stream->mutex_);

@@ -37,9 +37,9 @@ class NewestStream {
 
  private:
   struct Client;
-  static ssize_t ReadOf(void* client, uint64_t position, char* bytes,
-                        size_t size);
-  static void FreeOf(void* client);
+  static ssize_t ReadCallback(void* client, uint64_t position, char* bytes,
+                              size_t size);
+  static void FreeCallback(void* client);
   ssize_t Read(Client* client, char* bytes, size_t size);
   void WakeAll();
 

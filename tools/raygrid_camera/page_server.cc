@@ -12,7 +12,7 @@
 
 #include "access_token.h"
 #include "camera_error.h"
-#include "client_places.h"
+#include "client_slots.h"
 #include "host_names.h"
 #include "newest_stream.h"
 
@@ -175,7 +175,7 @@ class PageServer::Impl {
   const std::string foreign_name_, no_token_;  // answers
   const Handler handler_;
   std::optional<AccessToken> token_;
-  ClientPlaces places_{kMaxClients};
+  ClientSlots places_{kMaxClients};
   std::mutex opening_;  // held until what follows is known
   uint16_t port_;
   std::string cookie_;  // its name; servers of one machine share cookies
@@ -204,7 +204,7 @@ PageServer::Impl::Impl(const PageAddress& address, const PageWords& words,
       MHD_OPTION_SOCK_ADDR, parsed->ai_addr, MHD_OPTION_CONNECTION_LIMIT,
       kMaxConnections, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMaxRequest,
       MHD_OPTION_CONNECTION_TIMEOUT, kTimeout_s, MHD_OPTION_NOTIFY_CONNECTION,
-      &ClientPlaces::OnConnection, &places_, MHD_OPTION_UNESCAPE_CALLBACK,
+      &ClientSlots::OnConnection, &places_, MHD_OPTION_UNESCAPE_CALLBACK,
       &KeepEscapes, nullptr, MHD_OPTION_END);
   if (!daemon_)
     throw CameraError(CameraExit::kOutput,
@@ -231,7 +231,7 @@ sockaddr_storage PageServer::Impl::ReachedAddress(
     MHD_Connection* connection) const {
   sockaddr_storage reached = {};
   socklen_t size = sizeof(reached);
-  getsockname(ClientPlaces::Of(connection)->socket,
+  getsockname(ClientSlots::Of(connection)->socket,
               reinterpret_cast<sockaddr*>(&reached), &size);
   return reached;
 }
@@ -242,7 +242,8 @@ bool PageServer::Impl::IsAskedByOwnName(MHD_Connection* connection) const {
   bool is_asked = false, is_own = true;
   ForEachField(connection, MHD_HTTP_HEADER_HOST, [&](const std::string& host) {
     is_asked = true;
-    is_own &= names_->IsOwn(host, reinterpret_cast<const sockaddr*>(&reached));
+    is_own &=
+        names_->IsLocalHost(host, reinterpret_cast<const sockaddr*>(&reached));
   });
   return is_asked && is_own;
 }
@@ -260,9 +261,9 @@ bool PageServer::Impl::IsAskedByOwnPage(MHD_Connection* connection) const {
         size_t size = 0;
         for (const std::string scheme : {kScheme, kSecureScheme})
           if (site.compare(0, scheme.size(), scheme) == 0) size = scheme.size();
-        is_own &= size > 0 &&
-                  names_->IsOwn(site.substr(size),
-                                reinterpret_cast<const sockaddr*>(&reached));
+        is_own &= size > 0 && names_->IsLocalHost(
+                                  site.substr(size),
+                                  reinterpret_cast<const sockaddr*>(&reached));
       });
   return is_own;
 }
@@ -297,8 +298,8 @@ std::string PageServer::Impl::link() const {
 
 MHD_Result PageServer::Impl::AnswerStream(MHD_Connection* connection,
                                           NewestStream* stream) {
-  ClientPlaces::Client* const client = ClientPlaces::Of(connection);
-  if (!places_.LetWatch(client))
+  ClientSlots::Client* const client = ClientSlots::Of(connection);
+  if (!places_.AdmitViewer(client))
     return AnswerText(connection, MHD_HTTP_SERVICE_UNAVAILABLE, "text/plain",
                       "too many viewers; try again later\n");
   return stream->Answer(connection, &client->since);

@@ -3,16 +3,16 @@
 #include <climits>
 #include <cstdio>
 
+#include "atomic_file.h"
 #include "frame_output.h"
 #include "picture_rows.h"
-#include "whole_file.h"
 
 namespace raygrid {
 namespace {
 
 // The state that libpng's callbacks need. They must not throw: libpng is C.
 struct PngWriting {
-  WholeFile* file;
+  AtomicFile* file;
   std::optional<CameraError> error;
 };
 
@@ -54,7 +54,7 @@ class PngFiles : public FrameOutput {
     char path[PATH_MAX];
     std::snprintf(path, sizeof(path), "%s/frame-%06llu.png", folder_.c_str(),
                   static_cast<unsigned long long>(number));
-    WholeFile file(path);
+    AtomicFile file(path);
     PngWriting writing = {&file, std::nullopt};
     if (!Encode(&writing))
       throw writing.error.value_or(CameraError(

@@ -2,8 +2,8 @@
 #include <cstdarg>
 #include <cstdio>
 
+#include "atomic_file.h"
 #include "frame_output.h"
-#include "whole_file.h"
 
 namespace raygrid {
 namespace {
@@ -60,7 +60,7 @@ class RawFiles : public FrameOutput {
     std::snprintf(path, sizeof(path), "%s/frame-%06llu.raw", folder_.c_str(),
                   static_cast<unsigned long long>(number));
     const Header header = MakeHeader(format_, frame.info);
-    WholeFile file(path);
+    AtomicFile file(path);
     file.Write(header.data(), header.size());
     file.Write(frame.bytes.data(), frame.bytes.size());
     file.Commit();

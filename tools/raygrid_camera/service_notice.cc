@@ -22,7 +22,7 @@ std::chrono::microseconds WatchdogTime() {
   return std::chrono::microseconds(time_us);
 }
 
-void TellSystemd(const char* word) { sd_notify(0, word); }
+void NotifySystemd(const char* word) { sd_notify(0, word); }
 
 #else
 
@@ -30,7 +30,7 @@ std::chrono::microseconds WatchdogTime() {
   return std::chrono::microseconds(0);
 }
 
-void TellSystemd(const char*) {}
+void NotifySystemd(const char*) {}
 
 #endif
 
@@ -39,11 +39,11 @@ void TellSystemd(const char*) {}
 ServiceNotice::ServiceNotice() : interval_(WatchdogTime() / kNoticesInTime) {}
 
 void ServiceNotice::OnFrame() {
-  if (!is_ready_) TellSystemd("READY=1");
+  if (!is_ready_) NotifySystemd("READY=1");
   is_ready_ = true;
   const Clock::time_point now = Clock::now();
   if (interval_.count() == 0 || now < next_) return;
-  TellSystemd("WATCHDOG=1");
+  NotifySystemd("WATCHDOG=1");
   next_ = now + interval_;
 }
 

@@ -140,7 +140,7 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   AddPatternOption(app, &arguments->pattern)->required();
-  AddYes(app, &arguments->common);
+  AddYesOption(app, &arguments->common);
   BeginGroup(app, "Selection");
   app->add_option(
          "--until", arguments->until,

@@ -15,7 +15,7 @@ namespace {
 ViewShown ShowView(const CameraModel& camera, const Board& board,
                    const Pose& camera_from_board) {
   ViewShown shown;
-  shown.outline = OutlineOf(camera, board, camera_from_board);
+  shown.outline = ProjectOutline(camera, board, camera_from_board);
   if (!shown.outline.empty())
     shown.top.assign(shown.outline.begin(),
                      shown.outline.begin() + kOutlineSteps + 1);
@@ -24,7 +24,7 @@ ViewShown ShowView(const CameraModel& camera, const Board& board,
 
 }  // namespace
 
-void DescribeFrame(const JudgedFrame& judged, CaptureState* state) {
+void DescribeFrame(const AssessedFrame& judged, CaptureState* state) {
   state->word = judged.word;
   state->hint = judged.hint;
   state->width = judged.frame->grey.size.width;
@@ -41,9 +41,9 @@ void DescribeKnown(const RigGuide& rig, size_t camera, CaptureState* state) {
   state->places.clear();
   state->deviation_px = 0;
   state->deviation_is_floor = guide.is_floor();
-  if (const CameraKnowledge* const knowledge = guide.knowledge()) {
+  if (const CameraInformation* const knowledge = guide.knowledge()) {
     state->deviation_px = knowledge->Percentile95Px();
-    for (const KnownPlace& place : knowledge->places())
+    for (const UncertaintySample& place : knowledge->places())
       state->places.push_back({place.pixel, place.deviation_px});
   }
   state->is_done = rig.is_done();
@@ -77,7 +77,7 @@ void DescribeNext(const RigGuide& rig, const ImageFeatures& features,
 }
 
 void DescribeRig(const RigGuide& rig, const PairedFrames& frames,
-                 const JudgedFrames& judged, size_t shown,
+                 const AssessedFrames& judged, size_t shown,
                  CaptureState* state) {
   state->cameras.resize(judged.size());
   for (size_t c = 0; c < judged.size(); ++c) {
@@ -101,11 +101,11 @@ void DescribeRig(const RigGuide& rig, const PairedFrames& frames,
     if (!rig.next())
       state->hint = fmt::format("show the board to {} and {} simultaneously",
                                 first, second);
-    state->remarks.push_back(
+    state->warnings.push_back(
         fmt::format("no common view of {} and {} yet", first, second));
   }
   if (frames.is_unpaired())
-    state->remarks.push_back(
+    state->warnings.push_back(
         "the cameras' timestamps differ by more than --pair-within-ms");
 }
 

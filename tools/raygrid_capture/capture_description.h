@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/frame_judge.h"
+#include "capture/frame_assessor.h"
 #include "capture/rig_guide.h"
 #include "capture_state.h"
 #include "paired_frames.h"
@@ -14,19 +14,19 @@
 namespace raygrid {
 
 /// A camera's frame of an instant, and the word on it.
-struct JudgedFrame {
+struct AssessedFrame {
   const LiveFrame* frame = nullptr;  ///< NULL: the camera has none
-  SeenFrame seen;
+  DetectedFrame seen;
   std::string word, hint;
 
   /// Good enough to be kept with others of its instant.
   bool IsUsable() const { return frame && (word == "kept" || word == "known"); }
 };
-using JudgedFrames = std::vector<JudgedFrame>;  ///< by camera
+using AssessedFrames = std::vector<AssessedFrame>;  ///< by camera
 
 /// The frame itself: word, size, features, sharpness, brightness. It must be
 /// there.
-void DescribeFrame(const JudgedFrame& judged, CaptureState* state);
+void DescribeFrame(const AssessedFrame& judged, CaptureState* state);
 /// How well a camera is known, and what is left to do.
 void DescribeKnown(const RigGuide& rig, size_t camera, CaptureState* state);
 /// The next view, and the way there from where the features are, which its
@@ -36,7 +36,8 @@ void DescribeNext(const RigGuide& rig, const ImageFeatures& features,
 /// All cameras of a rig in short, and how they stand to each other. shown is
 /// the camera that the state tells of.
 void DescribeRig(const RigGuide& rig, const PairedFrames& frames,
-                 const JudgedFrames& judged, size_t shown, CaptureState* state);
+                 const AssessedFrames& judged, size_t shown,
+                 CaptureState* state);
 
 }  // namespace raygrid
 

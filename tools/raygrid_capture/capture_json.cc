@@ -71,7 +71,7 @@ std::string CaptureJson(const CaptureState& state) {
                      {"edge_width_px", Rounded(state.sharpness_px)},
                      {"white_level", Rounded(state.brightness)},
                      {"frames_per_second", Rounded(state.frames_per_second)},
-                     {"warnings", state.remarks}};
+                     {"warnings", state.warnings}};
   // Names of files may be no UTF-8.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

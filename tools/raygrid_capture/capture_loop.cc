@@ -29,7 +29,7 @@ void RequireSize(const Session& session, const ImageSize& size) {
 }
 
 // The remark at the end on a target that was not reached.
-std::string TargetRemark(const CaptureState& state) {
+std::string TargetWarning(const CaptureState& state) {
   if (!(state.target_px > 0) || state.kept.empty()) return "";
   const bool is_known = state.deviation_px > 0;
   if (is_known && !state.deviation_is_floor &&
@@ -54,22 +54,22 @@ bool HasFrame(const Session& session, const std::string& name) {
 
 }  // namespace
 
-void CaptureWishes::Pause(bool is_paused) {
+void CaptureRequests::Pause(bool is_paused) {
   const std::lock_guard<std::mutex> lock(mutex_);
   is_paused_ = is_paused;
 }
 
-void CaptureWishes::Finish() {
+void CaptureRequests::Finish() {
   const std::lock_guard<std::mutex> lock(mutex_);
   is_finished_ = true;
 }
 
-void CaptureWishes::Undo() {
+void CaptureRequests::Undo() {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++num_undo_;
 }
 
-void CaptureWishes::Delete(const std::string& name) {
+void CaptureRequests::Delete(const std::string& name) {
   const std::lock_guard<std::mutex> lock(mutex_);
   deleted_.push_back(name);
 }
@@ -77,7 +77,7 @@ void CaptureWishes::Delete(const std::string& name) {
 CaptureLoop::CaptureLoop(const CaptureLoopOptions& options,
                          const Pattern& pattern, PairedFrames* frames,
                          SessionFolder* session, CaptureViewers viewers,
-                         CaptureWishes* wishes)
+                         CaptureRequests* wishes)
     : options_(options),
       pattern_(pattern),
       frames_(frames),
@@ -99,10 +99,10 @@ CaptureLoop::~CaptureLoop() {
 void CaptureLoop::Run() {
   auto last = SteadyClock::now();
   while (!IsFinished()) {
-    FollowWishes();
+    ApplyRequests();
     TakeGuide(false);
     if (const auto instant = frames_->Next()) {
-      TakeInstant(*instant);
+      ProcessFrameSet(*instant);
       last = SteadyClock::now();
     } else if (frames_->is_live() && !frames_->is_finished() &&
                SecondsSince(last) > options_.timeout_s) {
@@ -113,14 +113,14 @@ void CaptureLoop::Run() {
   }
   if (!has_seen_frames_ && frames_->is_finished() && !IsSignalled())
     throw InputError(options_.source + ": contains no readable frame");
-  FollowWishes();
+  ApplyRequests();
   TakeGuide(true);
   if (!guide_) return;
   state_.is_done = guide_->is_done();
   if (!state_.kept.empty()) state_.hint = state_.is_done ? "done" : "finished";
   DescribeKnown(*guide_, shown_, &state_);
-  if (const std::string remark = TargetRemark(state_); !remark.empty())
-    state_.remarks.push_back(remark);
+  if (const std::string warning = TargetWarning(state_); !warning.empty())
+    state_.warnings.push_back(warning);
   if (viewers_.show) viewers_.show(state_);
 }
 
@@ -181,7 +181,7 @@ void CaptureLoop::ChooseCameraShown() {
 
 // Some views cannot be shown: the board does not fit there, or is not found, or
 // two cameras see no place together.
-void CaptureLoop::LeaveViewInVain() {
+void CaptureLoop::SkipView() {
   constexpr double kPatienceS = 20;
   if (!frames_->is_live() || adjusting_.valid() || state_.is_paused ||
       SecondsSince(guided_since_) < kPatienceS)
@@ -202,7 +202,7 @@ void CaptureLoop::LeaveViewInVain() {
 // The frames of the session so far, which are looked at anew.
 void CaptureLoop::Resume() {
   std::vector<std::vector<ImageFeatures>> images(cameras_.size());
-  for (const std::string& name : session_->Instants()) {
+  for (const std::string& name : session_->CollectFrameSets()) {
     std::vector<GreyImage> greys;
     for (size_t c = 0; c < cameras_.size(); ++c) {
       if (!HasFrame(session_->cameras()[c], name)) continue;
@@ -228,7 +228,7 @@ void CaptureLoop::Resume() {
 }
 
 // Cameras are known by their first frames.
-void CaptureLoop::Begin(const Instant& instant) {
+void CaptureLoop::Begin(const FrameSet& instant) {
   if (!has_seen_frames_) Resume();
   has_seen_frames_ = true;
   bool is_new = false;
@@ -250,43 +250,43 @@ void CaptureLoop::Begin(const Instant& instant) {
 
 // ---- Instants ---------------------------------------------------------------
 
-void CaptureLoop::TakeInstant(const Instant& instant) {
+void CaptureLoop::ProcessFrameSet(const FrameSet& instant) {
   Begin(instant);
-  JudgedFrames judged_frames = Judge(instant);
-  if (IsWanted(judged_frames)) {
+  AssessedFrames judged_frames = Assess(instant);
+  if (IsRequested(judged_frames)) {
     Forbid(&judged_frames);
-    if (IsWanted(judged_frames)) Keep(&judged_frames);
+    if (IsRequested(judged_frames)) Save(&judged_frames);
   }
-  CountInstant();
-  LeaveViewInVain();
+  CountFrameSet();
+  SkipView();
   Describe(judged_frames);
   if (viewers_.show_picture && judged_frames[shown_].frame)
     viewers_.show_picture(judged_frames[shown_].frame->grey);
   if (viewers_.show) viewers_.show(state_);
 }
 
-JudgedFrames CaptureLoop::Judge(const Instant& instant) {
-  std::vector<std::future<SeenFrame>> seen(instant.size());
+AssessedFrames CaptureLoop::Assess(const FrameSet& instant) {
+  std::vector<std::future<DetectedFrame>> seen(instant.size());
   for (size_t c = 1; c < instant.size(); ++c)
     if (instant[c])
       seen[c] = std::async(std::launch::async, [this, c, &instant] {
         return cameras_[c].See(*instant[c]);
       });
-  JudgedFrames judged_frames(instant.size());
+  AssessedFrames judged_frames(instant.size());
   for (size_t c = 0; c < instant.size(); ++c) {
     if (!instant[c]) continue;
-    JudgedFrame& judged = judged_frames[c];
+    AssessedFrame& judged = judged_frames[c];
     judged.frame = &*instant[c];
     judged.seen = c == 0 ? cameras_[c].See(*instant[c]) : seen[c].get();
-    const FrameWord word = cameras_[c].Judge(judged.seen, *guide_->guide(c));
-    judged.word = WordOf(word);
-    judged.hint = RemedyOf(word);
+    const FrameStatus word = cameras_[c].Assess(judged.seen, *guide_->guide(c));
+    judged.word = GetStatusText(word);
+    judged.hint = GetRemedy(word);
   }
   return judged_frames;
 }
 
 // For what a frame tells of its camera, or some together of the rig.
-bool CaptureLoop::IsWanted(const JudgedFrames& judged_frames) const {
+bool CaptureLoop::IsRequested(const AssessedFrames& judged_frames) const {
   std::vector<const ImageFeatures*> usable(judged_frames.size(), nullptr);
   for (size_t c = 0; c < judged_frames.size(); ++c) {
     if (!judged_frames[c].IsUsable()) continue;
@@ -295,12 +295,12 @@ bool CaptureLoop::IsWanted(const JudgedFrames& judged_frames) const {
         judged_frames.size() == 1 || !guide_->guide(c)->is_done();
     if (judged_frames[c].word == "kept" && is_needed) return true;
   }
-  return guide_->TellsLinks(usable);
+  return guide_->IsInformativeForLinks(usable);
 }
 
-void CaptureLoop::Forbid(JudgedFrames* judged_frames) {
+void CaptureLoop::Forbid(AssessedFrames* judged_frames) {
   for (size_t c = 0; c < judged_frames->size(); ++c) {
-    JudgedFrame& judged = (*judged_frames)[c];
+    AssessedFrame& judged = (*judged_frames)[c];
     if (!judged.IsUsable()) continue;
     if (state_.is_paused) {
       judged.word = "paused";
@@ -309,9 +309,9 @@ void CaptureLoop::Forbid(JudgedFrames* judged_frames) {
     const auto& kept = session_->cameras()[c].frames;
     FrameSource* const source =
         frames_->is_live() ? frames_->source(c) : nullptr;
-    const std::string word = cameras_[c].WordOfState(
+    const std::string word = cameras_[c].GetStateText(
         *judged.frame, source, kept.empty() ? nullptr : &kept.front());
-    NoteLock(c);
+    RecordLock(c);
     if (word == "refocused" || word == "cropped")
       judged.hint =
           "the capture settings differ from those of the first frame: restore "
@@ -323,10 +323,10 @@ void CaptureLoop::Forbid(JudgedFrames* judged_frames) {
   }
 }
 
-void CaptureLoop::NoteLock(size_t camera) {
+void CaptureLoop::RecordLock(size_t camera) {
   const std::optional<StateLock> lock = cameras_[camera].TakeLock();
   if (!lock) return;
-  session_->NoteLocked(camera, lock->locked, lock->open);
+  session_->RecordLocked(camera, lock->locked, lock->open);
   const std::string start =
       cameras_.size() > 1 ? frames_->name(camera) + ": " : "";
   for (const std::string& text : lock->locked)
@@ -335,14 +335,14 @@ void CaptureLoop::NoteLock(size_t camera) {
     lock_remarks_.push_back(start + "not locked: " + text);
 }
 
-void CaptureLoop::Keep(JudgedFrames* judged_frames) {
+void CaptureLoop::Save(AssessedFrames* judged_frames) {
   std::string name;
   std::vector<KeptFrame> frames;
   std::vector<const GreyImage*> greys;
   std::vector<bool> changed(judged_frames->size(), false);
   std::vector<ImageFeatures> images(judged_frames->size());
   for (size_t c = 0; c < judged_frames->size(); ++c) {
-    JudgedFrame& judged = (*judged_frames)[c];
+    AssessedFrame& judged = (*judged_frames)[c];
     if (!judged.IsUsable()) continue;
     const LiveFrame& frame = *judged.frame;
     if (name.empty()) name = session_->NewName(frame.name);
@@ -357,7 +357,7 @@ void CaptureLoop::Keep(JudgedFrames* judged_frames) {
     images[c] = judged.seen.features;
     changed[c] = true;
   }
-  session_->Keep(std::move(frames));
+  session_->Save(std::move(frames));
   state_.kept.push_back(name);
   if (viewers_.add_kept) viewers_.add_kept(name, greys);
   // Frames come faster than cameras can be adjusted.
@@ -381,7 +381,7 @@ void CaptureLoop::Remove(const std::string& name) {
                 [name](size_t, LiveCamera* live) { live->Remove(name); });
 }
 
-void CaptureLoop::FollowWishes() {
+void CaptureLoop::ApplyRequests() {
   std::vector<std::string> deleted;
   int num_undo = 0;
   {
@@ -397,7 +397,7 @@ void CaptureLoop::FollowWishes() {
 
 // ---- What is shown ----------------------------------------------------------
 
-void CaptureLoop::CountInstant() {
+void CaptureLoop::CountFrameSet() {
   constexpr size_t kMost = 30;
   taken_.push_back(SteadyClock::now());
   if (taken_.size() > kMost) taken_.erase(taken_.begin());
@@ -406,10 +406,10 @@ void CaptureLoop::CountInstant() {
                                std::max(1e-6, SecondsSince(taken_.front()));
 }
 
-void CaptureLoop::Describe(const JudgedFrames& judged_frames) {
+void CaptureLoop::Describe(const AssessedFrames& judged_frames) {
   state_.camera = frames_->name(shown_);
-  state_.remarks = lock_remarks_;
-  const JudgedFrame& judged = judged_frames[shown_];
+  state_.warnings = lock_remarks_;
+  const AssessedFrame& judged = judged_frames[shown_];
   if (judged.frame) DescribeFrame(judged, &state_);
   DescribeKnown(*guide_, shown_, &state_);
   if (judged.frame) DescribeNext(*guide_, judged.seen.features, &state_);

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "capture/capture_guide.h"
-#include "capture/frame_judge.h"
+#include "capture/frame_assessor.h"
 #include "capture/live_camera.h"
 #include "capture/rig_guide.h"
 #include "capture_description.h"
@@ -26,7 +26,7 @@ namespace raygrid {
 struct CaptureLoopOptions {
   std::string source;  ///< for errors
   GuideOptions guide;
-  JudgeOptions judge;
+  FrameAssessorOptions judge;
   int num_threads = 0;
   double timeout_s = 5;  ///< without a frame
 };
@@ -44,7 +44,7 @@ struct CaptureViewers {
 };
 
 /// Wishes of people. Any thread may have some.
-class CaptureWishes {
+class CaptureRequests {
  public:
   void Pause(bool is_paused);
   void Finish();
@@ -71,7 +71,7 @@ class CaptureLoop {
   /// All but the options outlive it.
   CaptureLoop(const CaptureLoopOptions& options, const Pattern& pattern,
               PairedFrames* frames, SessionFolder* session,
-              CaptureViewers viewers, CaptureWishes* wishes);
+              CaptureViewers viewers, CaptureRequests* wishes);
   ~CaptureLoop();
 
   /// Throws Error, CameraError, also where no frame came; what was kept is in
@@ -84,23 +84,23 @@ class CaptureLoop {
   using Update = std::function<void(size_t camera, LiveCamera*)>;
 
   void Resume();
-  void Begin(const Instant& instant);
-  void TakeInstant(const Instant& instant);
-  JudgedFrames Judge(const Instant& instant);
-  bool IsWanted(const JudgedFrames& frames) const;
-  void Forbid(JudgedFrames* frames);
-  void Keep(JudgedFrames* frames);
-  void NoteLock(size_t camera);
-  void FollowWishes();
+  void Begin(const FrameSet& instant);
+  void ProcessFrameSet(const FrameSet& instant);
+  AssessedFrames Assess(const FrameSet& instant);
+  bool IsRequested(const AssessedFrames& frames) const;
+  void Forbid(AssessedFrames* frames);
+  void Save(AssessedFrames* frames);
+  void RecordLock(size_t camera);
+  void ApplyRequests();
   void Remove(const std::string& name);
   void UpdateCameras(const std::vector<bool>& changed, const Update& update);
   void MakeGuide(const std::vector<bool>& changed);
   void TakeGuide(bool wait);
   void ChooseCameraShown();
-  void Describe(const JudgedFrames& frames);
+  void Describe(const AssessedFrames& frames);
   void AskForPattern(const ImageFeatures& seen);
-  void CountInstant();
-  void LeaveViewInVain();
+  void CountFrameSet();
+  void SkipView();
   bool IsFinished();
   const CaptureGuide& guide() const { return *guide_->guide(shown_); }
 
@@ -109,7 +109,7 @@ class CaptureLoop {
   PairedFrames* const frames_;
   SessionFolder* const session_;
   const CaptureViewers viewers_;
-  CaptureWishes* const wishes_;
+  CaptureRequests* const wishes_;
   std::deque<CapturedCamera> cameras_;  // they cannot be moved
   // The thread has these while it adjusts.
   std::vector<std::unique_ptr<LiveCamera>> live_;

@@ -68,7 +68,7 @@ char ShadeOf(double deviation_px, double good_px) {
   return kShades[std::clamp(step, 0, 4)];
 }
 
-std::string Progress(const CaptureState& state) {
+std::string ProgressCallback(const CaptureState& state) {
   std::string text = fmt::format("{} kept", state.kept.size());
   if (state.num_expected > 0)
     text += fmt::format(", about {} more", state.num_expected);
@@ -101,11 +101,11 @@ std::string DrawState(const CaptureState& state, int num_columns) {
   std::string text = map.Text();
   text += fmt::format("{:<8} {}\n", state.word, state.hint);
   text += RigLine(state);
-  text += Progress(state) + "\n";
+  text += ProgressCallback(state) + "\n";
   text += fmt::format(
       "edge width {:.1f} px   white level {:.0f} %   {:.1f} frames/s\n",
       state.sharpness_px, 100 * state.brightness, state.frames_per_second);
-  for (const std::string& remark : state.remarks) text += remark + "\n";
+  for (const std::string& warning : state.warnings) text += warning + "\n";
   return text;
 }
 

@@ -67,7 +67,7 @@ struct CaptureState {
   double sharpness_px = 0;  ///< width of the features' edges; 0: not known
   double brightness = 0;    ///< of the board's white, 0 to 1; 0: not known
   double frames_per_second = 0;
-  std::vector<std::string> remarks;  ///< such as a control that is not locked
+  std::vector<std::string> warnings;  ///< such as a control that is not locked
 };
 
 }  // namespace raygrid

@@ -68,7 +68,7 @@ const char* WordOfOtherState(const SessionFrame& first,
 }  // namespace
 
 CapturedCamera::CapturedCamera(const Pattern& pattern,
-                               const JudgeOptions& options)
+                               const FrameAssessorOptions& options)
     : pattern_(pattern), detector_(pattern, {}), judge_(options) {
   for (const Board& board : pattern_.boards)
     meters_.emplace(board.id, QualityMeter(board));
@@ -79,8 +79,8 @@ ImageFeatures CapturedCamera::Detect(const std::string& name,
   return {name, detector_.Detect(grey).features};
 }
 
-SeenFrame CapturedCamera::See(const LiveFrame& frame) const {
-  SeenFrame seen;
+DetectedFrame CapturedCamera::See(const LiveFrame& frame) const {
+  DetectedFrame seen;
   seen.features = Detect("", frame.grey);
   seen.time_s = frame.time_s;
   if (frame.info.exposure_us) seen.exposure_s = *frame.info.exposure_us * 1e-6;
@@ -94,14 +94,14 @@ SeenFrame CapturedCamera::See(const LiveFrame& frame) const {
   return seen;
 }
 
-FrameWord CapturedCamera::Judge(const SeenFrame& seen,
-                                const CaptureGuide& guide) {
-  return judge_.Judge(seen, guide);
+FrameStatus CapturedCamera::Assess(const DetectedFrame& seen,
+                                   const CaptureGuide& guide) {
+  return judge_.Assess(seen, guide);
 }
 
-std::string CapturedCamera::WordOfState(const LiveFrame& frame,
-                                        FrameSource* source,
-                                        const SessionFrame* first) {
+std::string CapturedCamera::GetStateText(const LiveFrame& frame,
+                                         FrameSource* source,
+                                         const SessionFrame* first) {
   if (IsLocking(frame, source, first)) return "locking";
   const char* const other =
       first ? WordOfOtherState(*first, StateOf(frame.info)) : nullptr;
@@ -131,7 +131,7 @@ std::optional<StateLock> CapturedCamera::TakeLock() {
 }
 
 SessionFrame CapturedCamera::RecordOf(const LiveFrame& frame,
-                                      const SeenFrame& seen) const {
+                                      const DetectedFrame& seen) const {
   SessionFrame record = StateOf(frame.info);
   record.image = seen.features.image;
   record.seconds = frame.time_s;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/frame_judge.h"
+#include "capture/frame_assessor.h"
 #include "features/pattern_detector.h"
 #include "live_frames.h"
 #include "session_file.h"
@@ -17,26 +17,27 @@ namespace raygrid {
 /// the camera as it is.
 class CapturedCamera {
  public:
-  CapturedCamera(const Pattern& pattern, const JudgeOptions& options);
+  CapturedCamera(const Pattern& pattern, const FrameAssessorOptions& options);
 
   /// The boards of a frame, without a name. Any thread may call it.
-  SeenFrame See(const LiveFrame& frame) const;
+  DetectedFrame See(const LiveFrame& frame) const;
   ImageFeatures Detect(const std::string& name, const GreyImage& grey) const;
 
   /// Judges frames in the order in which they came.
-  FrameWord Judge(const SeenFrame& seen, const CaptureGuide& guide);
+  FrameStatus Assess(const DetectedFrame& seen, const CaptureGuide& guide);
 
   /// The word on a frame that is good enough to be kept, where the camera's
   /// state forbids it: "locking", "refocused", "cropped"; "" where it does not.
   /// The first such frame locks the camera, source, if there is one. first is
   /// the state of its first kept frame, or NULL.
-  std::string WordOfState(const LiveFrame& frame, FrameSource* source,
-                          const SessionFrame* first);
-  /// The lock that WordOfState() has just made, once; nothing else.
+  std::string GetStateText(const LiveFrame& frame, FrameSource* source,
+                           const SessionFrame* first);
+  /// The lock that GetStateText() has just made, once; nothing else.
   std::optional<StateLock> TakeLock();
 
   /// How the camera stood in a frame, and how good that is.
-  SessionFrame RecordOf(const LiveFrame& frame, const SeenFrame& seen) const;
+  SessionFrame RecordOf(const LiveFrame& frame,
+                        const DetectedFrame& seen) const;
 
  private:
   bool IsLocking(const LiveFrame& frame, FrameSource* source,
@@ -45,7 +46,7 @@ class CapturedCamera {
   Pattern pattern_;
   PatternDetector detector_;
   std::map<int, QualityMeter> meters_;  // by board
-  FrameJudge judge_;
+  FrameAssessor judge_;
   std::optional<Clock::time_point> lock_time_;
   bool is_locked_ = false;
   std::optional<StateLock> new_lock_;

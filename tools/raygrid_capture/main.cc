@@ -18,11 +18,11 @@
 #include "capture_page.h"
 #include "capture_report.h"
 #include "dataset/error.h"
-#include "dataset/freed_memory.h"
+#include "dataset/memory_retention.h"
 #include "dataset/text_encoding.h"
 #include "help_formatter.h"
-#include "neighbour_program.h"
 #include "pattern_input.h"
+#include "sibling_program.h"
 #include "side_by_side.h"
 
 namespace raygrid {
@@ -93,7 +93,7 @@ class StandardOutput {
 // The page of a session, for whoever is shown the link.
 std::unique_ptr<CapturePage> MakePage(const CaptureArguments& arguments,
                                       const SessionFolder& session,
-                                      CaptureWishes* wishes) {
+                                      CaptureRequests* wishes) {
   const auto follow = [wishes](const CaptureCommand& command) {
     switch (command.kind) {
       case CaptureCommand::Kind::kPause:
@@ -134,8 +134,8 @@ std::unique_ptr<CapturePage> MakePage(const CaptureArguments& arguments,
 
 void SayEnd(const CaptureArguments& arguments, const CaptureState& state) {
   if (arguments.common.quiet) return;
-  for (const std::string& remark : state.remarks)
-    fmt::print(stderr, "raygrid-capture: {}\n", Printable(remark));
+  for (const std::string& warning : state.warnings)
+    fmt::print(stderr, "raygrid-capture: {}\n", Printable(warning));
   if (arguments.common.json) return;
   fmt::print("{} {} kept in {}{}\n", state.kept.size(),
              state.cameras.empty() ? "frames" : "synchronized frames",
@@ -176,8 +176,9 @@ int Run(int argc, char** argv) {
                 std::string(error.what()) + "; see raygrid capture --help");
   }
   FinishCaptureArguments(&arguments);
-  const Pattern pattern = MeantPattern(arguments.pattern, arguments.common);
-  NoteSignals();
+  const Pattern pattern =
+      LoadCheckedPattern(arguments.pattern, arguments.common);
+  InstallSignalHandlers();
   const auto frames = OpenFrames(arguments);
   if (!frames) return 0;
   // Nobody follows what is said of photographs and videos that are there.
@@ -187,7 +188,7 @@ int Run(int argc, char** argv) {
   SessionFolder session(arguments.output, pattern, frames->names(),
                         arguments.resume);
   StandardOutput output(arguments);
-  CaptureWishes wishes;
+  CaptureRequests wishes;
   std::unique_ptr<CapturePage> page;
   if (frames->is_live() && !arguments.no_page)
     page = MakePage(arguments, session, &wishes);
@@ -222,7 +223,7 @@ int Run(int argc, char** argv) {
     calibrate.emplace_back("--rolling-shutter");
   if (arguments.common.quiet) calibrate.emplace_back("--quiet");
   if (arguments.common.json) calibrate.emplace_back("--json");
-  return BecomeNeighbour("raygrid", calibrate);
+  return ExecSiblingProgram("raygrid", calibrate);
 }
 
 int Fail(int code, const std::string& message) {
@@ -236,7 +237,7 @@ int Fail(int code, const std::string& message) {
 int main(int argc, char** argv) {
   // Sums are cut as in raygrid: the same bytes on any machine.
   Eigen::setCpuCacheSizes(32 << 10, 512 << 10, 4 << 20);
-  raygrid::KeepFreedMemory();
+  raygrid::RetainFreedMemory();
   try {
     return raygrid::Run(argc, argv);
   } catch (const raygrid::Error& error) {

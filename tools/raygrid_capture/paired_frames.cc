@@ -38,11 +38,11 @@ bool PairedFrames::is_finished() const {
                       [](const auto& frame) { return frame.has_value(); });
 }
 
-std::optional<Instant> PairedFrames::Next() {
+std::optional<FrameSet> PairedFrames::Next() {
   if (size() > 1) return is_live() ? NextLive() : NextOfFiles();
   auto frame = cameras_[0].frames->Next();
   if (!frame) return std::nullopt;
-  Instant instant;
+  FrameSet instant;
   instant.push_back(std::move(frame));
   return instant;
 }
@@ -58,14 +58,14 @@ bool PairedFrames::FillPending() {
   return is_full;
 }
 
-Instant PairedFrames::TakePending(const std::vector<bool>& taken) {
-  Instant instant(size());
+FrameSet PairedFrames::TakePending(const std::vector<bool>& taken) {
+  FrameSet instant(size());
   for (size_t c = 0; c < size(); ++c)
     if (taken[c]) instant[c].swap(pending_[c]);
   return instant;
 }
 
-std::optional<Instant> PairedFrames::NextLive() {
+std::optional<FrameSet> PairedFrames::NextLive() {
   constexpr std::chrono::seconds kPatience(1);
   const bool is_full = FillPending();
   const auto now = Clock::now();
@@ -89,11 +89,11 @@ std::optional<Instant> PairedFrames::NextLive() {
   if (!is_full && !is_unpaired_) return std::nullopt;
   std::vector<bool> taken(size(), false);
   taken[*oldest] = true;
-  Instant alone = TakePending(taken);
+  FrameSet alone = TakePending(taken);
   return is_unpaired_ ? std::optional(std::move(alone)) : std::nullopt;
 }
 
-std::optional<Instant> PairedFrames::NextOfFiles() {
+std::optional<FrameSet> PairedFrames::NextOfFiles() {
   FillPending();
   for (size_t c = 0; c < size(); ++c)
     if (!pending_[c] && !cameras_[c].frames->is_finished())

@@ -13,7 +13,7 @@ namespace raygrid {
 
 /// The frames of all cameras that were taken at one instant; nothing of a
 /// camera that has none.
-using Instant = std::vector<std::optional<LiveFrame>>;
+using FrameSet = std::vector<std::optional<LiveFrame>>;
 
 struct NamedFrames {
   std::string camera;  ///< empty: the only one
@@ -45,7 +45,7 @@ class PairedFrames {
 
   /// The next frames; nothing when none come soon. Throws InputError,
   /// CameraError.
-  std::optional<Instant> Next();
+  std::optional<FrameSet> Next();
   /// Files: all were taken. Cameras: one of them has ended.
   bool is_finished() const;
   bool is_live() const { return cameras_[0].frames->is_live(); }
@@ -54,13 +54,13 @@ class PairedFrames {
 
  private:
   bool FillPending();
-  Instant TakePending(const std::vector<bool>& taken);
-  std::optional<Instant> NextLive();
-  std::optional<Instant> NextOfFiles();
+  FrameSet TakePending(const std::vector<bool>& taken);
+  std::optional<FrameSet> NextLive();
+  std::optional<FrameSet> NextOfFiles();
 
   std::vector<NamedFrames> cameras_;
   const double tolerance_s_;
-  Instant pending_;  // frames that wait for others of their instant
+  FrameSet pending_;  // frames that wait for others of their instant
   Clock::time_point last_pair_;
   bool is_unpaired_ = false;
 };

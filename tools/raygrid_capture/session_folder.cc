@@ -36,7 +36,7 @@ void RequireSameCameras(const std::string& folder,
 // Nothing of the folder is one's own before.
 int LockFolder(const std::string& folder) {
   const int lock = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock < 0) FailToWrite(folder, errno);
+  if (lock < 0) ThrowWriteError(folder, errno);
   if (flock(lock, LOCK_EX | LOCK_NB) == 0) return lock;
   close(lock);
   throw Error(
@@ -121,7 +121,7 @@ void SessionFolder::RemoveAll() const {
     fs::remove(fs::path(folder_) / name, error);
 }
 
-std::vector<std::string> SessionFolder::Instants() const {
+std::vector<std::string> SessionFolder::CollectFrameSets() const {
   // Those of the first camera in their order, and between them others'.
   std::vector<std::string> names;
   for (const Session& session : cameras_) {
@@ -154,7 +154,7 @@ std::string SessionFolder::NewName(const std::string& photograph) {
   return name;
 }
 
-void SessionFolder::Keep(std::vector<KeptFrame> frames) {
+void SessionFolder::Save(std::vector<KeptFrame> frames) {
   for (KeptFrame& frame : frames)
     WriteFile(PathOf(frame.camera, frame.record.image), std::move(frame.bytes));
   for (const KeptFrame& frame : frames) {
@@ -182,9 +182,9 @@ void SessionFolder::Remove(const std::string& image) {
   for (const std::string& path : paths) fs::remove(path, error);
 }
 
-void SessionFolder::NoteLocked(size_t camera,
-                               const std::vector<std::string>& locked,
-                               const std::vector<std::string>& not_locked) {
+void SessionFolder::RecordLocked(size_t camera,
+                                 const std::vector<std::string>& locked,
+                                 const std::vector<std::string>& not_locked) {
   cameras_[camera].locked = locked;
   cameras_[camera].not_locked = not_locked;
   Write();

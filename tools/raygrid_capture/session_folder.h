@@ -37,7 +37,7 @@ class SessionFolder {
 
   const std::vector<Session>& cameras() const { return cameras_; }
   /// The names of all instants, the oldest first.
-  std::vector<std::string> Instants() const;
+  std::vector<std::string> CollectFrameSets() const;
   /// The file of a frame, there or not.
   std::string PathOf(size_t camera, const std::string& image) const;
 
@@ -46,10 +46,10 @@ class SessionFolder {
   std::string NewName(const std::string& photograph);
   /// Adds the frames of an instant. Throws Error(kOutput); the instants before
   /// stay.
-  void Keep(std::vector<KeptFrame> frames);
+  void Save(std::vector<KeptFrame> frames);
   void Remove(const std::string& image);
-  void NoteLocked(size_t camera, const std::vector<std::string>& locked,
-                  const std::vector<std::string>& not_locked);
+  void RecordLocked(size_t camera, const std::vector<std::string>& locked,
+                    const std::vector<std::string>& not_locked);
 
  private:
   void Write();

@@ -62,8 +62,8 @@ MHD_Result WholePictures::Answer(MHD_Connection* connection,
   changed_.notify_one();
   auto asked = std::make_unique<std::shared_ptr<Job>>(job);
   MHD_Response* const response = MHD_create_response_from_callback(
-      MHD_SIZE_UNKNOWN, kWholePiece, &WholePictures::ReadOf, asked.get(),
-      &WholePictures::FreeOf);
+      MHD_SIZE_UNKNOWN, kWholePiece, &WholePictures::ReadCallback, asked.get(),
+      &WholePictures::FreeCallback);
   if (!response) return MHD_NO;
   asked.release();  // now the response's
   MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE, "image/jpeg");
@@ -74,7 +74,8 @@ MHD_Result WholePictures::Answer(MHD_Connection* connection,
   return queued;
 }
 
-ssize_t WholePictures::ReadOf(void* asked, uint64_t, char* bytes, size_t size) {
+ssize_t WholePictures::ReadCallback(void* asked, uint64_t, char* bytes,
+                                    size_t size) {
   Job* const job = static_cast<std::shared_ptr<Job>*>(asked)->get();
   const std::lock_guard<std::mutex> lock(job->pictures->mutex_);
   if (!job->is_ready) {
@@ -90,7 +91,7 @@ ssize_t WholePictures::ReadOf(void* asked, uint64_t, char* bytes, size_t size) {
   return static_cast<ssize_t>(piece);
 }
 
-void WholePictures::FreeOf(void* asked) {
+void WholePictures::FreeCallback(void* asked) {
   const std::unique_ptr<std::shared_ptr<Job>> job(
       static_cast<std::shared_ptr<Job>*>(asked));
   const std::lock_guard<std::mutex> lock((*job)->pictures->mutex_);

@@ -28,9 +28,9 @@ class WholePictures {
 
  private:
   struct Job;
-  static ssize_t ReadOf(void* asked, uint64_t position, char* bytes,
-                        size_t size);
-  static void FreeOf(void* asked);
+  static ssize_t ReadCallback(void* asked, uint64_t position, char* bytes,
+                              size_t size);
+  static void FreeCallback(void* asked);
   void Work();
 
   const CapturePage::ReadKept read_;

@@ -13,7 +13,7 @@ class ChessboardKind : public TargetKind {
     specification_help = {"inner corners, side length of a square"};
   }
 
-  int NumTurns(const Board& board) const override {
+  int NumRotations(const Board& board) const override {
     if (board.columns % 2 != board.rows % 2) return 1;
     return board.columns == board.rows && board.columns % 2 == 0 ? 4 : 2;
   }

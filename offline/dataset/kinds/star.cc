@@ -121,7 +121,7 @@ Polygon ClippedAt(const Polygon& polygon, int axis, double sign, double bound) {
   return clipped;
 }
 
-Polygon Clipped(Polygon polygon, const Area& area) {
+Polygon ClipOutliers(Polygon polygon, const Area& area) {
   polygon = ClippedAt(polygon, 0, -1, area.x0);
   polygon = ClippedAt(polygon, 0, 1, area.x1);
   polygon = ClippedAt(polygon, 1, -1, area.y0);
@@ -181,7 +181,7 @@ class StarKind : public TargetKind {
           Polygon polygon = Segment(board.segments, k);
           for (Eigen::Vector2d& p : polygon)
             p = {(column + p.x() / 2) * s, (row + p.y() / 2) * s};
-          polygon = Clipped(std::move(polygon), extent);
+          polygon = ClipOutliers(std::move(polygon), extent);
           if (polygon.size() > 2) ink.push_back(std::move(polygon));
         }
       }

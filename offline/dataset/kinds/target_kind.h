@@ -86,8 +86,8 @@ class TargetKind {
 
   // ---- Geometry, in metres: x along the columns, y down the rows
   virtual double PlaceOf(const Board& board, int index) const;
-  /// See Board::NumTurns().
-  virtual int NumTurns(const Board&) const { return 1; }
+  /// See Board::NumRotations().
+  virtual int NumRotations(const Board&) const { return 1; }
 
   // ---- Appearance: ink, on which white markers are placed
   virtual Area Extent(const Board& board) const;

@@ -80,9 +80,9 @@ std::vector<MeshStep> StepsAlong(const std::vector<int>& vertices, int count) {
   return steps;
 }
 
-Eigen::Vector2d PlaceInMesh(const MeshLattice& lattice,
-                            const std::vector<Eigen::Vector2d>& vertices,
-                            const MeshStep& x, const MeshStep& y) {
+Eigen::Vector2d MapToMesh(const MeshLattice& lattice,
+                          const std::vector<Eigen::Vector2d>& vertices,
+                          const MeshStep& x, const MeshStep& y) {
   const size_t first =
       static_cast<size_t>(y.vertex) * lattice.columns() + x.vertex;
   const size_t right = lattice.columns() > 1 ? 1 : 0,
@@ -95,8 +95,8 @@ Eigen::Vector2d PlaceInMesh(const MeshLattice& lattice,
   return above + y.part * (under - above);
 }
 
-MeshError ErrorOfMesh(const MeshTable& mesh, const UnitMesh& unit,
-                      MeshSpan span) {
+MeshError ComputeMeshError(const MeshTable& mesh, const UnitMesh& unit,
+                           MeshSpan span) {
   const std::vector<MeshWeights> columns =
       WeightsAlong(mesh.lattice.x, mesh.size.width, span);
   const std::vector<MeshWeights> rows =

@@ -108,12 +108,12 @@ struct MeshError {
 };
 
 /// The place that vertices say of a pixel, bilinearly between four of them.
-Eigen::Vector2d PlaceInMesh(const MeshLattice& lattice,
-                            const std::vector<Eigen::Vector2d>& vertices,
-                            const MeshStep& x, const MeshStep& y);
+Eigen::Vector2d MapToMesh(const MeshLattice& lattice,
+                          const std::vector<Eigen::Vector2d>& vertices,
+                          const MeshStep& x, const MeshStep& y);
 
-MeshError ErrorOfMesh(const MeshTable& mesh, const UnitMesh& unit,
-                      MeshSpan span);
+MeshError ComputeMeshError(const MeshTable& mesh, const UnitMesh& unit,
+                           MeshSpan span);
 /// "at most 0.051 px, 0.022 px (RMS) from the view", and what else is off.
 std::string MeshErrorText(const MeshError& error);
 

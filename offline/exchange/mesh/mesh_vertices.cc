@@ -43,9 +43,9 @@ class VertexField {
 
 }  // namespace
 
-std::vector<bool> NeededVertices(const MeshLattice& lattice,
-                                 const ImageSize& size,
-                                 const std::vector<Eigen::Vector2d>& sources) {
+std::vector<bool> FindRequiredVertices(
+    const MeshLattice& lattice, const ImageSize& size,
+    const std::vector<Eigen::Vector2d>& sources) {
   const std::vector<MeshStep> columns = StepsAlong(lattice.x, size.width),
                               rows = StepsAlong(lattice.y, size.height);
   const size_t width = lattice.columns();
@@ -65,8 +65,8 @@ std::vector<bool> NeededVertices(const MeshLattice& lattice,
   return is_needed;
 }
 
-void ContinueVertices(const MeshLattice& lattice,
-                      std::vector<Eigen::Vector2d>* vertices) {
+void ExtrapolateVertices(const MeshLattice& lattice,
+                         std::vector<Eigen::Vector2d>* vertices) {
   std::vector<size_t> unknown;
   for (size_t k = 0; k < vertices->size(); ++k)
     if (!(*vertices)[k].allFinite()) unknown.push_back(k);
@@ -107,7 +107,7 @@ void BalanceVertices(MeshTable* mesh) {
       if (!source.allFinite()) continue;
       const MeshStep &i = columns[x], &j = rows[y];
       const Eigen::Vector2d error =
-          PlaceInMesh(lattice, mesh->vertices, i, j) - source;
+          MapToMesh(lattice, mesh->vertices, i, j) - source;
       const Eigen::Vector3d term(error.x(), error.y(), 1);
       const size_t first =
           static_cast<size_t>(j.vertex) * lattice.columns() + i.vertex;

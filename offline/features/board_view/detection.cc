@@ -33,12 +33,12 @@ GreyImage MakeGreyImage(const Image& image) {
   return MakeGreyImage(std::move(grey));
 }
 
-bool CanShowBoard(const ImageSize& size) {
+bool IsLargeEnough(const ImageSize& size) {
   constexpr int kMinSidePx = 32;
   return std::min(size.width, size.height) >= kMinSidePx;
 }
 
-GreyImage Mirrored(GreyImage image) {
+GreyImage MirrorImage(GreyImage image) {
   const int width = image.size.width;
   for (int row = 0; row < image.size.height; ++row) {
     const auto level = image.levels.begin() + row * width;

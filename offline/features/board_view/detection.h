@@ -42,10 +42,10 @@ GreyImage MakeGreyImage(GreyLevels grey);
 
 /// False for images so small that no board is in them; libraries are not made
 /// for those.
-bool CanShowBoard(const ImageSize& size);
+bool IsLargeEnough(const ImageSize& size);
 
 /// Left and right exchanged.
-GreyImage Mirrored(GreyImage image);
+GreyImage MirrorImage(GreyImage image);
 
 /// Half as wide and high: pixel (x, y) is the mean of four, (2 x, 2 y) the
 /// first of them.
@@ -53,10 +53,12 @@ GreyImage Halved(const GreyImage& image);
 
 /// A place in an image that was halved until it is of 1 / scale of the size,
 /// and back.
-inline Eigen::Vector2d ToSmaller(const Eigen::Vector2d& pixel, double scale) {
+inline Eigen::Vector2d ToDownscaled(const Eigen::Vector2d& pixel,
+                                    double scale) {
   return (pixel.array() + 0.5) / scale - 0.5;
 }
-inline Eigen::Vector2d FromSmaller(const Eigen::Vector2d& pixel, double scale) {
+inline Eigen::Vector2d FromDownscaled(const Eigen::Vector2d& pixel,
+                                      double scale) {
   return (pixel.array() + 0.5) * scale - 0.5;
 }
 
@@ -69,7 +71,7 @@ struct RejectedFeature {
 struct ImageDetection {
   std::vector<Feature> features;  ///< by board, row, column
   std::vector<RejectedFeature> rejected;
-  std::vector<std::string> remarks;  ///< about the image: mirrored, other tags
+  std::vector<std::string> warnings;  ///< about the image: mirrored, other tags
 };
 
 }  // namespace raygrid

@@ -44,7 +44,7 @@ std::vector<Correspondence> FeatureLattice::Around(int column, int row,
   return around;
 }
 
-int FeatureLattice::CountAround(int column, int row) const {
+int FeatureLattice::CountNeighbours(int column, int row) const {
   int count = 0;
   for (int r = row - 2; r <= row + 2; ++r)
     for (int c = column - 2; c <= column + 2; ++c)

@@ -34,7 +34,7 @@ class FeatureLattice {
                                      bool with_itself) const;
 
   /// How many of the 24 places around are found.
-  int CountAround(int column, int row) const;
+  int CountNeighbours(int column, int row) const;
 
   /// The features by row and column.
   std::vector<Feature> Features() const;

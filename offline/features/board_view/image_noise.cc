@@ -52,11 +52,11 @@ double SmoothestNoise(std::vector<NoiseAtLevel> blocks) {
 
 }  // namespace
 
-double NoiseOf(const GreyImage& image) {
+double EstimateNoise(const GreyImage& image) {
   return SmoothestNoise(NoiseOfBlocks(image));
 }
 
-std::vector<NoiseAtLevel> NoiseByLevel(const GreyImage& image) {
+std::vector<NoiseAtLevel> EstimateNoiseByLevel(const GreyImage& image) {
   constexpr size_t kNumLevels = 8, kMinBlocks = 12;
   std::vector<NoiseAtLevel> blocks = NoiseOfBlocks(image);
   std::stable_sort(blocks.begin(), blocks.end(),

@@ -9,17 +9,17 @@ namespace raygrid {
 
 /// The standard deviation of the noise, grey levels, where the image is
 /// smoothest: what Immerkaer's filter (1996), blind to edges, leaves there.
-double NoiseOf(const GreyImage& image);
+double EstimateNoise(const GreyImage& image);
 
 /// The noise of pixels of about one level.
 struct NoiseAtLevel {
   double level, noise;
 };
 
-/// How noise changes with brightness, by rising levels, as NoiseOf() estimates
-/// it from the parts of an image with about these levels. Noise grows with the
-/// square root of the light at most: what exceeds that is the scene's.
-std::vector<NoiseAtLevel> NoiseByLevel(const GreyImage& image);
+/// How noise changes with brightness, by rising levels, as EstimateNoise()
+/// estimates it from the parts of an image with about these levels. Noise grows
+/// with the square root of the light at most: what exceeds that is the scene's.
+std::vector<NoiseAtLevel> EstimateNoiseByLevel(const GreyImage& image);
 
 }  // namespace raygrid
 

@@ -64,7 +64,7 @@ struct ReprojectionError {
   Eigen::Vector2d place, pixel;
 };
 
-std::vector<ReprojectionError> EvenlyChosen(
+std::vector<ReprojectionError> SelectEvenly(
     const std::vector<Feature>& features) {
   constexpr size_t kMaxCount = 100;
   const size_t step = (features.size() + kMaxCount - 1) / kMaxCount;
@@ -143,8 +143,8 @@ double MaxAngleRad(const std::vector<ReprojectionError>& errors,
   return angle;
 }
 
-double MedianErrorPx(const std::vector<ReprojectionError>& errors,
-                     const LensParameters& parameters) {
+double ComputeMedianErrorPx(const std::vector<ReprojectionError>& errors,
+                            const LensParameters& parameters) {
   std::vector<double> lengths;
   for (const ReprojectionError& e : errors)
     lengths.push_back((SeenAt(parameters.data(), e.place) - e.pixel).norm());
@@ -153,8 +153,8 @@ double MedianErrorPx(const std::vector<ReprojectionError>& errors,
   return *middle;
 }
 
-void Adjust(const std::vector<ReprojectionError>& errors,
-            LensParameters* parameters) {
+void OptimizeCameras(const std::vector<ReprojectionError>& errors,
+                     LensParameters* parameters) {
   constexpr double kFarOffPx = 1;
   ceres::Problem problem;
   for (const ReprojectionError& e : errors)
@@ -178,20 +178,21 @@ std::optional<LatticeLens> LatticeLens::Fit(
   constexpr size_t kMinFeatures = 20;
   constexpr double kMaxMedianPx = 1;
   if (features.size() < kMinFeatures) return std::nullopt;
-  const auto errors = EvenlyChosen(features);
+  const auto errors = SelectEvenly(features);
   std::optional<LensParameters> best;
   double least_px = INFINITY;
   for (const double half_width_rad : {0.3, 0.6, 0.9, 1.2, 1.5, 1.8}) {
     const auto start = Start(errors, size, size.width / 2.0 / half_width_rad);
     if (!start) continue;
-    const double median_px = MedianErrorPx(errors, *start);
+    const double median_px = ComputeMedianErrorPx(errors, *start);
     if (!(median_px < least_px)) continue;
     best = start;
     least_px = median_px;
   }
   if (!best) return std::nullopt;
-  Adjust(errors, &*best);
-  if (!(MedianErrorPx(errors, *best) < kMaxMedianPx)) return std::nullopt;
+  OptimizeCameras(errors, &*best);
+  if (!(ComputeMedianErrorPx(errors, *best) < kMaxMedianPx))
+    return std::nullopt;
   return LatticeLens(*best, MaxAngleRad(errors, *best));
 }
 

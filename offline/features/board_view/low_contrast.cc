@@ -24,8 +24,8 @@ double UsedLevelStep(const GreyImage& image) {
 }
 
 // At least what rounding adds.
-double NoiseOf(const GreyImage& image, double step) {
-  return std::max(NoiseOf(image), step / std::sqrt(12.0));
+double EstimateNoise(const GreyImage& image, double step) {
+  return std::max(EstimateNoise(image), step / std::sqrt(12.0));
 }
 
 double Quantile(std::vector<float> values, double part) {
@@ -42,7 +42,7 @@ double ContrastOf(const GreyImage& image) {
   return Quantile(image.levels, 1 - kFew) - Quantile(image.levels, kFew);
 }
 
-cv::Mat LevelsOf(const GreyImage& image) {
+cv::Mat MakeLevels(const GreyImage& image) {
   return cv::Mat(image.size.height, image.size.width, CV_32F,
                  const_cast<float*>(image.levels.data()));
 }
@@ -54,8 +54,8 @@ cv::Mat LocalDifferences(const GreyImage& image) {
       std::max(image.size.width, image.size.height) / kWindowsAcross / 2 * 2 +
       1;
   cv::Mat mean;
-  cv::blur(LevelsOf(image), mean, cv::Size(side, side));
-  return LevelsOf(image) - mean;
+  cv::blur(MakeLevels(image), mean, cv::Size(side, side));
+  return MakeLevels(image) - mean;
 }
 
 // The size of the larger differences, of which something hot may be a tenth.
@@ -68,8 +68,8 @@ double LargeDifference(const cv::Mat& differences) {
 // The noise of the mean of 8 x 8 pixels. Neighbours may have a part of it in
 // common: compression and demosaicing leave noise that is wider than a pixel.
 std::vector<NoiseAtLevel> CellNoise(const GreyImage& image) {
-  std::vector<NoiseAtLevel> noise = NoiseByLevel(image);
-  const std::vector<NoiseAtLevel> halved = NoiseByLevel(Halved(image));
+  std::vector<NoiseAtLevel> noise = EstimateNoiseByLevel(image);
+  const std::vector<NoiseAtLevel> halved = EstimateNoiseByLevel(Halved(image));
   for (NoiseAtLevel& n : noise) n.noise /= 7;
   for (size_t k = 0; k < std::min(noise.size(), halved.size()); ++k)
     noise[k].noise = std::max(noise[k].noise, halved[k].noise / 4);
@@ -94,7 +94,7 @@ void MendDeadPixels(GreyImage* image) {
   constexpr double kFarBeyond = 20;
   cv::Mat around = cv::Mat::ones(3, 3, CV_8U);
   around.at<uint8_t>(1, 1) = 0;
-  cv::Mat levels = LevelsOf(*image), lowest, highest, median;
+  cv::Mat levels = MakeLevels(*image), lowest, highest, median;
   cv::erode(levels, lowest, around);
   cv::dilate(levels, highest, around);
   cv::medianBlur(levels, median, 3);
@@ -105,11 +105,11 @@ void MendDeadPixels(GreyImage* image) {
 
 }  // namespace
 
-std::optional<GreyImage> WithNoiseOfOneLevel(const GreyImage& image) {
+std::optional<GreyImage> AmplifyLowContrast(const GreyImage& image) {
   const double step = UsedLevelStep(image);
-  const int exponent =
-      std::min(static_cast<int>(std::lround(-std::log2(NoiseOf(image, step)))),
-               static_cast<int>(std::floor(-std::log2(step))));
+  const int exponent = std::min(
+      static_cast<int>(std::lround(-std::log2(EstimateNoise(image, step)))),
+      static_cast<int>(std::floor(-std::log2(step))));
   if (exponent < 1) return std::nullopt;
   GreyImage amplified = image;
   for (float& level : amplified.levels) level = std::ldexp(level, exponent);
@@ -122,7 +122,7 @@ std::optional<GreyImage> WithNoiseOfOneLevel(const GreyImage& image) {
   return amplified;
 }
 
-bool IsNoiseAlone(const GreyImage& image) {
+bool IsPureNoise(const GreyImage& image) {
   // The median of 3 x 3 pixels takes hot ones out. In cells a seventh of white
   // noise is left, and a quarter of noise of half the resolution. Of the
   // differences from the cells around, a twentieth of a percent are beyond 3.5
@@ -130,7 +130,7 @@ bool IsNoiseAlone(const GreyImage& image) {
   constexpr int kCellPx = 8, kAroundCells = 5;
   constexpr double kFew = 5e-4, kMaxDeviations = 4.5;
   cv::Mat median, cells, around;
-  cv::medianBlur(LevelsOf(image), median, 3);
+  cv::medianBlur(MakeLevels(image), median, 3);
   cv::resize(median, cells, cv::Size(), 1.0 / kCellPx, 1.0 / kCellPx,
              cv::INTER_AREA);
   cv::blur(cells, around, cv::Size(kAroundCells, kAroundCells),
@@ -147,13 +147,14 @@ bool IsNoiseAlone(const GreyImage& image) {
   return Quantile(std::move(differences), 1 - kFew) < kMaxDeviations;
 }
 
-GreyImage WithLittleNoise(const GreyImage& image) {
+GreyImage Denoise(const GreyImage& image) {
   // ReadableImage() raises the contrast to this.
   constexpr double kReadableContrast = 120;
   constexpr double kMaxNoise = 3, kWantedNoise = 1.5, kMaxBlurPx = 4;
   // Compression and demosaicing leave noise that is wider than a pixel.
-  const double noise = std::max(NoiseOf(image), NoiseOf(Halved(image))) *
-                       std::max(1.0, kReadableContrast / ContrastOf(image));
+  const double noise =
+      std::max(EstimateNoise(image), EstimateNoise(Halved(image))) *
+      std::max(1.0, kReadableContrast / ContrastOf(image));
   if (!(noise > kMaxNoise)) return image;
   // A Gaussian leaves 1 / (2 sqrt(pi) sigma) of white noise.
   const double blur_px =
@@ -165,11 +166,12 @@ GreyImage WithLittleNoise(const GreyImage& image) {
   return MakeGreyImage(std::move(smooth));
 }
 
-bool HasHardlyAnyContrast(const GreyImage& image) {
+bool HasLowContrast(const GreyImage& image) {
   constexpr double kMinSteps = 8, kMinDeviations = 6;
   const double step = UsedLevelStep(image);
   return ContrastOf(image) <
-         std::max(kMinSteps * step, kMinDeviations * NoiseOf(image, step));
+         std::max(kMinSteps * step,
+                  kMinDeviations * EstimateNoise(image, step));
 }
 
 }  // namespace raygrid

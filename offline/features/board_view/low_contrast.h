@@ -14,18 +14,18 @@ namespace raygrid {
 /// two, so that its noise is about one level. Its bytes show the differences
 /// from the mean around each pixel. Nothing for images with more noise, or
 /// where the file has no finer levels.
-std::optional<GreyImage> WithNoiseOfOneLevel(const GreyImage& image);
+std::optional<GreyImage> AmplifyLowContrast(const GreyImage& image);
 
 /// Whether an image shows noise alone: no board could be found in it.
-bool IsNoiseAlone(const GreyImage& image);
+bool IsPureNoise(const GreyImage& image);
 
 /// An image so smoothed that its noise is a small part of its contrast, where
 /// it is not: libraries that read markers take long for noise.
-GreyImage WithLittleNoise(const GreyImage& image);
+GreyImage Denoise(const GreyImage& image);
 
 /// Whether hardly anything stands out from the noise, or from the steps of the
 /// file's levels.
-bool HasHardlyAnyContrast(const GreyImage& image);
+bool HasLowContrast(const GreyImage& image);
 
 }  // namespace raygrid
 

@@ -122,7 +122,7 @@ TagDetector::TagDetector(const std::vector<TagFamily>& families,
 TagDetector::~TagDetector() = default;
 
 std::vector<DetectedTag> TagDetector::Detect(const cv::Mat& image) const {
-  if (!CanShowBoard({image.cols, image.rows})) return {};
+  if (!IsLargeEnough({image.cols, image.rows})) return {};
   data_->detector->quad_decimate =
       std::max(data_->decimate, LeastDecimation(image));
   image_u8_t view = {image.cols, image.rows, static_cast<int32_t>(image.step),

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "dataset/files.h"
-#include "dataset/image_room.h"
+#include "dataset/image_memory_budget.h"
 #include "dataset/parallel_for.h"
 #include "features/refinement/feature_refinement.h"
 
@@ -35,7 +35,7 @@ PoseOfView ByView(const std::vector<BoardPose>& poses) {
 
 class Refiner {
  public:
-  Refiner(const KnownScene& scene, const DetectionOptions& options)
+  Refiner(const EstimatedScene& scene, const DetectionOptions& options)
       : scene_(scene), options_(options), pose_of_view_(ByView(scene.poses)) {
     for (const Board& board : scene.pattern->boards)
       boards_.push_back(
@@ -59,7 +59,7 @@ class Refiner {
       if (pose != pose_of_view_.end())
         features = refiner->RefineWith(
             image, features, [this, &pose, b = board](const Feature& feature) {
-              return MappingThroughCamera(*scene_.camera, pose->second, *b,
+              return ComputeCameraMapping(*scene_.camera, pose->second, *b,
                                           feature, options_.window_px);
             });
       refined.features.insert(refined.features.end(), features.begin(),
@@ -69,7 +69,7 @@ class Refiner {
   }
 
  private:
-  const KnownScene& scene_;
+  const EstimatedScene& scene_;
   const DetectionOptions& options_;
   PoseOfView pose_of_view_;
   std::vector<std::pair<const Board*, std::unique_ptr<FeatureRefiner>>> boards_;
@@ -77,7 +77,7 @@ class Refiner {
 
 }  // namespace
 
-std::optional<LocalMapping> MappingThroughCamera(const CameraModel& camera,
+std::optional<LocalMapping> ComputeCameraMapping(const CameraModel& camera,
                                                  const Pose& camera_from_board,
                                                  const Board& board,
                                                  const Feature& feature,
@@ -113,10 +113,12 @@ std::optional<LocalMapping> MappingThroughCamera(const CameraModel& camera,
   return mapping;
 }
 
-Dataset RefineThroughCamera(const std::vector<std::string>& paths,
-                            const Dataset& dataset, const KnownScene& scene,
-                            const DetectionOptions& options, int num_threads,
-                            const std::function<void(double)>& progress) {
+Dataset RefineFeaturesWithCamera(const std::vector<std::string>& paths,
+                                 const Dataset& dataset,
+                                 const EstimatedScene& scene,
+                                 const DetectionOptions& options,
+                                 int num_threads,
+                                 const std::function<void(double)>& progress) {
   const Refiner refiner(scene, options);
   Dataset refined = dataset;
   const int count = static_cast<int>(paths.size());
@@ -127,7 +129,7 @@ Dataset RefineThroughCamera(const std::vector<std::string>& paths,
         !refiner.Knows(dataset.images[i].image)) {
       refined.images[i] = refiner.Refine({}, dataset.images[i]);
     } else if (!dataset.images[i].features.empty()) {
-      const ImageRoom room(dataset.image_size);
+      const ImageMemoryBudget room(dataset.image_size);
       refined.images[i] = refiner.Refine(
           MakeGreyImage(ReadGreyLevels(paths[i])), dataset.images[i]);
     }

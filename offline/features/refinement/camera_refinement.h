@@ -15,14 +15,14 @@ namespace raygrid {
 /// How the camera sees the surroundings of a board's point, as far as the
 /// window reaches, board and camera being where they are known to be. Nothing
 /// where the camera is not calibrated. The centre is the feature's pixel.
-std::optional<LocalMapping> MappingThroughCamera(const CameraModel& camera,
+std::optional<LocalMapping> ComputeCameraMapping(const CameraModel& camera,
                                                  const Pose& camera_from_board,
                                                  const Board& board,
                                                  const Feature& feature,
                                                  int window_px);
 
 /// The scene as it is known once a camera is calibrated.
-struct KnownScene {
+struct EstimatedScene {
   const CameraModel* camera;
   const Pattern* pattern;  ///< points where they were found to be
   std::vector<BoardPose> poses;
@@ -34,10 +34,12 @@ struct KnownScene {
 /// and those that symmetry does not pull to a place near stay as they are.
 /// Images are read again; paths are those of the dataset's images. Throws
 /// InputError for an image that cannot be read any more.
-Dataset RefineThroughCamera(const std::vector<std::string>& paths,
-                            const Dataset& dataset, const KnownScene& scene,
-                            const DetectionOptions& options, int num_threads,
-                            const std::function<void(double)>& progress);
+Dataset RefineFeaturesWithCamera(const std::vector<std::string>& paths,
+                                 const Dataset& dataset,
+                                 const EstimatedScene& scene,
+                                 const DetectionOptions& options,
+                                 int num_threads,
+                                 const std::function<void(double)>& progress);
 
 }  // namespace raygrid
 

@@ -192,7 +192,7 @@ struct FeatureRefiner::Data {
 FeatureRefiner::FeatureRefiner(const Board& board,
                                const DetectionOptions& options)
     : data_(new Data{
-          board, options, SymmetryMask::OfBoard(board),
+          board, options, SymmetryMask::MakeBoardMasks(board),
           MakeSymmetrySamples(options.window_px, kRoughSamplesPerPixel),
           MakeSymmetrySamples(options.window_px, kSamplesPerPixel),
           board.HasSymmetricFeatures()
@@ -338,7 +338,7 @@ void FeatureRefiner::Data::RefineOnce(const GreyImage& image,
 void FeatureRefiner::Data::RefineBySymmetry(const GreyImage& image,
                                             FeatureLattice* lattice,
                                             ImageDetection* detection) const {
-  const double noise = NoiseOf(image);
+  const double noise = EstimateNoise(image);
   RefineOnce(image, {&rough_samples, kMaxMovePx, kMaxMoveSquares, noise, false},
              lattice, detection);
   // Their tone moves tags' corners.
@@ -396,7 +396,7 @@ ImageDetection FeatureRefiner::Refine(
 
 std::vector<Feature> FeatureRefiner::RefineWith(
     const GreyImage& image, std::vector<Feature> features,
-    const TellMapping& tell_mapping) const {
+    const MappingCallback& tell_mapping) const {
   if (data_->options.refinement == Refinement::kNone ||
       data_->options.refinement == Refinement::kCornerSubpix)
     return features;
@@ -404,7 +404,7 @@ std::vector<Feature> FeatureRefiner::RefineWith(
   if (data_->tag_corners) {
     FeatureLattice lattice(data_->board);
     for (const Feature& f : features) lattice.Set(f.column, f.row, f.pixel);
-    round.tone = data_->Tone(image, lattice, NoiseOf(image));
+    round.tone = data_->Tone(image, lattice, EstimateNoise(image));
   }
   for (Feature& feature : features) {
     const auto mapping = tell_mapping(feature);

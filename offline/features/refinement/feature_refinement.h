@@ -30,11 +30,11 @@ class FeatureRefiner {
   /// Refined ones once more, with mappings known from elsewhere. Those without
   /// one, and those found to be nowhere near, stay as they are; all of them
   /// where the options' refinement does not go by symmetry.
-  using TellMapping =
+  using MappingCallback =
       std::function<std::optional<LocalMapping>(const Feature&)>;
   std::vector<Feature> RefineWith(const GreyImage& image,
                                   std::vector<Feature> features,
-                                  const TellMapping& tell_mapping) const;
+                                  const MappingCallback& tell_mapping) const;
 
  private:
   struct Data;

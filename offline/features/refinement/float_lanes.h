@@ -18,7 +18,7 @@ inline FloatLanes LoadLanes(const float* from) {
   return lanes;
 }
 
-inline float SumOf(const FloatLanes& lanes) {
+inline float SumLanes(const FloatLanes& lanes) {
   return (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
 }
 

@@ -263,16 +263,19 @@ class Matching {
       qq += q * q;
     }
     const double n = static_cast<double>(samples_.size());
-    *moments = {n, SumOf(sp), SumOf(sq), SumOf(pp), SumOf(pq), SumOf(qq)};
+    *moments = {
+        n,           SumLanes(sp), SumLanes(sq), SumLanes(pp), SumLanes(pq),
+        SumLanes(qq)};
     // Rows of (f dp/dx, f dp/dy, p, 1), with f p + b - q at their right.
     Eigen::Matrix4d hessian;
-    hessian << f * f * SumOf(xx), f * f * SumOf(xy), f * SumOf(xp),
-        f * SumOf(sx), f * f * SumOf(xy), f * f * SumOf(yy), f * SumOf(yp),
-        f * SumOf(sy), f * SumOf(xp), f * SumOf(yp), moments->pp, moments->p,
-        f * SumOf(sx), f * SumOf(sy), moments->p, n;
+    hessian << f * f * SumLanes(xx), f * f * SumLanes(xy), f * SumLanes(xp),
+        f * SumLanes(sx), f * f * SumLanes(xy), f * f * SumLanes(yy),
+        f * SumLanes(yp), f * SumLanes(sy), f * SumLanes(xp), f * SumLanes(yp),
+        moments->pp, moments->p, f * SumLanes(sx), f * SumLanes(sy), moments->p,
+        n;
     const Eigen::Vector4d gradient(
-        f * (f * SumOf(xp) + b * SumOf(sx) - SumOf(xq)),
-        f * (f * SumOf(yp) + b * SumOf(sy) - SumOf(yq)),
+        f * (f * SumLanes(xp) + b * SumLanes(sx) - SumLanes(xq)),
+        f * (f * SumLanes(yp) + b * SumLanes(sy) - SumLanes(yq)),
         f * moments->pp + b * moments->p - moments->pq,
         f * moments->p + b * n - moments->q);
     *step = -hessian.ldlt().solve(gradient);

@@ -55,7 +55,7 @@ bool IsNear(const std::vector<char>& cells, double margin, int i, int j) {
 
 }  // namespace
 
-std::vector<SymmetryMask> SymmetryMask::OfBoard(const Board& board) {
+std::vector<SymmetryMask> SymmetryMask::MakeBoardMasks(const Board& board) {
   const BoardAppearance appearance(board);
   const double margin = MarginSquares(board);
   std::vector<SymmetryMask> masks(board.num_points());

@@ -26,7 +26,7 @@ class SymmetryMask {
   }
 
   /// One for each feature of the board, by PointIndex().
-  static std::vector<SymmetryMask> OfBoard(const Board& board);
+  static std::vector<SymmetryMask> MakeBoardMasks(const Board& board);
 
  private:
   std::vector<char> cells_;

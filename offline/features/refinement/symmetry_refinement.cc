@@ -186,7 +186,7 @@ class Problem {
     return x;
   }
 
-  MirroredPlaces PlacesOf(const Parameters& p, size_t i) const {
+  MirroredPlaces CollectFeaturePositions(const Parameters& p, size_t i) const {
     MirroredPlaces at;
     if constexpr (N == 2) {
       at.ax = p.cx + LoadLanes(&pairs_.ax[i]);
@@ -216,11 +216,11 @@ class Problem {
   float MeanSum(const float* channel, const Parameters& p) const {
     FloatLanes sum = {};
     for (size_t i = 0; i < pairs_.size(); i += kLanes) {
-      const MirroredPlaces at = PlacesOf(p, i);
+      const MirroredPlaces at = CollectFeaturePositions(p, i);
       sum += Bilinear(channel, patch_.side(), 0, at.ax, at.ay).value +
              Bilinear(channel, patch_.side(), 0, at.bx, at.by).value;
     }
-    return SumOf(sum) / static_cast<float>(pairs_.size());
+    return SumLanes(sum) / static_cast<float>(pairs_.size());
   }
 
   void Accumulate(const float* channel, const Parameters& p, float twice_middle,
@@ -229,7 +229,7 @@ class Problem {
     FloatLanes cost = {}, sum = {}, sum_squares = {};
     const float sign = reflection_.sign;
     for (size_t i = 0; i < pairs_.size(); i += kLanes) {
-      const MirroredPlaces at = PlacesOf(p, i);
+      const MirroredPlaces at = CollectFeaturePositions(p, i);
       const SampledLanes a = Bilinear(channel, patch_.side(), 0, at.ax, at.ay);
       SampledLanes b = Bilinear(channel, patch_.side(), 0, at.bx, at.by);
       const FloatLanes residual = a.value - sign * b.value - twice_middle;
@@ -250,14 +250,14 @@ class Problem {
     }
     for (int row = 0, k = 0; row < N; ++row) {
       for (int column = 0; column <= row; ++column, ++k) {
-        system->hessian(row, column) += SumOf(h[k]);
-        if (column < row) system->hessian(column, row) += SumOf(h[k]);
+        system->hessian(row, column) += SumLanes(h[k]);
+        if (column < row) system->hessian(column, row) += SumLanes(h[k]);
       }
-      system->gradient[row] += SumOf(g[row]);
+      system->gradient[row] += SumLanes(g[row]);
     }
-    system->cost += SumOf(cost);
-    system->sum += SumOf(sum);
-    system->sum_squares += SumOf(sum_squares);
+    system->cost += SumLanes(cost);
+    system->sum += SumLanes(sum);
+    system->sum_squares += SumLanes(sum_squares);
     system->count += static_cast<int>(pairs_.size());
   }
 
@@ -282,7 +282,8 @@ class Problem {
 };
 
 template <int N>
-LocalMapping Moved(LocalMapping mapping, const ParameterVector<N>& step_float) {
+LocalMapping MapToPoints(LocalMapping mapping,
+                         const ParameterVector<N>& step_float) {
   const Eigen::Matrix<double, N, 1> step = step_float.template cast<double>();
   mapping.center += step.template head<2>();
   if constexpr (N == 8) {
@@ -311,7 +312,7 @@ bool Minimize(const Problem<N>& problem, double max_move_px,
     damped.diagonal().array() += kFloor * damped.diagonal().maxCoeff();
     const ParameterVector<N> step = -damped.ldlt().solve(system->gradient);
     if (!step.allFinite()) return false;
-    const LocalMapping candidate = Moved<N>(*mapping, step);
+    const LocalMapping candidate = MapToPoints<N>(*mapping, step);
     if ((candidate.center - start).norm() > max_move_px) return false;
     const double moved_px = (candidate.center - mapping->center).norm();
     const System<N> next = problem.Evaluate(candidate);

@@ -164,11 +164,11 @@ class CornerProblem {
           SeenOfLight(std::clamp(1 - ink.ink, 0.0, 1.0), p[kTone]);
       const double residual = p[kBlackLevel] + white * light.seen - s.level;
       const double by_ink = -white * light.by_light;
-      const Vector2d by_place = by_ink * Vector2d(ink.by_u, ink.by_v);
+      const Vector2d J_place = by_ink * Vector2d(ink.by_u, ink.by_v);
       CornerParameters j;
-      j.head<2>() = -inverse_.transpose() * by_place;
-      j[kTurnU] = -by_place.dot(turn_u_) * s.place.x();
-      j[kTurnV] = -by_place.dot(turn_v_) * s.place.y();
+      j.head<2>() = -inverse_.transpose() * J_place;
+      j[kTurnU] = -J_place.dot(turn_u_) * s.place.x();
+      j[kTurnV] = -J_place.dot(turn_v_) * s.place.y();
       j[kLogSigma] = by_ink * ink.by_log_sigma;
       j[kBlackLevel] = 1;
       j[kWhiteLevel] = light.seen;

@@ -10,7 +10,7 @@
 #include "features/board_view/locators.h"
 #include "features/squares/aruco_markers.h"
 #include "features/squares/corner_growth.h"
-#include "features/squares/seen_markers.h"
+#include "features/squares/detected_markers.h"
 
 namespace raygrid {
 
@@ -124,13 +124,13 @@ struct AprilGridLocator::Data {
 
   std::vector<DetectedTag> FindTags(const GreyImage& image,
                                     TagSearch search) const;
-  std::vector<SeenMarker> OnBoard(const std::vector<DetectedTag>& tags,
-                                  int quarter_turns) const;
+  std::vector<DetectedMarker> OnBoard(const std::vector<DetectedTag>& tags,
+                                      int quarter_turns) const;
   MarkerConstellation Constellation(const std::vector<DetectedTag>& tags) const;
   void FindCornersOf(const GreyImage& image, const MarkerConstellation& tags,
-                     const SeenMarker& tag, FeatureLattice* lattice) const;
-  std::pair<int, int> FirstFeature(const SeenMarker& tag) const;
-  void SetCornersOf(const SeenMarker& tag, FeatureLattice* lattice) const;
+                     const DetectedMarker& tag, FeatureLattice* lattice) const;
+  std::pair<int, int> FirstFeature(const DetectedMarker& tag) const;
+  void SetCornersOf(const DetectedMarker& tag, FeatureLattice* lattice) const;
   FeatureLattice FindCorners(const GreyImage& image,
                              const MarkerConstellation& tags) const;
   double pitch_m() const { return board.square_m * (1 + board.spacing_ratio); }
@@ -140,22 +140,22 @@ std::vector<DetectedTag> AprilGridLocator::Data::FindTags(
     const GreyImage& image, TagSearch search) const {
   if (!dictionary) return FindGridTags(image, {family}, search);
   std::vector<DetectedTag> tags;
-  for (const SeenMarker& marker :
+  for (const DetectedMarker& marker :
        FindArucoMarkers(image, dictionary, board.border_cells))
     tags.push_back({family, markers[marker.index].id, marker.corners_px});
   return tags;
 }
 
 // The board's tags, each turned on the page as often as stated.
-std::vector<SeenMarker> AprilGridLocator::Data::OnBoard(
+std::vector<DetectedMarker> AprilGridLocator::Data::OnBoard(
     const std::vector<DetectedTag>& tags, int quarter_turns) const {
-  std::vector<SeenMarker> seen;
+  std::vector<DetectedMarker> seen;
   for (const DetectedTag& tag : tags) {
     const auto place = std::find_if(
         markers.begin(), markers.end(),
         [&](const PlacedMarker& marker) { return marker.id == tag.id; });
     if (place == markers.end()) continue;
-    SeenMarker marker;
+    DetectedMarker marker;
     marker.index = static_cast<int>(place - markers.begin());
     for (int k = 0; k < 4; ++k)
       marker.corners_px[k] = tag.corners[(k + quarter_turns) % 4];
@@ -179,7 +179,7 @@ MarkerConstellation AprilGridLocator::Data::Constellation(
 
 // The column and row of a tag's top left corner.
 std::pair<int, int> AprilGridLocator::Data::FirstFeature(
-    const SeenMarker& tag) const {
+    const DetectedMarker& tag) const {
   const Eigen::Vector2d place = markers[tag.index].corner / pitch_m();
   return {2 * static_cast<int>(std::lround(place.x())),
           2 * static_cast<int>(std::lround(place.y()))};
@@ -187,7 +187,7 @@ std::pair<int, int> AprilGridLocator::Data::FirstFeature(
 
 void AprilGridLocator::Data::FindCornersOf(const GreyImage& image,
                                            const MarkerConstellation& tags,
-                                           const SeenMarker& tag,
+                                           const DetectedMarker& tag,
                                            FeatureLattice* lattice) const {
   const auto [left, top] = FirstFeature(tag);
   for (int row = top; row < top + 2; ++row) {
@@ -204,7 +204,7 @@ void AprilGridLocator::Data::FindCornersOf(const GreyImage& image,
 
 // On white paper corners are those of the tags' outlines. What looks like one
 // may be a cell's corner: no others are sought.
-void AprilGridLocator::Data::SetCornersOf(const SeenMarker& tag,
+void AprilGridLocator::Data::SetCornersOf(const DetectedMarker& tag,
                                           FeatureLattice* lattice) const {
   const auto [left, top] = FirstFeature(tag);
   lattice->Set(left, top, tag.corners_px[0]);
@@ -217,10 +217,10 @@ FeatureLattice AprilGridLocator::Data::FindCorners(
     const GreyImage& image, const MarkerConstellation& tags) const {
   FeatureLattice lattice(board);
   if (!board.has_corner_squares) {
-    for (const SeenMarker& tag : tags.seen()) SetCornersOf(tag, &lattice);
+    for (const DetectedMarker& tag : tags.seen()) SetCornersOf(tag, &lattice);
     return lattice;
   }
-  for (const SeenMarker& tag : tags.seen())
+  for (const DetectedMarker& tag : tags.seen())
     FindCornersOf(image, tags, tag, &lattice);
   for (const double min_correlation : kMinCorrelations)
     growth.Grow(image, {min_correlation}, &lattice);
@@ -240,23 +240,24 @@ ImageDetection AprilGridLocator::Locate(const GreyImage& image) const {
   const FeatureLattice lattice = data_->FindCorners(image, fitting);
   located.features = lattice.Features();
   if (seen.size() > 0 && fitting.size() == 0)
-    located.remarks.push_back(
+    located.warnings.push_back(
         fmt::format("board {}: {} tags detected, none consistent with another",
                     data_->board.id, seen.size()));
   if (seen.size() == 0 && !tags.empty())
-    located.remarks.push_back(
+    located.warnings.push_back(
         fmt::format("tag {} is not on board {}", tags[0].id, data_->board.id));
   if (fitting.size() > 0 && lattice.num_found() == 0)
-    located.remarks.push_back(fmt::format(
+    located.warnings.push_back(fmt::format(
         "board {}: {} tags detected, but no black squares at their corners; if "
         "it has none, set 'corner_squares: false' (no-squares in a "
         "specification), 'border_cells' and 'numbered_from'",
         data_->board.id, fitting.size()));
   if (fitting.size() == 0 &&
-      data_->Constellation(data_->FindTags(Mirrored(image), TagSearch::kQuick))
+      data_->Constellation(
+               data_->FindTags(MirrorImage(image), TagSearch::kQuick))
               .Consistent()
               .size() > 0)
-    located.remarks.push_back(
+    located.warnings.push_back(
         fmt::format("board {} is mirrored", data_->board.id));
   return located;
 }

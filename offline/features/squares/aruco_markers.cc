@@ -37,7 +37,7 @@ cv::Ptr<cv::aruco::Dictionary> BoardDictionary(
   return dictionary;
 }
 
-std::vector<SeenMarker> FindArucoMarkers(
+std::vector<DetectedMarker> FindArucoMarkers(
     const GreyImage& image, const cv::Ptr<cv::aruco::Dictionary>& dictionary,
     int border_cells) {
   std::vector<std::vector<cv::Point2f>> corners;
@@ -50,9 +50,9 @@ std::vector<SeenMarker> FindArucoMarkers(
   } catch (const cv::Exception&) {
     return {};  // images too small to hold a marker
   }
-  std::vector<SeenMarker> seen;
+  std::vector<DetectedMarker> seen;
   for (size_t i = 0; i < ids.size(); ++i) {
-    SeenMarker marker;
+    DetectedMarker marker;
     marker.index = ids[i];
     for (int k = 0; k < 4; ++k)
       marker.corners_px[k] = {corners[i][k].x, corners[i][k].y};

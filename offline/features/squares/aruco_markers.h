@@ -7,7 +7,7 @@
 
 #include "appearance/board_appearance.h"
 #include "features/board_view/detection.h"
-#include "features/squares/seen_markers.h"
+#include "features/squares/detected_markers.h"
 
 namespace raygrid {
 
@@ -18,7 +18,7 @@ cv::Ptr<cv::aruco::Dictionary> BoardDictionary(
 
 /// The markers of a dictionary in an image; their indices are those of the
 /// dictionary. Corners are accurate to about a pixel.
-std::vector<SeenMarker> FindArucoMarkers(
+std::vector<DetectedMarker> FindArucoMarkers(
     const GreyImage& image, const cv::Ptr<cv::aruco::Dictionary>& dictionary,
     int border_cells);
 

@@ -6,7 +6,7 @@
 #include "features/board_view/locators.h"
 #include "features/squares/aruco_markers.h"
 #include "features/squares/corner_growth.h"
-#include "features/squares/seen_markers.h"
+#include "features/squares/detected_markers.h"
 
 namespace raygrid {
 
@@ -59,7 +59,7 @@ struct CharucoLocator::Data {
   cv::Ptr<cv::aruco::Dictionary> dictionary;
   CornerGrowth growth, other_growth;
 
-  std::vector<SeenMarker> FindMarkers(const GreyImage& image) const {
+  std::vector<DetectedMarker> FindMarkers(const GreyImage& image) const {
     return FindArucoMarkers(image, dictionary, kBorderCells);
   }
   FeatureLattice FindCorners(const GreyImage& image,
@@ -85,7 +85,7 @@ FeatureLattice CharucoLocator::Data::FindCorners(
     for (int column = 0; column < board.columns; ++column) {
       const Eigen::Vector2d corner_m(column * board.square_m,
                                      row * board.square_m);
-      const std::vector<SeenMarker> near = constellation.Nearest(
+      const std::vector<DetectedMarker> near = constellation.Nearest(
           corner_m, kNearDistance * board.square_m, kMaxNearMarkers);
       if (near.empty() || constellation.Distance(near[0], corner_m) >
                               kAdjacentDistance * board.square_m)
@@ -108,7 +108,7 @@ CharucoLocator::~CharucoLocator() = default;
 
 ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
   const Board& board = data_->board;
-  const std::vector<SeenMarker> seen = data_->FindMarkers(image);
+  const std::vector<DetectedMarker> seen = data_->FindMarkers(image);
   ImageDetection located;
   MarkerConstellation markers(data_->markers, data_->pitch_m(), seen);
   bool is_other = false;
@@ -118,7 +118,7 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
     is_other = other.Agreement() > std::max(0, markers.Agreement());
     if (is_other) {
       markers = other;
-      located.remarks.push_back(fmt::format(
+      located.warnings.push_back(fmt::format(
           "board {}: its markers have the layout of {}; set 'legacy: {}' in "
           "the pattern",
           board.id, board.is_legacy ? "OpenCV 4.6 and later" : "OpenCV < 4.6",
@@ -128,7 +128,7 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
   const int num_seen = markers.size();
   markers = markers.Consistent();
   if (num_seen > 0 && markers.size() == 0)
-    located.remarks.push_back(fmt::format(
+    located.warnings.push_back(fmt::format(
         "board {}: {} markers detected, none consistent with another", board.id,
         num_seen));
   located.features =
@@ -138,8 +138,8 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
           .Features();
   constexpr int kFewMarkers = 4;
   if (markers.size() < kFewMarkers &&
-      data_->NumConsistentMarkers(Mirrored(image)) > markers.size()) {
-    located.remarks.push_back(fmt::format("board {} is mirrored", board.id));
+      data_->NumConsistentMarkers(MirrorImage(image)) > markers.size()) {
+    located.warnings.push_back(fmt::format("board {} is mirrored", board.id));
     located.features.clear();  // corners that look alike, numbered by chance
   }
   return located;

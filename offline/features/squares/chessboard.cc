@@ -333,7 +333,7 @@ struct ChessboardLocator::Data {
   std::optional<Numbering> Number(const GreyImage& image,
                                   const FeatureLattice& lattice,
                                   const Rectangle& part,
-                                  std::string* remark) const;
+                                  std::string* warning) const;
 };
 
 // All ways, whatever the colours.
@@ -353,7 +353,7 @@ std::vector<Numbering> ChessboardLocator::Data::Numberings(
 // remark.
 std::optional<Numbering> ChessboardLocator::Data::Number(
     const GreyImage& image, const FeatureLattice& lattice,
-    const Rectangle& part, std::string* remark) const {
+    const Rectangle& part, std::string* warning) const {
   const auto right_ones = [&](std::vector<Numbering> numberings) {
     numberings.erase(std::remove_if(numberings.begin(), numberings.end(),
                                     [&](const Numbering& numbering) {
@@ -376,7 +376,7 @@ std::optional<Numbering> ChessboardLocator::Data::Number(
         part.columns(), part.rows(), board.id);
   };
   if (all.empty()) {
-    *remark = unlike_board();
+    *warning = unlike_board();
     return std::nullopt;
   }
   std::vector<Numbering> right = right_ones(all);
@@ -385,7 +385,7 @@ std::optional<Numbering> ChessboardLocator::Data::Number(
     // With both sides odd, mirroring swaps the colours; with both even nothing
     // does but swapped ink.
     const bool is_mirrored = !IsEven(board.columns) && !IsEven(board.rows);
-    *remark = fmt::format(
+    *warning = fmt::format(
         is_mirrored ? "board {} is mirrored, or its colours are inverted"
                     : "the colours of board {} are inverted",
         board.id);
@@ -398,11 +398,11 @@ std::optional<Numbering> ChessboardLocator::Data::Number(
                      ends_towards(1, 0), ends_towards(0, 1)};
   right = right_ones(Numberings(part, ends, false));
   if (is_one_place(right)) return MostUpright(right, lattice);
-  *remark = right.empty() ? unlike_board()
-                          : fmt::format(
-                                "board {}: {} x {} corners detected, but they "
-                                "cannot be identified",
-                                board.id, part.columns(), part.rows());
+  *warning = right.empty() ? unlike_board()
+                           : fmt::format(
+                                 "board {}: {} x {} corners detected, but they "
+                                 "cannot be identified",
+                                 board.id, part.columns(), part.rows());
   return std::nullopt;
 }
 
@@ -417,12 +417,12 @@ ImageDetection ChessboardLocator::Locate(const GreyImage& image) const {
   int most_in_vain = 0;
   const auto is_wanted = [&](const FeatureLattice& seen) {
     const Rectangle part = SeenRectangle(image, seen);
-    std::string remark;
-    const auto numbering = data_->Number(image, seen, part, &remark);
+    std::string warning;
+    const auto numbering = data_->Number(image, seen, part, &warning);
     if (!numbering) {
       if (seen.num_found() > most_in_vain) {
         most_in_vain = seen.num_found();
-        in_vain = remark;
+        in_vain = warning;
       }
       return false;
     }
@@ -431,23 +431,23 @@ ImageDetection ChessboardLocator::Locate(const GreyImage& image) const {
       const auto [column, row] = numbering->Of(board, f.column, f.row);
       if (lattice.IsOnBoard(column, row)) lattice.Set(column, row, f.pixel);
     }
-    if (remark.empty()) {  // else the drawing is not as seen
+    if (warning.empty()) {  // else the drawing is not as seen
       for (const double min_correlation : {0.7, 0.6})
         data_->growth.Grow(image, {min_correlation}, &lattice);
       data_->growth.GrowByRatio(image, {0.7, 0.9}, &lattice);
     } else {
-      located.remarks.push_back(remark);
+      located.warnings.push_back(warning);
     }
     located.features = lattice.Features();
     return true;
   };
   data_->finder.Find(image, is_wanted);
   if (located.features.empty() && !in_vain.empty())
-    located.remarks.push_back(in_vain);
+    located.warnings.push_back(in_vain);
   return located;
 }
 
-std::optional<ChessboardSize> SeenChessboardSize(const GreyImage& image) {
+std::optional<ChessboardSize> EstimateChessboardSize(const GreyImage& image) {
   constexpr int kMaxSide = 30, kMinSide = 3;
   constexpr double kMinFilled = 0.95;
   std::optional<ChessboardSize> size;

@@ -13,7 +13,7 @@ namespace raygrid {
 struct ChessboardSize {
   int columns = 0, rows = 0;
 };
-std::optional<ChessboardSize> SeenChessboardSize(const GreyImage& image);
+std::optional<ChessboardSize> EstimateChessboardSize(const GreyImage& image);
 
 }  // namespace raygrid
 

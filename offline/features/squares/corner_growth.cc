@@ -25,8 +25,8 @@ double PatchReach(const Board& board) {
 }
 
 // Whether another feature was found at a place.
-bool IsTaken(const FeatureLattice& lattice, int column, int row,
-             const Eigen::Vector2d& pixel, const LocalMapping& prediction) {
+bool IsOccupied(const FeatureLattice& lattice, int column, int row,
+                const Eigen::Vector2d& pixel, const LocalMapping& prediction) {
   for (const Correspondence& other : lattice.Around(column, row, 3, false)) {
     constexpr double kMinDistance = 0.6;  // of where the two should be
     if ((other.pixel - pixel).norm() <
@@ -123,7 +123,7 @@ bool CornerGrowth::Find(const GreyImage& image, int column, int row,
                                criterion.min_visible);
   if (match.correlation < criterion.min_correlation ||
       !WholeImage(image.size).Contains(match.pixel) ||
-      IsTaken(*lattice, column, row, match.pixel, prediction))
+      IsOccupied(*lattice, column, row, match.pixel, prediction))
     return false;
   const double near_px = kNearPart * PatchReach(board_) * spacing_px;
   if (near_px > kMinNearReachPx) {
@@ -155,7 +155,8 @@ bool CornerGrowth::Sweep(const GreyImage& image,
     for (int column = 0; column < board_.columns; ++column)
       if (!lattice->Has(column, row) &&
           HasDirectNeighbour(*lattice, column, row))
-        candidates.push_back({-lattice->CountAround(column, row), row, column});
+        candidates.push_back(
+            {-lattice->CountNeighbours(column, row), row, column});
   std::sort(candidates.begin(), candidates.end());
   bool is_any_found = false;
   for (const auto& [minus_count, row, column] : candidates) {

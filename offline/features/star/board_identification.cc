@@ -154,17 +154,17 @@ struct SeenCell {
 // The visible frame of a tag, as far from the stars as its cells are as they
 // must be: cells farther away do not tell where the frame is, or lie behind the
 // image's rim.
-struct SeenFrame {
+struct DetectedFrame {
   double threshold = 0;  // between black and white
   double max_distance = -1;
 };
 
-SeenFrame FrameOf(std::vector<SeenCell> cells, bool is_whole) {
+DetectedFrame FrameOf(std::vector<SeenCell> cells, bool is_whole) {
   std::stable_sort(cells.begin(), cells.end(),
                    [](const SeenCell& a, const SeenCell& b) {
                      return a.distance < b.distance;
                    });
-  SeenFrame frame;
+  DetectedFrame frame;
   for (size_t count = cells.size(); count >= 2 * kMinFrameCells; --count) {
     double sums[2] = {0, 0};  // of white ones, of black ones
     int counts[2] = {0, 0};
@@ -235,7 +235,7 @@ class Identification {
   std::optional<LatticePlacement> Run() {
     for (size_t b = 0; b < boards_.size(); ++b) {
       for (LatticePlacement placement :
-           PossiblePlacements(stars_, boards_[b]->board)) {
+           ListPlacements(stars_, boards_[b]->board)) {
         placement.board = static_cast<int>(b);
         Weigh(placement);
       }
@@ -254,8 +254,8 @@ class Identification {
       const LatticePlacement& placement) const {
     constexpr double kReachSquares = 3;
     std::vector<Correspondence> corners;
-    for (const SeenTag& seen :
-         SeenTagsOf(boards_[placement.board]->board, detected_)) {
+    for (const VisibleTag& seen :
+         FindVisibleTags(boards_[placement.board]->board, detected_)) {
       const auto& c = seen.corners;
       const Eigen::Vector2d middle = (c[0] + c[1] + c[2] + c[3]) / 4;
       const Feature& star = *std::min_element(
@@ -298,7 +298,7 @@ class Identification {
   double ChanceOf(const LatticePlacement& placement, bool has_corners,
                   CellReader* reader) const {
     const Cells& cells = cells_[placement.board];
-    const SeenFrame frame =
+    const DetectedFrame frame =
         FrameOf(Read(placement, cells.frames, reader), has_corners);
     if (frame.max_distance < 0) return 1;
     int count = 0, num_wrong = 0;

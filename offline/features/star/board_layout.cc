@@ -211,29 +211,29 @@ struct Verdicts {
   }
 };
 
-Verdicts VerdictsOf(const LatticePlacement& placement,
-                    const ExpectedParts& expected,
-                    const std::vector<SeenPart>& seen) {
+Verdicts CollectAssessments(const LatticePlacement& placement,
+                            const ExpectedParts& expected,
+                            const std::vector<SeenPart>& seen) {
   Verdicts verdicts;
   verdicts.of_parts.reserve(seen.size());
   for (const SeenPart& part : seen) {
     const Eigen::Vector2i place =
         placement.OnBoard(part.place.x(), part.place.y());
-    signed char verdict = 0;
+    signed char assessment = 0;
     if (expected.Knows(place)) {
       const Eigen::Vector2d on_board = placement.OnBoard(
           Eigen::Vector2d(part.place.cast<double>() + part.offset));
       const Shade shade = expected.At(place, on_board - place.cast<double>());
       if (shade != Shade::kUnsure)
-        verdict = (shade == Shade::kBlack) == part.is_black ? 1 : -1;
+        assessment = (shade == Shade::kBlack) == part.is_black ? 1 : -1;
     } else if (part.is_on_star) {
-      verdict = -1;
+      assessment = -1;
     }
-    verdicts.of_parts.push_back(verdict);
-    verdicts.num_right += verdict > 0;
-    verdicts.num_wrong += verdict < 0;
-    verdicts.num_right_beside += verdict > 0 && !part.is_on_star;
-    verdicts.num_wrong_beside += verdict < 0 && !part.is_on_star;
+    verdicts.of_parts.push_back(assessment);
+    verdicts.num_right += assessment > 0;
+    verdicts.num_wrong += assessment < 0;
+    verdicts.num_right_beside += assessment > 0 && !part.is_on_star;
+    verdicts.num_wrong_beside += assessment < 0 && !part.is_on_star;
   }
   return verdicts;
 }
@@ -255,10 +255,10 @@ bool Refutes(const Verdicts& a, const Verdicts& b,
 
 }  // namespace
 
-std::optional<LatticePlacement> PlaceByLayout(const GreyImage& image,
-                                              const FeatureLattice& lattice,
-                                              const Board& board) {
-  const auto placements = PossiblePlacements(lattice.Features(), board);
+std::optional<LatticePlacement> AssignByLayout(const GreyImage& image,
+                                               const FeatureLattice& lattice,
+                                               const Board& board) {
+  const auto placements = ListPlacements(lattice.Features(), board);
   if (placements.empty()) return std::nullopt;
   const std::vector<SeenPart> seen =
       PartReader(image, lattice, board.segments).ReadAll();
@@ -266,7 +266,7 @@ std::optional<LatticePlacement> PlaceByLayout(const GreyImage& image,
   std::vector<Verdicts> verdicts;
   verdicts.reserve(placements.size());
   for (const LatticePlacement& placement : placements)
-    verdicts.push_back(VerdictsOf(placement, expected, seen));
+    verdicts.push_back(CollectAssessments(placement, expected, seen));
   const auto best = std::min_element(verdicts.begin(), verdicts.end(),
                                      [](const Verdicts& a, const Verdicts& b) {
                                        return a.num_wrong - a.num_right <
@@ -278,7 +278,7 @@ std::optional<LatticePlacement> PlaceByLayout(const GreyImage& image,
   return placements[best - verdicts.begin()];
 }
 
-bool LieOnBoard(const std::vector<Feature>& others,
+bool AreOnBoard(const std::vector<Feature>& others,
                 const FeatureLattice& lattice,
                 const LatticePlacement& placement, const Board& board) {
   constexpr double kMaxSquaresAway = 6;  // as far as a lattice tells

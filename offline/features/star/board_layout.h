@@ -15,12 +15,12 @@ namespace raygrid {
 /// the visible parts of them. Nothing unless the board looks as it must, and
 /// each other placement is refuted: where it would look otherwise, it does not
 /// look so.
-std::optional<LatticePlacement> PlaceByLayout(const GreyImage& image,
-                                              const FeatureLattice& lattice,
-                                              const Board& board);
+std::optional<LatticePlacement> AssignByLayout(const GreyImage& image,
+                                               const FeatureLattice& lattice,
+                                               const Board& board);
 
 /// Whether stars of another board would lie on a board that is so placed.
-bool LieOnBoard(const std::vector<Feature>& others,
+bool AreOnBoard(const std::vector<Feature>& others,
                 const FeatureLattice& lattice,
                 const LatticePlacement& placement, const Board& board);
 

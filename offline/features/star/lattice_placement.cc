@@ -13,7 +13,7 @@ namespace {
 constexpr double kMaxPartOnTags = 0.2, kMaxPartBeyond = 0.4;
 
 // (column, row) turned by quarters, clockwise on the board.
-Eigen::Vector2d Turned(int quarter_turns, const Eigen::Vector2d& p) {
+Eigen::Vector2d Rotated(int quarter_turns, const Eigen::Vector2d& p) {
   switch (quarter_turns & 3) {
     case 0:
       return p;
@@ -68,7 +68,7 @@ void AddThoseOfTurn(int quarter_turns, const std::vector<Feature>& stars,
 
 Eigen::Vector2d LatticePlacement::OnBoard(
     const Eigen::Vector2d& on_lattice) const {
-  return Turned(quarter_turns, on_lattice) + Eigen::Vector2d(column, row);
+  return Rotated(quarter_turns, on_lattice) + Eigen::Vector2d(column, row);
 }
 
 Eigen::Vector2i LatticePlacement::OnBoard(int lattice_column,
@@ -81,13 +81,13 @@ Eigen::Vector2i LatticePlacement::OnBoard(int lattice_column,
 
 Eigen::Vector2d LatticePlacement::OnLattice(
     const Eigen::Vector2d& on_board) const {
-  return Turned(4 - quarter_turns, on_board - Eigen::Vector2d(column, row));
+  return Rotated(4 - quarter_turns, on_board - Eigen::Vector2d(column, row));
 }
 
-std::vector<LatticePlacement> PossiblePlacements(
-    const std::vector<Feature>& stars, const Board& board) {
+std::vector<LatticePlacement> ListPlacements(const std::vector<Feature>& stars,
+                                             const Board& board) {
   std::vector<LatticePlacement> placements;
-  const int num_turns = QuarterTurnsThatKeepStars(board.segments);
+  const int num_turns = FindStarSymmetries(board.segments);
   for (int k = 0; k < num_turns; ++k)
     AddThoseOfTurn(4 / num_turns * k, stars, board, &placements);
   return placements;

@@ -22,8 +22,8 @@ struct LatticePlacement {
 
 /// All at which a lattice's stars lie where the board has some, but for a few:
 /// beside tags and along the edges half stars are seen.
-std::vector<LatticePlacement> PossiblePlacements(
-    const std::vector<Feature>& stars, const Board& board);
+std::vector<LatticePlacement> ListPlacements(const std::vector<Feature>& stars,
+                                             const Board& board);
 
 }  // namespace raygrid
 

@@ -113,7 +113,7 @@ LocalMapping Shifted(LocalMapping mapping, const Eigen::Vector2d& offset) {
 
 }  // namespace
 
-int QuarterTurnsThatKeepStars(int segments) {
+int FindStarSymmetries(int segments) {
   return segments % 8 == 0 ? 4 : segments % 4 == 0 ? 2 : 1;
 }
 
@@ -121,7 +121,7 @@ LooseLatticeFinder::LooseLatticeFinder(int segments, int max_side,
                                        const DetectionOptions& options)
     : board_(LooseBoard(segments, 2 * max_side + 1)),
       texture_(segments),
-      masks_(SymmetryMask::OfBoard(LooseBoard(segments, 1))),
+      masks_(SymmetryMask::MakeBoardMasks(LooseBoard(segments, 1))),
       options_(options) {}
 
 // The basis with which a star and its four neighbours look most like stars.
@@ -136,7 +136,7 @@ std::optional<LooseLatticeFinder::Seed> LooseLatticeFinder::SeedAt(
                                            options_.window_px, search_px);
     return match.is_converged ? match.correlation : 0;
   };
-  const int num_turns = 4 / QuarterTurnsThatKeepStars(board_.segments);
+  const int num_turns = 4 / FindStarSymmetries(board_.segments);
   const int density = board_.segments <= kFewSegments ? kMoreJunctions : 1;
   const auto offsets =
       OffsetsAround(candidates, center, density * kNumNeighbors);
@@ -167,7 +167,7 @@ std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSeeds(
   constexpr size_t kEnough = 4;
   std::vector<StarCandidate> all = *candidates;
   for (StarCandidate& candidate : all)
-    candidate.pixel = ToSmaller(candidate.pixel, scale);
+    candidate.pixel = ToDownscaled(candidate.pixel, scale);
   std::vector<Seed> seeds;
   // Not in order: the corners of squares may all have less scatter than the
   // stars.
@@ -176,7 +176,7 @@ std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSeeds(
        trial < kMaxTrials && !candidates->empty() && seeds.size() < kEnough;
        ++trial) {
     const auto chosen = candidates->begin() + random() % candidates->size();
-    const auto seed = SeedAt(smaller, all, ToSmaller(chosen->pixel, scale));
+    const auto seed = SeedAt(smaller, all, ToDownscaled(chosen->pixel, scale));
     if (seed) seeds.push_back(*seed);
     candidates->erase(chosen);
   }
@@ -188,7 +188,7 @@ std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSeeds(
 
 // Stars of four segments make a chessboard, on which corners of squares, and
 // the middles of their sides after a quarter turn, look like stars.
-std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::LookAlikes(
+std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSimilarStars(
     const Seed& seed) const {
   if (board_.segments != 4) return {};
   std::vector<Seed> others(3, seed);
@@ -222,12 +222,12 @@ std::vector<FeatureLattice> LooseLatticeFinder::Find(
   // so are stars where the image gets coarse.
   constexpr double kAlike = 0.6, kLessAlike = 0.5;
   for (Seed seed : FindSeeds(smaller, scale, candidates)) {
-    seed.mapping.center = FromSmaller(seed.mapping.center, scale);
+    seed.mapping.center = FromDownscaled(seed.mapping.center, scale);
     seed.mapping.linear *= scale;
     std::vector<FeatureLattice> lattices = {GrowFrom(image, seed, kAlike),
                                             GrowFrom(image, seed, kLessAlike)};
     if (lattices[1].num_found() < kMinStars) continue;
-    for (const Seed& other : LookAlikes(seed)) {
+    for (const Seed& other : FindSimilarStars(seed)) {
       lattices.push_back(GrowFrom(image, other, kAlike));
       lattices.push_back(GrowFrom(image, other, kLessAlike));
     }

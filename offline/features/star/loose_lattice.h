@@ -12,7 +12,7 @@ namespace raygrid {
 
 /// The number of quarter turns by which a lattice of such stars looks the same:
 /// 4 for all, 2 for 0 and 2, 1 for none but 0.
-int QuarterTurnsThatKeepStars(int segments);
+int FindStarSymmetries(int segments);
 
 /// Stars without a board: finds lattices of them where candidates are, whatever
 /// board they are on and wherever on it.
@@ -49,7 +49,7 @@ class LooseLatticeFinder {
                              const Eigen::Vector2d& center) const;
   std::vector<Seed> FindSeeds(const GreyImage& smaller, double scale,
                               std::vector<StarCandidate>* candidates) const;
-  std::vector<Seed> LookAlikes(const Seed& seed) const;
+  std::vector<Seed> FindSimilarStars(const Seed& seed) const;
   FeatureLattice GrowFrom(const GreyImage& image, const Seed& seed,
                           double alike) const;
 };

@@ -149,8 +149,8 @@ std::vector<StarCandidate> Distinct(std::vector<StarCandidate> candidates) {
 }  // namespace
 
 std::vector<StarCandidate> FindStarCandidates(const GreyImage& image) {
-  const double min_gradient =
-      std::min(kMinGradient, kMinGradientOverNoise * NoiseOf(image) + 0.2);
+  const double min_gradient = std::min(
+      kMinGradient, kMinGradientOverNoise * EstimateNoise(image) + 0.2);
   std::vector<StarCandidate> found;
   cv::Mat scaled(image.size.height, image.size.width, CV_32F,
                  const_cast<float*>(image.levels.data()));

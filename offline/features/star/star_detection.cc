@@ -40,7 +40,7 @@ using LooseFinders = std::map<int, std::unique_ptr<LooseLatticeFinder>>;
 
 bool IsOnABoard(const DetectedTag& tag, const StarBoardList& boards) {
   return std::any_of(boards.begin(), boards.end(), [&](const auto& star) {
-    return !SeenTagsOf(star->board(), {tag}).empty();
+    return !FindVisibleTags(star->board(), {tag}).empty();
   });
 }
 
@@ -106,7 +106,7 @@ class Search {
   }
 
   std::unique_ptr<StarGrowth> MakeGrowth(size_t b,
-                                         std::vector<SeenTag> tags) const {
+                                         std::vector<VisibleTag> tags) const {
     return std::make_unique<StarGrowth>(
         image_, boards_[b]->board(), boards_[b]->texture,
         boards_[b]->refiner.masks(), options_, std::move(tags));
@@ -116,7 +116,8 @@ class Search {
     tags_ = std::move(tags);
     for (size_t b = 0; b < boards_.size(); ++b) {
       if (IsFound(b)) continue;
-      std::vector<SeenTag> seen = SeenTagsOf(boards_[b]->board(), tags_);
+      std::vector<VisibleTag> seen =
+          FindVisibleTags(boards_[b]->board(), tags_);
       if (seen.empty()) continue;
       GrowFrom(b, seen);
       // At an image's rim a tag may lead astray.
@@ -125,7 +126,7 @@ class Search {
     }
   }
 
-  void GrowFrom(size_t b, std::vector<SeenTag> tags) {
+  void GrowFrom(size_t b, std::vector<VisibleTag> tags) {
     auto growth = MakeGrowth(b, std::move(tags));
     growth->Grow();
     growth->GrowAcrossGaps();
@@ -136,7 +137,7 @@ class Search {
   void LookForLooseLattices(const GreyImage& smaller, double scale) {
     candidates_ = FindStarCandidates(smaller);
     for (StarCandidate& candidate : candidates_)
-      candidate.pixel = FromSmaller(candidate.pixel, scale);
+      candidate.pixel = FromDownscaled(candidate.pixel, scale);
     for (size_t b = 0; b < boards_.size(); ++b)
       if (IsFound(b)) RemoveExplained(growths_[b]->lattice(), &candidates_);
     for (const auto& [segments, finder] : finders_)
@@ -206,8 +207,8 @@ class Search {
     }
     if (others.empty()) return std::nullopt;
     const Board& board = boards_[*left]->board();
-    auto placement = PlaceByLayout(image_, lattice, board);
-    if (!placement || LieOnBoard(others, lattice, *placement, board))
+    auto placement = AssignByLayout(image_, lattice, board);
+    if (!placement || AreOnBoard(others, lattice, *placement, board))
       return std::nullopt;
     placement->board = static_cast<int>(left - missing.begin());
     return placement;
@@ -265,7 +266,7 @@ void StarDetector::Data::Refine(const GreyImage& image, const StarBoard& star,
   Append(growth.Rejected(), &detection->rejected);
   Append(found.rejected, &detection->rejected);
   if (found.features.size() < kMinStarsOnBoard) {
-    detection->remarks.push_back(
+    detection->warnings.push_back(
         fmt::format("board {}: its tag was detected, but fewer than {} stars",
                     star.board().id, kMinStarsOnBoard));
     return;
@@ -307,14 +308,14 @@ ImageDetection StarDetector::Detect(const GreyImage& image) const {
   for (size_t b = 0; b < data_->boards.size(); ++b)
     if (search.growth(b))
       data_->Refine(image, *data_->boards[b], *search.growth(b), &detection);
-  for (const std::string& remark : data_->UnknownTags(search.tags()))
-    detection.remarks.push_back(remark);
+  for (const std::string& warning : data_->UnknownTags(search.tags()))
+    detection.warnings.push_back(warning);
   if (search.tags().empty() && detection.features.empty())
     for (const std::string& seen : DescribeOtherTags(image))
-      detection.remarks.push_back("no tag of the pattern found, but " + seen);
+      detection.warnings.push_back("no tag of the pattern found, but " + seen);
   if (search.sees_unnamed_stars() && detection.features.empty() &&
-      detection.remarks.empty())
-    detection.remarks.push_back(
+      detection.warnings.empty())
+    detection.warnings.push_back(
         "stars detected, but no tag to identify the board");
   return detection;
 }

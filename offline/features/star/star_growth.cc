@@ -87,9 +87,9 @@ std::array<Eigen::Vector2d, 4> CornersOnBoard(const BoardTag& tag) {
   return {Eigen::Vector2d(x0, y0), {x1, y0}, {x1, y1}, {x0, y1}};
 }
 
-std::vector<SeenTag> SeenTagsOf(const Board& board,
-                                const std::vector<DetectedTag>& detected) {
-  std::vector<SeenTag> seen;
+std::vector<VisibleTag> FindVisibleTags(
+    const Board& board, const std::vector<DetectedTag>& detected) {
+  std::vector<VisibleTag> seen;
   for (const DetectedTag& found : detected) {
     for (const BoardTag& tag : board.tags) {
       if (tag.id != found.id) continue;
@@ -104,7 +104,7 @@ StarGrowth::StarGrowth(const GreyImage& image, const Board& board,
                        const StarTexture& texture,
                        const std::vector<SymmetryMask>& masks,
                        const DetectionOptions& options,
-                       std::vector<SeenTag> tags)
+                       std::vector<VisibleTag> tags)
     : image_(image),
       board_(board),
       texture_(texture),
@@ -119,9 +119,9 @@ void StarGrowth::Grow() {
   // The sure ones first: they tell where the others must be.
   for (const double min_correlation : {0.7, 0.5, 0.35}) {
     std::fill(tried_with_.begin(), tried_with_.end(), -1);
-    for (const SeenTag& seen : tags_)
-      if (lattice_.num_found() < kMinStarsOnBoard || !HasStarBeside(seen.tag))
-        StartBeside(seen, min_correlation);
+    for (const VisibleTag& seen : tags_)
+      if (lattice_.num_found() < kMinStarsOnBoard || !HasAdjacentStar(seen.tag))
+        StartAtNeighbour(seen, min_correlation);
     while (Sweep(min_correlation)) {
     }
   }
@@ -151,7 +151,7 @@ bool StarGrowth::TryByLens(const LatticeLens& lens, double min_correlation) {
   return lattice_.num_found() > before;
 }
 
-bool StarGrowth::Agrees(const SeenTag& seen) const {
+bool StarGrowth::Agrees(const VisibleTag& seen) const {
   constexpr int kReach = 2;
   constexpr double kMaxError = 0.5;  // squares
   const std::array<Eigen::Vector2d, 4> corners = CornersOnBoard(seen.tag);
@@ -170,7 +170,7 @@ bool StarGrowth::Agrees(const SeenTag& seen) const {
 
 bool StarGrowth::AgreesWithTags() const {
   return std::all_of(tags_.begin(), tags_.end(),
-                     [&](const SeenTag& seen) { return Agrees(seen); });
+                     [&](const VisibleTag& seen) { return Agrees(seen); });
 }
 
 bool StarGrowth::IsSound(double max_in_vain) const {
@@ -188,7 +188,7 @@ std::vector<RejectedFeature> StarGrowth::Rejected() const {
   return rejected;
 }
 
-bool StarGrowth::HasStarBeside(const BoardTag& tag) const {
+bool StarGrowth::HasAdjacentStar(const BoardTag& tag) const {
   for (int row = tag.row - 1; row <= tag.row + tag.squares + 1; ++row)
     for (int column = tag.column - 1; column <= tag.column + tag.squares + 1;
          ++column)
@@ -198,7 +198,8 @@ bool StarGrowth::HasStarBeside(const BoardTag& tag) const {
 
 // The surest of the stars around a tag, one square away from it: the others,
 // which a homography may miss behind a fisheye, are found beside it.
-void StarGrowth::StartBeside(const SeenTag& seen, double min_correlation) {
+void StarGrowth::StartAtNeighbour(const VisibleTag& seen,
+                                  double min_correlation) {
   constexpr double kSearchSquares = 0.3;
   const BoardTag& tag = seen.tag;
   double best_correlation = 0;
@@ -236,9 +237,9 @@ bool StarGrowth::Sweep(double min_correlation) {
   for (int row = 0; row < board_.rows; ++row) {
     for (int column = 0; column < board_.columns; ++column) {
       if (lattice_.Has(column, row) || !board_.HasFeature(column, row) ||
-          !(HasDirectNeighbour(column, row) || IsBesideTag(column, row)))
+          !(HasDirectNeighbour(column, row) || IsAdjacentToTag(column, row)))
         continue;
-      const int count = lattice_.CountAround(column, row);
+      const int count = lattice_.CountNeighbours(column, row);
       if (count > tried_with_[board_.PointIndex(column, row)])
         candidates.push_back({-count, row, column});
     }
@@ -271,8 +272,8 @@ bool StarGrowth::Sweep(double min_correlation) {
 
 // Whether a place is beside a tag that was seen: such a tag tells where the
 // star is, whatever lies between.
-bool StarGrowth::IsBesideTag(int column, int row) const {
-  return std::any_of(tags_.begin(), tags_.end(), [&](const SeenTag& seen) {
+bool StarGrowth::IsAdjacentToTag(int column, int row) const {
+  return std::any_of(tags_.begin(), tags_.end(), [&](const VisibleTag& seen) {
     const BoardTag& tag = seen.tag;
     return column >= tag.column - 1 && row >= tag.row - 1 &&
            column <= tag.column + tag.squares + 1 &&
@@ -304,7 +305,7 @@ bool StarGrowth::PredictFromTag(int column, int row,
   const Eigen::Vector2d place(column, row);
   double least_distance = 6;  // squares
   bool is_predicted = false;
-  for (const SeenTag& seen : tags_) {
+  for (const VisibleTag& seen : tags_) {
     const double half = seen.tag.squares / 2.0;
     const Eigen::Vector2d middle(seen.tag.column + half, seen.tag.row + half);
     const double distance = (middle - place).norm();
@@ -357,7 +358,7 @@ bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
   if (!IsVisible(image_.size, mapping, window_reach_px, 0) &&
       !IsVisible(image_.size, found, window_reach_px, 0))
     return false;
-  if (IsTaken(column, row, match.center, mapping) ||
+  if (IsOccupied(column, row, match.center, mapping) ||
       TurnsBack(column, row, match.center))
     return refuse("duplicate of another star");
   lattice_.Set(column, row, match.center);
@@ -384,14 +385,14 @@ MatchingResult StarGrowth::Match(const SymmetryMask& mask,
     scale *= 2;
   }
   LocalMapping smaller = mapping;
-  smaller.center = ToSmaller(mapping.center, scale);
+  smaller.center = ToDownscaled(mapping.center, scale);
   smaller.linear /= scale;
   const MatchingResult rough =
       MatchStar(Smaller(level), texture_, mask, smaller, options_.window_px,
                 search_px / scale);
   if (!rough.is_converged) return near;
   LocalMapping moved = mapping;
-  moved.center = FromSmaller(rough.center, scale);
+  moved.center = FromDownscaled(rough.center, scale);
   const MatchingResult far =
       MatchStar(image_, texture_, mask, moved, options_.window_px, 1 + scale);
   return far.is_converged && far.correlation > near.correlation ? far : near;
@@ -420,8 +421,8 @@ double StarGrowth::CorrelationAround(int column, int row) const {
 
 // Whether another star was found there. Where squares are sheared, a diagonal
 // neighbour may be nearer than the next one in a row.
-bool StarGrowth::IsTaken(int column, int row, const Eigen::Vector2d& pixel,
-                         const LocalMapping& mapping) const {
+bool StarGrowth::IsOccupied(int column, int row, const Eigen::Vector2d& pixel,
+                            const LocalMapping& mapping) const {
   constexpr double kMinDistance = 0.6;  // of where the two should be
   for (const Correspondence& other : lattice_.Around(column, row, 3, false)) {
     const double expected_px =

@@ -21,7 +21,7 @@ namespace raygrid {
 constexpr int kMinStarsOnBoard = 5;
 
 /// A tag of a board, seen in the image.
-struct SeenTag {
+struct VisibleTag {
   BoardTag tag;
   std::array<Eigen::Vector2d, 4> corners;
   Eigen::Matrix3d homography;  ///< from squares to pixels
@@ -32,8 +32,8 @@ struct SeenTag {
 std::array<Eigen::Vector2d, 4> CornersOnBoard(const BoardTag& tag);
 
 /// The tags of a board among those detected.
-std::vector<SeenTag> SeenTagsOf(const Board& board,
-                                const std::vector<DetectedTag>& detected);
+std::vector<VisibleTag> FindVisibleTags(
+    const Board& board, const std::vector<DetectedTag>& detected);
 
 /// Finds the stars of one board, each beside one that is found.
 class StarGrowth {
@@ -41,7 +41,7 @@ class StarGrowth {
   /// Keeps references. One mask for each feature of the board, or one for all.
   StarGrowth(const GreyImage& image, const Board& board,
              const StarTexture& texture, const std::vector<SymmetryMask>& masks,
-             const DetectionOptions& options, std::vector<SeenTag> tags);
+             const DetectionOptions& options, std::vector<VisibleTag> tags);
 
   /// A star that is known.
   void Set(int column, int row, const Eigen::Vector2d& pixel) {
@@ -71,13 +71,13 @@ class StarGrowth {
   std::vector<RejectedFeature> Rejected() const;
 
  private:
-  bool Agrees(const SeenTag& seen) const;
-  bool HasStarBeside(const BoardTag& tag) const;
-  void StartBeside(const SeenTag& seen, double min_correlation);
+  bool Agrees(const VisibleTag& seen) const;
+  bool HasAdjacentStar(const BoardTag& tag) const;
+  void StartAtNeighbour(const VisibleTag& seen, double min_correlation);
   bool Sweep(double min_correlation);
   bool TryByLens(const LatticeLens& lens, double min_correlation);
   bool HasDirectNeighbour(int column, int row) const;
-  bool IsBesideTag(int column, int row) const;
+  bool IsAdjacentToTag(int column, int row) const;
   bool Predict(int column, int row, LocalMapping* mapping) const;
   bool PredictFromTag(int column, int row,
                       const std::vector<Correspondence>& around,
@@ -86,8 +86,8 @@ class StarGrowth {
                        double search_px);
   const GreyImage& Smaller(int level);
   double CorrelationAround(int column, int row) const;
-  bool IsTaken(int column, int row, const Eigen::Vector2d& pixel,
-               const LocalMapping& mapping) const;
+  bool IsOccupied(int column, int row, const Eigen::Vector2d& pixel,
+                  const LocalMapping& mapping) const;
   bool TurnsBack(int column, int row, const Eigen::Vector2d& pixel) const;
 
   const GreyImage& image_;
@@ -95,7 +95,7 @@ class StarGrowth {
   const StarTexture& texture_;
   const std::vector<SymmetryMask>& masks_;
   const DetectionOptions& options_;
-  std::vector<SeenTag> tags_;
+  std::vector<VisibleTag> tags_;
   std::vector<GreyImage> smaller_;  // each half as large as the one before
   FeatureLattice lattice_;
   double alike_ = 0;

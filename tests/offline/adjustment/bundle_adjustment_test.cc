@@ -87,7 +87,7 @@ void AddPriorBlocks(const GaussianPrior& prior, double* camera,
     problem->AddResidualBlock(
         NewPriorCost<3>(
             prior.points_mean[i],
-            Eigen::Vector3d::Constant(std::sqrt(prior.points_weight))),
+            Eigen::Vector3d::Constant(std::sqrt(prior.points_precision))),
         nullptr, (*points)[i].data());
 }
 
@@ -131,7 +131,7 @@ double CostOfPrior(const GaussianPrior& prior, const AdjustmentState& state) {
   const Eigen::VectorXd d = state.camera().Parameters() - prior.cameras[0].mean;
   double cost = d.dot(WeightedPrecision(prior.cameras[0]) * d) / 2;
   for (size_t i = 0; i < state.points.size(); ++i)
-    cost += prior.points_weight / 2 *
+    cost += prior.points_precision / 2 *
             (state.points[i] - prior.points_mean[i]).squaredNorm();
   return cost;
 }
@@ -176,7 +176,7 @@ void ExpectCeresSolution(const SmallProblemSizes& sizes, bool fix_points) {
       SolveByCeres(problem.views, prior, fix_points, start);
   AdjustmentState state = start;
   const AdjustmentSummary summary =
-      AdjustBundle(problem.views, prior, Thorough(fix_points), &state);
+      RunBundleAdjustment(problem.views, prior, Thorough(fix_points), &state);
   EXPECT_TRUE(summary.converged);
   EXPECT_LT(summary.final_cost, summary.initial_cost / 10);
   EXPECT_NEAR(summary.final_cost + CostOfPrior(prior, state), expected.cost,
@@ -184,19 +184,19 @@ void ExpectCeresSolution(const SmallProblemSizes& sizes, bool fix_points) {
   ExpectSameSolution(expected, state);
 }
 
-TEST(AdjustBundle, FindsCeresSolutionWithFixedPoints) {
+TEST(RunBundleAdjustment, FindsCeresSolutionWithFixedPoints) {
   ExpectCeresSolution({10, 40, 0.3}, true);
 }
 
-TEST(AdjustBundle, FindsCeresSolutionWithFreePoints) {
+TEST(RunBundleAdjustment, FindsCeresSolutionWithFreePoints) {
   ExpectCeresSolution({10, 40, 0.3}, false);  // points eliminated
   ExpectCeresSolution({14, 25, 0.3}, false);  // poses eliminated
 }
 
-TEST(AdjustBundle, FindsTheTruthWithoutNoise) {
+TEST(RunBundleAdjustment, FindsTheTruthWithoutNoise) {
   const SmallProblem problem = MakeSmallProblem({10, 40, 0});
   AdjustmentState state = Disturbed(problem.state, true);
-  AdjustBundle(problem.views, PriorOf(problem), Thorough(false), &state);
+  RunBundleAdjustment(problem.views, PriorOf(problem), Thorough(false), &state);
   for (const Residual& r : ComputeResiduals(state, problem.views, 1))
     EXPECT_LT(r.error_px.norm(), 1e-5);
   EXPECT_LT((state.camera().Parameters() - problem.state.camera().Parameters())
@@ -205,33 +205,33 @@ TEST(AdjustBundle, FindsTheTruthWithoutNoise) {
             1e-3);
 }
 
-TEST(AdjustBundle, LeavesWhatIsFixed) {
+TEST(RunBundleAdjustment, LeavesWhatIsFixed) {
   const SmallProblem problem = MakeSmallProblem({6, 30, 0.3});
   const AdjustmentState start = Disturbed(problem.state, true);
   AdjustmentOptions options = Thorough(true);
   options.fix_cameras = true;
   AdjustmentState state = start;
   const AdjustmentSummary summary =
-      AdjustBundle(problem.views, PriorOf(problem), options, &state);
+      RunBundleAdjustment(problem.views, PriorOf(problem), options, &state);
   EXPECT_LT(summary.final_cost, summary.initial_cost);
   EXPECT_EQ(state.camera().Parameters(), start.camera().Parameters());
   EXPECT_EQ(state.points, start.points);
 }
 
-TEST(AdjustBundle, WorksWithoutAnyPrior) {
+TEST(RunBundleAdjustment, WorksWithoutAnyPrior) {
   const SmallProblem problem = MakeSmallProblem({10, 40, 0.3});
   AdjustmentState state = Disturbed(problem.state, true);
-  const AdjustmentSummary summary =
-      AdjustBundle(problem.views, GaussianPrior(), Thorough(false), &state);
+  const AdjustmentSummary summary = RunBundleAdjustment(
+      problem.views, GaussianPrior(), Thorough(false), &state);
   // About 0.09 px^2 a residual.
   EXPECT_LT(summary.final_cost, 0.1 * 10 * 40);
 }
 
-TEST(AdjustBundle, ReportsTheResidualsOfItsFinalState) {
+TEST(RunBundleAdjustment, ReportsTheResidualsOfItsFinalState) {
   const SmallProblem problem = NoisyProblem({6, 30, 0.3});
   AdjustmentState state = Disturbed(problem.state, false);
-  const AdjustmentSummary summary =
-      AdjustBundle(problem.views, PriorOf(problem), Thorough(true), &state);
+  const AdjustmentSummary summary = RunBundleAdjustment(
+      problem.views, PriorOf(problem), Thorough(true), &state);
   const auto residuals = ComputeResiduals(state, problem.views, 1);
   double cost = 0;
   ASSERT_EQ(summary.residuals.size(), residuals.size());
@@ -242,7 +242,7 @@ TEST(AdjustBundle, ReportsTheResidualsOfItsFinalState) {
   EXPECT_NEAR(summary.final_cost, cost, 1e-9 * cost);
 }
 
-TEST(AdjustBundle, StopsWhenAskedWithTheBestStateSoFar) {
+TEST(RunBundleAdjustment, StopsWhenAskedWithTheBestStateSoFar) {
   const SmallProblem problem = NoisyProblem({6, 30, 0.3});
   AdjustmentState state = Disturbed(problem.state, true);
   AdjustmentOptions options = Thorough(false);
@@ -253,7 +253,7 @@ TEST(AdjustBundle, StopsWhenAskedWithTheBestStateSoFar) {
   };
   options.should_stop = [&] { return costs.size() == 2; };
   const AdjustmentSummary summary =
-      AdjustBundle(problem.views, PriorOf(problem), options, &state);
+      RunBundleAdjustment(problem.views, PriorOf(problem), options, &state);
   ASSERT_EQ(summary.num_iterations, 2);
   EXPECT_FALSE(summary.converged);
   EXPECT_LT(summary.final_cost, summary.initial_cost);
@@ -261,7 +261,7 @@ TEST(AdjustBundle, StopsWhenAskedWithTheBestStateSoFar) {
   AdjustmentState untouched = Disturbed(problem.state, true);
   options.should_stop = [] { return true; };
   GaussianPrior prior = PriorOf(problem);
-  AdjustWithLearnedPrior(problem.views, options, &prior, &untouched);
+  OptimizeWithLearnedPrior(problem.views, options, &prior, &untouched);
   EXPECT_EQ(untouched.points, Disturbed(problem.state, true).points);
 }
 
@@ -277,7 +277,7 @@ void AddSeenAt(const CameraModel& lens, const Eigen::Vector2d& pixel,
 // From half a pixel beside the true pose, the step to it makes a residual valid
 // that is large, which a sum over each state's own residuals would refuse. Its
 // loss is linear: there it has a small say.
-TEST(AdjustBundle, DoesNotStallWhereResidualsBecomeValid) {
+TEST(RunBundleAdjustment, DoesNotStallWhereResidualsBecomeValid) {
   TestRandom random(5);
   const OpenCvModel wide = ExampleLens().WithArea({-50, -50, 690, 530});
   SmallProblem problem;
@@ -303,7 +303,7 @@ TEST(AdjustBundle, DoesNotStallWhereResidualsBecomeValid) {
   ASSERT_EQ(start.num_common, 60);
   ASSERT_EQ(truth.num_common, 61);
   ASSERT_GT(truth.second, 5 * start.second);
-  AdjustBundle(problem.views, GaussianPrior(), options, &state);
+  RunBundleAdjustment(problem.views, GaussianPrior(), options, &state);
   const auto residuals = ComputeResiduals(state, problem.views, 1);
   for (int i = 0; i < 60; ++i) EXPECT_LT(residuals[i].error_px.norm(), 0.25);
 }
@@ -313,19 +313,20 @@ struct GridProblem {
   SmallProblem problem = MakeSmallProblem({25, 80, 0.1});
   GaussianPrior prior;
 
-  explicit GridProblem(double cell_px) {
-    const CentralGeneric grid = FittedGrid(problem.state.camera(), cell_px);
+  explicit GridProblem(double knot_spacing_px) {
+    const CentralGeneric grid =
+        FittedGrid(problem.state.camera(), knot_spacing_px);
     problem.state.SetCamera(grid);
     prior.cameras = {SmoothnessPrior(grid, {})};
     prior.cameras[0].groups[0].weight = 1;
     prior.points_mean = problem.state.points;
-    prior.points_weight = 1e5;
+    prior.points_precision = 1e5;
   }
 };
 
 // Far from Huber's parabola steps shrink by a constant factor: they lower the
 // cost by some millionths for a long time.
-TEST(AdjustBundle, HasConvergedWhereStepsChangeNothingAnyMore) {
+TEST(RunBundleAdjustment, HasConvergedWhereStepsChangeNothingAnyMore) {
   constexpr double kNoisePx = 2;
   SmallProblem problem = MakeSmallProblem({10, 12, kNoisePx});
   AdjustmentOptions options;
@@ -333,13 +334,13 @@ TEST(AdjustBundle, HasConvergedWhereStepsChangeNothingAnyMore) {
   options.num_threads = 1;
   AdjustmentState state = problem.state;
   const AdjustmentSummary summary =
-      AdjustBundle(problem.views, PriorOf(problem), options, &state);
+      RunBundleAdjustment(problem.views, PriorOf(problem), options, &state);
   EXPECT_TRUE(summary.converged);
   options.standstill = 0;
   options.relative_tolerance = 1e-10;
   options.max_iterations = 3000;
-  const AdjustmentSummary thorough =
-      AdjustBundle(problem.views, PriorOf(problem), options, &problem.state);
+  const AdjustmentSummary thorough = RunBundleAdjustment(
+      problem.views, PriorOf(problem), options, &problem.state);
   EXPECT_TRUE(thorough.converged);
   double moved = 0;
   for (size_t i = 0; i < summary.residuals.size(); ++i)
@@ -351,7 +352,7 @@ TEST(AdjustBundle, HasConvergedWhereStepsChangeNothingAnyMore) {
   EXPECT_LT(moved, 0.05 * kNoisePx);
 }
 
-TEST(AdjustBundle, IsTheSameWithAnyNumberOfThreads) {
+TEST(RunBundleAdjustment, IsTheSameWithAnyNumberOfThreads) {
   const GridProblem grid(30);
   AdjustmentOptions options;
   options.max_iterations = 5;  // bits that differ do so from the first on
@@ -359,7 +360,7 @@ TEST(AdjustBundle, IsTheSameWithAnyNumberOfThreads) {
   for (const int k : {0, 1}) {
     options.num_threads = 1 + k;
     GaussianPrior prior = grid.prior;
-    AdjustWithLearnedPrior(grid.problem.views, options, &prior, &states[k]);
+    OptimizeWithLearnedPrior(grid.problem.views, options, &prior, &states[k]);
   }
   ASSERT_GT(states[0].camera().NumParameters(), 1000);
   EXPECT_EQ(states[0].camera().Parameters(), states[1].camera().Parameters());
@@ -371,14 +372,14 @@ TEST(AdjustBundle, IsTheSameWithAnyNumberOfThreads) {
 double LearnedPointsWeight(double deviation_m) {
   SmallProblem problem = MakeSmallProblem({20, 60, 0.1});
   GaussianPrior prior = PriorOf(problem);
-  prior.points_weight = 0;
+  prior.points_precision = 0;
   TestRandom random(31);
   for (Eigen::Vector3d& p : prior.points_mean)
     p += deviation_m * random.NormalVector<3>();
   AdjustmentOptions options = Thorough(false);
   options.relative_tolerance = 1e-7;
-  AdjustWithLearnedPrior(problem.views, options, &prior, &problem.state);
-  return prior.points_weight;
+  OptimizeWithLearnedPrior(problem.views, options, &prior, &problem.state);
+  return prior.points_precision;
 }
 
 // A grid that is adjusted with a learned prior.
@@ -390,26 +391,26 @@ struct LearnedGrid {
   explicit LearnedGrid(const AdjustmentOptions& options) {
     GaussianPrior prior = grid.prior;
     summary =
-        AdjustWithLearnedPrior(grid.problem.views, options, &prior, &state);
+        OptimizeWithLearnedPrior(grid.problem.views, options, &prior, &state);
   }
 };
 
-TEST(AdjustWithLearnedPrior, EndsOnceItsResidualsAreEnough) {
+TEST(OptimizeWithLearnedPrior, EndsOnceItsResidualsAreEnough) {
   AdjustmentOptions options;
   const LearnedGrid whole(options);
   int num_asked = 0;
   std::vector<Residual> told;
-  bool is_enough = false;
-  options.is_enough = [&](const std::vector<Residual>& residuals) {
+  bool should_accept = false;
+  options.should_accept = [&](const std::vector<Residual>& residuals) {
     ++num_asked;
     told = residuals;
-    return is_enough;
+    return should_accept;
   };
   const LearnedGrid asked(options);
   EXPECT_EQ(num_asked, 1);
   EXPECT_EQ(asked.state.camera().Parameters(),
             whole.state.camera().Parameters());
-  is_enough = true;
+  should_accept = true;
   const LearnedGrid ended(options);
   EXPECT_EQ(num_asked, 2);
   EXPECT_EQ(ended.summary.num_iterations, 0);
@@ -423,7 +424,7 @@ TEST(AdjustWithLearnedPrior, EndsOnceItsResidualsAreEnough) {
   }
 }
 
-TEST(AdjustWithLearnedPrior, FindsHowFarPointsLieFromNominal) {
+TEST(OptimizeWithLearnedPrior, FindsHowFarPointsLieFromNominal) {
   // The ratio of the variances of a residual's and a point's coordinate.
   for (const double deviation_m : {0.001, 0.003}) {
     const double expected = 0.1 * 0.1 / (deviation_m * deviation_m);

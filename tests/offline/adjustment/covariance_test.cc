@@ -24,8 +24,8 @@ std::vector<PixelUncertainty> UncertaintyFor(
     int max_exact_unknowns = kAllExact) {
   const LinearResponse response(problem.views, prior, options, problem.state,
                                 max_exact_unknowns);
-  return ProjectionUncertainty(response, noise_px, nullptr, problem.views,
-                               problem.state, 0, lattice);
+  return EstimateProjectionUncertainty(
+      response, noise_px, nullptr, problem.views, problem.state, 0, lattice);
 }
 
 SmallProblem ExactProblem() { return MakeExactGridProblem(25, 60); }
@@ -34,7 +34,7 @@ GaussianPrior WeakPrior(const SmallProblem& problem) {
   GaussianPrior prior;
   prior.cameras = {WeakGridPrior(problem)};
   prior.points_mean = problem.state.points;
-  prior.points_weight = 1e8;
+  prior.points_precision = 1e8;
   return prior;
 }
 
@@ -51,7 +51,7 @@ Eigen::VectorXd Errors(const CameraModel& camera, const CameraModel& truth,
                        const std::vector<PixelUncertainty>& pixels) {
   const Eigen::Index size = 2 * static_cast<Eigen::Index>(pixels.size());
   Eigen::VectorXd errors(size);
-  Eigen::MatrixX3d by_rotation(size, 3), supported(size, 3);
+  Eigen::MatrixX3d J_rotation(size, 3), supported(size, 3);
   for (size_t i = 0; i < pixels.size(); ++i) {
     const Eigen::Index row = 2 * static_cast<Eigen::Index>(i);
     const Eigen::Vector2d& pixel = pixels[i].pixel;
@@ -60,28 +60,28 @@ Eigen::VectorXd Errors(const CameraModel& camera, const CameraModel& truth,
         camera.Project(ray, &pixel, 50).value_or(pixel) - pixel;
     for (int k = 0; k < 3; ++k) {
       const Eigen::Vector3d turn = 1e-5 * Eigen::Vector3d::Unit(k);
-      by_rotation.block<2, 1>(row, k) =
+      J_rotation.block<2, 1>(row, k) =
           (truth.Project(RotationFromVector(turn) * ray, &pixel, 50).value() -
            pixel) /
           1e-5;
     }
     supported.middleRows<2>(row) =
-        pixels[i].num_observations * by_rotation.middleRows<2>(row);
+        pixels[i].num_observations * J_rotation.middleRows<2>(row);
   }
-  return errors - by_rotation * (supported.transpose() * by_rotation)
-                                    .ldlt()
-                                    .solve(supported.transpose() * errors);
+  return errors - J_rotation * (supported.transpose() * J_rotation)
+                                   .ldlt()
+                                   .solve(supported.transpose() * errors);
 }
 
-TEST(ProjectionUncertainty, IsHowAdjustedCamerasScatterWithTheNoise) {
+TEST(EstimateProjectionUncertainty, IsHowAdjustedCamerasScatterWithTheNoise) {
   constexpr int kNumDraws = 50;
   const SmallProblem exact = ExactProblem();
   const GaussianPrior prior = WeakPrior(exact);
   Eigen::MatrixXd joint_px2;
   const LinearResponse response(exact.views, prior, Options(), exact.state);
-  const std::vector<PixelUncertainty> predicted =
-      ProjectionUncertainty(response, kObservedNoisePx, nullptr, exact.views,
-                            exact.state, 0, kLattice, &joint_px2);
+  const std::vector<PixelUncertainty> predicted = EstimateProjectionUncertainty(
+      response, kObservedNoisePx, nullptr, exact.views, exact.state, 0,
+      kLattice, &joint_px2);
   ASSERT_EQ(predicted.size(), 63u);
   ASSERT_EQ(joint_px2.rows(), 126);
   for (size_t i = 0; i < predicted.size(); ++i)
@@ -96,7 +96,7 @@ TEST(ProjectionUncertainty, IsHowAdjustedCamerasScatterWithTheNoise) {
       for (Observation& o : view.observations)
         o.pixel += kObservedNoisePx * random.NormalVector<2>();
     AdjustmentState state = exact.state;
-    AdjustBundle(views, prior, Options(), &state);
+    RunBundleAdjustment(views, prior, Options(), &state);
     sum += Errors(state.camera(), exact.state.camera(), predicted).cwiseAbs2();
   }
   // Over the lattice, and about each pixel, as well as 50 draws can tell.
@@ -115,7 +115,7 @@ TEST(ProjectionUncertainty, IsHowAdjustedCamerasScatterWithTheNoise) {
   EXPECT_GE(num_within, 0.9 * num_seen);
 }
 
-TEST(ProjectionUncertainty, SamplesAgreeWithTheFactor) {
+TEST(EstimateProjectionUncertainty, SamplesAgreeWithTheFactor) {
   const SmallProblem exact = ExactProblem();
   const GaussianPrior prior = WeakPrior(exact);
   // Deviations are known to 3 % from so many. Few directions, in which little
@@ -133,8 +133,8 @@ TEST(ProjectionUncertainty, SamplesAgreeWithTheFactor) {
     double noise_sum = 0, total_sum = 0;
     for (size_t i = 0; i < found.size(); ++i) {
       const auto ratio = [&](Eigen::Matrix2d PixelUncertainty::*member) {
-        return AxisDeviation(found[i].*member) /
-               AxisDeviation(expected[i].*member);
+        return ComputeAxisStdDev(found[i].*member) /
+               ComputeAxisStdDev(expected[i].*member);
       };
       const double noise = ratio(&PixelUncertainty::noise_px2);
       const double total = ratio(&PixelUncertainty::total_px2);
@@ -149,7 +149,7 @@ TEST(ProjectionUncertainty, SamplesAgreeWithTheFactor) {
   }
 }
 
-TEST(ProjectionUncertainty, SamplesAreTheSameWithAnyNumberOfThreads) {
+TEST(EstimateProjectionUncertainty, SamplesAreTheSameWithAnyNumberOfThreads) {
   const SmallProblem exact = ExactProblem();
   AdjustmentOptions options = Options();
   std::vector<PixelUncertainty> first;
@@ -164,16 +164,17 @@ TEST(ProjectionUncertainty, SamplesAreTheSameWithAnyNumberOfThreads) {
   }
 }
 
-TEST(ProjectionUncertainty, GrowsWithTheNoiseAndWhereFewFeaturesAre) {
+TEST(EstimateProjectionUncertainty, GrowsWithTheNoiseAndWhereFewFeaturesAre) {
   const SmallProblem exact = ExactProblem();
   const GaussianPrior prior = WeakPrior(exact);
   const auto once = UncertaintyFor(exact, prior, Options(), 0.1);
   const auto twice = UncertaintyFor(exact, prior, Options(), 0.2);
   const PixelUncertainty& corner = once.front();
   const PixelUncertainty& middle = once[once.size() / 2];
-  EXPECT_NEAR(AxisDeviation(twice.front().total_px2),
-              2 * AxisDeviation(corner.total_px2), 1e-9);
-  EXPECT_LT(AxisDeviation(middle.total_px2), AxisDeviation(corner.total_px2));
+  EXPECT_NEAR(ComputeAxisStdDev(twice.front().total_px2),
+              2 * ComputeAxisStdDev(corner.total_px2), 1e-9);
+  EXPECT_LT(ComputeAxisStdDev(middle.total_px2),
+            ComputeAxisStdDev(corner.total_px2));
   EXPECT_GT(middle.num_observations, corner.num_observations);
 }
 

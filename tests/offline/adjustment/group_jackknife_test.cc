@@ -14,7 +14,7 @@ GaussianPrior PriorAround(const SmallProblem& problem) {
   GaussianPrior prior;
   prior.cameras = {WeakGridPrior(problem)};
   prior.points_mean = problem.state.points;
-  prior.points_weight = 1e8;
+  prior.points_precision = 1e8;
   return prior;
 }
 
@@ -44,7 +44,7 @@ SmallProblem WithNoise(SmallProblem problem, double correlated_px,
 SmallProblem AdjustedWith(const SmallProblem& exact, const GaussianPrior& prior,
                           double correlated_px, unsigned seed) {
   SmallProblem problem = WithNoise(exact, correlated_px, seed);
-  AdjustBundle(problem.views, prior, FixedPoints(), &problem.state);
+  RunBundleAdjustment(problem.views, prior, FixedPoints(), &problem.state);
   return problem;
 }
 
@@ -52,8 +52,8 @@ SmallProblem AdjustedWith(const SmallProblem& exact, const GaussianPrior& prior,
 Eigen::MatrixXd PixelMoves(const SmallProblem& problem) {
   std::vector<PixelUncertainty> pixels;
   std::vector<bool> is_known;
-  Eigen::MatrixXd moves = MovesOfLattice(problem.views, problem.state, 0,
-                                         {9, 7}, &pixels, &is_known);
+  Eigen::MatrixXd moves = ComputeLatticeJacobian(problem.views, problem.state,
+                                                 0, {9, 7}, &pixels, &is_known);
   for (size_t i = 0; i < pixels.size(); ++i)
     if (pixels[i].num_observations == 0) moves.middleRows(2 * i, 2).setZero();
   return moves;
@@ -77,7 +77,7 @@ TEST(GroupJackknife, PredictsAdjustmentsWithoutEachGroup) {
     std::vector<View> views;
     for (const View& view : problem.views)
       if (view.pose % num_groups != group) views.push_back(view);
-    AdjustBundle(views, prior, FixedPoints(), &without);
+    RunBundleAdjustment(views, prior, FixedPoints(), &without);
     const double squared_change =
         (moves *
          (without.camera().Parameters() - problem.state.camera().Parameters()))

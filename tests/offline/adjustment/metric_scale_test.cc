@@ -9,7 +9,7 @@ namespace {
 
 // The board scaled, turned and moved, and all poses such that every point is
 // seen where it was.
-AdjustmentState Moved(const AdjustmentState& state) {
+AdjustmentState MapToPoints(const AdjustmentState& state) {
   const double scale = 1.7;
   const Eigen::Quaterniond rotation = RotationFromVector({0.3, -0.5, 0.2});
   const Eigen::Vector3d shift(0.4, -0.2, 0.6);
@@ -25,7 +25,7 @@ AdjustmentState Moved(const AdjustmentState& state) {
 
 TEST(AlignToNominal, RestoresAScaledAndMovedBoard) {
   const SmallProblem problem = MakeSmallProblem({5, 20, 0});
-  AdjustmentState state = Moved(problem.state);
+  AdjustmentState state = MapToPoints(problem.state);
   AlignToNominal({{0, problem.state.points, {0, 1, 2, 3, 4}}}, &state);
   for (size_t i = 0; i < state.points.size(); ++i)
     EXPECT_LT((state.points[i] - problem.state.points[i]).norm(), 1e-12);
@@ -40,7 +40,7 @@ TEST(AlignToNominal, RestoresAScaledAndMovedBoard) {
 TEST(AlignToNominal, ChangesNoReprojection) {
   const SmallProblem problem = MakeSmallProblem({5, 20, 0.5});
   TestRandom random(3);
-  AdjustmentState state = Moved(problem.state);
+  AdjustmentState state = MapToPoints(problem.state);
   for (Eigen::Vector3d& p : state.points) p += 0.002 * random.NormalVector<3>();
   const auto before = ComputeResiduals(state, problem.views, 1);
   AlignToNominal({{0, problem.state.points, {0, 1, 2, 3, 4}}}, &state);
@@ -66,7 +66,7 @@ TEST(AlignToNominal, LeavesTheScaleToACameraWhoseLinesDoNotMeet) {
 
 TEST(AlignToNominal, LeavesOtherBoardsAndTheirViewsAlone) {
   const SmallProblem problem = MakeSmallProblem({4, 20, 0});
-  const AdjustmentState moved = Moved(problem.state);
+  const AdjustmentState moved = MapToPoints(problem.state);
   AdjustmentState state = moved;
   const std::vector<Eigen::Vector3d> nominal(problem.state.points.begin() + 10,
                                              problem.state.points.end());
@@ -87,7 +87,7 @@ constexpr SmallProblemSizes kRig = {5, 20, 0.5, 2};
 
 TEST(AlignToNominal, BringsTheCamerasOfARigAlong) {
   const SmallProblem problem = MakeSmallProblem(kRig);
-  AdjustmentState state = Moved(problem.state);
+  AdjustmentState state = MapToPoints(problem.state);
   state.camera_from_rig[1].translation *= 1.7;
   AlignToNominal({{0, problem.state.points, {0, 1, 2, 3, 4}}}, &state);
   EXPECT_LT((state.camera_from_rig[1].translation -
@@ -143,7 +143,7 @@ TEST(AlignToNominal, GivesTheBoardsOfABodyOneScaleAndChangesNoReprojection) {
         WithTwoBoardsOnABody(MakeSmallProblem({5, 20, 0.5, num_cameras}));
     const std::vector<Eigen::Vector3d>& nominal = problem.state.points;
     TestRandom random(3);
-    AdjustmentState state = Moved(problem.state);
+    AdjustmentState state = MapToPoints(problem.state);
     for (int i = 0; i < 20; ++i)
       state.points[i] += 1e-4 * random.NormalVector<3>();
     const auto before = ComputeResiduals(state, problem.views, 1);

@@ -23,7 +23,7 @@ TEST(NodeFrames, HaveTheThirdAxisAlongEachLine) {
     along.segment<3>(first) = line;
     Eigen::VectorXd expected = Eigen::VectorXd::Zero(layout.size);
     expected[first + 2] = 1;
-    EXPECT_LT((frames.Into(along) - expected).norm(), 1e-12) << node;
+    EXPECT_LT((frames.ToNodeFrames(along) - expected).norm(), 1e-12) << node;
   }
 }
 
@@ -39,12 +39,12 @@ TEST(NodeFrames, AreLeftAsTheyAreEntered) {
     const NodeFrames frames(layout, problem.state);
     const Eigen::VectorXd vector =
         Eigen::VectorXd::LinSpaced(layout.size, -1, 1);
-    const Eigen::VectorXd inside = frames.Into(vector);
+    const Eigen::VectorXd inside = frames.ToNodeFrames(vector);
     EXPECT_EQ((inside - vector).norm() > 0, has_lines);
-    EXPECT_LT((frames.OutOf(inside) - vector).norm(), 1e-12);
+    EXPECT_LT((frames.FromNodeFrames(inside) - vector).norm(), 1e-12);
     Eigen::SparseMatrix<double> form(layout.size, layout.size);
     for (int i = 0; i < layout.size; ++i) form.insert(i, i) = 1 + i % 7;
-    EXPECT_NEAR(inside.dot(frames.FormInto(form) * inside),
+    EXPECT_NEAR(inside.dot(frames.TransformForm(form) * inside),
                 vector.dot(form * vector), 1e-9);
   }
 }

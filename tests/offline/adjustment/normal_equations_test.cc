@@ -26,14 +26,15 @@ struct Layout {
         num_places(
             fix_cameras && fix_points
                 ? 0
-                : static_cast<int>(problem.state.body_from_board.size())),
-        num_shapes(state.HasShapes() && !(fix_cameras && fix_points)
+                : static_cast<int>(problem.state.target_from_board.size())),
+        num_shapes(state.HasStaticDeformation() && !(fix_cameras && fix_points)
                        ? state.modes.count() * state.modes.num_boards()
                        : 0),
         num_points(fix_points ? 0
                               : static_cast<int>(problem.state.points.size())),
         num_poses(static_cast<int>(problem.state.rig_from_pattern.size())),
-        per_pose(6 + (state.HasFlex() ? state.modes.count() : 0)) {}
+        per_pose(6 +
+                 (state.HasPerViewDeformation() ? state.modes.count() : 0)) {}
 
   int Camera(int c) const { return OpenCvModel::kCount * c; }
   int CameraPose(int c) const { return Camera(num_cameras) + 6 * (c - 1); }
@@ -60,17 +61,18 @@ Eigen::MatrixXd DenseJacobian(const LinearizedResidual& r,
     row.middleCols<OpenCvModel::kCount>(layout.Camera(r.camera)) =
         DenseByParameter(r.projection, OpenCvModel::kCount);
   if (layout.num_cameras > 0 && r.camera > 0)
-    row.middleCols<6>(layout.CameraPose(r.camera)) = r.by_camera_pose;
+    row.middleCols<6>(layout.CameraPose(r.camera)) = r.J_camera_pose;
   if (layout.num_places > 0 && r.place >= 0)
-    row.middleCols<6>(layout.Place(r.place)) = r.by_place;
+    row.middleCols<6>(layout.Place(r.place)) = r.J_place;
   if (layout.num_points > 0)
-    row.middleCols<3>(layout.Point(r.point)) = r.by_point;
-  row.middleCols<6>(layout.Pose(r.pose)) = r.by_pose;
-  row.middleCols(layout.Pose(r.pose) + 6, r.by_flex.cols()) = r.by_flex;
+    row.middleCols<3>(layout.Point(r.point)) = r.J_point;
+  row.middleCols<6>(layout.Pose(r.pose)) = r.J_pose;
+  row.middleCols(layout.Pose(r.pose) + 6, r.J_deformation.cols()) =
+      r.J_deformation;
   if (layout.num_shapes > 0) {
     const int count = state.modes.count();
     row.middleCols(layout.Shape(count * state.modes.boards[r.point]), count) =
-        r.by_point * state.modes.by_point[r.point];
+        r.J_point * state.modes.by_point[r.point];
   }
   return row;
 }
@@ -80,27 +82,29 @@ void AddDensePrior(const GaussianPrior& prior, const AdjustmentState& state,
   constexpr int n = OpenCvModel::kCount;
   for (int c = 0; c < layout.num_cameras; ++c) {
     const CameraPrior& camera = prior.cameras[c];
-    const Eigen::MatrixXd k = WeightedPrecision(camera) +
-                              camera.orientation_weight * camera.orientation *
-                                  camera.orientation.transpose();
+    const Eigen::MatrixXd k =
+        WeightedPrecision(camera) + camera.orientation_precision *
+                                        camera.orientation *
+                                        camera.orientation.transpose();
     dense->h.block<n, n>(layout.Camera(c), layout.Camera(c)) += k;
     dense->g.segment<n>(layout.Camera(c)) +=
         k * (state.cameras[c]->Parameters() - camera.mean);
   }
   for (int i = 0; i < layout.num_points; ++i) {
     dense->h.diagonal().segment<3>(layout.Point(i)).array() +=
-        prior.points_weight;
+        prior.points_precision;
     dense->g.segment<3>(layout.Point(i)) +=
-        prior.points_weight * (state.points[i] - prior.points_mean[i]);
+        prior.points_precision * (state.points[i] - prior.points_mean[i]);
   }
-  const bool has_flex =
-      state.HasFlex() || (state.HasShapes() && layout.num_shapes > 0);
+  const bool has_flex = state.HasPerViewDeformation() ||
+                        (state.HasStaticDeformation() && layout.num_shapes > 0);
   for (int i = 0; has_flex && i < static_cast<int>(state.flex.size()); ++i)
     for (int mode = 0; mode < state.modes.count(); ++mode) {
-      const int row = state.HasFlex()
+      const int row = state.HasPerViewDeformation()
                           ? layout.Pose(i) + 6 + mode
                           : layout.Shape(state.modes.count() * i + mode);
-      const double weight = prior.FlexWeight(state.modes.orders[mode]);
+      const double weight =
+          prior.DeformationPrecision(state.modes.orders[mode]);
       dense->h(row, row) += weight;
       dense->g(row) += weight * state.flex[i][mode];
     }
@@ -172,24 +176,25 @@ Eigen::VectorXd Stacked(const AdjustmentStep& step, const Layout& layout) {
 }
 
 // Each board bends at random, by all modes but those of one order.
-void Bend(BendScope scope, AdjustmentState* state, GaussianPrior* prior) {
+void Bend(DeformationScope scope, AdjustmentState* state,
+          GaussianPrior* prior) {
   std::vector<Eigen::Vector3d> flat = state->points;
   for (Eigen::Vector3d& point : flat) point.z() = 0;
-  state->SetModes(MakeFlexModes({{0, flat}}, static_cast<int>(flat.size())),
-                  scope);
-  ASSERT_EQ(state->modes.count(), FlexModes::kMaxCount);
-  state->modes.Remove(BendOrder::kThird, &state->flex);
+  state->SetModes(
+      MakeDeformationModes({{0, flat}}, static_cast<int>(flat.size())), scope);
+  ASSERT_EQ(state->modes.count(), DeformationModes::kMaxCount);
+  state->modes.Remove(DeformationOrder::kThird, &state->flex);
   TestRandom random(9);
-  for (FlexModes::Coefficients& flex : state->flex)
+  for (DeformationModes::Coefficients& flex : state->flex)
     for (int mode = 0; mode < state->modes.count(); ++mode)
       flex[mode] = 1e-3 * random.Normal();
-  prior->flex_weights = {1e5, 2e5, 3e5};
+  prior->deformation_precisions = {1e5, 2e5, 3e5};
 }
 
 // Every parameter's step compared in units of its own uncertainty.
 void ExpectDenseSolution(const SmallProblem& problem, bool fix_camera,
                          bool fix_points, Method method = Method::kDense,
-                         std::optional<BendScope> bends = {}) {
+                         std::optional<DeformationScope> bends = {}) {
   AdjustmentState state = Disturbed(problem.state, !fix_points);
   GaussianPrior prior = PriorOf(problem);
   if (bends) Bend(*bends, &state, &prior);
@@ -197,7 +202,7 @@ void ExpectDenseSolution(const SmallProblem& problem, bool fix_camera,
   prior.cameras[0].orientation.resize(OpenCvModel::kCount, 3);
   for (int k = 0; k < prior.cameras[0].orientation.size(); ++k)
     prior.cameras[0].orientation.data()[k] = random.Normal();
-  prior.cameras[0].orientation_weight = 2;
+  prior.cameras[0].orientation_precision = 2;
   const Layout layout(problem, fix_camera, fix_points, state);
   for (const double lambda : {1e-4, 1.0}) {
     WholeSystem dense = BuildDense(problem.views, state, prior, layout);
@@ -219,7 +224,7 @@ void ExpectDenseSolution(const SmallProblem& problem, bool fix_camera,
 
 void ExpectDenseSolution(const SmallProblemSizes& sizes, bool fix_camera,
                          bool fix_points, Method method = Method::kDense,
-                         std::optional<BendScope> bends = {}) {
+                         std::optional<DeformationScope> bends = {}) {
   ExpectDenseSolution(MakeSmallProblem(sizes), fix_camera, fix_points, method,
                       bends);
 }
@@ -272,21 +277,21 @@ TEST(NormalEquations, BoardsOfABodyShareItsPoses) {
 
 TEST(NormalEquations, BendsAreSolvedForWithTheirPoses) {
   ExpectDenseSolution({4, 60, 0.4}, false, false, Method::kDense,
-                      BendScope::kPose);
+                      DeformationScope::kPose);
   ExpectDenseSolution({12, 20, 0.4}, false, false, Method::kDense,
-                      BendScope::kPose);
+                      DeformationScope::kPose);
   ExpectDenseSolution({6, 30, 0.4, 2}, false, true, Method::kDense,
-                      BendScope::kPose);
+                      DeformationScope::kPose);
   ExpectDenseSolution({6, 30, 0.4}, true, true, Method::kDense,
-                      BendScope::kPose);
+                      DeformationScope::kPose);
   ExpectDenseSolution({4, 60, 0.4}, false, false, Method::kLarge,
-                      BendScope::kPose);
+                      DeformationScope::kPose);
   ExpectDenseSolution({12, 20, 0.4, 2}, false, false, Method::kLarge,
-                      BendScope::kPose);
+                      DeformationScope::kPose);
 }
 
 TEST(NormalEquations, ShapesAreSolvedForBesideTheCameras) {
-  const BendScope of = BendScope::kBoard;
+  const DeformationScope of = DeformationScope::kBoard;
   ExpectDenseSolution({4, 60, 0.4}, false, false, Method::kDense, of);
   ExpectDenseSolution({12, 20, 0.4}, false, false, Method::kDense, of);
   ExpectDenseSolution({6, 30, 0.4, 2}, false, true, Method::kDense, of);
@@ -302,7 +307,7 @@ TEST(NormalEquations, FixedPointsTakeNoMemoryBesideShapes) {
   SmallProblem problem = MakeSmallProblem({6, 30, 0.4});
   problem.state.points.resize(40000, Eigen::Vector3d(0.1, 0.05, 0));
   GaussianPrior prior = PriorOf(problem);
-  Bend(BendScope::kBoard, &problem.state, &prior);
+  Bend(DeformationScope::kBoard, &problem.state, &prior);
   AdjustmentStep step;
   EXPECT_TRUE(BuildEquations(problem.views, problem.state, prior, {false, true})
                   ->Solve(1e-4, &step));
@@ -350,7 +355,7 @@ TEST(NormalEquations, ResidualsThatAreNotValidDoNotCount) {
 
 // With bends the poses' part of the inverse, too.
 void ExpectInverse(const SmallProblemSizes& sizes, Method method,
-                   std::optional<BendScope> bends = {}) {
+                   std::optional<DeformationScope> bends = {}) {
   SmallProblem problem = MakeSmallProblem(sizes);
   GaussianPrior prior = PriorOf(problem);
   if (bends) Bend(*bends, &problem.state, &prior);
@@ -375,9 +380,9 @@ TEST(NormalEquations, SolveForGivesColumnsOfTheInverse) {
   for (const Method method : {Method::kDense, Method::kLarge}) {
     ExpectInverse({4, 30, 0.3}, method);   // points eliminated
     ExpectInverse({12, 20, 0.3}, method);  // poses eliminated
-    ExpectInverse({4, 60, 0.3}, method, BendScope::kPose);
-    ExpectInverse({4, 60, 0.3}, method, BendScope::kBoard);
-    ExpectInverse({12, 20, 0.3}, method, BendScope::kPose);
+    ExpectInverse({4, 60, 0.3}, method, DeformationScope::kPose);
+    ExpectInverse({4, 60, 0.3}, method, DeformationScope::kBoard);
+    ExpectInverse({12, 20, 0.3}, method, DeformationScope::kPose);
   }
 }
 
@@ -401,10 +406,10 @@ struct SmoothProblem {
 };
 
 SmoothProblem MakeSmoothProblem(int num_sides, bool has_lines = false,
-                                double cell_px = 30) {
+                                double knot_spacing_px = 30) {
   SmoothProblem smooth = {MakeSmallProblem({30, 60, 0.3}), {}, {}, {}};
   AdjustmentState& state = smooth.problem.state;
-  const CentralGeneric grid = FittedGrid(state.camera(), cell_px);
+  const CentralGeneric grid = FittedGrid(state.camera(), knot_spacing_px);
   if (has_lines) {
     state.SetCamera(NonCentralGeneric(grid));
     smooth.prior.cameras = {NonCentralPrior(grid, {}, 0.7)};
@@ -414,7 +419,7 @@ SmoothProblem MakeSmoothProblem(int num_sides, bool has_lines = false,
   }
   for (PriorGroup& group : smooth.prior.cameras[0].groups) group.weight = 0.1;
   smooth.prior.points_mean = state.points;
-  smooth.prior.points_weight = 1e4;
+  smooth.prior.points_precision = 1e4;
   smooth.jacobians = WeightedJacobians(state, smooth.problem.views, 1, 1);
   const ParameterLayout layout(state, {});
   std::mt19937 random_bits(1);
@@ -476,7 +481,7 @@ TEST(LargeEquations, TellWhatTheirSolutionsLeave) {
     smooth.prior.cameras[0].groups[0].weight = weight;
     right = std::sqrt(weight) * smooth.sides;
     ASSERT_TRUE(smooth.Equations(kTolerance, memory)
-                    .SolveWithRest(kLambda, right, &solution, &rest));
+                    .SolveWithResidual(kLambda, right, &solution, &rest));
   }
   const ParameterLayout layout(smooth.problem.state, {});
   const DenseEquations dense(
@@ -490,7 +495,7 @@ TEST(LargeEquations, TellWhatTheirSolutionsLeave) {
   const Eigen::RowVectorXd made_good = error + products(rest, solution);
   EXPECT_LT(made_good.norm(), 0.3 * error.norm());
   // Nothing is left of direct solutions.
-  ASSERT_TRUE(dense.SolveWithRest(kLambda, right, &solution, &rest));
+  ASSERT_TRUE(dense.SolveWithResidual(kLambda, right, &solution, &rest));
   EXPECT_EQ(solution, exact);
   EXPECT_EQ(rest, Eigen::MatrixXd::Zero(layout.size, kSides));
 }

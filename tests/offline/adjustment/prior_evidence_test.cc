@@ -18,7 +18,7 @@ struct Scattered {
     for (const auto& [num, error] : {std::pair(num_well, well * well),
                                      std::pair(num_badly, badly * badly)}) {
       const double told = prior_variance / (prior_variance + error);
-      evidence.determined += num * told;
+      evidence.effective_parameters += num * told;
       evidence.squared_distance += num * told * told * (variance + error);
     }
     return evidence;
@@ -29,7 +29,7 @@ constexpr double kResidualVariance = 0.01;
 
 // How many rounds a weight needs, at most 30; *weight ends where it stands.
 int NumRounds(const Scattered& scattered, double* weight) {
-  ScatterUpdate update;
+  VarianceUpdate update;
   int round = 0;
   double change = 1;
   while (change > 1e-3 && round < 30) {
@@ -40,7 +40,7 @@ int NumRounds(const Scattered& scattered, double* weight) {
   return round;
 }
 
-TEST(ScatterUpdate, FindsAScatterAtOnce) {
+TEST(VarianceUpdate, FindsAScatterAtOnce) {
   const Scattered alike = {4e-4, 500, 0.05, 0, 1};
   for (const double start : {1e-6, 1e-4, 4e-3}) {
     double weight = kResidualVariance / start;
@@ -49,7 +49,7 @@ TEST(ScatterUpdate, FindsAScatterAtOnce) {
   }
 }
 
-TEST(ScatterUpdate, FindsAScatterThatIsToldBadlyOfMost) {
+TEST(VarianceUpdate, FindsAScatterThatIsToldBadlyOfMost) {
   // A step of all that parameters alike would need turns back, ever farther.
   const Scattered unlike = {4e-4, 50, 0.005, 450, 0.2};
   double weight = kResidualVariance / 4e-2;
@@ -57,19 +57,19 @@ TEST(ScatterUpdate, FindsAScatterThatIsToldBadlyOfMost) {
   EXPECT_NEAR(kResidualVariance / weight, 4e-4, 4e-6);
 }
 
-TEST(ScatterUpdate, NoScatterSoonCountsForNothing) {
+TEST(VarianceUpdate, NoScatterSoonCountsForNothing) {
   const Scattered nominal = {0, 500, 0.05, 0, 1};
   double weight = kResidualVariance / (0.05 * 0.05);
-  ScatterUpdate update;
+  VarianceUpdate update;
   int round = 0;
-  while (!IsNextToNothing(nominal.Under(kResidualVariance / weight))) {
+  while (!IsUndetermined(nominal.Under(kResidualVariance / weight))) {
     update.Update(nominal.Under(kResidualVariance / weight), kResidualVariance,
                   1e-12, &weight);
     ASSERT_LT(++round, 4);
   }
 }
 
-TEST(ScatterUpdate, StopsAtTheSmallestVariance) {
+TEST(VarianceUpdate, StopsAtTheSmallestVariance) {
   const Scattered nominal = {0, 500, 0.05, 0, 1};
   double weight = 1;
   NumRounds(nominal, &weight);

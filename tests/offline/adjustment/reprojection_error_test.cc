@@ -16,10 +16,10 @@ SmallProblem SmallGridProblem() {
 SmallProblem BentProblem() {
   SmallProblem problem = MakeSmallProblem({3, 30, 0.3, 2});
   for (Eigen::Vector3d& point : problem.state.points) point.z() = 0;
-  problem.state.SetModes(MakeFlexModes({{0, problem.state.points}}, 30),
-                         BendScope::kPose);
+  problem.state.SetModes(MakeDeformationModes({{0, problem.state.points}}, 30),
+                         DeformationScope::kPose);
   TestRandom random(5);
-  for (FlexModes::Coefficients& flex : problem.state.flex)
+  for (DeformationModes::Coefficients& flex : problem.state.flex)
     for (Eigen::Index k = 0; k < flex.size(); ++k)
       flex[k] = 1e-3 * random.Normal();
   return problem;
@@ -61,54 +61,54 @@ void ExpectDerivatives(const Single& single) {
   EXPECT_LT(
       (linear.residual.error_px - ResidualOf(single.state, single.view)).norm(),
       1e-9);
-  const auto by_pose = [&](const Eigen::VectorXd& update) {
+  const auto J_pose = [&](const Eigen::VectorXd& update) {
     AdjustmentState changed = single.state;
     Pose& pose = changed.rig_from_pattern[0];
     pose = UpdatedPose(pose, update);
     return ResidualOf(changed, single.view);
   };
-  const auto by_camera_pose = [&](const Eigen::VectorXd& update) {
+  const auto J_camera_pose = [&](const Eigen::VectorXd& update) {
     AdjustmentState changed = single.state;
     Pose& pose = changed.camera_from_rig[single.view.camera];
     pose = UpdatedPose(pose, update);
     return ResidualOf(changed, single.view);
   };
-  const auto by_point = [&](const Eigen::VectorXd& point) {
+  const auto J_point = [&](const Eigen::VectorXd& point) {
     AdjustmentState changed = single.state;
     changed.points[0] = point;
     return ResidualOf(changed, single.view);
   };
   const Eigen::Matrix<double, 6, 1> zero = Eigen::Matrix<double, 6, 1>::Zero();
-  EXPECT_LT(RelativeDifference(linear.by_pose,
-                               CentralDifference(by_pose, zero, 1e-6)),
-            1e-5);
-  EXPECT_LT(RelativeDifference(linear.by_camera_pose,
-                               CentralDifference(by_camera_pose, zero, 1e-6)),
+  EXPECT_LT(
+      RelativeDifference(linear.J_pose, CentralDifference(J_pose, zero, 1e-6)),
+      1e-5);
+  EXPECT_LT(RelativeDifference(linear.J_camera_pose,
+                               CentralDifference(J_camera_pose, zero, 1e-6)),
             1e-5);
   EXPECT_LT(RelativeDifference(
-                linear.by_point,
-                CentralDifference(by_point, single.state.points[0], 1e-6)),
+                linear.J_point,
+                CentralDifference(J_point, single.state.points[0], 1e-6)),
             1e-5);
   if (single.view.place >= 0) {
-    const auto by_place = [&](const Eigen::VectorXd& update) {
+    const auto J_place = [&](const Eigen::VectorXd& update) {
       AdjustmentState changed = single.state;
-      Pose& pose = changed.body_from_board[single.view.place];
+      Pose& pose = changed.target_from_board[single.view.place];
       pose = UpdatedPose(pose, update);
       return ResidualOf(changed, single.view);
     };
-    EXPECT_LT(RelativeDifference(linear.by_place,
-                                 CentralDifference(by_place, zero, 1e-6)),
+    EXPECT_LT(RelativeDifference(linear.J_place,
+                                 CentralDifference(J_place, zero, 1e-6)),
               1e-5);
   }
   if (single.state.modes.count() == 0) return;
-  const auto by_flex = [&](const Eigen::VectorXd& flex) {
+  const auto J_deformation = [&](const Eigen::VectorXd& flex) {
     AdjustmentState changed = single.state;
     changed.flex[0] = flex;
     return ResidualOf(changed, single.view);
   };
   EXPECT_LT(RelativeDifference(
-                linear.by_flex,
-                CentralDifference(by_flex, single.state.flex[0], 1e-6)),
+                linear.J_deformation,
+                CentralDifference(J_deformation, single.state.flex[0], 1e-6)),
             1e-5);
 }
 

@@ -53,7 +53,7 @@ inline SmallProblem MakeSmallProblem(const SmallProblemSizes& sizes) {
       for (int i = 0; i < sizes.num_points; ++i)
         view.observations.push_back(
             {i, problem.state.cameras[c]
-                        ->Project(problem.state.CameraFromPattern(view) *
+                        ->Project(problem.state.ComputeCameraFromPattern(view) *
                                   problem.state.points[i])
                         .value() +
                     sizes.noise_px * random.NormalVector<2>()});
@@ -68,7 +68,7 @@ inline SmallProblem MakeSmallProblem(const SmallProblemSizes& sizes) {
 inline SmallProblem WithTwoBoardsOnABody(SmallProblem problem) {
   const int half = static_cast<int>(problem.state.points.size()) / 2;
   const Pose place = {RotationFromVector({0.4, -0.2, 0.7}), {0.1, -0.05, 0.03}};
-  problem.state.body_from_board = {place};
+  problem.state.target_from_board = {place};
   for (size_t i = half; i < problem.state.points.size(); ++i)
     problem.state.points[i] = place.Inverse() * problem.state.points[i];
   std::vector<View> views;
@@ -126,7 +126,7 @@ inline GaussianPrior PriorOf(const SmallProblem& problem) {
     prior.cameras.push_back(distortion);
   }
   prior.points_mean = problem.state.points;
-  prior.points_weight = 1e6;
+  prior.points_precision = 1e6;
   return prior;
 }
 
@@ -146,7 +146,7 @@ inline AdjustmentState Disturbed(const AdjustmentState& truth,
         UpdatedPose(state.camera_from_rig[c], 0.01 * random.NormalVector<6>());
   for (Pose& pose : state.rig_from_pattern)
     pose = UpdatedPose(pose, 0.01 * random.NormalVector<6>());
-  for (Pose& pose : state.body_from_board)
+  for (Pose& pose : state.target_from_board)
     pose = UpdatedPose(pose, 0.01 * random.NormalVector<6>());
   if (move_points)
     for (Eigen::Vector3d& p : state.points)
@@ -162,7 +162,7 @@ inline SmallProblem MakeExactGridProblem(int num_views, int num_points) {
   for (View& view : problem.views)
     for (Observation& o : view.observations)
       o.pixel = problem.state.cameras[0]
-                    ->Project(problem.state.CameraFromPattern(view) *
+                    ->Project(problem.state.ComputeCameraFromPattern(view) *
                                   problem.state.points[o.point],
                               &o.pixel, kAdjustmentMarginPx)
                     .value();

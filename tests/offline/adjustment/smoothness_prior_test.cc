@@ -79,7 +79,7 @@ TEST(SmoothnessPrior, ScattersAsItHolds) {
   const Eigen::MatrixXd root = Eigen::LLT<Eigen::MatrixXd>(k).matrixL();
   Eigen::MatrixXd without(root.rows(), root.cols());
   for (Eigen::Index i = 0; i < root.cols(); ++i)
-    without.col(i) = WithoutFree(group.free, group.freed, root.col(i));
+    without.col(i) = ProjectOutFree(group.free, group.freed, root.col(i));
   const Eigen::MatrixXd expected = k - group.freed * group.freed.transpose();
   EXPECT_LT((without * without.transpose() - expected).norm(), 1e-9 * k.norm());
 }
@@ -102,9 +102,9 @@ CentralGeneric Tilted(double p1_px) {
 
 // The lens around which a grid lies, whose tilt has a precision; the others are
 // free.
-BaseLens WithTiltPrecision(double precision) {
+BaseModel WithTiltPrecision(double precision) {
   const OpenCvModel lens = TiltedLens(0);
-  BaseLens base;
+  BaseModel base;
   base.model = std::make_shared<OpenCvModel>(lens);
   const Eigen::VectorXd pixels = DecentringPixels(lens, lens.area());
   base.precision = precision * pixels.cwiseAbs2();
@@ -119,7 +119,7 @@ TEST(SmoothnessPrior, FreesTheParametersOfItsLens) {
   const auto group_with = [&](double precision) {
     PriorGroup group =
         SmoothnessPrior(base, {}, WithTiltPrecision(precision)).groups[0];
-    group.SetWeight(kWeight, kVariance);
+    group.SetPrecision(kWeight, kVariance);
     return group;
   };
   const PriorGroup free = group_with(2), held = group_with(1e9);
@@ -137,9 +137,9 @@ TEST(SmoothnessPrior, HoldsATiltTheLessTheMoreItWeighs) {
   const Eigen::VectorXd tilt = Tilted(1).Parameters() - base.Parameters();
   PriorGroup group =
       SmoothnessPrior(base, {}, WithTiltPrecision(kPrecision)).groups[0];
-  group.SetWeight(1, kVariance);
+  group.SetPrecision(1, kVariance);
   const double with_weak = group.SquaredDistance(tilt);
-  group.SetWeight(1000, kVariance);
+  group.SetPrecision(1000, kVariance);
   EXPECT_LT(group.SquaredDistance(tilt), 0.5 * with_weak);
 }
 
@@ -149,7 +149,7 @@ BSplineSurface Bump(const Area& area, double height_px) {
   for (int k = 0; k < bump.num_points(); ++k)
     bump.points()[k].y() =
         height_px *
-        std::exp(-(bump.PixelOf(k) - area.center()).squaredNorm() / 8e4);
+        std::exp(-(bump.GetPixel(k) - area.center()).squaredNorm() / 8e4);
   return bump;
 }
 
@@ -199,7 +199,7 @@ TEST(SmoothnessPrior, HoldsASpreadByItsDeviation) {
   const auto cost_with = [&](const BSplineSurface& spread, double times) {
     const CameraPrior prior = SmoothnessPrior(base, {}, {}, {spread});
     PriorGroup group = prior.groups[0];
-    group.SetWeight(kWeight, kVariance);
+    group.SetPrecision(kWeight, kVariance);
     return kWeight / kVariance *
            group.SquaredDistance(times * Displaced(base, prior, bump));
   };
@@ -277,7 +277,7 @@ TEST(NonCentralPrior, HoldsDirectionsAsTheCentralOneDoes) {
   const double expected = GroupCost(central, 0, central_parameters);
   EXPECT_NEAR(GroupCost(lines, 0, parameters), expected, 1e-9 * expected);
   EXPECT_EQ(lines.groups[0].rank, central.groups[0].rank);
-  EXPECT_DOUBLE_EQ(lines.orientation_weight, central.orientation_weight);
+  EXPECT_DOUBLE_EQ(lines.orientation_precision, central.orientation_precision);
   EXPECT_LT(
       (lines.orientation.transpose() * (parameters - lines.mean) -
        central.orientation.transpose() * (central_parameters - central.mean))

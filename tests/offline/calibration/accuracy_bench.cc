@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "dataset/freed_memory.h"
+#include "dataset/memory_retention.h"
 #include "evaluation/residual_statistics.h"
 #include "true_error.h"
 
@@ -28,14 +28,14 @@ void Measure(const TrueErrorSetting& setting, int num_seeds, bool verbose) {
           "%.2f, %.2f, ratio %.2f; trusted %.2f: %.2f, %.2f, ratio %.2f; "
           "jackknife scale %.2f\n",
           seed, error.rms_px, error.median_px, error.max_px, error.oracle_px,
-          error.within_1, error.within_2, error.ratio, error.trusted_part,
+          error.within_1, error.within_2, error.ratio, error.valid_part,
           error.trusted_within_1, error.trusted_within_2, error.trusted_ratio,
           error.jackknife_scale);
     sum.within_1 += error.within_1 / num_seeds;
     sum.within_2 += error.within_2 / num_seeds;
     sum.trusted_within_1 += error.trusted_within_1 / num_seeds;
     sum.trusted_within_2 += error.trusted_within_2 / num_seeds;
-    sum.trusted_part += error.trusted_part / num_seeds;
+    sum.valid_part += error.valid_part / num_seeds;
     sum.jackknife_scale += error.jackknife_scale / num_seeds;
     rms_px.push_back(error.rms_px);
     max_px.push_back(error.max_px);
@@ -49,7 +49,7 @@ void Measure(const TrueErrorSetting& setting, int num_seeds, bool verbose) {
       setting.lens.c_str(), setting.target.c_str(), setting.num_images,
       setting.noise_px, mean_px, Quantile(rms_px, 0.5), Quantile(max_px, 0.5),
       oracle_px, mean_px / oracle_px, sum.within_1, sum.within_2,
-      sum.trusted_part, sum.trusted_within_1, sum.trusted_within_2,
+      sum.valid_part, sum.trusted_within_1, sum.trusted_within_2,
       sum.jackknife_scale);
   std::fflush(stdout);
 }
@@ -58,7 +58,7 @@ void Measure(const TrueErrorSetting& setting, int num_seeds, bool verbose) {
 }  // namespace raygrid
 
 int main(int argc, char** argv) {
-  raygrid::KeepFreedMemory();  // as raygrid does
+  raygrid::RetainFreedMemory();  // as raygrid does
   CLI::App app("True errors of calibrated cameras, beside the best possible.");
   std::vector<std::string> lenses = {"wide", "narrow", "fisheye", "fisheye190",
                                      "smooth"};
@@ -75,7 +75,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--images", images)->capture_default_str();
   app.add_option("--noise-px", noise_px)->capture_default_str();
-  app.add_option("--knot-spacing-px", setting.cell_px, "0: chosen")
+  app.add_option("--knot-spacing-px", setting.knot_spacing_px, "0: chosen")
       ->capture_default_str();
   app.add_option("--seeds", num_seeds)->capture_default_str();
   app.add_flag("--verbose", verbose, "print each seed");

@@ -24,15 +24,17 @@ SimulatedObservations Simulate(int num_images, double bend_m = 0) {
 }
 
 // One image held out saves the time of cross-validation.
-CalibrationOptions WithCells(const Dataset& dataset, double cell_px) {
+CalibrationOptions WithCells(const Dataset& dataset, double knot_spacing_px) {
   CalibrationOptions options;
-  options.cell_px = cell_px;
+  options.knot_spacing_px = knot_spacing_px;
   options.hold_out = {dataset.images.back().image};
   return options;
 }
 
-CalibrationResult CalibrateWithCells(const Dataset& dataset, double cell_px) {
-  return Calibrate(dataset, FineTestBoard(), WithCells(dataset, cell_px));
+CalibrationResult CalibrateWithCells(const Dataset& dataset,
+                                     double knot_spacing_px) {
+  return Calibrate(dataset, FineTestBoard(),
+                   WithCells(dataset, knot_spacing_px));
 }
 
 ModelDifference Truth(const char* what, const CalibrationResult& result) {
@@ -65,10 +67,10 @@ TEST(Accuracy, HundredImagesGiveTheTrueRays) {
   ASSERT_TRUE(result.camera.uncertainty);
   const CameraUncertainty& known = *result.camera.uncertainty;
   const Area& area = result.camera.camera->area();
-  EXPECT_GT(known.TrustedPart({640, 480}, area), 0.9);
+  EXPECT_GT(known.ValidFraction({640, 480}, area), 0.9);
   std::vector<double> errors, deviations, scatters;
   for (size_t i = 0; i < difference.pixels.size(); ++i) {
-    if (!known.mask.Trusts(difference.pixels[i])) continue;
+    if (!known.mask.IsValidAt(difference.pixels[i])) continue;
     errors.push_back(difference.error_px[i].norm());
     deviations.push_back(known.lattice.At(area, difference.pixels[i]));
     scatters.push_back(known.scatter.At(area, difference.pixels[i]));
@@ -139,15 +141,15 @@ double HeldOutOnTruth(const CalibrationResult& result) {
   const Evaluation evaluation =
       EvaluateCamera(*result.camera.camera, test.dataset, result.pattern, 0);
   EXPECT_GT(evaluation.residuals.size(), 5000u);
-  return ComputeErrorFigures(evaluation.residuals).median_px;
+  return ComputeErrorMetrics(evaluation.residuals).median_px;
 }
 
 // The board is flat, and told so: that saves half a minute.
 double HeldOutOnTruthWith(const Dataset& dataset, const std::string& model,
-                          double cell_px) {
-  CalibrationOptions options = WithCells(dataset, cell_px);
+                          double knot_spacing_px) {
+  CalibrationOptions options = WithCells(dataset, knot_spacing_px);
   options.model = model;
-  options.flat_board = true;
+  options.fix_target_geometry = true;
   return HeldOutOnTruth(Calibrate(dataset, FineTestBoard(), options));
 }
 
@@ -229,10 +231,10 @@ TEST(Accuracy, ChoosesCellsByBoardsThatBend) {
   const CalibrationResult result = CalibrateBendingBoards(1);
   ASSERT_TRUE(result.bends.has_value());
   std::map<double, double> loss_by_rigid_boards;
-  for (const CellCandidate& tried : result.cell_candidates)
-    loss_by_rigid_boards[tried.cell_px] = tried.loss;
+  for (const KnotSpacingCandidate& tried : result.knot_spacing_candidates)
+    loss_by_rigid_boards[tried.knot_spacing_px] = tried.loss;
   EXPECT_LT(loss_by_rigid_boards.at(80), loss_by_rigid_boards.at(40));
-  EXPECT_EQ(result.cell_px, 40);
+  EXPECT_EQ(result.knot_spacing_px, 40);
 }
 
 }  // namespace

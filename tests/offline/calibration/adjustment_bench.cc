@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "calibration/camera_initialization.h"
 #include "calibration/model_adjustment.h"
-#include "calibration/starting_lens.h"
-#include "dataset/freed_memory.h"
+#include "dataset/memory_retention.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/model_difference.h"
 #include "simulation/simulated_camera.h"
@@ -26,7 +26,7 @@ struct Case {
   const char* name;
   int num_images, features_per_image;
   int board_columns, board_rows;
-  double cell_px;
+  double knot_spacing_px;
 };
 
 constexpr Case kCases[] = {
@@ -76,9 +76,10 @@ Run TimeCalibration(const Case& c, int num_threads) {
   AdjustmentOptions options;
   options.num_threads = num_threads;
   const double start = Now(), start_cpu = CpuSeconds();
-  Adjusted adjusted = AdjustStartingLens(dataset, pattern, options);
+  AdjustmentResult adjusted = InitializeCamera(dataset, pattern, options);
   const double middle = Now(), middle_cpu = CpuSeconds();
-  AdjustModel(pattern, "central-generic", {c.cell_px}, options, &adjusted);
+  OptimizeModel(pattern, "central-generic", {c.knot_spacing_px}, options,
+                &adjusted);
   AlignBoards(pattern, &adjusted);
   const double end = Now(), end_cpu = CpuSeconds();
 
@@ -101,7 +102,7 @@ Run TimeCalibration(const Case& c, int num_threads) {
 
 int main(int argc, char** argv) {
   using raygrid::kCases;
-  raygrid::KeepFreedMemory();  // as raygrid does
+  raygrid::RetainFreedMemory();  // as raygrid does
   std::vector<int> threads = {1, 2};
   std::vector<std::string> names;
   for (int i = 1; i < argc; ++i) {

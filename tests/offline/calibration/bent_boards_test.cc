@@ -3,12 +3,12 @@
 #include <string>
 #include <vector>
 
-#include "calibration/bend_choice.h"
-#include "calibration/bend_share.h"
 #include "calibration/calibration.h"
 #include "calibration/camera_evaluation.h"
-#include "calibration/flexed_evaluation.h"
-#include "calibration/starting_lens.h"
+#include "calibration/camera_initialization.h"
+#include "calibration/deformation_evaluation.h"
+#include "calibration/deformation_selection.h"
+#include "calibration/deformation_share.h"
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
@@ -17,9 +17,9 @@
 namespace raygrid {
 namespace {
 
-CalibrationOptions WithCells(double cell_px) {
+CalibrationOptions WithCells(double knot_spacing_px) {
   CalibrationOptions options;
-  options.cell_px = cell_px;
+  options.knot_spacing_px = knot_spacing_px;
   options.num_threads = 2;
   return options;
 }
@@ -50,12 +50,12 @@ TEST(Calibrate, FollowsBoardsThatBendFromImageToImage) {
   EXPECT_LT(bent.camera.training->rms_px, 0.04);
   EXPECT_GT(rigid.camera.training->rms_px, 0.1);
   // The verdict does not take bends for a camera that is little known.
-  for (const std::string& reason : bent.verdict.reasons)
+  for (const std::string& reason : bent.assessment.reasons)
     EXPECT_EQ(reason.find("add images"), std::string::npos) << reason;
   // Held-out images are localised with boards that are not bent, and bent.
   EXPECT_GT(bent.camera.held_out->rms_px, 0.1);
-  EXPECT_LT(bent.held_out_flexed->rms_px, 0.6 * bent.camera.held_out->rms_px);
-  EXPECT_LT(bent.held_out_flexed->rms_px, rigid.held_out_flexed->rms_px);
+  EXPECT_LT(bent.held_out_deformed->rms_px, 0.6 * bent.camera.held_out->rms_px);
+  EXPECT_LT(bent.held_out_deformed->rms_px, rigid.held_out_deformed->rms_px);
 }
 
 // A camera follows a board that is bent and taken for flat, and leaves no
@@ -67,14 +67,14 @@ TEST(Calibrate, SaysThatABoardIsNotFlatAsTold) {
     simulation.features_per_image = 130;
     simulation.board_bend_m = bend_m;
     CalibrationOptions options = WithCells(160);
-    options.flat_board = true;
+    options.fix_target_geometry = true;
     const CalibrationResult result = Calibrate(
         SimulateObservations(ExampleSimulatedCamera(), TestBoard(), simulation)
             .dataset,
         TestBoard(), options);
-    EXPECT_EQ(result.flat_board_height_m > 0, bend_m > 0);
-    EXPECT_LT(result.flat_board_height_m, bend_m + 1e-9);
-    EXPECT_EQ(result.verdict.reasons.front().find("--fix-target-geometry") !=
+    EXPECT_EQ(result.flatness_error_m > 0, bend_m > 0);
+    EXPECT_LT(result.flatness_error_m, bend_m + 1e-9);
+    EXPECT_EQ(result.assessment.reasons.front().find("--fix-target-geometry") !=
                   std::string::npos,
               bend_m > 0);
   }
@@ -89,8 +89,9 @@ TEST(Calibrate, KeepsBoardsRigidThatAreRigid) {
 // One camera's errors in twelve images: by so many pixels where boards may
 // bend, and where they may not. They go up and down from image to image by a
 // spread.
-HeldOut HeldOutErrors(double flexed_px, double alone_px, double spread_px = 0) {
-  HeldOut errors = {{{}}, {}, {{}}};
+HeldOutResiduals HeldOutErrors(double flexed_px, double alone_px,
+                               double spread_px = 0) {
+  HeldOutResiduals errors = {{{}}, {}, {{}}};
   for (int image = 0; image < 12; ++image)
     for (int i = 0; i < 50; ++i) {
       const double spread = image % 2 ? spread_px : -spread_px;
@@ -105,15 +106,15 @@ HeldOut HeldOutErrors(double flexed_px, double alone_px, double spread_px = 0) {
   return errors;
 }
 
-TEST(BendsPredictBetter, WeighsGainsByWhatChanceMakesOfTheBoardsOwnBends) {
-  const HeldOut rigid = HeldOutErrors(0.05, 0.1);
+TEST(IsDeformationBetter, WeighsGainsByWhatChanceMakesOfTheBoardsOwnBends) {
+  const HeldOutResiduals rigid = HeldOutErrors(0.05, 0.1);
   // A loss of 2 % that the spread makes 0.3 deviations, and of 5 % in each
   // image.
-  EXPECT_TRUE(BendsPredictBetter(HeldOutErrors(0.04, 0.1, 0.01), rigid));
-  EXPECT_FALSE(BendsPredictBetter(HeldOutErrors(0.04, 0.105, 0.001), rigid));
+  EXPECT_TRUE(IsDeformationBetter(HeldOutErrors(0.04, 0.1, 0.01), rigid));
+  EXPECT_FALSE(IsDeformationBetter(HeldOutErrors(0.04, 0.105, 0.001), rigid));
   // A gain that is no more than chance.
-  EXPECT_FALSE(BendsPredictBetter(HeldOutErrors(0.0495, 0.1, 0.02), rigid));
-  EXPECT_FALSE(BendsPredictBetter(HeldOutErrors(0.051, 0.09, 0.001), rigid));
+  EXPECT_FALSE(IsDeformationBetter(HeldOutErrors(0.0495, 0.1, 0.02), rigid));
+  EXPECT_FALSE(IsDeformationBetter(HeldOutErrors(0.051, 0.09, 0.001), rigid));
 }
 
 // The share in a camera that was adjusted with rigid boards, and whose cells
@@ -126,44 +127,44 @@ double ShareOf(double flex_m, int num_images = 16,
   for (ImageFeatures& image : dataset.images)
     if (image.features.size() > max_features)
       image.features.resize(max_features);
-  Adjusted adjusted = AdjustStartingLens(dataset, TestBoard(), options);
-  AdjustModel(TestBoard(), "central-generic", {40}, options, &adjusted);
-  return ShareOfBends(adjusted, 2);
+  AdjustmentResult adjusted = InitializeCamera(dataset, TestBoard(), options);
+  OptimizeModel(TestBoard(), "central-generic", {40}, options, &adjusted);
+  return ComputeDeformationShare(adjusted, 2);
 }
 
 // The camera was adjusted to the same noise, and has taken some of what bends
 // would: -0.006 to -0.017 of 16 images, by their seed, half of that of 32.
-TEST(ShareOfBends, TellsBendsFromNoise) {
+TEST(ComputeDeformationShare, TellsBendsFromNoise) {
   EXPECT_NEAR(ShareOf(0, 32), 0, 0.01);
   EXPECT_GT(ShareOf(0.0004), 0.5);
 }
 
-TEST(ShareOfBends, IsAllWhereViewsHaveTooFewFeaturesToTell) {
+TEST(ComputeDeformationShare, IsAllWhereViewsHaveTooFewFeaturesToTell) {
   EXPECT_EQ(ShareOf(0, 16, 17), 1);
 }
 
 // Half of the features tell how the boards are bent.
-TEST(EvaluateFlexed, FindsTheNoiseWhereBoardsBend) {
+TEST(EvaluateWithDeformation, FindsTheNoiseWhereBoardsBend) {
   const SimulatedObservations seen = SimulateFlex(0.0004);
   const SimulatedCamera camera = ExampleSimulatedCamera();
   const RigModel rig = {{&camera}, {Pose()}};
   const auto flexed =
-      EvaluateFlexed(rig, {seen.dataset}, TestBoard(), 2).front();
+      EvaluateWithDeformation(rig, {seen.dataset}, TestBoard(), 2).front();
   const Evaluation rigid = EvaluateCamera(camera, seen.dataset, TestBoard(), 2);
-  EXPECT_GT(ComputeErrorFigures(rigid.residuals).rms_px, 0.1);
-  EXPECT_LT(ComputeErrorFigures(flexed).rms_px, 0.02 * std::sqrt(2) * 1.2);
+  EXPECT_GT(ComputeErrorMetrics(rigid.residuals).rms_px, 0.1);
+  EXPECT_LT(ComputeErrorMetrics(flexed).rms_px, 0.02 * std::sqrt(2) * 1.2);
   for (const FeatureResidual& residual : flexed)
     EXPECT_EQ((residual.column + residual.row) % 2, 1);
 }
 
-TEST(EvaluateFlexed, HasNothingOfBoardsThatAreNotFlat) {
+TEST(EvaluateWithDeformation, HasNothingOfBoardsThatAreNotFlat) {
   const Dataset dataset = SimulateFlex(0).dataset;
   Pattern deep = TestBoard();
   for (size_t i = 0; i < deep.boards[0].points.size(); i += 2)
     deep.boards[0].points[i].z() = 0.05;
   const SimulatedCamera camera = ExampleSimulatedCamera();
   const RigModel rig = {{&camera}, {Pose()}};
-  EXPECT_TRUE(EvaluateFlexed(rig, {dataset}, deep, 2).front().empty());
+  EXPECT_TRUE(EvaluateWithDeformation(rig, {dataset}, deep, 2).front().empty());
 }
 
 }  // namespace

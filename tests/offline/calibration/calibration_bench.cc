@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "calibration/calibration.h"
-#include "dataset/freed_memory.h"
+#include "dataset/memory_retention.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/model_difference.h"
 #include "simulation/simulated_lenses.h"
@@ -60,7 +60,7 @@ void TimeCalibration(const Case& c, int num_threads) {
   simulation.num_images = c.num_images;
   simulation.features_per_image = c.features_per_image;
   simulation.shared_noise_px = c.shared_noise_px;
-  const auto truth = SimulatedLens(c.lens, c.size);
+  const auto truth = MakeSimulatedLens(c.lens, c.size);
   CalibrationInput input;
   input.dataset = SimulateObservations(*truth, pattern, simulation).dataset;
   CalibrationOptions options;
@@ -88,7 +88,7 @@ void TimeCalibration(const Case& c, int num_threads) {
 }  // namespace raygrid
 
 int main(int argc, char** argv) {
-  raygrid::KeepFreedMemory();  // as raygrid does
+  raygrid::RetainFreedMemory();  // as raygrid does
   CLI::App app("Times whole calibrations of simulated cameras.");
   std::vector<std::string> names;
   int num_threads = 2;

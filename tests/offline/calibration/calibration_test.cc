@@ -31,7 +31,7 @@ Dataset Simulate(int num_images, int features_per_image = 80) {
 
 CalibrationOptions Coarse() {
   CalibrationOptions options;
-  options.cell_px = 160;
+  options.knot_spacing_px = 160;
   options.num_threads = 2;
   return options;
 }
@@ -114,7 +114,7 @@ TEST(Calibrate, CrossValidationTestsEveryImage) {
   const Dataset dataset = Simulate(10);
   CalibrationOptions options = Coarse();
   options.model = "opencv";
-  options.flat_board = true;
+  options.fix_target_geometry = true;
   const CalibrationResult result = Calibrate(dataset, TestBoard(), options);
   EXPECT_TRUE(result.cross_validated);
   EXPECT_EQ(ImagesOf(result.held_out).size(), 10u);
@@ -126,7 +126,7 @@ TEST(Calibrate, CrossValidationTestsEveryImage) {
 TEST(Calibrate, FlatBoardStaysAsItIs) {
   const Dataset dataset = Simulate(8);
   CalibrationOptions options = HoldingOut({dataset.images[0].image});
-  options.flat_board = true;
+  options.fix_target_geometry = true;
   const CalibrationResult result = Calibrate(dataset, TestBoard(), options);
   const auto nominal = TestBoard().boards[0].points;
   for (size_t i = 0; i < nominal.size(); ++i)
@@ -138,7 +138,7 @@ TEST(Calibrate, GivesTheSameBytesWithAnyNumberOfThreads) {
   std::string cameras[2], patterns[2], poses[2];
   for (int k = 0; k < 2; ++k) {
     CalibrationOptions options;
-    options.cell_px = 120;
+    options.knot_spacing_px = 120;
     options.num_threads = k + 1;
     const CalibrationResult result = Calibrate(dataset, TestBoard(), options);
     cameras[k] = FormatCameraFile(result.camera);
@@ -151,13 +151,13 @@ TEST(Calibrate, GivesTheSameBytesWithAnyNumberOfThreads) {
 }
 
 // All that a result says.
-std::string TextOf(const CalibrationResult& result) {
+std::string ToText(const CalibrationResult& result) {
   std::string text = FormatCameraFile(result.camera) +
                      FormatPattern(result.pattern) + FormatPoses(result.poses);
   const auto add = [&text](double value) { text += std::to_string(value); };
   for (const auto* set : {&result.training, &result.held_out})
     for (const FeatureResidual& residual : *set) add(residual.error_px.norm());
-  for (const ModelFigures& model : result.parametric_models) {
+  for (const ModelMetrics& model : result.parametric_models) {
     text += model.model;
     add(model.training.rms_px);
     add(model.held_out ? model.held_out->rms_px : -1);
@@ -171,13 +171,13 @@ TEST(Calibrate, IsTheSameToTheBitWhenItWasInterrupted) {
   const Dataset dataset = Simulate(8, 40);
   int polls = 0, last_poll = 1 << 30;
   CalibrationOptions options = Coarse();
-  options.cell_px = 240;
-  options.flat_board = true;
+  options.knot_spacing_px = 240;
+  options.fix_target_geometry = true;
   options.num_threads = 1;
   options.compare_models = true;
   CalibrationInput input = {"", dataset};
-  input.measure_again = [&](const CameraModel&, const Pattern&,
-                            const std::vector<BoardPose>&) {
+  input.refine_features = [&](const CameraModel&, const Pattern&,
+                              const std::vector<BoardPose>&) {
     Dataset again = dataset;
     again.images[0].features[0].pixel.x() += 0.01;
     return again;
@@ -186,7 +186,7 @@ TEST(Calibrate, IsTheSameToTheBitWhenItWasInterrupted) {
   const auto calibrate = [&] {
     return Calibrate({input}, TestBoard(), options).cameras.front();
   };
-  const std::string whole = TextOf(calibrate());
+  const std::string whole = ToText(calibrate());
   const int all_polls = polls;
   // In the cross-validation, and among the other models; what a signal leaves,
   // and what a kill does.
@@ -202,7 +202,7 @@ TEST(Calibrate, IsTheSameToTheBitWhenItWasInterrupted) {
     ASSERT_EQ(first.checkpoint->trials.size() < 4, part < 0.5) << part;
     last_poll = 1 << 30;
     input.resume = part < 0.5 ? kept : first.checkpoint;
-    EXPECT_EQ(TextOf(calibrate()), whole) << part;
+    EXPECT_EQ(ToText(calibrate()), whole) << part;
   }
 }
 
@@ -217,13 +217,14 @@ TEST(Calibrate, GoesOnWithTheFeaturesMeasuredAgain) {
   const Dataset noisy = Simulate(6);
   const std::string held_out = noisy.images[4].image;
   CalibrationOptions options = HoldingOut({held_out});
-  options.cell_px = 60;  // else the lens's bumps are most of what is left
-  options.flat_board = true;
+  options.knot_spacing_px =
+      60;  // else the lens's bumps are most of what is left
+  options.fix_target_geometry = true;
   const CalibrationResult once = Calibrate(noisy, TestBoard(), options);
   int num_calls = 0;
   CalibrationInput input = {"", noisy};
-  input.measure_again = [&](const CameraModel& camera, const Pattern& pattern,
-                            const std::vector<BoardPose>& poses) {
+  input.refine_features = [&](const CameraModel& camera, const Pattern& pattern,
+                              const std::vector<BoardPose>& poses) {
     ++num_calls;
     EXPECT_EQ(camera.Name(), "central-generic");
     EXPECT_EQ(pattern.boards[0].points.size(), 140u);
@@ -233,8 +234,8 @@ TEST(Calibrate, GoesOnWithTheFeaturesMeasuredAgain) {
   const CalibrationResult again =
       Calibrate({input}, TestBoard(), options).cameras.front();
   EXPECT_EQ(num_calls, 1);
-  EXPECT_FALSE(once.measured_again_rms_px);
-  EXPECT_NEAR(*again.measured_again_rms_px, 0.05 * std::sqrt(2), 0.005);
+  EXPECT_FALSE(once.refinement_rms_px);
+  EXPECT_NEAR(*again.refinement_rms_px, 0.05 * std::sqrt(2), 0.005);
   EXPECT_LT(again.camera.training->rms_px, 0.5 * once.camera.training->rms_px);
   EXPECT_LT(again.camera.held_out->rms_px, 0.5 * once.camera.held_out->rms_px);
 }
@@ -242,7 +243,7 @@ TEST(Calibrate, GoesOnWithTheFeaturesMeasuredAgain) {
 TEST(Calibrate, ProgressGrowsFromZeroToOne) {
   const Dataset dataset = Simulate(9);
   CalibrationOptions options = Coarse();
-  options.flat_board = true;
+  options.fix_target_geometry = true;
   std::vector<double> done;
   options.progress = [&](const std::string&, double d) { done.push_back(d); };
   Calibrate(dataset, TestBoard(), options);
@@ -294,12 +295,12 @@ TEST(Calibrate, TrustsNoCellThatTheImageCircleCuts) {
             without.camera.camera->Parameters());
   ASSERT_TRUE(with.camera.camera->image_circle());
   EXPECT_FALSE(without.camera.camera->image_circle());
-  const TrustMask& mask = with.camera.uncertainty->mask;
-  const TrustMask& all = without.camera.uncertainty->mask;
+  const ValidityMask& mask = with.camera.uncertainty->mask;
+  const ValidityMask& all = without.camera.uncertainty->mask;
   int num_distrusted = 0;
   for (int cell = 0; cell < mask.columns * mask.rows; ++cell) {
     const double distance_px = (mask.CellCenter(cell) - circle.center).norm();
-    const double half_diagonal_px = mask.cell_px * std::sqrt(0.5);
+    const double half_diagonal_px = mask.knot_spacing_px * std::sqrt(0.5);
     if (distance_px < 200 - half_diagonal_px) {
       EXPECT_EQ(mask.is_trusted[cell], all.is_trusted[cell]);
     }
@@ -314,7 +315,7 @@ TEST(Calibrate, TrustsNoCellThatTheImageCircleCuts) {
 GlassLens LensBehindGlass() {
   GlassPlate plate;
   plate.thickness_m = 0.02;
-  return GlassLens(*SimulatedLens("pinhole", {640, 480}), plate);
+  return GlassLens(*MakeSimulatedLens("pinhole", {640, 480}), plate);
 }
 
 CalibrationResult CalibrateSeenBy(const CameraModel& lens,
@@ -353,8 +354,8 @@ TEST(Calibrate, OnlyLinesExplainWhatIsSeenThroughGlass) {
 
 TEST(Calibrate, AdjustsEveryModel) {
   for (const std::string& model : CalibratedModels()) {
-    const auto lens =
-        SimulatedLens(model == "opencv" ? "pinhole" : "fisheye", {640, 480});
+    const auto lens = MakeSimulatedLens(
+        model == "opencv" ? "pinhole" : "fisheye", {640, 480});
     const CalibrationResult result = CalibrateSeenBy(*lens, model, 12);
     EXPECT_EQ(result.camera.camera->Name(), model);
     // The parametric ones lack the lens's local bends.
@@ -363,7 +364,7 @@ TEST(Calibrate, AdjustsEveryModel) {
 }
 
 TEST(Calibrate, LinesOfACentralLensMeet) {
-  const auto lens = SimulatedLens("pinhole", {640, 480});
+  const auto lens = MakeSimulatedLens("pinhole", {640, 480});
   const CalibrationResult lines = CalibrateSeenBy(*lens, "noncentral-generic");
   EXPECT_LT(lines.camera.held_out->rms_px, 1.1 * kNoiseRmsPx);
   EXPECT_LT(lines.line_spread->rms_m, 2e-5);
@@ -398,7 +399,7 @@ Pose PoseOver(double x_m, double y_m, double z_m, double tilt_rad) {
 }
 
 bool HasReason(const CalibrationResult& result, const std::string& words) {
-  const auto& reasons = result.verdict.reasons;
+  const auto& reasons = result.assessment.reasons;
   return std::any_of(reasons.begin(), reasons.end(),
                      [&](const std::string& reason) {
                        return reason.find(words) != std::string::npos;
@@ -414,7 +415,7 @@ TEST(Calibrate, FailsWhereNoBoardIsTilted) {
         PoseOver(0.1 * (k % 3 - 1), 0.1 * (k / 3 % 2), 0.5 + 0.05 * k, 0));
   const CalibrationResult result =
       Calibrate(Observe(poses), TestBoard(), HoldingOut({"view11.png"}));
-  EXPECT_EQ(result.verdict.word, "fail");
+  EXPECT_EQ(result.assessment.word, "fail");
   EXPECT_TRUE(
       HasReason(result, "the target has the same orientation in all images"));
 }
@@ -427,7 +428,7 @@ TEST(Calibrate, FailsWherePixelsAreLikeNoCameras) {
       feature.pixel.y() = (feature.pixel.y() + 0.5) / 10 - 0.5;
   const CalibrationResult result =
       Calibrate(dataset, TestBoard(), HoldingOut({dataset.images[7].image}));
-  EXPECT_EQ(result.verdict.word, "fail");
+  EXPECT_EQ(result.assessment.word, "fail");
   EXPECT_TRUE(HasReason(result, "times as wide as high"));
 }
 
@@ -435,7 +436,7 @@ TEST(Calibrate, FailsWhereAllViewsAreTheSame) {
   const CalibrationResult result =
       Calibrate(Observe(std::vector<Pose>(12, PoseOver(0, 0, 0.5, 0.6))),
                 TestBoard(), HoldingOut({"view11.png"}));
-  EXPECT_EQ(result.verdict.word, "fail");
+  EXPECT_EQ(result.assessment.word, "fail");
   EXPECT_TRUE(HasReason(result, "images show only 1 different views"));
 }
 
@@ -445,7 +446,7 @@ TEST(Calibrate, NamesImagesOfAnotherCamera) {
     for (Feature& feature : dataset.images[k].features)
       feature.pixel = {feature.pixel.x(), 0.8 * feature.pixel.y()};
   const CalibrationResult result = Calibrate(dataset, TestBoard(), Coarse());
-  EXPECT_EQ(result.verdict.word, "warn");
+  EXPECT_EQ(result.assessment.word, "warn");
   EXPECT_TRUE(HasReason(
       result, "2 images (" + dataset.images[4].image + ", ...) do not fit"));
 }
@@ -476,7 +477,7 @@ TEST(Calibrate, KeepsImagesThatAloneShowASide) {
                    features.end());
   }
   const CalibrationResult result = Calibrate(dataset, TestBoard(), Coarse());
-  EXPECT_FALSE(result.images_alone.empty());
+  EXPECT_FALSE(result.unique_coverage_images.empty());
   EXPECT_TRUE(HasReason(result, "of the image is covered by"));
   EXPECT_FALSE(HasReason(result, "are inconsistent with the others"));
 }
@@ -496,7 +497,7 @@ TEST(Calibrate, NamesAFewMirroredImages) {
     for (Feature& feature : dataset.images[k].features)
       feature.column = 13 - feature.column;
   const CalibrationResult result = Calibrate(dataset, TestBoard(), Coarse());
-  EXPECT_EQ(result.verdict.word, "warn");
+  EXPECT_EQ(result.assessment.word, "warn");
   EXPECT_TRUE(HasReason(result, "seen from behind in 2 of 12 views (" +
                                     dataset.images[3].image + ", ...)"));
 }
@@ -523,15 +524,15 @@ TEST(Calibrate, PassesBoardsOfPoints) {
   simulation.features_per_image = 100;
   CalibrationOptions options;
   options.model = "thin-prism-fisheye";
-  options.flat_board = true;
+  options.fix_target_geometry = true;
   options.num_threads = 2;
   for (const double depth_m : {0.0, 0.05}) {
     const Pattern pattern = PointsOfTestBoard(depth_m);
     const CalibrationResult result =
         Calibrate(SimulateObservations(lens, pattern, simulation).dataset,
                   pattern, options);
-    EXPECT_EQ(result.verdict.word, "pass")
-        << testing::PrintToString(result.verdict.reasons);
+    EXPECT_EQ(result.assessment.word, "pass")
+        << testing::PrintToString(result.assessment.reasons);
     EXPECT_EQ(result.fold_over.part, 0);
   }
 }
@@ -543,7 +544,7 @@ TEST(Calibrate, FailsWhereNoFlatBoardOfPointsIsTilted) {
         PoseOver(0.1 * (k % 3 - 1), 0.1 * (k / 3 % 2), 0.5 + 0.05 * k, 0));
   const CalibrationResult result = Calibrate(
       Observe(poses), PointsOfTestBoard(0), HoldingOut({"view11.png"}));
-  EXPECT_EQ(result.verdict.word, "fail");
+  EXPECT_EQ(result.assessment.word, "fail");
   EXPECT_TRUE(
       HasReason(result, "the target has the same orientation in all images"));
 }
@@ -554,8 +555,8 @@ TEST(EvaluateCamera, FindsTheNoiseOfATrueCamera) {
       EvaluateCamera(ExampleSimulatedCamera(), dataset, TestBoard(), 2);
   EXPECT_TRUE(evaluation.rejected_images.empty());
   EXPECT_EQ(evaluation.residuals.size() + evaluation.outside_area, 800u);
-  const ErrorFigures figures = ComputeErrorFigures(evaluation.residuals);
-  EXPECT_NEAR(figures.rms_px, 0.05 * std::sqrt(2.0), 0.007);
+  const ErrorMetrics metrics = ComputeErrorMetrics(evaluation.residuals);
+  EXPECT_NEAR(metrics.rms_px, 0.05 * std::sqrt(2.0), 0.007);
 }
 
 TEST(EvaluateCamera, CountsFeaturesOutsideTheArea) {

@@ -20,8 +20,8 @@ struct Arguments {
   std::string lens = "pinhole", model = "central-generic";
   int width = 640, height = 480;
   int images = 14, features_per_image = 240;
-  double bend_mm = 0, noise_px = 0.05, cell_px = 0;
-  bool flat_board = false;
+  double bend_mm = 0, noise_px = 0.05, knot_spacing_px = 0;
+  bool fix_target_geometry = false;
   int calibrations = 20, draws = 10, draw_images = 5;
   uint64_t seed = 1;
 };
@@ -34,14 +34,14 @@ Dataset Observe(const Arguments& arguments, int num_images, uint64_t seed) {
   options.board_bend_m = arguments.bend_mm / 1000;
   options.seed = seed;
   return SimulateObservations(
-             *SimulatedLens(arguments.lens,
-                            {arguments.width, arguments.height}),
+             *MakeSimulatedLens(arguments.lens,
+                                {arguments.width, arguments.height}),
              ChessboardPattern(30, 24, 0.02), options)
       .dataset;
 }
 
 struct Outcome {
-  std::string verdict;
+  std::string assessment;
   std::vector<CameraChange> changes;
 };
 
@@ -49,14 +49,14 @@ Outcome CalibrateAndCheck(const Arguments& arguments, int index) {
   const uint64_t seed = arguments.seed * 1000003 + 1000 * index;
   CalibrationOptions options;
   options.model = arguments.model;
-  options.cell_px = arguments.cell_px;
-  options.flat_board = arguments.flat_board;
+  options.knot_spacing_px = arguments.knot_spacing_px;
+  options.fix_target_geometry = arguments.fix_target_geometry;
   options.num_threads = 1;
   const CalibrationResult result =
       Calibrate(Observe(arguments, arguments.images, seed),
                 ChessboardPattern(30, 24, 0.02), options);
   Outcome outcome;
-  outcome.verdict = result.verdict.word;
+  outcome.assessment = result.assessment.word;
   for (int draw = 1; draw <= arguments.draws; ++draw)
     outcome.changes.push_back(
         CheckCamera(result.camera,
@@ -74,7 +74,7 @@ void Run(const Arguments& arguments) {
   std::map<std::string, int> moved, verdicts;
   std::map<std::string, std::vector<double>> sigmas;
   for (const Outcome& outcome : outcomes) {
-    ++verdicts[outcome.verdict];
+    ++verdicts[outcome.assessment];
     for (const CameraChange& change : outcome.changes) {
       ++count;
       alarms += change.is_degraded;
@@ -110,8 +110,8 @@ int main(int argc, char** argv) {
   app.add_option("--features-per-image", arguments.features_per_image);
   app.add_option("--target-deformation-mm", arguments.bend_mm);
   app.add_option("--noise-px", arguments.noise_px);
-  app.add_option("--knot-spacing-px", arguments.cell_px, "0: auto");
-  app.add_flag("--fix-target-geometry", arguments.flat_board);
+  app.add_option("--knot-spacing-px", arguments.knot_spacing_px, "0: auto");
+  app.add_flag("--fix-target-geometry", arguments.fix_target_geometry);
   app.add_option("--calibrations", arguments.calibrations);
   app.add_option("--draws", arguments.draws, "of new images, each");
   app.add_option("--draw-images", arguments.draw_images);

@@ -30,8 +30,8 @@ Dataset Observe(int num_images, int features_per_image, uint64_t seed) {
 CameraFile CalibrateCamera(uint64_t seed) {
   const Dataset dataset = Observe(60, 240, seed);
   CalibrationOptions options;
-  options.cell_px = 40;
-  options.flat_board = true;
+  options.knot_spacing_px = 40;
+  options.fix_target_geometry = true;
   options.hold_out = {dataset.images.back().image};
   return Calibrate(dataset, FineTestBoard(), options).camera;
 }
@@ -46,7 +46,7 @@ const std::vector<CameraFile>& Cameras() {
 using Move = std::function<Eigen::Vector2d(const Eigen::Vector2d&)>;
 
 // The features that the camera sees once its pixels have moved.
-Dataset Moved(Dataset dataset, const Move& move) {
+Dataset MapToPoints(Dataset dataset, const Move& move) {
   const Area image = WholeImage(dataset.image_size);
   for (ImageFeatures& features : dataset.images) {
     std::vector<Feature> seen;
@@ -75,8 +75,8 @@ Alarms CountAlarms(const std::function<Move(TestRandom*)>& choose_move,
   for (const CameraFile& camera : Cameras()) {
     for (int draw = 0; draw < kDraws; ++draw) {
       const Dataset dataset =
-          Moved(Observe(5, features_per_image, 1000 + alarms.draws),
-                choose_move(&random));
+          MapToPoints(Observe(5, features_per_image, 1000 + alarms.draws),
+                      choose_move(&random));
       const CameraChange change =
           CheckCamera(camera, dataset, FineTestBoard(), 1).change;
       alarms.count += change.is_degraded;
@@ -107,12 +107,12 @@ TEST(CheckCamera, LeavesUnchangedCamerasAlone) {
 struct Unchanged {
   std::string lens, model;
   int num_images;
-  double cell_px;
+  double knot_spacing_px;
 };
 
 int CountFalseAlarms(const Unchanged& unchanged, int num_cameras,
                      int num_draws) {
-  const auto lens = SimulatedLens(unchanged.lens, {640, 480});
+  const auto lens = MakeSimulatedLens(unchanged.lens, {640, 480});
   const auto observe = [&](int num_images, uint64_t seed) {
     SimulationOptions options;
     options.num_images = num_images;
@@ -123,8 +123,8 @@ int CountFalseAlarms(const Unchanged& unchanged, int num_cameras,
   for (int c = 0; c < num_cameras; ++c) {
     CalibrationOptions options;
     options.model = unchanged.model;
-    options.cell_px = unchanged.cell_px;
-    options.flat_board = true;
+    options.knot_spacing_px = unchanged.knot_spacing_px;
+    options.fix_target_geometry = true;
     const uint64_t seed = 5000 + 1000 * c;
     const CalibrationResult result = Calibrate(
         observe(unchanged.num_images, seed), FineTestBoard(), options);
@@ -187,10 +187,10 @@ TEST(CheckCamera, TellsHowLittleItWouldFind) {
       const CameraChange before =
           CheckCamera(camera, same, FineTestBoard(), 1).change;
       ASSERT_EQ(before.movements[0].name, "scale");
-      const double part = before.movements[0].found_from *
+      const double part = before.movements[0].detection_limit *
                           (random.Uniform(0, 1) < 0.5 ? 1 : -1);
-      const Dataset scaled =
-          Moved(same, [part](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
+      const Dataset scaled = MapToPoints(
+          same, [part](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
             return pixel + part * (pixel - kCenter);
           });
       num_found +=
@@ -232,12 +232,12 @@ TEST(CheckCamera, SaysWhereALocalChangeIsAndHowLarge) {
   const Eigen::Vector2d place(220, 300);
   for (int draw = 0; draw < 5; ++draw) {
     const Dataset dataset =
-        Moved(Observe(5, 600, 4000 + draw),
-              [&](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
-                const double distance = (pixel - place).norm() / 60;
-                return pixel + 0.4 * std::exp(-distance * distance / 2) *
-                                   Eigen::Vector2d(1, 1);
-              });
+        MapToPoints(Observe(5, 600, 4000 + draw),
+                    [&](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
+                      const double distance = (pixel - place).norm() / 60;
+                      return pixel + 0.4 * std::exp(-distance * distance / 2) *
+                                         Eigen::Vector2d(1, 1);
+                    });
     const CameraChange change =
         CheckCamera(Cameras()[0], dataset, FineTestBoard(), 1).change;
     EXPECT_NEAR(change.largest_local_px, 0.35, 0.25);

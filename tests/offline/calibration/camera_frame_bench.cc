@@ -28,7 +28,7 @@ struct Case {
   std::string lens, model;
   ImageSize size;
   int num_images = 0, num_boards = 0;
-  double bend_m = 0, noise_px = 0, cell_px = 0;
+  double bend_m = 0, noise_px = 0, knot_spacing_px = 0;
 };
 
 Case RandomCase(Random* random) {
@@ -51,7 +51,8 @@ Case RandomCase(Random* random) {
   c.num_boards = 1 + random->Index(3);
   c.bend_m = random->Index(2) == 0 ? 0 : random->Uniform(0.0003, 0.003);
   c.noise_px = std::exp(random->Uniform(std::log(0.003), std::log(0.2)));
-  c.cell_px = c.size.width / std::vector<double>{4, 8, 16}[random->Index(3)];
+  c.knot_spacing_px =
+      c.size.width / std::vector<double>{4, 8, 16}[random->Index(3)];
   return c;
 }
 
@@ -99,7 +100,7 @@ void Run(int count, int first, uint64_t seed) {
     if (i < first) continue;
     std::printf("%s %s %dx%d %d %d %.4f %.3f %.0f: ", c.lens.c_str(),
                 c.model.c_str(), c.size.width, c.size.height, c.num_images,
-                c.num_boards, c.bend_m, c.noise_px, c.cell_px);
+                c.num_boards, c.bend_m, c.noise_px, c.knot_spacing_px);
     SimulationOptions simulation;
     simulation.num_images = (c.num_images + c.num_boards - 1) / c.num_boards;
     simulation.features_per_image = 120;
@@ -109,10 +110,10 @@ void Run(int count, int first, uint64_t seed) {
     const Pattern pattern = Boards(c.num_boards);
     CalibrationOptions options;
     options.model = c.model;
-    options.cell_px = c.cell_px;
+    options.knot_spacing_px = c.knot_spacing_px;
     try {
       const Dataset dataset =
-          SimulateRig(CamerasInARow(SimulatedLens(c.lens, c.size), 1, 0),
+          SimulateRig(MakeCameraRow(MakeSimulatedLens(c.lens, c.size), 1, 0),
                       pattern, simulation)
               .datasets.front();
       options.hold_out = {dataset.images.front().image};

@@ -146,7 +146,7 @@ struct Outcome {
 Outcome Calibrated(uint64_t seed) {
   const Case c = MakeCase(seed);
   CalibrationOptions options;
-  options.cell_px = 80;
+  options.knot_spacing_px = 80;
   options.num_threads = 2;
   const size_t count = c.dataset.images.size();
   for (size_t i = count - kNumTestImages; i < count; ++i)
@@ -215,14 +215,14 @@ class ColdStartOf : public testing::TestWithParam<const char*> {};
 
 TEST_P(ColdStartOf, AnUnevenLensEndsAtTheNoise) {
   constexpr double kFineNoisePx = 0.1;
-  const auto lens = SimulatedLens(GetParam(), kSize);
+  const auto lens = MakeSimulatedLens(GetParam(), kSize);
   SimulationOptions simulation;
   simulation.num_images = 40;
   simulation.noise_px = kFineNoisePx;
   const SimulatedObservations seen =
       SimulateObservations(*lens, FineTestBoard(), simulation);
   CalibrationOptions options;
-  options.cell_px = 40;
+  options.knot_spacing_px = 40;
   options.num_threads = 2;
   for (size_t i = 32; i < 40; ++i)
     options.hold_out.push_back(seen.dataset.images[i].image);
@@ -272,7 +272,7 @@ TEST(ColdStart, ARadialSplineHasTheKnotsThatItsFeaturesTell) {
   CalibrationOptions options;
   options.model = "central-radial";
   options.num_threads = 2;
-  options.flat_board = true;
+  options.fix_target_geometry = true;
   SimulatedObservations seen =
       SimulateObservations(lens, FineTestBoard(), simulation);
   for (size_t i = 30; i < 33; ++i)

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "calibration/camera_initialization.h"
 #include "calibration/model_adjustment.h"
-#include "calibration/starting_lens.h"
 #include "dataset/error.h"
-#include "dataset/freed_memory.h"
+#include "dataset/memory_retention.h"
 #include "evaluation/residual_statistics.h"
 #include "random_calibration.h"
 
@@ -21,18 +21,19 @@ bool Run(int seed, int num_threads, bool print_steps) {
   const RandomCalibration c = MakeRandomCalibration(seed, 10, 300);
   AdjustmentOptions options;
   options.num_threads = num_threads;
-  options.fix_points = c.flat_board;
+  options.fix_points = c.fix_target_geometry;
   if (print_steps)
     options.progress = [](int iteration, double cost) {
       std::printf("\n  %3d %.8g", iteration, cost);
     };
   std::printf("%3d %-18s of %-10s %3zu images, %5zu features, %s board: ", seed,
               c.model.c_str(), c.lens.c_str(), c.dataset.images.size(),
-              c.dataset.num_features(), c.flat_board ? "flat" : "free");
+              c.dataset.num_features(),
+              c.fix_target_geometry ? "flat" : "free");
   std::fflush(stdout);
   try {
-    Adjusted adjusted = AdjustStartingLens(c.dataset, c.pattern, options);
-    AdjustModel(c.pattern, c.model, {0}, options, &adjusted);
+    AdjustmentResult adjusted = InitializeCamera(c.dataset, c.pattern, options);
+    OptimizeModel(c.pattern, c.model, {0}, options, &adjusted);
     std::vector<double> norms;
     for (const Residual& residual : adjusted.summary.residuals)
       if (residual.valid) norms.push_back(residual.error_px.norm());
@@ -59,7 +60,7 @@ int main(int argc, char** argv) {
   bool print_steps = false;
   app.add_flag("--steps", print_steps, "print the cost after each step");
   CLI11_PARSE(app, argc, argv);
-  raygrid::KeepFreedMemory();  // as raygrid does
+  raygrid::RetainFreedMemory();  // as raygrid does
   int num_failed = 0;
   for (int seed = first; seed < first + count; ++seed)
     num_failed += !raygrid::Run(seed, num_threads, print_steps);

@@ -20,14 +20,14 @@ SimulatedRigObservations SimulateInARow(const std::string& lens,
   options.features_per_image = 100;
   options.board_bend_m = 0.001;
   return SimulateRig(
-      CamerasInARow(SimulatedLens(lens, {640, 480}), num_cameras, 0.05),
+      MakeCameraRow(MakeSimulatedLens(lens, {640, 480}), num_cameras, 0.05),
       TwoTestBoards(), options);
 }
 
 CalibrationOptions CoarseOptionsOf(const std::string& model) {
   CalibrationOptions options;
   options.model = model;
-  options.cell_px = 80;
+  options.knot_spacing_px = 80;
   options.rigid_board = true;  // residuals are those of result.pattern then
   options.num_threads = 2;
   return options;
@@ -67,7 +67,7 @@ void ExpectFrameOfTheNearestLens(const std::string& lens,
   options.hold_out = {dataset.images.front().image};
   const CalibrationResult result = Calibrate(dataset, TwoTestBoards(), options);
   const CameraModel& camera = *result.camera.camera;
-  EXPECT_LT(FitTurnRad(camera), kMaxFrameTurnRad) << lens << " " << model;
+  EXPECT_LT(FitTurnRad(camera), kMaxFrameRotationRad) << lens << " " << model;
   EXPECT_LT(AxisRad(camera), 2.5 * M_PI / 180) << lens << " " << model;
   EXPECT_LT(ResidualChangePx(result), 1e-9) << lens << " " << model;
 }
@@ -91,14 +91,15 @@ TEST(CameraFrames, OfCoarseGridsAreFoundToo) {
   pattern.boards.push_back(pattern.boards.front());
   pattern.boards.back().id = 1;
   const Dataset dataset =
-      SimulateRig(CamerasInARow(SimulatedLens("noncentral", {480, 640}), 1, 0),
-                  pattern, simulation)
+      SimulateRig(
+          MakeCameraRow(MakeSimulatedLens("noncentral", {480, 640}), 1, 0),
+          pattern, simulation)
           .datasets.front();
   CalibrationOptions options = CoarseOptionsOf("noncentral-generic");
-  options.cell_px = 120;
+  options.knot_spacing_px = 120;
   options.hold_out = {dataset.images.front().image};
   const CalibrationResult result = Calibrate(dataset, pattern, options);
-  EXPECT_LT(FitTurnRad(*result.camera.camera), kMaxFrameTurnRad);
+  EXPECT_LT(FitTurnRad(*result.camera.camera), kMaxFrameRotationRad);
 }
 
 TEST(CameraFrames, OfRigsTurnRelativePosesToo) {
@@ -112,7 +113,7 @@ TEST(CameraFrames, OfRigsTurnRelativePosesToo) {
                 Eigen::Quaterniond::Identity()),
             1e-12);
   for (const CalibrationResult& camera : result.cameras) {
-    EXPECT_LT(FitTurnRad(*camera.camera.camera), kMaxFrameTurnRad);
+    EXPECT_LT(FitTurnRad(*camera.camera.camera), kMaxFrameRotationRad);
     EXPECT_LT(ResidualChangePx(camera), 1e-9);
   }
 }

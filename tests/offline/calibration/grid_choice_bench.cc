@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "calibration/calibration.h"
-#include "dataset/freed_memory.h"
+#include "dataset/memory_retention.h"
 #include "evaluation/model_difference.h"
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
@@ -22,14 +22,14 @@ constexpr int kCells[] = {8, 16, 24, 48};  // along the longer side
 
 // The true median error, px; *cell_px becomes what is chosen, where it is 0.
 double TrueErrorPx(const CameraModel& truth, const Dataset& dataset,
-                   const Pattern& pattern, double* cell_px) {
+                   const Pattern& pattern, double* knot_spacing_px) {
   CalibrationInput input;
   input.dataset = dataset;
   CalibrationOptions options;
   options.compare_models = false;
-  options.cell_px = *cell_px;
+  options.knot_spacing_px = *knot_spacing_px;
   const RigResult result = Calibrate({std::move(input)}, pattern, options);
-  *cell_px = result.cameras.front().cell_px;
+  *knot_spacing_px = result.cameras.front().knot_spacing_px;
   return CompareModels(truth, *result.cameras.front().camera.camera, 10)
       .median_px;
 }
@@ -37,7 +37,7 @@ double TrueErrorPx(const CameraModel& truth, const Dataset& dataset,
 void TryCells(const std::string& lens, int num_images, int num_seeds,
               double noise_px) {
   const Pattern pattern = ChessboardPattern(20, 15, 0.03);
-  const auto truth = SimulatedLens(lens, kSize);
+  const auto truth = MakeSimulatedLens(lens, kSize);
   std::printf("%-10s %4d images:", lens.c_str(), num_images);
   // Geometric means over seeds.
   double chosen_px = 0;
@@ -49,15 +49,17 @@ void TryCells(const std::string& lens, int num_images, int num_seeds,
     simulation.seed = seed;
     const Dataset dataset =
         SimulateObservations(*truth, pattern, simulation).dataset;
-    double cell_px = 0;
+    double knot_spacing_px = 0;
     chosen_px +=
-        std::log(TrueErrorPx(*truth, dataset, pattern, &cell_px)) / num_seeds;
-    std::printf(" %.0f", kSize.width / cell_px);
+        std::log(TrueErrorPx(*truth, dataset, pattern, &knot_spacing_px)) /
+        num_seeds;
+    std::printf(" %.0f", kSize.width / knot_spacing_px);
     std::fflush(stdout);
     for (size_t i = 0; i < errors_px.size(); ++i) {
-      cell_px = kSize.width / static_cast<double>(kCells[i]);
+      knot_spacing_px = kSize.width / static_cast<double>(kCells[i]);
       errors_px[i] +=
-          std::log(TrueErrorPx(*truth, dataset, pattern, &cell_px)) / num_seeds;
+          std::log(TrueErrorPx(*truth, dataset, pattern, &knot_spacing_px)) /
+          num_seeds;
     }
   }
   std::printf(" cells chosen: %.5f px; with", std::exp(chosen_px));
@@ -71,7 +73,7 @@ void TryCells(const std::string& lens, int num_images, int num_seeds,
 }  // namespace raygrid
 
 int main(int argc, char** argv) {
-  raygrid::KeepFreedMemory();  // as raygrid does
+  raygrid::RetainFreedMemory();  // as raygrid does
   CLI::App app("Compares the cells that are chosen with others.");
   std::vector<std::string> lenses = {"wide", "fisheye", "fisheye190", "glass",
                                      "example"};

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "calibration/calibration.h"
+#include "calibration/camera_initialization.h"
 #include "calibration/divergence.h"
-#include "calibration/starting_lens.h"
 #include "gtest/gtest.h"
 #include "random_calibration.h"
 #include "simulation/simulated_camera.h"
@@ -20,46 +20,47 @@ namespace raygrid {
 namespace {
 
 // A few of those that convergence_bench tries.
-TEST(AdjustModel, ParametricModelsConverge) {
+TEST(OptimizeModel, ParametricModelsConverge) {
   for (int seed = 0; seed < 8; ++seed) {
     const RandomCalibration c = MakeRandomCalibration(seed, 10, 30);
     AdjustmentOptions options;
     options.num_threads = 2;
-    options.fix_points = c.flat_board;
-    Adjusted adjusted = AdjustStartingLens(c.dataset, c.pattern, options);
-    AdjustModel(c.pattern, c.model, {0}, options, &adjusted);
+    options.fix_points = c.fix_target_geometry;
+    AdjustmentResult adjusted = InitializeCamera(c.dataset, c.pattern, options);
+    OptimizeModel(c.pattern, c.model, {0}, options, &adjusted);
     EXPECT_TRUE(adjusted.summary.converged) << seed << ": " << c.model;
   }
 }
 
-TEST(AdjustModel, CountsLostFeaturesAsErrors) {
+TEST(OptimizeModel, CountsLostFeaturesAsErrors) {
   SimulationOptions simulation;
   simulation.num_images = 8;
   simulation.features_per_image = 80;
   const Pattern pattern = TestBoard();
-  const Adjusted start = AdjustStartingLens(
+  const AdjustmentResult start = InitializeCamera(
       SimulateObservations(ExampleSimulatedCamera(), pattern, simulation)
           .dataset,
       pattern, {});
-  EXPECT_LT(MeanErrorPx(start, start), 0.5);
+  EXPECT_LT(ComputeMeanErrorPx(start, start), 0.5);
   EXPECT_FALSE(HasDiverged(start, start));
   // Those that are still seen would be as near as ever.
-  Adjusted lost = start;
+  AdjustmentResult lost = start;
   for (size_t i = 1; i < lost.state.rig_from_pattern.size(); ++i)
     lost.state.rig_from_pattern[i].translation.x() += 100;
-  EXPECT_GT(MeanErrorPx(lost, start), 0.8 * ErrorCapPx({640, 480}));
+  EXPECT_GT(ComputeMeanErrorPx(lost, start), 0.8 * ErrorCapPx({640, 480}));
   EXPECT_TRUE(HasDiverged(lost, start));
   // Features that were removed have the errors that they had.
-  Adjusted removed = start;
+  AdjustmentResult removed = start;
   for (Observation& observation : removed.problem.views[0].observations)
     removed.rejected_features[0].push_back(
         {"", 0, 0, 0, observation.pixel, {0.5, 0}});
   removed.problem.views[0].observations.clear();
-  EXPECT_NEAR(MeanErrorPx(removed, start), MeanErrorPx(start, start), 0.06);
+  EXPECT_NEAR(ComputeMeanErrorPx(removed, start),
+              ComputeMeanErrorPx(start, start), 0.06);
 }
 
 // Strong fisheyes whose adjustments lost nearly all features.
-TEST(AdjustModel, DoesNotDivergeOnPhotographs) {
+TEST(OptimizeModel, DoesNotDivergeOnPhotographs) {
   const std::string path = std::string(RAYGRID_REAL_DATA) +
                            "/../cases/boards/fisheye_diverges_features.csv";
   if (!std::filesystem::exists(path))
@@ -71,27 +72,27 @@ TEST(AdjustModel, DoesNotDivergeOnPhotographs) {
   const Pattern pattern = ChessboardPattern(8, 6, 0.0325);
   CalibrationOptions options;
   options.num_threads = 2;
-  options.cell_px = 64.5;
+  options.knot_spacing_px = 64.5;
   const CalibrationResult result = Calibrate(dataset, pattern, options);
   EXPECT_LT(result.camera.training->median_px, 0.2);
   EXPECT_GT(result.camera.training->count, 500);
-  EXPECT_NE(result.verdict.word, "fail");
+  EXPECT_NE(result.assessment.word, "fail");
 }
 
 // A feature behind a wide lens that steps lose and find again: after 50 steps
 // none may be lost, or they would go round in a circle.
-TEST(AdjustModel, ConvergesWhereFeaturesAreLostAndFound) {
+TEST(OptimizeModel, ConvergesWhereFeaturesAreLostAndFound) {
   const RandomCalibration c = MakeRandomCalibration(289, 10, 300);
   AdjustmentOptions options;
   options.num_threads = 2;
-  Adjusted adjusted = AdjustStartingLens(c.dataset, c.pattern, options);
-  AdjustModel(c.pattern, c.model, {0}, options, &adjusted);
+  AdjustmentResult adjusted = InitializeCamera(c.dataset, c.pattern, options);
+  OptimizeModel(c.pattern, c.model, {0}, options, &adjusted);
   EXPECT_TRUE(adjusted.summary.converged);
 }
 
 // Beside outliers the scatter of points is lost at first. It must be found once
 // these have left.
-TEST(AdjustModel, FindsAPrintsScatterOnceOutliersHaveLeft) {
+TEST(OptimizeModel, FindsAPrintsScatterOnceOutliersHaveLeft) {
   constexpr double kScatterM = 0.0001;
   const Pattern nominal = ChessboardPattern(30, 24, 0.02);
   TestRandom random(4);
@@ -110,11 +111,11 @@ TEST(AdjustModel, FindsAPrintsScatterOnceOutliersHaveLeft) {
       image.features[k].pixel += 2 * random.NormalVector<2>();
   AdjustmentOptions options;
   options.num_threads = 2;
-  Adjusted adjusted = AdjustStartingLens(dataset, nominal, options);
-  AdjustModel(nominal, "central-generic", {80}, options, &adjusted);
+  AdjustmentResult adjusted = InitializeCamera(dataset, nominal, options);
+  OptimizeModel(nominal, "central-generic", {80}, options, &adjusted);
   EXPECT_GT(adjusted.rejected_features[0].size(), 40u);
   EXPECT_NEAR(
-      adjusted.summary.noise_px / std::sqrt(adjusted.prior.points_weight),
+      adjusted.summary.noise_px / std::sqrt(adjusted.prior.points_precision),
       kScatterM, 0.3 * kScatterM);
 }
 

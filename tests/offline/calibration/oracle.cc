@@ -29,7 +29,7 @@ class Displacements {
   int num_nodes() const { return columns_ * rows_; }
   int num_unknowns() const { return 2 * num_nodes() + kNumLens; }
 
-  Eigen::Vector2d PixelOf(int node) const {
+  Eigen::Vector2d GetPixel(int node) const {
     return cell_px_ * Eigen::Vector2d(node % columns_ - 1, node / columns_ - 1);
   }
 
@@ -104,19 +104,19 @@ Eigen::MatrixXd PriorPrecision(const LensFamily& family,
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
   for (int a = 0; a < n && family.num_bumps > 0; ++a)
     for (int b = 0; b < n; ++b)
-      covariance(a, b) = Covariance(family, displacements.PixelOf(a),
-                                    displacements.PixelOf(b));
+      covariance(a, b) = Covariance(family, displacements.GetPixel(a),
+                                    displacements.GetPixel(b));
   covariance.diagonal().array() += kLeast;
   return covariance.llt().solve(Eigen::MatrixXd::Identity(n, n));
 }
 
 // d point / d an update of its pose (UpdatedPose()).
-Eigen::Matrix<double, 3, 6> ByPose(const Eigen::Vector3d& point) {
-  Eigen::Matrix<double, 3, 6> by_pose;
-  by_pose << 0, point.z(), -point.y(), 1, 0, 0,  //
-      -point.z(), 0, point.x(), 0, 1, 0,         //
+Eigen::Matrix<double, 3, 6> PoseJacobian(const Eigen::Vector3d& point) {
+  Eigen::Matrix<double, 3, 6> J_pose;
+  J_pose << 0, point.z(), -point.y(), 1, 0, 0,  //
+      -point.z(), 0, point.x(), 0, 1, 0,        //
       point.y(), -point.x(), 0, 0, 0, 1;
-  return by_pose;
+  return J_pose;
 }
 
 // The Hessian of the unknowns, poses eliminated.
@@ -139,14 +139,14 @@ Eigen::MatrixXd Hessian(const Displacements& displacements,
           board.points[feature.row * board.columns + feature.column];
       LinearizedProjection projection;
       if (!truth.Linearize(point, &feature.pixel, 1, &projection)) continue;
-      const Eigen::Matrix<double, 2, 6> by_pose =
-          projection.by_point * ByPose(point) / noise_px;
+      const Eigen::Matrix<double, 2, 6> J_pose =
+          projection.J_point * PoseJacobian(point) / noise_px;
       const Displacements::Derivative moved = displacements.At(feature.pixel);
-      of_pose += by_pose.transpose() * by_pose;
+      of_pose += J_pose.transpose() * J_pose;
       for (size_t a = 0; a < moved.index.size(); ++a) {
         const Eigen::Vector2d by_a =
             moved.value.col(static_cast<int>(a)) / noise_px;
-        with_pose.row(moved.index[a]) += by_a.transpose() * by_pose;
+        with_pose.row(moved.index[a]) += by_a.transpose() * J_pose;
         for (size_t b = 0; b < moved.index.size(); ++b)
           hessian(moved.index[a], moved.index[b]) +=
               by_a.dot(moved.value.col(static_cast<int>(b))) / noise_px;
@@ -179,7 +179,7 @@ double OracleRmsPx(const LensFamily& family, const CameraModel& truth,
       LinearizedProjection projection;
       if (!ray || !truth.Linearize(*ray, &pixel, 1, &projection)) continue;
       moved.push_back(displacements.At(pixel));
-      turned.push_back(projection.by_point * ByPose(*ray).leftCols<3>());
+      turned.push_back(projection.J_point * PoseJacobian(*ray).leftCols<3>());
     }
   const auto count = static_cast<Eigen::Index>(moved.size());
   Eigen::MatrixXd by_unknown =

@@ -15,7 +15,7 @@ namespace raygrid {
 /// A parametric model to calibrate, and what a lens of another kind shows.
 struct RandomCalibration {
   std::string model, lens;
-  bool flat_board = false;
+  bool fix_target_geometry = false;
   Pattern pattern;
   Dataset dataset;
 };
@@ -31,7 +31,7 @@ inline RandomCalibration MakeRandomCalibration(unsigned seed, int min_images,
                                 "fisheye190"};
   result.model = models[random.Index(3)];
   result.lens = lenses[random.Index(5)];
-  result.flat_board = random.Index(4) == 0;
+  result.fix_target_geometry = random.Index(4) == 0;
   result.pattern = ChessboardPattern(14, 10, 0.03);
   SimulationOptions options;
   options.num_images = static_cast<int>(std::lround(
@@ -42,7 +42,7 @@ inline RandomCalibration MakeRandomCalibration(unsigned seed, int min_images,
   options.board_bend_m = 0.003 * random.Uniform(0, 1);
   options.seed = seed;
   result.dataset =
-      SimulateObservations(*SimulatedLens(result.lens, ImageSize{640, 480}),
+      SimulateObservations(*MakeSimulatedLens(result.lens, ImageSize{640, 480}),
                            result.pattern, options)
           .dataset;
   return result;

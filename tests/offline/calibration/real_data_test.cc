@@ -22,7 +22,7 @@ std::string Folder() {
   return std::string(RAYGRID_REAL_DATA) + "/stereo_left/";
 }
 
-bool IsThere() {
+bool IsAtTarget() {
   for (const char* name : {"features.csv", "split.csv", "pattern.yaml"})
     if (!std::filesystem::exists(Folder() + name)) return false;
   return true;
@@ -72,37 +72,38 @@ OpenCvModel CalibrateByOpenCv(const RealData& data, int flags) {
                       c[5], c[6], c[7], c[2], c[3]});
 }
 
-ErrorFigures HeldOut(const char* what, const CameraModel& camera,
-                     const Pattern& pattern, const RealData& data) {
+ErrorMetrics HeldOutResiduals(const char* what, const CameraModel& camera,
+                              const Pattern& pattern, const RealData& data) {
   const Evaluation evaluation = EvaluateCamera(camera, data.test, pattern, 0);
-  const ErrorFigures figures = ComputeErrorFigures(evaluation.residuals);
+  const ErrorMetrics metrics = ComputeErrorMetrics(evaluation.residuals);
   std::printf(
       "held out, %-26s median %.4f px, RMS %.4f, max %.3f, %d features, %d "
       "outside the area\n",
-      what, figures.median_px, figures.rms_px, figures.max_px, figures.count,
+      what, metrics.median_px, metrics.rms_px, metrics.max_px, metrics.count,
       evaluation.outside_area);
-  return figures;
+  return metrics;
 }
 
-ErrorFigures HeldOutOfModel(const std::string& model, const RealData& data) {
+ErrorMetrics HeldOutOfModel(const std::string& model, const RealData& data) {
   CalibrationOptions options;
   options.model = model;
   const CalibrationResult result =
       Calibrate(data.training, data.pattern, options);
-  return HeldOut(model.c_str(), *result.camera.camera, result.pattern, data);
+  return HeldOutResiduals(model.c_str(), *result.camera.camera, result.pattern,
+                          data);
 }
 
 TEST(RealData, GenericCameraHasTheLeastHeldOutError) {
-  if (!IsThere())
+  if (!IsAtTarget())
     GTEST_SKIP() << "no real data in " << Folder()
                  << "; name their folder with -DRAYGRID_REAL_DATA";
   const RealData data = ReadRealData();
   ASSERT_GE(data.test.images.size(), 3u);
-  const ErrorFigures central = HeldOutOfModel("central-generic", data);
-  const ErrorFigures opencv = HeldOutOfModel("opencv", data);
-  const ErrorFigures plain = HeldOut(
+  const ErrorMetrics central = HeldOutOfModel("central-generic", data);
+  const ErrorMetrics opencv = HeldOutOfModel("opencv", data);
+  const ErrorMetrics plain = HeldOutResiduals(
       "cv::calibrateCamera", CalibrateByOpenCv(data, 0), data.pattern, data);
-  const ErrorFigures rational = HeldOut(
+  const ErrorMetrics rational = HeldOutResiduals(
       "cv::calibrateCamera rational",
       CalibrateByOpenCv(data, cv::CALIB_RATIONAL_MODEL), data.pattern, data);
   EXPECT_LE(central.median_px, 1.02 * opencv.median_px);

@@ -4,7 +4,7 @@
 
 #include "calibration/budget_input.h"
 #include "calibration/calibration.h"
-#include "evaluation/budget_verdict.h"
+#include "evaluation/budget_assessment.h"
 #include "simulation/faulty_observations.h"
 #include "simulation/simulated_camera.h"
 #include "support.h"
@@ -25,34 +25,34 @@ SimulationOptions BudgetSimulation(uint64_t seed) {
 }
 
 BudgetInput InputWith(SimulatedFault fault, const SimulationOptions& options) {
-  const auto camera = SimulatedLens("example", {640, 480});
+  const auto camera = MakeSimulatedLens("example", {640, 480});
   const Pattern pattern = ChessboardPattern(17, 11, 0.024);
-  return BudgetInputOf(
+  return MakeBudgetInput(
       *camera, SimulateFaultyObservations(*camera, pattern, options, fault),
       pattern, 2);
 }
 
 ResidualBudget BudgetWith(SimulatedFault fault, uint64_t seed) {
-  return MeasureResidualBudget(InputWith(fault, BudgetSimulation(seed)));
+  return ComputeResidualBudget(InputWith(fault, BudgetSimulation(seed)));
 }
 
 // An error of each axis is taken by a pose: 6 of 240 numbers.
 TEST(ResidualBudget, NoiseAloneIsNoise) {
   for (const uint64_t seed : {1, 2, 3, 4, 5}) {
     const ResidualBudget budget = BudgetWith(SimulatedFault::kNone, seed);
-    ASSERT_EQ(budget.untold, "");
+    ASSERT_EQ(budget.unobservable_reason, "");
     EXPECT_NEAR(budget.noise_px.x(), kBudgetNoisePx, 0.05 * kBudgetNoisePx);
     EXPECT_NEAR(budget.noise_px.y(), kBudgetNoisePx, 0.05 * kBudgetNoisePx);
     EXPECT_NEAR(budget.noise, 1, 0.05);
     EXPECT_NEAR(budget.rest, 0, 0.05);
     EXPECT_LT(budget.large, 0.001);
     for (const CauseShare& share : budget.causes) {
-      ASSERT_TRUE(share.can_be_told);
+      ASSERT_TRUE(share.is_observable);
       EXPECT_EQ(share.in_turn, 0);
       EXPECT_LE(share.alone, std::max(share.chance_high, 0.002));
       EXPECT_LT(share.chance_high, 0.01);
     }
-    EXPECT_EQ(JudgeBudget(budget).limit, "noise");
+    EXPECT_EQ(AssessBudget(budget).limit, "noise");
   }
 }
 
@@ -62,12 +62,12 @@ TEST(ResidualBudget, NoiseOfAPinholeIsNoise) {
   for (const uint64_t seed : {1, 2, 3}) {
     SimulationOptions options = BudgetSimulation(seed);
     options.features_per_image = 48;
-    const auto camera = SimulatedLens("pinhole", {640, 480});
+    const auto camera = MakeSimulatedLens("pinhole", {640, 480});
     const Pattern pattern = ChessboardPattern(8, 6, 0.025);
-    const ResidualBudget budget = MeasureResidualBudget(BudgetInputOf(
+    const ResidualBudget budget = ComputeResidualBudget(MakeBudgetInput(
         *camera, SimulateObservations(*camera, pattern, options).dataset,
         pattern, 2));
-    EXPECT_EQ(JudgeBudget(budget).limit, "noise") << seed;
+    EXPECT_EQ(AssessBudget(budget).limit, "noise") << seed;
     EXPECT_LT(budget.Of(ErrorCause::kImageAffine).alone, 0.01) << seed;
   }
 }
@@ -80,16 +80,16 @@ TEST(ResidualBudget, NamesTheFaultThatIsThere) {
     for (int f = 1; f < kNumFaults; ++f) {
       const auto fault = static_cast<SimulatedFault>(f);
       const ResidualBudget budget =
-          MeasureResidualBudget(InputWith(fault, options));
-      EXPECT_EQ(JudgeBudget(budget).limit, NameOf(fault)) << seed;
+          ComputeResidualBudget(InputWith(fault, options));
+      EXPECT_EQ(AssessBudget(budget).limit, ToString(fault)) << seed;
       double sum = budget.noise + budget.large + budget.rest;
       for (int k = 0; k < kNumErrorCauses; ++k) {
         const CauseShare& share = budget.Of(static_cast<ErrorCause>(k));
         sum += share.in_turn;
         if (k + 1 == f)
-          EXPECT_GT(share.in_turn, 0.4) << NameOf(fault);
+          EXPECT_GT(share.in_turn, 0.4) << ToString(fault);
         else
-          EXPECT_LT(share.in_turn, 0.05) << NameOf(fault);
+          EXPECT_LT(share.in_turn, 0.05) << ToString(fault);
       }
       EXPECT_NEAR(sum, 1, 1e-9);
     }
@@ -101,11 +101,12 @@ TEST(ResidualBudget, NamesNoOtherCauseInFewerImages) {
   for (const uint64_t seed : {1, 2, 3, 4}) {
     for (int f = 3; f < kNumFaults; ++f) {
       const auto fault = static_cast<SimulatedFault>(f);
-      const BudgetVerdict verdict = JudgeBudget(BudgetWith(fault, seed));
-      EXPECT_TRUE(verdict.limit == NameOf(fault) ||
-                  (verdict.limit == "per-view effects" &&
-                   verdict.sentence.find(NameOf(fault)) != std::string::npos))
-          << seed << " " << NameOf(fault) << ": " << verdict.sentence;
+      const BudgetAssessment assessment = AssessBudget(BudgetWith(fault, seed));
+      EXPECT_TRUE(
+          assessment.limit == ToString(fault) ||
+          (assessment.limit == "per-view effects" &&
+           assessment.sentence.find(ToString(fault)) != std::string::npos))
+          << seed << " " << ToString(fault) << ": " << assessment.sentence;
     }
   }
 }
@@ -117,7 +118,7 @@ TEST(ResidualBudget, NamesBendsOfACalibrationWithRigidBoards) {
   simulation.noise_px = 0.02;
   simulation.board_flex_m = 0.0004;
   CalibrationOptions options;
-  options.cell_px = 160;
+  options.knot_spacing_px = 160;
   options.rigid_board = true;
   options.num_threads = 2;
   CalibrationResult result = Calibrate(
@@ -126,57 +127,59 @@ TEST(ResidualBudget, NamesBendsOfACalibrationWithRigidBoards) {
       TestBoard(), options);
   ASSERT_TRUE(result.budget.has_value());
   ResidualBudget budget = *result.budget;
-  EXPECT_EQ(JudgeBudget(budget).limit, "per-view deformation");
-  EXPECT_GT(budget.Of(ErrorCause::kBend).in_turn, 0.4);
+  EXPECT_EQ(AssessBudget(budget).limit, "per-view deformation");
+  EXPECT_GT(budget.Of(ErrorCause::kDeformation).in_turn, 0.4);
   // Only things that were not tried are advised.
-  EXPECT_NE(JudgeBudget(budget).advice.find("--rigid-target"),
+  EXPECT_NE(AssessBudget(budget).advice.find("--rigid-target"),
             std::string::npos);
   budget.facts.bends_tried = true;
-  EXPECT_NE(JudgeBudget(budget).advice.find("glass"), std::string::npos);
+  EXPECT_NE(AssessBudget(budget).advice.find("glass"), std::string::npos);
 }
 
 TEST(ResidualBudget, LargeErrorsDoNotHideTheNoise) {
   BudgetInput input = InputWith(SimulatedFault::kNone, BudgetSimulation(1));
   for (size_t i = 50; i < input.features.size(); i += 400)
     input.features[i].error_px += Eigen::Vector2d(2, -1);
-  const ResidualBudget budget = MeasureResidualBudget(input);
+  const ResidualBudget budget = ComputeResidualBudget(input);
   EXPECT_GT(budget.large, 0.3);
   EXPECT_NEAR(budget.noise_px.x(), kBudgetNoisePx, 0.1 * kBudgetNoisePx);
-  EXPECT_EQ(JudgeBudget(budget).limit, "outliers");
+  EXPECT_EQ(AssessBudget(budget).limit, "outliers");
 }
 
 TEST(ResidualBudget, FewViewsDoNotTellPlaces) {
   SimulationOptions few = BudgetSimulation(1);
   few.num_images = 7;
   const ResidualBudget budget =
-      MeasureResidualBudget(InputWith(SimulatedFault::kRowTime, few));
-  EXPECT_FALSE(budget.Of(ErrorCause::kImagePlace).can_be_told);
-  EXPECT_EQ(budget.Of(ErrorCause::kBoardPlace).untold,
+      ComputeResidualBudget(InputWith(SimulatedFault::kRollingShutter, few));
+  EXPECT_FALSE(budget.Of(ErrorCause::kImagePosition).is_observable);
+  EXPECT_EQ(budget.Of(ErrorCause::kBoardPosition).unobservable_reason,
             "7 views, at least 8 required");
-  EXPECT_TRUE(budget.Of(ErrorCause::kRowTime).IsTold());
+  EXPECT_TRUE(budget.Of(ErrorCause::kRollingShutter).IsDetermined());
 }
 
 TEST(ResidualBudget, FewFeaturesDoNotTellViews) {
-  BudgetInput input = InputWith(SimulatedFault::kBend, BudgetSimulation(1));
+  BudgetInput input =
+      InputWith(SimulatedFault::kDeformation, BudgetSimulation(1));
   std::vector<BudgetFeature> few;
   std::vector<int> count(40, 0);
   for (const BudgetFeature& feature : input.features)
     if (++count[feature.view] < 24) few.push_back(feature);
   input.features = few;
-  const ResidualBudget budget = MeasureResidualBudget(input);
-  EXPECT_FALSE(budget.Of(ErrorCause::kBend).can_be_told);
-  EXPECT_TRUE(budget.Of(ErrorCause::kImagePlace).can_be_told);
+  const ResidualBudget budget = ComputeResidualBudget(input);
+  EXPECT_FALSE(budget.Of(ErrorCause::kDeformation).is_observable);
+  EXPECT_TRUE(budget.Of(ErrorCause::kImagePosition).is_observable);
   input.features.resize(150);
-  const ResidualBudget nothing = MeasureResidualBudget(input);
-  EXPECT_EQ(nothing.untold, "150 features, at least 200 required");
-  EXPECT_NE(JudgeBudget(nothing).sentence.find("not observable"),
+  const ResidualBudget nothing = ComputeResidualBudget(input);
+  EXPECT_EQ(nothing.unobservable_reason, "150 features, at least 200 required");
+  EXPECT_NE(AssessBudget(nothing).sentence.find("not observable"),
             std::string::npos);
 }
 
 TEST(ResidualBudget, ExactFeaturesHaveNoErrors) {
   BudgetInput input = InputWith(SimulatedFault::kNone, BudgetSimulation(1));
   for (BudgetFeature& feature : input.features) feature.error_px.setZero();
-  EXPECT_EQ(MeasureResidualBudget(input).untold, "all residuals are zero");
+  EXPECT_EQ(ComputeResidualBudget(input).unobservable_reason,
+            "all residuals are zero");
 }
 
 // A budget whose only cause is one.
@@ -184,95 +187,97 @@ ResidualBudget BudgetOf(ErrorCause cause, const BudgetFacts& facts) {
   ResidualBudget budget;
   budget.facts = facts;
   CauseShare& share = budget.causes[static_cast<size_t>(cause)];
-  share.can_be_told = true;
+  share.is_observable = true;
   share.in_turn = share.alone = 0.5;
   budget.noise = 0.5;
   return budget;
 }
 
-TEST(JudgeBudget, AdvisesNothingThatWasDone) {
+TEST(AssessBudget, AdvisesNothingThatWasDone) {
   const auto advice = [](ErrorCause cause, const BudgetFacts& facts) {
-    return JudgeBudget(BudgetOf(cause, facts)).advice;
+    return AssessBudget(BudgetOf(cause, facts)).advice;
   };
   const auto has = [](const std::string& text, const char* word) {
     return text.find(word) != std::string::npos;
   };
   BudgetFacts facts;
   facts.model = "opencv";
-  EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts), "--model central"));
   EXPECT_TRUE(
-      has(advice(ErrorCause::kBoardPlace, facts), "--fix-target-geometry"));
+      has(advice(ErrorCause::kImagePosition, facts), "--model central"));
+  EXPECT_TRUE(
+      has(advice(ErrorCause::kBoardPosition, facts), "--fix-target-geometry"));
   facts.generic_tried = true;
-  EXPECT_FALSE(has(advice(ErrorCause::kImagePlace, facts), "--model"));
+  EXPECT_FALSE(has(advice(ErrorCause::kImagePosition, facts), "--model"));
   facts.model = "central-generic";
   facts.points_free = facts.bends_tried = true;
-  facts.cell_px = 80;
+  facts.knot_spacing_px = 80;
   EXPECT_TRUE(
-      has(advice(ErrorCause::kImagePlace, facts), "--knot-spacing-px 40"));
-  EXPECT_TRUE(has(advice(ErrorCause::kBoardPlace, facts), "print"));
-  EXPECT_TRUE(has(advice(ErrorCause::kBend, facts), "glass"));
+      has(advice(ErrorCause::kImagePosition, facts), "--knot-spacing-px 40"));
+  EXPECT_TRUE(has(advice(ErrorCause::kBoardPosition, facts), "print"));
+  EXPECT_TRUE(has(advice(ErrorCause::kDeformation, facts), "glass"));
   facts.tried_finer = true;
-  EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts), "add images"));
+  EXPECT_TRUE(has(advice(ErrorCause::kImagePosition, facts), "add images"));
   EXPECT_FALSE(
-      has(advice(ErrorCause::kImagePlace, facts), "--knot-spacing-px"));
+      has(advice(ErrorCause::kImagePosition, facts), "--knot-spacing-px"));
   facts.better_model = "noncentral-generic";
-  EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts),
+  EXPECT_TRUE(has(advice(ErrorCause::kImagePosition, facts),
                   "--model noncentral-generic, which has a lower"));
-  facts.two_cameras = true;
-  EXPECT_TRUE(has(advice(ErrorCause::kImagePlace, facts), "two cameras"));
+  facts.mixed_cameras = true;
+  EXPECT_TRUE(has(advice(ErrorCause::kImagePosition, facts), "two cameras"));
 }
 
-TEST(JudgeBudget, NamesNoCauseThatAnotherExplainsAsWell) {
-  ResidualBudget budget = BudgetOf(ErrorCause::kRowTime, {});
-  EXPECT_EQ(JudgeBudget(budget).limit, "rolling shutter");
-  budget.causes[static_cast<size_t>(ErrorCause::kRowTime)].is_alike = true;
-  EXPECT_EQ(JudgeBudget(budget).limit, "rolling shutter");
-  budget.column_time_is_alike = true;
-  EXPECT_EQ(JudgeBudget(budget).limit, "per-view effects");
-  EXPECT_NE(JudgeBudget(budget).sentence.find("candidates: rolling shutter"),
+TEST(AssessBudget, NamesNoCauseThatAnotherExplainsAsWell) {
+  ResidualBudget budget = BudgetOf(ErrorCause::kRollingShutter, {});
+  EXPECT_EQ(AssessBudget(budget).limit, "rolling shutter");
+  budget.causes[static_cast<size_t>(ErrorCause::kRollingShutter)]
+      .is_indistinguishable = true;
+  EXPECT_EQ(AssessBudget(budget).limit, "rolling shutter");
+  budget.is_column_delay_indistinguishable = true;
+  EXPECT_EQ(AssessBudget(budget).limit, "per-view effects");
+  EXPECT_NE(AssessBudget(budget).sentence.find("candidates: rolling shutter"),
             std::string::npos);
   // The model may be to blame where no cause is.
   budget.facts.model = "opencv";
   EXPECT_NE(
-      JudgeBudget(budget).advice.find("first use --model central-generic"),
+      AssessBudget(budget).advice.find("first use --model central-generic"),
       std::string::npos);
   budget.facts.generic_tried = true;
-  EXPECT_EQ(JudgeBudget(budget).advice.find("--model"), std::string::npos);
+  EXPECT_EQ(AssessBudget(budget).advice.find("--model"), std::string::npos);
   budget.facts.model = "central-generic";
   budget.facts.points_free = false;
-  EXPECT_NE(JudgeBudget(budget).advice.find(
+  EXPECT_NE(AssessBudget(budget).advice.find(
                 "first calibrate without --fix-target-geometry"),
             std::string::npos);
   budget.facts.points_free = true;
   EXPECT_NE(
-      JudgeBudget(budget).advice.find("first use --model noncentral-generic"),
+      AssessBudget(budget).advice.find("first use --model noncentral-generic"),
       std::string::npos);
   budget.facts.noncentral_tried = true;
-  EXPECT_EQ(JudgeBudget(budget).advice.find("--model"), std::string::npos);
+  EXPECT_EQ(AssessBudget(budget).advice.find("--model"), std::string::npos);
   budget.facts.better_model = "noncentral-generic";
-  EXPECT_NE(JudgeBudget(budget).advice.find(
+  EXPECT_NE(AssessBudget(budget).advice.find(
                 "--model noncentral-generic, which has a lower"),
             std::string::npos);
 }
 
 // A cause that is not told says of errors that neighbours share what the
 // verdict does.
-TEST(JudgeBudget, AdvisesOfTheRestWhatTheVerdictDoes) {
+TEST(AssessBudget, AdvisesOfTheRestWhatTheVerdictDoes) {
   ResidualBudget budget;
   budget.noise = 0.3;
   budget.rest = 0.7;
   budget.facts.model = "central-generic";
   budget.facts.noncentral_tried = true;
-  EXPECT_EQ(JudgeBudget(budget).limit, "unexplained");
-  EXPECT_EQ(JudgeBudget(budget).advice, "try --knot-spacing-px auto");
-  budget.facts.cells_chosen = budget.facts.tried_finer = true;
-  EXPECT_NE(JudgeBudget(budget).advice.find("are no better; look for blur"),
+  EXPECT_EQ(AssessBudget(budget).limit, "unexplained");
+  EXPECT_EQ(AssessBudget(budget).advice, "try --knot-spacing-px auto");
+  budget.facts.knot_spacing_selected = budget.facts.tried_finer = true;
+  EXPECT_NE(AssessBudget(budget).advice.find("are no better; look for blur"),
             std::string::npos);
 }
 
 // A webcam's scene: a small board, rows that are taken one after the other
 // while the camera moves. No model helps.
-TEST(JudgeBudget, IsTheVerdictOfACalibration) {
+TEST(AssessBudget, IsTheVerdictOfACalibration) {
   SimulationOptions simulation;
   simulation.num_images = 30;
   simulation.features_per_image = 36;
@@ -280,20 +285,20 @@ TEST(JudgeBudget, IsTheVerdictOfACalibration) {
   simulation.seed = 2;  // four of eight draws separate row from column time
   const Pattern pattern = ChessboardPattern(6, 6, 0.0254);
   CalibrationOptions options;
-  options.cell_px = 320;
+  options.knot_spacing_px = 320;
   options.rigid_board = true;
   options.num_threads = 2;
-  const auto camera = SimulatedLens("wide", {1280, 720});
-  const Dataset seen = SimulateFaultyObservations(*camera, pattern, simulation,
-                                                  SimulatedFault::kRowTime, 2);
+  const auto camera = MakeSimulatedLens("wide", {1280, 720});
+  const Dataset seen = SimulateFaultyObservations(
+      *camera, pattern, simulation, SimulatedFault::kRollingShutter, 2);
   for (int i = 0; i < 6; ++i)
     options.hold_out.push_back(seen.images[5 * i].image);
   const CalibrationResult result = Calibrate(seen, pattern, options);
   ASSERT_TRUE(result.budget.has_value());
-  const BudgetVerdict limit = JudgeBudget(*result.budget);
+  const BudgetAssessment limit = AssessBudget(*result.budget);
   EXPECT_EQ(limit.limit, "rolling shutter");
   std::string reasons;
-  for (const std::string& reason : result.verdict.reasons)
+  for (const std::string& reason : result.assessment.reasons)
     reasons += reason + "\n";
   EXPECT_NE(reasons.find(limit.sentence + "; " + limit.advice),
             std::string::npos)

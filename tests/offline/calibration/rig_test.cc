@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kRigNoisePx = 0.05;
 
-SimulationOptions Instants(int count) {
+SimulationOptions CollectFrameSets(int count) {
   SimulationOptions options;
   options.num_images = count;
   options.features_per_image = 140;
@@ -95,7 +95,7 @@ const Baseline& BaselineOf(const RigResult& result, size_t a, size_t b) {
 
 TEST(SimulatedRig, SharesInstantsAndMissesSome) {
   const SimulatedRigObservations seen =
-      SimulateRig(Fan(), TestBoard(), Instants(30));
+      SimulateRig(Fan(), TestBoard(), CollectFrameSets(30));
   EXPECT_GT(NumShared(seen.datasets[0], seen.datasets[1]), 5);
   EXPECT_GT(NumShared(seen.datasets[1], seen.datasets[2]), 5);
   EXPECT_EQ(NumShared(seen.datasets[0], seen.datasets[2]), 0);
@@ -138,26 +138,27 @@ TEST(CalibrateRig, FindsTheRelativePoseOfTwoCameras) {
   const SimulatedRig rig =
       StereoWith(std::make_shared<SimulatedCamera>(ExampleSimulatedCamera()));
   const SimulatedRigObservations seen =
-      SimulateRig(rig, TestBoard(), Instants(20));
+      SimulateRig(rig, TestBoard(), CollectFrameSets(20));
   const RigResult result = Calibrate(Inputs(seen), TestBoard(), [] {
     CalibrationOptions options = Quick();
     options.model = "central-generic";
-    options.cell_px = 100;
+    options.knot_spacing_px = 100;
     return options;
   }());
   ExpectBaseline(result, rig, 0, 1);
   EXPECT_TRUE(result.converged);
   EXPECT_EQ(result.cameras[1].camera.camera->image_size().width, 400);
-  EXPECT_NEAR(TrainingFigures(result).rms_px, kRigNoisePx * std::sqrt(2), 0.01);
+  EXPECT_NEAR(ComputeTrainingMetrics(result).rms_px, kRigNoisePx * std::sqrt(2),
+              0.01);
   EXPECT_TRUE(result.cross_validated);
-  EXPECT_NEAR(HeldOutFigures(result)->rms_px, kRigNoisePx * std::sqrt(2),
+  EXPECT_NEAR(ComputeHeldOutMetrics(result)->rms_px, kRigNoisePx * std::sqrt(2),
               0.015);
 }
 
 TEST(CalibrateRig, ConnectsCamerasThroughOthers) {
   const SimulatedRig rig = Fan();
   const SimulatedRigObservations seen =
-      SimulateRig(rig, TestBoard(), Instants(36));
+      SimulateRig(rig, TestBoard(), CollectFrameSets(36));
   const RigResult result =
       Calibrate(Inputs(seen), TestBoard(), QuickWithout("sim0000.png"));
   EXPECT_EQ(BaselineOf(result, 0, 2).num_shared_views, 0);
@@ -167,7 +168,7 @@ TEST(CalibrateRig, ConnectsCamerasThroughOthers) {
 
 TEST(CalibrateRig, NamesGroupsThatAreNotConnected) {
   const SimulatedRigObservations seen =
-      SimulateRig(Fan(), TestBoard(), Instants(36));
+      SimulateRig(Fan(), TestBoard(), CollectFrameSets(36));
   std::vector<CalibrationInput> inputs = Inputs(seen);
   for (ImageFeatures& image : inputs[2].dataset.images) image.image += ".bmp";
   ExpectError(ExitCode::kInitialization, {"{left, right}, {rear}"},
@@ -177,7 +178,7 @@ TEST(CalibrateRig, NamesGroupsThatAreNotConnected) {
 TEST(CalibrateRig, OneBoardAtOneInstantConnects) {
   // The cameras' images share names, but not boards.
   SimulatedRigObservations seen =
-      SimulateRig(Stereo(), TwoTestBoards(), Instants(12));
+      SimulateRig(Stereo(), TwoTestBoards(), CollectFrameSets(12));
   for (int c = 0; c < 2; ++c)
     for (ImageFeatures& image : seen.datasets[c].images) {
       std::vector<Feature> kept;
@@ -192,7 +193,7 @@ TEST(CalibrateRig, OneBoardAtOneInstantConnects) {
 TEST(CalibrateRig, EachBoardOfSeveralHasItsOwnPoses) {
   const SimulatedRig rig = Stereo();
   const SimulatedRigObservations seen =
-      SimulateRig(rig, TwoTestBoards(), Instants(14));
+      SimulateRig(rig, TwoTestBoards(), CollectFrameSets(14));
   const RigResult result =
       Calibrate(Inputs(seen), TwoTestBoards(), QuickWithout("sim0003.png"));
   ExpectBaseline(result, rig, 0, 1);
@@ -201,7 +202,7 @@ TEST(CalibrateRig, EachBoardOfSeveralHasItsOwnPoses) {
 
 TEST(CalibrateRig, ScaleIsThatOfTheBoardsThoughTheyAreBent) {
   const SimulatedRig rig = Stereo();
-  SimulationOptions options = Instants(24);
+  SimulationOptions options = CollectFrameSets(24);
   options.board_bend_m = 0.003;
   const SimulatedRigObservations seen = SimulateRig(rig, TestBoard(), options);
   const RigResult result =
@@ -214,12 +215,12 @@ TEST(CalibrateRig, ScaleIsThatOfTheBoardsThoughTheyAreBent) {
 TEST(CalibrateRig, DeviationsCountNoiseThatNeighboursShare) {
   constexpr int kSeeds = 6;
   const std::shared_ptr<const CameraModel> lens =
-      SimulatedLens("pinhole", {640, 480});
+      MakeSimulatedLens("pinhole", {640, 480});
   const SimulatedRig rig = {
       {lens, lens}, {{}, {Eigen::Quaterniond::Identity(), {-0.1, 0, 0}}}};
   double squares = 0;
   for (int seed = 1; seed <= kSeeds; ++seed) {
-    SimulationOptions options = Instants(20);
+    SimulationOptions options = CollectFrameSets(20);
     options.shared_noise_px = 0.1;
     options.seed = static_cast<uint64_t>(seed);
     const SimulatedRigObservations seen =
@@ -239,7 +240,7 @@ TEST(CalibrateRig, DeviationsCountNoiseThatNeighboursShare) {
 TEST(CalibrateRig, RejectsViewsOfAnotherInstantByName) {
   const SimulatedRig rig = Stereo();
   const SimulatedRigObservations seen =
-      SimulateRig(rig, TestBoard(), Instants(24));
+      SimulateRig(rig, TestBoard(), CollectFrameSets(24));
   std::vector<CalibrationInput> inputs = Inputs(seen);
   // Two images of the right camera were swapped.
   std::vector<ImageFeatures*> shared;
@@ -261,7 +262,7 @@ TEST(CalibrateRig, RejectsViewsOfAnotherInstantByName) {
 
 TEST(CalibrateRig, RefusesImagesThatAreOfOtherInstantsAltogether) {
   const SimulatedRigObservations seen =
-      SimulateRig(Stereo(), TestBoard(), Instants(20));
+      SimulateRig(Stereo(), TestBoard(), CollectFrameSets(20));
   std::vector<CalibrationInput> inputs = Inputs(seen);
   auto& images = inputs[1].dataset.images;
   for (size_t i = 0; i < images.size() / 2; ++i)
@@ -272,7 +273,7 @@ TEST(CalibrateRig, RefusesImagesThatAreOfOtherInstantsAltogether) {
 
 TEST(CalibrateRig, NamesTheCameraWithTooFewImages) {
   const SimulatedRigObservations seen =
-      SimulateRig(Stereo(), TestBoard(), Instants(20));
+      SimulateRig(Stereo(), TestBoard(), CollectFrameSets(20));
   std::vector<CalibrationInput> inputs = Inputs(seen);
   auto& images = inputs[1].dataset.images;
   const std::set<std::string> left = NamesOf(inputs[0].dataset);
@@ -288,7 +289,7 @@ TEST(CalibrateRig, NamesTheCameraWithTooFewImages) {
 
 TEST(CalibrateRig, RefusesTwoCamerasOfOneName) {
   const SimulatedRigObservations seen =
-      SimulateRig(Stereo(), TestBoard(), Instants(6));
+      SimulateRig(Stereo(), TestBoard(), CollectFrameSets(6));
   std::vector<CalibrationInput> inputs = Inputs(seen);
   inputs[1].name = "left";
   ExpectError(ExitCode::kUsage, {"name"},
@@ -303,7 +304,7 @@ TEST(CalibrateRig, RefusesToBeOfNoCamera) {
 
 TEST(CalibrateRig, OfOneCameraIsASingleCamera) {
   const SimulatedRigObservations seen =
-      SimulateRig(Stereo(), TestBoard(), Instants(9));
+      SimulateRig(Stereo(), TestBoard(), CollectFrameSets(9));
   std::vector<CalibrationInput> inputs = Inputs(seen);
   inputs.pop_back();
   const RigResult rig = Calibrate(inputs, TestBoard(), Quick());
@@ -319,7 +320,7 @@ TEST(CalibrateRig, OfOneCameraIsASingleCamera) {
 
 TEST(CalibrateRig, GivesTheSameBytesWithAnyNumberOfThreads) {
   const SimulatedRigObservations seen =
-      SimulateRig(Stereo(), TestBoard(), Instants(10));
+      SimulateRig(Stereo(), TestBoard(), CollectFrameSets(10));
   std::string text[2];
   for (int k = 0; k < 2; ++k) {
     CalibrationOptions options = Quick();
@@ -338,7 +339,7 @@ TEST(CalibrateRig, GivesTheSameBytesWithAnyNumberOfThreads) {
 // All images of a camera again, or one under another name, would make a rig
 // without a baseline.
 TEST(CalibrateRig, RefusesOneCameraAsTwo) {
-  const auto seen = SimulateRig(Stereo(), TestBoard(), Instants(8));
+  const auto seen = SimulateRig(Stereo(), TestBoard(), CollectFrameSets(8));
   std::vector<CalibrationInput> inputs = Inputs(seen);
   inputs[1].dataset = inputs[0].dataset;
   ExpectError(ExitCode::kInput, {"'left'", "'right'", "share an image"},
@@ -354,7 +355,7 @@ TEST(CalibrateRig, RefusesOneCameraAsTwo) {
 TEST(EvaluateRig, FindsTheNoiseOfATrueRigAndTheErrorOfAWrongOne) {
   const SimulatedRig truth = Stereo();
   const SimulatedRigObservations seen =
-      SimulateRig(truth, TestBoard(), Instants(10));
+      SimulateRig(truth, TestBoard(), CollectFrameSets(10));
   RigModel rig;
   for (const auto& camera : truth.cameras) rig.cameras.push_back(camera.get());
   rig.camera_from_rig = truth.camera_from_rig;
@@ -363,9 +364,9 @@ TEST(EvaluateRig, FindsTheNoiseOfATrueRigAndTheErrorOfAWrongOne) {
   const auto wrong = EvaluateRig(rig, seen.datasets, TestBoard(), 2);
   for (int c = 0; c < 2; ++c) {
     EXPECT_TRUE(right[c].rejected_images.empty());
-    EXPECT_NEAR(ComputeErrorFigures(right[c].residuals).rms_px,
+    EXPECT_NEAR(ComputeErrorMetrics(right[c].residuals).rms_px,
                 kRigNoisePx * std::sqrt(2), 0.007);
-    EXPECT_GT(ComputeErrorFigures(wrong[c].residuals).rms_px, 0.2);
+    EXPECT_GT(ComputeErrorMetrics(wrong[c].residuals).rms_px, 0.2);
   }
 }
 

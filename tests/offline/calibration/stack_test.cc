@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/stack_calibration.h"
+#include "calibration/operating_point_calibration.h"
 #include "dataset/error.h"
 #include "evaluation/model_difference.h"
 #include "simulation/simulated_lenses.h"
@@ -18,13 +18,13 @@ constexpr ImageSize kSweepSize = {640, 480};
 // Images of a changing lens, at several values of its condition.
 struct Sweep {
   CalibrationInput input;
-  ImageConditions conditions;
+  ImageOperatingPoints conditions;
 };
 
 // Adds images of the lens in a state.
-void TakeImages(const LensState& state, const ConditionValues& values,
+void TakeImages(const LensState& state, const OperatingPoint& values,
                 const SimulationOptions& options, Sweep* sweep) {
-  const auto lens = ChangingLens(state, kSweepSize);
+  const auto lens = MakeChangingLens(state, kSweepSize);
   for (ImageFeatures& image :
        SimulateObservations(*lens, FineTestBoard(), options).dataset.images) {
     image.image = std::to_string(options.seed) + image.image;
@@ -33,7 +33,7 @@ void TakeImages(const LensState& state, const ConditionValues& values,
   }
 }
 
-Sweep TakeSweep(CameraCondition condition, const std::vector<double>& values,
+Sweep TakeSweep(OperatingParameter condition, const std::vector<double>& values,
                 int images_each) {
   Sweep sweep;
   sweep.conditions.conditions = {condition};
@@ -44,8 +44,9 @@ Sweep TakeSweep(CameraCondition condition, const std::vector<double>& values,
   for (const double value : values) {
     options.seed = sweep.conditions.values.size() + 1;
     LensState state;
-    (condition == CameraCondition::kLensPosition ? state.lens_position
-                                                 : state.temperature) = value;
+    (condition == OperatingParameter::kLensPosition ? state.lens_position
+                                                    : state.temperature) =
+        value;
     TakeImages(state, {value}, options, &sweep);
   }
   return sweep;
@@ -54,8 +55,8 @@ Sweep TakeSweep(CameraCondition condition, const std::vector<double>& values,
 // Images at 8 lens positions, each at a temperature of its own.
 Sweep TakeSweepOfBoth(int images_each, uint64_t seed) {
   Sweep sweep;
-  sweep.conditions.conditions = {CameraCondition::kLensPosition,
-                                 CameraCondition::kTemperature};
+  sweep.conditions.conditions = {OperatingParameter::kLensPosition,
+                                 OperatingParameter::kTemperature};
   sweep.input.dataset.image_size = kSweepSize;
   SimulationOptions options;
   options.num_images = 1;
@@ -76,44 +77,45 @@ Sweep TakeSweepOfBoth(int images_each, uint64_t seed) {
 CalibrationOptions WithCellsOf40(const Dataset& dataset) {
   CalibrationOptions options;
   options.num_threads = 2;
-  options.cell_px = 40;
-  options.flat_board = true;
+  options.knot_spacing_px = 40;
+  options.fix_target_geometry = true;
   options.hold_out = {dataset.images.back().image};
   return options;
 }
 
-StackOfCameras CalibrateSweep(const Sweep& sweep) {
-  return CalibrateStack(sweep.input, sweep.conditions, FineTestBoard(),
-                        WithCellsOf40(sweep.input.dataset))
+OperatingPointCalibration CalibrateSweep(const Sweep& sweep) {
+  return CalibrateOperatingPoints(sweep.input, sweep.conditions,
+                                  FineTestBoard(),
+                                  WithCellsOf40(sweep.input.dataset))
       .cameras[0]
       .camera.stack.value();
 }
 
-double ErrorPx(const StackOfCameras& stack, double value) {
-  return CompareModels(*ChangingLens(stack.cameras.ranges()[0].condition, value,
-                                     kSweepSize),
+double ErrorPx(const OperatingPointCalibration& stack, double value) {
+  return CompareModels(*MakeChangingLens(stack.cameras.ranges()[0].condition,
+                                         value, kSweepSize),
                        stack.cameras.At({value}), 20)
       .rms_px;
 }
 
-double ErrorPx(const StackOfCameras& stack, const LensState& state) {
+double ErrorPx(const OperatingPointCalibration& stack, const LensState& state) {
   return CompareModels(
-             *ChangingLens(state, kSweepSize),
+             *MakeChangingLens(state, kSweepSize),
              stack.cameras.At({state.lens_position, state.temperature}), 20)
       .rms_px;
 }
 
 // The mean of a lattice's squares.
-double MeanSquare(const DeviationLattice& lattice) {
+double MeanSquare(const UncertaintyLattice& lattice) {
   double sum = 0;
   for (const double deviation : lattice.deviation_px)
     sum += deviation * deviation;
   return sum / static_cast<double>(lattice.deviation_px.size());
 }
 
-TEST(CalibrateStack, TellsTheCameraAtLensPositionsThatNoImageHas) {
-  const StackOfCameras stack = CalibrateSweep(TakeSweep(
-      CameraCondition::kLensPosition, {0, 1.5, 3, 4.5, 6, 7.5, 9, 10}, 12));
+TEST(CalibrateOperatingPoints, TellsTheCameraAtLensPositionsThatNoImageHas) {
+  const OperatingPointCalibration stack = CalibrateSweep(TakeSweep(
+      OperatingParameter::kLensPosition, {0, 1.5, 3, 4.5, 6, 7.5, 9, 10}, 12));
   EXPECT_EQ(stack.cameras.ranges()[0].low, 0);
   EXPECT_EQ(stack.cameras.ranges()[0].high, 10);
   EXPECT_GE(stack.cameras.orders()[0], 2);
@@ -123,7 +125,7 @@ TEST(CalibrateStack, TellsTheCameraAtLensPositionsThatNoImageHas) {
   // one draw of them is far from their mean square.
   ASSERT_EQ(stack.deviations.size(), 5u);
   double stated = 0, found = 0;
-  for (const StackDeviation& at : stack.deviations) {
+  for (const OperatingPointUncertainty& at : stack.deviations) {
     stated += MeanSquare(at.lattice);
     found += std::pow(ErrorPx(stack, at.values[0]), 2);
   }
@@ -133,13 +135,13 @@ TEST(CalibrateStack, TellsTheCameraAtLensPositionsThatNoImageHas) {
 
 // The verdict's word and reasons.
 std::string VerdictOf(const Sweep& sweep) {
-  const Verdict verdict =
-      CalibrateStack(sweep.input, sweep.conditions, FineTestBoard(),
-                     WithCellsOf40(sweep.input.dataset))
+  const Assessment assessment =
+      CalibrateOperatingPoints(sweep.input, sweep.conditions, FineTestBoard(),
+                               WithCellsOf40(sweep.input.dataset))
           .cameras[0]
-          .verdict;
-  std::string text = verdict.word;
-  for (const std::string& reason : verdict.reasons) text += "; " + reason;
+          .assessment;
+  std::string text = assessment.word;
+  for (const std::string& reason : assessment.reasons) text += "; " + reason;
   return text;
 }
 
@@ -152,20 +154,20 @@ int CountIn(const std::string& text, const std::string& part) {
 }
 
 // The value that an image's features fit, as the verdict says it.
-double PredictedIn(const std::string& verdict, const std::string& image) {
+double PredictedIn(const std::string& assessment, const std::string& image) {
   const std::string before = "but its features indicate ";
   const size_t at =
-      verdict.find(before, verdict.find(image + " is specified as"));
+      assessment.find(before, assessment.find(image + " is specified as"));
   return at == std::string::npos
              ? NAN
-             : std::stod(verdict.substr(at + before.size()));
+             : std::stod(assessment.substr(at + before.size()));
 }
 
 // The board's distance takes up most of what a wrong focal length does: the
 // residuals stay small, and the camera is wrong.
-TEST(CalibrateStack, NamesImagesWhoseValuesDoNotFit) {
+TEST(CalibrateOperatingPoints, NamesImagesWhoseValuesDoNotFit) {
   Sweep sweep =
-      TakeSweep(CameraCondition::kLensPosition, {0, 2, 4, 6, 8, 10}, 6);
+      TakeSweep(OperatingParameter::kLensPosition, {0, 2, 4, 6, 8, 10}, 6);
   const std::string right = VerdictOf(sweep);
   EXPECT_EQ(CountIn(right, "is stated at"), 0) << right;
   EXPECT_EQ(CountIn(right, "does not explain"), 0) << right;
@@ -177,18 +179,18 @@ TEST(CalibrateStack, NamesImagesWhoseValuesDoNotFit) {
   sweep.conditions.values.at(wrong).front() = 9;
   sweep.conditions.values.at(first).front() = 8;
   sweep.conditions.values.at(second).front() = 2;
-  const std::string verdict = VerdictOf(sweep);
-  EXPECT_EQ(verdict.find("warn"), 0u);
-  EXPECT_NEAR(PredictedIn(verdict, wrong), 4, 0.6) << verdict;
-  EXPECT_NEAR(PredictedIn(verdict, first), 2, 0.6) << verdict;
-  EXPECT_NEAR(PredictedIn(verdict, second), 8, 0.6) << verdict;
+  const std::string assessment = VerdictOf(sweep);
+  EXPECT_EQ(assessment.find("warn"), 0u);
+  EXPECT_NEAR(PredictedIn(assessment, wrong), 4, 0.6) << assessment;
+  EXPECT_NEAR(PredictedIn(assessment, first), 2, 0.6) << assessment;
+  EXPECT_NEAR(PredictedIn(assessment, second), 8, 0.6) << assessment;
   // No other image is blamed for it.
-  EXPECT_EQ(CountIn(verdict, "is stated at"), 3) << verdict;
+  EXPECT_EQ(CountIn(assessment, "is stated at"), 3) << assessment;
 }
 
-TEST(CalibrateStack, SaysThatShuffledValuesDoNotExplainTheImages) {
+TEST(CalibrateOperatingPoints, SaysThatShuffledValuesDoNotExplainTheImages) {
   Sweep sweep =
-      TakeSweep(CameraCondition::kLensPosition, {0, 2, 4, 6, 8, 10}, 4);
+      TakeSweep(OperatingParameter::kLensPosition, {0, 2, 4, 6, 8, 10}, 4);
   std::vector<double> values;
   for (const ImageFeatures& image : sweep.input.dataset.images)
     values.push_back(sweep.conditions.values.at(image.image).front());
@@ -198,25 +200,26 @@ TEST(CalibrateStack, SaysThatShuffledValuesDoNotExplainTheImages) {
   for (size_t i = 0; i < values.size(); ++i)
     sweep.conditions.values.at(sweep.input.dataset.images[i].image) = {
         values[i]};
-  const std::string verdict = VerdictOf(sweep);
-  EXPECT_EQ(CountIn(verdict, "given lens_position does not explain"), 1)
-      << verdict;
-  EXPECT_EQ(CountIn(verdict, "is stated at"), 0) << verdict;
-  EXPECT_EQ(CountIn(verdict, "bends"), 0) << verdict;
+  const std::string assessment = VerdictOf(sweep);
+  EXPECT_EQ(CountIn(assessment, "given lens_position does not explain"), 1)
+      << assessment;
+  EXPECT_EQ(CountIn(assessment, "is stated at"), 0) << assessment;
+  EXPECT_EQ(CountIn(assessment, "bends"), 0) << assessment;
 }
 
 // Two positions fit any line: in the middle, rays may be as wrong as they like.
-TEST(CalibrateStack, WarnsWhereNoImageShowsTheErrorBetweenValues) {
+TEST(CalibrateOperatingPoints, WarnsWhereNoImageShowsTheErrorBetweenValues) {
   const auto warns = [](const std::vector<double>& positions) {
-    const Sweep sweep = TakeSweep(CameraCondition::kLensPosition, positions, 8);
-    const Verdict verdict =
-        CalibrateStack(sweep.input, sweep.conditions, FineTestBoard(),
-                       WithCellsOf40(sweep.input.dataset))
-            .verdict;
-    for (const std::string& reason : verdict.reasons)
+    const Sweep sweep =
+        TakeSweep(OperatingParameter::kLensPosition, positions, 8);
+    const Assessment assessment =
+        CalibrateOperatingPoints(sweep.input, sweep.conditions, FineTestBoard(),
+                                 WithCellsOf40(sweep.input.dataset))
+            .assessment;
+    for (const std::string& reason : assessment.reasons)
       if (reason.find("interpolates these values of lens_position") !=
           std::string::npos) {
-        EXPECT_NE(verdict.word, "pass");
+        EXPECT_NE(assessment.word, "pass");
         EXPECT_NE(reason.find("as at 5 dioptres"), std::string::npos) << reason;
         return true;
       }
@@ -228,25 +231,29 @@ TEST(CalibrateStack, WarnsWhereNoImageShowsTheErrorBetweenValues) {
   EXPECT_FALSE(warns({0, 3, 7, 10}));
 }
 
-TEST(CalibrateStack, FollowsACameraThatWarms) {
-  const StackOfCameras stack = CalibrateSweep(
-      TakeSweep(CameraCondition::kTemperature, {20, 32, 45, 58, 70}, 6));
+TEST(CalibrateOperatingPoints, FollowsACameraThatWarms) {
+  const OperatingPointCalibration stack = CalibrateSweep(
+      TakeSweep(OperatingParameter::kTemperature, {20, 32, 45, 58, 70}, 6));
   EXPECT_EQ(stack.cameras.orders()[0], 1);
   EXPECT_LT(ErrorPx(stack, 26), 0.03);
   EXPECT_LT(ErrorPx(stack, 65), 0.03);
   // A camera that does not change is wrong by half of this, at least.
-  const auto cold = ChangingLens(CameraCondition::kTemperature, 26, kSweepSize);
-  const auto warm = ChangingLens(CameraCondition::kTemperature, 65, kSweepSize);
+  const auto cold =
+      MakeChangingLens(OperatingParameter::kTemperature, 26, kSweepSize);
+  const auto warm =
+      MakeChangingLens(OperatingParameter::kTemperature, 65, kSweepSize);
   EXPECT_GT(CompareModels(*cold, *warm, 20).rms_px, 0.2);
 }
 
 // Pairs of values that no image has. The lens's focal length is a product of
 // both changes, and the stack a sum.
-TEST(CalibrateStack, TellsTheCameraAtPairsOfConditionsThatNoImageHas) {
-  const StackOfCameras stack = CalibrateSweep(TakeSweepOfBoth(12, 1));
+TEST(CalibrateOperatingPoints,
+     TellsTheCameraAtPairsOfConditionsThatNoImageHas) {
+  const OperatingPointCalibration stack =
+      CalibrateSweep(TakeSweepOfBoth(12, 1));
   ASSERT_EQ(stack.cameras.ranges().size(), 2u);
   EXPECT_EQ(stack.cameras.ranges()[0].condition,
-            CameraCondition::kLensPosition);
+            OperatingParameter::kLensPosition);
   EXPECT_EQ(stack.cameras.ranges()[0].high, 10);
   EXPECT_GE(stack.cameras.orders()[0], 2);
   EXPECT_EQ(stack.cameras.orders()[1], 1);
@@ -256,8 +263,8 @@ TEST(CalibrateStack, TellsTheCameraAtPairsOfConditionsThatNoImageHas) {
     EXPECT_LT(ErrorPx(stack, state), 0.03)
         << state.lens_position << " " << state.temperature;
   // A camera over the lens position alone is wrong by the temperature.
-  EXPECT_GT(CompareModels(*ChangingLens(LensState{2.2, 30}, kSweepSize),
-                          *ChangingLens(LensState{2.2, 45}, kSweepSize), 20)
+  EXPECT_GT(CompareModels(*MakeChangingLens(LensState{2.2, 30}, kSweepSize),
+                          *MakeChangingLens(LensState{2.2, 45}, kSweepSize), 20)
                 .rms_px,
             0.1);
   ASSERT_EQ(stack.deviations.size(), 15u);
@@ -265,7 +272,7 @@ TEST(CalibrateStack, TellsTheCameraAtPairsOfConditionsThatNoImageHas) {
   EXPECT_EQ(stack.deviations.back().values[0], 10);
 }
 
-TEST(CalibrateStack, RefusesConditionsThatGoTogether) {
+TEST(CalibrateOperatingPoints, RefusesConditionsThatGoTogether) {
   Sweep sweep = TakeSweepOfBoth(2, 1);
   for (auto& [image, values] : sweep.conditions.values)
     values[1] = 20 + 4 * values[0];
@@ -274,8 +281,8 @@ TEST(CalibrateStack, RefusesConditionsThatGoTogether) {
               [&] { CalibrateSweep(sweep); });
 }
 
-TEST(CalibrateStack, RefusesImagesThatTellNoChange) {
-  Sweep sweep = TakeSweep(CameraCondition::kLensPosition, {3}, 5);
+TEST(CalibrateOperatingPoints, RefusesImagesThatTellNoChange) {
+  Sweep sweep = TakeSweep(OperatingParameter::kLensPosition, {3}, 5);
   const auto message = [&] {
     try {
       CalibrateSweep(sweep);
@@ -291,8 +298,8 @@ TEST(CalibrateStack, RefusesImagesThatTellNoChange) {
   EXPECT_NE(message().find("has no lens_position"), std::string::npos);
 }
 
-TEST(CalibrateStack, RefusesAnImageAtTwoValues) {
-  Sweep sweep = TakeSweep(CameraCondition::kLensPosition, {0, 5, 10}, 3);
+TEST(CalibrateOperatingPoints, RefusesAnImageAtTwoValues) {
+  Sweep sweep = TakeSweep(OperatingParameter::kLensPosition, {0, 5, 10}, 3);
   std::vector<ImageFeatures>& images = sweep.input.dataset.images;
   images.back().features = images.front().features;
   ExpectError(ExitCode::kInput,
@@ -300,12 +307,12 @@ TEST(CalibrateStack, RefusesAnImageAtTwoValues) {
               [&] { CalibrateSweep(sweep); });
 }
 
-TEST(MaxStackOrder, LeavesValuesToTestWith) {
-  EXPECT_EQ(MaxStackOrder(2), 1);
-  EXPECT_EQ(MaxStackOrder(3), 2);
-  EXPECT_EQ(MaxStackOrder(4), 2);
-  EXPECT_EQ(MaxStackOrder(5), 3);
-  EXPECT_EQ(MaxStackOrder(50), 3);
+TEST(MaxPolynomialOrder, LeavesValuesToTestWith) {
+  EXPECT_EQ(MaxPolynomialOrder(2), 1);
+  EXPECT_EQ(MaxPolynomialOrder(3), 2);
+  EXPECT_EQ(MaxPolynomialOrder(4), 2);
+  EXPECT_EQ(MaxPolynomialOrder(5), 3);
+  EXPECT_EQ(MaxPolynomialOrder(50), 3);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "calibration/calibration.h"
-#include "camera/camera_of_scene.h"
+#include "camera/equivalent_central_camera.h"
 #include "features/pattern_detector.h"
 #include "packing/blob_camera.h"
 #include "packing/pack.h"
@@ -70,7 +70,8 @@ std::optional<Eigen::Vector2d> PointInView(const BlobCamera& blob,
 // ---- Simulated rigs --------------------------------------------------------
 
 SimulatedRig RigOf(const std::string& lens, const ImageSize& size) {
-  const std::shared_ptr<const CameraModel> camera = SimulatedLens(lens, size);
+  const std::shared_ptr<const CameraModel> camera =
+      MakeSimulatedLens(lens, size);
   return {{camera, camera},
           {{}, {RotationFromVector({0.02, -0.05, 0.03}), {-0.1, 0.004, 0.01}}}};
 }
@@ -82,7 +83,7 @@ RigResult CalibratedRig(const SimulatedRig& rig, const std::string& model) {
       SimulateRig(rig, FineTestBoard(), options);
   CalibrationOptions calibration;
   calibration.model = model;
-  calibration.cell_px = 60;
+  calibration.knot_spacing_px = 60;
   calibration.hold_out = {seen.datasets[0].images.back().image};
   return Calibrate({{"left", seen.datasets[0]}, {"right", seen.datasets[1]}},
                    FineTestBoard(), calibration);
@@ -108,7 +109,7 @@ RowErrors RowsAgainstTruth(const SimulatedRig& rig, const RigResult& result) {
           rig.cameras[c]->Project(rig.camera_from_rig[c] * point);
       if (!pixel ||
           !WholeImage(rig.cameras[c]->image_size()).Contains(*pixel) ||
-          !result.cameras[c].camera.uncertainty->mask.Trusts(*pixel))
+          !result.cameras[c].camera.uncertainty->mask.IsValidAt(*pixel))
         break;
       shown[c] = PointInView(blobs[c], *pixel);
       if (!shown[c] || !WholeImage(rectified.views[c].size).Contains(*shown[c]))
@@ -133,7 +134,7 @@ void ExpectRowsOf(const std::string& lens) {
 // Points at about the distance, by the views' exact sources.
 RowErrors RowsOfLines(const SimulatedRig& rig, const RigResult& result,
                       double distance_m) {
-  const CameraOfScene cameras[] = {
+  const EquivalentCentralCamera cameras[] = {
       {*result.cameras[0].camera.camera, distance_m},
       {*result.cameras[1].camera.camera, distance_m}};
   const Rectification rectified =
@@ -152,7 +153,7 @@ RowErrors RowsOfLines(const SimulatedRig& rig, const RigResult& result,
           rig.cameras[c]->Project(rig.camera_from_rig[c] * point);
       if (!pixel ||
           !WholeImage(rig.cameras[c]->image_size()).Contains(*pixel) ||
-          !result.cameras[c].camera.uncertainty->mask.Trusts(*pixel))
+          !result.cameras[c].camera.uncertainty->mask.IsValidAt(*pixel))
         break;
       const auto ray = cameras[c].Unproject(*pixel);
       if (ray) shown[c] = rectified.views[c].Pixel(*ray);

@@ -16,13 +16,13 @@
 
 #include "calibration/calibration.h"
 #include "calibration/camera_evaluation.h"
+#include "calibration/camera_initialization.h"
 #include "calibration/divergence.h"
-#include "calibration/grid_choice.h"
+#include "calibration/knot_spacing_selection.h"
 #include "calibration/model_adjustment.h"
-#include "calibration/starting_lens.h"
 #include "dataset/csv.h"
 #include "dataset/error.h"
-#include "dataset/freed_memory.h"
+#include "dataset/memory_retention.h"
 #include "dataset/pattern.h"
 #include "evaluation/residual_statistics.h"
 #include "random_calibration.h"
@@ -63,8 +63,9 @@ std::vector<std::unique_ptr<CameraModel>> LensesOf(const ImageSet& set) {
   std::vector<std::unique_ptr<CameraModel>> lenses;
   for (const char* model : {"central-radial", "opencv", "thin-prism-fisheye"})
     try {
-      Adjusted lens = AdjustStartingLens(set.dataset, set.pattern, options);
-      AdjustModel(set.pattern, model, {0}, options, &lens);
+      AdjustmentResult lens =
+          InitializeCamera(set.dataset, set.pattern, options);
+      OptimizeModel(set.pattern, model, {0}, options, &lens);
       lenses.push_back(lens.state.camera().Clone());
     } catch (const Error&) {  // no lens
     }
@@ -115,19 +116,20 @@ Errors ErrorsOf(const CameraModel& camera, const Subset& subset,
 // calibration has them: a camera whose boards bend errs more with rigid ones.
 Errors BestOfStarts(const ImageSet& set, const Subset& subset,
                     const std::vector<std::unique_ptr<CameraModel>>& lenses,
-                    double cell_px, bool boards_bend) {
+                    double knot_spacing_px, bool per_view_deformation) {
   AdjustmentOptions options;
   options.num_threads = 1;
-  options.rigid_boards = !boards_bend;
+  options.rigid_boards = !per_view_deformation;
   Errors best;
   for (const auto& known : lenses) try {
-      Adjusted adjusted =
-          AdjustStartingLens(subset.training, set.pattern, options,
-                             AreaChoice::kWholeImage, known.get());
-      AdjustModel(set.pattern, "central-generic", {cell_px}, options,
-                  &adjusted);
-      const Errors errors = ErrorsOf(adjusted.state.camera(), subset,
-                                     AdjustedPattern(set.pattern, adjusted));
+      AdjustmentResult adjusted =
+          InitializeCamera(subset.training, set.pattern, options,
+                           AreaChoice::kWholeImage, known.get());
+      OptimizeModel(set.pattern, "central-generic", {knot_spacing_px}, options,
+                    &adjusted);
+      const Errors errors =
+          ErrorsOf(adjusted.state.camera(), subset,
+                   MakeEstimatedPattern(set.pattern, adjusted));
       if (errors.training_px < best.training_px) best = errors;
     } catch (const Error&) {  // no start
     }
@@ -143,28 +145,29 @@ std::string Run(int seed, const ImageSet& set,
   options.num_threads = 1;
   Errors errors;
   std::string word;
-  double cell_px = MediumCellPx(subset.training, options.model);
-  bool boards_bend = false;
+  double knot_spacing_px = MediumKnotSpacingPx(subset.training, options.model);
+  bool per_view_deformation = false;
   try {
     const CalibrationResult result =
         Calibrate(subset.training, set.pattern, options);
     errors = ErrorsOf(*result.camera.camera, subset, result.pattern);
-    word = result.verdict.word;
-    cell_px = result.cell_px;
-    boards_bend = result.bends.has_value();
+    word = result.assessment.word;
+    knot_spacing_px = result.knot_spacing_px;
+    per_view_deformation = result.bends.has_value();
   } catch (const Error& error) {
     word = error.what();
     std::replace(word.begin(), word.end(), ',', ';');
   }
-  const Errors best = BestOfStarts(set, subset, lenses, cell_px, boards_bend);
+  const Errors best =
+      BestOfStarts(set, subset, lenses, knot_spacing_px, per_view_deformation);
   std::ostringstream line;
   line.precision(4);
   line << seed << ',' << set.name << ',' << subset.training.images.size() << ','
-       << cell_px << ',' << errors.training_px << ',' << best.training_px << ','
-       << errors.training_px / best.training_px << ',' << errors.held_out_px
-       << ',' << best.held_out_px << ','
+       << knot_spacing_px << ',' << errors.training_px << ','
+       << best.training_px << ',' << errors.training_px / best.training_px
+       << ',' << errors.held_out_px << ',' << best.held_out_px << ','
        << errors.held_out_px / best.held_out_px << ','
-       << (boards_bend ? "bend" : "rigid") << ',' << word;
+       << (per_view_deformation ? "bend" : "rigid") << ',' << word;
   return line.str();
 }
 
@@ -191,7 +194,7 @@ int main(int argc, char** argv) {
   app.add_option("--count", count)->capture_default_str();
   app.add_option("--list", path, "the CSV")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  KeepFreedMemory();  // as raygrid does
+  RetainFreedMemory();  // as raygrid does
   std::vector<ImageSet> sets;
   for (const std::string& text : texts) sets.push_back(ReadSet(text));
   std::map<std::string, std::vector<std::unique_ptr<CameraModel>>> lenses;

@@ -18,7 +18,7 @@ struct TrueErrorSetting {
   std::string target = "flat";
   int num_images = 40;
   double noise_px = 0.05;
-  double cell_px = 20;  ///< 0: chosen by the calibration
+  double knot_spacing_px = 20;  ///< 0: chosen by the calibration
   bool with_oracle = true;
 };
 
@@ -30,7 +30,7 @@ struct TrueError {
   /// stated standard deviations; RMS of the errors over the RMS stated.
   double within_1 = 0, within_2 = 0, ratio = 0;
   double trusted_within_1 = 0, trusted_within_2 = 0, trusted_ratio = 0;
-  double trusted_part = 0, jackknife_scale = 1;
+  double valid_part = 0, jackknife_scale = 1;
 };
 
 /// Adds how far stated standard deviations hold.
@@ -47,7 +47,7 @@ inline void AddCoverage(const ModelDifference& difference,
     const double stated_px = uncertainty.lattice.At(area, pixel);
     if (!std::isfinite(stated_px)) continue;
     for (Sums* s : {&sums[0], &sums[1]}) {
-      if (s == &sums[1] && !uncertainty.mask.Trusts(pixel)) continue;
+      if (s == &sums[1] && !uncertainty.mask.IsValidAt(pixel)) continue;
       for (const double coordinate : difference.error_px[i]) {
         s->count += 1;
         s->within_1 += std::abs(coordinate) <= stated_px;
@@ -63,7 +63,7 @@ inline void AddCoverage(const ModelDifference& difference,
   error->trusted_within_1 = sums[1].within_1 / sums[1].count;
   error->trusted_within_2 = sums[1].within_2 / sums[1].count;
   error->trusted_ratio = std::sqrt(sums[1].squares / sums[1].stated2);
-  error->trusted_part = sums[1].count / sums[0].count;
+  error->valid_part = sums[1].count / sums[0].count;
   error->jackknife_scale = uncertainty.jackknife_scale;
 }
 
@@ -84,8 +84,8 @@ inline TrueError MeasureTrueError(const TrueErrorSetting& setting,
   const SimulatedObservations simulated =
       SimulateObservations(*truth, pattern, simulation);
   CalibrationOptions options;
-  options.cell_px = setting.cell_px;
-  options.flat_board =
+  options.knot_spacing_px = setting.knot_spacing_px;
+  options.fix_target_geometry =
       setting.target == "flat" || setting.target == "correlated";
   // Without folds to evaluate.
   options.hold_out = {simulated.dataset.images.back().image};

@@ -12,9 +12,9 @@
 
 #include "adjustment/covariance.h"
 #include "calibration/camera_adjustment.h"
-#include "calibration/camera_trust.h"
+#include "calibration/camera_initialization.h"
 #include "calibration/model_adjustment.h"
-#include "calibration/starting_lens.h"
+#include "calibration/uncertainty_estimation.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/model_difference.h"
 #include "evaluation/residual_statistics.h"
@@ -46,19 +46,20 @@ double StatedPx2(const PixelUncertainty& pixel) {
   return pixel.noise_px2.trace() + pixel.smoothing_px.squaredNorm();
 }
 
-Draw CalibrateDraw(const Pattern& pattern, const Adjusted& start,
-                   double cell_px, int seed) {
+Draw CalibrateDraw(const Pattern& pattern, const AdjustmentResult& start,
+                   double knot_spacing_px, int seed) {
   const SimulatedCamera truth = ExampleSimulatedCamera();
   AdjustmentOptions options;
   options.num_threads = 1;
-  Adjusted adjusted = start;
+  AdjustmentResult adjusted = start;
   Random random(seed);
   for (View& view : adjusted.problem.views)
     for (Observation& o : view.observations)
       o.pixel += kNoisePx * Eigen::Vector2d(random.Normal(), random.Normal());
   const double begin = Now();
-  AdjustCameras(adjusted.problem, options, &adjusted.state);
-  AdjustModel(pattern, "central-generic", {cell_px}, options, &adjusted);
+  RefineCameras(adjusted.problem, options, &adjusted.state);
+  OptimizeModel(pattern, "central-generic", {knot_spacing_px}, options,
+                &adjusted);
   Draw draw;
   draw.seconds = Now() - begin;
   draw.noise_px = adjusted.summary.noise_px;
@@ -68,17 +69,17 @@ Draw CalibrateDraw(const Pattern& pattern, const Adjusted& start,
   const LinearResponse response(adjusted.problem.views, adjusted.prior, options,
                                 adjusted.state);
   draw.predicted =
-      ProjectionUncertainty(response, draw.noise_px, nullptr,
-                            adjusted.problem.views, adjusted.state, 0);
+      EstimateProjectionUncertainty(response, draw.noise_px, nullptr,
+                                    adjusted.problem.views, adjusted.state, 0);
   draw.covariance_seconds = Now() - middle;
-  const TrustMask mask =
+  const ValidityMask mask =
       EstimateUncertainty(adjusted, 0, {}, {}, 1).value().uncertainty.mask;
   for (const PixelUncertainty& p : draw.predicted)
-    draw.trusted.push_back(mask.Trusts(p.pixel));
+    draw.trusted.push_back(mask.IsValidAt(p.pixel));
   const CameraModel& camera = adjusted.state.camera();
   const ModelDifference difference = CompareModels(truth, camera, 8);
   for (size_t i = 0; i < difference.pixels.size(); ++i)
-    if (mask.Trusts(difference.pixels[i]))
+    if (mask.IsValidAt(difference.pixels[i]))
       draw.worst_px = std::max(draw.worst_px, difference.error_px[i].norm());
   const Eigen::Quaterniond turn = difference.first_from_second.rotation;
   for (const PixelUncertainty& p : draw.predicted)
@@ -89,19 +90,19 @@ Draw CalibrateDraw(const Pattern& pattern, const Adjusted& start,
   return draw;
 }
 
-void RunCells(int num_images, int num_draws, int seed, double cell_px) {
+void RunCells(int num_images, int num_draws, int seed, double knot_spacing_px) {
   const Pattern pattern = ChessboardPattern(30, 24, 0.02);
   SimulationOptions simulation;
   simulation.num_images = num_images;
   simulation.noise_px = 0;
   AdjustmentOptions options;
-  const Adjusted start = AdjustStartingLens(
+  const AdjustmentResult start = InitializeCamera(
       SimulateObservations(ExampleSimulatedCamera(), pattern, simulation)
           .dataset,
       pattern, options);
   std::vector<Draw> draws(num_draws);
   ParallelFor(num_draws, NumThreads(0), [&](int i) {
-    draws[i] = CalibrateDraw(pattern, start, cell_px, 1000 * seed + i);
+    draws[i] = CalibrateDraw(pattern, start, knot_spacing_px, 1000 * seed + i);
   });
 
   const size_t num_pixels = draws[0].predicted.size();
@@ -142,7 +143,7 @@ void RunCells(int num_images, int num_draws, int seed, double cell_px) {
       ++num_errors;
       own_predicted += draw.predicted[i].noise_px2.trace();
       own_stated += StatedPx2(draw.predicted[i]);
-      deviations.push_back(AxisDeviation(draw.predicted[i].noise_px2));
+      deviations.push_back(ComputeAxisStdDev(draw.predicted[i].noise_px2));
     }
     sum += own, predicted_sum += own_predicted, stated_sum += own_stated;
     stated_rms_ratios.push_back(std::sqrt(own / own_stated));
@@ -168,9 +169,9 @@ void RunCells(int num_images, int num_draws, int seed, double cell_px) {
       "%.3f, single 90 %% %.3f max %.3f, RMS %.5f px; worst pixel median %.3f "
       "max %.3f px; "
       "%.2f s a draw, covariance %.2f s\n",
-      cell_px, draws[0].noise_px, draws[0].weight, num_trusted, num_pixels,
-      Quantile(medians, 0.5), Quantile(ratios, 0.5), Quantile(ratios, 0.05),
-      Quantile(ratios, 0.95), percent_within(ratios),
+      knot_spacing_px, draws[0].noise_px, draws[0].weight, num_trusted,
+      num_pixels, Quantile(medians, 0.5), Quantile(ratios, 0.5),
+      Quantile(ratios, 0.05), Quantile(ratios, 0.95), percent_within(ratios),
       Quantile(stated_ratios, 0.5), percent_within(stated_ratios),
       std::sqrt(sum / stated_sum), Quantile(stated_rms_ratios, 1),
       Quantile(total_ratios, 0.5), Quantile(bias_ratios, 0.5),
@@ -198,7 +199,7 @@ int main(int argc, char** argv) {
     else
       cells.push_back(std::atof(argv[i + 1]));
   }
-  for (const double cell_px : cells)
-    raygrid::RunCells(num_images, num_draws, seed, cell_px);
+  for (const double knot_spacing_px : cells)
+    raygrid::RunCells(num_images, num_draws, seed, knot_spacing_px);
   return 0;
 }

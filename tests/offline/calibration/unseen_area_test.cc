@@ -38,17 +38,18 @@ Dataset SeenInTheMiddle(const CameraModel& camera, int num_images) {
 
 // One image held out saves the time of cross-validation.
 CalibrationResult CalibrateModel(const Dataset& dataset,
-                                 const std::string& model, double cell_px) {
+                                 const std::string& model,
+                                 double knot_spacing_px) {
   CalibrationOptions options;
   options.model = model;
-  options.cell_px = cell_px;
+  options.knot_spacing_px = knot_spacing_px;
   options.hold_out = {dataset.images.back().image};
   return Calibrate(dataset, FineTestBoard(), options);
 }
 
 // The errors beyond the features, by pixel, of what lies within an angle of the
 // axis; a pixel of cameras of lines counts by its larger one.
-std::map<std::pair<double, double>, double> ErrorsBeyond(
+std::map<std::pair<double, double>, double> ComputeExcessErrors(
     const CameraModel& truth, const CameraModel& camera, double max_angle_rad) {
   constexpr double kStepPx = 10;
   const ModelDifference difference = CompareModels(truth, camera, kStepPx);
@@ -78,17 +79,18 @@ double PartWithinTwice(
 struct LensCase {
   const char *lens, *model;  // simulated, and of the grid
   int num_images;
-  double cell_px;
+  double knot_spacing_px;
 };
 
 // No parametric camera is better there, where both answer.
 void ExpectGoesOnWell(const LensCase& test, double max_angle_rad = M_PI) {
-  const auto truth = SimulatedLens(test.lens, kSize);
+  const auto truth = MakeSimulatedLens(test.lens, kSize);
   const Dataset dataset = SeenInTheMiddle(*truth, test.num_images);
   const CalibrationResult grid =
-      CalibrateModel(dataset, test.model, test.cell_px);
+      CalibrateModel(dataset, test.model, test.knot_spacing_px);
   EXPECT_TRUE(grid.camera.camera->area() == WholeImage(kSize));
-  const auto errors = ErrorsBeyond(*truth, *grid.camera.camera, max_angle_rad);
+  const auto errors =
+      ComputeExcessErrors(*truth, *grid.camera.camera, max_angle_rad);
   const double part = PartWithinTwice(errors, grid.camera);
   std::printf("%s: %zu pixels, %.0f %% within twice the deviation\n", test.lens,
               errors.size(), 100 * part);
@@ -99,7 +101,7 @@ void ExpectGoesOnWell(const LensCase& test, double max_angle_rad = M_PI) {
     double sum = 0, other_sum = 0;
     int count = 0;
     for (const auto& [pixel, error] :
-         ErrorsBeyond(*truth, *other.camera.camera, max_angle_rad)) {
+         ComputeExcessErrors(*truth, *other.camera.camera, max_angle_rad)) {
       const auto found = errors.find(pixel);
       if (found == errors.end()) continue;
       sum += found->second * found->second;
@@ -131,10 +133,11 @@ TEST(UnseenArea, GoesOnWellBehindGlass) {
 }
 
 TEST(UnseenArea, IsLeftOutWhereFeaturesAreAskedFor) {
-  const Dataset dataset = SeenInTheMiddle(*SimulatedLens("example", kSize), 20);
+  const Dataset dataset =
+      SeenInTheMiddle(*MakeSimulatedLens("example", kSize), 20);
   CalibrationOptions options;
   options.area = AreaChoice::kFeatures;
-  options.cell_px = 80;
+  options.knot_spacing_px = 80;
   options.hold_out = {dataset.images.back().image};
   const auto camera =
       Calibrate(dataset, FineTestBoard(), options).camera.camera;

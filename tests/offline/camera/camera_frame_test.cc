@@ -1,7 +1,7 @@
 #include "camera/camera_frame.h"
 
 #include "camera/model_fitting.h"
-#include "camera/turned_camera.h"
+#include "camera/rotated_camera.h"
 #include "simulation/simulated_camera.h"
 #include "support.h"
 
@@ -13,7 +13,7 @@ double AngleOf(const Eigen::Quaterniond& rotation) {
 }
 
 CentralGeneric GridOf(const std::string& lens) {
-  return FittedGrid(*SimulatedLens(lens, {640, 480}), 40);
+  return FittedGrid(*MakeSimulatedLens(lens, {640, 480}), 40);
 }
 
 TEST(CameraFrame, DoesNotDependOnHowTheCameraIsTurned) {
@@ -24,7 +24,7 @@ TEST(CameraFrame, DoesNotDependOnHowTheCameraIsTurned) {
          {Eigen::Vector3d(0.1, -0.6, 0.05), Eigen::Vector3d(0, 0.01, 1),
           Eigen::Vector3d(-0.3, 0.3, 0)}) {
       const Eigen::Quaterniond turn = RotationFromVector(vector);
-      const CameraFrame turned = FindCameraFrame(TurnedCamera(camera, turn));
+      const CameraFrame turned = FindCameraFrame(RotatedCamera(camera, turn));
       EXPECT_LT(AngleOf(turned.frame_from_camera * turn * frame.conjugate()),
                 1e-6)
           << lens;
@@ -35,7 +35,7 @@ TEST(CameraFrame, DoesNotDependOnHowTheCameraIsTurned) {
 TEST(CameraFrame, OfALensIsTheLenssOwn) {
   const CameraFrame frame = FindCameraFrame(FittedGrid(ExampleLens(), 20));
   EXPECT_EQ(frame.lens, "opencv");
-  EXPECT_LT(frame.AngleRad(), kMaxFrameTurnRad);
+  EXPECT_LT(frame.AngleRad(), kMaxFrameRotationRad);
   EXPECT_EQ(FindCameraFrame(ExampleLens()).AngleRad(), 0);
 }
 
@@ -49,28 +49,28 @@ TEST(CameraFrame, IsNotTurnedByBumps) {
 TEST(CameraFrame, OnceTurnedNeedsNoRotation) {
   const CentralGeneric camera = GridOf("example");
   const Eigen::Quaterniond astray = RotationFromVector({0.2, -0.5, 0.1});
-  const auto off = Turned(camera, astray);
+  const auto off = Rotated(camera, astray);
   const CameraFrame frame = FindCameraFrame(*off);
   EXPECT_GT(frame.AngleRad(), 30 * M_PI / 180);
-  const auto turned = Turned(*off, frame.frame_from_camera);
-  EXPECT_LT(FindCameraFrame(*turned).AngleRad(), kMaxFrameTurnRad);
+  const auto turned = Rotated(*off, frame.frame_from_camera);
+  EXPECT_LT(FindCameraFrame(*turned).AngleRad(), kMaxFrameRotationRad);
   for (const std::string& lens : LensNames(ModelUse::kCompare))
     EXPECT_LT(
         AngleOf(
             FitNearestModel(lens, *turned, turned->area()).model_from_camera),
-        kMaxFrameTurnRad)
+        kMaxFrameRotationRad)
         << lens;
 }
 
-TEST(Turned, GridSeesTheSameRays) {
+TEST(Rotated, GridSeesTheSameRays) {
   const Eigen::Quaterniond turn = RotationFromVector({0.02, -0.3, 0.1});
   TestRandom random(5);
   const NonCentralGeneric lines = ExampleLines();
   const CentralGeneric grid = GridOf("example");
   for (const CameraModel* camera : {static_cast<const CameraModel*>(&grid),
                                     static_cast<const CameraModel*>(&lines)}) {
-    const TurnedCamera exact(*camera, turn);
-    const auto turned = Turned(*camera, turn);
+    const RotatedCamera exact(*camera, turn);
+    const auto turned = Rotated(*camera, turn);
     EXPECT_EQ(turned->Name(), camera->Name());
     for (int i = 0; i < 500; ++i) {
       const Eigen::Vector2d pixel = random.PixelIn(camera->area());
@@ -83,9 +83,10 @@ TEST(Turned, GridSeesTheSameRays) {
   }
 }
 
-TEST(TurnedCamera, HasTheDerivativeByThePoint) {
+TEST(RotatedCamera, HasTheDerivativeByThePoint) {
   ExpectDerivativeByPoint(
-      TurnedCamera(ExampleLines(), RotationFromVector({0.2, 0.1, -0.4})), 1e-5);
+      RotatedCamera(ExampleLines(), RotationFromVector({0.2, 0.1, -0.4})),
+      1e-5);
 }
 
 }  // namespace

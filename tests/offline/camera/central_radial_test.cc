@@ -56,8 +56,8 @@ TEST(CentralRadial, IsAThinPrismFisheyeWhereItsFactorIsAParabola) {
 TEST(CentralRadial, FocalLengthsAreThoseOfTheCentre) {
   LinearizedProjection linear;
   ASSERT_TRUE(ExampleRadial().Linearize({0, 0, 2}, nullptr, 0, &linear));
-  EXPECT_NEAR(linear.by_point(0, 0), 280 / 2.0, 1e-9);
-  EXPECT_NEAR(linear.by_point(1, 1), 282 / 2.0, 1e-9);
+  EXPECT_NEAR(linear.J_point(0, 0), 280 / 2.0, 1e-9);
+  EXPECT_NEAR(linear.J_point(1, 1), 282 / 2.0, 1e-9);
 }
 
 TEST(CentralRadial, EndsWithItsSpline) {

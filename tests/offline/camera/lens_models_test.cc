@@ -67,7 +67,7 @@ TEST(LensModels, LookStraightAheadInTheirCentreIfNotTilted) {
 
 TEST(LensModels, SeeNothingOutsideTheirArea) {
   ForEachModel([](const LensModel&, const ParametricModel& whole) {
-    const auto lens = whole.OverArea({100, 100, 300, 200});
+    const auto lens = whole.CloneWithArea({100, 100, 300, 200});
     EXPECT_FALSE(lens->Unproject({99.9, 150}));
     EXPECT_FALSE(lens->Unproject({150, 200.1}));
     const Eigen::Vector3d ray = whole.Unproject({302, 150}).value();

@@ -32,15 +32,17 @@ TEST(FitParametricModel, FindsACameraOfItsKind) {
 
 TEST(FitParametricModel, FitsPinholesAndFisheyes) {
   const ImageSize size = {640, 480};
-  EXPECT_LT(RmsPx("thin-prism-fisheye", *SimulatedLens("pinhole", size)), 0.01);
-  EXPECT_LT(RmsPx("central-radial", *SimulatedLens("pinhole", size)), 0.01);
-  EXPECT_LT(RmsPx("thin-prism-fisheye", *SimulatedLens("fisheye190", size)),
+  EXPECT_LT(RmsPx("thin-prism-fisheye", *MakeSimulatedLens("pinhole", size)),
+            0.01);
+  EXPECT_LT(RmsPx("central-radial", *MakeSimulatedLens("pinhole", size)), 0.01);
+  EXPECT_LT(RmsPx("thin-prism-fisheye", *MakeSimulatedLens("fisheye190", size)),
             1e-3);
-  EXPECT_LT(RmsPx("central-radial", *SimulatedLens("fisheye190", size)), 0.01);
+  EXPECT_LT(RmsPx("central-radial", *MakeSimulatedLens("fisheye190", size)),
+            0.01);
 }
 
 TEST(FitParametricModel, LeavesWhatItHasNoParametersFor) {
-  const auto wide = SimulatedLens("wide", {640, 480});
+  const auto wide = MakeSimulatedLens("wide", {640, 480});
   for (const std::string& model : LensNames(ModelUse::kCompare)) {
     const double rms_px = RmsPx(model, *wide);
     EXPECT_GT(rms_px, 0.1) << model;
@@ -51,7 +53,7 @@ TEST(FitParametricModel, LeavesWhatItHasNoParametersFor) {
 // A camera that looks aside: its model may look straight, or not.
 TEST(FitParametricModel, TurnsIfItMay) {
   const ImageSize size = {640, 480};
-  const auto lens = SimulatedLens("pinhole", size);
+  const auto lens = MakeSimulatedLens("pinhole", size);
   CentralGeneric grid = FittedGrid(*lens, 40);
   const Eigen::Quaterniond turn(
       Eigen::AngleAxisd(0.2, Eigen::Vector3d(1, 2, 0.5).normalized()));
@@ -131,8 +133,8 @@ TEST(FitParametricModel, TiesFocalLengths) {
 // A pixel that is not trusted is followed where nothing else tells, and gives
 // way.
 TEST(FitParametricModel, FollowsTrustedPixels) {
-  const auto bumpy = SimulatedLens("wide", {640, 480});
-  TrustMask mask = TrustMask::Over(bumpy->image_size());
+  const auto bumpy = MakeSimulatedLens("wide", {640, 480});
+  ValidityMask mask = ValidityMask::Over(bumpy->image_size());
   for (size_t k = 0; k < mask.is_trusted.size(); ++k) {
     const Eigen::Vector2d at = mask.CellCenter(static_cast<int>(k));
     mask.is_trusted[k] = std::abs(at.x() - 320) < 120 && at.y() < 160;
@@ -159,7 +161,7 @@ TEST(FitParametricModel, FollowsTrustedPixels) {
 }
 
 TEST(FitParametricModel, OpenCvHasNothingBehind) {
-  const auto lens = SimulatedLens("fisheye190", {640, 480});
+  const auto lens = MakeSimulatedLens("fisheye190", {640, 480});
   const FittedModel fit =
       FitParametricModel("opencv", *lens, lens->area(), {true});
   EXPECT_FALSE(fit.model->Unproject({1, 240}));

@@ -116,7 +116,7 @@ double LineDifference(const ObservationLine& a, const ObservationLine& b) {
 }
 
 TEST(FitNonCentralGeneric, FollowsTheLinesOfALens) {
-  const auto lens = SimulatedLens("glass", {640, 480});
+  const auto lens = MakeSimulatedLens("glass", {640, 480});
   const NonCentralGeneric fitted =
       FitNonCentralGeneric(*lens, WholeImage({640, 480}), 83, 63);
   TestRandom random(6);

@@ -53,8 +53,9 @@ TEST(ModeCamera, LightsWhatTheCameraLights) {
   for (int y = 0; y < mode.size.height; ++y)
     for (int x = 0; x < mode.size.width; ++x) {
       const Eigen::Vector2d pixel(x, y);
-      EXPECT_EQ(seen.IsLit(pixel), camera.IsLit(mode.ToCalibrated(pixel)));
-      num_lit += seen.IsLit(pixel);
+      EXPECT_EQ(seen.IsInImageCircle(pixel),
+                camera.IsInImageCircle(mode.ToCalibrated(pixel)));
+      num_lit += seen.IsInImageCircle(pixel);
     }
   EXPECT_GT(num_lit, 1000);
   EXPECT_LT(num_lit, mode.size.width * mode.size.height);
@@ -62,7 +63,7 @@ TEST(ModeCamera, LightsWhatTheCameraLights) {
 
 TEST(ModeCamera, DerivativesAreThoseOfProjection) {
   ExpectDerivativeByPoint(
-      ModeCamera(*SimulatedLens("wide", {640, 480}), HalvedCrop()), 1e-5);
+      ModeCamera(*MakeSimulatedLens("wide", {640, 480}), HalvedCrop()), 1e-5);
 }
 
 }  // namespace

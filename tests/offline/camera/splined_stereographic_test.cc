@@ -73,7 +73,7 @@ double RmsAtRandomPx(const CameraModel& lens, const SplinedStereographic& fit) {
   for (int k = 0; k < 1000; ++k) {
     const Eigen::Vector2d pixel = random.PixelIn(fit.area());
     const auto ray = lens.Unproject(pixel);
-    if (!ray || !lens.IsLit(pixel)) continue;
+    if (!ray || !lens.IsInImageCircle(pixel)) continue;
     const auto seen = fit.Project(*ray, nullptr, 10);
     sum += seen ? (*seen - pixel).squaredNorm() : 1e6;
     ++count;
@@ -84,7 +84,7 @@ double RmsAtRandomPx(const CameraModel& lens, const SplinedStereographic& fit) {
 
 TEST(SplinedStereographic, FitsFollowLenses) {
   for (const char* name : {"wide", "fisheye190"}) {
-    const auto lens = SimulatedLens(name, kSplinedSize);
+    const auto lens = MakeSimulatedLens(name, kSplinedSize);
     const auto fit = FitSplinedStereographic(*lens, nullptr);
     ASSERT_TRUE(fit);
     EXPECT_LT(RmsAtRandomPx(*lens, *fit), 0.005) << name;
@@ -97,7 +97,7 @@ TEST(SplinedStereographic, FitsFollowLenses) {
 }
 
 TEST(SplinedStereographic, FitsTakeTheGridThatIsTold) {
-  const auto lens = SimulatedLens("wide", kSplinedSize);
+  const auto lens = MakeSimulatedLens("wide", kSplinedSize);
   const auto covering = FitSplinedStereographic(*lens, nullptr, {{30, 20, 0}});
   EXPECT_EQ(covering->grid().columns, 30);
   EXPECT_EQ(covering->grid().rows, 20);
@@ -114,7 +114,7 @@ TEST(SplinedStereographic, FitsTakeTheGridThatIsTold) {
 
 // Pixels beyond the image circle look anywhere, and would widen the grid.
 TEST(SplinedStereographic, FitsEndWithTheImageCircle) {
-  const auto lens = SimulatedLens("fisheye190", kSplinedSize);
+  const auto lens = MakeSimulatedLens("fisheye190", kSplinedSize);
   const auto whole = FitSplinedStereographic(*lens, nullptr);
   lens->SetImageCircle(ImageCircle{{320, 240}, {215, 215}});
   const auto lit = FitSplinedStereographic(*lens, nullptr);
@@ -138,8 +138,8 @@ TEST(SplinedStereographic, FitsHaveFewPointsAcrossNarrowImages) {
 }
 
 TEST(SplinedStereographic, FitsFollowTrustedPixels) {
-  const auto lens = SimulatedLens("wide", kSplinedSize);
-  TrustMask mask = TrustMask::Over(kSplinedSize);
+  const auto lens = MakeSimulatedLens("wide", kSplinedSize);
+  ValidityMask mask = ValidityMask::Over(kSplinedSize);
   for (size_t k = 0; k < mask.is_trusted.size(); ++k)
     mask.is_trusted[k] = static_cast<int>(k) % mask.columns < mask.columns / 2;
   const auto rms_px = [&](const SplinedStereographic& fit) {

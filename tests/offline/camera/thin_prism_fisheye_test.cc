@@ -72,8 +72,8 @@ TEST(ThinPrismFisheye, IsSmoothOnItsAxis) {
     LinearizedProjection linear;
     ASSERT_TRUE(lens.Linearize(point, nullptr, 0, &linear));
     EXPECT_NEAR(linear.pixel.x(), 402 + 280 * offset, 1e-5);
-    EXPECT_NEAR(linear.by_point(0, 0), 280, 0.2);
-    EXPECT_NEAR(linear.by_point(1, 1), 282, 0.2);
+    EXPECT_NEAR(linear.J_point(0, 0), 280, 0.2);
+    EXPECT_NEAR(linear.J_point(1, 1), 282, 0.2);
   }
 }
 

@@ -8,7 +8,7 @@
 
 #include "capture/board_view.h"
 #include "capture/capture_guide.h"
-#include "capture/frame_judge.h"
+#include "capture/frame_assessor.h"
 #include "features/pattern_detector.h"
 #include "simulation/board_surface.h"
 #include "simulation/image_rendering.h"
@@ -48,7 +48,7 @@ std::vector<GreyImage> RenderViews(const CameraModel& camera,
 void Time(const std::string& spec, const std::string& lens,
           const ImageSize& size) {
   const Pattern pattern = ReadPatternOrSpec(spec);
-  const auto camera = SimulatedLens(lens, size);
+  const auto camera = MakeSimulatedLens(lens, size);
   const std::vector<GreyImage> images =
       RenderViews(*camera, pattern.boards.front());
   const PatternDetector detector(pattern, {});
@@ -60,16 +60,16 @@ void Time(const std::string& spec, const std::string& lens,
         {std::to_string(seen.size()), detector.Detect(image).features});
   live.Add(seen);
   const CaptureGuide guide(live, pattern, {});
-  FrameJudge judge({});
+  FrameAssessor judge({});
   std::vector<double> seconds;
   for (int round = 0; round < kNumRounds; ++round)
     for (const GreyImage& image : images) {
       const auto start = std::chrono::steady_clock::now();
-      SeenFrame frame;
+      DetectedFrame frame;
       frame.features.features = detector.Detect(image).features;
       frame.quality =
           meter.Measure(image.size, image.levels, frame.features.features);
-      judge.Judge(frame, guide);
+      judge.Assess(frame, guide);
       seconds.push_back(std::chrono::duration<double>(
                             std::chrono::steady_clock::now() - start)
                             .count());

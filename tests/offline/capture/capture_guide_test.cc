@@ -4,9 +4,9 @@
 
 #include "capture/board_outline.h"
 #include "capture/board_view.h"
-#include "capture/frame_judge.h"
+#include "capture/frame_assessor.h"
 #include "capture/view_hint.h"
-#include "evaluation/enough_images.h"
+#include "evaluation/min_images.h"
 #include "simulation/random.h"
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_observations.h"
@@ -58,7 +58,8 @@ TEST(CaptureGuide, LeadsToACameraThatIsKnown) {
     if (num_images == 6) expected = guide.num_expected();
     const ImageFeatures image = capture.Follow(guide);
     EXPECT_TRUE(guide.IsNextView(image)) << num_images;
-    EXPECT_TRUE(guide.IsWorthKeeping(guide.GainOf(image), true)) << num_images;
+    EXPECT_TRUE(guide.IsWorthKeeping(guide.ComputeGain(image), true))
+        << num_images;
     capture.Add(image);
   }
   const CaptureGuide guide = capture.Guide();
@@ -76,15 +77,16 @@ TEST(CaptureGuide, IsNotDoneBeforeACalibrationHasEnoughImages) {
   GuideOptions options;
   options.target_px = 5;
   GuidedCapture capture(options);
-  for (int num_images = 0; num_images < kEnoughImages; ++num_images) {
+  for (int num_images = 0; num_images < kMinReliableImages; ++num_images) {
     const CaptureGuide guide = capture.Guide();
     EXPECT_TRUE(guide.is_floor());
     ASSERT_FALSE(guide.is_done()) << num_images;
     ASSERT_TRUE(guide.next());
     const ImageFeatures image = capture.Follow(guide);
-    EXPECT_TRUE(guide.IsWorthKeeping(guide.GainOf(image), true)) << num_images;
+    EXPECT_TRUE(guide.IsWorthKeeping(guide.ComputeGain(image), true))
+        << num_images;
     if (const auto expected = guide.num_expected())
-      EXPECT_GE(*expected, kEnoughImages - num_images);
+      EXPECT_GE(*expected, kMinReliableImages - num_images);
     capture.Add(image);
   }
   EXPECT_FALSE(capture.Guide().is_floor());
@@ -100,7 +102,7 @@ TEST(CaptureGuide, KeepsNoViewTwice) {
     capture.Add(image);
     const CaptureGuide next = capture.Guide();
     EXPECT_FALSE(next.IsNextView(image)) << k;
-    EXPECT_FALSE(next.IsWorthKeeping(next.GainOf(image), false)) << k;
+    EXPECT_FALSE(next.IsWorthKeeping(next.ComputeGain(image), false)) << k;
   }
 }
 
@@ -124,7 +126,8 @@ TEST(BoardOutline, LiesWhereTheCameraSeesTheBoard) {
   const SimulatedCamera camera = ExampleSimulatedCamera();
   const Board board = TestBoard().boards.front();
   const Pose pose = *PoseOf({{320, 240}, 300, 0.5, 1, 0.3}, board, camera);
-  const std::vector<Eigen::Vector2d> outline = OutlineOf(camera, board, pose);
+  const std::vector<Eigen::Vector2d> outline =
+      ProjectOutline(camera, board, pose);
   const std::vector<Eigen::Vector3d> points = OutlinePoints(board);
   ASSERT_EQ(outline.size(), points.size());
   EXPECT_EQ(points[kOutlineSteps], board.points[board.columns - 1]);
@@ -137,7 +140,8 @@ TEST(BoardOutline, GoesOnBeyondTheImage) {
   const SimulatedCamera camera = ExampleSimulatedCamera();
   const Board board = TestBoard().boards.front();
   const Pose pose = *PoseOf({{500, 300}, 700, 0.4, 2, 0}, board, camera);
-  const std::vector<Eigen::Vector2d> outline = OutlineOf(camera, board, pose);
+  const std::vector<Eigen::Vector2d> outline =
+      ProjectOutline(camera, board, pose);
   ASSERT_EQ(outline.size(), 4u * kOutlineSteps);
   const Eigen::Vector2d& left_top = outline.front();
   const Eigen::Vector2d& right_low = outline[2 * kOutlineSteps];
@@ -160,28 +164,28 @@ class JudgedCapture {
     frame_.quality.white = 200;
     frame_.quality.black = 20;
   }
-  SeenFrame frame() const { return frame_; }
-  SeenFrame At(double time_s, double shift_px) const {
-    SeenFrame moved = frame_;
+  DetectedFrame frame() const { return frame_; }
+  DetectedFrame At(double time_s, double shift_px) const {
+    DetectedFrame moved = frame_;
     moved.time_s = time_s;
     for (Feature& feature : moved.features.features)
       feature.pixel.x() += shift_px;
     return moved;
   }
-  std::string Word(const SeenFrame& frame) {
-    return WordOf(judge_.Judge(frame, guide_));
+  std::string Word(const DetectedFrame& frame) {
+    return GetStatusText(judge_.Assess(frame, guide_));
   }
 
  private:
   const CaptureGuide guide_;
-  SeenFrame frame_;
-  FrameJudge judge_{{}};
+  DetectedFrame frame_;
+  FrameAssessor judge_{{}};
 };
 
-TEST(FrameJudge, SaysWhatIsWrongInAWord) {
+TEST(FrameAssessor, SaysWhatIsWrongInAWord) {
   JudgedCapture capture;
   EXPECT_EQ(capture.Word(capture.frame()), "kept");
-  SeenFrame frame = capture.frame();
+  DetectedFrame frame = capture.frame();
   frame.features.features.resize(5);
   EXPECT_EQ(capture.Word(frame), "few");
   frame.features.features.clear();
@@ -200,14 +204,14 @@ TEST(FrameJudge, SaysWhatIsWrongInAWord) {
   EXPECT_EQ(capture.Word(capture.frame()), "kept");
 }
 
-TEST(FrameJudge, TakesASoftLensAsItIs) {
+TEST(FrameAssessor, TakesASoftLensAsItIs) {
   JudgedCapture capture;
-  SeenFrame frame = capture.frame();
+  DetectedFrame frame = capture.frame();
   frame.quality.least_spread_px = frame.quality.most_spread_px = 2.5;
   EXPECT_EQ(capture.Word(frame), "kept");
 }
 
-TEST(FrameJudge, WantsFeaturesToStandStill) {
+TEST(FrameAssessor, WantsFeaturesToStandStill) {
   JudgedCapture capture;
   EXPECT_EQ(capture.Word(capture.At(0, 0)), "kept");
   EXPECT_EQ(capture.Word(capture.At(1 / 30.0, 0.2)), "kept");
@@ -216,14 +220,14 @@ TEST(FrameJudge, WantsFeaturesToStandStill) {
   EXPECT_EQ(capture.Word(capture.At(5 / 30.0, 1.8)), "moving");
   EXPECT_EQ(capture.Word(capture.At(8 / 30.0, 2.4)), "kept");
   // A short exposure stops what is faster.
-  SeenFrame frame = capture.At(9 / 30.0, 4.4);
+  DetectedFrame frame = capture.At(9 / 30.0, 4.4);
   frame.exposure_s = 0.002;
   EXPECT_EQ(capture.Word(frame), "kept");
 }
 
-TEST(FrameJudge, WaitsWhenABoardComes) {
+TEST(FrameAssessor, WaitsWhenABoardComes) {
   JudgedCapture capture;
-  SeenFrame without = capture.At(0, 0);
+  DetectedFrame without = capture.At(0, 0);
   without.features.features.clear();
   EXPECT_EQ(capture.Word(without), "absent");
   EXPECT_EQ(capture.Word(capture.At(0.03, 0)), "moving");

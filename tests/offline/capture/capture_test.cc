@@ -3,7 +3,7 @@
 #include <string>
 
 #include "capture/board_view.h"
-#include "capture/camera_knowledge.h"
+#include "capture/camera_information.h"
 #include "capture/live_camera.h"
 #include "capture/next_view.h"
 #include "capture/view_hint.h"
@@ -27,7 +27,7 @@ Dataset ImagesOf(int num_images) {
       .dataset;
 }
 
-LiveCamera CameraOf(const std::vector<ImageFeatures>& images) {
+LiveCamera GetCamera(const std::vector<ImageFeatures>& images) {
   LiveCamera live(TestBoard(), kCaptureSize, 2);
   for (const ImageFeatures& image : images) live.Add(image);
   return live;
@@ -82,7 +82,7 @@ TEST(LiveCamera, IsKnownFromFourImagesOn) {
 }
 
 TEST(LiveCamera, ComesNearTheTruthWithEachImage) {
-  const LiveCamera live = CameraOf(ImagesOf(20).images);
+  const LiveCamera live = GetCamera(ImagesOf(20).images);
   ASSERT_TRUE(live.adjusted());
   EXPECT_EQ(live.adjusted()->problem.views.size(), 20u);
   const ModelDifference difference = CompareModels(
@@ -98,27 +98,27 @@ TEST(LiveCamera, WaitsForImagesThatTellSomething) {
     images.back().image = std::to_string(i);
     images.back().features.resize(7);  // too few for a pose
   }
-  EXPECT_FALSE(CameraOf(images).adjusted());
+  EXPECT_FALSE(GetCamera(images).adjusted());
 }
 
 // ---- What is known ----------------------------------------------------------
 
 // The gain foretold is what the view takes from the variance, the camera and
 // its noise being as they were.
-TEST(CameraKnowledge, ForetellsWhatAViewAdds) {
+TEST(CameraInformation, ForetellsWhatAViewAdds) {
   const std::vector<ImageFeatures> images = ImagesOf(9).images;
-  const LiveCamera live = CameraOf(images);
+  const LiveCamera live = GetCamera(images);
   ASSERT_TRUE(live.adjusted());
-  const Adjusted& all = *live.adjusted();
+  const AdjustmentResult& all = *live.adjusted();
   for (size_t added = 0; added < 3; ++added) {
-    Adjusted others = all;
+    AdjustmentResult others = all;
     std::vector<bool> remove(all.problem.views.size(), false);
     remove[added] = true;
     others.state.rig_from_pattern.erase(others.state.rig_from_pattern.begin() +
                                         all.problem.views[added].pose);
     RemoveViews(remove, &others.problem);
-    const auto before = CameraKnowledge::Of(others);
-    const auto after = CameraKnowledge::Of(all);
+    const auto before = CameraInformation::Of(others);
+    const auto after = CameraInformation::Of(all);
     ASSERT_TRUE(before && after);
     std::vector<Eigen::Vector3d> points;
     std::vector<Eigen::Vector2d> pixels;
@@ -127,8 +127,8 @@ TEST(CameraKnowledge, ForetellsWhatAViewAdds) {
       points.push_back(all.state.points[o.point]);
       pixels.push_back(o.pixel);
     }
-    const double gain =
-        before->GainOf(points, pixels, all.state.CameraFromPattern(view));
+    const double gain = before->ComputeGain(
+        points, pixels, all.state.ComputeCameraFromPattern(view));
     const double left =
         std::pow(after->RmsPx(), 2) / std::pow(before->RmsPx(), 2);
     // Rotation is taken out as of the observations, which are not the same.
@@ -137,13 +137,13 @@ TEST(CameraKnowledge, ForetellsWhatAViewAdds) {
   }
 }
 
-TEST(CameraKnowledge, GrowsWithImages) {
+TEST(CameraInformation, GrowsWithImages) {
   const std::vector<ImageFeatures> images = ImagesOf(24).images;
   double last_px = INFINITY;
   for (const int count : {6, 12, 24}) {
-    const LiveCamera live = CameraOf({images.begin(), images.begin() + count});
+    const LiveCamera live = GetCamera({images.begin(), images.begin() + count});
     ASSERT_TRUE(live.adjusted());
-    const auto knowledge = CameraKnowledge::Of(*live.adjusted());
+    const auto knowledge = CameraInformation::Of(*live.adjusted());
     ASSERT_TRUE(knowledge);
     EXPECT_LT(knowledge->Percentile95Px(), last_px);
     EXPECT_LT(knowledge->RmsPx(), 10);
@@ -151,15 +151,15 @@ TEST(CameraKnowledge, GrowsWithImages) {
   }
 }
 
-TEST(CameraKnowledge, GainsNothingFromNoFeatures) {
-  const LiveCamera live = CameraOf(ImagesOf(5).images);
+TEST(CameraInformation, GainsNothingFromNoFeatures) {
+  const LiveCamera live = GetCamera(ImagesOf(5).images);
   ASSERT_TRUE(live.adjusted());
-  const auto knowledge = CameraKnowledge::Of(*live.adjusted());
+  const auto knowledge = CameraInformation::Of(*live.adjusted());
   ASSERT_TRUE(knowledge);
-  EXPECT_EQ(knowledge->GainOf({}, {}, {}), 0);
+  EXPECT_EQ(knowledge->ComputeGain({}, {}, {}), 0);
   Pose behind;
   behind.translation.z() = -5;
-  EXPECT_EQ(knowledge->GainOfView(TestBoard().boards.front(), behind), 0);
+  EXPECT_EQ(knowledge->PredictViewGain(TestBoard().boards.front(), behind), 0);
 }
 
 // ---- What comes next --------------------------------------------------------
@@ -183,11 +183,11 @@ TEST(NextView, LooksWhereNothingWasSeen) {
   SimulationOptions noise;
   Random random(1);
   for (ImageFeatures& image : images) AddNoise(noise, &random, &image.features);
-  const LiveCamera live = CameraOf(images);
+  const LiveCamera live = GetCamera(images);
   ASSERT_TRUE(live.adjusted());
-  const auto knowledge = CameraKnowledge::Of(*live.adjusted());
+  const auto knowledge = CameraInformation::Of(*live.adjusted());
   ASSERT_TRUE(knowledge);
-  const auto next = BestNextView(*knowledge, board);
+  const auto next = FindBestNextView(*knowledge, board);
   ASSERT_TRUE(next);
   double rightmost_px = 0;
   for (const Feature& feature :
@@ -197,21 +197,22 @@ TEST(NextView, LooksWhereNothingWasSeen) {
   EXPECT_GT(next->gain, 0.3);
   // More than any view that was.
   for (const Pose& pose : live.adjusted()->state.rig_from_pattern)
-    EXPECT_GT(next->gain, 2 * knowledge->GainOfView(board, pose));
+    EXPECT_GT(next->gain, 2 * knowledge->PredictViewGain(board, pose));
 }
 
 TEST(NextView, IsAnotherOneWhereTheBestIsAvoided) {
-  const LiveCamera live = CameraOf(ImagesOf(6).images);
-  const auto knowledge = CameraKnowledge::Of(*live.adjusted());
+  const LiveCamera live = GetCamera(ImagesOf(6).images);
+  const auto knowledge = CameraInformation::Of(*live.adjusted());
   ASSERT_TRUE(knowledge);
   const Board board = TestBoard().boards.front();
-  const auto best = BestNextView(*knowledge, board);
+  const auto best = FindBestNextView(*knowledge, board);
   ASSERT_TRUE(best);
-  const auto other = BestNextView(*knowledge, board, {best->camera_from_board});
+  const auto other =
+      FindBestNextView(*knowledge, board, {best->camera_from_board});
   ASSERT_TRUE(other);
   EXPECT_LE(other->gain, best->gain);
-  EXPECT_FALSE(IsThere(knowledge->camera(), board, other->camera_from_board,
-                       best->camera_from_board));
+  EXPECT_FALSE(IsAtTarget(knowledge->camera(), board, other->camera_from_board,
+                          best->camera_from_board));
 }
 
 TEST(NextView, BeginsWithFourTiltedViews) {

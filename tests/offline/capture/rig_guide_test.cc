@@ -60,7 +60,7 @@ class GuidedRig : public testing::Test {
     const Pose pose = *PoseOf({{340, 240}, 300, 0.3, 1, 0.2}, board_, lens_);
     const CameraModel& first = live_[0].adjusted()->state.camera();
     const CameraModel& second = live_[1].adjusted()->state.camera();
-    std::vector<PointOnPixel> matches;
+    std::vector<PointPixelMatch> matches;
     for (const Eigen::Vector3d& point : board_.points)
       if (const auto pixel = lens_.Project(pose * point))
         matches.push_back({point, *pixel});
@@ -116,15 +116,15 @@ TEST_F(GuidedRig, AsksForAViewOfBothOnceEachIsKnown) {
   ++num_instants_;
   const ImageFeatures first = See(pose);
   const ImageFeatures second = See(TrueSecondFromFirst() * pose);
-  EXPECT_FALSE(guide.TellsLinks({&first, nullptr}));
-  EXPECT_TRUE(guide.TellsLinks({&first, &second}));
+  EXPECT_FALSE(guide.IsInformativeForLinks({&first, nullptr}));
+  EXPECT_TRUE(guide.IsInformativeForLinks({&first, &second}));
   live_[0].Add(first);
   live_[1].Add(second);
   const RigGuide connected = Guide();
   EXPECT_FALSE(connected.to_connect());
   ASSERT_EQ(connected.links().size(), 1u);
   // That view once more tells of noise alone.
-  EXPECT_FALSE(connected.TellsLinks({&first, &second}));
+  EXPECT_FALSE(connected.IsInformativeForLinks({&first, &second}));
 }
 
 TEST_F(GuidedRig, LeadsToARigThatIsKnown) {

@@ -19,7 +19,7 @@ namespace {
 CameraFile NonCentralFile() {
   CameraFile file;
   file.camera = std::make_shared<NonCentralGeneric>(FitNonCentralGeneric(
-      *SimulatedLens("glass", {640, 480}), {1.0 / 3, 2, 630.1, 470}, 7, 6));
+      *MakeSimulatedLens("glass", {640, 480}), {1.0 / 3, 2, 630.1, 470}, 7, 6));
   return file;
 }
 
@@ -214,10 +214,11 @@ TEST(CameraFile, WrongCountsAreRefused) {
 
 TEST(CameraFile, RowTimeIsReadAsItIsWritten) {
   CameraFile file = OpenCvFile();
-  EXPECT_FALSE(ParseCameraFile("camera.yaml", FormatCameraFile(file)).row_time);
-  file.row_time = {-20.125e-6, 0.03125e-6};
+  EXPECT_FALSE(
+      ParseCameraFile("camera.yaml", FormatCameraFile(file)).line_delay);
+  file.line_delay = {-20.125e-6, 0.03125e-6};
   std::string text = FormatCameraFile(file);
-  auto read = ParseCameraFile("camera.yaml", text).row_time;
+  auto read = ParseCameraFile("camera.yaml", text).line_delay;
   ASSERT_TRUE(read);
   EXPECT_NEAR(read->seconds, -20.125e-6, 1e-15);
   EXPECT_NEAR(read->deviation_s, 0.03125e-6, 1e-15);
@@ -225,9 +226,9 @@ TEST(CameraFile, RowTimeIsReadAsItIsWritten) {
   ExpectCameraRefused(Replaced(text, "row_time_us: -", "row_time_us: fast"));
   ExpectCameraRefused(Replaced(text, "deviation_us: 0", "deviation_us: -1"));
   ExpectCameraRefused(Replaced(text, "row_time_us: -", "row_tim_us: -"));
-  file.row_time->deviation_s = 0;
+  file.line_delay->deviation_s = 0;
   text = FormatCameraFile(file);
-  read = ParseCameraFile("camera.yaml", text).row_time;
+  read = ParseCameraFile("camera.yaml", text).line_delay;
   ASSERT_TRUE(read);
   EXPECT_EQ(read->deviation_s, 0);
 }
@@ -345,12 +346,12 @@ TEST(CameraFile, KeepsUncertaintyAndMask) {
   const std::string text = FormatCameraFile(file);
   const CameraFile read = ReadCameraText(text);
   ASSERT_TRUE(read.uncertainty);
-  const DeviationLattice& lattice = read.uncertainty->lattice;
+  const UncertaintyLattice& lattice = read.uncertainty->lattice;
   EXPECT_EQ(lattice.columns, 3);
   EXPECT_EQ(lattice.rows, 2);
   EXPECT_EQ(lattice.deviation_px[5], 0.25);
   EXPECT_TRUE(std::isnan(lattice.deviation_px[4]));
-  EXPECT_EQ(read.uncertainty->mask.cell_px, 16);
+  EXPECT_EQ(read.uncertainty->mask.knot_spacing_px, 16);
   EXPECT_EQ(read.uncertainty->mask.is_trusted,
             file.uncertainty->mask.is_trusted);
   EXPECT_EQ(read.uncertainty->max_deviation_px, 0.025);
@@ -367,12 +368,12 @@ TEST(CameraFile, KeepsUncertaintyAndMask) {
 
 TEST(CameraFile, KeepsAMaskWithoutUncertainty) {
   CameraFile file = GridFile();
-  file.uncertainty = CameraUncertainty::OfMask(ExampleUncertainty().mask);
+  file.uncertainty = CameraUncertainty::FromMask(ExampleUncertainty().mask);
   const std::string text = FormatCameraFile(file);
   EXPECT_EQ(text.find("uncertainty"), std::string::npos);
   const CameraFile read = ReadCameraText(text);
   ASSERT_TRUE(read.uncertainty);
-  EXPECT_FALSE(read.uncertainty->TellsDeviations());
+  EXPECT_FALSE(read.uncertainty->HasDeviations());
   EXPECT_EQ(read.uncertainty->mask.is_trusted,
             file.uncertainty->mask.is_trusted);
   EXPECT_EQ(FormatCameraFile(read), text);
@@ -467,8 +468,8 @@ TEST(ErrorModes, AreBilinearBetweenTheirPixels) {
       1e-12);
 }
 
-TEST(DeviationLattice, IsBilinearBetweenItsPixels) {
-  DeviationLattice lattice = {3, 2, {0.01, 0.02, 0.03, 0.04, 0.08, 0.25}};
+TEST(UncertaintyLattice, IsBilinearBetweenItsPixels) {
+  UncertaintyLattice lattice = {3, 2, {0.01, 0.02, 0.03, 0.04, 0.08, 0.25}};
   const Area area = {10, 20, 110, 70};
   EXPECT_NEAR(lattice.At(area, {10, 20}), 0.01, 1e-12);
   EXPECT_NEAR(lattice.At(area, {110, 70}), 0.25, 1e-12);

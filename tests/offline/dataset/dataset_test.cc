@@ -187,11 +187,11 @@ Dataset ImagesNamed(const std::vector<std::string>& names) {
   return dataset;
 }
 
-TEST(NameImagesByNumber, TakesTheLastNumber) {
+TEST(RenameImagesByNumber, TakesTheLastNumber) {
   Dataset dataset =
       ImagesNamed({"left01.jpg", "cam2_000120.png", "0.5.png", "l000.png",
                    "1403636579763555584.png", "7", "a3b.tar.png"});
-  NameImagesByNumber("camera left", &dataset);
+  RenameImagesByNumber("camera left", &dataset);
   std::vector<std::string> names;
   for (const ImageFeatures& image : dataset.images)
     names.push_back(image.image);
@@ -199,13 +199,13 @@ TEST(NameImagesByNumber, TakesTheLastNumber) {
                                              "1403636579763555584", "7", "3"}));
 }
 
-TEST(NameImagesByNumber, RefusesNamesThatTellNoInstant) {
+TEST(RenameImagesByNumber, RefusesNamesThatTellNoInstant) {
   Dataset none = ImagesNamed({"a1.png", "left.jpg2"});
   ExpectError(ExitCode::kInput, {"camera left", "left.jpg2"},
-              [&] { NameImagesByNumber("camera left", &none); });
+              [&] { RenameImagesByNumber("camera left", &none); });
   Dataset twice = ImagesNamed({"1_left2.png", "3_left02.png"});
   ExpectError(ExitCode::kInput, {"1_left2.png", "3_left02.png"},
-              [&] { NameImagesByNumber("camera left", &twice); });
+              [&] { RenameImagesByNumber("camera left", &twice); });
 }
 
 // A locale with decimal commas for the time of a test.

@@ -24,7 +24,7 @@ inline CameraFile GridFile() {
 inline CameraUncertainty ExampleUncertainty() {
   CameraUncertainty uncertainty;
   uncertainty.lattice = {3, 2, {0.01, 0.02, 0.03, 0.04, NAN, 0.25}};
-  uncertainty.mask = TrustMask::Over({640, 480});
+  uncertainty.mask = ValidityMask::Over({640, 480});
   for (size_t k = 0; k < uncertainty.mask.is_trusted.size(); k += 3)
     uncertainty.mask.is_trusted[k] = true;
   uncertainty.max_deviation_px = 0.025;

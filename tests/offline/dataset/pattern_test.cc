@@ -58,14 +58,15 @@ std::string WithBody(const std::string& boards, int num_poses) {
 
 TEST(Pattern, BodiesAreReadAsTheyWereWritten) {
   Pattern pattern = ParsePattern("p", WithBody("[7, 3]", 2));
-  ASSERT_EQ(pattern.bodies.size(), 1u);
-  EXPECT_EQ(pattern.bodies[0].boards, (std::vector<int>{7, 3}));
-  EXPECT_EQ(pattern.bodies[0].first_from_board[1].translation.x(), 1);
+  ASSERT_EQ(pattern.rigid_targets.size(), 1u);
+  EXPECT_EQ(pattern.rigid_targets[0].boards, (std::vector<int>{7, 3}));
+  EXPECT_EQ(pattern.rigid_targets[0].first_from_board[1].translation.x(), 1);
   const std::string text = FormatPattern(pattern);
   EXPECT_EQ(FormatPattern(ParsePattern("p", text)), text);
-  EXPECT_EQ(ParsePattern("p", text).bodies[0].boards, pattern.bodies[0].boards);
+  EXPECT_EQ(ParsePattern("p", text).rigid_targets[0].boards,
+            pattern.rigid_targets[0].boards);
   // Another calibration may find none.
-  pattern.bodies.clear();
+  pattern.rigid_targets.clear();
   EXPECT_EQ(FormatPattern(pattern).find("board_bodies"), std::string::npos);
 }
 
@@ -99,8 +100,7 @@ TEST(Pattern, ListsOfPointsMayHaveRows) {
   EXPECT_EQ(board.points[board.PointIndex(1, 1)], Eigen::Vector3d(1, 1, 0));
   for (const char* size :
        {"2", "-3, rows: -2", "6, rows: 2", "65536, rows: 65536", "0, rows: 6"})
-    ExpectPatternRefused(WithBoards(start + size + ", " + points),
-                         {"found 6"});
+    ExpectPatternRefused(WithBoards(start + size + ", " + points), {"found 6"});
 }
 
 TEST(Pattern, BoardsHaveAHundredThousandPointsInAllAtMost) {

@@ -10,7 +10,7 @@
 
 #include "dataset/camera_file.h"
 #include "dataset/error.h"
-#include "dataset/held_stack.h"
+#include "dataset/fixed_operating_point.h"
 #include "example_camera_file.h"
 #include "support.h"
 
@@ -20,16 +20,17 @@ namespace {
 CameraFile StackFile() {
   CameraFile file = GridFile();
   const auto& grid = dynamic_cast<const CentralGeneric&>(*file.camera);
-  CameraStack stack({{CameraCondition::kTemperature, 20, 60}}, {2}, grid);
+  OperatingPointModel stack({{OperatingParameter::kTemperature, 20, 60}}, {2},
+                            grid);
   for (int j = 1; j <= 2; ++j)
     for (int k = 0; k < grid.surface().num_points(); ++k)
       stack.terms()[j].points()[k] = {1e-3 * j * k, -2e-4 * k};
   file.uncertainty = ExampleUncertainty();
   file.uncertainty->lattice.deviation_px[4] = 0.05;
-  DeviationLattice warm = file.uncertainty->lattice;
+  UncertaintyLattice warm = file.uncertainty->lattice;
   for (double& deviation : warm.deviation_px) deviation *= 2;
-  file.stack =
-      StackOfCameras{stack, {{{20}, file.uncertainty->lattice}, {{60}, warm}}};
+  file.stack = OperatingPointCalibration{
+      stack, {{{20}, file.uncertainty->lattice}, {{60}, warm}}};
   return file;
 }
 
@@ -37,8 +38,8 @@ TEST(CameraFile, KeepsAStack) {
   const CameraFile file = StackFile();
   const CameraFile read = ParseCameraFile("f.yaml", FormatCameraFile(file));
   ASSERT_TRUE(read.stack.has_value());
-  const ConditionRange range = read.stack->cameras.ranges()[0];
-  EXPECT_EQ(range.condition, CameraCondition::kTemperature);
+  const OperatingRange range = read.stack->cameras.ranges()[0];
+  EXPECT_EQ(range.condition, OperatingParameter::kTemperature);
   EXPECT_EQ(range.low, 20);
   EXPECT_EQ(range.high, 60);
   for (const double value : {20.0, 33.0, 60.0})
@@ -48,14 +49,14 @@ TEST(CameraFile, KeepsAStack) {
                   .maxCoeff(),
               1e-11);
   ASSERT_EQ(read.stack->deviations.size(), 2u);
-  EXPECT_EQ(read.stack->deviations[1].values, ConditionValues{60});
+  EXPECT_EQ(read.stack->deviations[1].values, OperatingPoint{60});
   EXPECT_EQ(read.stack->deviations[1].lattice.deviation_px[0], 0.02);
   EXPECT_EQ(FormatCameraFile(read), FormatCameraFile(file));
 }
 
 TEST(CameraFile, OfAStackAtAValueIsThatCameraAlone) {
   const CameraFile file = StackFile();
-  const CameraFile at = FileAt(file, {30});
+  const CameraFile at = MakeCameraFileAt(file, {30});
   EXPECT_FALSE(at.stack.has_value());
   EXPECT_EQ(at.camera->Parameters(), file.stack->cameras.At({30}).Parameters());
   // A quarter of the way from one to twice the deviations.
@@ -67,14 +68,14 @@ TEST(CameraFile, OfAStackAtAValueIsThatCameraAlone) {
 CameraFile StackFileOfBoth() {
   CameraFile file = GridFile();
   const auto& grid = dynamic_cast<const CentralGeneric&>(*file.camera);
-  CameraStack stack({{CameraCondition::kLensPosition, 0, 10},
-                     {CameraCondition::kTemperature, 20, 60}},
-                    {2, 1}, grid);
+  OperatingPointModel stack({{OperatingParameter::kLensPosition, 0, 10},
+                             {OperatingParameter::kTemperature, 20, 60}},
+                            {2, 1}, grid);
   for (int j = 1; j <= 3; ++j)
     for (int k = 0; k < grid.surface().num_points(); ++k)
       stack.terms()[j].points()[k] = {1e-3 * j * k, -2e-4 * k};
   file.uncertainty = ExampleUncertainty();
-  file.stack = StackOfCameras{stack, {}};
+  file.stack = OperatingPointCalibration{stack, {}};
   double factor = 1;
   for (const double position : {0, 10})
     for (const double temperature : {20, 60}) {
@@ -94,15 +95,15 @@ TEST(CameraFile, KeepsAStackOfTwoConditions) {
   const CameraFile read = ParseCameraFile("f.yaml", text);
   ASSERT_TRUE(read.stack.has_value());
   EXPECT_EQ(read.stack->cameras.orders(), (std::vector<int>{2, 1}));
-  for (const ConditionValues& values :
-       {ConditionValues{0, 33}, ConditionValues{7.5, 60}})
+  for (const OperatingPoint& values :
+       {OperatingPoint{0, 33}, OperatingPoint{7.5, 60}})
     EXPECT_LT((read.stack->cameras.At(values).Parameters() -
                file.stack->cameras.At(values).Parameters())
                   .cwiseAbs()
                   .maxCoeff(),
               1e-11);
   ASSERT_EQ(read.stack->deviations.size(), 4u);
-  EXPECT_EQ(read.stack->deviations[2].values, (ConditionValues{10, 20}));
+  EXPECT_EQ(read.stack->deviations[2].values, (OperatingPoint{10, 20}));
   EXPECT_EQ(FormatCameraFile(read), text);
   std::string swapped = text;
   swapped.replace(swapped.find("condition: temperature"), 22,
@@ -113,19 +114,19 @@ TEST(CameraFile, KeepsAStackOfTwoConditions) {
 TEST(CameraFile, OfTwoConditionsIsHeldAtOneOrBoth) {
   const CameraFile file = StackFileOfBoth();
   const double once_px = file.uncertainty->lattice.deviation_px[0];
-  const CameraFile near = FileAt(file, {10, std::nullopt});
+  const CameraFile near = MakeCameraFileAt(file, {10, std::nullopt});
   ASSERT_TRUE(near.stack.has_value());
   EXPECT_EQ(near.camera->Parameters(),
             near.stack->cameras.At({40}).Parameters());
   EXPECT_EQ(near.capture->lens_position, 10);
   EXPECT_FALSE(near.capture->sensor_temperature_c.has_value());
   ASSERT_EQ(near.stack->deviations.size(), 2u);
-  EXPECT_EQ(near.stack->deviations[0].values, ConditionValues{20});
+  EXPECT_EQ(near.stack->deviations[0].values, OperatingPoint{20});
   EXPECT_NEAR(near.stack->deviations[1].lattice.deviation_px[0], 8 * once_px,
               1e-12);
   EXPECT_NEAR(near.uncertainty->lattice.deviation_px[0], 6 * once_px, 1e-12);
   // Half of the way in both.
-  const CameraFile at = FileAt(file, {5, 40});
+  const CameraFile at = MakeCameraFileAt(file, {5, 40});
   EXPECT_FALSE(at.stack.has_value());
   EXPECT_LT(
       (at.camera->Parameters() - file.stack->cameras.At({5, 40}).Parameters())
@@ -140,7 +141,7 @@ TEST(CameraFile, OfAStackTrustsNoCellThatIsKnownTooBadlyThere) {
   CameraFile file = StackFileOfBoth();
   file.uncertainty->lattice.deviation_px[4] = 0.05;
   double factor = 1;
-  for (StackDeviation& known : file.stack->deviations) {
+  for (OperatingPointUncertainty& known : file.stack->deviations) {
     known.lattice.deviation_px[4] = 0.05 * factor;
     factor *= 2;
   }
@@ -154,16 +155,17 @@ TEST(CameraFile, OfAStackTrustsNoCellThatIsKnownTooBadlyThere) {
     const std::vector<bool>& cells = known->mask.is_trusted;
     return static_cast<size_t>(std::count(cells.begin(), cells.end(), true));
   };
-  EXPECT_EQ(num_trusted(FileAt(file, {0, 20}).uncertainty), all);
-  EXPECT_EQ(num_trusted(FileAt(file, {0, 60}).uncertainty), all);
-  const size_t at_end = num_trusted(FileAt(file, {10, 60}).uncertainty);
+  EXPECT_EQ(num_trusted(MakeCameraFileAt(file, {0, 20}).uncertainty), all);
+  EXPECT_EQ(num_trusted(MakeCameraFileAt(file, {0, 60}).uncertainty), all);
+  const size_t at_end =
+      num_trusted(MakeCameraFileAt(file, {10, 60}).uncertainty);
   EXPECT_LT(at_end, all);
-  const auto everywhere = UncertaintyOverRanges(file);
+  const auto everywhere = ComputeMaxUncertainty(file);
   EXPECT_EQ(num_trusted(everywhere), at_end);
   EXPECT_EQ(everywhere->lattice.deviation_px[0], 8 * deviations[0]);
   // A camera that does not tell at one value is not known everywhere.
   file.stack->deviations[1].lattice.deviation_px[0] = NAN;
-  EXPECT_TRUE(std::isnan(UncertaintyOverRanges(file)->lattice.deviation_px[0]));
+  EXPECT_TRUE(std::isnan(ComputeMaxUncertainty(file)->lattice.deviation_px[0]));
 }
 
 TEST(CameraFile, RefusesAMalformedStack) {

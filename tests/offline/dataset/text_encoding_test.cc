@@ -5,19 +5,19 @@
 namespace raygrid {
 namespace {
 
-TEST(FindNoUtf8, FindsTheFirstByteThatBelongsToNoText) {
+TEST(FindInvalidUtf8, FindsTheFirstByteThatBelongsToNoText) {
   const std::string::size_type none = std::string::npos;
   for (const char* text : {"", "plain", "\xc3\xa9", "\xe2\x82\xac",
                            "\xf0\x9f\x93\xb7", "\xf4\x8f\xbf\xbf", "\x7f\n\t"})
-    EXPECT_EQ(FindNoUtf8(text), none) << text;
+    EXPECT_EQ(FindInvalidUtf8(text), none) << text;
   // Latin-1, a continuation alone, overlong forms, a surrogate, too large a
   // code, cut characters.
   for (const char* text :
        {"ab\xe9.png", "ab\x80", "ab\xc0\xaf", "ab\xe0\x80\xaf",
         "ab\xf0\x80\x80\xaf", "ab\xed\xa0\x80", "ab\xf4\x90\x80\x80",
         "ab\xf5\x80\x80\x80", "ab\xe2\x82", "ab\xc3"})
-    EXPECT_EQ(FindNoUtf8(text), 2u) << text;
-  EXPECT_EQ(FindNoUtf8(std::string("ab\0c", 4)), 2u);
+    EXPECT_EQ(FindInvalidUtf8(text), 2u) << text;
+  EXPECT_EQ(FindInvalidUtf8(std::string("ab\0c", 4)), 2u);
 }
 
 TEST(Printable, LeavesTextAndEscapesWhatMovesATerminal) {

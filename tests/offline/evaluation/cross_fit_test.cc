@@ -21,7 +21,7 @@ LinearCause ShiftsOfUnits() {
   return cause;
 }
 
-Eigen::VectorXd NoiseOf(unsigned seed) {
+Eigen::VectorXd EstimateNoise(unsigned seed) {
   TestRandom random(seed);
   Eigen::VectorXd errors(800);
   for (Eigen::Index i = 0; i < errors.size(); ++i) errors[i] = random.Normal();
@@ -30,7 +30,7 @@ Eigen::VectorXd NoiseOf(unsigned seed) {
 
 // The part of squared errors that all units together explain.
 double ExplainedPart(const CrossFit& fit, const Eigen::VectorXd& errors) {
-  const std::vector<double> explained = ExplainedSquares(
+  const std::vector<double> explained = ComputeExplainedSquares(
       fit, {errors, errors}, {fit.Predict(0, errors), fit.Predict(1, errors)});
   return std::accumulate(explained.begin(), explained.end(), 0.0) /
          errors.squaredNorm();
@@ -38,7 +38,7 @@ double ExplainedPart(const CrossFit& fit, const Eigen::VectorXd& errors) {
 
 TEST(CrossFit, PredictsShiftsFromTheOtherHalf) {
   const CrossFit fit(ShiftsOfUnits());
-  Eigen::VectorXd errors = 0.1 * NoiseOf(1);
+  Eigen::VectorXd errors = 0.1 * EstimateNoise(1);
   for (int i = 0; i < 400; ++i) errors[2 * i] += i % 10;
   for (int half = 0; half < 2; ++half) {
     const Eigen::VectorXd predicted = fit.Predict(half, errors);
@@ -53,7 +53,7 @@ TEST(CrossFit, PredictsShiftsFromTheOtherHalf) {
 TEST(CrossFit, PredictsNextToNothingFromNoise) {
   const CrossFit fit(ShiftsOfUnits());
   for (unsigned seed = 1; seed <= 10; ++seed) {
-    EXPECT_NEAR(ExplainedPart(fit, NoiseOf(seed)), 0, 0.05);
+    EXPECT_NEAR(ExplainedPart(fit, EstimateNoise(seed)), 0, 0.05);
   }
 }
 

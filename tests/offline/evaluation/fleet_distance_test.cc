@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "camera/lens_displacements.h"
-#include "camera/turned_camera.h"
+#include "camera/rotated_camera.h"
 #include "fleet/lens_family.h"
 #include "simulation/simulated_lenses.h"
 
@@ -22,8 +22,8 @@ LensSpread SpreadOfFocalLengths() {
   const SimulatedCamera middle = LensFamily::Middle();
   auto& field = spread.displacements_px.emplace_back();
   for (const auto& displacement :
-       DisplacementsOf(middle, LensFamily::Longer(kFocalScatter),
-                       spread.Places(middle.area())))
+       ComputeDisplacements(middle, LensFamily::Longer(kFocalScatter),
+                            spread.Places(middle.area())))
     field.push_back(displacement.value());
   return spread;
 }
@@ -41,7 +41,7 @@ std::vector<Eigen::Vector2d> PixelsIn(const Area& part) {
 const Area kWhole = {0, 0, 639, 479}, kCorner = {330, 250, 630, 470};
 
 FleetDistance DistanceOf(const CameraModel& camera, const Area& part = kWhole,
-                         const DeviationLattice* deviations = nullptr) {
+                         const UncertaintyLattice* deviations = nullptr) {
   return MeasureFleetDistance(LensFamily::Middle(), SpreadOfFocalLengths(),
                               camera, deviations, PixelsIn(part))
       .value();
@@ -53,9 +53,9 @@ TEST(FleetDistance, CountsInWhatUnitsDiffer) {
         DistanceOf(LensFamily::Longer(times * kFocalScatter));
     EXPECT_NEAR(distance.rms_px / distance.units_px, std::abs(times),
                 0.05 * std::abs(times));
-    EXPECT_FALSE(distance.IsStranger()) << times;
+    EXPECT_FALSE(distance.IsOutlier()) << times;
   }
-  EXPECT_TRUE(DistanceOf(LensFamily::Longer(6 * kFocalScatter)).IsStranger());
+  EXPECT_TRUE(DistanceOf(LensFamily::Longer(6 * kFocalScatter)).IsOutlier());
 }
 
 // A part of the image lies to one side of the axis, where a focal length mostly
@@ -71,13 +71,13 @@ TEST(FleetDistance, KnowsNoTurns) {
   const Eigen::Quaterniond turn(
       Eigen::AngleAxisd(0.2, Eigen::Vector3d(1, -2, 3).normalized()));
   const SimulatedCamera longer = LensFamily::Longer(3 * kFocalScatter);
-  EXPECT_NEAR(DistanceOf(TurnedCamera(longer, turn), kCorner).rms_px,
+  EXPECT_NEAR(DistanceOf(RotatedCamera(longer, turn), kCorner).rms_px,
               DistanceOf(longer, kCorner).rms_px, 1e-6);
 }
 
 TEST(FleetDistance, CountsWhatACameraStatesOfItself) {
   const double units_px = DistanceOf(LensFamily::Middle()).units_px;
-  const DeviationLattice stated = {2, 2, {3, 3, 3, 3}};
+  const UncertaintyLattice stated = {2, 2, {3, 3, 3, 3}};
   EXPECT_NEAR(DistanceOf(LensFamily::Middle(), kWhole, &stated).units_px,
               std::hypot(units_px, 3 * std::sqrt(2)), 1e-6);
 }
@@ -85,9 +85,9 @@ TEST(FleetDistance, CountsWhatACameraStatesOfItself) {
 // Half of what a fisheye sees lies far beyond the middle's image.
 TEST(FleetDistance, IsLargeWhereTheMiddleSeesNothing) {
   const FleetDistance distance =
-      DistanceOf(*SimulatedLens("fisheye190", {640, 480}));
+      DistanceOf(*MakeSimulatedLens("fisheye190", {640, 480}));
   EXPECT_GT(distance.rms_px, 20);
-  EXPECT_TRUE(distance.IsStranger());
+  EXPECT_TRUE(distance.IsOutlier());
   EXPECT_NE(distance.Warning().find("calibrate it without"), std::string::npos);
 }
 
@@ -99,8 +99,8 @@ TEST(FleetDistance, IsNoneBesideTheMiddlesArea) {
 
 // Cameras that agree to what no one sees are of one kind.
 TEST(FleetDistance, SaysNothingOfSmallDifferences) {
-  EXPECT_FALSE((FleetDistance{0.09, 0.001}).IsStranger());
-  EXPECT_TRUE((FleetDistance{0.11, 0.001}).IsStranger());
+  EXPECT_FALSE((FleetDistance{0.09, 0.001}).IsOutlier());
+  EXPECT_TRUE((FleetDistance{0.11, 0.001}).IsOutlier());
 }
 
 }  // namespace

@@ -30,13 +30,13 @@ TEST(MeasureFoldOver, FindsNoneInALens) {
 
 TEST(MeasureFoldOver, FindsAFoldedEdge) {
   const CentralGeneric camera = FoldedLeftOf(128);
-  TrustMask mask = TrustMask::Over({640, 480});
+  ValidityMask mask = ValidityMask::Over({640, 480});
   EXPECT_NEAR(MeasureFoldOver(camera, &mask).part, 0.2, 0.02);
-  EXPECT_EQ(MeasureFoldOver(camera, &mask).trusted_part, 0);
-  EXPECT_EQ(MeasureFoldOver(camera, nullptr).trusted_part, 0);
+  EXPECT_EQ(MeasureFoldOver(camera, &mask).valid_part, 0);
+  EXPECT_EQ(MeasureFoldOver(camera, nullptr).valid_part, 0);
   // The upper half.
   std::fill_n(mask.is_trusted.begin(), mask.columns * mask.rows / 2, true);
-  EXPECT_NEAR(MeasureFoldOver(camera, &mask).trusted_part, 0.1, 0.01);
+  EXPECT_NEAR(MeasureFoldOver(camera, &mask).valid_part, 0.1, 0.01);
 }
 
 TEST(MeasureFoldOver, CountsCellsOfAMirroredCameraTheOtherWayRound) {

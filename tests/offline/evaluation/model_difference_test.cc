@@ -36,7 +36,7 @@ class RotatedCamera : public CameraModel {
     if (!camera_->Linearize(rotation_.inverse() * point, start, margin_px,
                             projection))
       return false;
-    projection->by_point *= rotation_.inverse().toRotationMatrix();
+    projection->J_point *= rotation_.inverse().toRotationMatrix();
     return true;
   }
   Eigen::VectorXd Parameters() const override { return {}; }

@@ -38,19 +38,19 @@ TEST(Quantile, InterpolatesBetweenOrderStatistics) {
   EXPECT_EQ(Quantile({}, 0.5), 0);
 }
 
-TEST(ErrorFigures, AreThoseOfTheNorms) {
-  const ErrorFigures figures = ComputeErrorFigures(
+TEST(ErrorMetrics, AreThoseOfTheNorms) {
+  const ErrorMetrics metrics = ComputeErrorMetrics(
       {At({0, 0}, {3, 4}), At({0, 0}, {0, 1}), At({0, 0}, {-2, 0})});
-  EXPECT_DOUBLE_EQ(figures.median_px, 2);
-  EXPECT_DOUBLE_EQ(figures.rms_px, std::sqrt(30 / 3.0));
-  EXPECT_DOUBLE_EQ(figures.max_px, 5);
-  EXPECT_EQ(figures.count, 3);
+  EXPECT_DOUBLE_EQ(metrics.median_px, 2);
+  EXPECT_DOUBLE_EQ(metrics.rms_px, std::sqrt(30 / 3.0));
+  EXPECT_DOUBLE_EQ(metrics.max_px, 5);
+  EXPECT_EQ(metrics.count, 3);
 }
 
-TEST(ErrorFigures, OfNothingAreZero) {
-  const ErrorFigures figures = ComputeErrorFigures({});
-  EXPECT_EQ(figures.count, 0);
-  EXPECT_EQ(figures.max_px, 0);
+TEST(ErrorMetrics, OfNothingAreZero) {
+  const ErrorMetrics metrics = ComputeErrorMetrics({});
+  EXPECT_EQ(metrics.count, 0);
+  EXPECT_EQ(metrics.max_px, 0);
 }
 
 TEST(Bias, IsNearZeroForPureNoise) {
@@ -92,33 +92,35 @@ std::vector<FeatureResidual> BoardResiduals(const Function& error_at) {
   return residuals;
 }
 
-TEST(NeighborCorrelation, OfNoiseIsNone) {
+TEST(ComputeNeighborCorrelation, OfNoiseIsNone) {
   TestRandom random(3);
   const auto noise = [&](int, int) { return random.NormalVector<2>(); };
-  EXPECT_NEAR(NeighborCorrelation(BoardResiduals(noise)).value(), 0, 0.1);
+  EXPECT_NEAR(ComputeNeighborCorrelation(BoardResiduals(noise)).value(), 0,
+              0.1);
 }
 
-TEST(NeighborCorrelation, IsThePartOfTheSquaresThatIsSmooth) {
+TEST(ComputeNeighborCorrelation, IsThePartOfTheSquaresThatIsSmooth) {
   TestRandom random(4);
   const auto half = [&](int column, int row) -> Eigen::Vector2d {
     const double phase = 0.1 * column + 0.2 * row;
     return M_SQRT2 * Eigen::Vector2d(std::sin(phase), std::cos(phase)) +
            random.NormalVector<2>();
   };
-  EXPECT_NEAR(NeighborCorrelation(BoardResiduals(half)).value(), 0.5, 0.1);
+  EXPECT_NEAR(ComputeNeighborCorrelation(BoardResiduals(half)).value(), 0.5,
+              0.1);
   const auto smooth = [](int column, int) {
     return Eigen::Vector2d(0.1 * column, 1);
   };
-  EXPECT_GT(NeighborCorrelation(BoardResiduals(smooth)).value(), 0.95);
+  EXPECT_GT(ComputeNeighborCorrelation(BoardResiduals(smooth)).value(), 0.95);
 }
 
-TEST(NeighborCorrelation, NeighboursAreOnOneBoardInOneImage) {
+TEST(ComputeNeighborCorrelation, NeighboursAreOnOneBoardInOneImage) {
   std::vector<FeatureResidual> residuals =
       BoardResiduals([](int, int) { return Eigen::Vector2d(1, 1); });
   for (size_t i = 0; i < residuals.size(); ++i)
     residuals[i].board = static_cast<int>(i);
-  EXPECT_FALSE(NeighborCorrelation(residuals));
-  EXPECT_FALSE(NeighborCorrelation({}));
+  EXPECT_FALSE(ComputeNeighborCorrelation(residuals));
+  EXPECT_FALSE(ComputeNeighborCorrelation({}));
 }
 
 }  // namespace

@@ -18,9 +18,9 @@ CentralGeneric RadialGrid(double focal_px, const Eigen::Vector2d& center_px,
 }
 
 const std::vector<Eigen::Vector2d> kPlaces =
-    PlacesOver({0, 0, 639, 479}, 16, 12);
+    SampleCellCenters({0, 0, 639, 479}, 16, 12);
 
-TEST(PlacesOver, AreTheCentresOfCells) {
+TEST(SampleCellCenters, AreTheCentresOfCells) {
   ASSERT_EQ(kPlaces.size(), 16u * 12u);
   EXPECT_LT((kPlaces[0] - Eigen::Vector2d(639 / 32.0, 479 / 24.0)).norm(),
             1e-9);

@@ -16,14 +16,14 @@ std::unique_ptr<CameraModel> Camera() {
 
 // Supported but for the cells that a function names.
 template <typename IsBeyond>
-TrustMask SupportedBut(const IsBeyond& is_beyond) {
-  TrustMask mask = TrustMask::Over(kSummarySize);
+ValidityMask SupportedBut(const IsBeyond& is_beyond) {
+  ValidityMask mask = ValidityMask::Over(kSummarySize);
   for (int cell = 0; cell < mask.columns * mask.rows; ++cell)
     mask.is_trusted[cell] = !is_beyond(mask.CellCenter(cell));
   return mask;
 }
 
-DeviationLattice Lattice(double left_px, double right_px) {
+UncertaintyLattice Lattice(double left_px, double right_px) {
   return {2, 2, {left_px, right_px, left_px, right_px}};
 }
 
@@ -49,10 +49,10 @@ TEST(UncertaintySummary, SharesAreOfTheImage) {
 TEST(UncertaintySummary, SharesAreOfTheImageCircle) {
   const auto camera = Camera();
   camera->SetImageCircle(ImageCircle{{319.5, 239.5}, {240, 240}});
-  EXPECT_NEAR(
-      ValidShare(*camera, SupportedBut([](const auto&) { return false; })), 1,
-      1e-9);
-  EXPECT_NEAR(ValidShare(*camera, SupportedBut([](const auto& pixel) {
+  EXPECT_NEAR(ComputeValidShare(
+                  *camera, SupportedBut([](const auto&) { return false; })),
+              1, 1e-9);
+  EXPECT_NEAR(ComputeValidShare(*camera, SupportedBut([](const auto& pixel) {
                 return pixel.x() > 320;
               })),
               0.5, 0.02);

@@ -74,10 +74,10 @@ TEST(BasaltFormat, ReadsARigInTheFrameOfItsFirstCamera) {
 
 TEST(BasaltFormat, SaysWhatItDoesNotTake) {
   const ExchangeContents contents = ParseBasalt(kBasalt);
-  ASSERT_EQ(contents.remarks.size(), 3u);
-  EXPECT_EQ(contents.remarks[0], "ignored: vignette, calib_accel_bias");
-  EXPECT_NE(contents.remarks[1].find("rpmax"), std::string::npos);
-  EXPECT_NE(contents.remarks[2].find("IMU"), std::string::npos);
+  ASSERT_EQ(contents.warnings.size(), 3u);
+  EXPECT_EQ(contents.warnings[0], "ignored: vignette, calib_accel_bias");
+  EXPECT_NE(contents.warnings[1].find("rpmax"), std::string::npos);
+  EXPECT_NE(contents.warnings[2].find("IMU"), std::string::npos);
 }
 
 TEST(BasaltFormat, WritesWhatItReads) {
@@ -87,7 +87,7 @@ TEST(BasaltFormat, WritesWhatItReads) {
   const std::string text = BasaltFormat().write(RequestOf(contents));
   const ExchangeContents again = ParseBasalt(text);
   ASSERT_TRUE(again.IsRig());
-  EXPECT_TRUE(again.remarks.empty());
+  EXPECT_TRUE(again.warnings.empty());
   EXPECT_EQ(again.cameras[0].name, "le\"ft");
   EXPECT_EQ(again.cameras[1].name, "cam1");
   EXPECT_EQ(again.cameras[1].serial, "12");
@@ -110,7 +110,7 @@ TEST(BasaltFormat, WritesWhatItReads) {
 TEST(BasaltFormat, ReadsUnifiedCamerasAndFisheyes) {
   const std::string ucm =
       TextWith(TextWith(kBasalt, "\"ds\"", "\"ucm\""), "\"xi\": -0.25,", "");
-  const LensInForm lens = ParseBasalt(ucm).cameras[0].lens;
+  const ConvertedLens lens = ParseBasalt(ucm).cameras[0].lens;
   const auto model = MakeLens(lens);
   EXPECT_EQ(model->Name(), "double-sphere");
   // x / (alpha d + (1 - alpha) z), d = 3
@@ -146,7 +146,7 @@ TEST(BasaltFormat, SaysWhatIsMissingOrWrong) {
   expect("{\n    \"value0\"", "{\n    \"value1\"", {"value0", "intrinsics"});
   const std::string apart = TextWith(kBasalt, "T_imu_cam", "other");
   EXPECT_FALSE(ParseBasalt(apart).IsRig());
-  EXPECT_EQ(ParseBasalt(apart).remarks.size(), 3u);
+  EXPECT_EQ(ParseBasalt(apart).warnings.size(), 3u);
   EXPECT_EQ(
       ParseBasalt(TextWith(kBasalt, "\"resolution\"", "\"other\""), {{64, 48}})
           .cameras[1]

@@ -54,7 +54,7 @@ TEST(ColmapFormat, ReadsWhatColmapWrites) {
        {std::string(kColmapCameras), ColmapBinary()}) {
     const ExchangeContents contents = ParseColmap(file);
     ASSERT_EQ(contents.cameras.size(), 2u);
-    const LensInForm& lens = contents.cameras[0].lens;
+    const ConvertedLens& lens = contents.cameras[0].lens;
     EXPECT_EQ(lens.form->name, "OPENCV");
     EXPECT_EQ(lens.size, (ImageSize{640, 480}));
     EXPECT_EQ(contents.cameras[1].name, "camera2");
@@ -72,7 +72,7 @@ TEST(ColmapFormat, ReadsThePrismFisheyeOfAria) {
       "1 RAD_TAN_THIN_PRISM_FISHEYE 640 480 300 301 322 241 0.05 -0.02 0.005 "
       "-0.003 0.001 -0.0005 0.001 -0.002 0.0005 -0.0004 0.0002 -0.0003\n");
   ASSERT_EQ(contents.cameras.size(), 1u);
-  EXPECT_NE(contents.remarks.at(0).find("RMS 0.00"), std::string::npos);
+  EXPECT_NE(contents.warnings.at(0).find("RMS 0.00"), std::string::npos);
   const auto grid = MakeLens(contents.cameras[0].lens);
   const double k[] = {0.05, -0.02, 0.005, -0.003, 0.001, -0.0005};
   for (const double x : {-0.9, 0.1, 0.8})
@@ -134,7 +134,8 @@ TEST(ColmapFormat, HasRigsInTheFrameOfTheirFirstCamera) {
   }
   const Format format = ColmapFormat();
   for (const char* path : {"m/cameras.txt", "m/cameras.bin"}) {
-    const std::vector<BesideFile> beside = format.write_beside({path, lenses});
+    const std::vector<CompanionFile> beside =
+        format.write_beside({path, lenses});
     ASSERT_EQ(beside.size(), 1u);
     EXPECT_EQ(beside[0].path, std::string("m/rigs") + (path + 9));
     EXPECT_EQ(beside[0].path, format.beside(path)[0]);
@@ -171,7 +172,7 @@ TEST(ColmapFormat, WritesImagesAndNoPoints) {
   camera.poses = {{"a.png", 3, {RotationFromVector({1, 2, 0.5}), {1, 2, 3}}}};
   const Format format = ColmapFormat();
   for (const char* path : {"m/cameras.txt", "m/cameras.bin"}) {
-    const std::vector<BesideFile> beside =
+    const std::vector<CompanionFile> beside =
         format.write_beside({path, {camera}});
     ASSERT_EQ(beside.size(), 2u);
     EXPECT_EQ(beside[0].path, std::string("m/images") + (path + 9));
@@ -199,11 +200,11 @@ TEST(ColmapFormat, WritesImagesAndNoPoints) {
 }
 
 TEST(ColmapFormat, SaysWhichPosesItLeavesOut) {
-  EXPECT_EQ(ParseColmap(ColmapBinary(), kBinaryRig).remarks.size(), 1u);
+  EXPECT_EQ(ParseColmap(ColmapBinary(), kBinaryRig).warnings.size(), 1u);
   EXPECT_FALSE(ParseColmap(ColmapBinary(), kBinaryRig).IsRig());
   // A model without rigs has one for each camera.
   EXPECT_TRUE(ParseColmap(kColmapCameras, "1 1 CAMERA 1\n2 1 CAMERA 2\n")
-                  .remarks.empty());
+                  .warnings.empty());
   ExpectError(ExitCode::kInput, {"camera 7", "does not exist"}, [] {
     ParseColmap(kColmapCameras, TextWith(kColmapRigs, "CAMERA 2", "CAMERA 7"));
   });

@@ -55,7 +55,7 @@ inline void ExpectFinite(const ExchangeContents& contents) {
       EXPECT_TRUE(point.allFinite());
   }
   for (const ReadLens& camera : contents.cameras) {
-    EXPECT_TRUE(CameraFileOf(camera).camera->Parameters().allFinite());
+    EXPECT_TRUE(MakeCameraFile(camera).camera->Parameters().allFinite());
     ExpectFinite(camera.features);
     for (const BoardPose& pose : camera.poses)
       EXPECT_TRUE(pose.camera_from_board.rotation.coeffs().allFinite() &&

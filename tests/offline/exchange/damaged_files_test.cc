@@ -191,8 +191,9 @@ TEST(DamagedFiles, OfStatesAreNothingElse) {
     request.beside = TextsOfState();
     if (k >= 0) request.beside[k % 4] = Mutated(request.beside[k % 4], &random);
     ReadLens camera;
-    std::vector<std::string> remarks;
-    num_refused += IsRefused([&] { TakeState(request, &camera, &remarks); });
+    std::vector<std::string> warnings;
+    num_refused +=
+        IsRefused([&] { ReadCameraState(request, &camera, &warnings); });
     for (const BoardPose& pose : camera.poses)
       EXPECT_TRUE(pose.camera_from_board.rotation.coeffs().allFinite() &&
                   pose.camera_from_board.translation.allFinite());

@@ -45,7 +45,7 @@ TEST(DepthAiFormat, ReadsARigWhoseCamerasAreAChain) {
   const ExchangeContents contents = ParseDevice(kDevice);
   ASSERT_EQ(contents.cameras.size(), 3u);
   ASSERT_TRUE(contents.IsRig());
-  EXPECT_TRUE(contents.remarks.empty());
+  EXPECT_TRUE(contents.warnings.empty());
   const ReadLens &right = contents.cameras[0], &left = contents.cameras[1],
                  &middle = contents.cameras[2];
   EXPECT_EQ(right.name, "CAM_C");
@@ -115,8 +115,8 @@ TEST(DepthAiFormat, CamerasWithoutLinksAreNoRig) {
   const ExchangeContents contents = ParseDevice(
       Replaced(kDevice, "\"toCameraSocket\": 0", "\"toCameraSocket\": -1"));
   EXPECT_FALSE(contents.IsRig());
-  ASSERT_EQ(contents.remarks.size(), 1u);
-  EXPECT_NE(contents.remarks[0].find("socket 0"), std::string::npos);
+  ASSERT_EQ(contents.warnings.size(), 1u);
+  EXPECT_NE(contents.warnings[0].find("socket 0"), std::string::npos);
 }
 
 }  // namespace

@@ -18,14 +18,14 @@ namespace {
 constexpr ImageSize kExampleImage = {640, 480};
 
 // A lens of a form, every parameter at work, with digits to lose.
-LensInForm ExampleOf(const LensForm& form) {
+ConvertedLens ExampleOf(const LensForm& form) {
   const Eigen::Vector2d center =
       ToProgram(form.origin, kExampleImage, {958.0 / 3, 721.0 / 3});
   const std::map<std::string, double> values = {
       {"f", 700.0 / 3},   {"fx", 700.0 / 3},  {"fy", 701.0 / 3},
       {"cx", center.x()}, {"cy", center.y()}, {"xi", -0.7 / 3},
       {"alpha", 1.8 / 3}, {"beta", 3.1 / 3}};
-  LensInForm lens = {&form, kExampleImage, {}};
+  ConvertedLens lens = {&form, kExampleImage, {}};
   const ThinPrismFisheye fisheye(kExampleImage, WholeImage(kExampleImage),
                                  {233, 234, 319, 240, 0.02, -0.01});
   if (form.IsSpline()) {
@@ -58,7 +58,7 @@ std::vector<std::pair<WrittenLens, std::string>> Examples(
     WrittenLens camera;
     camera.name = "front";
     camera.lens = ExampleOf(form);
-    camera.trusted = TrustMask::Over(kExampleImage);
+    camera.trusted = ValidityMask::Over(kExampleImage);
     camera.trusted->is_trusted[70] = true;
     examples.emplace_back(camera, format.write({"front.yaml", {camera}}));
   }
@@ -88,7 +88,8 @@ TEST(Formats, HaveNamesOfTheirOwnAndModelsThatAreKnown) {
 
 // The size of images, if the files of a format do not say it.
 std::optional<ImageSize> SizeToSay(const Format& format) {
-  return format.lacks_size ? std::optional(kExampleImage) : std::nullopt;
+  return format.requires_image_size ? std::optional(kExampleImage)
+                                    : std::nullopt;
 }
 
 // Lengths there are parts of the image, so the last bits of parameters differ.
@@ -112,9 +113,9 @@ TEST(Formats, ReadWhatTheyWriteToTheBit) {
       else
         EXPECT_EQ(parameters, expected);
       EXPECT_EQ(read.cameras[0].lens.size, kExampleImage);
-      EXPECT_TRUE(read.remarks.empty());
-      ASSERT_EQ(read.cameras[0].trusted.has_value(), format.holds_region);
-      if (!format.holds_region) continue;
+      EXPECT_TRUE(read.warnings.empty());
+      ASSERT_EQ(read.cameras[0].trusted.has_value(), format.supports_region);
+      if (!format.supports_region) continue;
       EXPECT_EQ(read.cameras[0].trusted->is_trusted,
                 camera.trusted->is_trusted);
     }
@@ -207,8 +208,8 @@ TEST(Formats, LeaveNoKeyOutWithoutAWord) {
     };
     SCOPED_TRACE(format.name);
     const ExchangeContents stranger = read_with("stranger", "5");
-    ASSERT_FALSE(stranger.remarks.empty());
-    EXPECT_NE(stranger.remarks[0].find("stranger"), std::string::npos);
+    ASSERT_FALSE(stranger.warnings.empty());
+    EXPECT_NE(stranger.warnings[0].find("stranger"), std::string::npos);
     for (const auto& [key, value] : {std::pair("mirror_parameters", "1.5"),
                                      {"lens_type", "\"catadioptric\""},
                                      {"projection_type", "\"double_sphere\""},
@@ -217,17 +218,17 @@ TEST(Formats, LeaveNoKeyOutWithoutAWord) {
                   [&, &k = key, &v = value] { read_with(k, v); });
     const size_t usual =
         ReadExchangeFile(nullptr, {"front.yaml", text, "", SizeToSay(format)})
-            .remarks.size();
+            .warnings.size();
     for (const auto& [key, value] :
          {std::pair("mirror_parameters", "0.0"), {"affine", "0"}})
-      EXPECT_EQ(read_with(key, value).remarks.size(), usual) << key;
+      EXPECT_EQ(read_with(key, value).warnings.size(), usual) << key;
   }
 }
 
 // An option adds to a file, and replaces nothing that the file says.
 TEST(Formats, RefuseOptionsAgainstTheFile) {
   for (const Format& format : Formats()) {
-    if (!format.read || !format.write || format.lacks_size) continue;
+    if (!format.read || !format.write || format.requires_image_size) continue;
     const auto [camera, text] = Examples(format).back();
     SCOPED_TRACE(format.name);
     const auto read_with = [&, &text = text](const std::string& form,

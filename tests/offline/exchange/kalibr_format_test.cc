@@ -132,10 +132,10 @@ TEST(KalibrFormat, ReadsALastLineWithoutItsEnd) {
   std::string text = kCamchain;
   text.pop_back();
   EXPECT_TRUE(ParseKalibr(text).IsRig());
-  EXPECT_TRUE(ParseKalibr(text).remarks.empty());
+  EXPECT_TRUE(ParseKalibr(text).warnings.empty());
   const auto cut = ParseKalibr(text + "\n  timeshift_cam_imu: 0.25");
-  ASSERT_EQ(cut.remarks.size(), 1u);
-  EXPECT_NE(cut.remarks[0].find("truncated"), std::string::npos);
+  ASSERT_EQ(cut.warnings.size(), 1u);
+  EXPECT_NE(cut.warnings[0].find("truncated"), std::string::npos);
 }
 
 TEST(KalibrFormat, SaysWhatIsMissingOrWrong) {
@@ -157,7 +157,7 @@ TEST(KalibrFormat, SaysWhatIsMissingOrWrong) {
   const ExchangeContents apart =
       ParseKalibr(TextWith(kCamchain, "T_cn_cnm1", "other"));
   EXPECT_FALSE(apart.IsRig());
-  EXPECT_EQ(apart.remarks.size(), 2u);
+  EXPECT_EQ(apart.warnings.size(), 2u);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ TEST(KeyedFormats, ReadCamodocal) {
                             "projection_parameters:\n   fx: 410.\n   fy: "
                             "411.5\n   cx: 322.5\n   cy: 238.\n");
   EXPECT_EQ(pinhole.cameras.at(0).name, "front");
-  EXPECT_TRUE(pinhole.remarks.empty());
+  EXPECT_TRUE(pinhole.warnings.empty());
   ExpectLens(pinhole.cameras[0], kPinholeLens, &Lens::Pinhole);
   const std::string mei = with("MEI", "-0.11", "0.05") +
                           "mirror_parameters:\n   xi: 1.25\n"
@@ -62,7 +62,7 @@ TEST(KeyedFormats, ReadOrbSlam) {
       "Viewer.PointSize:2\n";
   const auto one = Read(old, kImage);
   ExpectLens(one.cameras.at(0), kPinholeLens, &Lens::Pinhole);
-  EXPECT_TRUE(one.remarks.empty());
+  EXPECT_TRUE(one.warnings.empty());
   ExpectError(ExitCode::kInput, {"f: ", "--image-size"}, [&] { Read(old); });
   // OpenVSLAM's name of the model; another value is another lens.
   const std::string fisheye =
@@ -153,7 +153,7 @@ TEST(KeyedFormats, ReadGyroflow) {
       "\"distortion_model\": null, \"digital_lens\": null}\n";
   const auto read = Read(text);
   ExpectLens(read.cameras.at(0), kFisheyeLens, &Lens::Fisheye);
-  EXPECT_TRUE(read.remarks.empty());
+  EXPECT_TRUE(read.warnings.empty());
   for (const auto& [old, by, word] : std::vector<std::array<const char*, 3>>{
            {"\"distortion_model\": null", "\"distortion_model\": \"sony\"",
             "'sony'"},
@@ -231,7 +231,7 @@ TEST(KeyedFormats, ReadCalibTexts) {
       "T_01: -0.5 0 0\n");
   ASSERT_EQ(raw.cameras.size(), 2u);
   EXPECT_TRUE(raw.IsRig());
-  EXPECT_TRUE(raw.remarks.empty());
+  EXPECT_TRUE(raw.warnings.empty());
   ExpectLens(raw.cameras[0], kPinholeLens, &Lens::Pinhole);
   EXPECT_EQ(raw.cameras[1].camera_from_rig->translation.x(), -0.5);
   const auto rectified = Read(
@@ -255,7 +255,7 @@ TEST(KeyedFormats, ReadCalibTexts) {
       "camera matrix\n410 0 322.5\n0 411.5 238\n0 0 1\n\ndistortion\n"
       "-0.21 0.06 0.001 -0.002 0\n\nrectification\n1 0 0\n0 1 0\n0 0 1\n\n"
       "projection\n410 0 322.5 0\n0 411.5 238 0\n0 0 1 0\n");
-  EXPECT_TRUE(ini.remarks.empty());
+  EXPECT_TRUE(ini.warnings.empty());
   EXPECT_EQ(ini.cameras.at(0).name, "front");
   ExpectLens(ini.cameras[0], kPinholeLens, &Lens::Pinhole);
   // The calibrator writes four coefficients of fisheyes, five of others.
@@ -264,7 +264,7 @@ TEST(KeyedFormats, ReadCalibTexts) {
       "290 0 322.5\n0 291.5 238\n0 0 1\n\ndistortion\n0.03 -0.01 0.004 "
       "-0.001\n");
   ExpectLens(fisheye.cameras.at(0), kFisheyeLens, &Lens::Fisheye);
-  EXPECT_EQ(fisheye.remarks.size(), 1u);
+  EXPECT_EQ(fisheye.warnings.size(), 1u);
   // ost.txt of a pair: what the program printed, and a camera behind the other.
   const auto side = [](const std::string& name, const char* t) {
     return "# oST version 5.0 parameters\n\n[image]\n\nwidth\n640\n\nheight\n"
@@ -278,7 +278,7 @@ TEST(KeyedFormats, ReadCalibTexts) {
   const auto pair = Read("Left:\n('D = ', [-0.21, 0.06])\nNone\n" +
                          side("left", "0") + side("right", "-40"));
   ASSERT_EQ(pair.cameras.size(), 2u);
-  EXPECT_TRUE(pair.remarks.empty());
+  EXPECT_TRUE(pair.warnings.empty());
   EXPECT_EQ(pair.cameras[1].name, "right");
   ExpectLens(pair.cameras[1], kPinholeLens, &Lens::Pinhole);
   ASSERT_TRUE(pair.IsRig());
@@ -314,7 +314,7 @@ TEST(KeyedFormats, ReadCamerasOfSvo) {
   const auto rig = Read(text);
   ASSERT_EQ(rig.cameras.size(), 3u);
   ASSERT_TRUE(rig.IsRig());
-  EXPECT_TRUE(rig.remarks.empty());
+  EXPECT_TRUE(rig.warnings.empty());
   EXPECT_EQ(rig.cameras[1].name, "right");
   ExpectLens(rig.cameras[0], kPinholeLens, &Lens::Pinhole);
   ExpectLens(rig.cameras[1], kFisheyeLens, &Lens::Fisheye);
@@ -335,7 +335,7 @@ TEST(KeyedFormats, ReadVikit) {
   const auto read = Read(text);
   ExpectLens(read.cameras.at(0), kPinholeLens, &Lens::Pinhole);
   EXPECT_EQ(read.cameras[0].lens.size, kImage);
-  EXPECT_TRUE(read.remarks.empty());
+  EXPECT_TRUE(read.warnings.empty());
   ExpectLens(
       Read("/**:\n  ros__parameters:\n    camera:\n      model: Pinhole\n"
            "      width: 640\n      height: 480\n      scale: 0.5\n"
@@ -365,7 +365,7 @@ TEST(KeyedFormats, ReadAssignments) {
   const auto read = Read(text);
   ExpectLens(read.cameras.at(0), kPinholeLens, &Lens::Pinhole);
   EXPECT_EQ(read.cameras[0].lens.size, kImage);
-  EXPECT_TRUE(read.remarks.empty());
+  EXPECT_TRUE(read.warnings.empty());
   ExpectError(ExitCode::kInput, {"f: ", "'alpha_c'", "0.001"}, [&] {
     Read(TextWith(text, "alpha_c = 0.000", "alpha_c = 0.001"));
   });
@@ -391,7 +391,7 @@ TEST(KeyedFormats, ReadAssignments) {
       "cam1=[410 0 350; 0 410 238; 0 0 1]\ndoffs=27.5\nbaseline=193.001\n"
       "width=640\nheight=480\nndisp=270\n");
   ASSERT_TRUE(rectified.IsRig());
-  EXPECT_TRUE(rectified.remarks.empty());
+  EXPECT_TRUE(rectified.warnings.empty());
   EXPECT_EQ(rectified.cameras[1].lens.Value("cx"), 350);
   EXPECT_NEAR(rectified.cameras[1].camera_from_rig->translation.x(), -0.193001,
               1e-12);
@@ -408,8 +408,8 @@ TEST(KeyedFormats, ReadRectifiedCamerasOfStella) {
       "StereoRectifier.K_left: [190, 0, 254, 0, 190, 256, 0, 0, 1]\n"
       "Feature.scale_factor: 1.2\n");
   ExpectLens(read.cameras.at(0), kPinholeLens, &Lens::Pinhole);
-  ASSERT_EQ(read.remarks.size(), 1u);
-  EXPECT_NE(read.remarks[0].find("StereoRectifier.K_left"), std::string::npos);
+  ASSERT_EQ(read.warnings.size(), 1u);
+  EXPECT_NE(read.warnings[0].find("StereoRectifier.K_left"), std::string::npos);
 }
 
 // Poses of TUM have eight numbers a line, too, of which four are a rotation.
@@ -432,11 +432,11 @@ TEST(KeyedFormats, JudgeLengthsByTheImage) {
   ExpectError(ExitCode::kInput, {"f: ", "fx 0.64", "fractions"},
               [] { Read("0.64 0.86 0.5 0.5\n", kImage); });
   const std::string line = "410 411.5 322.5 238\n";
-  EXPECT_TRUE(Read(line, kImage).remarks.empty());
+  EXPECT_TRUE(Read(line, kImage).warnings.empty());
   for (const ImageSize& size : {ImageSize{480, 640}, ImageSize{1920, 1080}}) {
     const auto read = Read(line, size);
-    ASSERT_EQ(read.remarks.size(), 1u) << size.width;
-    EXPECT_NE(read.remarks[0].find("far from the centre"), std::string::npos);
+    ASSERT_EQ(read.warnings.size(), 1u) << size.width;
+    EXPECT_NE(read.warnings[0].find("far from the centre"), std::string::npos);
   }
 }
 
@@ -508,7 +508,7 @@ TEST(KeyedFormats, WriteLinesOfNumbers) {
 // P = K [I t]: cameras beside each other, which are not turned.
 TEST(KeyedFormats, WriteProjectionsOfKitti) {
   const Format& format = FindFormat("--to", "kitti-rectified");
-  EXPECT_TRUE(format.holds_rigs);
+  EXPECT_TRUE(format.supports_rigs);
   WriteRequest request = {"calib.txt", {{}, {}}};
   const auto read = Read("410 410 322.5 238", kImage);
   for (WrittenLens& camera : request.cameras) {

@@ -17,20 +17,20 @@ OpenCvModel LensWith(double k3, double k4) {
 
 TEST(LensForm, HoldsALensOfItsParametersAlone) {
   const LensForm form = OpenCvForm("five", 5);
-  const auto held = InForm(form, LensWith(0.01, 0));
+  const auto held = ConvertToForm(form, LensWith(0.01, 0));
   ASSERT_TRUE(held);
   EXPECT_EQ(held->values, (std::vector<double>{510, 515, 322, 236, -0.15, 0.06,
                                                1e-3, 0, 0.01}));
   EXPECT_EQ(held->Value("k3"), 0.01);
-  EXPECT_FALSE(InForm(form, LensWith(0.01, 0.1)));
-  EXPECT_FALSE(InForm(OpenCvForm("four", 4), LensWith(0.01, 0)));
-  EXPECT_FALSE(InForm(OpenCvFisheyeForm("fisheye"), LensWith(0, 0)));
+  EXPECT_FALSE(ConvertToForm(form, LensWith(0.01, 0.1)));
+  EXPECT_FALSE(ConvertToForm(OpenCvForm("four", 4), LensWith(0.01, 0)));
+  EXPECT_FALSE(ConvertToForm(OpenCvFisheyeForm("fisheye"), LensWith(0, 0)));
 }
 
 TEST(LensForm, MakesTheLensThatItHolds) {
   const LensForm form = OpenCvForm("five", 5);
   const OpenCvModel lens = LensWith(0.01, 0);
-  const auto made = MakeLens(InForm(form, lens).value());
+  const auto made = MakeLens(ConvertToForm(form, lens).value());
   EXPECT_EQ(made->Parameters(), lens.Parameters());
   EXPECT_EQ(made->image_size(), kFormImage);
 }
@@ -38,7 +38,7 @@ TEST(LensForm, MakesTheLensThatItHolds) {
 TEST(LensForm, ShiftsPixelsOfProgramsThatBeginAtTheCorner) {
   LensForm form = OpenCvForm("corner", 8);
   form.origin = PixelOrigin::kImageCorner;
-  const auto held = InForm(form, ExampleLens()).value();
+  const auto held = ConvertToForm(form, ExampleLens()).value();
   EXPECT_EQ(held.Value("cx"), ExampleLens().Parameters()[2] + 0.5);
   EXPECT_EQ(held.Value("cy"), ExampleLens().Parameters()[3] + 0.5);
   EXPECT_EQ(MakeLens(held)->Parameters(), ExampleLens().Parameters());
@@ -48,7 +48,7 @@ TEST(LensForm, ShiftsPixelsOfProgramsThatBeginAtTheCorner) {
 TEST(LensForm, ShiftsPixelsOfProgramsThatBeginInTheMiddle) {
   LensForm form = OpenCvForm("middle", 8);
   form.origin = PixelOrigin::kImageMiddle;
-  const auto held = InForm(form, ExampleLens()).value();
+  const auto held = ConvertToForm(form, ExampleLens()).value();
   EXPECT_EQ(held.Value("cx"), ExampleLens().Parameters()[2] - 319.5);
   EXPECT_EQ(held.Value("cy"), ExampleLens().Parameters()[3] - 239.5);
   EXPECT_EQ(MakeLens(held)->Parameters(), ExampleLens().Parameters());
@@ -58,18 +58,18 @@ TEST(LensForm, HasOneFocalLengthIfThereIsOne) {
   const LensForm form = {"simple", "opencv", {"f", "cx", "cy", "k1"}};
   const OpenCvModel lens(kFormImage, WholeImage(kFormImage),
                          {500, 500, 320, 240, -0.1, 0, 0, 0, 0, 0, 0, 0});
-  const auto held = InForm(form, lens).value();
+  const auto held = ConvertToForm(form, lens).value();
   EXPECT_EQ(held.values, (std::vector<double>{500, 320, 240, -0.1}));
   EXPECT_EQ(MakeLens(held)->Parameters(), lens.Parameters());
-  EXPECT_FALSE(InForm(form, LensWith(0, 0)));  // 510 and 515 px
+  EXPECT_FALSE(ConvertToForm(form, LensWith(0, 0)));  // 510 and 515 px
 }
 
 // A form of the model with prism and tilt holds the pinhole without them.
 TEST(LensForm, HoldsAPinholeAmongThoseWithPrismAndTilt) {
   const LensForm twelve = OpenCvForm("twelve", 12),
                  eight = OpenCvForm("eight", 8);
-  const auto held = InForm(twelve, ExampleLens()).value();
-  const auto expected = InForm(eight, ExampleLens()).value();
+  const auto held = ConvertToForm(twelve, ExampleLens()).value();
+  const auto expected = ConvertToForm(eight, ExampleLens()).value();
   ASSERT_EQ(held.values.size(), 16u);
   for (const std::string& parameter : eight.parameters)
     EXPECT_EQ(held.Value(parameter), expected.Value(parameter)) << parameter;
@@ -79,11 +79,11 @@ TEST(LensForm, HoldsAPinholeAmongThoseWithPrismAndTilt) {
 TEST(LensForm, HoldsAnEquidistantViewAsAFisheye) {
   const ViewCamera view(ViewProjection::kEquidistant, kFormImage,
                         WholeImage(kFormImage), {200, 200, 320, 240});
-  const auto held = InForm(OpenCvFisheyeForm("fisheye"), view).value();
+  const auto held = ConvertToForm(OpenCvFisheyeForm("fisheye"), view).value();
   EXPECT_EQ(held.values, (std::vector<double>{200, 200, 320, 240, 0, 0, 0, 0}));
   const ViewCamera cylinder(ViewProjection::kCylindrical, kFormImage,
                             WholeImage(kFormImage), {200, 200, 320, 240});
-  EXPECT_FALSE(InForm(OpenCvFisheyeForm("fisheye"), cylinder));
+  EXPECT_FALSE(ConvertToForm(OpenCvFisheyeForm("fisheye"), cylinder));
 }
 
 // This distortion folds at a radius of r (1 - r^2 / 2), with r^2 = 2/3: outside
@@ -100,7 +100,8 @@ TEST(LensForm, CountsPixelsThatLookNowhereByArea) {
     for (int y = 0; y < 480; ++y)
       for (int x = 0; x < 640; ++x)
         num_outside += (Eigen::Vector2d(x, y) - center).norm() > radius_px;
-    EXPECT_NEAR(PartWithoutRays(lens), num_outside / (640.0 * 480), 0.004);
+    EXPECT_NEAR(ComputeUndefinedFraction(lens), num_outside / (640.0 * 480),
+                0.004);
   }
 }
 

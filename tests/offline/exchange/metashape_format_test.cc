@@ -27,8 +27,8 @@ std::string FisheyeCalibration() {
 TEST(MetashapeFormat, ReadsAFrame) {
   const ExchangeContents contents = ParseMetashape(kMetashape);
   ASSERT_EQ(contents.cameras.size(), 1u);
-  EXPECT_TRUE(contents.remarks.empty());
-  const LensInForm& lens = contents.cameras[0].lens;
+  EXPECT_TRUE(contents.warnings.empty());
+  const ConvertedLens& lens = contents.cameras[0].lens;
   EXPECT_EQ(lens.size, (ImageSize{4096, 3072}));
   const auto model = MakeLens(lens);
   EXPECT_EQ(model->Name(), "opencv");
@@ -90,7 +90,7 @@ TEST(MetashapeFormat, ReadsTheSensorsOfADocument) {
             MakeLens(ParseMetashape(kMetashape).cameras[0].lens)->Parameters());
   const auto first = ParseMetashape(document(begin));
   EXPECT_EQ(first.cameras.at(0).lens.Value("fy"), 3000);
-  EXPECT_EQ(first.remarks.size(), 2u);
+  EXPECT_EQ(first.warnings.size(), 2u);
   ExpectError(ExitCode::kInput, {"f: contains no camera"},
               [&] { ParseMetashape(document("")); });
 }

@@ -32,10 +32,10 @@ TEST(MrcalCornersFormat, ReadsCornersRowByRow) {
   for (size_t k = 1; k < features.size(); ++k)
     EXPECT_EQ(features[k].pixel, Eigen::Vector2d(10 + 10 * features[k].column,
                                                  20 + 10 * features[k].row));
-  ASSERT_EQ(contents.remarks.size(), 3u);
-  EXPECT_EQ(contents.remarks[0], "without a board: 1 image");
-  EXPECT_NE(contents.remarks[1].find(": 3 corners"), std::string::npos);
-  EXPECT_NE(contents.remarks[2].find(": 1 corner"), std::string::npos);
+  ASSERT_EQ(contents.warnings.size(), 3u);
+  EXPECT_EQ(contents.warnings[0], "without a board: 1 image");
+  EXPECT_NE(contents.warnings[1].find(": 3 corners"), std::string::npos);
+  EXPECT_NE(contents.warnings[2].find(": 1 corner"), std::string::npos);
 }
 
 TEST(MrcalCornersFormat, LeavesOutCornersWithoutWeight) {

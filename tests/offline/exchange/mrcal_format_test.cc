@@ -42,14 +42,14 @@ TEST(MrcalFormat, ReadsWhatMrcalWrites) {
   EXPECT_LT(camera.camera_from_rig->rotation.angularDistance(
                 RotationFromVector({0.1, 0.2, 0.3})),
             1e-12);
-  EXPECT_TRUE(contents.remarks.empty());
+  EXPECT_TRUE(contents.warnings.empty());
   ASSERT_TRUE(camera.trusted);
-  EXPECT_TRUE(camera.trusted->Trusts({500, 200}));
-  EXPECT_FALSE(camera.trusted->Trusts({200, 300}));
-  EXPECT_FALSE(camera.trusted->Trusts({630, 200}));
-  const CameraFile file = CameraFileOf(camera);
+  EXPECT_TRUE(camera.trusted->IsValidAt({500, 200}));
+  EXPECT_FALSE(camera.trusted->IsValidAt({200, 300}));
+  EXPECT_FALSE(camera.trusted->IsValidAt({630, 200}));
+  const CameraFile file = MakeCameraFile(camera);
   EXPECT_EQ(file.uncertainty->mask.is_trusted, camera.trusted->is_trusted);
-  EXPECT_FALSE(file.uncertainty->TellsDeviations());
+  EXPECT_FALSE(file.uncertainty->HasDeviations());
 }
 
 TEST(MrcalFormat, ReadsTheNamesOfOldVersions) {
@@ -57,7 +57,7 @@ TEST(MrcalFormat, ReadsTheNamesOfOldVersions) {
                                     "'distortion_model':  'DISTORTION_");
   EXPECT_EQ(ParseMrcal(old).cameras.at(0).lens.values,
             ParseMrcal(kMrcal).cameras[0].lens.values);
-  EXPECT_TRUE(ParseMrcal(old).remarks.empty());
+  EXPECT_TRUE(ParseMrcal(old).warnings.empty());
   const std::string none = TextWith(TextWith(old, "OPENCV5", "NONE"),
                                     "0.1, 0.01, 0.001, 0.002, 0.003,", "");
   EXPECT_EQ(ParseMrcal(none).cameras.at(0).lens.form->name,
@@ -75,7 +75,7 @@ TEST(MrcalFormat, TellsWhatCanBeTrusted) {
     return FindFormat("--to", "mrcal").write({"a.cameramodel", {camera}});
   };
   EXPECT_EQ(written().find(key), std::string::npos);
-  TrustMask mask = TrustMask::Over({640, 480});
+  ValidityMask mask = ValidityMask::Over({640, 480});
   for (const size_t num_trusted : {size_t{0}, mask.is_trusted.size() / 2}) {
     std::fill_n(mask.is_trusted.begin(), num_trusted, true);
     camera.trusted = mask;
@@ -102,7 +102,7 @@ TEST(MrcalFormat, ReadsSplines) {
       "'LENSMODEL_SPLINED_STEREOGRAPHIC_order=3_Nx=4_Ny=4_fov_x_deg=150',\n"
       "'intrinsics': [" +
       numbers + "], 'imagersize': [640, 480]}\n";
-  const LensInForm lens = ParseMrcal(text).cameras[0].lens;
+  const ConvertedLens lens = ParseMrcal(text).cameras[0].lens;
   ASSERT_TRUE(lens.spline);
   EXPECT_EQ(lens.spline->grid().fov_x_deg, 150);
   EXPECT_EQ(lens.spline->surface().points()[1], Eigen::Vector2d(0.012, 0.013));

@@ -25,7 +25,7 @@ TEST(OcamCalibFormat, IsReadAsItsGrid) {
       "480 640\n\n";
   const auto read = Read(text);
   EXPECT_EQ(read.cameras.at(0).lens.size, kImage);
-  EXPECT_NE(read.remarks.at(0).find("RMS 0.00"), std::string::npos);
+  EXPECT_NE(read.warnings.at(0).find("RMS 0.00"), std::string::npos);
   const auto grid = MakeLens(read.cameras[0].lens);
   for (const double x : {-150.0, 30.0, 140.0})
     for (const double y : {-120.0, 20.0, 190.0}) {
@@ -49,7 +49,8 @@ TEST(OcamCalibFormat, WritesTheNearestPolynomial) {
                                   0.03, -0.01, 0.004, -0.001, 0, 0, 0, 0)
                                      .finished());
   const Format& format = FindFormat("--to", "ocamcalib");
-  const ChosenLens chosen = ChooseLens(format.FindForms(""), *camera, nullptr);
+  const SelectedLens chosen =
+      SelectLens(format.FindForms(""), *camera, nullptr);
   ASSERT_TRUE(chosen.fit);
   EXPECT_LT(chosen.fit->max_px, 0.05);
   EXPECT_EQ(chosen.fit->num_beyond, 0u);
@@ -137,14 +138,15 @@ TEST(DsoFormat, ReadsItsModels) {
 }
 
 // No lens of raygrid has a skew; the grid's error is stated.
-TEST(NearestGrid, StandsForALensWithASkew) {
+TEST(FitNearestGrid, StandsForALensWithASkew) {
   const auto check = [](const std::string& text, const Lens& lens,
                         Formula formula) {
     const auto read = Read(text, kImage);
     EXPECT_EQ(read.cameras.at(0).lens.form->model, "central-generic");
-    ASSERT_FALSE(read.remarks.empty());
-    EXPECT_NE(read.remarks.back().find("fit error RMS 0.00"), std::string::npos)
-        << read.remarks.back();
+    ASSERT_FALSE(read.warnings.empty());
+    EXPECT_NE(read.warnings.back().find("fit error RMS 0.00"),
+              std::string::npos)
+        << read.warnings.back();
     ExpectLens(read.cameras[0], lens, formula, 0.01);
   };
   Lens pinhole = kPinholeLens, fisheye = kFisheyeLens;

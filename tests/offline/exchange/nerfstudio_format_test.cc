@@ -35,15 +35,15 @@ std::string FisheyeTransforms() {
 TEST(NerfstudioFormat, ReadsACameraWhosePixelsBeginAtTheCorner) {
   const ExchangeContents contents = ParseNerfstudio(kTransforms);
   ASSERT_EQ(contents.cameras.size(), 1u);
-  EXPECT_TRUE(contents.remarks.empty());
-  const LensInForm& lens = contents.cameras[0].lens;
+  EXPECT_TRUE(contents.warnings.empty());
+  const ConvertedLens& lens = contents.cameras[0].lens;
   EXPECT_EQ(lens.form->name, "OPENCV");
   EXPECT_EQ(lens.size, (ImageSize{640, 480}));
   EXPECT_EQ(lens.Value("p2"), -0.002);
   EXPECT_EQ(lens.Value("k3"), 0);
   EXPECT_EQ(Eigen::Vector4d(MakeLens(lens)->Parameters().head<4>()),
             Eigen::Vector4d(500.25, 501.5, 319.5, 240));
-  const LensInForm fisheye =
+  const ConvertedLens fisheye =
       ParseNerfstudio(FisheyeTransforms()).cameras[0].lens;
   EXPECT_EQ(fisheye.form->name, "OPENCV_FISHEYE");
   EXPECT_EQ(fisheye.Value("k4"), -0.002);
@@ -58,7 +58,7 @@ TEST(NerfstudioFormat, ReadsTheFlagOfFisheyes) {
     return TextWith(without, "\"frames\"", flag + ", \"frames\"");
   };
   const auto said = ParseNerfstudio(with("\"is_fisheye\": true"));
-  EXPECT_TRUE(said.remarks.empty());
+  EXPECT_TRUE(said.warnings.empty());
   EXPECT_EQ(MakeLens(said.cameras.at(0).lens)->Parameters(),
             MakeLens(ParseNerfstudio(fisheye).cameras[0].lens)->Parameters());
   EXPECT_EQ(ParseNerfstudio(TextWith(kTransforms, "\"frames\"",
@@ -82,8 +82,8 @@ TEST(NerfstudioFormat, ReadsWhatFramesSayOfOneCamera) {
   const ExchangeContents contents = ParseNerfstudio(text);
   EXPECT_EQ(contents.cameras[0].lens.form->name, "PINHOLE");
   EXPECT_EQ(contents.cameras[0].lens.Value("fy"), 51);
-  ASSERT_EQ(contents.remarks.size(), 1u);
-  EXPECT_NE(contents.remarks[0].find("frames[0]: transform_matrix"),
+  ASSERT_EQ(contents.warnings.size(), 1u);
+  EXPECT_NE(contents.warnings[0].find("frames[0]: transform_matrix"),
             std::string::npos);
   ExpectError(
       ExitCode::kInput, {"frames[1]: fl_x differs", "a single camera"}, [&] {
@@ -157,8 +157,8 @@ TEST(NerfstudioFormat, SaysWhatIsMissingOrWrong) {
          {"distortion_params", "6 numbers"});
   const ExchangeContents scaled =
       ParseNerfstudio(TextWith(kTransforms, "[1.0,", "[2.0,"));
-  ASSERT_EQ(scaled.remarks.size(), 1u);
-  EXPECT_NE(scaled.remarks[0].find(
+  ASSERT_EQ(scaled.warnings.size(), 1u);
+  EXPECT_NE(scaled.warnings[0].find(
                 "frames[0]: transform_matrix: not a rotation matrix"),
             std::string::npos);
   EXPECT_TRUE(scaled.cameras[0].poses.empty());

@@ -38,7 +38,7 @@ TEST(OpenCvFormat, ReadsWhatOpenCvWrites) {
   for (const char* text : {kYaml, kXml}) {
     const ExchangeContents contents = Parse(text);
     ASSERT_EQ(contents.cameras.size(), 1u);
-    const LensInForm& lens = contents.cameras[0].lens;
+    const ConvertedLens& lens = contents.cameras[0].lens;
     EXPECT_EQ(lens.form->name, "opencv5");
     EXPECT_EQ(lens.size, (ImageSize{640, 480}));
     EXPECT_EQ(lens.values,
@@ -51,18 +51,18 @@ TEST(OpenCvFormat, TellsModelsApart) {
   const std::string four =
       TextWith(TextWith(kYaml, ", 0.25", ""), "cols: 5", "cols: 4");
   EXPECT_EQ(Parse(four).cameras[0].lens.form->name, "opencv4");
-  EXPECT_EQ(Parse(four).remarks.size(), 1u);
+  EXPECT_EQ(Parse(four).warnings.size(), 1u);
   EXPECT_EQ(Parse(four, "fisheye").cameras[0].lens.form->name, "fisheye");
-  EXPECT_TRUE(Parse(four, "fisheye").remarks.empty());
+  EXPECT_TRUE(Parse(four, "fisheye").warnings.empty());
   const ExchangeContents column = Parse(
       TextWith(TextWith(four, "rows: 1", "rows: 4"), "cols: 4", "cols: 1"));
   EXPECT_EQ(column.cameras[0].lens.form->name, "fisheye");
-  EXPECT_EQ(column.remarks.size(), 1u);
+  EXPECT_EQ(column.warnings.size(), 1u);
   for (const char* key :
        {"fisheye_model: 1\n", "distortion_model: fisheye\n"}) {
     const ExchangeContents said = Parse(four + key);
     EXPECT_EQ(said.cameras[0].lens.form->model, "thin-prism-fisheye");
-    EXPECT_TRUE(said.remarks.empty());
+    EXPECT_TRUE(said.warnings.empty());
   }
 }
 
@@ -94,7 +94,7 @@ TEST(OpenCvFormat, ReadsOmnidir) {
         "xi: !!opencv-matrix\n   rows: 1\n   cols: 1\n   dt: d\n"
         "   data: [ 1.25 ]\n"}) {
     const ExchangeContents contents = Parse(four + xi);
-    EXPECT_TRUE(contents.remarks.empty());
+    EXPECT_TRUE(contents.warnings.empty());
     const auto lens = MakeLens(contents.cameras.at(0).lens);
     EXPECT_EQ(lens->Name(), "omni-radtan");
     const Eigen::Vector3d point(0.2, -0.1, 1);
@@ -168,10 +168,10 @@ TEST(OpenCvFormat, ReadsPairs) {
     EXPECT_EQ(apart.cameras[0].lens.form->name, "opencv8");
     EXPECT_EQ(apart.cameras[1].lens.Value("fy"), 511);
     const ExchangeContents alone = Parse("%YAML:1.0\n---\n" + pose);
-    TakePoseOfPair(alone.second_from_first, "f", &apart.cameras);
+    AssignPairPose(alone.second_from_first, "f", &apart.cameras);
     const ExchangeContents both =
         Parse("%YAML:1.0\n---\n" + cameras + pose, "", size);
-    EXPECT_TRUE(both.remarks.empty());
+    EXPECT_TRUE(both.warnings.empty());
     for (const ExchangeContents* contents : {&std::as_const(apart), &both}) {
       ASSERT_TRUE(contents->IsRig());
       EXPECT_LT(
@@ -183,7 +183,7 @@ TEST(OpenCvFormat, ReadsPairs) {
   }
   std::vector<ReadLens> one(1);
   ExpectError(ExitCode::kInput, {"f: ", "R and T", "import"},
-              [&] { TakePoseOfPair(Pose{}, "f", &one); });
+              [&] { AssignPairPose(Pose{}, "f", &one); });
 }
 
 // As many as are numbered, or named in a list.
@@ -203,7 +203,7 @@ TEST(OpenCvFormat, ReadsSeveralCameras) {
   ASSERT_EQ(numbered.cameras.size(), 3u);
   EXPECT_EQ(numbered.cameras[2].name, "camera2");
   EXPECT_EQ(numbered.cameras[2].lens.Value("fx"), 520);
-  EXPECT_TRUE(numbered.remarks.empty());
+  EXPECT_TRUE(numbered.warnings.empty());
   const ExchangeContents named = Parse(
       head + "names:\n  - \"01\"\n  - \"B2\"\n" +
           camera("K_01", "dist_01", "500") + camera("K_B2", "dist_B2", "510"),
@@ -281,7 +281,7 @@ TEST(OpenCvFormat, TakesCornersOnlyWithTheirBoard) {
     const std::string text = TextWith(kCorners, old, by);
     const ReadLens camera = Parse(kYaml + text).cameras.at(0);
     EXPECT_TRUE(camera.features.empty());
-    EXPECT_NE(camera.why_no_features.find(word), std::string::npos);
+    EXPECT_NE(camera.missing_features_reason.find(word), std::string::npos);
     ExpectError(ExitCode::kInput, {"f: ", "image_points", word},
                 [&] { Parse(text); });
   }
@@ -314,12 +314,13 @@ TEST(OpenCvFormat, HoldsPoses) {
 // A distortion that folds within the image, and lengths that may be
 // millimetres.
 TEST(OpenCvFormat, SaysWhatMayNotBeExpected) {
-  const auto remarks = [](const std::string& text) {
-    return ReadExchangeFile(RecognizeFormat(text), {"f", text, "", {}}).remarks;
+  const auto warnings = [](const std::string& text) {
+    return ReadExchangeFile(RecognizeFormat(text), {"f", text, "", {}})
+        .warnings;
   };
-  EXPECT_TRUE(remarks(kYaml).empty());
+  EXPECT_TRUE(warnings(kYaml).empty());
   const auto folds =
-      remarks(TextWith(TextWith(kYaml, "-2.99", "-6.99"), "0.25", "0.0"));
+      warnings(TextWith(TextWith(kYaml, "-2.99", "-6.99"), "0.25", "0.0"));
   ASSERT_EQ(folds.size(), 1u);
   EXPECT_NE(folds[0].find("% of the image, where the distortion"),
             std::string::npos);
@@ -327,7 +328,7 @@ TEST(OpenCvFormat, SaysWhatMayNotBeExpected) {
       "R: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
       "   data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nT: !!opencv-matrix\n   rows: 3\n"
       "   cols: 1\n   dt: d\n   data: [-120.0, 0, 0]\n";
-  const auto far = remarks(kYaml + pose);
+  const auto far = warnings(kYaml + pose);
   ASSERT_EQ(far.size(), 1u);
   EXPECT_NE(far[0].find("120 m"), std::string::npos);
 }

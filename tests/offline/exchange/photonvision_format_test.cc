@@ -31,7 +31,7 @@ ExchangeContents ParsePhotonVision(const std::string& text) {
 
 TEST(PhotonVisionFormat, ReadsCameraCornersAndPoses) {
   const ExchangeContents contents = ParsePhotonVision(kPhotonVision);
-  EXPECT_TRUE(contents.remarks.empty());
+  EXPECT_TRUE(contents.warnings.empty());
   ASSERT_EQ(contents.cameras.size(), 1u);
   const ReadLens& camera = contents.cameras[0];
   const auto model = MakeLens(camera.lens);

@@ -2,7 +2,7 @@
 
 #include "camera/noncentral_generic.h"
 #include "camera/thin_prism_fisheye.h"
-#include "exchange/lens_choice.h"
+#include "exchange/lens_selection.h"
 #include "exchange/puzzlepaint_files.h"
 #include "exchange/puzzlepaint_state.h"
 #include "exchange/unit_grid.h"
@@ -23,11 +23,11 @@ ThinPrismFisheye GridLens() {
 }
 
 // The camera in the form that it takes, as a file and a lens.
-std::pair<std::string, ChosenLens> WrittenGrid(const CameraModel& camera) {
+std::pair<std::string, SelectedLens> WrittenGrid(const CameraModel& camera) {
   std::vector<const LensForm*> forms;
   static const Format format = PuzzlepaintFormat();
   for (const LensForm& form : format.forms) forms.push_back(&form);
-  ChosenLens chosen = ChooseLens(forms, camera, nullptr);
+  SelectedLens chosen = SelectLens(forms, camera, nullptr);
   WrittenLens written;
   written.name = "front";
   written.lens = chosen.lens;
@@ -40,7 +40,7 @@ NonCentralGeneric LinesOf(const CameraModel& lens) {
   const CentralGeneric grid = FittedGrid(lens, 30);
   std::vector<Eigen::Vector3d> points;
   for (int k = 0; k < grid.surface().num_points(); ++k) {
-    const Eigen::Vector2d pixel = grid.surface().PixelOf(k);
+    const Eigen::Vector2d pixel = grid.surface().GetPixel(k);
     points.emplace_back(1e-5 * pixel.x(), -3e-5 * pixel.y(),
                         1e-7 * pixel.x() * pixel.y());
   }
@@ -80,10 +80,10 @@ TEST(PuzzlepaintFormat, WritesTheNearestGrid) {
                       "grid_width : 19\ngrid_height : 15\n# "),
             std::string::npos);
   const ExchangeContents read = ParsePuzzlepaint(text);
-  ASSERT_EQ(read.remarks.size(), 1u);
-  const size_t rms = read.remarks[0].find("RMS ");
-  ASSERT_NE(rms, std::string::npos) << read.remarks[0];
-  EXPECT_LT(std::stod(read.remarks[0].substr(rms + 4)), 0.01);
+  ASSERT_EQ(read.warnings.size(), 1u);
+  const size_t rms = read.warnings[0].find("RMS ");
+  ASSERT_NE(rms, std::string::npos) << read.warnings[0];
+  EXPECT_LT(std::stod(read.warnings[0].substr(rms + 4)), 0.01);
   const auto camera = MakeLens(read.cameras[0].lens);
   EXPECT_EQ(camera->Name(), "central-generic");
   const std::string inner =
@@ -220,7 +220,7 @@ TEST(PuzzlepaintFormat, PlacesTheRigByACameraThatIsNotItsOrigin) {
       Pose{Eigen::Quaterniond(0.6, 0, 0.8, 0), {0.5, -0.25, 0.125}};
   const auto files = WriteState("s/intrinsics0.yaml", cameras, {});
   ASSERT_EQ(files.size(), 2u);
-  const auto only = [&](const BesideFile& file) {
+  const auto only = [&](const CompanionFile& file) {
     return ParsePuzzlepaintPoses("f", file.text).poses.at(0);
   };
   EXPECT_EQ(files[0].path, "s/camera_tr_rig.yaml");

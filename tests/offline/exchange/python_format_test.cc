@@ -109,12 +109,12 @@ TEST(PythonFormat, ReadsCoefficientsByTheirNames) {
     const auto read = with(text);
     SCOPED_TRACE(text);
     ExpectLens(read.cameras.at(0), {k, d}, &Lens::Pinhole);
-    EXPECT_TRUE(read.remarks.empty());
+    EXPECT_TRUE(read.warnings.empty());
   }
   const auto fisheye =
       with("\"k1\": 0.03, \"k2\": -0.01, \"k3\": 0.004, \"k4\": -0.001");
   ExpectLens(fisheye.cameras.at(0), {k, kFisheyeLens.d}, &Lens::Fisheye);
-  EXPECT_EQ(fisheye.remarks.size(), 1u);
+  EXPECT_EQ(fisheye.warnings.size(), 1u);
   ExpectError(ExitCode::kInput, {"f: ", "cv::fisheye", "'model'"}, [&] {
     with(
         "\"k1\": 0.03, \"k2\": -0.01, \"k3\": 0.004, \"k4\": -0.001, "
@@ -139,8 +139,8 @@ TEST(PythonFormat, TakesCamerasWithoutDistortion) {
     const auto read = Read(text);
     ExpectLens(read.cameras.at(0), {{410, 411.5, 322.5, 238}, {}},
                &Lens::Pinhole);
-    ASSERT_EQ(read.remarks.size(), 1u);
-    EXPECT_NE(read.remarks[0].find("no distortion"), std::string::npos);
+    ASSERT_EQ(read.warnings.size(), 1u);
+    EXPECT_NE(read.warnings[0].find("no distortion"), std::string::npos);
   }
   // It may have coefficients under a name that is not known.
   ExpectError(ExitCode::kInput, {"f: ", "'distortion_coefficients' is missing"},
@@ -161,9 +161,9 @@ TEST(PythonFormat, KnowsWhatSaysNothingOfTheLens) {
       "\"k1\": -0.21, \"alpha\": 1.0}";
   const auto read = Read(text);
   ExpectLens(read.cameras.at(0), kPinholeLens, &Lens::Pinhole);
-  ASSERT_EQ(read.remarks.size(), 1u);
+  ASSERT_EQ(read.warnings.size(), 1u);
   for (const char* word : {"camera_model", "alpha"})
-    EXPECT_NE(read.remarks[0].find(word), std::string::npos);
+    EXPECT_NE(read.warnings[0].find(word), std::string::npos);
   ExpectError(ExitCode::kInput, {"f: ", "'k1'"},
               [&] { Read(TextWith(text, "\"k1\": -0.21", "\"k1\": -0.3")); });
   for (const char* other : {"inverse_brown_conrady", "Scaramuzza", "division"})
@@ -178,7 +178,7 @@ TEST(PythonFormat, TellsFisheyes) {
       "[-0.01], [0.004], [-0.001]], \"dim\": [640, 480]}";
   const auto read = Read(text, kImage);
   ExpectLens(read.cameras.at(0), kFisheyeLens, &Lens::Fisheye);
-  EXPECT_EQ(read.remarks.size(), 2u);  // and "dim" is not known
+  EXPECT_EQ(read.warnings.size(), 2u);  // and "dim" is not known
   const std::string row = TextWith(text, "[[0.03], [-0.01], [0.004], [-0.001]]",
                                    "[0.03, -0.01, 0.004, -0.001]");
   EXPECT_EQ(Read(row, kImage).cameras.at(0).lens.form->name, "opencv4");

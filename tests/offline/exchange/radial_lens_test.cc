@@ -40,15 +40,15 @@ std::string GyroflowProfile(const std::string& model,
 TEST(RadialLens, ReadsGyroflow) {
   const Numbers k = {500, 501, 322.5, 238};
   const auto exact = Read(GyroflowProfile("poly3", "-0.08"));
-  EXPECT_TRUE(exact.remarks.empty());
+  EXPECT_TRUE(exact.warnings.empty());
   ExpectRadial(
       exact.cameras.at(0), k, [](double r) { return 1 - 0.08 * r * r; }, 1e-9);
   ExpectRadial(
       Read(GyroflowProfile("poly5", "-0.08, 0.02, 0, 0")).cameras.at(0), k,
       [](double r) { return 1 - 0.08 * r * r + 0.02 * std::pow(r, 4); }, 1e-9);
   const auto grid = Read(GyroflowProfile("ptlens", "0.02, -0.09, 0.03"));
-  ASSERT_EQ(grid.remarks.size(), 1u);
-  EXPECT_NE(grid.remarks[0].find("RMS 0.00"), std::string::npos);
+  ASSERT_EQ(grid.warnings.size(), 1u);
+  EXPECT_NE(grid.warnings[0].find("RMS 0.00"), std::string::npos);
   ExpectRadial(
       grid.cameras.at(0), k,
       [](double r) {
@@ -71,7 +71,7 @@ TEST(RadialLens, ReadsLensfun) {
       "</lensdatabase>\n";
   const auto read = Read(text, kImage);
   EXPECT_EQ(read.cameras.at(0).name, "b c");
-  EXPECT_TRUE(read.remarks.empty());
+  EXPECT_TRUE(read.warnings.empty());
   const double mm = std::hypot(36, 24) / 1.5,
                f = 20 * std::hypot(639, 479) / mm,
                unit = mm / 2 / std::hypot(1, 1.5) / 20;

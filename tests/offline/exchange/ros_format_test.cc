@@ -44,15 +44,15 @@ TEST(RosFormat, ReadsFiles) {
 
 TEST(RosFormat, ReadsMessages) {
   const ExchangeContents contents = ParseRos(kMessage);
-  const LensInForm& lens = contents.cameras.at(0).lens;
+  const ConvertedLens& lens = contents.cameras.at(0).lens;
   EXPECT_EQ(lens.form->name, "rational_polynomial");
   EXPECT_EQ(lens.values,
             (std::vector<double>{500.5, 501, 320.25, 240, 0.1, 0.2, 0.001,
                                  0.002, 0.3, 0.4, 0.5, 0.6}));
   EXPECT_EQ(contents.cameras[0].rectified->p(0, 2), 300);
-  EXPECT_TRUE(contents.remarks.empty());
+  EXPECT_TRUE(contents.warnings.empty());
   const std::string binned = TextWith(kMessage, "binning_x: 0", "binning_x: 2");
-  EXPECT_EQ(ParseRos(binned).remarks.size(), 1u);
+  EXPECT_EQ(ParseRos(binned).warnings.size(), 1u);
 }
 
 TEST(RosFormat, KnowsWhatDriversWrite) {
@@ -148,7 +148,7 @@ TEST(RosFormat, FindsThePosesOfAPair) {
   pair[1].rectified = pair[0].rectified;
   pair[1].rectified->r = second.toRotationMatrix();
   pair[1].rectified->p(0, 3) = -40;
-  FindPosesOfPair(&pair);
+  ComputePairPoses(&pair);
   const Eigen::Vector3d point(0.3, -0.2, 2);
   const auto in_view = [&](const ReadLens& camera) {
     return Eigen::Vector3d(camera.rectified->r *
@@ -161,7 +161,7 @@ TEST(RosFormat, FindsThePosesOfAPair) {
   // A camera alone says nothing.
   pair[1].rectified.reset();
   pair[0].camera_from_rig.reset();
-  FindPosesOfPair(&pair);
+  ComputePairPoses(&pair);
   EXPECT_FALSE(pair[0].camera_from_rig);
 }
 

@@ -10,40 +10,40 @@ namespace {
 // Cells of 4 pixels; the last column and row are cut by the image's edge.
 constexpr ImageSize kRegionImage = {22, 14};
 
-TrustMask MaskOf(const std::vector<std::string>& rows) {
-  TrustMask mask = TrustMask::Over(kRegionImage);
+ValidityMask MaskOf(const std::vector<std::string>& rows) {
+  ValidityMask mask = ValidityMask::Over(kRegionImage);
   mask.is_trusted.clear();
   for (const std::string& row : rows)
     for (const char cell : row) mask.is_trusted.push_back(cell == '#');
   return mask;
 }
 
-std::vector<bool> ThereAndBack(const TrustMask& mask) {
-  return TrustOfRegion(RegionOfTrust(mask, kRegionImage), kRegionImage)
+std::vector<bool> ThereAndBack(const ValidityMask& mask) {
+  return MakeValidityMask(ComputeValidRegion(mask, kRegionImage), kRegionImage)
       .is_trusted;
 }
 
 TEST(ValidRegion, GoesAlongTheEdgesOfCells) {
-  const TrustMask mask = MaskOf({"......",  //
-                                 ".##...",  //
-                                 ".#....",  //
-                                 "......"});
-  EXPECT_EQ(RegionOfTrust(mask, kRegionImage), (ValidRegion{{3.5, 3.5},
-                                                            {11.5, 3.5},
-                                                            {11.5, 7.5},
-                                                            {7.5, 7.5},
-                                                            {7.5, 11.5},
-                                                            {3.5, 11.5},
-                                                            {3.5, 3.5}}));
+  const ValidityMask mask = MaskOf({"......",  //
+                                    ".##...",  //
+                                    ".#....",  //
+                                    "......"});
+  EXPECT_EQ(ComputeValidRegion(mask, kRegionImage), (ValidRegion{{3.5, 3.5},
+                                                                 {11.5, 3.5},
+                                                                 {11.5, 7.5},
+                                                                 {7.5, 7.5},
+                                                                 {7.5, 11.5},
+                                                                 {3.5, 11.5},
+                                                                 {3.5, 3.5}}));
 }
 
 TEST(ValidRegion, EndsWithTheImage) {
-  const TrustMask all = MaskOf({"######", "######", "######", "######"});
-  EXPECT_EQ(RegionOfTrust(all, kRegionImage), (ValidRegion{{-0.5, -0.5},
-                                                           {21.5, -0.5},
-                                                           {21.5, 13.5},
-                                                           {-0.5, 13.5},
-                                                           {-0.5, -0.5}}));
+  const ValidityMask all = MaskOf({"######", "######", "######", "######"});
+  EXPECT_EQ(ComputeValidRegion(all, kRegionImage), (ValidRegion{{-0.5, -0.5},
+                                                                {21.5, -0.5},
+                                                                {21.5, 13.5},
+                                                                {-0.5, 13.5},
+                                                                {-0.5, -0.5}}));
   EXPECT_EQ(ThereAndBack(all), all.is_trusted);
 }
 
@@ -54,31 +54,31 @@ TEST(ValidRegion, OfOnePartComesBack) {
         {"#.....", "######", "#.#.#.", "#.#.##"},
         // The outline meets itself at a corner.
         {"..###.", "..#.#.", ".#.##.", ".###.."}}) {
-    const TrustMask mask = MaskOf(rows);
+    const ValidityMask mask = MaskOf(rows);
     EXPECT_EQ(ThereAndBack(mask), mask.is_trusted) << rows[0];
-    const RegionLoss loss = LossOfRegion(mask, kRegionImage);
+    const RegionLoss loss = ComputeRegionLoss(mask, kRegionImage);
     EXPECT_EQ(loss.num_left_out + loss.num_held, 0);
   }
 }
 
 TEST(ValidRegion, IsThatOfTheLargestPartWithoutItsHoles) {
-  const TrustMask mask = MaskOf({"#.###.",  //
-                                 ".##.#.",  //
-                                 "..###.",  //
-                                 ".....#"});
+  const ValidityMask mask = MaskOf({"#.###.",  //
+                                    ".##.#.",  //
+                                    "..###.",  //
+                                    ".....#"});
   EXPECT_EQ(ThereAndBack(mask), MaskOf({"..###.",  //
                                         ".####.",  //
                                         "..###.",  //
                                         "......"})
                                     .is_trusted);
-  const RegionLoss loss = LossOfRegion(mask, kRegionImage);
+  const RegionLoss loss = ComputeRegionLoss(mask, kRegionImage);
   EXPECT_EQ(loss.num_left_out, 2);
   EXPECT_EQ(loss.num_held, 1);
 }
 
 TEST(ValidRegion, HasNoPointIfNothingIsTrusted) {
-  const TrustMask none = MaskOf({"......", "......", "......", "......"});
-  EXPECT_TRUE(RegionOfTrust(none, kRegionImage).empty());
+  const ValidityMask none = MaskOf({"......", "......", "......", "......"});
+  EXPECT_TRUE(ComputeValidRegion(none, kRegionImage).empty());
   EXPECT_EQ(ThereAndBack(none), none.is_trusted);
 }
 
@@ -86,8 +86,9 @@ TEST(ValidRegion, HasNoPointIfNothingIsTrusted) {
 TEST(ValidRegion, FromPixelToPixelIsTheWholeImage) {
   ValidRegion region = {{0, 0}, {21, 0}, {21, 13}, {0, 13}};
   for (int k = 0; k < 2; ++k) {
-    EXPECT_FALSE(TrustOfRegion(region, kRegionImage).is_trusted.empty());
-    for (const bool is_trusted : TrustOfRegion(region, kRegionImage).is_trusted)
+    EXPECT_FALSE(MakeValidityMask(region, kRegionImage).is_trusted.empty());
+    for (const bool is_trusted :
+         MakeValidityMask(region, kRegionImage).is_trusted)
       EXPECT_TRUE(is_trusted);
     region.push_back(region.front());
   }

@@ -155,9 +155,9 @@ TEST_F(BoardGuess, FindsCharucoBoardsInWhiteOnBlack) {
       std::string::npos);
 }
 
-TEST(SoughtBoards, SaysWhatIsReadOfEachKind) {
+TEST(DescribeExpectedBoards, SaysWhatIsReadOfEachKind) {
   const auto sought = [](const Board& board) {
-    return SoughtBoards(PatternOf(board), "p.yaml");
+    return DescribeExpectedBoards(PatternOf(board), "p.yaml");
   };
   EXPECT_EQ(sought(Chessboard(9, 6, 25)),
             "searched for a chessboard of 9 x 6 inner corners; check that "

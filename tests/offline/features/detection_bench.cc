@@ -35,7 +35,7 @@ Pattern LargeBoard() {
 
 // Squares of about 40 px, all in the image.
 GreyImage Photograph(const Board& board) {
-  const auto camera = SimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedLens("pinhole", kSize);
   const BoardSurface surface(board);
   Pose pose;
   pose.rotation =
@@ -85,7 +85,8 @@ void TimeStages(const GreyImage& image, const Board& board) {
   const DetectionOptions options;
   const StarTexture texture(board.segments);
   const FeatureRefiner refiner(board, options);
-  const std::vector<SeenTag> tags = SeenTagsOf(board, DetectTags(image));
+  const std::vector<VisibleTag> tags =
+      FindVisibleTags(board, DetectTags(image));
   std::vector<Feature> stars;
   const double growth_ms = MedianMs([&] {
     StarGrowth growth(image, board, texture, refiner.masks(), options, tags);

@@ -9,13 +9,13 @@
 namespace raygrid {
 namespace {
 
-SeenImage ExampleSeenImage() {
-  SeenImage seen;
+DetectedImage ExampleSeenImage() {
+  DetectedImage seen;
   seen.size = {640, 480};
   seen.detection.features = {{0, 1, 2, {1.0 / 3, 2e-9}},
                              {4, -1, 0, {479.1, -0.25}}};
   seen.detection.rejected = {{{0, 5, 6, {7.1, 8.3}}, "moved by 3.1 px"}};
-  seen.detection.remarks = {"board 0 is mirrored", "tag 7"};
+  seen.detection.warnings = {"board 0 is mirrored", "tag 7"};
   return seen;
 }
 
@@ -26,7 +26,7 @@ void ExpectSame(const Feature& a, const Feature& b) {
   EXPECT_EQ(a.pixel, b.pixel);
 }
 
-void ExpectSame(const SeenImage& a, const SeenImage& b) {
+void ExpectSame(const DetectedImage& a, const DetectedImage& b) {
   EXPECT_EQ(a.size, b.size);
   ASSERT_EQ(a.detection.features.size(), b.detection.features.size());
   for (size_t i = 0; i < a.detection.features.size(); ++i)
@@ -37,7 +37,7 @@ void ExpectSame(const SeenImage& a, const SeenImage& b) {
                b.detection.rejected[i].feature);
     EXPECT_EQ(a.detection.rejected[i].reason, b.detection.rejected[i].reason);
   }
-  EXPECT_EQ(a.detection.remarks, b.detection.remarks);
+  EXPECT_EQ(a.detection.warnings, b.detection.warnings);
 }
 
 TEST(DetectionCache, GivesBackWhatWasStoredToTheLastBit) {
@@ -140,7 +140,7 @@ TEST(DetectionCache, DetectionTakesWhatItHoldsAndRepairsIt) {
   image.pixels.assign(1600, 100);
   const std::string bytes = EncodePng(image);
   WriteFile(folder / "a.png", bytes);
-  SeenImage planted = ExampleSeenImage();
+  DetectedImage planted = ExampleSeenImage();
   planted.size = image.size;
   cache.Store(DetectionCache::Key(bytes, pattern, {}), planted);
   const auto detect = [&] {

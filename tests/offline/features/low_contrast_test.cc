@@ -61,8 +61,8 @@ TEST(LowContrast, HardlyAnyContrastIsSaid) {
         DetectFeatures({folder / "a.png"}, pattern, {}, nullptr, 1, nullptr);
     EXPECT_TRUE(found.images[0].features.empty());
     bool is_any = false;
-    for (const std::string& remark : found.images[0].remarks)
-      is_any |= remark.find("too little contrast") != std::string::npos;
+    for (const std::string& warning : found.images[0].warnings)
+      is_any |= warning.find("too little contrast") != std::string::npos;
     EXPECT_EQ(is_any, is_said);
   }
 }

@@ -74,7 +74,7 @@ TEST(Mosaic, MosaicIsSaidAndNothingElseIsTakenForOne) {
                 ReadImage(folder / "a.png", true).pixels);
     const ImageDetection found =
         PatternDetector(pattern, {}).Detect(MakeGreyImage(grey));
-    EXPECT_EQ(!found.remarks.empty(), is_mosaic);
+    EXPECT_EQ(!found.warnings.empty(), is_mosaic);
   }
 }
 

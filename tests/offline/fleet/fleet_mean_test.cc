@@ -26,24 +26,26 @@ std::vector<CameraFile> Units() {
 
 // By a median of each pixel it would be that of the shorter ones, which sees
 // pixels up to 0.8 px from there.
-TEST(MeanCamera, IsTheMeanOfWhatDiffersSmoothly) {
-  const auto mean = MeanCamera(Units());
+TEST(ComputeMeanCamera, IsTheMeanOfWhatDiffersSmoothly) {
+  const auto mean = ComputeMeanCamera(Units());
   ASSERT_TRUE(mean.has_value());
   EXPECT_LT(CompareModels(LensFamily::Middle(), *mean->camera, kStepPx).p99_px,
             0.03);
 }
 
 // 40 px in a corner that it saw nothing in.
-TEST(MeanCamera, LeavesOutWhereAUnitGoesAstray) {
+TEST(ComputeMeanCamera, LeavesOutWhereAUnitGoesAstray) {
   std::vector<CameraFile> units = Units();
   units[1] = FileOf(LensFamily::Astray({600, 450}, {40, 0}, 60));
-  const auto mean = MeanCamera(units);
+  const auto mean = ComputeMeanCamera(units);
   ASSERT_TRUE(mean.has_value());
   EXPECT_LT(CompareModels(LensFamily::Middle(), *mean->camera, kStepPx).p99_px,
             0.15);
 }
 
-TEST(MeanCamera, IsNoneOfNoUnits) { EXPECT_FALSE(MeanCamera({}).has_value()); }
+TEST(ComputeMeanCamera, IsNoneOfNoUnits) {
+  EXPECT_FALSE(ComputeMeanCamera({}).has_value());
+}
 
 }  // namespace
 }  // namespace raygrid

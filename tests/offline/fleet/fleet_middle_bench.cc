@@ -92,14 +92,14 @@ CalibrationResult CalibrateLens(const CameraModel& lens, const Sight& sight,
   CalibrationOptions options;
   options.num_threads = 1;
   options.like = around.camera;
-  options.like_spread = around.spread;
+  options.prior_spread = around.spread;
   // One image held out and cells of 1/16 of the width save the time of
   // cross-validation.
   ++simulation.num_images;
   Dataset dataset = SimulateObservations(lens, pattern, simulation).dataset;
   KeepMiddle(sight.part, &dataset);
   options.hold_out = {dataset.images.back().image};
-  options.cell_px = kSize.width / 16.0;
+  options.knot_spacing_px = kSize.width / 16.0;
   return Calibrate(dataset, pattern, options);
 }
 
@@ -127,9 +127,9 @@ UnitErrors ErrorsOf(const CameraModel& lens, const CameraFile& camera) {
 }
 
 double MedianOf(const std::vector<UnitErrors>& units,
-                double UnitErrors::*figure) {
+                double UnitErrors::*metric) {
   std::vector<double> values;
-  for (const UnitErrors& unit : units) values.push_back(unit.*figure);
+  for (const UnitErrors& unit : units) values.push_back(unit.*metric);
   return Quantile(values, 0.5);
 }
 
@@ -140,7 +140,7 @@ void PrintDistances(const std::vector<UnitErrors>& units) {
   for (const UnitErrors& unit : units) {
     if (!unit.distance) return;
     times.push_back(unit.distance->rms_px / unit.distance->units_px);
-    num_told += unit.distance->IsStranger();
+    num_told += unit.distance->IsOutlier();
   }
   std::printf(
       "     from the middle %.2f to %.2f times as far as units, median %.2f; "
@@ -175,12 +175,13 @@ void Measure(const std::string& name,
 }
 
 // Lenses of a family, one after the other, and its middle.
-struct Lenses {
+struct CameraModels {
   std::function<std::unique_ptr<CameraModel>()> draw;
   std::shared_ptr<const CameraModel> middle;
 };
 
-Lenses LensesOf(const std::string& family, uint64_t seed, double times = 1) {
+CameraModels LensesOf(const std::string& family, uint64_t seed,
+                      double times = 1) {
   if (family == "decentred") {
     const auto random = std::make_shared<Random>(seed);
     return {[random, times] {
@@ -247,12 +248,12 @@ std::vector<CameraFile> CalibrateFleet(
 // A family's exact middle, and its spread by many exact lenses.
 Around ExactAround(const std::string& family) {
   constexpr int kMany = 200;
-  const Lenses lenses = LensesOf(family, 9);
+  const CameraModels lenses = LensesOf(family, 9);
   std::vector<CameraFile> files(kMany);
   for (CameraFile& file : files) file.camera = lenses.draw();
   CameraFile middle;
   middle.camera = lenses.middle;
-  middle.spread = SpreadAround(*lenses.middle, files);
+  middle.spread = EstimateSpread(*lenses.middle, files);
   return AroundOf(middle);
 }
 
@@ -265,9 +266,9 @@ struct Options {
 };
 
 void Run(const Options& options) {
-  const Lenses family = LensesOf(options.family, 1);
+  const CameraModels family = LensesOf(options.family, 1);
   const bool are_of_fleet = options.units_family.empty() && options.times == 1;
-  const Lenses strangers = LensesOf(
+  const CameraModels strangers = LensesOf(
       options.units_family.empty() ? options.family : options.units_family, 77,
       options.times);
   std::vector<std::unique_ptr<CameraModel>> lenses, others;
@@ -289,13 +290,13 @@ void Run(const Options& options) {
       options.keep.empty() ? "" : options.keep + "/" + options.family + "-";
   std::vector<CameraFile> files = CalibrateFleet(lenses, prefix, {});
   MeasureFleet(lenses, files);
-  const Around middle = AroundOf(*MeanCamera(files));
+  const Around middle = AroundOf(*ComputeMeanCamera(files));
   measure_both("fleet's middle", middle);
   if (!options.again) return;
   files =
       CalibrateFleet(lenses, prefix.empty() ? "" : prefix + "again-", middle);
   MeasureFleet(lenses, files);
-  measure_both("fleet again", AroundOf(*MeanCamera(files)));
+  measure_both("fleet again", AroundOf(*ComputeMeanCamera(files)));
 }
 
 }  // namespace

@@ -46,8 +46,9 @@ double RmsPx(const std::vector<Eigen::Vector2d>& field) {
 
 // Far below that come the curvature of what a focal length does, and what
 // polynomials leave of bumps.
-TEST(SpreadAround, IsOneDirectionIfOneFigureDiffers) {
-  const auto spread = SpreadAround(LensFamily::Middle(), LongerAndShorter(60));
+TEST(EstimateSpread, IsOneDirectionIfOneFigureDiffers) {
+  const auto spread =
+      EstimateSpread(LensFamily::Middle(), LongerAndShorter(60));
   ASSERT_TRUE(spread.has_value());
   const auto& fields = spread->displacements_px;
   ASSERT_GE(fields.size(), 1u);
@@ -62,11 +63,11 @@ TEST(SpreadAround, IsOneDirectionIfOneFigureDiffers) {
 // Units whose files say that they are wrong by a part of how they differ, which
 // comes off: but of a further unit's variance, which is (n + 1) / (n - 1) of
 // what is found, and with a n-th of it for the middle's errors.
-TEST(SpreadAround, IsLessWhatFilesSay) {
+TEST(EstimateSpread, IsLessWhatFilesSay) {
   constexpr int kCount = 60;
   const SimulatedCamera middle = LensFamily::Middle();
   std::vector<CameraFile> units = LongerAndShorter(kCount);
-  const auto all = SpreadAround(middle, units);
+  const auto all = EstimateSpread(middle, units);
   ASSERT_TRUE(all.has_value());
   CameraUncertainty stated;
   stated.modes.columns = all->columns;
@@ -75,11 +76,11 @@ TEST(SpreadAround, IsLessWhatFilesSay) {
   stated.modes.rest_px = 0.1;
   auto& mode = stated.modes.displacements_px.emplace_back();
   for (const auto& displacement :
-       DisplacementsOf(middle, LensFamily::Longer(0.7 * kFocalPart),
-                       all->Places(middle.area())))
+       ComputeDisplacements(middle, LensFamily::Longer(0.7 * kFocalPart),
+                            all->Places(middle.area())))
     mode.push_back(displacement.value());
   for (CameraFile& unit : units) unit.uncertainty = stated;
-  const auto left = SpreadAround(middle, units);
+  const auto left = EstimateSpread(middle, units);
   ASSERT_TRUE(left.has_value());
   constexpr double kComesOff = (kCount + 1.0) / (kCount - 1) - 1.0 / kCount;
   const double expected_px =
@@ -89,8 +90,8 @@ TEST(SpreadAround, IsLessWhatFilesSay) {
               0.03 * expected_px);
 }
 
-TEST(SpreadAround, IsNoneOfFewUnits) {
-  EXPECT_FALSE(SpreadAround(LensFamily::Middle(), LongerAndShorter(7)));
+TEST(EstimateSpread, IsNoneOfFewUnits) {
+  EXPECT_FALSE(EstimateSpread(LensFamily::Middle(), LongerAndShorter(7)));
 }
 
 double P99Of(const CameraModel& lens, const CameraFile& middle,
@@ -104,22 +105,22 @@ double P99Of(const CameraModel& lens, const CameraFile& middle,
       SimulateObservations(lens, pattern, simulation).dataset;
   CalibrationOptions options;
   options.like = middle.camera;
-  options.like_spread = std::move(spread);
+  options.prior_spread = std::move(spread);
   options.hold_out = {dataset.images.back().image};
-  options.cell_px = kUnitSize.width / 8.0;
+  options.knot_spacing_px = kUnitSize.width / 8.0;
   const CameraFile camera = Calibrate(dataset, pattern, options).camera;
   constexpr double kComparedPx = 10;
   return CompareModels(lens, *camera.camera, kComparedPx).p99_px;
 }
 
 // Five images tell what differs; the rest is as it is in the fleet.
-TEST(SpreadAround, ServesAUnitOfFewImages) {
+TEST(EstimateSpread, ServesAUnitOfFewImages) {
   Random random(5);
   std::vector<CameraFile> units;
   for (int u = 0; u < 30; ++u)
     units.push_back(
         UnitFile(DecentredFamilyLens(kUnitSize, kUnitArea, {}, &random)));
-  const auto middle = MeanCamera(units);
+  const auto middle = ComputeMeanCamera(units);
   ASSERT_TRUE(middle && middle->spread);
   const DecentredFamilyLens unit(kUnitSize, kUnitArea, {}, &random);
   const double with_spread =

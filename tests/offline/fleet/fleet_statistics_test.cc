@@ -57,16 +57,16 @@ class Family {
     FleetInput fleet;
     fleet.pixels.resize(static_cast<Eigen::Index>(lenses.size()),
                         2 * kColumns * kRows);
-    fleet.figures = {{"focal_px", {}, false},
+    fleet.metrics = {{"focal_px", {}, false},
                      {"center_x_px", {}, false},
                      {"center_y_px", {}, false},
                      {"held_out_median_px", {}, true}};
     for (size_t u = 0; u < lenses.size(); ++u) {
       fleet.pixels.row(static_cast<Eigen::Index>(u)) = PixelsOf(lenses[u]);
-      fleet.figures[0].values.push_back(lenses[u].focal_px);
-      fleet.figures[1].values.push_back(lenses[u].center_x_px);
-      fleet.figures[2].values.push_back(lenses[u].center_y_px);
-      fleet.figures[3].values.push_back(0.03 *
+      fleet.metrics[0].values.push_back(lenses[u].focal_px);
+      fleet.metrics[1].values.push_back(lenses[u].center_x_px);
+      fleet.metrics[2].values.push_back(lenses[u].center_y_px);
+      fleet.metrics[3].values.push_back(0.03 *
                                         std::exp(0.2 * random_.Normal()));
     }
     return fleet;
@@ -80,7 +80,7 @@ class Family {
 
 std::vector<int> UnusualUnits(const FleetStatistics& statistics) {
   std::vector<int> units;
-  for (const UnusualUnit& unusual : statistics.unusual)
+  for (const OutlierUnit& unusual : statistics.unusual)
     units.push_back(unusual.unit);
   return units;
 }
@@ -205,7 +205,7 @@ TEST(FleetStatistics, SeldomGivesAnAlarmWhereNothingIsUnusual) {
 
 TEST(FleetStatistics, HasNoLimitsOfAFewUnits) {
   Family family(3);
-  const std::vector<FamilyLens> lenses(kFewestFleetUnits - 1);
+  const std::vector<FamilyLens> lenses(kMinFleetUnits - 1);
   const FleetStatistics statistics = FindOutliers(family.MakeFleet(lenses));
   EXPECT_TRUE(statistics.charts.empty());
   EXPECT_TRUE(statistics.unusual.empty());
@@ -218,13 +218,13 @@ TEST(FleetStatistics, LeavesOutWhatIsNotKnown) {
   std::vector<FamilyLens> lenses;
   for (int u = 0; u < 40; ++u) lenses.push_back(family.Draw(800));
   FleetInput fleet = family.MakeFleet(lenses);
-  FleetFigure temperature{"sensor_temperature_c", {}, false};
+  FleetMetric temperature{"sensor_temperature_c", {}, false};
   for (int u = 0; u < 40; ++u)
     temperature.values.push_back(u % 3 == 0
                                      ? std::numeric_limits<double>::quiet_NaN()
                                      : 40 + 0.1 * (u * 7 % 11));
   temperature.values[31] = 60;
-  fleet.figures.push_back(temperature);
+  fleet.metrics.push_back(temperature);
   const FleetStatistics statistics = FindOutliers(fleet);
   ASSERT_EQ(statistics.unusual.size(), 1u);
   EXPECT_EQ(statistics.unusual[0].unit, 31);

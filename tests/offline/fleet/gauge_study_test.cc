@@ -12,7 +12,7 @@ namespace {
 FleetInput MeasuredOnce(const std::vector<double>& focal_px) {
   FleetInput input;
   input.pixels.resize(static_cast<Eigen::Index>(focal_px.size()), 0);
-  input.figures = {{"focal_px", focal_px, false}};
+  input.metrics = {{"focal_px", focal_px, false}};
   return input;
 }
 
@@ -24,19 +24,19 @@ TEST(GaugeStudy, HasTheVariancesOfATextbook) {
     repeats.push_back({"G", person, ""});
   const GaugeStudy study =
       StudyGauge(input, repeats, {}, {{"focal_px", {0, 30}}});
-  ASSERT_EQ(study.figures.size(), 1u);
-  EXPECT_EQ(study.freedoms, 4);
+  ASSERT_EQ(study.metrics.size(), 1u);
+  EXPECT_EQ(study.degrees_of_freedom, 4);
   EXPECT_EQ(study.num_goldens, 1);
-  const GaugeFigure& figure = study.figures[0];
-  EXPECT_NEAR(figure.repeatability, 1, 1e-12);
-  ASSERT_EQ(figure.factors.size(), 1u);
-  EXPECT_EQ(figure.factors[0].name, "operator");
+  const GaugeMetric& metric = study.metrics[0];
+  EXPECT_NEAR(metric.repeatability, 1, 1e-12);
+  ASSERT_EQ(metric.factors.size(), 1u);
+  EXPECT_EQ(metric.factors[0].name, "operator");
   // Mean squares between: 3 * 12.5 = 37.5, so the variance is 36.5 / 3.
-  EXPECT_NEAR(figure.factors[0].deviation, std::sqrt(36.5 / 3), 1e-9);
-  EXPECT_NEAR(figure.gauge, std::sqrt(1 + 36.5 / 3), 1e-9);
-  EXPECT_NEAR(*figure.part_of_limits, 6 * figure.gauge / 30, 1e-9);
-  EXPECT_FALSE(figure.fleet);
-  EXPECT_TRUE(study.untold.empty());
+  EXPECT_NEAR(metric.factors[0].deviation, std::sqrt(36.5 / 3), 1e-9);
+  EXPECT_NEAR(metric.gauge, std::sqrt(1 + 36.5 / 3), 1e-9);
+  EXPECT_NEAR(*metric.part_of_limits, 6 * metric.gauge / 30, 1e-9);
+  EXPECT_FALSE(metric.fleet);
+  EXPECT_TRUE(study.unobservable_reason.empty());
 }
 
 // Golden units, operators and stations that meet unevenly.
@@ -60,12 +60,12 @@ TEST(GaugeStudy, FindsTheVariancesThatItWasMadeOf) {
     }
     const GaugeStudy study =
         StudyGauge(MeasuredOnce(focal_px), repeats, {}, {});
-    ASSERT_EQ(study.figures.size(), 1u);
-    const GaugeFigure& figure = study.figures[0];
-    ASSERT_EQ(figure.factors.size(), 2u);
-    of_repeats += std::pow(figure.repeatability, 2) / kStudies;
-    of_persons += std::pow(figure.factors[0].deviation, 2) / kStudies;
-    of_stations += std::pow(figure.factors[1].deviation, 2) / kStudies;
+    ASSERT_EQ(study.metrics.size(), 1u);
+    const GaugeMetric& metric = study.metrics[0];
+    ASSERT_EQ(metric.factors.size(), 2u);
+    of_repeats += std::pow(metric.repeatability, 2) / kStudies;
+    of_persons += std::pow(metric.factors[0].deviation, 2) / kStudies;
+    of_stations += std::pow(metric.factors[1].deviation, 2) / kStudies;
   }
   EXPECT_NEAR(of_repeats, 0.01, 0.001);
   EXPECT_NEAR(of_persons, 0.09, 0.03);
@@ -76,17 +76,17 @@ TEST(GaugeStudy, IsAPartOfTheFleetsSpread) {
   Random random(4);
   FleetInput fleet = MeasuredOnce({});
   for (int u = 0; u < 400; ++u)
-    fleet.figures[0].values.push_back(800 + random.Normal());
+    fleet.metrics[0].values.push_back(800 + random.Normal());
   fleet.pixels = Eigen::MatrixXd::Zero(400, 0);
   std::vector<double> repeated;
   for (int k = 0; k < 200; ++k) repeated.push_back(0.2 * random.Normal());
   const GaugeStudy study =
       StudyGauge(MeasuredOnce(repeated),
                  std::vector<GaugeRepeat>(200, {"G", "", ""}), fleet, {});
-  const GaugeFigure& figure = study.figures.at(0);
-  EXPECT_TRUE(figure.factors.empty());
-  EXPECT_NEAR(*figure.part_of_fleet, 0.2, 0.04);
-  EXPECT_NEAR(*figure.num_classes, 7, 1);
+  const GaugeMetric& metric = study.metrics.at(0);
+  EXPECT_TRUE(metric.factors.empty());
+  EXPECT_NEAR(*metric.part_of_fleet, 0.2, 0.04);
+  EXPECT_NEAR(*metric.num_classes, 7, 1);
 }
 
 TEST(GaugeStudy, SaysWhatCannotBeTold) {
@@ -98,14 +98,14 @@ TEST(GaugeStudy, SaysWhatCannotBeTold) {
                                             {"G", "bob", "s2"},
                                             {"G", "bob", "s2"}},
                                            {}, {});
-  EXPECT_EQ(confounded.untold.size(), 2u);
-  EXPECT_TRUE(confounded.figures.at(0).factors.empty());
+  EXPECT_EQ(confounded.unobservable_reason.size(), 2u);
+  EXPECT_TRUE(confounded.metrics.at(0).factors.empty());
   const GaugeStudy alone = StudyGauge(
       input, {{"G", "a", ""}, {"G", "b", ""}, {"G", "c", ""}, {"G", "d", ""}},
       {}, {});
-  EXPECT_TRUE(alone.figures.empty());
-  ASSERT_EQ(alone.untold.size(), 1u);
-  EXPECT_NE(alone.untold[0].find("no golden unit was repeated"),
+  EXPECT_TRUE(alone.metrics.empty());
+  ASSERT_EQ(alone.unobservable_reason.size(), 1u);
+  EXPECT_NE(alone.unobservable_reason[0].find("no golden unit was repeated"),
             std::string::npos);
   EXPECT_EQ(StudyGauge(MeasuredOnce({}), {}, {}, {}).num_repeats, 0);
 }

@@ -29,8 +29,8 @@ Pose PoseAlong(const Eigen::Vector3d& direction, TestRandom* random) {
 }
 
 // The points of the board that the camera sees.
-std::vector<PointOnPixel> Seen(const CameraModel& camera, const Pose& pose) {
-  std::vector<PointOnPixel> matches;
+std::vector<PointPixelMatch> Seen(const CameraModel& camera, const Pose& pose) {
+  std::vector<PointPixelMatch> matches;
   for (const Eigen::Vector3d& point : BoardPoints()) {
     const auto pixel = camera.Project(pose * point);
     if (pixel) matches.push_back({point, *pixel});
@@ -74,7 +74,7 @@ TEST(Localize, FindsBoardsOfAnySize) {
     ++count;
     for (const double scale : {1e-4, 1e-2, 1e3}) {
       auto scaled = matches;
-      for (PointOnPixel& match : scaled) match.point *= scale;
+      for (PointPixelMatch& match : scaled) match.point *= scale;
       auto found = Localize(camera, scaled);
       ASSERT_TRUE(found) << scale;
       found->translation /= scale;
@@ -164,8 +164,9 @@ TEST(Localize, NeedsFourMatchesInTheArea) {
   TestRandom random(4);
   const Pose pose = PoseAlong(*camera.Unproject({320, 240}), &random);
   const auto seen = Seen(camera, pose);
-  const std::vector<PointOnPixel> four = {seen[0], seen[7], seen[40], seen[47]};
-  std::vector<PointOnPixel> three(four.begin(), four.end() - 1);
+  const std::vector<PointPixelMatch> four = {seen[0], seen[7], seen[40],
+                                             seen[47]};
+  std::vector<PointPixelMatch> three(four.begin(), four.end() - 1);
   EXPECT_TRUE(Localize(camera, four));
   EXPECT_FALSE(Localize(camera, three));
   EXPECT_FALSE(Localize(camera, {}));

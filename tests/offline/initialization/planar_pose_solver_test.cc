@@ -170,12 +170,12 @@ double LeastDeviation(const Case& exact) {
     const Eigen::MatrixXd by_views = CentralDifference(
         [&](const Eigen::VectorXd& at) { return SeenOnOthers(at, match[0]); },
         views, 1e-6);
-    const Eigen::MatrixXd by_first = CentralDifference(
+    const Eigen::MatrixXd J_first = CentralDifference(
         [&](const Eigen::VectorXd& at) { return SeenOnOthers(views, at); },
         match[0], 1e-6);
     // The point where the ray meets the first board is known with noise, too.
     const Eigen::Matrix4d covariance =
-        Eigen::Matrix4d::Identity() + by_first * by_first.transpose();
+        Eigen::Matrix4d::Identity() + J_first * J_first.transpose();
     information += by_views.transpose() * covariance.inverse() * by_views;
   }
   const Eigen::MatrixXd covariance = information.inverse();

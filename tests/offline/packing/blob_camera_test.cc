@@ -146,11 +146,11 @@ TEST(BlobCamera, UndistortNeedsARemap) {
 }
 
 TEST(BlobCamera, TellsTheViewOfItsTable) {
-  const VirtualView view = Opened().ViewOfRemap(0);
+  const VirtualView view = Opened().GetRemapView(0);
   EXPECT_EQ(view.size, Virtual().size);
   EXPECT_LT((view.focal_px - Virtual().focal_px).norm(), 1e-4);
   EXPECT_LT((view.center_px - Virtual().center_px).norm(), 1e-4);
-  ExpectError(ExitCode::kBlob, {}, [] { Opened().ViewOfRemap(1); });
+  ExpectError(ExitCode::kBlob, {}, [] { Opened().GetRemapView(1); });
 }
 
 }  // namespace

@@ -50,11 +50,11 @@ Eigen::Vector2d ShiftOfWindow(const Image& image, int x0, int y0, int size) {
   return normal.inverse() * right;
 }
 
-TEST(DistortedImage, UndoesWhatTheRuntimeUndistorted) {
+TEST(DistortImage, UndoesWhatTheRuntimeUndistorted) {
   const CameraModel& camera = *GenericFile().camera;
   const Image before = WavyPicture(camera.image_size());
-  const SourceMap map = MapOfDistortion(camera, Virtual(), 0);
-  const Image after = DistortedImage(map, Opened().Undistort(before, 0), 0);
+  const SourceMap map = MakeDistortionMap(camera, Virtual(), 0);
+  const Image after = DistortImage(map, Opened().Undistort(before, 0), 0);
   ASSERT_EQ(after.size, before.size);
   constexpr int kWindow = 20;
   double worst = 0;
@@ -75,26 +75,26 @@ TEST(DistortedImage, UndoesWhatTheRuntimeUndistorted) {
   EXPECT_LT(worst, 0.1);
 }
 
-TEST(DistortedImage, IsBlackBeyondTheImageCircle) {
+TEST(DistortImage, IsBlackBeyondTheImageCircle) {
   const std::unique_ptr<CameraModel> camera = GenericFile().camera->Clone();
-  const SourceMap whole = MapOfDistortion(*camera, Virtual(), 0);
+  const SourceMap whole = MakeDistortionMap(*camera, Virtual(), 0);
   camera->SetImageCircle(ImageCircle{{300, 250}, {200, 200}});
-  const SourceMap lit = MapOfDistortion(*camera, Virtual(), 0);
+  const SourceMap lit = MakeDistortionMap(*camera, Virtual(), 0);
   for (int y = 0; y < lit.height; ++y)
     for (int x = 0; x < lit.width; ++x)
       ASSERT_EQ(lit.IsKnown(x, y),
                 whole.IsKnown(x, y) && std::hypot(x - 300, y - 250) <= 200);
 }
 
-TEST(DistortedImage, IsBlackWhereTheViewShowsNothing) {
+TEST(DistortImage, IsBlackWhereTheViewShowsNothing) {
   const CameraModel& camera = *GenericFile().camera;
   const VirtualView view = ViewOf(camera, {300, 200}, 30);
   Image picture;
   picture.size = view.size;
   picture.channels = 4;
   picture.pixels.assign(picture.stride() * 200, 200);
-  const SourceMap map = MapOfDistortion(camera, view, 1);
-  const Image image = DistortedImage(map, picture, 1);
+  const SourceMap map = MakeDistortionMap(camera, view, 1);
+  const Image image = DistortImage(map, picture, 1);
   EXPECT_EQ(image.size, camera.image_size());
   EXPECT_EQ(image.channels, 4);
   for (int y = 0; y < image.size.height; ++y)
@@ -106,7 +106,7 @@ TEST(DistortedImage, IsBlackWhereTheViewShowsNothing) {
       if (is_seen != area.Contains(*pixel, 0.01)) continue;
       ASSERT_EQ(alpha, is_seen ? 200 : 0) << x << ", " << y;
     }
-  EXPECT_EQ(DistortedImage(map, picture, 3).pixels, image.pixels);
+  EXPECT_EQ(DistortImage(map, picture, 3).pixels, image.pixels);
 }
 
 }  // namespace

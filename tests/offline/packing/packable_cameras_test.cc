@@ -17,7 +17,7 @@ OpenCvModel Lens(const ImageSize& size, const Area& area, double focal_px,
 PackedCamera PackLens(const OpenCvModel& lens) {
   CameraFile file;
   file.camera = lens.Clone();
-  return PackWhatCanBe(file, 2);
+  return PackSupportedParts(file, 2);
 }
 
 // Packs with the table that a user gets who asks for no special view.
@@ -30,18 +30,18 @@ void PackUsualView(const CameraModel& camera) {
 }
 
 void ExpectRemark(const std::string& words, const PackedCamera& packed) {
-  ASSERT_EQ(packed.remarks.size(), 1u)
-      << testing::PrintToString(packed.remarks);
-  EXPECT_NE(packed.remarks[0].find(words), std::string::npos)
-      << packed.remarks[0];
+  ASSERT_EQ(packed.warnings.size(), 1u)
+      << testing::PrintToString(packed.warnings);
+  EXPECT_NE(packed.warnings[0].find(words), std::string::npos)
+      << packed.warnings[0];
 }
 
-TEST(PackWhatCanBe, IsThatOfPackWhereAllCanBe) {
-  EXPECT_EQ(PackWhatCanBe(GenericFile(), 2).blob, Packed().blob);
+TEST(PackSupportedParts, IsThatOfPackWhereAllCanBe) {
+  EXPECT_EQ(PackSupportedParts(GenericFile(), 2).blob, Packed().blob);
 }
 
 // The area is seen 60 degrees and more off the axis.
-TEST(PackWhatCanBe, ShowsTheAreaWhereTheUsualViewShowsNothingOfIt) {
+TEST(PackSupportedParts, ShowsTheAreaWhereTheUsualViewShowsNothingOfIt) {
   const OpenCvModel lens =
       Lens({640, 480}, {375, 140, 475, 340}, 60, {200, 240}, 0.05);
   ExpectError(ExitCode::kUsage, {"does not overlap"},
@@ -60,17 +60,17 @@ TEST(PackWhatCanBe, ShowsTheAreaWhereTheUsualViewShowsNothingOfIt) {
   EXPECT_GT(std::count(flat.pixels.begin(), flat.pixels.end(), 255), 640 * 48);
 }
 
-TEST(PackWhatCanBe, ShowsTheAreaWhereTheUsualTableIsNotExact) {
+TEST(PackSupportedParts, ShowsTheAreaWhereTheUsualTableIsNotExact) {
   const OpenCvModel lens =
       Lens({640, 480}, {142.2337, 140, 342.2337, 340}, 60, {168, 236}, 0.26);
   ExpectError(ExitCode::kQuality, {"remap error"},
               [&] { PackUsualView(lens); });
   const PackedCamera packed = PackLens(lens);
   EXPECT_FALSE(packed.blob.empty());
-  ASSERT_EQ(packed.remarks.size(), 1u);
+  ASSERT_EQ(packed.warnings.size(), 1u);
 }
 
-TEST(PackWhatCanBe, LeavesOutTablesOfImagesThatAreTooLarge) {
+TEST(PackSupportedParts, LeavesOutTablesOfImagesThatAreTooLarge) {
   const ImageSize size = {9000, 60};
   const PackedCamera packed =
       PackLens(Lens(size, WholeImage(size), 9000, {4499, 29}, -0.05));
@@ -79,7 +79,7 @@ TEST(PackWhatCanBe, LeavesOutTablesOfImagesThatAreTooLarge) {
   EXPECT_TRUE(packed.remaps.empty());
 }
 
-TEST(PackWhatCanBe, LeavesOutBlobsOfImagesThatAreTooLarge) {
+TEST(PackSupportedParts, LeavesOutBlobsOfImagesThatAreTooLarge) {
   const ImageSize size = {20000, 15000};
   const PackedCamera packed =
       PackLens(Lens(size, WholeImage(size), 15000, {9999, 7499}, -0.05));

@@ -106,7 +106,7 @@ CameraFile FisheyeWithCorner(double times) {
   file.camera = std::make_shared<CentralGeneric>(lens);
   CameraUncertainty& known = file.uncertainty.emplace();
   known.lattice = {2, 2, {0.01, 0.01, 0.01, 0.01}};
-  known.mask = TrustMask::Over(lens.image_size());
+  known.mask = ValidityMask::Over(lens.image_size());
   const Eigen::Vector2d middle(320, 240);
   for (size_t k = 0; k < known.mask.is_trusted.size(); ++k)
     known.mask.is_trusted[k] =
@@ -120,7 +120,7 @@ void ExpectTrustedRoundTrips(const CameraFile& file) {
   int num_trusted = 0;
   for (int i = 0; i < 500; ++i) {
     const Eigen::Vector2d pixel = random.PixelIn(file.camera->area());
-    if (!file.uncertainty->mask.Trusts(pixel)) continue;
+    if (!file.uncertainty->mask.IsValidAt(pixel)) continue;
     ++num_trusted;
     const auto back = blob.Project(*file.camera->Unproject(pixel));
     ASSERT_TRUE(back) << pixel.transpose();
@@ -141,15 +141,17 @@ TEST(BlobCamera, LeavesOutTheCornerOfAFisheyeThatLooksTooFarBack) {
   const PackedCamera trusted = PackCamera(file, PackOptions());
   EXPECT_GT(trusted.left_out_part, 0);
   EXPECT_LT(trusted.left_out_part, 0.002);
-  EXPECT_FALSE(BlobCamera("corner", trusted.blob).Trusted()->is_trusted[0]);
+  EXPECT_FALSE(
+      BlobCamera("corner", trusted.blob).GetValidityMask()->is_trusted[0]);
   file.uncertainty.reset();
   const PackedCamera whole = PackCamera(file, PackOptions());
   EXPECT_GT(whole.left_out_part, 0);
   EXPECT_LT(whole.left_out_part, 0.5);
-  const TrustMask valid = BlobCamera("corner", whole.blob).Trusted().value();
-  EXPECT_FALSE(valid.Trusts({0, 0}));
-  EXPECT_TRUE(valid.Trusts({320, 240}));
-  EXPECT_TRUE(valid.Trusts({639, 479}));
+  const ValidityMask valid =
+      BlobCamera("corner", whole.blob).GetValidityMask().value();
+  EXPECT_FALSE(valid.IsValidAt({0, 0}));
+  EXPECT_TRUE(valid.IsValidAt({320, 240}));
+  EXPECT_TRUE(valid.IsValidAt({639, 479}));
 }
 
 // Every pixel of the area, there and back, of those that count.
@@ -168,7 +170,7 @@ CameraFile HardlyTrusted(std::shared_ptr<const CameraModel> camera) {
   file.camera = std::move(camera);
   CameraUncertainty& known = file.uncertainty.emplace();
   known.lattice = {2, 2, {0.01, 0.01, 0.01, 0.01}};
-  known.mask = TrustMask::Over(file.camera->image_size());
+  known.mask = ValidityMask::Over(file.camera->image_size());
   for (size_t k = 0; k < known.mask.is_trusted.size(); ++k)
     known.mask.is_trusted[k] =
         (known.mask.CellCenter(static_cast<int>(k)) - Eigen::Vector2d(350, 210))
@@ -182,7 +184,7 @@ TEST(PackCamera, FindsTheWholeAreaAgainThoughHardlyAnyOfItIsTrusted) {
   for (const auto& camera : {GenericFile().camera, fisheye}) {
     const CameraFile file = HardlyTrusted(camera);
     const PackedCamera packed = PackCamera(file, PackOptions());
-    EXPECT_TRUE(packed.remarks.empty());
+    EXPECT_TRUE(packed.warnings.empty());
     ASSERT_TRUE(packed.projection);
     ExpectAllFound(packed.projection->trusted);
     ExpectAllFound(packed.projection->others);
@@ -210,7 +212,7 @@ TEST(PackCamera, RoughCamerasGetFinerInverseGrids) {
   ASSERT_TRUE(smooth.projection && rough.projection);
   ExpectAllFound(smooth.projection->trusted);
   ExpectAllFound(rough.projection->trusted);
-  EXPECT_TRUE(rough.remarks.empty());
+  EXPECT_TRUE(rough.warnings.empty());
   EXPECT_GT(rough.blob.size(), smooth.blob.size());
 }
 
@@ -218,10 +220,10 @@ TEST(PackCamera, SaysWhatProjectionMisses) {
   const CameraFile file = RoughFile(0.2);
   const PackedCamera packed = PackCamera(file, PackOptions());
   ASSERT_TRUE(packed.projection);
-  EXPECT_GT(packed.projection->trusted.MissedPart(), 0);
+  EXPECT_GT(packed.projection->trusted.MissedFraction(), 0);
   EXPECT_GT(packed.projection->trusted.num_unfindable, 0);
-  ASSERT_EQ(packed.remarks.size(), 1u);
-  EXPECT_NE(packed.remarks[0].find("do not converge"), std::string::npos);
+  ASSERT_EQ(packed.warnings.size(), 1u);
+  EXPECT_NE(packed.warnings[0].find("do not converge"), std::string::npos);
   // The figures are the runtime's.
   const BlobCamera blob("rough", packed.blob);
   const ProjectionError again = MeasureProjection(blob, nullptr, 1e6, 1);
@@ -238,7 +240,7 @@ TEST(PackCamera, HoldsCamerasThatNoInverseGridLeadsBackTo) {
                                   0});
   const PackedCamera packed = PackCamera(file, PackOptions());
   EXPECT_FALSE(packed.projection);
-  ASSERT_EQ(packed.remarks.size(), 1u);
+  ASSERT_EQ(packed.warnings.size(), 1u);
   const BlobCamera blob("wide", packed.blob);
   EXPECT_FALSE(blob.CanProject());
   EXPECT_TRUE(blob.Unproject({16000, 8}));

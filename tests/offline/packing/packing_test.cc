@@ -84,11 +84,12 @@ TEST(PackCamera, CamerasWithoutRaysInTheirAreaLeaveThemOut) {
   const PackedCamera packed = PackCamera(file, PackOptions());
   EXPECT_GT(packed.left_out_part, 0.72);
   EXPECT_LT(packed.left_out_part, 0.85);
-  ASSERT_FALSE(packed.remarks.empty());
-  EXPECT_NE(packed.remarks[0].find("folds"), std::string::npos);
-  const TrustMask valid = BlobCamera("packed", packed.blob).Trusted().value();
-  EXPECT_TRUE(valid.Trusts({320, 240}));
-  EXPECT_FALSE(valid.Trusts({0, 0}));
+  ASSERT_FALSE(packed.warnings.empty());
+  EXPECT_NE(packed.warnings[0].find("folds"), std::string::npos);
+  const ValidityMask valid =
+      BlobCamera("packed", packed.blob).GetValidityMask().value();
+  EXPECT_TRUE(valid.IsValidAt({320, 240}));
+  EXPECT_FALSE(valid.IsValidAt({0, 0}));
 }
 
 TEST(PackCamera, PacksAFisheye) {
@@ -193,7 +194,7 @@ TEST(PackCamera, RuntimeTellsUncertaintyAndTrustAsTheFileDoes) {
   known.lattice = {5, 4, {}};
   for (int i = 0; i < 20; ++i)
     known.lattice.deviation_px.push_back(random.Uniform(0.001, 0.1));
-  known.mask = TrustMask::Over({640, 480});
+  known.mask = ValidityMask::Over({640, 480});
   for (size_t k = 0; k < known.mask.is_trusted.size(); ++k)
     known.mask.is_trusted[k] = random.Uniform(0, 1) < 0.5;
   const BlobCamera opened("blob", PackCamera(file, PackOptions()).blob);
@@ -204,7 +205,7 @@ TEST(PackCamera, RuntimeTellsUncertaintyAndTrustAsTheFileDoes) {
     const rg_pixel q16 = {static_cast<int32_t>(pixel.x() * 65536),
                           static_cast<int32_t>(pixel.y() * 65536)};
     EXPECT_EQ(rg_is_valid(&opened.camera(), q16) != 0,
-              known.mask.Trusts(pixel));
+              known.mask.IsValidAt(pixel));
     uint16_t deviation_q12;
     ASSERT_EQ(rg_uncertainty(&opened.camera(), q16, &deviation_q12), RG_OK);
     EXPECT_NEAR(deviation_q12 / 4096.0, known.lattice.At(area, pixel), 1e-3);
@@ -213,20 +214,20 @@ TEST(PackCamera, RuntimeTellsUncertaintyAndTrustAsTheFileDoes) {
 
 TEST(PackCamera, MaskMayStandAlone) {
   CameraFile file = GenericFile();
-  TrustMask mask = TrustMask::Over({640, 480});
-  mask.is_trusted[mask.CellOf({320, 240})] = true;
-  file.uncertainty = CameraUncertainty::OfMask(mask);
+  ValidityMask mask = ValidityMask::Over({640, 480});
+  mask.is_trusted[mask.CellIndex({320, 240})] = true;
+  file.uncertainty = CameraUncertainty::FromMask(mask);
   const BlobCamera opened("blob", PackCamera(file, PackOptions()).blob);
   EXPECT_EQ(opened.blob().uncertainty, 0u);
-  ASSERT_TRUE(opened.Trusted());
-  EXPECT_EQ(opened.Trusted()->is_trusted, mask.is_trusted);
+  ASSERT_TRUE(opened.GetValidityMask());
+  EXPECT_EQ(opened.GetValidityMask()->is_trusted, mask.is_trusted);
 }
 
 TEST(PackCamera, RowTimeComesOutOfTheBlob) {
   CameraFile file = GenericFile();
-  EXPECT_FALSE(BlobCamera("blob", PackCamera(file, {}).blob).TimeOfRow());
-  file.row_time = {-20.1e-6, 0.03e-6};
-  const auto read = BlobCamera("blob", PackCamera(file, {}).blob).TimeOfRow();
+  EXPECT_FALSE(BlobCamera("blob", PackCamera(file, {}).blob).GetRowTime());
+  file.line_delay = {-20.1e-6, 0.03e-6};
+  const auto read = BlobCamera("blob", PackCamera(file, {}).blob).GetRowTime();
   ASSERT_TRUE(read);
   EXPECT_NEAR(read->seconds, -20.1e-6, 1e-12);
   EXPECT_NEAR(read->deviation_s, 0.03e-6, 1e-12);
@@ -234,7 +235,7 @@ TEST(PackCamera, RowTimeComesOutOfTheBlob) {
 
 TEST(PackCamera, RecordsHowTheCameraStood) {
   const std::string without = PackCamera(GenericFile(), PackOptions()).blob;
-  EXPECT_FALSE(BlobCamera("blob", without).CaptureAtCalibration());
+  EXPECT_FALSE(BlobCamera("blob", without).GetCalibrationCapture());
   CameraFile file = GenericFile();
   Capture& capture = file.capture.emplace();
   capture.lens_position = -1.0 / 3;
@@ -245,7 +246,7 @@ TEST(PackCamera, RecordsHowTheCameraStood) {
   capture.analogue_gain = 1.5;
   const std::string blob = PackCamera(file, PackOptions()).blob;
   EXPECT_EQ(blob.size(), without.size() + 16 + 44);
-  const auto read = BlobCamera("blob", blob).CaptureAtCalibration();
+  const auto read = BlobCamera("blob", blob).GetCalibrationCapture();
   ASSERT_TRUE(read);
   EXPECT_NEAR(*read->lens_position, -1.0 / 3, 1.0 / 131072);
   EXPECT_NEAR(read->lens_tolerance, 0.1, 1.0 / 131072);

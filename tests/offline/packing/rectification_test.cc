@@ -3,7 +3,7 @@
 
 #include <opencv2/calib3d.hpp>
 
-#include "camera/camera_of_scene.h"
+#include "camera/equivalent_central_camera.h"
 #include "packed_cameras.h"
 #include "simulation/line_lens.h"
 
@@ -275,13 +275,13 @@ TEST(Rectify, RefusesPairsThatNoTwoImagesShow) {
   expect_refused(SideBySide(), 1.5, {"alpha 1.5"});
   expect_refused(SideBySide(), -0.1, {"alpha -0.1"});
   TestPair wide = SideBySide();
-  wide.first = wide.second = SimulatedLens("fisheye190", kPairSize);
+  wide.first = wide.second = MakeSimulatedLens("fisheye190", kPairSize);
   expect_refused(wide, 1, {"alpha 1", "alpha 0 or hfov"});
 }
 
 TEST(Rectify, ShowsAsMuchOfFisheyesAsIsOfUse) {
   TestPair wide = SideBySide();
-  wide.first = wide.second = SimulatedLens("fisheye190", kPairSize);
+  wide.first = wide.second = MakeSimulatedLens("fisheye190", kPairSize);
   EXPECT_NEAR(wide.Rectified(0).views[0].HorizontalFieldOfViewDeg(), 140, 2);
   const Rectification usual =
       Rectify({"a", *wide.first, wide.first_from_rig},
@@ -294,7 +294,8 @@ TEST(Rectify, CamerasOfLinesKeepRowsAtTheirDistance) {
   constexpr double kDistanceM = 0.6;
   const auto lens =
       std::make_shared<MovingPupilLens>(BentLens(kPairSize, 400), 0.02);
-  const auto at_distance = std::make_shared<CameraOfScene>(*lens, kDistanceM);
+  const auto at_distance =
+      std::make_shared<EquivalentCentralCamera>(*lens, kDistanceM);
   TestPair pair = SideBySide();
   pair.first = pair.second = at_distance;
   const Rectification rectified = pair.Rectified();

@@ -370,7 +370,7 @@ double ExpectTable(const TrueRegion& truth, const BlobCamera& blob,
 // Valid pixels look where the lens does.
 double ExpectRays(const TrueRegion& truth, const Equations& equations,
                   const BlobCamera& blob) {
-  const auto mask = blob.Trusted();
+  const auto mask = blob.GetValidityMask();
   int num_valid = 0, num_wrong = 0, num_regular = 0;
   double worst_px = 0;
   // The pixels that a lattice of rays is seen at.
@@ -379,7 +379,7 @@ double ExpectRays(const TrueRegion& truth, const Equations& equations,
       const auto pixel = truth.Pixel(RayAt(theta, phi));
       if (!pixel) continue;
       ++num_regular;
-      if (mask && !mask->Trusts(*pixel)) continue;
+      if (mask && !mask->IsValidAt(*pixel)) continue;
       const auto ray = blob.Unproject(*pixel);
       if (!ray) continue;
       ++num_valid;
@@ -433,7 +433,7 @@ std::optional<Shown> ExpectBlobIsRight(int seed) {
       truth.LeastReach() * 180 / M_PI, 100 * packed.left_out_part,
       shown.of_view, shown.of_rays, packed.blob.size(),
       packed.unproject_error_px,
-      packed.remarks.empty() ? "" : (" " + packed.remarks[0]).c_str());
+      packed.warnings.empty() ? "" : (" " + packed.warnings[0]).c_str());
   return shown;
 }
 

@@ -34,11 +34,13 @@ struct TestCase {
 
 // A camera as a grid of cells, with bumps.
 std::shared_ptr<CameraModel> AsRoughGrid(const CameraModel& camera,
-                                         double cell_px, double deviation) {
+                                         double knot_spacing_px,
+                                         double deviation) {
   const Area& area = camera.area();
   BSplineSurface surface =
-      FitCentralGeneric(camera, area, NumControlPoints(area.width(), cell_px),
-                        NumControlPoints(area.height(), cell_px), 3)
+      FitCentralGeneric(camera, area,
+                        NumControlPoints(area.width(), knot_spacing_px),
+                        NumControlPoints(area.height(), knot_spacing_px), 3)
           .surface();
   TestRandom random(7);
   for (Eigen::Vector2d& point : surface.points())
@@ -201,7 +203,7 @@ TEST(FitRemapTable, KeepsThreeHundredthsOfAPixelInTwoHundredthsOfAByte) {
 // of a lens's axis.
 TEST(FitRemapTable, KeepsTheBoundForEveryProjection) {
   const CentralGeneric camera = FitCentralGeneric(
-      *SimulatedLens("fisheye190", {640, 480}), {50, 40, 590, 440}, 27, 21);
+      *MakeSimulatedLens("fisheye190", {640, 480}), {50, 40, 590, 440}, 27, 21);
   for (const auto& [projection, hfov_deg] :
        {std::pair(ViewProjection::kPinhole, 90.0),
         std::pair(ViewProjection::kCylindrical, 180.0),
@@ -215,7 +217,7 @@ TEST(FitRemapTable, KeepsTheBoundForEveryProjection) {
     request.rotate_deg = Eigen::Vector3d(35, 20, -15);
     const VirtualView view = MakeView(camera, request);
     const RemapTable table = FitRemapTable(camera, view, 0.05, 0);
-    const double worst = WorstError(camera, OutputOfView(view), table);
+    const double worst = WorstError(camera, MakeViewOutput(view), table);
     std::printf("%s: %.4f px, parts of %d\n", ProjectionName(projection), worst,
                 1 << table.section.part_log2);
     EXPECT_LE(table.max_error_px, 0.05);
@@ -234,7 +236,7 @@ TEST(FitRemapTable, WorstErrorIsThatOfAllPixels) {
       const VirtualView target = test_case.PinholeView(size);
       const RemapTable table = FitRemapTable(*test_case.camera, target, 1, 0);
       EXPECT_NEAR(table.max_error_px,
-                  WorstError(*test_case.camera, OutputOfView(target), table),
+                  WorstError(*test_case.camera, MakeViewOutput(target), table),
                   1e-6)
           << test_case.name << ", " << size.width;
     }
@@ -282,7 +284,7 @@ TEST(FitDistortionTable, UndoesTheOtherDirection) {
     EXPECT_LE(back.max_error_px, bound) << test_case.name;
     EXPECT_EQ(back.section.width, kFullHd.width);
     const PlainTable to_camera(there), to_view(back);
-    const auto as_camera = CameraOfView(view);
+    const auto as_camera = MakeViewCamera(view);
     TestRandom random(5);
     double worst = 0, worst_back = 0;
     int num_inside = 0;
@@ -309,7 +311,7 @@ TEST(FitDistortionTable, UndoesTheOtherDirection) {
 TEST(FitDistortionTable, KeepsTheBoundForEveryProjection) {
   constexpr double kBound = 0.5;
   const CentralGeneric camera = FitCentralGeneric(
-      *SimulatedLens("fisheye190", {640, 480}), {50, 40, 590, 440}, 27, 21);
+      *MakeSimulatedLens("fisheye190", {640, 480}), {50, 40, 590, 440}, 27, 21);
   for (const auto& [projection, hfov_deg] :
        {std::pair(ViewProjection::kPinhole, 90.0),
         std::pair(ViewProjection::kCylindrical, 180.0),

@@ -47,7 +47,7 @@ TEST(SensorModes, FramesOfThreeAreUndistortedThroughOneBlob) {
   for (size_t k = 0; k < ModesOfExample().size(); ++k) {
     const ReadOutMode read = ModesOfExample()[k];
     const SensorMode& mode = read.mode;
-    const uint32_t table = blob.FindTableOfMode(mode.name).value();
+    const uint32_t table = blob.FindModeTable(mode.name).value();
     EXPECT_EQ(table, k + 1);
     ASSERT_EQ(blob.FrameSize(table), mode.size);
     Image seen[2];
@@ -120,7 +120,7 @@ TEST(SensorModes, AreToldByTheBlob) {
   EXPECT_EQ(told.scale, mode.scale);
   EXPECT_TRUE(told.flip_x && told.flip_y);
   EXPECT_EQ(packed.remaps[1].mode, "turned");
-  EXPECT_FALSE(blob.FindTableOfMode("other"));
+  EXPECT_FALSE(blob.FindModeTable("other"));
 }
 
 TEST(SensorModes, TablesWithoutThemAreAsBefore) {

@@ -36,7 +36,7 @@ CentralGeneric CameraAt(double dioptres) {
 }
 
 struct PackedStack {
-  StackKnots knots;
+  OperatingPointKnots knots;
   VirtualView view;
   PackedCamera packed;
 };
@@ -46,7 +46,7 @@ const PackedStack& Stack() {
   static const PackedStack* const made = [] {
     auto* stack = new PackedStack;
     stack->knots =
-        ChooseKnots(RG_CONDITION_LENS_POSITION, 0, 10, CameraAt, 0.01);
+        SelectKnots(RG_CONDITION_LENS_POSITION, 0, 10, CameraAt, 0.01);
     CameraFile file = GenericFile();
     file.camera = std::make_shared<CentralGeneric>(CameraAt(4));
     stack->view = ViewOf(*file.camera, {640, 480}, 50);
@@ -71,14 +71,14 @@ rg_camera OpenAt(const BlobCamera& blob, double dioptres) {
 // Conditions that are no knots.
 const double kConditions[] = {0.31, 2.2, 3.99, 5.05, 6.6, 8.1, 9.9};
 
-TEST(ChooseKnots, TakesAsFewAsDo) {
-  const StackKnots& knots = Stack().knots;
+TEST(SelectKnots, TakesAsFewAsDo) {
+  const OperatingPointKnots& knots = Stack().knots;
   EXPECT_GE(knots.values.size(), 3u);
   EXPECT_LE(knots.values.size(), 12u);
   EXPECT_EQ(knots.values.front(), 0);
   EXPECT_EQ(knots.values.back(), 10);
-  const StackKnots looser =
-      ChooseKnots(RG_CONDITION_LENS_POSITION, 0, 10, CameraAt, 0.1);
+  const OperatingPointKnots looser =
+      SelectKnots(RG_CONDITION_LENS_POSITION, 0, 10, CameraAt, 0.1);
   EXPECT_LT(looser.values.size(), knots.values.size());
   std::printf("%zu knots, blob %zu bytes, %zu knots at 0.1 px\n",
               knots.values.size(), Stack().packed.blob.size(),
@@ -176,7 +176,7 @@ TEST(StackPacking, TablesAreAlike) {
   EXPECT_EQ(blob.NumRemaps(), 2u);
   for (const PackedRemap& remap : stack.packed.remaps)
     EXPECT_LE(remap.error_px, 0.03);
-  EXPECT_TRUE(stack.packed.remarks.empty());
+  EXPECT_TRUE(stack.packed.warnings.empty());
 }
 
 // A view that reaches beyond the area in parts: blocks that one knot shows and
@@ -198,7 +198,7 @@ TEST(StackPacking, KnotsThatDoNotFitEachOtherAreRefused) {
   CameraFile file = GenericFile();
   file.camera = std::make_shared<CentralGeneric>(CameraAt(0));
   PackOptions options;
-  options.stack = StackKnots{
+  options.stack = OperatingPointKnots{
       RG_CONDITION_TEMPERATURE, {20, 30}, {CameraAt(0), CameraAt(1)}};
   EXPECT_NO_THROW(PackCamera(file, options));
   options.stack->values = {30, 20};
@@ -213,9 +213,9 @@ TEST(StackPacking, KnotsThatDoNotFitEachOtherAreRefused) {
               [&] { PackCamera(file, options); });
 }
 
-TEST(ChooseKnots, RefusesRangesThatNeedTooMany) {
+TEST(SelectKnots, RefusesRangesThatNeedTooMany) {
   ExpectError(ExitCode::kQuality, {"64 samples"}, [] {
-    ChooseKnots(RG_CONDITION_LENS_POSITION, 0, 10, CameraAt, 1e-7);
+    SelectKnots(RG_CONDITION_LENS_POSITION, 0, 10, CameraAt, 1e-7);
   });
 }
 

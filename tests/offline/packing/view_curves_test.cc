@@ -37,30 +37,31 @@ double Bow(const PixelCurve& curve) {
   return worst;
 }
 
-TEST(LinesOfRoom, AreStraightInAPinhole) {
+TEST(MakeRoomLines, AreStraightInAPinhole) {
   const VirtualView view = PlainView(ViewProjection::kPinhole, 600);
-  const auto level = LinesOfRoom(view, Eigen::Matrix3d::Identity(), 0.125);
+  const auto level = MakeRoomLines(view, Eigen::Matrix3d::Identity(), 0.125);
   EXPECT_GT(level.size(), 12u);
   for (const PixelCurve& curve : level)
     EXPECT_LT(std::min(Spread(curve, 0), Spread(curve, 1)), 1e-9);
   // A turned room's wall still fills the view, and its lines run at an angle.
-  const Eigen::Matrix3d turned = RotationOfAngles({8, 5, 20});
-  for (const PixelCurve& curve : LinesOfRoom(view, turned, 0.125))
+  const Eigen::Matrix3d turned = RotationFromAngles({8, 5, 20});
+  for (const PixelCurve& curve : MakeRoomLines(view, turned, 0.125))
     EXPECT_LT(Bow(curve), 1e-8);
 }
 
-TEST(LinesOfRoom, ReachFromEdgeToEdgeOfANarrowView) {
+TEST(MakeRoomLines, ReachFromEdgeToEdgeOfANarrowView) {
   const VirtualView view = PlainView(ViewProjection::kPinhole, 640 / 0.035);
   const auto curves =
-      LinesOfRoom(view, Eigen::Matrix3d::Identity(), SquareOfView(view));
+      MakeRoomLines(view, Eigen::Matrix3d::Identity(), SquareOfView(view));
   ASSERT_GT(curves.size(), 2u);
   for (const PixelCurve& curve : curves)
     EXPECT_GT(std::max(Spread(curve, 0) - 640, Spread(curve, 1) - 480), 0);
 }
 
-TEST(LinesOfRoom, AreBentWhereTheProjectionBendsThem) {
-  const auto curves = LinesOfRoom(PlainView(ViewProjection::kCylindrical, 300),
-                                  Eigen::Matrix3d::Identity(), 0.25);
+TEST(MakeRoomLines, AreBentWhereTheProjectionBendsThem) {
+  const auto curves =
+      MakeRoomLines(PlainView(ViewProjection::kCylindrical, 300),
+                    Eigen::Matrix3d::Identity(), 0.25);
   double most = 0;
   int num_upright = 0;  // strokes
   for (const PixelCurve& curve : curves) {
@@ -73,22 +74,22 @@ TEST(LinesOfRoom, AreBentWhereTheProjectionBendsThem) {
   EXPECT_GT(num_upright, 1000);
 }
 
-TEST(LinesOfRoom, DoNotCrossTheImageWhereItsSidesMeet) {
+TEST(MakeRoomLines, DoNotCrossTheImageWhereItsSidesMeet) {
   VirtualView view = PlainView(ViewProjection::kEquirectangular, 640 / 6.2832);
-  const auto curves = LinesOfRoom(view, Eigen::Matrix3d::Identity(), 0.25);
+  const auto curves = MakeRoomLines(view, Eigen::Matrix3d::Identity(), 0.25);
   EXPECT_GT(curves.size(), 20u);
   for (const PixelCurve& curve : curves)
     for (size_t k = 1; k < curve.size(); ++k)
       EXPECT_LE((curve[k] - curve[k - 1]).norm(), 160);
 }
 
-TEST(OutlineOfTrusted, GoesAroundTrustedCells) {
-  TrustMask mask;
-  mask.cell_px = 16;
+TEST(ComputeValidOutline, GoesAroundTrustedCells) {
+  ValidityMask mask;
+  mask.knot_spacing_px = 16;
   mask.columns = 3;
   mask.rows = 2;
   mask.is_trusted = {false, true, false, false, false, false};
-  const auto one = OutlineOfTrusted(mask, {40, 30});
+  const auto one = ComputeValidOutline(mask, {40, 30});
   ASSERT_EQ(one.size(), 4u);
   for (const PixelCurve& edge : one)
     for (const Eigen::Vector2d& pixel : edge)
@@ -96,7 +97,7 @@ TEST(OutlineOfTrusted, GoesAroundTrustedCells) {
   // The last cells end with the image.
   mask.is_trusted.assign(6, true);
   double right = 0, low = 0;
-  const auto all = OutlineOfTrusted(mask, {40, 30});
+  const auto all = ComputeValidOutline(mask, {40, 30});
   EXPECT_EQ(all.size(), 10u);
   for (const PixelCurve& edge : all)
     for (const Eigen::Vector2d& pixel : edge) {
@@ -106,13 +107,13 @@ TEST(OutlineOfTrusted, GoesAroundTrustedCells) {
   EXPECT_EQ(right, 39.5);
   EXPECT_EQ(low, 29.5);
   mask.is_trusted.assign(6, false);
-  EXPECT_TRUE(OutlineOfTrusted(mask, {40, 30}).empty());
+  EXPECT_TRUE(ComputeValidOutline(mask, {40, 30}).empty());
 }
 
-TEST(CurvesInView, LieWhereTheViewShowsThePixels) {
+TEST(ProjectCurves, LieWhereTheViewShowsThePixels) {
   const CameraModel& camera = *GenericFile().camera;
   const VirtualView view = Virtual();
-  const auto curves = CurvesInView(camera, view, {{{200, 150}, {260, 150}}});
+  const auto curves = ProjectCurves(camera, view, {{{200, 150}, {260, 150}}});
   ASSERT_EQ(curves.size(), 1u);
   for (const Eigen::Vector2d& pixel : curves[0]) {
     const auto back = camera.Project(*view.Direction(pixel));
@@ -121,16 +122,16 @@ TEST(CurvesInView, LieWhereTheViewShowsThePixels) {
   }
   // Pixels that the view does not show are left out.
   const VirtualView narrow = ViewOf(camera, {640, 480}, 5);
-  EXPECT_TRUE(CurvesInView(camera, narrow, {{{10, 10}, {20, 10}}}).empty());
+  EXPECT_TRUE(ProjectCurves(camera, narrow, {{{10, 10}, {20, 10}}}).empty());
 }
 
-TEST(EdgeOfView, IsThatOfTheImageItself) {
+TEST(ComputeViewEdge, IsThatOfTheImageItself) {
   const VirtualView view = PlainView(ViewProjection::kPinhole, 500);
-  const std::unique_ptr<CameraModel> same = CameraOfView(view);
+  const std::unique_ptr<CameraModel> same = MakeViewCamera(view);
   VirtualView half = view;
   half.focal_px *= 2;
   Eigen::AlignedBox2d box;
-  for (const PixelCurve& curve : EdgeOfView(*same, half))
+  for (const PixelCurve& curve : ComputeViewEdge(*same, half))
     for (const Eigen::Vector2d& pixel : curve) box.extend(pixel);
   EXPECT_LT((box.min() - Eigen::Vector2d(159.5, 119.5)).norm(), 0.01);
   EXPECT_LT((box.max() - Eigen::Vector2d(479.5, 359.5)).norm(), 0.01);

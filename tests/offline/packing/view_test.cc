@@ -86,8 +86,9 @@ TEST(VirtualView, IsByDefaultAsSharpAsTheImagesMiddle) {
 TEST(VirtualView, OfAlphaZeroHasNoBorderAndIsTheLargest) {
   for (const char* lens : {"pinhole", "wide", "fisheye"}) {
     for (const ImageSize size : {kViewedSize, ImageSize{200, 200}}) {
-      const CentralGeneric camera = FitCentralGeneric(
-          *SimulatedLens(lens, kViewedSize), WholeImage(kViewedSize), 19, 15);
+      const CentralGeneric camera =
+          FitCentralGeneric(*MakeSimulatedLens(lens, kViewedSize),
+                            WholeImage(kViewedSize), 19, 15);
       VirtualView view = ViewOfAlpha(camera, size, 0);
       EXPECT_EQ(NumBorderPixels(camera, view), 0) << lens;
       if (view.HorizontalFieldOfViewDeg() > 130) continue;  // no larger one
@@ -100,7 +101,7 @@ TEST(VirtualView, OfAlphaZeroHasNoBorderAndIsTheLargest) {
 }
 
 TEST(VirtualView, OfAlphaZeroIsNotWiderThanUsefulWhereALensSeesMore) {
-  const auto camera = SimulatedLens("fisheye190", kViewedSize);
+  const auto camera = MakeSimulatedLens("fisheye190", kViewedSize);
   const VirtualView view = ViewOfAlpha(*camera, kViewedSize, 0);
   EXPECT_NEAR(view.HorizontalFieldOfViewDeg(), 140, 1);
   for (int y = 0; y < kViewedSize.height; ++y)
@@ -112,7 +113,7 @@ TEST(VirtualView, OfAlphaZeroIsNotWiderThanUsefulWhereALensSeesMore) {
 TEST(VirtualView, OfAlphaOneShowsEveryPixelAndIsTheSmallest) {
   for (const char* lens : {"pinhole", "wide"}) {
     for (const ImageSize size : {kViewedSize, ImageSize{200, 300}}) {
-      const auto camera = SimulatedLens(lens, kViewedSize);
+      const auto camera = MakeSimulatedLens(lens, kViewedSize);
       const VirtualView view = ViewOfAlpha(*camera, size, 1);
       Eigen::AlignedBox2d box;
       for (int y = 0; y < kViewedSize.height; ++y)
@@ -128,7 +129,7 @@ TEST(VirtualView, OfAlphaOneShowsEveryPixelAndIsTheSmallest) {
 
 // A fisheye's image circle within its image: corners are dark.
 std::unique_ptr<CameraModel> CameraWithCircle(const char* lens) {
-  auto camera = SimulatedLens(lens, kViewedSize)->Clone();
+  auto camera = MakeSimulatedLens(lens, kViewedSize)->Clone();
   camera->SetImageCircle(ImageCircle{{165, 115}, {100, 100}});
   return camera;
 }
@@ -146,7 +147,8 @@ TEST(VirtualView, OfAlphaZeroLiesInTheImageCircle) {
       for (int x = 0; x < kViewedSize.width; ++x) {
         const auto source =
             camera->Project(*view.Direction(Eigen::Vector2d(x, y)));
-        ASSERT_TRUE(source && camera->IsLit(*source)) << x << ", " << y;
+        ASSERT_TRUE(source && camera->IsInImageCircle(*source))
+            << x << ", " << y;
         farthest_px = std::max(
             farthest_px, (*source - camera->image_circle()->center).norm());
       }
@@ -163,7 +165,7 @@ TEST(VirtualView, OfAlphaOneShowsTheImageCircleAndNotMuchMore) {
   Eigen::AlignedBox2d box;
   for (int y = 0; y < kViewedSize.height; ++y)
     for (int x = 0; x < kViewedSize.width; ++x)
-      if (const Eigen::Vector2d pixel(x, y); camera->IsLit(pixel))
+      if (const Eigen::Vector2d pixel(x, y); camera->IsInImageCircle(pixel))
         box.extend(*view.Pixel(*camera->Unproject(pixel)));
   const Eigen::Vector2d last(kViewedSize.width - 1, kViewedSize.height - 1);
   EXPECT_GE(box.min().minCoeff(), 0);
@@ -174,7 +176,7 @@ TEST(VirtualView, OfAlphaOneShowsTheImageCircleAndNotMuchMore) {
 // Blocks of the table are up to 16 pixels wide.
 TEST(VirtualView, IsBorderBeyondTheImageCircle) {
   const CentralGeneric unlimited = FitCentralGeneric(
-      *SimulatedLens("wide", kViewedSize), WholeImage(kViewedSize), 19, 15);
+      *MakeSimulatedLens("wide", kViewedSize), WholeImage(kViewedSize), 19, 15);
   const VirtualView wide = ViewOfAlpha(unlimited, kViewedSize, 1);
   CentralGeneric camera = unlimited;
   const ImageCircle circle = {{165, 115}, {100, 100}};
@@ -212,7 +214,7 @@ TEST(VirtualView, IsBorderBeyondTheImageCircle) {
 }
 
 TEST(VirtualView, OfAlphaBetweenIsBetween) {
-  const auto camera = SimulatedLens("wide", kViewedSize);
+  const auto camera = MakeSimulatedLens("wide", kViewedSize);
   const VirtualView none = ViewOfAlpha(*camera, kViewedSize, 0),
                     half = ViewOfAlpha(*camera, kViewedSize, 0.5),
                     all = ViewOfAlpha(*camera, kViewedSize, 1);
@@ -222,7 +224,7 @@ TEST(VirtualView, OfAlphaBetweenIsBetween) {
 }
 
 TEST(VirtualView, OfAlphaOneIsRefusedForLensesThatNoPinholeShows) {
-  const auto camera = SimulatedLens("fisheye190", kViewedSize);
+  const auto camera = MakeSimulatedLens("fisheye190", kViewedSize);
   ViewRequest request = RequestOf(kViewedSize);
   request.alpha = 1;
   ExpectRefused(*camera, request, {"alpha", "degrees off its axis", "alpha=0"});
@@ -301,14 +303,14 @@ TEST(VirtualView, IsTurnedToTheRightThenUpThenClockwise) {
   for (const Eigen::Vector3d& angles :
        {Eigen::Vector3d(30, -20, 100), Eigen::Vector3d(-170, 80, -3),
         Eigen::Vector3d(0, 90, 35), Eigen::Vector3d(0, -90, -120)})
-    EXPECT_LT((AnglesOfRotation(RotationOfAngles(angles)) - angles).norm(),
+    EXPECT_LT((RotationToAngles(RotationFromAngles(angles)) - angles).norm(),
               1e-9);
 }
 
 TEST(VirtualView, OfAnyProjectionAndAlphaZeroHasNoBorder) {
   for (const char* lens : {"wide", "fisheye", "fisheye190"}) {
     const CentralGeneric camera = FitCentralGeneric(
-        *SimulatedLens(lens, kViewedSize), WholeImage(kViewedSize), 19, 15);
+        *MakeSimulatedLens(lens, kViewedSize), WholeImage(kViewedSize), 19, 15);
     for (const ViewProjection projection : kProjections) {
       ViewRequest request = RequestOf({480, 360});
       request.projection = projection;
@@ -324,7 +326,7 @@ TEST(VirtualView, OfAnyProjectionAndAlphaZeroHasNoBorder) {
 
 TEST(VirtualView, OfAnyProjectionAndAlphaOneShowsEveryPixel) {
   for (const char* lens : {"pinhole", "wide", "fisheye190"}) {
-    const auto camera = SimulatedLens(lens, kViewedSize);
+    const auto camera = MakeSimulatedLens(lens, kViewedSize);
     for (const ViewProjection projection : kProjections) {
       if (projection == ViewProjection::kPinhole) continue;
       ViewRequest request = RequestOf({200, 150});
@@ -358,7 +360,7 @@ TEST(VirtualView, OfAnyProjectionAndAlphaOneShowsEveryPixel) {
 TEST(VirtualView, OfAlphaZeroAndOneIsSoForEveryOtherLens) {
   for (const char* lens : {"example", "noncentral", "glass"}) {
     const ImageSize size = {640, 480};
-    const auto truth = SimulatedLens(lens, size);
+    const auto truth = MakeSimulatedLens(lens, size);
     const std::unique_ptr<CameraModel> camera =
         truth->IsCentral()
             ? FitCentralGeneric(*truth, WholeImage(size), 27, 21).Clone()
@@ -385,13 +387,13 @@ TEST(VirtualView, OfAnyProjectionIsACameraAndComesBackFromIt) {
     ViewRequest request = RequestOf(projection, 120);
     request.rotate_deg = Eigen::Vector3d(10, 20, 30);
     const VirtualView view = MakeView(Example(), request);
-    const auto camera = CameraOfView(view);
+    const auto camera = MakeViewCamera(view);
     const Eigen::Vector2d pixel(30, 200);
     EXPECT_LT((view.camera_from_view * *camera->Unproject(pixel) -
                view.Direction(pixel)->normalized())
                   .norm(),
               1e-12);
-    const auto back = ViewOfCamera(*camera);
+    const auto back = MakeCameraView(*camera);
     ASSERT_TRUE(back);
     EXPECT_EQ(back->projection, projection);
     EXPECT_EQ(back->focal_px, view.focal_px);
@@ -405,7 +407,7 @@ TEST(VirtualView, IsACameraAndComesBackFromIt) {
   request.vfov_deg = 30;
   request.center_px = Eigen::Vector2d(100, 20);
   const VirtualView view = MakeView(Example(), request);
-  const auto camera = CameraOfView(view);
+  const auto camera = MakeViewCamera(view);
   for (const Eigen::Vector2d& pixel :
        {Eigen::Vector2d(0, 0), Eigen::Vector2d(639, 479)}) {
     EXPECT_LT(camera->Unproject(pixel)
@@ -414,11 +416,11 @@ TEST(VirtualView, IsACameraAndComesBackFromIt) {
               1e-12);
     EXPECT_LT((*view.Pixel(*view.Direction(pixel)) - pixel).norm(), 1e-9);
   }
-  const auto back = ViewOfCamera(*camera);
+  const auto back = MakeCameraView(*camera);
   ASSERT_TRUE(back);
   EXPECT_EQ(back->focal_px, view.focal_px);
   EXPECT_EQ(back->center_px, view.center_px);
-  EXPECT_FALSE(ViewOfCamera(Example()));
+  EXPECT_FALSE(MakeCameraView(Example()));
 }
 
 TEST(VirtualView, LikeAnotherIsScaledToTheSize) {

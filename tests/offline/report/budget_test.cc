@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "evaluation/budget_verdict.h"
+#include "evaluation/budget_assessment.h"
 #include "report/budget_json.h"
 #include "report/budget_section.h"
 #include "support.h"
@@ -20,12 +20,13 @@ ResidualBudget ExampleBudget() {
   for (int k = 0; k < kNumErrorCauses; ++k)
     budget.causes[static_cast<size_t>(k)] = {true,  "",   0.01 * k, 0.0,
                                              0.001, 0.02, false};
-  CauseShare& bends = budget.causes[static_cast<size_t>(ErrorCause::kBend)];
+  CauseShare& bends =
+      budget.causes[static_cast<size_t>(ErrorCause::kDeformation)];
   bends.in_turn = bends.alone = 0.5;
-  bends.is_alike = true;
+  bends.is_indistinguishable = true;
   budget.causes[0] = {false, "7 views, at least <8> required"};
-  budget.column_time = 0.04;
-  budget.column_time_is_alike = false;
+  budget.column_delay = 0.04;
+  budget.is_column_delay_indistinguishable = false;
   budget.rest = 0.19;
   budget.facts = {"central-generic", 40,  true, true, true, true, false, true,
                   "opencv",          true};
@@ -48,17 +49,17 @@ TEST(BudgetJson, IsReadAsItWasWritten) {
 
 TEST(BudgetJson, SaysWhyNothingIsTold) {
   ResidualBudget budget;
-  budget.untold = "3 features, at least 200 required";
+  budget.unobservable_reason = "3 features, at least 200 required";
   const nlohmann::ordered_json json = BudgetJson(budget);
   EXPECT_FALSE(json.contains("causes"));
-  EXPECT_EQ(ParseBudget(json).untold, budget.untold);
+  EXPECT_EQ(ParseBudget(json).unobservable_reason, budget.unobservable_reason);
   EXPECT_EQ(BudgetJson(ParseBudget(json)), json);
 }
 
 TEST(BudgetSection, SaysWhatLimitsAndWhatToDo) {
   ResidualBudget budget = ExampleBudget();
   const std::string html = BudgetSection(budget);
-  budget.facts.two_cameras = false;
+  budget.facts.mixed_cameras = false;
   EXPECT_TRUE(HasText(BudgetSection(budget), "Remedy: mount the pattern"));
   EXPECT_TRUE(HasText(html, "<h2>What limits this calibration</h2>"));
   EXPECT_TRUE(HasText(html, "<b>Out-of-plane target deformation"));
@@ -71,7 +72,7 @@ TEST(BudgetSection, SaysWhatLimitsAndWhatToDo) {
 
 TEST(BudgetSection, IsASentenceWhereNothingIsTold) {
   ResidualBudget budget;
-  budget.untold = "3 features, at least 200 required";
+  budget.unobservable_reason = "3 features, at least 200 required";
   const std::string html = BudgetSection(budget);
   EXPECT_TRUE(HasText(html, "Not observable: 3 features"));
   EXPECT_FALSE(HasText(html, "<table>"));

@@ -9,10 +9,10 @@ namespace {
 
 Checkpoint ExampleCheckpoint() {
   Checkpoint checkpoint;
-  Dataset& again = checkpoint.measured_again.emplace();
+  Dataset& again = checkpoint.refined_features.emplace();
   again.image_size = {640, 480};
   again.images = {{"a.png", {{0, 3, 4, {1.0 / 3, 2}}}}, {"b.png", {}}};
-  HeldOut held_out;
+  HeldOutResiduals held_out;
   held_out.alone = {{{"a.png", 0, 3, 4, {1, 2}, {0.1, -1}}}};
   held_out.flexed = {{{"a.png", 0, 5, 4, {3, 2}, {0.2, -2}}}};
   checkpoint.trials = {{2, {80.0 / 3}, true, held_out}};
@@ -28,9 +28,9 @@ TEST(Checkpoint, IsReadBackExactly) {
   EXPECT_EQ(FormatCheckpoints(read, "cafe"), text);
   ASSERT_EQ(read.size(), 2u);
   const Checkpoint& first = read[0];
-  ASSERT_TRUE(first.measured_again);
-  EXPECT_EQ(first.measured_again->images[0].features[0].pixel.x(), 1.0 / 3);
-  EXPECT_EQ(first.trials[0].cells_px.front(), 80.0 / 3);
+  ASSERT_TRUE(first.refined_features);
+  EXPECT_EQ(first.refined_features->images[0].features[0].pixel.x(), 1.0 / 3);
+  EXPECT_EQ(first.trials[0].knot_spacings_px.front(), 80.0 / 3);
   EXPECT_TRUE(first.trials[0].rigid_boards);
   EXPECT_EQ(first.trials[0].held_out.alone[0][0].error_px.y(), -1);
   EXPECT_EQ(first.trials[0].held_out.flexed[0][0].error_px.y(), -2);

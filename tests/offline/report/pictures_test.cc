@@ -25,7 +25,7 @@ TEST(Pictures, HaveTheImagesSize) {
   }
 }
 
-std::vector<uint8_t> PixelOf(const Image& image, int x, int y) {
+std::vector<uint8_t> GetPixel(const Image& image, int x, int y) {
   const auto at = image.pixels.begin() + 3 * (image.size.width * y + x);
   return {at, at + 3};
 }
@@ -36,9 +36,9 @@ TEST(Pictures, DirectionIsThatOfTheNearestResidual) {
   const Image picture =
       DirectionPicture(residuals, {640, 480}, {0, 0, 639, 479});
   const Image legend = DirectionLegend(101);
-  EXPECT_EQ(PixelOf(picture, 50, 400), PixelOf(legend, 95, 50));
-  EXPECT_EQ(PixelOf(picture, 600, 10), PixelOf(legend, 50, 95));
-  EXPECT_NE(PixelOf(picture, 50, 400), PixelOf(picture, 600, 10));
+  EXPECT_EQ(GetPixel(picture, 50, 400), GetPixel(legend, 95, 50));
+  EXPECT_EQ(GetPixel(picture, 600, 10), GetPixel(legend, 50, 95));
+  EXPECT_NE(GetPixel(picture, 50, 400), GetPixel(picture, 600, 10));
 }
 
 TEST(Pictures, FeaturesOnTheImagesEdgeAreDrawnToo) {
@@ -47,7 +47,7 @@ TEST(Pictures, FeaturesOnTheImagesEdgeAreDrawnToo) {
       {"a", 0, 0, 0, {639.49, 479.49}, {0, 0}}};
   const Image picture =
       MagnitudePicture(residuals, {640, 480}, {-0.5, -0.5, 639.5, 479.5}, 1);
-  EXPECT_NE(PixelOf(picture, 0, 0), PixelOf(picture, 639, 479));
+  EXPECT_NE(GetPixel(picture, 0, 0), GetPixel(picture, 639, 479));
 }
 
 TEST(DisplacementPicture, IsTheSizeInColoursUnderArrowsAndWhiteWithout) {
@@ -56,15 +56,15 @@ TEST(DisplacementPicture, IsTheSizeInColoursUnderArrowsAndWhiteWithout) {
   displacements[0] = {NAN, NAN};
   const Image picture = DisplacementPicture(displacements, kColumns, 1);
   EXPECT_EQ(picture.size, (ImageSize{kColumns * kCellPx, 12 * kCellPx}));
-  EXPECT_EQ(PixelOf(picture, 2, 2), (std::vector<uint8_t>{255, 255, 255}));
-  const auto half = ColorOf(ColorScale::kEven, 0.5);
-  EXPECT_EQ(PixelOf(picture, kCellPx + 2, 2),
+  EXPECT_EQ(GetPixel(picture, 2, 2), (std::vector<uint8_t>{255, 255, 255}));
+  const auto half = GetColor(ColorScale::kEven, 0.5);
+  EXPECT_EQ(GetPixel(picture, kCellPx + 2, 2),
             std::vector<uint8_t>(half.begin(), half.end()));
   // The first arrow lies across the middle of cell 3, 3, half as long as arrows
   // are apart, and its head is on the right.
   constexpr int kMiddle = kCellPx * 3 + kCellPx / 2;
   const auto level = [&](int dx, int dy) {
-    return PixelOf(picture, kMiddle + dx, kMiddle + dy)[0];
+    return GetPixel(picture, kMiddle + dx, kMiddle + dy)[0];
   };
   EXPECT_GT(level(-8, 0), 200);
   EXPECT_GT(level(8, 0), 200);
@@ -78,7 +78,7 @@ TEST(UncertaintyPicture, IsHatchedWhereNotTrustedAndGreyOutside) {
   CameraUncertainty uncertainty;
   uncertainty.lattice = {2, 2, {0.001, 0.001, 0.001, 0.001}};
   uncertainty.max_deviation_px = 0.01;
-  uncertainty.mask = TrustMask::Over({800, 600});
+  uncertainty.mask = ValidityMask::Over({800, 600});
   for (int cell = 0; cell < uncertainty.mask.columns * uncertainty.mask.rows;
        ++cell)
     uncertainty.mask.is_trusted[cell] =
@@ -122,11 +122,11 @@ TEST(StereoPictures, DisparitiesAreThoseOfTheImages) {
   for (size_t k = 0; k < 50 * 200; ++k) images.first_shown.pixels[k] = 0;
   const Image picture = DisparityPicture(images, 64);
   EXPECT_EQ(picture.size, images.first.size);
-  const auto expected = ColorOf(ColorScale::kEven, 20.0 / 64);
+  const auto expected = GetColor(ColorScale::kEven, 20.0 / 64);
   int num_right = 0, num_white = 0;
   for (int y = 0; y < 100; ++y)
     for (int x = 64; x < 200; ++x) {
-      const std::vector<uint8_t> pixel = PixelOf(picture, x, y);
+      const std::vector<uint8_t> pixel = GetPixel(picture, x, y);
       num_white += y < 50 && pixel == std::vector<uint8_t>{255, 255, 255};
       num_right +=
           y >= 50 && std::equal(pixel.begin(), pixel.end(), expected.begin());

@@ -28,16 +28,16 @@ CalibrationResult ExampleResult() {
                                random.PixelIn({0, 0, 639, 479}),
                                0.1 * random.NormalVector<2>()});
   result.held_out = result.training;
-  result.camera.training = ComputeErrorFigures(result.training);
-  result.camera.held_out = ComputeErrorFigures(result.held_out);
+  result.camera.training = ComputeErrorMetrics(result.training);
+  result.camera.held_out = ComputeErrorMetrics(result.held_out);
   const Feature feature = {0, 0, 0, {1, 1}};
   result.features.images = {{"b.png", {feature, feature}},
                             {kNastyName, {feature}}};
   result.rejected_images = {{kNastyName, "only <3 features"}};
-  result.same_views = {{"b.png", {kNastyName, "c.png"}}};
+  result.near_duplicates = {{"b.png", {kNastyName, "c.png"}}};
   result.rejected_features = {{kNastyName, 0, 3, 4, {10, 20}, {3, 4}}};
-  result.cell_candidates = {{80, 0.02, 0.1}, {40, 0.01, 0.09}};
-  result.cell_px = 40;
+  result.knot_spacing_candidates = {{80, 0.02, 0.1}, {40, 0.01, 0.09}};
+  result.knot_spacing_px = 40;
   result.num_parameters = 12;
   result.converged = true;
   result.bias_kl = 0.25;
@@ -45,18 +45,18 @@ CalibrationResult ExampleResult() {
   result.parametric_models = {{"central-radial",
                                20,
                                {0.2, 0.3, 1, 60},
-                               ErrorFigures{0.3, 0.4, 1, 60},
-                               ErrorFigures{0.21, 0.31, 1, 30},
+                               ErrorMetrics{0.3, 0.4, 1, 60},
+                               ErrorMetrics{0.21, 0.31, 1, 30},
                                1.5,
                                {}}};
-  result.held_out_flexed = ErrorFigures{0.123, 0.234, 1, 30};
-  result.bends = BoardBends{{{"a.png", 0, 0.0001}, {"b.png", 0, 0.0002}},
-                            0.00016,
-                            1,
-                            std::vector<double>(300, 0.0002)};
+  result.held_out_deformed = ErrorMetrics{0.123, 0.234, 1, 30};
+  result.bends = BoardDeformation{{{"a.png", 0, 0.0001}, {"b.png", 0, 0.0002}},
+                                  0.00016,
+                                  1,
+                                  std::vector<double>(300, 0.0002)};
   result.pattern = ChessboardPattern(60, 5, 0.01);
   result.poses = {{"b.png", 0, {Eigen::Quaterniond::Identity(), {0, 0, 1}}}};
-  result.verdict = {"warn", {"only 2 images; take 10 or more"}};
+  result.assessment = {"warn", {"only 2 images; take 10 or more"}};
   return result;
 }
 
@@ -67,7 +67,7 @@ RigResult Alone(const CalibrationResult& camera) {
   result.camera_from_rig = {{}};
   result.pattern = camera.pattern;
   result.converged = camera.converged;
-  result.verdict = camera.verdict;
+  result.assessment = camera.assessment;
   result.seconds["start"] = 0.5;
   return result;
 }
@@ -76,7 +76,7 @@ std::string ExampleReport() {
   BeforeAfter example;
   example.before.size = example.after.size = {4, 3};
   example.before.pixels = example.after.pixels = std::vector<uint8_t>(12, 99);
-  PackingFigures packing;
+  PackingMetrics packing;
   packing.blob_bytes = 12345;
   packing.unproject_error_px = 1e-4;
   packing.remap_error_px = 0.04;
@@ -109,7 +109,7 @@ TEST(HtmlReport, RunsTheRuntimeOnlyWhereThereIsABlob) {
   for (const char* line : {"\nimport ", "\nexport "})
     EXPECT_FALSE(Has(html, line)) << line;
   const std::string without =
-      FormatHtmlReport(ExampleResult(), PackingFigures(), std::nullopt);
+      FormatHtmlReport(ExampleResult(), PackingMetrics(), std::nullopt);
   for (const char* part : {"<script type=\"module\">", "id=\"trial\""})
     EXPECT_FALSE(Has(without, part)) << part;
 }
@@ -123,9 +123,9 @@ TEST(HtmlReport, EscapesNames) {
 
 TEST(HtmlReport, GivesTheVerdictBeforeTheNumbers) {
   const std::string html = ExampleReport();
-  const size_t verdict = html.find("Verdict: warn");
-  ASSERT_NE(verdict, std::string::npos);
-  EXPECT_LT(verdict, html.find("only 2 images"));
+  const size_t assessment = html.find("Verdict: warn");
+  ASSERT_NE(assessment, std::string::npos);
+  EXPECT_LT(assessment, html.find("only 2 images"));
   EXPECT_LT(html.find("only 2 images"), html.find("Reprojection error"));
   EXPECT_TRUE(Has(html, "12345 bytes"));
   EXPECT_TRUE(Has(html, "40.0 (chosen)"));
@@ -187,9 +187,9 @@ TEST(HtmlReport, WorksWithoutHeldOutImagesAndExample) {
   CalibrationResult result = ExampleResult();
   result.held_out.clear();
   result.camera.held_out.reset();
-  result.cell_candidates.clear();
+  result.knot_spacing_candidates.clear();
   const std::string html =
-      WithoutLibrary(FormatHtmlReport(result, PackingFigures(), std::nullopt));
+      WithoutLibrary(FormatHtmlReport(result, PackingMetrics(), std::nullopt));
   EXPECT_FALSE(Has(html, "held out ("));
   EXPECT_FALSE(Has(html, ">nan"));
   EXPECT_TRUE(Has(html, "</html>"));
@@ -213,7 +213,7 @@ CalibrationResult PlainResult() {
 void WriteResultTo(const std::string& folder, const CalibrationResult& result) {
   OutputFiles files;
   CameraExtras extras;
-  extras.packing = PackingFigures{12345, 1e-4, 0.04};
+  extras.packing = PackingMetrics{12345, 1e-4, 0.04};
   AddResultFiles(Alone(result), {0, 0, {extras}}, folder, &files);
   files.Commit();
 }
@@ -229,8 +229,11 @@ TEST(ResultFolder, HoldsAllThatTheReportSays) {
   const TemporaryFolder folder;
   const std::string out = folder / "out";
   CalibrationResult result = PlainResult();
-  result.camera.uncertainty = CameraUncertainty{
-      {2, 2, {0.1, 0.2, 0.3, 0.4}}, TrustMask::Over({640, 480}), 0.05, {}, {}};
+  result.camera.uncertainty = CameraUncertainty{{2, 2, {0.1, 0.2, 0.3, 0.4}},
+                                                ValidityMask::Over({640, 480}),
+                                                0.05,
+                                                {},
+                                                {}};
   result.jackknife_scale = 1.83;
   result.fleet_distance = FleetDistance{1.7, 0.3};
   WriteResultTo(out, result);
@@ -278,7 +281,7 @@ TEST(ReportOfAFolder, NamesImagesOfTheSameView) {
   const std::string out = folder / "out";
   OutputFiles files;
   CalibrationResult result = PlainResult();
-  result.same_views = {{"b.png", {"c.png", "<d>.png"}}};
+  result.near_duplicates = {{"b.png", {"c.png", "<d>.png"}}};
   AddResultFiles(Alone(result), {0, 0, {CameraExtras()}}, out, &files);
   files.Commit();
   EXPECT_TRUE(Has(ReportOf(out),
@@ -440,12 +443,12 @@ TEST(ResultJson, HasNoNumberThatIsNotFinite) {
   CalibrationResult bare = ExampleResult();
   bare.training.clear();
   bare.held_out.clear();
-  bare.camera.training = ComputeErrorFigures({});
+  bare.camera.training = ComputeErrorMetrics({});
   bare.camera.held_out.reset();
   bare.bias_kl.reset();
   bare.noise_bias_kl.reset();
   bare.parametric_models.clear();
-  bare.cell_candidates.clear();
+  bare.knot_spacing_candidates.clear();
   const std::string text = FormatResultJson(Alone(bare), 1, 2);
   ExpectNoNull(nlohmann::json::parse(text));
   EXPECT_FALSE(Has(text, "bias"));
@@ -456,14 +459,14 @@ RigResult ExampleRig() {
   rig.cameras = {ExampleResult(), ExampleResult()};
   rig.cameras[0].camera.name = "left";
   rig.cameras[1].camera.name = "right";
-  rig.cameras[1].verdict = {"fail", {"blurred"}};
+  rig.cameras[1].assessment = {"fail", {"blurred"}};
   rig.camera_from_rig = {{}, {RotationFromVector({0, 0.5, 0}), {-0.3, 0.4, 0}}};
   rig.baselines = ComputeBaselines(rig.camera_from_rig);
   rig.baselines[0].num_shared_views = 9;
   rig.baselines[0].distance_sd_m = 0.00025;
   rig.held_out = {rig.cameras[0].held_out, rig.cameras[1].held_out};
   rig.converged = true;
-  rig.verdict = JudgeRig(rig);
+  rig.assessment = AssessRig(rig);
   return rig;
 }
 
@@ -476,19 +479,20 @@ TEST(RigResult, BaselinesAreDistancesAndAngles) {
 
 TEST(RigResult, VerdictIsTheWorstAndNamesCameras) {
   RigResult rig = ExampleRig();
-  EXPECT_EQ(rig.verdict.word, "fail");
-  EXPECT_EQ(rig.verdict.reasons,
+  EXPECT_EQ(rig.assessment.word, "fail");
+  EXPECT_EQ(rig.assessment.reasons,
             (std::vector<std::string>{"left: only 2 images; take 10 or more",
                                       "right: blurred"}));
-  for (CalibrationResult& camera : rig.cameras) camera.verdict = {"pass", {}};
-  EXPECT_EQ(JudgeRig(rig).word, "pass");
+  for (CalibrationResult& camera : rig.cameras)
+    camera.assessment = {"pass", {}};
+  EXPECT_EQ(AssessRig(rig).word, "pass");
   rig.baselines[0].num_shared_views = 4;
-  EXPECT_EQ(JudgeRig(rig).word, "warn");
-  EXPECT_TRUE(Has(JudgeRig(rig).reasons.at(0), "left"));
+  EXPECT_EQ(AssessRig(rig).word, "warn");
+  EXPECT_TRUE(Has(AssessRig(rig).reasons.at(0), "left"));
   rig.baselines[0].num_shared_views = 9;
   for (FeatureResidual& residual : rig.held_out[0]) residual.error_px *= 4;
-  EXPECT_EQ(JudgeRig(rig).word, "warn");
-  EXPECT_TRUE(Has(JudgeRig(rig).reasons.at(0), "synchronized"));
+  EXPECT_EQ(AssessRig(rig).word, "warn");
+  EXPECT_TRUE(Has(AssessRig(rig).reasons.at(0), "synchronized"));
 }
 
 TEST(ResultJson, HoldsEachCameraOfARig) {
@@ -526,7 +530,7 @@ TEST(RigReport, DrawsTheBendsOfAllCamerasOnce) {
   RigResult rig = ExampleRig();
   rig.pattern = rig.cameras[0].pattern;
   rig.cameras[1].bends->views[0] = {"c.png", 0, 0.0004};
-  rig.cameras[1].bends->most_bent = 0;
+  rig.cameras[1].bends->most_deformed = 0;
   rig.cameras[1].bends->heights_m.assign(300, 0.0004);
   const std::string html = FormatRigReport(rig);
   // Bends are 0.1, 0.2 and 0.4 mm.
@@ -555,9 +559,9 @@ TEST(RigReport, HasOtherModelsOfEachCamera) {
 
 TEST(RigReport, NoTextReachesItAsMarkup) {
   RigResult rig = ExampleRig();
-  rig.verdict = {kAttack, {kAttack}};
+  rig.assessment = {kAttack, {kAttack}};
   for (CalibrationResult& camera : rig.cameras) {
-    camera.verdict = rig.verdict;
+    camera.assessment = rig.assessment;
     camera.parametric_models[0].model = kAttack;
     camera.camera.name = kAttack;
     camera.poses[0].image = kAttack;

@@ -63,45 +63,46 @@ constexpr char kVersion1[] = R"({
   "reasons": []})";
 
 TEST(ResultKeys, ResultsOfVersion1AreRead) {
-  const ResultFigures figures = ParseResultJson("result.json", kVersion1);
-  const CalibrationResult& camera = figures.result.cameras.front();
-  EXPECT_EQ(camera.cell_px, 40);
-  EXPECT_EQ(camera.same_views[0].others[0], "b");
-  EXPECT_EQ(camera.held_out_copies[0], "c");
-  EXPECT_EQ(camera.measured_again_rms_px, 0.1);
+  const ResultMetrics metrics = ParseResultJson("result.json", kVersion1);
+  const CalibrationResult& camera = metrics.result.cameras.front();
+  EXPECT_EQ(camera.knot_spacing_px, 40);
+  EXPECT_EQ(camera.near_duplicates[0].others[0], "b");
+  EXPECT_EQ(camera.held_out_duplicates[0], "c");
+  EXPECT_EQ(camera.refinement_rms_px, 0.1);
   EXPECT_TRUE(camera.cross_validated);
-  EXPECT_EQ(camera.held_out_flexed->median_px, 0.3);
+  EXPECT_EQ(camera.held_out_deformed->median_px, 0.3);
   EXPECT_DOUBLE_EQ(camera.bends->rms_m, 0.0005);
   EXPECT_DOUBLE_EQ(camera.bends->views[0].rms_m, 0.00025);
   EXPECT_DOUBLE_EQ(camera.bends->heights_m[1], -0.002);
-  EXPECT_EQ(camera.cell_candidates[0].cell_px, 40);
+  EXPECT_EQ(camera.knot_spacing_candidates[0].knot_spacing_px, 40);
   EXPECT_EQ(camera.noise_bias_kl, 0.1);
   EXPECT_EQ(camera.neighbor_correlation, 0.4);
-  EXPECT_EQ(camera.parametric_models[0].held_out_flexed->median_px, 0.7);
+  EXPECT_EQ(camera.parametric_models[0].held_out_deformed->median_px, 0.7);
   EXPECT_EQ(camera.jackknife_scale, 1.5);
   EXPECT_FALSE(camera.extrapolated);
   EXPECT_EQ(camera.fleet_distance->units_px, 0.5);
-  EXPECT_DOUBLE_EQ(camera.row_time->value.deviation_s, 0.5e-6);
-  EXPECT_TRUE(camera.row_time->is_taken_out);
-  EXPECT_EQ(camera.row_time->num_left_out, 1);
+  EXPECT_DOUBLE_EQ(camera.line_delay->value.deviation_s, 0.5e-6);
+  EXPECT_TRUE(camera.line_delay->is_compensated);
+  EXPECT_EQ(camera.line_delay->num_left_out, 1);
   EXPECT_EQ(camera.line_spread->max_m, 0.002);
-  EXPECT_EQ(figures.packing[0]->remarks[0], "no table");
-  EXPECT_EQ(figures.rigid_target_summary.size(), 1u);
+  EXPECT_EQ(metrics.packing[0]->warnings[0], "no table");
+  EXPECT_EQ(metrics.rigid_target_summary.size(), 1u);
 }
 
 TEST(ResultKeys, BudgetsOfVersion1AreRead) {
-  const ResultFigures figures = ParseResultJson("result.json", kVersion1);
-  const ResidualBudget& budget = *figures.result.cameras.front().budget;
+  const ResultMetrics metrics = ParseResultJson("result.json", kVersion1);
+  const ResidualBudget& budget = *metrics.result.cameras.front().budget;
   EXPECT_EQ(budget.noise, 0.9);
   EXPECT_EQ(budget.large, 0.01);
   EXPECT_EQ(budget.rest, 0.05);
-  EXPECT_TRUE(budget.column_time_is_alike);
-  EXPECT_EQ(budget.facts.cell_px, 40);
+  EXPECT_TRUE(budget.is_column_delay_indistinguishable);
+  EXPECT_EQ(budget.facts.knot_spacing_px, 40);
   EXPECT_TRUE(budget.facts.tried_finer);
   EXPECT_TRUE(budget.facts.noncentral_tried);
-  EXPECT_EQ(budget.Of(ErrorCause::kImagePlace).untold, "too few");
-  EXPECT_EQ(budget.Of(ErrorCause::kBoardPlace).in_turn, 0.02);
-  EXPECT_EQ(budget.Of(ErrorCause::kBoardPlace).chance_high, 0.002);
+  EXPECT_EQ(budget.Of(ErrorCause::kImagePosition).unobservable_reason,
+            "too few");
+  EXPECT_EQ(budget.Of(ErrorCause::kBoardPosition).in_turn, 0.02);
+  EXPECT_EQ(budget.Of(ErrorCause::kBoardPosition).chance_high, 0.002);
 }
 
 TEST(ResultKeys, CamerasOfARigGetTheKeysOfToday) {

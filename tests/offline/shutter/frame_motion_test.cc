@@ -20,7 +20,7 @@ TEST(FrameMotion, OfAPolynomialIsExact) {
   const auto stencils = MakeStencils(times_s);
   ASSERT_EQ(stencils.size(), times_s.size());
   for (const MotionStencil& stencil : stencils) {
-    const FrameMotion motion = MotionAt(stencil, poses);
+    const FrameMotion motion = ComputeMotion(stencil, poses);
     const double t = times_s[stencil.frame];
     EXPECT_EQ(stencil.IsCentral(), stencil.frame >= 2 && stencil.frame <= 4);
     EXPECT_NEAR(motion.velocity[0], 0.3, 1e-9);
@@ -28,7 +28,7 @@ TEST(FrameMotion, OfAPolynomialIsExact) {
     EXPECT_NEAR(motion.velocity[5], -4 * t * t * t, 1e-9);
     EXPECT_NEAR(motion.acceleration[4], 2, 1e-7);
     EXPECT_NEAR(motion.acceleration[5], -12 * t * t, 1e-7);
-    const Pose later = motion.After(0.01, PoseAt(t));
+    const Pose later = motion.PoseAfter(0.01, PoseAt(t));
     EXPECT_LT((later.translation - PoseAt(t + 0.01).translation).norm(), 1e-5);
   }
 }
@@ -48,7 +48,7 @@ TEST(FrameMotion, TwoNeighboursSeeALineAsFourDo) {
   const std::vector<double> times_s = {0, 0.02, 0.05, 0.06, 0.1};
   for (size_t i = 0; i < poses.size(); ++i)
     poses[i].translation = Eigen::Vector3d(1, 2, 3) * times_s[i];
-  const FrameMotion motion = MotionAt(MakeStencils(times_s)[2], poses);
+  const FrameMotion motion = ComputeMotion(MakeStencils(times_s)[2], poses);
   EXPECT_LT((motion.velocity - motion.coarse_velocity).norm(), 1e-9);
 }
 

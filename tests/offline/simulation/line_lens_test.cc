@@ -9,7 +9,7 @@ namespace {
 constexpr ImageSize kLinesSize = {320, 240};
 
 TEST(GlassLens, DisplacesLinesAsSnellSaysAndDoesNotTurnThem) {
-  const auto pinhole = SimulatedLens("pinhole", kLinesSize);
+  const auto pinhole = MakeSimulatedLens("pinhole", kLinesSize);
   GlassPlate plate;
   plate.tilt_rad = 0.4;
   const GlassLens lens(*pinhole, plate);
@@ -35,14 +35,14 @@ TEST(GlassLens, DisplacesLinesAsSnellSaysAndDoesNotTurnThem) {
 TEST(GlassLens, ThinAirDoesNothing) {
   GlassPlate air;
   air.refractive_index = 1;
-  const auto pinhole = SimulatedLens("pinhole", kLinesSize);
+  const auto pinhole = MakeSimulatedLens("pinhole", kLinesSize);
   const GlassLens lens(*pinhole, air);
   EXPECT_LT(MeasureLineSpread(lens).max_m, 1e-12);
 }
 
 TEST(LineLens, ProjectionInvertsLines) {
   for (const char* name : {"glass", "noncentral"}) {
-    const auto lens = SimulatedLens(name, kLinesSize);
+    const auto lens = MakeSimulatedLens(name, kLinesSize);
     EXPECT_FALSE(lens->IsCentral());
     TestRandom random(2);
     for (int i = 0; i < 200; ++i) {
@@ -56,7 +56,7 @@ TEST(LineLens, ProjectionInvertsLines) {
 }
 
 TEST(LineLens, DerivativeByPointIsThatOfProjection) {
-  const auto lens = SimulatedLens("glass", kLinesSize);
+  const auto lens = MakeSimulatedLens("glass", kLinesSize);
   TestRandom random(3);
   for (int i = 0; i < 50; ++i) {
     const Eigen::Vector2d pixel = random.PixelIn(WholeImage(kLinesSize));
@@ -66,7 +66,7 @@ TEST(LineLens, DerivativeByPointIsThatOfProjection) {
     const auto project = [&](const Eigen::VectorXd& p) -> Eigen::VectorXd {
       return lens->Project(p, &pixel, 0).value();
     };
-    EXPECT_LT(RelativeDifference(linear.by_point,
+    EXPECT_LT(RelativeDifference(linear.J_point,
                                  CentralDifference(project, point, 1e-5)),
               1e-4);
   }

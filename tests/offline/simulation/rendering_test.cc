@@ -96,11 +96,11 @@ void ExpectExactEdges(const CameraModel& camera, double bend_m,
 
 TEST(RenderImage, EdgesLieWhereTheProjectionSays) {
   for (const char* lens : {"pinhole", "wide", "fisheye", "fisheye190"})
-    ExpectExactEdges(*SimulatedLens(lens, kSize), 0, 0.0005);
+    ExpectExactEdges(*MakeSimulatedLens(lens, kSize), 0, 0.0005);
 }
 
 TEST(RenderImage, EdgesOfBentBoardsLieWhereTheProjectionSays) {
-  ExpectExactEdges(*SimulatedLens("pinhole", kSize), 0.002, 0.001);
+  ExpectExactEdges(*MakeSimulatedLens("pinhole", kSize), 0.002, 0.001);
 }
 
 // The second moment of an edge's derivative, about its place, in a row.
@@ -116,7 +116,7 @@ double EdgeVariance(const RenderedImage& image, int row, double edge) {
 TEST(RenderImage, BlurHasTheWidthAskedFor) {
   const Board board = TwoByTwo(0.04);
   const BoardSurface surface(board);
-  const auto camera = SimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedLens("pinhole", kSize);
   const Pose pose = {Eigen::Quaterniond::Identity(), {-0.02, -0.02, 0.13}};
   const double edge = camera->Project(pose * Eigen::Vector3d(0, 0.02, 0))->x();
   for (const double blur : {0.5, 0.7, 1.5}) {
@@ -163,7 +163,7 @@ Eigen::Vector2d CentroidOfInk(const CameraModel& camera,
       camera.Linearize(pose * Eigen::Vector3d(at.x(), at.y(), 0), nullptr, 0,
                        &seen);
       const double density =
-          (seen.by_point * pose.rotation.toRotationMatrix().leftCols<2>())
+          (seen.J_point * pose.rotation.toRotationMatrix().leftCols<2>())
               .determinant();
       sum += density * seen.pixel.homogeneous();
     }
@@ -174,7 +174,7 @@ Eigen::Vector2d CentroidOfInk(const CameraModel& camera,
 TEST(RenderImage, CentroidOfTheInkIsExact) {
   const Board board = TwoByTwo(0.004);
   const BoardSurface surface(board);
-  const auto camera = SimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedLens("pinhole", kSize);
   const PixelRays rays(*camera, 1);
   for (int i = 0; i < 5; ++i) {
     const Pose pose = {Eigen::Quaterniond::Identity(),
@@ -194,7 +194,7 @@ TEST(RenderImage, CentroidOfTheInkIsExact) {
 TEST(RenderImage, AnyNumberOfThreadsGivesTheSameBytes) {
   const Board board = StarBoard();
   const BoardSurface surface(board);
-  const auto camera = SimulatedLens("wide", {321, 241});
+  const auto camera = MakeSimulatedLens("wide", {321, 241});
   const Pose pose = Facing(board, 0.2, 0.4);
   const RenderedImage one = RenderImage(
       PixelRays(*camera, 1), {{&surface, pose}}, ImagingOptions(), 1);
@@ -207,7 +207,7 @@ TEST(RenderImage, VignettingTakesItsPartInTheCorners) {
   ImagingOptions options = PlainOptions();
   options.vignetting = 0.4;
   const RenderedImage image = RenderImage(
-      PixelRays(*SimulatedLens("pinhole", kSize), 1), {}, options, 1);
+      PixelRays(*MakeSimulatedLens("pinhole", kSize), 1), {}, options, 1);
   EXPECT_NEAR(image.at(0, 0), 0.6 * 200, 1e-3);
   EXPECT_NEAR(image.at(319, 239), 0.6 * 200, 1e-3);
   EXPECT_NEAR(image.at(160, 120), 200, 0.1);
@@ -216,7 +216,7 @@ TEST(RenderImage, VignettingTakesItsPartInTheCorners) {
 TEST(RenderImage, NearerBoardsHideFartherOnes) {
   const Board board = TwoByTwo(0.04);
   const BoardSurface surface(board), small(TwoByTwo(0.01));
-  const auto camera = SimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedLens("pinhole", kSize);
   const Pose far = {Eigen::Quaterniond::Identity(), {-0.02, -0.02, 0.2}};
   const Pose near = {Eigen::Quaterniond::Identity(), {-0.005, -0.005, 0.1}};
   const PixelRays rays(*camera, 1);
@@ -250,18 +250,18 @@ TEST(AddNoiseAndQuantize, GammaAndSaturation) {
             (std::vector<uint8_t>{0, 128, 255}));
 }
 
-TEST(SimulatedLens, ProjectionInvertsUnprojection) {
+TEST(MakeSimulatedLens, ProjectionInvertsUnprojection) {
   for (const char* name : {"pinhole", "wide", "fisheye"})
-    ExpectRoundTrip(*SimulatedLens(name, kSize), 1e-6);
+    ExpectRoundTrip(*MakeSimulatedLens(name, kSize), 1e-6);
 }
 
-TEST(SimulatedLens, DerivativeByPointIsThatOfProjection) {
+TEST(MakeSimulatedLens, DerivativeByPointIsThatOfProjection) {
   for (const char* name : {"pinhole", "wide", "fisheye"})
-    ExpectDerivativeByPoint(*SimulatedLens(name, kSize), 1e-5);
+    ExpectDerivativeByPoint(*MakeSimulatedLens(name, kSize), 1e-5);
 }
 
-TEST(SimulatedLens, FisheyeSeesBehindTheImagePlane) {
-  const auto camera = SimulatedLens("fisheye190", kSize);
+TEST(MakeSimulatedLens, FisheyeSeesBehindTheImagePlane) {
+  const auto camera = MakeSimulatedLens("fisheye190", kSize);
   const auto left = camera->Unproject({0, 120});
   ASSERT_TRUE(left);
   EXPECT_LT(left->z(), 0);
@@ -270,15 +270,15 @@ TEST(SimulatedLens, FisheyeSeesBehindTheImagePlane) {
       1e-9);
 }
 
-TEST(SimulatedLens, UnknownNamesAreRefused) {
+TEST(MakeSimulatedLens, UnknownNamesAreRefused) {
   ExpectError(ExitCode::kInput, {"fisheye190"},
-              [] { SimulatedLens("zoom", kSize); });
+              [] { MakeSimulatedLens("zoom", kSize); });
   ExpectError(ExitCode::kInput, {"640x480"},
-              [] { SimulatedLens("example", kSize); });
+              [] { MakeSimulatedLens("example", kSize); });
 }
 
 TEST(RenderObservations, OfANonCentralLensLieOnItsLines) {
-  const auto lens = SimulatedLens("noncentral", kSize);
+  const auto lens = MakeSimulatedLens("noncentral", kSize);
   SimulationOptions options;
   options.num_images = 3;
   options.features_per_image = 40;
@@ -309,12 +309,13 @@ TEST(RenderObservations, ImagesThatHardlyOccurAreRefused) {
   SimulationOptions options;
   options.features_per_image = 81;  // one more than there are
   ExpectError(ExitCode::kTooFew, {"81 features"}, [&] {
-    SimulateObservations(*SimulatedLens("pinhole", kSize), pattern, options);
+    SimulateObservations(*MakeSimulatedLens("pinhole", kSize), pattern,
+                         options);
   });
 }
 
 TEST(RandomPoses, BoardsLookOutOfAllTheImageAtTheSizesAskedFor) {
-  const auto camera = SimulatedLens("fisheye190", kSize);
+  const auto camera = MakeSimulatedLens("fisheye190", kSize);
   const Board board = StarBoard();
   const Eigen::Vector3d center = board.points.back() / 2;
   PoseOptions options;

@@ -1,6 +1,6 @@
 #include <map>
 
-#include "simulation/board_flex.h"
+#include "simulation/board_deformation.h"
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_observations.h"
 #include "simulation/simulated_rig.h"
@@ -159,14 +159,14 @@ TEST(SimulateObservations, BendLiftsTheBoardsEdges) {
   EXPECT_NEAR(largest, 0.0045, 1e-9);  // in the corners: 1 + 1/2 of it
 }
 
-TEST(FlexedBoard, HasTheDeviationAskedForAndIsNoPose) {
+TEST(DeformBoard, HasTheDeviationAskedForAndIsNoPose) {
   const Board board = ChessboardPattern(18, 12, 0.03).boards[0];
   const double count = static_cast<double>(board.points.size());
   Random random(1);
   double squares = 0, moved = 0;
   constexpr int kBoards = 400;
   for (int i = 0; i < kBoards; ++i) {
-    const Board flexed = FlexedBoard(board, 1e-4, &random);
+    const Board flexed = DeformBoard(board, 1e-4, &random);
     Eigen::Vector3d plane = Eigen::Vector3d::Zero();  // height and tilts
     for (size_t k = 0; k < board.points.size(); ++k) {
       const Eigen::Vector3d away = flexed.points[k] - board.points[k];
@@ -209,7 +209,7 @@ TEST(SimulateRig, CamerasSeeOneBendOfABoard) {
   const auto camera =
       std::make_shared<SimulatedCamera>(ExampleSimulatedCamera());
   const SimulatedRigObservations simulated = SimulateRig(
-      CamerasInARow(camera, 2, 0), ChessboardPattern(18, 12, 0.03), options);
+      MakeCameraRow(camera, 2, 0), ChessboardPattern(18, 12, 0.03), options);
   EXPECT_FALSE(simulated.datasets[0].images.empty());
   EXPECT_EQ(FormatFeatures(simulated.datasets[0]),
             FormatFeatures(simulated.datasets[1]));

@@ -11,7 +11,8 @@ constexpr double kMiddleX = 319.5, kMiddleY = 239.5;
 
 class UnevenLensOf : public testing::TestWithParam<const char*> {
  protected:
-  std::unique_ptr<CameraModel> lens_ = SimulatedLens(GetParam(), kUnevenSize);
+  std::unique_ptr<CameraModel> lens_ =
+      MakeSimulatedLens(GetParam(), kUnevenSize);
 };
 
 TEST_P(UnevenLensOf, ProjectionInvertsUnprojection) {
@@ -23,7 +24,7 @@ TEST_P(UnevenLensOf, DerivativeByPointIsThatOfProjection) {
 }
 
 TEST_P(UnevenLensOf, SeesTheSameInAnImageOfAnotherSize) {
-  const auto large = SimulatedLens(GetParam(), {1280, 960});
+  const auto large = MakeSimulatedLens(GetParam(), {1280, 960});
   const Eigen::Vector2d offset(100, -70);
   const Eigen::Vector3d small_ray =
       lens_->Unproject(Eigen::Vector2d(kMiddleX, kMiddleY) + offset).value();
@@ -57,20 +58,20 @@ INSTANTIATE_TEST_SUITE_P(Lenses, UnevenLensOf,
                                          "decentred", "mirror"));
 
 TEST(AnamorphicLens, HasTwiceTheFocalLengthVertically) {
-  const auto lens = SimulatedLens("anamorphic", kUnevenSize);
+  const auto lens = MakeSimulatedLens("anamorphic", kUnevenSize);
   LinearizedProjection middle;
   ASSERT_TRUE(lens->Linearize({0, 0, 1}, nullptr, 0, &middle));
-  EXPECT_NEAR(middle.by_point(1, 1) / middle.by_point(0, 0), 2, 1e-6);
+  EXPECT_NEAR(middle.J_point(1, 1) / middle.J_point(0, 0), 2, 1e-6);
 }
 
 TEST(OffAxisLens, LooksAlongItsAxisAThirdOfTheImageFromTheMiddle) {
-  const auto lens = SimulatedLens("off-axis", kUnevenSize);
+  const auto lens = MakeSimulatedLens("off-axis", kUnevenSize);
   const Eigen::Vector2d axis = lens->Project({0, 0, 1}).value();
   EXPECT_NEAR(axis.x() - kMiddleX, 640 / 3.0, 1e-9);
 }
 
 TEST(HalvesLens, HasTwiceTheFocalLengthOnTheRight) {
-  const auto lens = SimulatedLens("halves", kUnevenSize);
+  const auto lens = MakeSimulatedLens("halves", kUnevenSize);
   const auto height_at = [&](double x) {
     const Eigen::Vector3d ray = lens->Unproject({x, kMiddleY + 100}).value();
     return ray.y() / ray.z();
@@ -86,7 +87,7 @@ TEST(MirrorLens, SeesWhatAHyperboloidReflects) {
   const double eccentricity = (1 + std::sqrt(1 - kXi * kXi)) / kXi;
   const double foci_m =
       2 * eccentricity * kParameter / (eccentricity * eccentricity - 1);
-  const auto lens = SimulatedLens("mirror", kUnevenSize);
+  const auto lens = MakeSimulatedLens("mirror", kUnevenSize);
   const auto reflected = [&](const Eigen::Vector2d& pixel) {
     // The hyperbola in polar coordinates around its first focus.
     const Eigen::Vector3d ray = lens->Unproject(pixel).value();

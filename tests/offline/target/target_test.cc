@@ -89,8 +89,8 @@ TEST(BoardSheets, YamlKeepsBoardsOfAllKinds) {
     if (!kind->is_drawable) continue;
     const Pattern pattern = ParseBoardSpec(kind->specification);
     EXPECT_EQ(pattern.boards[0].kind, kind->name);
-    const std::string yaml = SheetsYaml(
-        PlanBoardSheets(pattern.boards, ParsePage("5000x5000mm")));
+    const std::string yaml =
+        SheetsYaml(PlanBoardSheets(pattern.boards, ParsePage("5000x5000mm")));
     EXPECT_EQ(BoardsYaml(ParsePattern("sheet", yaml).boards),
               BoardsYaml(pattern.boards));
   }
@@ -101,7 +101,7 @@ TEST(BoardSheets, MeasuredPrintsHaveTheirOwnLattice) {
       PlanBoardSheets({Charuco(6, 4, 20)}, ParsePage("A4"));
   ASSERT_EQ(sheets.ruler_mm, 200);
   Board board =
-      ParsePattern("m", SheetsYaml(sheets, MeasuredScale(sheets, 198, 199)))
+      ParsePattern("m", SheetsYaml(sheets, ComputePrintScale(sheets, 198, 199)))
           .boards[0];
   EXPECT_NEAR(board.square_m, 0.01985, 1e-9);
   EXPECT_NEAR(board.marker_m, 0.75 * 0.01985, 1e-9);
@@ -110,7 +110,7 @@ TEST(BoardSheets, MeasuredPrintsHaveTheirOwnLattice) {
                 .norm(),
             1e-8);
   const std::string uniform =
-      SheetsYaml(sheets, MeasuredScale(sheets, 198, 198));
+      SheetsYaml(sheets, ComputePrintScale(sheets, 198, 198));
   EXPECT_EQ(uniform.find("points"), std::string::npos);
   EXPECT_NEAR(ParsePattern("m", uniform).boards[0].square_m, 0.0198, 1e-12);
 }
@@ -118,9 +118,9 @@ TEST(BoardSheets, MeasuredPrintsHaveTheirOwnLattice) {
 TEST(BoardSheets, RulersInOtherUnitsAreRefused) {
   for (const double length : {-200.0, 0.0, 20.0, 0.2, 401.0, double{NAN}}) {
     ExpectError(ExitCode::kUsage, {"150 mm", "--measured"},
-                [&] { MeasuredScale(A4Sheet(), length, 150); });
+                [&] { ComputePrintScale(A4Sheet(), length, 150); });
     ExpectError(ExitCode::kUsage, {"150 mm", "--measured"},
-                [&] { MeasuredScale(A4Sheet(), 150, length); });
+                [&] { ComputePrintScale(A4Sheet(), 150, length); });
   }
 }
 
@@ -227,7 +227,7 @@ TEST(MarkerBoards, TooFewMarkersAreRefused) {
 
 // Two boards side by side, a camera before them.
 ImageDetection SeenTogether(const std::vector<Board>& boards) {
-  const auto camera = SimulatedLens("pinhole", {640, 480});
+  const auto camera = MakeSimulatedLens("pinhole", {640, 480});
   const BoardSurface left(boards[0]), right(boards[1]);
   const double width_m = left.paper_m().width();
   const auto pose = [&](double x_m) {

@@ -26,7 +26,7 @@ std::vector<Feature> FeaturesAround(const CameraModel& camera,
 
 void ExpectKnowsTheHole(const std::string& lens, double distance,
                         double tolerance_px) {
-  const auto camera = SimulatedLens(lens, kCloseViewSize);
+  const auto camera = MakeSimulatedLens(lens, kCloseViewSize);
   const Pose pose = CloseBoard(distance);
   const auto fit =
       LatticeLens::Fit(FeaturesAround(*camera, pose), kCloseViewSize);
@@ -53,7 +53,7 @@ TEST(LatticeLens, KnowsWhereAHoleIsSeenBehindAnyLens) {
 }
 
 TEST(LatticeLens, SaysHowTheBoardAppears) {
-  const auto camera = SimulatedLens("pinhole", kCloseViewSize);
+  const auto camera = MakeSimulatedLens("pinhole", kCloseViewSize);
   const Pose pose = CloseBoard(14);
   const auto fit =
       LatticeLens::Fit(FeaturesAround(*camera, pose), kCloseViewSize);
@@ -70,7 +70,7 @@ TEST(LatticeLens, SaysHowTheBoardAppears) {
 
 // A polynomial leads anywhere beyond what it was fitted to.
 TEST(LatticeLens, SaysNothingFarBeyondTheFeatures) {
-  const auto camera = SimulatedLens("wide", kCloseViewSize);
+  const auto camera = MakeSimulatedLens("wide", kCloseViewSize);
   std::vector<Feature> middle;
   for (const Feature& feature : FeaturesAround(*camera, CloseBoard(14)))
     if (feature.column >= 4 && feature.column <= 9) middle.push_back(feature);
@@ -82,7 +82,7 @@ TEST(LatticeLens, SaysNothingFarBeyondTheFeatures) {
 }
 
 TEST(LatticeLens, IsNotFittedToFewOrToNoLattice) {
-  const auto camera = SimulatedLens("pinhole", kCloseViewSize);
+  const auto camera = MakeSimulatedLens("pinhole", kCloseViewSize);
   std::vector<Feature> features = FeaturesAround(*camera, CloseBoard(14));
   std::mt19937 random(1);
   std::vector<Feature> scattered = features;

@@ -44,16 +44,16 @@ double MaxDifference(const LocalMapping& mapping, const CameraModel& camera,
   return largest;
 }
 
-TEST(MappingThroughCamera, FollowsTheLensInTheWindow) {
+TEST(ComputeCameraMapping, FollowsTheLensInTheWindow) {
   const Pattern pattern = StarPattern();
   const Board& board = pattern.boards[0];
   for (const std::string lens : {"pinhole", "wide", "fisheye"}) {
-    const auto camera = SimulatedLens(lens, kSize);
+    const auto camera = MakeSimulatedLens(lens, kSize);
     const Pose pose = PoseInACorner(*camera, board, 0.25);
     int count = 0;
     for (const Feature& feature : VisibleFeatures(*camera, board, pose)) {
       const auto mapping =
-          MappingThroughCamera(*camera, pose, board, feature, 21);
+          ComputeCameraMapping(*camera, pose, board, feature, 21);
       if (!mapping) continue;
       ++count;
       EXPECT_LT(MaxDifference(*mapping, *camera, pose, board,
@@ -65,12 +65,12 @@ TEST(MappingThroughCamera, FollowsTheLensInTheWindow) {
   }
 }
 
-TEST(MappingThroughCamera, TellsNothingWhereTheCameraDoesNot) {
+TEST(ComputeCameraMapping, TellsNothingWhereTheCameraDoesNot) {
   const Pattern pattern = StarPattern();
-  const auto camera = SimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedLens("pinhole", kSize);
   Pose behind;
   behind.translation = {0, 0, -1};
-  EXPECT_FALSE(MappingThroughCamera(*camera, behind, pattern.boards[0],
+  EXPECT_FALSE(ComputeCameraMapping(*camera, behind, pattern.boards[0],
                                     {0, 3, 3, {100, 100}}, 21));
 }
 
@@ -93,7 +93,7 @@ TEST(FeatureRefiner, IsMoreAccurateWithWhatTheCameraTells) {
   const Board& board = pattern.boards[0];
   const BoardSurface surface(board);
   for (const std::string lens : {"wide", "fisheye"}) {
-    const auto camera = SimulatedLens(lens, kSize);
+    const auto camera = MakeSimulatedLens(lens, kSize);
     const Pose pose = PoseInACorner(*camera, board, 0.25);
     ImagingOptions imaging;
     imaging.read_noise = 2;
@@ -104,7 +104,7 @@ TEST(FeatureRefiner, IsMoreAccurateWithWhatTheCameraTells) {
         StarDetector(pattern, {}).Detect(image).features;
     const FeatureRefiner refiner(board, {});
     const auto tell = [&](const Feature& feature) {
-      return MappingThroughCamera(*camera, pose, board, feature, 21);
+      return ComputeCameraMapping(*camera, pose, board, feature, 21);
     };
     const std::vector<Feature> refined = refiner.RefineWith(image, found, tell);
     const auto truth = VisibleFeatures(*camera, board, pose);
@@ -125,7 +125,7 @@ TEST(FeatureRefiner, RejectsStarsThatAreTakenForTheirNeighbours) {
   const Pattern pattern = StarPattern();
   const Board& board = pattern.boards[0];
   const BoardSurface surface(board);
-  const auto camera = SimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedLens("pinhole", kSize);
   const Pose pose = PoseInACorner(*camera, board, 0.25);
   const GreyImage image = MakeGreyImage(AddNoiseAndQuantize(
       RenderImage(PixelRays(*camera, 2), {{&surface, pose}}, {}, 2), {}));

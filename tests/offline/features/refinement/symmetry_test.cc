@@ -101,7 +101,7 @@ TEST(SymmetryPatch, HasAsManyChannelsAsTheRefinementWants) {
 // Symmetric everywhere.
 SymmetryMask WholeMask() {
   const Pattern pattern = ChessboardPattern(9, 9, 0.02);
-  return SymmetryMask::OfBoard(pattern.boards[0])[4 * 9 + 4];
+  return SymmetryMask::MakeBoardMasks(pattern.boards[0])[4 * 9 + 4];
 }
 
 LocalMapping TiltedMapping() {

@@ -29,7 +29,7 @@ Eigen::Vector2d BendAt(const LocalMapping& mapping) {
 }
 
 TEST(WindowMappings, FollowALensThatBendsMuch) {
-  const auto camera = SimulatedLens("fisheye190", kCloseViewSize);
+  const auto camera = MakeSimulatedLens("fisheye190", kCloseViewSize);
   const Board board = StarsOfOneMetre();
   const FeatureLattice lattice =
       SeenLattice(*camera, CloseBoard(kBoardDistance), board);

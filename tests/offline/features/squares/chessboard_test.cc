@@ -45,11 +45,11 @@ TEST(Chessboard, SquareBoardIsTurnedToItsColours) {
 TEST(Chessboard, MirroredBoardOfOddSidesIsRemarkedUponAndNumberedAsItIs) {
   const Pattern pattern = ChessboardPattern(9, 5, 0.025);
   const Photograph photograph(pattern.boards[0], kFrontal);
-  EXPECT_TRUE(Detected(photograph.image(), pattern).remarks.empty());
-  ImageDetection mirrored = Detected(Mirrored(photograph), pattern);
+  EXPECT_TRUE(Detected(photograph.image(), pattern).warnings.empty());
+  ImageDetection mirrored = Detected(MirrorImage(photograph), pattern);
   ASSERT_EQ(mirrored.features.size(), 45u);
-  ASSERT_EQ(mirrored.remarks.size(), 1u);
-  EXPECT_NE(mirrored.remarks[0].find("mirrored"), std::string::npos);
+  ASSERT_EQ(mirrored.warnings.size(), 1u);
+  EXPECT_NE(mirrored.warnings[0].find("mirrored"), std::string::npos);
   // A mirrored board turned around looks the same.
   for (Feature& f : mirrored.features) {
     f.pixel.x() = 639 - f.pixel.x();
@@ -68,7 +68,7 @@ TEST(Chessboard, PartIsNumberedByTheEndsOfTheBoard) {
     EXPECT_GE(static_cast<int>(detection.features.size()),
               photograph.NumVisible(pattern.boards[0], 8));
     EXPECT_LT(detection.features.size(), 54u);
-    EXPECT_TRUE(detection.remarks.empty());
+    EXPECT_TRUE(detection.warnings.empty());
     if (image.pixels != photograph.image().pixels)
       for (Feature& f : detection.features)
         f.pixel = Eigen::Vector2d(639, 479) - f.pixel;
@@ -81,8 +81,8 @@ TEST(Chessboard, PartThatMayBeAnyIsLeftOutWithARemark) {
   const Photograph photograph(pattern.boards[0], kAllAround);
   const ImageDetection detection = Detected(photograph.image(), pattern);
   EXPECT_TRUE(detection.features.empty());
-  ASSERT_EQ(detection.remarks.size(), 1u);
-  EXPECT_NE(detection.remarks[0].find("cannot be identified"),
+  ASSERT_EQ(detection.warnings.size(), 1u);
+  EXPECT_NE(detection.warnings[0].find("cannot be identified"),
             std::string::npos);
 }
 
@@ -97,7 +97,7 @@ TEST(Chessboard, WhatCoversABoardIsNotItsEnd) {
   cv::fillConvexPoly(photograph.mat, cover, cv::Scalar(150));
   const ImageDetection detection = Detected(photograph.image(), pattern);
   EXPECT_TRUE(detection.features.empty());
-  EXPECT_EQ(detection.remarks.size(), 1u);
+  EXPECT_EQ(detection.warnings.size(), 1u);
 }
 
 // A board with a rim of paper a twelfth of a square wide, in a room of medium
@@ -160,7 +160,7 @@ TEST(Chessboard, FalseCornersDoNotStandForHiddenOnes) {
           cv::Scalar(125));
       const ImageDetection detection = Detected(photograph.image(), pattern);
       EXPECT_TRUE(detection.features.empty());
-      EXPECT_EQ(detection.remarks.size(), 1u);
+      EXPECT_EQ(detection.warnings.size(), 1u);
     }
   }
 }
@@ -172,16 +172,16 @@ TEST(Chessboard, LatticeWiderThanTheBoardIsNamed) {
   const ImageDetection detection =
       Detected(photograph.image(), ChessboardPattern(9, 6, 0.025));
   EXPECT_TRUE(detection.features.empty());
-  ASSERT_EQ(detection.remarks.size(), 1u);
+  ASSERT_EQ(detection.warnings.size(), 1u);
   EXPECT_NE(
-      detection.remarks[0].find("10 x 6 corners, which does not match board"),
+      detection.warnings[0].find("10 x 6 corners, which does not match board"),
       std::string::npos);
 }
 
 // Squares shrink by 1.6 from one to the next.
 TEST(Chessboard, GrowsToTheRimOfAFisheye) {
   const ImageSize size = {1280, 800};
-  const auto camera = SimulatedLens("fisheye190", size);
+  const auto camera = MakeSimulatedLens("fisheye190", size);
   const PixelRays rays(*camera, 2);
   constexpr double kSquareM = 0.03, kDistanceSquares = 2;
   for (const auto& [columns, rows, left_squares] :

@@ -20,7 +20,7 @@ TEST(Charuco, EveryCornerIsFound) {
     EXPECT_EQ(detection.features.size(), 35u);
     EXPECT_TRUE(IsInBoardOrder(detection.features));
     EXPECT_LT(photograph.WorstErrorPx(detection.features), kDrawingErrorPx);
-    EXPECT_TRUE(detection.remarks.empty());
+    EXPECT_TRUE(detection.warnings.empty());
   }
 }
 
@@ -59,7 +59,7 @@ TEST(Charuco, EitherLayoutOfMarkersIsRecognised) {
           Detected(photograph.image(), CharucoPattern(7, 5, is_said_to_be));
       EXPECT_EQ(detection.features.size(), 35u);
       EXPECT_LT(photograph.WorstErrorPx(detection.features), kDrawingErrorPx);
-      EXPECT_EQ(detection.remarks.empty(), is_legacy == is_said_to_be);
+      EXPECT_EQ(detection.warnings.empty(), is_legacy == is_said_to_be);
     }
   }
 }
@@ -67,7 +67,7 @@ TEST(Charuco, EitherLayoutOfMarkersIsRecognised) {
 TEST(Charuco, CornersInRenderedImagesAreExact) {
   const Pattern pattern = CharucoPattern(9, 7);
   const Board& board = pattern.boards[0];
-  const auto camera = SimulatedLens("pinhole", {640, 480});
+  const auto camera = MakeSimulatedLens("pinhole", {640, 480});
   const PixelRays rays(*camera, 2);
   const BoardSurface surface(board, 0);
   const Eigen::Vector3d center(4 * board.square_m, 3 * board.square_m, 0);
@@ -112,7 +112,7 @@ TEST(AprilGrid, EveryCornerIsFoundToAFewHundredthsOfAPixel) {
     EXPECT_EQ(detection.features.size(), 80u);
     EXPECT_TRUE(IsInBoardOrder(detection.features));
     EXPECT_LT(photograph.WorstErrorPx(detection.features), 0.05);
-    EXPECT_TRUE(detection.remarks.empty());
+    EXPECT_TRUE(detection.warnings.empty());
   }
 }
 
@@ -148,8 +148,8 @@ TEST(AprilGrid, TagsWithoutSquaresAtTheirCornersAreNamed) {
   }
   const ImageDetection detection = Detected(photograph.image(), pattern);
   EXPECT_TRUE(detection.features.empty());
-  ASSERT_EQ(detection.remarks.size(), 1u);
-  EXPECT_NE(detection.remarks[0].find("no black squares"), std::string::npos);
+  ASSERT_EQ(detection.warnings.size(), 1u);
+  EXPECT_NE(detection.warnings[0].find("no black squares"), std::string::npos);
 }
 
 Board TagGridOf(const std::string& keys) {
@@ -163,7 +163,7 @@ Board TagGridOf(const std::string& keys) {
 
 // Small tags as well as large ones: cells of 3.6 to 12 px.
 TEST(PlainTagGrid, CornersInRenderedImagesAreExact) {
-  const auto camera = SimulatedLens("pinhole", {640, 480});
+  const auto camera = MakeSimulatedLens("pinhole", {640, 480});
   const PixelRays rays(*camera, 3);
   for (const std::string keys :
        {"", ", tag_family: tag25h9", ", tag_family: DICT_4X4_50",
@@ -214,7 +214,7 @@ TEST(PlainTagGrid, EveryCornerIsFound) {
     EXPECT_EQ(detection.features.size(), 96u);
     EXPECT_TRUE(IsInBoardOrder(detection.features));
     EXPECT_LT(photograph.WorstErrorPx(detection.features), kDrawingErrorPx);
-    EXPECT_TRUE(detection.remarks.empty());
+    EXPECT_TRUE(detection.warnings.empty());
   }
 }
 
@@ -256,17 +256,17 @@ TEST(AprilGrid, TagsOfAnotherBoardAreRemarkedUpon) {
   const ImageDetection detection =
       Detected(photograph.image(), AprilGridPattern());
   EXPECT_TRUE(detection.features.empty());
-  ASSERT_EQ(detection.remarks.size(), 1u);
-  EXPECT_NE(detection.remarks[0].find("not on board 1"), std::string::npos);
+  ASSERT_EQ(detection.warnings.size(), 1u);
+  EXPECT_NE(detection.warnings[0].find("not on board 1"), std::string::npos);
 }
 
 TEST(FindMarkerBoards, MirroredOnesAreRemarkedUpon) {
   for (const Pattern& pattern : {CharucoPattern(7, 5), AprilGridPattern()}) {
     const Photograph photograph(pattern.boards[0], kTilted);
-    const ImageDetection detection = Detected(Mirrored(photograph), pattern);
+    const ImageDetection detection = Detected(MirrorImage(photograph), pattern);
     EXPECT_TRUE(detection.features.empty());
-    ASSERT_FALSE(detection.remarks.empty());
-    EXPECT_EQ(detection.remarks.back(),
+    ASSERT_FALSE(detection.warnings.empty());
+    EXPECT_EQ(detection.warnings.back(),
               fmt::format("board {} is mirrored", pattern.boards[0].id));
   }
 }

@@ -55,7 +55,7 @@ class Drawing {
     return IdentifyBoard(image_, lattice_, {}, pointers);
   }
   std::optional<LatticePlacement> PlaceOn(const Board& board) const {
-    return PlaceByLayout(image_, lattice_, board);
+    return AssignByLayout(image_, lattice_, board);
   }
   // Whether a placement is the true one.
   static bool IsTrue(const LatticePlacement& placement) {
@@ -155,7 +155,7 @@ TEST(IdentifyBoard, NamesNoBoardOfAnotherPattern) {
   }
 }
 
-TEST(PlaceByLayout, IsNeverWrongAndOftenSure) {
+TEST(AssignByLayout, IsNeverWrongAndOftenSure) {
   TestRandom random(4);
   const Board board = BoardWithTag(0);
   int num_sure = 0;
@@ -172,7 +172,7 @@ TEST(PlaceByLayout, IsNeverWrongAndOftenSure) {
   EXPECT_GT(num_sure, kNumTrials / 2);
 }
 
-TEST(PlaceByLayout, SaysNothingWhereTheBoardLooksTheSameTurned) {
+TEST(AssignByLayout, SaysNothingWhereTheBoardLooksTheSameTurned) {
   Board board = BoardWithTag(0);  // stars of 16 segments
   board.columns = board.rows = 15;
   Area corner = Whole(board);
@@ -180,13 +180,13 @@ TEST(PlaceByLayout, SaysNothingWhereTheBoardLooksTheSameTurned) {
   EXPECT_FALSE(Drawing(board, corner).PlaceOn(board).has_value());
 }
 
-TEST(PlaceByLayout, SaysNothingInTheMidstOfStars) {
+TEST(AssignByLayout, SaysNothingInTheMidstOfStars) {
   const Board board = BoardWithTag(0);
   const Area midst = {10.6 * kSpacingPx, 0, 15.4 * kSpacingPx, 14 * kSpacingPx};
   EXPECT_FALSE(Drawing(board, midst).PlaceOn(board).has_value());
 }
 
-TEST(LieOnBoard, ButNotBesideIt) {
+TEST(AreOnBoard, ButNotBesideIt) {
   const Board board = BoardWithTag(0);
   const Drawing drawing = CutAtLeft(board, 180);
   const LatticePlacement placement = *drawing.PlaceOn(board);
@@ -197,9 +197,9 @@ TEST(LieOnBoard, ButNotBesideIt) {
     return stars;
   };
   const double last_px = 15 * kSpacingPx - 180;
-  EXPECT_TRUE(LieOnBoard(row_of_stars(-2 * kSpacingPx), drawing.lattice(),
+  EXPECT_TRUE(AreOnBoard(row_of_stars(-2 * kSpacingPx), drawing.lattice(),
                          placement, board));
-  EXPECT_FALSE(LieOnBoard(row_of_stars(last_px + 2 * kSpacingPx),
+  EXPECT_FALSE(AreOnBoard(row_of_stars(last_px + 2 * kSpacingPx),
                           drawing.lattice(), placement, board));
 }
 

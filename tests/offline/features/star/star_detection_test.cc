@@ -16,7 +16,7 @@ Pose UprightAt(const CameraModel& camera, const Eigen::Vector2d& pixel) {
 }
 
 TEST(StarDetector, FindsTwoBoardsInAnImage) {
-  const auto camera = SimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedLens("pinhole", kSize);
   const Pattern pattern = TwoBoards();
   const BoardSurface left(pattern.boards[0]), right(pattern.boards[1]);
   const RenderedImage exact =
@@ -30,18 +30,18 @@ TEST(StarDetector, FindsTwoBoardsInAnImage) {
   for (const Feature& feature : detection.features) ++counts[feature.board];
   EXPECT_EQ(counts[0], 10 * 12 - 5 * 5);
   EXPECT_EQ(counts[1], 10 * 12 - 5 * 5);
-  EXPECT_TRUE(detection.remarks.empty());
+  EXPECT_TRUE(detection.warnings.empty());
 }
 
 const Pose& Upright() {
   static const Pose pose =
-      UprightAt(*SimulatedLens("pinhole", kSize), {140, 70});
+      UprightAt(*MakeSimulatedLens("pinhole", kSize), {140, 70});
   return pose;
 }
 
 // All its stars lie in the image.
 RenderedImage ExactUprightImage(const ImagingOptions& imaging) {
-  static const auto camera = SimulatedLens("pinhole", kSize);
+  static const auto camera = MakeSimulatedLens("pinhole", kSize);
   static const PixelRays rays(*camera, kThreads);
   static const BoardSurface surface(StarPattern().boards[0]);
   return RenderImage(rays, {{&surface, Upright()}}, imaging, kThreads);
@@ -55,7 +55,7 @@ const GreyImage& UprightImage() {
 // Differences from the truth in the upright image.
 Errors MeasureUpright(const std::string& name, const GreyImage& image) {
   Scene scene;
-  scene.camera = SimulatedLens("pinhole", kSize);
+  scene.camera = MakeSimulatedLens("pinhole", kSize);
   scene.board = StarPattern().boards[0];
   Errors errors;
   Compare(scene, {Upright(), {}},
@@ -123,7 +123,7 @@ TEST(StarDetector, FindsStarsInColourImages) {
 // A large image of two boards, the second far away.
 GreyImage NearAndFarBoard(const Pattern& pattern) {
   constexpr ImageSize kLargeSize = {1000, 600};
-  const auto camera = SimulatedLens("pinhole", kLargeSize);
+  const auto camera = MakeSimulatedLens("pinhole", kLargeSize);
   const BoardSurface near(pattern.boards[0]), far(pattern.boards[1]);
   Pose near_pose = UprightAt(*camera, {60, 60});
   near_pose.translation *= 1.3;
@@ -155,31 +155,31 @@ TEST(StarDetector, RemarksThatAnImageIsMirrored) {
   const GreyImage& image = UprightImage();
   const StarDetector detector(StarPattern(), {});
   EXPECT_FALSE(detector.Detect(image).features.empty());
-  const ImageDetection detection = detector.Detect(Mirrored(image));
+  const ImageDetection detection = detector.Detect(MirrorImage(image));
   EXPECT_TRUE(detection.features.empty());
-  ASSERT_EQ(detection.remarks.size(), 1u);
-  EXPECT_NE(detection.remarks[0].find("mirrored"), std::string::npos)
-      << detection.remarks[0];
+  ASSERT_EQ(detection.warnings.size(), 1u);
+  EXPECT_NE(detection.warnings[0].find("mirrored"), std::string::npos)
+      << detection.warnings[0];
 }
 
 TEST(StarDetector, RemarksOnTagsOfNoBoard) {
   const ImageDetection detection =
       StarDetector(StarPattern(16, 5), {}).Detect(UprightImage());
   EXPECT_TRUE(detection.features.empty());
-  ASSERT_EQ(detection.remarks.size(), 1u);
-  EXPECT_NE(detection.remarks[0].find("tag 0"), std::string::npos)
-      << detection.remarks[0];
+  ASSERT_EQ(detection.warnings.size(), 1u);
+  EXPECT_NE(detection.warnings[0].find("tag 0"), std::string::npos)
+      << detection.warnings[0];
 }
 
 TEST(StarDetector, FindsNothingInAnEmptyImage) {
-  const auto camera = SimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedLens("pinhole", kSize);
   const RenderedImage exact =
       RenderImage(PixelRays(*camera, kThreads), {}, FewSamples(), kThreads);
   const ImageDetection detection =
       StarDetector(StarPattern(), {}).Detect(WithNoise(exact, 1));
   EXPECT_TRUE(detection.features.empty());
   EXPECT_TRUE(detection.rejected.empty());
-  EXPECT_TRUE(detection.remarks.empty());
+  EXPECT_TRUE(detection.warnings.empty());
 }
 
 TEST(StarDetector, FindsTheSameTwice) {
@@ -200,7 +200,7 @@ TEST(StarDetector, FindsTheSameTwice) {
 // Board 0, and the left end of board 1 with the first two of ten columns of its
 // tag's cells: none of its code.
 GreyImage BoardBesideAnEnd() {
-  const auto camera = SimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedLens("pinhole", kSize);
   const Pattern pattern = TwoBoards();
   const BoardSurface left(pattern.boards[0]), right(pattern.boards[1]);
   return WithNoise(RenderImage(PixelRays(*camera, kThreads),
@@ -235,7 +235,7 @@ TEST(StarDetector, NamesNoneOfSeveralBoardsThatAreLeft) {
 }
 
 TEST(StarDetector, FindsStarsOfABoardWhoseTagIsCutOff) {
-  const auto camera = SimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedLens("pinhole", kSize);
   const PixelRays rays(*camera, kThreads);
   // The tag spans 144 to 240 px from the board's first feature: of its ten
   // columns of cells the image shows six.
@@ -252,9 +252,9 @@ TEST(StarDetector, FindsStarsOfABoardWhoseTagIsCutOff) {
     const ImageDetection other =
         StarDetector(StarPattern(segments, 5), {}).Detect(image);
     EXPECT_TRUE(other.features.empty()) << segments << " segments";
-    ASSERT_EQ(other.remarks.size(), 1u);
-    EXPECT_NE(other.remarks[0].find("no tag to identify"), std::string::npos)
-        << other.remarks[0];
+    ASSERT_EQ(other.warnings.size(), 1u);
+    EXPECT_NE(other.warnings[0].find("no tag to identify"), std::string::npos)
+        << other.warnings[0];
   }
 }
 
@@ -291,7 +291,7 @@ Errors MeasureNear(const NearBoard& near) {
                 "squares: " + std::to_string(near.tag_squares));
   const Pattern pattern = PatternOf(board);
   const BoardSurface surface(pattern.boards[0]);
-  const auto camera = SimulatedLens(near.lens, near.size);
+  const auto camera = MakeSimulatedLens(near.lens, near.size);
   const Pose pose = PoseOf(near, *camera);
   const GreyImage image =
       WithNoise(RenderImage(PixelRays(*camera, kThreads), {{&surface, pose}},
@@ -332,7 +332,7 @@ TEST(StarDetector, FindsStarsWhoseSquaresTheImagesEdgeCuts) {
 // Half of the tag: squares of 60 px, within which there is much that looks like
 // stars.
 TEST(StarDetector, FindsLargeStarsOfABoardWhoseTagIsCutOff) {
-  const auto camera = SimulatedLens("pinhole", {1280, 800});
+  const auto camera = MakeSimulatedLens("pinhole", {1280, 800});
   const PixelRays rays(*camera, kThreads);
   const Pattern pattern = PatternOf(BoardYaml(0, 16, 15, 16, 0, 6, 5));
   const BoardSurface surface(pattern.boards[0]);

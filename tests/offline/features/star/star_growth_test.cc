@@ -33,9 +33,9 @@ DetectedTag TagOf(const Board& board) {
   return tag;
 }
 
-TEST(SeenTagsOf, HoldsAroundATagWhoseBoardGoesOnBehindTheHorizon) {
+TEST(FindVisibleTags, HoldsAroundATagWhoseBoardGoesOnBehindTheHorizon) {
   const Board board = BoardOfOneTag();
-  const auto seen = SeenTagsOf(board, {TagOf(board)});
+  const auto seen = FindVisibleTags(board, {TagOf(board)});
   ASSERT_EQ(seen.size(), 1);
   for (const Eigen::Vector2d& place :
        {Eigen::Vector2d(9, 8), {12, 8}, {15, 14}, {9, 13}}) {
@@ -76,7 +76,7 @@ bool AgreesAfterASlip(int rows) {
   const std::vector<SymmetryMask> masks;
   const DetectionOptions options;
   StarGrowth growth(image, board, texture, masks, options,
-                    SeenTagsOf(board, {TagOf(board)}));
+                    FindVisibleTags(board, {TagOf(board)}));
   for (int column = 8; column < 16; ++column)
     for (const int row : {7, 8})
       growth.Set(column, row,

@@ -130,7 +130,7 @@ inline std::deque<Camera> MakeCameras(Squares squares) {
     for (const ImageSize &size : sizes_of(lens)) {
       Camera &camera = cameras.emplace_back();
       camera.lens = lens;
-      camera.model = SimulatedLens(lens, size);
+      camera.model = MakeSimulatedLens(lens, size);
     }
   }
   return cameras;

@@ -127,7 +127,7 @@ inline Scene MakeScene(const std::string& lens, const Pattern& pattern,
                        double min_square_px, int num_images, uint64_t seed,
                        const ImagingOptions& imaging = ImagingOptions()) {
   Scene scene;
-  scene.camera = SimulatedLens(lens, kSize);
+  scene.camera = MakeSimulatedLens(lens, kSize);
   scene.board = pattern.boards[0];
   const PixelRays rays(*scene.camera, kThreads);
   const BoardSurface surface(scene.board);

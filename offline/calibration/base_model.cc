@@ -1,0 +1,118 @@
+#include "calibration/base_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calibration/camera_adjustment.h"
+#include "calibration/even_selection.h"
+
+namespace raygrid {
+namespace {
+
+constexpr const char *kFisheye = models::kThinPrismFisheye,
+                     *kPinhole = models::kOpenCv;
+
+// A lens as it was fitted, and what held its parameters.
+BaseModel BaseLensOf(const CameraPrior& prior, const CameraModel& lens,
+                     double residual_variance) {
+  BaseModel base;
+  base.model = lens.Parametric()->CloneWithArea(lens.area());
+  base.precision = Eigen::VectorXd::Zero(lens.NumParameters());
+  for (const PriorGroup& group : prior.groups)
+    base.precision += group.weight / residual_variance *
+                      Eigen::VectorXd(group.precision.diagonal());
+  return base;
+}
+
+// Lenses of a model, fitted to the features.
+struct FittedLenses {
+  AdjustmentState state;
+  std::vector<BaseModel> lenses;  // empty: the fit failed
+  double median_px = INFINITY;
+};
+
+FittedLenses FitLenses(const std::string& model,
+                       const AdjustmentResult& adjusted,
+                       const AdjustmentOptions& options) {
+  FittedLenses fitted;
+  fitted.state = adjusted.state;
+  GaussianPrior prior;
+  const AdjustmentSummary summary = OptimizeParametricCameras(
+      model, adjusted.problem, CopyCameras(adjusted.state),
+      MakeInitializationOptions(options), &prior, &fitted.state);
+  fitted.median_px = ComputeMedianErrorPx(summary.residuals);
+  for (size_t c = 0; c < prior.cameras.size() && summary.noise_px > 0; ++c)
+    fitted.lenses.push_back(BaseLensOf(prior.cameras[c],
+                                       *fitted.state.cameras[c],
+                                       std::pow(summary.noise_px, 2)));
+  return fitted;
+}
+
+// The expected log-likelihood of new features under coarse grids around lenses,
+// up to a constant, by generalized cross-validation (Golub, Heath, Wahba,
+// 1979). The better the lenses, the fewer effective parameters a grid needs for
+// the same residuals.
+double PredictionScore(const CalibrationProblem& problem,
+                       const FittedLenses& fitted,
+                       const AdjustmentOptions& options) {
+  // Along the longer side: with 12, splines do not follow a lens of 80 degrees.
+  constexpr int kCells = 16;
+  std::vector<double> knot_spacings_px;
+  for (const ImageSize& size : problem.image_sizes)
+    knot_spacings_px.push_back(std::max(size.width, size.height) /
+                               static_cast<double>(kCells));
+  AdjustmentState state = fitted.state;
+  GaussianPrior prior;
+  const AdjustmentSummary summary = OptimizeGrids(
+      problem, {CopyCameras(state), knot_spacings_px, fitted.lenses},
+      MakeInitializationOptions(options), &prior, &state);
+  double count = 0;
+  for (const View& view : problem.views)
+    count += 2.0 * static_cast<double>(view.observations.size());
+  return -count * (std::log(summary.noise_px) -
+                   std::log(1 - summary.num_effective / count) / 2);
+}
+
+bool ArePinholes(const AdjustmentState& state) {
+  return std::all_of(
+      state.cameras.begin(), state.cameras.end(),
+      [](const auto& camera) { return camera->Name() == kPinhole; });
+}
+
+}  // namespace
+
+std::string ChooseBaseModel(const AdjustmentOptions& options,
+                            const AdjustmentResult& adjusted) {
+  constexpr double kClearly = 10;          // of log-likelihood
+  constexpr size_t kEnoughFeatures = 100;  // of a view
+  if (!ArePinholes(adjusted.state)) return kFisheye;
+  AdjustmentResult thinned = adjusted;
+  for (View& view : thinned.problem.views)
+    view.observations = SelectEvenly(view.observations, kEnoughFeatures);
+  const FittedLenses fisheyes = FitLenses(kFisheye, thinned, options);
+  const FittedLenses pinholes = FitLenses(kPinhole, thinned, options);
+  if (pinholes.lenses.empty()) return kFisheye;
+  if (fisheyes.lenses.empty()) return kPinhole;
+  const auto score = [&](const FittedLenses& fitted) {
+    return PredictionScore(thinned.problem, fitted, options);
+  };
+  return score(pinholes) > score(fisheyes) + kClearly ? kPinhole : kFisheye;
+}
+
+void FitBaseModels(const AdjustmentOptions& options,
+                   AdjustmentResult* adjusted) {
+  constexpr double kFarMore = 2;
+  CalibrationProblem& problem = adjusted->problem;
+  const double before_px = ComputeMedianErrorPx(
+      ComputeResiduals(adjusted->state, problem.views, options.num_threads));
+  if (problem.base_model.empty())
+    problem.base_model = ChooseBaseModel(options, *adjusted);
+  FittedLenses fitted = FitLenses(problem.base_model, *adjusted, options);
+  adjusted->base_lenses.clear();
+  if (fitted.median_px > kFarMore * before_px) return;
+  adjusted->state = std::move(fitted.state);
+  adjusted->base_lenses = std::move(fitted.lenses);
+}
+
+}  // namespace raygrid

@@ -1,0 +1,405 @@
+#include "calibration/board_rotations.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <tuple>
+
+namespace raygrid {
+namespace {
+
+// How far the points of one board are displaced in its plane, in an image: two
+// numbers a point, 0 where it is not seen.
+struct Displacements {
+  std::string image;
+  Eigen::VectorXd metres;
+  Eigen::VectorXd is_seen;  // 0 or 1, like metres
+  double weight = 1;        // px^2/m^2: the inverse of the noise's variance
+  int num_points() const { return static_cast<int>(is_seen.sum() / 2); }
+};
+
+// Displacements that a point of this index has after a turn of the board.
+Displacements Rotated(const Displacements& before, const Board& board,
+                      int turn) {
+  Displacements after = before;
+  const Eigen::Matrix3d rotation =
+      ComputeRotation(board, turn).rotation.toRotationMatrix();
+  const Eigen::Matrix2d in_plane = rotation.topLeftCorner<2, 2>();
+  for (int row = 0; row < board.rows; ++row)
+    for (int column = 0; column < board.columns; ++column) {
+      const auto [c, r] = board.Rotated(column, row, turn);
+      const int from = 2 * board.PointIndex(column, row);
+      const int to = 2 * board.PointIndex(c, r);
+      after.metres.segment<2>(to) = in_plane * before.metres.segment<2>(from);
+      after.is_seen.segment<2>(to) = before.is_seen.segment<2>(from);
+    }
+  return after;
+}
+
+// Adds the displacements that a view's residuals ask for.
+void AddView(const AdjustmentResult& adjusted, const View& view,
+             int first_point, Displacements* sum, Eigen::VectorXd* weights) {
+  constexpr double kLeastSine = 0.15;  // of the angle that points are seen at
+  for (const LinearizedResidual& linear : LinearizeView(adjusted.state, view)) {
+    if (!linear.residual.valid) continue;
+    const Eigen::Matrix2d by_plane = linear.J_point.leftCols<2>();
+    const double square = by_plane.squaredNorm();
+    if (!(std::abs(by_plane.determinant()) > kLeastSine * square / 2)) continue;
+    const Eigen::Matrix2d inverse = by_plane.inverse();
+    const int at = 2 * (linear.point - first_point);
+    const double weight = 2 / inverse.squaredNorm();
+    sum->metres.segment<2>(at) -= weight * (inverse * linear.residual.error_px);
+    weights->segment<2>(at).array() += weight;
+  }
+}
+
+// The displacements of a board in each image, over all cameras.
+std::vector<Displacements> ComputeDisplacements(
+    const std::vector<AdjustmentResult>& cameras, int board_index,
+    const Board& board) {
+  std::map<std::string, std::pair<Displacements, Eigen::VectorXd>> images;
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(2 * board.num_points());
+  for (const AdjustmentResult& camera : cameras) {
+    const CalibrationProblem& problem = camera.problem;
+    for (size_t v = 0; v < problem.views.size(); ++v) {
+      if (problem.boards[v] != board_index) continue;
+      auto& [sum, weights] =
+          images
+              .try_emplace(problem.images[v],
+                           Displacements{problem.images[v], none, none, 1},
+                           none)
+              .first->second;
+      AddView(camera, problem.views[v], problem.first_points[board_index], &sum,
+              &weights);
+    }
+  }
+  std::vector<Displacements> all;
+  for (auto& [name, image] : images) {
+    auto& [sum, weights] = image;
+    for (Eigen::Index i = 0; i < weights.size(); ++i) {
+      if (!(weights[i] > 0)) continue;
+      sum.metres[i] /= weights[i];
+      sum.is_seen[i] = 1;
+    }
+    if (sum.num_points() == 0) continue;
+    sum.weight = weights.sum() / sum.is_seen.sum();
+    all.push_back(std::move(sum));
+  }
+  return all;
+}
+
+// The displacements of a board in some images, each with all of its turns, and
+// the turns that let them agree.
+class TurnSearch {
+ public:
+  TurnSearch(const std::vector<Displacements>& images, const Board& board)
+      : board_(board), num_turns_(board.NumRotations()) {
+    for (const Displacements& image : images) {
+      turned_.emplace_back();
+      for (int turn = 0; turn < num_turns_; ++turn)
+        turned_.back().push_back(Rotated(image, board, turn));
+    }
+  }
+
+  // From the turns as they are, and from the images with most points.
+  void Run() {
+    constexpr size_t kStarts = 8;
+    turns_.assign(turned_.size(), 0);
+    Improve(&turns_);
+    double best = Agreement(turns_);
+    std::vector<size_t> order(turned_.size());
+    for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::stable_sort(order.begin(), order.end(), [this](size_t a, size_t b) {
+      return turned_[a][0].num_points() > turned_[b][0].num_points();
+    });
+    order.resize(std::min(order.size(), kStarts));
+    for (const size_t first : order) {
+      std::vector<int> turns;
+      for (size_t i = 0; i < turned_.size(); ++i)
+        turns.push_back(BestTurn(i, Symmetric(turned_[first][0])));
+      turns[first] = 0;
+      Improve(&turns);
+      const double agreement = Agreement(turns);
+      if (agreement <= best) continue;
+      best = agreement;
+      turns_ = turns;
+    }
+    KeepMostAsTheyAre();
+  }
+
+  const std::vector<int>& turns() const { return turns_; }
+
+  // Whether the other images show that a turn matters, but not this one which
+  // it has.
+  bool IsTurnDoubtful(size_t image, double sureness) const {
+    const Displacements mean =
+        MeanOfOthers(SumLanes(turns_), turned_[image][turns_[image]]);
+    for (int turn = 0; turn < num_turns_; ++turn)
+      if (turn != turns_[image] && DoesTurnMatter(image, turn, mean) &&
+          Advantage(image, turn, mean) < sureness)
+        return true;
+    return false;
+  }
+
+  // How surely an image is turned so rather than not at all, in standard
+  // deviations.
+  double Sureness(size_t image) const {
+    return Advantage(
+        image, 0,
+        MeanOfOthers(SumLanes(turns_), turned_[image][turns_[image]]));
+  }
+
+ private:
+  using Turns = std::vector<int>;
+
+  // Without the points that are not seen after each turn as well: turns are
+  // compared by the same points of an image.
+  Displacements Symmetric(Displacements all) const {
+    Eigen::VectorXd is_seen = all.is_seen;
+    for (int turn = 1; turn < num_turns_; ++turn)
+      is_seen = is_seen.cwiseProduct(Rotated(all, board_, turn).is_seen);
+    all.is_seen = is_seen;
+    all.metres = all.metres.cwiseProduct(is_seen);
+    return all;
+  }
+
+  // The weighted sum of all images, each with its turn.
+  struct Sum {
+    Eigen::VectorXd metres, weights, counts;
+  };
+  void Add(const Displacements& one, double sign, Sum* sum) const {
+    sum->metres += sign * one.weight * one.metres;
+    sum->weights += sign * one.weight * one.is_seen;
+    sum->counts += sign * one.is_seen;
+  }
+  Sum SumLanes(const Turns& turns) const {
+    const Eigen::VectorXd none =
+        Eigen::VectorXd::Zero(turned_.front().front().metres.size());
+    Sum sum = {none, none, none};
+    for (size_t i = 0; i < turned_.size(); ++i)
+      Add(turned_[i][turns[i]], 1, &sum);
+    return sum;
+  }
+  Displacements MeanOf(const Sum& sum) const {
+    Displacements mean = turned_.front().front();
+    mean.is_seen = (sum.counts.array() > 0.5).cast<double>();
+    mean.metres = (sum.metres.array() / sum.weights.array().max(1e-300)) *
+                  mean.is_seen.array();
+    return Symmetric(std::move(mean));
+  }
+  Displacements MeanOfOthers(Sum sum, const Displacements& but) const {
+    Add(but, -1, &sum);
+    return MeanOf(sum);
+  }
+
+  // The image's turn that leaves least between it and others.
+  int BestTurn(size_t image, const Displacements& others) const {
+    int best = 0;
+    double most = -INFINITY;
+    for (int turn = 0; turn < num_turns_; ++turn) {
+      const Displacements& one = turned_[image][turn];
+      const double match = 2 * one.metres.dot(others.metres) -
+                           one.is_seen.dot(others.metres.cwiseAbs2());
+      if (match <= most) continue;
+      most = match;
+      best = turn;
+    }
+    return best;
+  }
+
+  void Improve(Turns* turns) const {
+    constexpr int kMaxRounds = 20;
+    for (int round = 0; round < kMaxRounds; ++round) {
+      bool has_changed = false;
+      Sum sum = SumLanes(*turns);
+      for (size_t i = 0; i < turned_.size(); ++i) {
+        const Displacements& before = turned_[i][(*turns)[i]];
+        const int turn = BestTurn(i, MeanOfOthers(sum, before));
+        if (turn == (*turns)[i]) continue;
+        has_changed = true;
+        Add(before, -1, &sum);
+        Add(turned_[i][turn], 1, &sum);
+        (*turns)[i] = turn;
+      }
+      if (!has_changed) return;
+    }
+  }
+
+  // The weighted squares that the common mean explains.
+  double Agreement(const Turns& turns) const {
+    const Displacements mean = MeanOf(SumLanes(turns));
+    double sum = 0;
+    for (size_t i = 0; i < turned_.size(); ++i) {
+      const Displacements& one = turned_[i][turns[i]];
+      sum += one.weight * (2 * one.metres.dot(mean.metres) -
+                           one.is_seen.dot(mean.metres.cwiseAbs2()));
+    }
+    return sum;
+  }
+
+  void KeepMostAsTheyAre() {
+    std::vector<int> counts(num_turns_);
+    for (const int turn : turns_) ++counts[turn];
+    const int most = static_cast<int>(
+        std::max_element(counts.begin(), counts.end()) - counts.begin());
+    for (int& turn : turns_) turn = (turn - most + num_turns_) % num_turns_;
+  }
+
+  // Whether the board is displaced otherwise after a turn, by more than the
+  // mean of images is uncertain and than matters.
+  bool DoesTurnMatter(size_t image, int other,
+                      const Displacements& mean) const {
+    constexpr double kMattersPx2 = 0.01 * 0.01, kManyVariances = 4;
+    const Displacements& chosen = turned_[image][turns_[image]];
+    const int turn = (other - turns_[image] + num_turns_) % num_turns_;
+    const Displacements after = Rotated(mean, board_, turn);
+    const Eigen::ArrayXd seen = chosen.is_seen.array() * mean.is_seen.array();
+    const double count = std::max(1.0, seen.sum());
+    const auto square = [&](const Eigen::VectorXd& metres) {
+      return chosen.weight * (metres.array() * seen).square().sum() / count;
+    };
+    const double variance_px2 = square(chosen.metres - mean.metres);
+    const double num_images = static_cast<double>(turned_.size());
+    // The errors of the mean and of the turned mean add up.
+    return square(after.metres - mean.metres) >
+           std::max(kMattersPx2,
+                    kManyVariances * 2 * variance_px2 / num_images);
+  }
+
+  double Advantage(size_t image, int other, const Displacements& mean) const {
+    constexpr double kLeastNoisePx2 = 1e-6;  // less is of rounding
+    const Displacements& chosen = turned_[image][turns_[image]];
+    const Displacements& otherwise = turned_[image][other];
+    const auto seen = chosen.is_seen.array() * mean.is_seen.array();
+    const Eigen::VectorXd left =
+        ((chosen.metres - mean.metres).array() * seen).matrix();
+    const double by_chosen = left.squaredNorm();
+    const double by_other = ((otherwise.metres - mean.metres).array() *
+                             otherwise.is_seen.array() * mean.is_seen.array())
+                                .matrix()
+                                .squaredNorm();
+    const double count = std::max(1.0, seen.sum());
+    const double variance =
+        std::max(by_chosen / count, kLeastNoisePx2 / chosen.weight);
+    // <x, a - b> of noise x has the variance s^2 |a - b|^2, and the squares
+    // differ by twice that.
+    const double apart = std::max(by_other - by_chosen, 0.0);
+    return std::sqrt(apart / variance) / 2;
+  }
+
+  const Board& board_;
+  int num_turns_;
+  std::vector<std::vector<Displacements>> turned_;  // by image, turn
+  Turns turns_;
+};
+
+}  // namespace
+
+bool HasSymmetricBoards(const Pattern& pattern) {
+  return std::any_of(
+      pattern.boards.begin(), pattern.boards.end(),
+      [](const Board& board) { return board.NumRotations() > 1; });
+}
+
+Dataset Rotated(const Dataset& dataset, const Pattern& pattern,
+                const BoardRotations& turns) {
+  if (turns.empty()) return dataset;
+  Dataset turned = dataset;
+  for (ImageFeatures& image : turned.images)
+    for (Feature& feature : image.features) {
+      const auto found = turns.find({image.image, feature.board});
+      const Board* board = pattern.FindBoard(feature.board);
+      if (found == turns.end() || !board) continue;
+      std::tie(feature.column, feature.row) =
+          board->Rotated(feature.column, feature.row, found->second);
+    }
+  return turned;
+}
+
+BoardRotations ComposeRotations(const BoardRotations& first,
+                                const BoardRotations& second,
+                                const Pattern& pattern) {
+  BoardRotations joined = first;
+  for (const auto& [view, turn] : second) {
+    int& sum = joined[view];
+    sum = (sum + turn) % pattern.FindBoard(view.second)->NumRotations();
+    if (sum == 0) joined.erase(view);
+  }
+  return joined;
+}
+
+AdjustmentResult LocalizeDatasetViews(const CameraModel& camera,
+                                      const Dataset& dataset,
+                                      const Pattern& pattern, int num_threads) {
+  AdjustmentResult localized;
+  std::vector<RejectedImage> too_few;
+  localized.problem = BuildProblem({dataset}, pattern, &too_few);
+  localized.state.SetCamera(camera);
+  localized.state.points = localized.problem.nominal;
+  std::vector<bool> remove;
+  for (const std::optional<Pose>& pose :
+       LocalizeViews(camera, 0, localized.problem, num_threads)) {
+    remove.push_back(!pose);
+    if (pose) localized.state.rig_from_pattern.push_back(*pose);
+  }
+  RemoveViews(remove, &localized.problem);
+  return localized;
+}
+
+void AddViews(const AdjustmentResult& views, AdjustmentResult* camera) {
+  CalibrationProblem& problem = camera->problem;
+  std::vector<Pose>& poses = camera->state.rig_from_pattern;
+  for (size_t v = 0; v < views.problem.views.size(); ++v) {
+    View view = views.problem.views[v];
+    const Pose pose = views.state.rig_from_pattern[view.pose];
+    view.pose = static_cast<int>(poses.size());
+    problem.views.push_back(std::move(view));
+    problem.images.push_back(views.problem.images[v]);
+    problem.boards.push_back(views.problem.boards[v]);
+    poses.push_back(pose);
+  }
+  problem.num_poses = static_cast<int>(poses.size());
+}
+
+Pose ComputeRotation(const Board& board, int turn) {
+  const Eigen::Vector3d middle =
+      board.square_m / 2 *
+      Eigen::Vector3d(board.columns - 1, board.rows - 1, 0);
+  const Eigen::Quaterniond rotation(Eigen::AngleAxisd(
+      2 * M_PI * turn / board.NumRotations(), Eigen::Vector3d::UnitZ()));
+  return {rotation, middle - rotation * middle};
+}
+
+GeometricRotations ResolveRotationsByGeometry(
+    const std::vector<AdjustmentResult>& cameras, const Pattern& pattern) {
+  // Errors of neighbours are alike, so that chance goes further than the
+  // deviations say.
+  constexpr double kSurely = 5;
+  constexpr size_t kFewParts = 3;
+  GeometricRotations found;
+  for (size_t b = 0; b < pattern.boards.size(); ++b) {
+    const Board& board = pattern.boards[b];
+    if (board.NumRotations() < 2) continue;
+    const std::vector<Displacements> images =
+        ComputeDisplacements(cameras, static_cast<int>(b), board);
+    if (images.size() < 2) continue;
+    TurnSearch search(images, board);
+    search.Run();
+    std::vector<std::pair<std::string, int>> doubtful;
+    for (size_t i = 0; i < images.size(); ++i) {
+      const std::pair<std::string, int> view(images[i].image, board.id);
+      if (search.turns()[i] != 0 && search.Sureness(i) > kSurely)
+        found.turns[view] = search.turns()[i];
+      if (search.IsTurnDoubtful(i, kSurely)) doubtful.push_back(view);
+    }
+    // Noise hides whatever the board has where many views are doubtful.
+    if (kFewParts * doubtful.size() <= images.size())
+      found.doubtful.insert(found.doubtful.end(), doubtful.begin(),
+                            doubtful.end());
+  }
+  return found;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,328 @@
+#include "calibration/camera_initialization.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include "calibration/camera_adjustment.h"
+#include "calibration/even_selection.h"
+#include "camera/model_fitting.h"
+#include "dataset/error.h"
+#include "evaluation/residual_statistics.h"
+#include "initialization/generic_initialization.h"
+#include "initialization/parametric_initialization.h"
+#include "initialization/radial_initialization.h"
+
+namespace raygrid {
+namespace {
+
+// A view whose median error is a larger part of the image's width has not been
+// localised.
+constexpr double kMaxMedianPart = 0.02;
+
+double MedianError(const AdjustmentState& state, const View& view,
+                   const Pose& pose) {
+  AdjustmentState alone = state;
+  alone.rig_from_pattern = {pose};
+  View only = view;
+  only.pose = 0;
+  std::vector<double> norms;
+  for (const Residual& residual : ComputeResiduals(alone, {only}, 1))
+    norms.push_back(residual.valid ? residual.error_px.norm() : INFINITY);
+  return Quantile(norms, 0.5);
+}
+
+// All views that a lens can localise, with their poses; the others are left
+// out.
+AdjustmentResult Localized(const CameraModel& lens, const AdjustmentResult& all,
+                           int num_threads) {
+  AdjustmentResult localized = all;
+  CalibrationProblem& problem = localized.problem;
+  AdjustmentState& state = localized.state;
+  state.SetCamera(lens);
+  state.points = problem.nominal;
+  const std::vector<std::optional<Pose>> poses =
+      LocalizeViews(lens, 0, problem, num_threads);
+  std::vector<Pose> kept;
+  std::vector<bool> remove(poses.size(), true);
+  for (size_t v = 0; v < poses.size(); ++v) {
+    remove[v] = !poses[v] || !(MedianError(state, problem.views[v], *poses[v]) <
+                               kMaxMedianPart * problem.image_sizes[0].width);
+    if (remove[v])
+      localized.rejected_images.push_back(
+          {problem.images[v], "pose estimation failed"});
+    else
+      kept.push_back(*poses[v]);
+  }
+  RemoveViews(remove, &problem);
+  // The poses are in the order of the views, each of which has its own.
+  state.rig_from_pattern = kept;
+  return localized;
+}
+
+int NumImages(const CalibrationProblem& problem) {
+  return static_cast<int>(
+      std::set<std::string>(problem.images.begin(), problem.images.end())
+          .size());
+}
+
+// Features that are nowhere near where their views have them leave the problem:
+// in a narrow field of view, few of them bend the lens, even under Huber's
+// loss. The rule of the paper's supplement, far more lenient, since the lens is
+// rough.
+void RemoveGrossOutliers(const Pattern& pattern, int num_threads,
+                         AdjustmentResult* adjusted) {
+  constexpr double kRanges = 30;
+  CalibrationProblem& problem = adjusted->problem;
+  const std::vector<Residual> residuals =
+      ComputeResiduals(adjusted->state, problem.views, num_threads);
+  std::vector<double> norms;
+  for (const Residual& residual : residuals)
+    if (residual.valid) norms.push_back(residual.error_px.norm());
+  const double q1 = Quantile(norms, 0.25), q3 = Quantile(norms, 0.75);
+  const double limit_px = q3 + kRanges * (q3 - q1);
+  size_t index = 0;
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    std::vector<Observation> kept;
+    for (const Observation& observation : problem.views[v].observations) {
+      const Residual& residual = residuals[index++];
+      if (!residual.valid || residual.error_px.norm() <= limit_px) {
+        kept.push_back(observation);
+        continue;
+      }
+      const Feature feature =
+          problem.GetFeature(pattern, static_cast<int>(v), observation);
+      adjusted->rejected_features[0].push_back(
+          {problem.images[v], feature.board, feature.column, feature.row,
+           observation.pixel, residual.error_px});
+    }
+    problem.views[v].observations = std::move(kept);
+  }
+}
+
+// The views and features that are enough to tell the dozen parameters of a
+// lens.
+AdjustmentResult Thinned(const AdjustmentResult& all) {
+  constexpr size_t kMaxViews = 100, kMaxFeatures = 60;
+  AdjustmentResult thinned = all;
+  CalibrationProblem& problem = thinned.problem;
+  std::vector<size_t> indices(problem.views.size());
+  std::iota(indices.begin(), indices.end(), 0);
+  std::vector<bool> remove(indices.size(), true);
+  for (const size_t v : SelectEvenly(indices, kMaxViews)) remove[v] = false;
+  RemoveViews(remove, &problem);
+  for (View& view : problem.views)
+    view.observations = SelectEvenly(view.observations, kMaxFeatures);
+  return thinned;
+}
+
+// Twice: a better lens localises more views, and those it has better.
+std::optional<AdjustmentResult> AdjustFrom(const CameraModel& start,
+                                           const Pattern& pattern,
+                                           const AdjustmentResult& all,
+                                           const AdjustmentOptions& options) {
+  constexpr int kRounds = 2;
+  AdjustmentOptions rough = options;
+  rough.max_iterations = 0;  // after the prior is learned
+  std::optional<AdjustmentResult> adjusted;
+  for (int round = 0; round < kRounds; ++round) {
+    const std::unique_ptr<CameraModel> lens =
+        adjusted ? adjusted->state.camera().Clone() : start.Clone();
+    adjusted = Localized(*lens, all, options.num_threads);
+    if (NumImages(adjusted->problem) < kMinImages) return std::nullopt;
+    RemoveGrossOutliers(pattern, options.num_threads, &*adjusted);
+    adjusted->summary =
+        RefineCameras(adjusted->problem, rough, &adjusted->state);
+  }
+  return adjusted;
+}
+
+// The part of all features that a lens leaves unexplained: its views cannot be
+// localised, it does not project their points, or gives them no direction.
+struct Misfit {
+  double unexplained_part = 0;
+  double mean_px = 0;  ///< over all features, each no more than the cap
+};
+
+// The size of a pixel in images of 640 pixels' width, which what follows was
+// found with: the more pixels a lens's image has, the more it is off.
+double LensPx(const CalibrationProblem& problem) {
+  constexpr double kWidth = 640;
+  const ImageSize& size = problem.image_sizes[0];
+  return std::max(1.0, std::max(size.width, size.height) / kWidth);
+}
+
+Misfit MisfitOf(const AdjustmentResult& adjusted, size_t num_features) {
+  const double cap_px = 5 * LensPx(adjusted.problem);
+  size_t index = 0, explained = 0;
+  double sum = 0;
+  for (const View& view : adjusted.problem.views) {
+    for (const Observation& observation : view.observations) {
+      const Residual& residual = adjusted.summary.residuals[index++];
+      if (!residual.valid ||
+          !adjusted.state.camera().Unproject(observation.pixel))
+        continue;
+      ++explained;
+      sum += std::min(residual.error_px.norm(), cap_px);
+    }
+  }
+  const auto count = static_cast<double>(num_features);
+  const double unexplained = count - static_cast<double>(explained);
+  return {unexplained / count, (sum + cap_px * unexplained) / count};
+}
+
+// The factor of a start's error before it is compared.
+double HandicapOf(const CameraModel& start) {
+  // A pinhole's distortion is taken where it fits nearly as well: beyond the
+  // outermost features, in the image's corners, it goes on more tamely than a
+  // polynomial of the angle (simulated lens of 62 degrees: 0.10 px off in the
+  // worst corner, where that was 0.21 px).
+  constexpr double kPinholeFavour = 0.8;
+  // A grid follows any lens, but knows nothing of where no feature was seen.
+  constexpr double kGridHandicap = 2;
+  if (start.Name() == models::kOpenCv) return kPinholeFavour;
+  return IsParametricModel(start.Name()) ? 1 : kGridHandicap;
+}
+
+size_t NumFeatures(const CalibrationProblem& problem) {
+  size_t count = 0;
+  for (const View& view : problem.views) count += view.observations.size();
+  return count;
+}
+
+// Starts from linear equations for pinholes, and for radially symmetric lenses
+// of any field of view.
+std::vector<std::unique_ptr<CameraModel>> ParametricStarts(
+    const Dataset& dataset, const Pattern& pattern) {
+  std::vector<std::unique_ptr<CameraModel>> starts;
+  if (const auto radial = InitializeFromRadialLines(dataset, pattern))
+    starts.push_back(radial->Clone());
+  if (const auto pinhole = InitializeFromPlanarBoards(dataset, pattern))
+    starts.push_back(pinhole->Clone());
+  return starts;
+}
+
+// The start for any central lens, over the area that is calibrated.
+std::optional<CentralGeneric> MakeInitialGenericGrid(
+    const Dataset& dataset, const Pattern& pattern,
+    const CalibrationProblem& problem, int num_threads) {
+  GenericInitializationOptions options;
+  options.num_threads = num_threads;
+  options.area = CalibratedArea(problem, 0);
+  const auto generic = InitializeFromThreeViews(dataset, pattern, options);
+  if (!generic) return std::nullopt;
+  return generic->camera;
+}
+
+// The starts adjusted to a part of the features, of which the best is kept.
+class StartTrials {
+ public:
+  StartTrials(const Pattern& pattern, const AdjustmentResult& all,
+              const AdjustmentOptions& options)
+      : pattern_(pattern),
+        thinned_(Thinned(all)),
+        num_features_(NumFeatures(thinned_.problem)),
+        options_(options) {
+    options_.fix_points = true;
+  }
+
+  void Try(const CameraModel& start) {
+    const auto adjusted = AdjustFrom(start, pattern_, thinned_, options_);
+    if (!adjusted) return;
+    const Misfit misfit = MisfitOf(*adjusted, num_features_);
+    const double weighted =
+        misfit.mean_px * HandicapOf(adjusted->state.camera());
+    if (best_ && weighted >= least_weighted_) return;
+    best_ = adjusted;
+    least_ = misfit;
+    least_weighted_ = weighted;
+  }
+
+  // Whether a lens with local distortion at most can be behind it.
+  bool IsNear() const {
+    return best_ && least_.mean_px < LensPx(thinned_.problem);
+  }
+
+  // Whether calibration can go on from the best.
+  bool IsEnough() const {
+    constexpr double kMaxUnexplainedPart = 0.25;
+    return best_ && least_.unexplained_part <= kMaxUnexplainedPart;
+  }
+
+  // Throws if it cannot.
+  const AdjustmentResult& Best() const {
+    if (IsEnough()) return *best_;
+    if (!best_)
+      throw Error(
+          ExitCode::kInitialization,
+          "initialization failed: no initial camera fits these features; check "
+          "columns and rows of the pattern, and add tilted views");
+    throw Error(
+        ExitCode::kInitialization,
+        fmt::format("initialization failed: the initial camera fits only "
+                    "{:.0f} % of {} features; check the pattern, and add "
+                    "tilted views that cover the image",
+                    100 * (1 - least_.unexplained_part), num_features_));
+  }
+
+ private:
+  const Pattern& pattern_;
+  AdjustmentResult thinned_;
+  size_t num_features_;
+  AdjustmentOptions options_;
+  std::optional<AdjustmentResult> best_;
+  Misfit least_;
+  double least_weighted_ = INFINITY;
+};
+
+// The lenses that need no other to start from.
+void TryAll(const Dataset& dataset, const Pattern& pattern,
+            const CalibrationProblem& problem, int num_threads,
+            StartTrials* trials) {
+  for (const auto& start : ParametricStarts(dataset, pattern))
+    trials->Try(*start);
+  if (trials->IsNear()) return;
+  const auto grid =
+      MakeInitialGenericGrid(dataset, pattern, problem, num_threads);
+  if (!grid) return;
+  const Area features = FeatureArea(problem, 0);
+  trials->Try(
+      *FitParametricModel(models::kCentralRadial, *grid, features, {true})
+           .model);
+  trials->Try(*grid);
+}
+
+void RequireImages(const CalibrationProblem& problem) {
+  if (NumImages(problem) < kMinImages)
+    throw Error(
+        ExitCode::kTooFew,
+        fmt::format("{} image(s) with at least {} features on a board; at "
+                    "least {} are required, {} are recommended",
+                    NumImages(problem), kMinViewFeatures, kMinImages, 20));
+}
+
+}  // namespace
+
+AdjustmentResult InitializeCamera(const Dataset& dataset,
+                                  const Pattern& pattern,
+                                  const AdjustmentOptions& options,
+                                  AreaChoice area, const CameraModel* known) {
+  AdjustmentResult all;
+  all.problem = BuildProblem({dataset}, pattern, &all.rejected_images);
+  all.problem.area = area;
+  all.rejected_features.resize(1);  // of one camera
+  RequireImages(all.problem);
+  StartTrials trials(pattern, all, options);
+  if (known) trials.Try(*known);
+  if (!trials.IsEnough())
+    TryAll(dataset, pattern, all.problem, options.num_threads, &trials);
+  AdjustmentResult adjusted =
+      Localized(trials.Best().state.camera(), all, options.num_threads);
+  RemoveGrossOutliers(pattern, options.num_threads, &adjusted);
+  return adjusted;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,93 @@
+#include "calibration/deformation_evaluation.h"
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "adjustment/bundle_adjustment.h"
+
+namespace raygrid {
+namespace {
+
+bool IsEven(const Feature& feature) {
+  return (feature.column + feature.row) % 2 == 0;
+}
+
+// The features of one half of the places.
+Dataset Half(const Dataset& dataset, bool is_even) {
+  Dataset half;
+  half.image_size = dataset.image_size;
+  for (const ImageFeatures& image : dataset.images) {
+    half.images.push_back({image.image, {}});
+    std::copy_if(image.features.begin(), image.features.end(),
+                 std::back_inserter(half.images.back().features),
+                 [is_even](const Feature& feature) {
+                   return IsEven(feature) == is_even;
+                 });
+  }
+  return half;
+}
+
+std::vector<Dataset> Halves(const std::vector<Dataset>& datasets,
+                            bool is_even) {
+  std::vector<Dataset> halves;
+  for (const Dataset& dataset : datasets)
+    halves.push_back(Half(dataset, is_even));
+  return halves;
+}
+
+// A view of the other half stands where that of the first does.
+using Places = std::map<std::pair<std::string, int>, int>;
+
+Places CollectFeaturePositions(const CalibrationProblem& problem) {
+  Places places;
+  for (size_t v = 0; v < problem.views.size(); ++v)
+    places[{problem.images[v], problem.boards[v]}] = problem.views[v].pose;
+  return places;
+}
+
+}  // namespace
+
+std::vector<std::vector<FeatureResidual>> EvaluateWithDeformation(
+    const RigModel& rig, const std::vector<Dataset>& datasets,
+    const Pattern& pattern, int num_threads) {
+  std::vector<std::vector<FeatureResidual>> residuals(rig.cameras.size());
+  std::vector<RejectedImage> rejected;
+  CalibrationProblem told =
+      BuildProblem(Halves(datasets, true), pattern, &rejected);
+  AdjustmentState state = LocalizeRigViews(rig, &told, num_threads);
+  state.SetModes(GetDeformationModes(told), DeformationScope::kPose);
+  if (told.views.empty() || state.modes.count() == 0) return residuals;
+  GaussianPrior prior;
+  prior.points_mean = state.points;
+  AdjustmentOptions options;
+  options.fix_cameras = options.fix_points = true;
+  options.num_threads = num_threads;
+  OptimizeWithLearnedPrior(told.views, options, &prior, &state);
+
+  const Places places = CollectFeaturePositions(told);
+  const CalibrationProblem asked =
+      BuildProblem(Halves(datasets, false), pattern, &rejected);
+  for (size_t v = 0; v < asked.views.size(); ++v) {
+    const auto place = places.find({asked.images[v], asked.boards[v]});
+    if (place == places.end()) continue;
+    View view = asked.views[v];
+    view.pose = place->second;
+    const std::vector<Residual> of_view = ComputeResiduals(state, {view}, 1);
+    const Area& area = rig.cameras[view.camera]->area();
+    for (size_t i = 0; i < of_view.size(); ++i) {
+      const Observation& observation = view.observations[i];
+      if (!of_view[i].valid || !area.Contains(observation.pixel)) continue;
+      const Feature feature =
+          asked.GetFeature(pattern, static_cast<int>(v), observation);
+      residuals[view.camera].push_back(
+          {asked.images[v], feature.board, feature.column, feature.row,
+           observation.pixel, of_view[i].error_px});
+    }
+  }
+  return residuals;
+}
+
+}  // namespace raygrid

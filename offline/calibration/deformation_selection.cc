@@ -1,0 +1,95 @@
+#include "calibration/deformation_selection.h"
+
+#include <vector>
+
+#include "calibration/knot_spacing_search.h"
+#include "calibration/knot_spacing_selection.h"
+#include "camera/model_fitting.h"
+
+namespace raygrid {
+namespace {
+
+// Whether bends could lower squared errors by a part, as far as the residuals
+// of cameras with rigid boards tell.
+bool CanDeform(const std::vector<Trial>& trials, double knot_spacing_px,
+               double part) {
+  double sum = 0, count = 0;
+  for (const Trial& trial : trials) {
+    if (!trial.rigid_boards ||
+        trial.knot_spacings_px.front() != knot_spacing_px)
+      continue;
+    sum += trial.deformation_share;
+    ++count;
+  }
+  return sum > part * count;
+}
+
+// Cells that rigid boards chose coarser than the medium ones stay so if they
+// surely predict flexed boards better, too: bends are noise to rigid boards.
+void ChooseGridAgain(const Pattern& pattern, const CalibrationOptions& options,
+                     const ValidationOptions& validation,
+                     CameraInProgress* camera) {
+  if (options.knot_spacing_px > 0) return;
+  Folds& folds = camera->folds;
+  std::vector<Trial>& trials = camera->checkpoint.trials;
+  const auto flexed_with = [&](double knot_spacing_px) {
+    CrossValidate(pattern, validation, {{knot_spacing_px}}, &folds, &trials);
+    return JoinFolds(trials, folds.count(), {knot_spacing_px}, false).flexed;
+  };
+  const Dataset& images = camera->split.training;
+  double& chosen_px = camera->result.knot_spacing_px;
+  for (const double finer_px : ListKnotSpacings(images, options.model)) {
+    if (finer_px >= chosen_px ||
+        finer_px < MediumKnotSpacingPx(images, options.model))
+      continue;
+    const auto coarser = flexed_with(chosen_px), finer = flexed_with(finer_px);
+    if (coarser.empty() || finer.empty() ||
+        ComputeLossGain(finer.front(), coarser.front()) >= kCoarserGain)
+      return;
+    chosen_px = finer_px;
+  }
+}
+
+}  // namespace
+
+bool IsDeformationBetter(const HeldOutResiduals& bent,
+                         const HeldOutResiduals& rigid) {
+  // In deviations. An image that alone tells all of a gain makes it 1.
+  constexpr double kWorse = -1.5, kBetter = 1;
+  const double alone = ComputeLossGain(rigid.alone.front(), bent.alone.front());
+  const double flexed =
+      ComputeLossGain(rigid.flexed.front(), bent.flexed.front());
+  return flexed > 0 && alone > kWorse && flexed + alone > kBetter;
+}
+
+void SelectDeformation(const Pattern& pattern,
+                       const CalibrationOptions& options,
+                       CameraInProgress* camera) {
+  // Bends take more of the residuals that they are adjusted to than of others.
+  constexpr double kLeastShare = 0.01;
+  camera->per_view_deformation = false;
+  if (options.rigid_board || options.fix_target_geometry ||
+      IsParametricModel(options.model))
+    return;
+  Folds& folds = camera->folds;
+  const double knot_spacing_px = camera->result.knot_spacing_px;
+  std::vector<Trial>& trials = camera->checkpoint.trials;
+  ValidationOptions validation = MakeValidationOptions(options);
+  validation.on_done = [camera] { camera->Save(); };
+  HeldOutResiduals held_out[2];
+  for (const bool rigid : {true, false}) {
+    validation.rigid_boards = rigid;
+    validation.keep_rigid = rigid;
+    CrossValidate(pattern, validation, {{knot_spacing_px}}, &folds, &trials);
+    if (rigid && !CanDeform(trials, knot_spacing_px, kLeastShare)) return;
+    held_out[rigid] =
+        JoinFolds(trials, folds.count(), {knot_spacing_px}, rigid);
+    if (held_out[rigid].flexed.empty()) return;
+  }
+  camera->per_view_deformation =
+      IsDeformationBetter(held_out[false], held_out[true]);
+  if (camera->per_view_deformation)
+    ChooseGridAgain(pattern, options, validation, camera);
+}
+
+}  // namespace raygrid

@@ -1,0 +1,63 @@
+#include "calibration/deformation_share.h"
+
+#include <Eigen/Cholesky>
+#include <vector>
+
+#include "adjustment/view_jacobian.h"
+
+namespace raygrid {
+namespace {
+
+// The Gauss-Newton equations of a pose and of the flex there.
+struct BendEquations {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd gradient;
+  double squares = 0;
+  int num_features = 0;
+};
+
+// How much a step of the first parameters lowers the squared residuals.
+double Decrease(const BendEquations& equations, Eigen::Index count) {
+  const Eigen::VectorXd gradient = equations.gradient.head(count);
+  return gradient.dot(
+      equations.matrix.topLeftCorner(count, count).ldlt().solve(gradient));
+}
+
+}  // namespace
+
+double ComputeDeformationShare(const AdjustmentResult& adjusted,
+                               int num_threads) {
+  AdjustmentState state = adjusted.state;
+  state.ApplyStaticDeformation();
+  state.SetModes(GetDeformationModes(adjusted.problem),
+                 DeformationScope::kPose);
+  const Eigen::Index size = 6 + state.modes.count();
+  std::vector<BendEquations> poses(
+      state.rig_from_pattern.size(),
+      {Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)});
+  for (const ViewJacobian& jacobian :
+       WeightedJacobians(state, adjusted.problem.views,
+                         AdjustmentOptions().huber_px, num_threads)) {
+    if (jacobian.count() == 0) continue;
+    BendEquations& pose = poses[jacobian.pose];
+    pose.matrix.noalias() += jacobian.J_pose * jacobian.J_pose.transpose();
+    pose.gradient.noalias() += jacobian.J_pose * jacobian.error.reshaped();
+    pose.squares += jacobian.error.squaredNorm();
+    pose.num_features += jacobian.count();
+  }
+  double squares = 0, degrees = 0, taken = 0, num_bends = 0;
+  for (const BendEquations& pose : poses) {
+    // With fewer, bends take noise as well as errors.
+    if (pose.num_features < size) continue;
+    squares += pose.squares;
+    degrees += 2 * pose.num_features - 6;
+    taken += Decrease(pose, size) - Decrease(pose, 6);
+    num_bends += static_cast<double>(
+        (pose.matrix.diagonal().tail(size - 6).array() > 0).count());
+  }
+  if (!(degrees > 2 * num_bends)) return 1;  // too few features to tell
+  const double noise = (squares - taken) / (degrees - num_bends);
+  return squares > 0 ? (taken - num_bends * noise) / squares : 0;
+}
+
+}  // namespace raygrid

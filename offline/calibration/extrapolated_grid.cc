@@ -1,0 +1,86 @@
+#include "calibration/extrapolated_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "camera/stereographic.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kMaxAngleRad = 2.28;
+
+double AngleFromAxis(const Eigen::Vector3d& ray) {
+  return std::atan2(ray.head<2>().norm(), ray.z());
+}
+
+// How a lens goes on beyond an angle.
+class Continuation {
+ public:
+  explicit Continuation(const CameraModel& lens)
+      : lens_(lens), center_(lens.Project({0, 0, 1})) {}
+
+  std::optional<Eigen::Vector3d> Direction(const Eigen::Vector2d& pixel) const {
+    if (!center_) return std::nullopt;
+    const Eigen::Vector2d side = pixel - *center_;
+    // From where the lens ends on this side.
+    double end = kMaxAngleRad;
+    while (end > kStep && !RadiusPx(end, side)) end -= kStep;
+    const auto radius = RadiusPx(end, side);
+    const auto before = RadiusPx(end - kStep, side);
+    if (!radius || !before || !(*radius > *before) || side.norm() < *radius)
+      return std::nullopt;
+    // The slope tends to infinity where a lens is about to fold.
+    const double slope =
+        std::min(kStep / (*radius - *before), kMaxSlope * end / *radius);
+    const double room = kLargest - end;
+    const double beyond = slope * (side.norm() - *radius);
+    return At(end - room * std::expm1(-beyond / room), side);
+  }
+
+ private:
+  static constexpr double kStep = 0.02, kLargest = kMaxAngleRad + kStep;
+  static constexpr double kMaxSlope = 2;  // of the mean one as far as the end
+
+  // The direction at an angle from the axis, to the side of an offset from the
+  // centre in the image.
+  static Eigen::Vector3d At(double angle_rad, const Eigen::Vector2d& side) {
+    const Eigen::Vector2d across = std::sin(angle_rad) * side.normalized();
+    return {across.x(), across.y(), std::cos(angle_rad)};
+  }
+
+  // The distance of that direction's pixel from the centre.
+  std::optional<double> RadiusPx(double angle_rad,
+                                 const Eigen::Vector2d& side) const {
+    constexpr double kAnywherePx = 1e9;
+    const auto pixel = lens_.Project(At(angle_rad, side), nullptr, kAnywherePx);
+    if (!pixel) return std::nullopt;
+    return (*pixel - *center_).norm();
+  }
+
+  const CameraModel& lens_;
+  std::optional<Eigen::Vector2d> center_;
+};
+
+}  // namespace
+
+CentralGeneric FitExtrapolatedGrid(const CameraModel& lens, const Area& area,
+                                   int columns, int rows) {
+  constexpr int kSamplesPerCell = 4;
+  constexpr double kContinuedWeight = 1e-4;
+  const Continuation continuation(lens);
+  std::vector<SurfaceSample> samples;
+  for (const Eigen::Vector2d& pixel :
+       BSplineSurface(area, columns, rows).SamplePixels(kSamplesPerCell)) {
+    const auto ray = lens.Unproject(pixel);
+    if (ray && AngleFromAxis(*ray) <= kMaxAngleRad)
+      samples.push_back({pixel, ToChart(*ray)});
+    else if (const auto continued = continuation.Direction(pixel))
+      samples.push_back({pixel, ToChart(*continued), kContinuedWeight});
+  }
+  return CentralGeneric(lens.image_size(),
+                        FitSurface(area, columns, rows, samples));
+}
+
+}  // namespace raygrid

@@ -1,0 +1,120 @@
+#include "calibration/knot_spacing_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <tuple>
+
+#include "adjustment/reprojection_error.h"
+
+namespace raygrid {
+namespace {
+
+// A finer grid has to gain more, as it takes time: in standard deviations.
+constexpr double kFinerGain = 2;
+
+bool Try(std::vector<int> resolutions,
+         const KnotSpacingSearch::Measure& measure, KnotSpacingSearch* search) {
+  resolutions.erase(
+      std::remove_if(resolutions.begin(), resolutions.end(),
+                     [&](int i) { return search->tried.count(i) > 0; }),
+      resolutions.end());
+  if (resolutions.empty()) return true;
+  std::vector<std::vector<FeatureResidual>> measured = measure(resolutions);
+  if (measured.size() < resolutions.size()) return false;
+  for (size_t i = 0; i < resolutions.size(); ++i)
+    search->tried[resolutions[i]] = std::move(measured[i]);
+  return true;
+}
+
+// The residuals in the images of others.
+std::vector<FeatureResidual> InImagesOf(
+    const std::vector<FeatureResidual>& others,
+    const std::vector<FeatureResidual>& residuals) {
+  std::set<std::string> images;
+  for (const FeatureResidual& other : others) images.insert(other.image);
+  std::vector<FeatureResidual> in_images;
+  for (const FeatureResidual& residual : residuals)
+    if (images.count(residual.image) > 0) in_images.push_back(residual);
+  return in_images;
+}
+
+}  // namespace
+
+double ComputeLossGain(const std::vector<FeatureResidual>& others,
+                       const std::vector<FeatureResidual>& residuals,
+                       double huber_px) {
+  // A feature that only one of both has counts as huber_px off.
+  struct Losses {
+    double others, ours;
+  };
+  const double unknown = HuberLoss(huber_px, huber_px);
+  std::map<std::tuple<std::string, int, int, int>, Losses> features;
+  const auto of = [&features,
+                   unknown](const FeatureResidual& residual) -> Losses& {
+    const std::tuple feature(residual.image, residual.board, residual.column,
+                             residual.row);
+    return features.emplace(feature, Losses{unknown, unknown}).first->second;
+  };
+  for (const FeatureResidual& residual : others)
+    of(residual).others = HuberLoss(residual.error_px.norm(), huber_px);
+  for (const FeatureResidual& residual : residuals)
+    of(residual).ours = HuberLoss(residual.error_px.norm(), huber_px);
+  struct Sum {
+    double gain = 0, count = 0;
+  };
+  std::map<std::string, Sum> images;
+  Sum all;
+  for (const auto& [feature, losses] : features)
+    for (Sum* sum : {&images[std::get<std::string>(feature)], &all}) {
+      sum->gain += losses.others - losses.ours;
+      ++sum->count;
+    }
+  if (images.size() < 2) return 0;
+  double squares = 0;
+  for (const auto& [name, image] : images)
+    squares += std::pow(image.gain - all.gain / all.count * image.count, 2);
+  const double num_images = static_cast<double>(images.size());
+  const double deviation = std::sqrt(squares * num_images / (num_images - 1));
+  return deviation > 0 ? all.gain / deviation : 0;
+}
+
+std::optional<KnotSpacingSearch> KnotSpacingSearch::Run(int num_resolutions,
+                                                        int medium,
+                                                        const Measure& measure,
+                                                        const Probe& probe) {
+  KnotSpacingSearch search;
+  const auto gain = [&search](int to) {
+    return ComputeLossGain(search.tried.at(search.chosen), search.tried.at(to));
+  };
+  const auto may_gain = [&](int to) {
+    if (!probe || search.tried.count(to) > 0) return true;
+    const std::vector<FeatureResidual> part = probe(to);
+    if (part.empty()) return true;  // after a stop
+    return ComputeLossGain(InImagesOf(part, search.tried.at(search.chosen)),
+                           part) > 0;
+  };
+  medium = std::min(medium, num_resolutions - 1);
+  search.chosen = medium;
+  // Two at a time are done sooner than one after the other.
+  std::vector<int> first = {medium};
+  if (medium > 0) first.push_back(medium - 1);
+  if (!Try(first, measure, &search)) return std::nullopt;
+  for (int coarser = medium - 1; coarser >= 0; --coarser) {
+    if (!may_gain(coarser)) break;
+    if (!Try({coarser}, measure, &search)) return std::nullopt;
+    if (gain(coarser) < kCoarserGain) break;
+    search.chosen = coarser;
+  }
+  if (search.chosen < medium) return search;
+  for (int finer = medium + 1; finer < num_resolutions; ++finer) {
+    if (!may_gain(finer)) break;
+    if (!Try({finer}, measure, &search)) return std::nullopt;
+    if (gain(finer) < kFinerGain) break;
+    search.chosen = finer;
+  }
+  return search;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,135 @@
+#include "calibration/model_selection.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "calibration/knot_spacing_search.h"
+#include "calibration/knot_spacing_selection.h"
+#include "camera/lens_models.h"
+#include "dataset/error.h"
+
+namespace raygrid {
+namespace {
+
+using models::kCentralGeneric;
+using models::kNonCentralGeneric;
+
+// Gains over the central grid, in standard errors.
+constexpr double kParametricGain = 1, kNoncentralGain = 2;
+
+// One camera's cross-validation of several models.
+class ModelComparison {
+ public:
+  ModelComparison(const Pattern& pattern, const CalibrationOptions& options,
+                  CameraInProgress* camera)
+      : pattern_(pattern), options_(options), camera_(camera) {
+    if (camera->folds.count() > 0) {
+      grid_ = JoinFolds(camera->checkpoint.trials, camera->folds.count(),
+                        {camera->result.knot_spacing_px},
+                        !camera->per_view_deformation);
+      folds_ = camera->folds;
+    } else {
+      folds_ =
+          MakeLeaveOneOutFolds({camera->split}, {&camera->lens.state.camera()});
+      folds_.base_model = camera->lens.problem.base_model;
+      grid_ = CrossValidated(kCentralGeneric, camera->result.knot_spacing_px);
+    }
+    AddCandidate(kCentralGeneric, grid_, 0);
+    if (IsValid())
+      grid_median_px_ = SummarizeCandidate(0, grid_.alone.front()).median_px;
+  }
+
+  bool IsValid() const { return HasResiduals(grid_); }
+
+  // In standard errors; minus infinity for a model that fails.
+  double ComputeGain(const std::string& model, double knot_spacing_px) {
+    const HeldOutResiduals held_out = CrossValidated(model, knot_spacing_px);
+    if (!HasResiduals(held_out))
+      return -std::numeric_limits<double>::infinity();
+    const double gain = ComputeLossGain(
+        grid_.alone.front(), held_out.alone.front(), grid_median_px_);
+    AddCandidate(model, held_out, gain);
+    return gain;
+  }
+
+ private:
+  static bool HasResiduals(const HeldOutResiduals& held_out) {
+    return !held_out.alone.empty() && !held_out.alone.front().empty();
+  }
+
+  HeldOutResiduals CrossValidated(const std::string& model,
+                                  double knot_spacing_px) {
+    ValidationOptions validation = MakeValidationOptions(options_);
+    validation.model = model;
+    validation.rigid_boards =
+        model != kNonCentralGeneric || !camera_->per_view_deformation;
+    std::vector<Trial> trials;
+    try {
+      CrossValidate(pattern_, validation, {{knot_spacing_px}}, &folds_,
+                    &trials);
+    } catch (const Error&) {
+      return {};  // views that the model cannot describe
+    }
+    return JoinFolds(trials, folds_.count(), {knot_spacing_px},
+                     validation.rigid_boards);
+  }
+
+  void AddCandidate(const std::string& model, const HeldOutResiduals& held_out,
+                    double gain) {
+    if (!HasResiduals(held_out)) return;
+    const KnotSpacingCandidate summary =
+        SummarizeCandidate(0, held_out.alone.front());
+    camera_->result.model_candidates.push_back(
+        {model, summary.loss, summary.median_px, gain});
+  }
+
+  const Pattern& pattern_;
+  const CalibrationOptions& options_;
+  CameraInProgress* camera_;
+  Folds folds_;
+  HeldOutResiduals grid_;
+  // Losses are Huber's of this, so that a few outliers do not decide.
+  double grid_median_px_ = 1;
+};
+
+}  // namespace
+
+std::string SelectModel(const Pattern& pattern,
+                        const CalibrationOptions& options,
+                        std::vector<CameraInProgress>* cameras) {
+  std::vector<ModelComparison> comparisons;
+  for (CameraInProgress& camera : *cameras) {
+    comparisons.emplace_back(pattern, options, &camera);
+    if (!comparisons.back().IsValid()) return kCentralGeneric;
+  }
+  // The least gain of all cameras counts.
+  const auto gain_of = [&](const std::string& model, bool is_grid) {
+    double least = std::numeric_limits<double>::infinity();
+    for (size_t c = 0; c < cameras->size(); ++c) {
+      const CameraInProgress& camera = (*cameras)[c];
+      const double knot_spacing_px =
+          is_grid ? std::max(camera.result.knot_spacing_px,
+                             MediumKnotSpacingPx(camera.split.training, model))
+                  : 0;
+      least =
+          std::min(least, comparisons[c].ComputeGain(model, knot_spacing_px));
+    }
+    return least;
+  };
+  std::string best = kCentralGeneric;
+  double best_gain = kParametricGain;
+  for (const std::string& model : LensNames(ModelUse::kAuto)) {
+    if (options.ShouldStop()) return kCentralGeneric;
+    const double gain = gain_of(model, false);
+    if (gain <= best_gain) continue;
+    best = model;
+    best_gain = gain;
+  }
+  if (options.allow_noncentral && best == kCentralGeneric &&
+      !options.ShouldStop() &&
+      gain_of(kNonCentralGeneric, true) >= kNoncentralGain)
+    best = kNonCentralGeneric;
+  return best;
+}
+
+}  // namespace raygrid

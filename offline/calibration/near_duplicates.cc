@@ -1,0 +1,227 @@
+#include "calibration/near_duplicates.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "calibration/calibration_problem.h"
+
+namespace raygrid {
+namespace {
+
+// A board in one camera's image at an instant.
+struct SeenPart {
+  size_t camera;
+  int board;
+  std::map<std::pair<int, int>, Eigen::Vector2d> pixels;  // by row, column
+};
+
+struct FrameSet {
+  std::string name;
+  bool is_held_out = false;
+  size_t num_features = 0;
+  std::vector<SeenPart> parts;  // by camera and board; those too small to use
+                                // are left out
+};
+
+void AddImage(const ImageFeatures& image, size_t camera, FrameSet* instant) {
+  std::map<int, SeenPart> parts;
+  for (const Feature& f : image.features) {
+    SeenPart& part = parts[f.board];
+    part.camera = camera;
+    part.board = f.board;
+    part.pixels[{f.row, f.column}] = f.pixel;
+  }
+  for (auto& [board, part] : parts) {
+    if (part.pixels.size() < kMinViewFeatures) continue;
+    instant->num_features += part.pixels.size();
+    instant->parts.push_back(std::move(part));
+  }
+}
+
+// In the order in which they may stand for others.
+std::vector<FrameSet> SortedInstants(const std::vector<Dataset>& cameras,
+                                     const std::vector<std::string>& held_out) {
+  std::vector<FrameSet> instants;
+  std::map<std::string, size_t> index_of;
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    for (const ImageFeatures& image : cameras[c].images) {
+      const size_t index =
+          index_of.emplace(image.image, instants.size()).first->second;
+      if (index == instants.size())
+        instants.push_back({image.image, false, 0, {}});
+      AddImage(image, c, &instants[index]);
+    }
+  }
+  for (const std::string& name : held_out) {
+    const auto found = index_of.find(name);
+    if (found != index_of.end()) instants[found->second].is_held_out = true;
+  }
+  instants.erase(
+      std::remove_if(instants.begin(), instants.end(),
+                     [](const FrameSet& i) { return i.parts.empty(); }),
+      instants.end());
+  std::stable_sort(instants.begin(), instants.end(),
+                   [](const FrameSet& a, const FrameSet& b) {
+                     return a.num_features > b.num_features;
+                   });
+  return instants;
+}
+
+// Whether a part tells nothing that the other one does not.
+bool IsDetermined(const SeenPart& part, const SeenPart& other,
+                  double duplicate_px) {
+  constexpr double kCommonPart = 0.5, kMovedPart = 0.1;
+  const auto size = static_cast<double>(part.pixels.size());
+  size_t num_common = 0, num_moved = 0;
+  for (const auto& [place, pixel] : part.pixels) {
+    const auto found = other.pixels.find(place);
+    if (found == other.pixels.end()) continue;
+    ++num_common;
+    if ((found->second - pixel).norm() < duplicate_px) continue;
+    // Most views differ, which a few features tell.
+    if (static_cast<double>(++num_moved) > kMovedPart * size) return false;
+  }
+  const auto common = static_cast<double>(num_common);
+  return common >= kCommonPart * size &&
+         static_cast<double>(num_moved) <= kMovedPart * common;
+}
+
+bool IsDetermined(const FrameSet& instant, const FrameSet& other,
+                  const std::vector<double>& duplicate_px) {
+  return std::all_of(
+      instant.parts.begin(), instant.parts.end(), [&](const SeenPart& part) {
+        return std::any_of(
+            other.parts.begin(), other.parts.end(), [&](const SeenPart& seen) {
+              return seen.camera == part.camera && seen.board == part.board &&
+                     IsDetermined(part, seen, duplicate_px[part.camera]);
+            });
+      });
+}
+
+std::vector<double> DistancesPx(const std::vector<Dataset>& cameras,
+                                std::optional<double> duplicate_px) {
+  std::vector<double> distances_px;
+  for (const Dataset& dataset : cameras)
+    distances_px.push_back(
+        duplicate_px.value_or(DefaultDuplicatePx(dataset.image_size)));
+  return distances_px;
+}
+
+bool IsEachImageAView(std::optional<double> duplicate_px) {
+  return duplicate_px && !(*duplicate_px > 0);
+}
+
+std::set<std::string> NamesOfOthers(const std::vector<NearDuplicates>& groups) {
+  std::set<std::string> names;
+  for (const NearDuplicates& group : groups)
+    names.insert(group.others.begin(), group.others.end());
+  return names;
+}
+
+Dataset Selected(const Dataset& dataset,
+                 const std::vector<NearDuplicates>& groups, bool others) {
+  const std::set<std::string> names = NamesOfOthers(groups);
+  Dataset selected = {dataset.image_size, {}};
+  for (const ImageFeatures& image : dataset.images)
+    if ((names.count(image.image) > 0) == others)
+      selected.images.push_back(image);
+  return selected;
+}
+
+}  // namespace
+
+double DefaultDuplicatePx(const ImageSize& size) {
+  constexpr double kPart = 0.001, kLeastPx = 1;
+  return std::max(kLeastPx, kPart * std::max(size.width, size.height));
+}
+
+double NearDuplicatePx(const ImageSize& size) {
+  constexpr double kPart = 0.005, kLeastPx = 2;
+  return std::max(kLeastPx, kPart * std::max(size.width, size.height));
+}
+
+std::vector<NearDuplicates> FindNearDuplicates(
+    const std::vector<Dataset>& cameras,
+    const std::vector<std::string>& held_out,
+    std::optional<double> duplicate_px) {
+  if (IsEachImageAView(duplicate_px)) return {};
+  const std::vector<double> distances_px = DistancesPx(cameras, duplicate_px);
+  std::vector<FrameSet> different;
+  std::vector<NearDuplicates> groups;
+  for (FrameSet& instant : SortedInstants(cameras, held_out)) {
+    size_t k = 0;
+    while (k < different.size() &&
+           (instant.is_held_out != different[k].is_held_out ||
+            !IsDetermined(instant, different[k], distances_px)))
+      ++k;
+    if (k < different.size()) {
+      groups[k].others.push_back(std::move(instant.name));
+      continue;
+    }
+    groups.push_back({instant.name, {}});
+    different.push_back(std::move(instant));
+  }
+  groups.erase(std::remove_if(groups.begin(), groups.end(),
+                              [](const auto& g) { return g.others.empty(); }),
+               groups.end());
+  // In the order of names, whichever has most features.
+  for (NearDuplicates& group : groups)
+    std::sort(group.others.begin(), group.others.end());
+  std::sort(groups.begin(), groups.end(),
+            [](const auto& a, const auto& b) { return a.image < b.image; });
+  return groups;
+}
+
+std::vector<std::string> FindHeldOutDuplicates(
+    const std::vector<Dataset>& cameras,
+    const std::vector<std::string>& held_out,
+    std::optional<double> duplicate_px) {
+  if (IsEachImageAView(duplicate_px)) return {};
+  const std::vector<double> distances_px = DistancesPx(cameras, duplicate_px);
+  const std::vector<FrameSet> instants = SortedInstants(cameras, held_out);
+  std::vector<std::string> copies;
+  for (const FrameSet& instant : instants)
+    if (instant.is_held_out && std::any_of(instants.begin(), instants.end(),
+                                           [&](const FrameSet& other) {
+                                             return !other.is_held_out &&
+                                                    IsDetermined(instant, other,
+                                                                 distances_px);
+                                           }))
+      copies.push_back(instant.name);
+  std::sort(copies.begin(), copies.end());
+  return copies;
+}
+
+std::vector<NearDuplicates> FilterGroups(
+    const Dataset& dataset, const std::vector<NearDuplicates>& groups) {
+  std::set<std::string> names;
+  for (const ImageFeatures& image : dataset.images) names.insert(image.image);
+  std::vector<NearDuplicates> own;
+  for (const NearDuplicates& group : groups) {
+    NearDuplicates part = {group.image, {}};
+    for (const std::string& other : group.others)
+      if (names.count(other) > 0) part.others.push_back(other);
+    if (!part.others.empty()) own.push_back(std::move(part));
+  }
+  return own;
+}
+
+size_t CountDuplicates(const std::vector<NearDuplicates>& groups) {
+  size_t count = 0;
+  for (const NearDuplicates& group : groups) count += group.others.size();
+  return count;
+}
+
+Dataset RemoveDuplicates(const Dataset& dataset,
+                         const std::vector<NearDuplicates>& groups) {
+  return Selected(dataset, groups, false);
+}
+
+Dataset SelectDuplicates(const Dataset& dataset,
+                         const std::vector<NearDuplicates>& groups) {
+  return Selected(dataset, groups, true);
+}
+
+}  // namespace raygrid

@@ -1,0 +1,477 @@
+#include "calibration/operating_point_calibration.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "adjustment/smoothness_prior.h"
+#include "calibration/board_rotations.h"
+#include "calibration/camera_in_progress.h"
+#include "calibration/camera_result.h"
+#include "calibration/operating_point_check.h"
+#include "calibration/operating_point_initialization.h"
+#include "calibration/stopwatch.h"
+#include "calibration/uncertainty_estimation.h"
+#include "camera/stacked_grid.h"
+#include "dataset/error.h"
+#include "dataset/repeated_images.h"
+
+namespace raygrid {
+namespace {
+
+// The part of the squared spread of one condition that does not go with the
+// other one.
+double PartBeside(const Eigen::MatrixX2d& values) {
+  const Eigen::MatrixX2d centered = values.rowwise() - values.colwise().mean();
+  const Eigen::Vector2d squares = centered.colwise().squaredNorm();
+  const double product = centered.col(0).dot(centered.col(1));
+  return 1 - product * product / (squares[0] * squares[1]);
+}
+
+// Throws where all images have one value of a condition, or one condition says
+// the other one.
+void RequireSpread(const ImageOperatingPoints& conditions,
+                   const std::vector<OperatingPoint>& values) {
+  for (size_t k = 0; k < conditions.conditions.size(); ++k) {
+    const std::string name = OperatingParameterName(conditions.conditions[k]);
+    // Nothing changes by less.
+    const double least =
+        conditions.conditions[k] == OperatingParameter::kLensPosition ? 0.01
+                                                                      : 0.1;
+    const auto [low, high] = std::minmax_element(
+        values.begin(), values.end(),
+        [k](const OperatingPoint& a, const OperatingPoint& b) {
+          return a[k] < b[k];
+        });
+    const double spread = (*high)[k] - (*low)[k];
+    if (spread < least)
+      throw Error(
+          ExitCode::kUsage,
+          fmt::format(
+              "all images have the same {}{}: its effect on the camera is not "
+              "observable; calibrate without {}, or add images at other values",
+              name,
+              spread > 0
+                  ? fmt::format(
+                        " (range {:.2g}, required {:g} {})", spread, least,
+                        OperatingParameterUnit(conditions.conditions[k]))
+                  : std::string(),
+              conditions.conditions.size() > 1 ? name
+                                               : std::string("--vary-with")));
+  }
+  if (conditions.conditions.size() < 2) return;
+  // Below this, a change is as well one of either condition.
+  constexpr double kLeastPart = 0.05;
+  Eigen::MatrixX2d both(values.size(), 2);
+  for (size_t i = 0; i < values.size(); ++i)
+    both.row(static_cast<Eigen::Index>(i)) << values[i][0], values[i][1];
+  if (PartBeside(both) < kLeastPart)
+    throw Error(ExitCode::kUsage,
+                "lens_position and temperature of the images are correlated, "
+                "so their effects cannot be separated; add images at other "
+                "combinations, or calibrate over one of them");
+}
+
+// The largest value that blobs can have: formats/SPEC.md, "Operating points".
+constexpr double kMostValue = 1024;
+
+// An image has been taken at one value.
+void RequireOneValueOfCopies(const Dataset& dataset,
+                             const ImageOperatingPoints& conditions) {
+  const std::vector<std::optional<size_t>> repeated = RepeatedImages(dataset);
+  for (size_t i = 0; i < repeated.size(); ++i)
+    if (repeated[i])
+      RequireConsistentValues(conditions, dataset.images[*repeated[i]].image,
+                              dataset.images[i].image);
+}
+
+void RequireConditions(const Dataset& dataset,
+                       const ImageOperatingPoints& conditions,
+                       const CalibrationOptions& options) {
+  std::string names;
+  for (const OperatingParameter condition : conditions.conditions)
+    names += (names.empty() ? "" : ",") + OperatingParameterName(condition);
+  if (options.model != models::kCentralGeneric)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--vary-with {}: requires model {}, not {}", names,
+                            models::kCentralGeneric, options.model));
+  std::vector<OperatingPoint> values;
+  for (const ImageFeatures& image : dataset.images) {
+    const auto found = conditions.values.find(image.image);
+    if (found == conditions.values.end() ||
+        !std::all_of(found->second.begin(), found->second.end(),
+                     [](double value) { return std::isfinite(value); }))
+      throw Error(ExitCode::kUsage,
+                  fmt::format("image {} has no {}: specify a value for each "
+                              "image, or remove the image",
+                              image.image, names));
+    for (const double value : found->second)
+      if (std::abs(value) > kMostValue)
+        throw Error(
+            ExitCode::kUsage,
+            fmt::format(
+                "image {}: {} is {:g}, above the limit of {:g}; use dioptres "
+                "or °C, or divide all values by the same factor",
+                image.image, names, value, kMostValue));
+    values.push_back(found->second);
+  }
+  RequireSpread(conditions, values);
+  RequireOneValueOfCopies(dataset, conditions);
+}
+
+using FeatureKey = std::tuple<std::string, int, int, int>;
+
+// The features of the images that have poses, where images show them, but for
+// those that were rejected.
+Dataset UsedOf(const Dataset& given, const CalibrationResult& result) {
+  std::set<FeatureKey> rejected;
+  for (const FeatureResidual& f : result.rejected_features)
+    rejected.insert({f.image, f.board, f.column, f.row});
+  std::set<std::string> placed;
+  for (const BoardPose& pose : result.poses) placed.insert(pose.image);
+  Dataset used = {given.image_size, {}};
+  for (const ImageFeatures& image : given.images) {
+    if (placed.count(image.image) == 0) continue;
+    used.images.push_back({image.image, {}});
+    for (const Feature& f : image.features)
+      if (rejected.count({image.image, f.board, f.column, f.row}) == 0)
+        used.images.back().features.push_back(f);
+  }
+  return used;
+}
+
+// The problem of all images at their conditions, from where the camera in the
+// middle left poses and boards.
+AdjustmentResult StartFrom(const CalibrationResult& result, const Dataset& used,
+                           const ImageOperatingPoints& conditions,
+                           const Pattern& pattern,
+                           const OperatingPointModel& stack) {
+  AdjustmentResult adjusted;
+  std::vector<RejectedImage> rejected;
+  adjusted.problem = BuildProblem({used}, pattern, &rejected);
+  CalibrationProblem& problem = adjusted.problem;
+  AdjustmentState& state = adjusted.state;
+  state.SetCamera(StackedGrid(stack, stack.Middle()));
+  for (const Board& board : result.pattern.boards)
+    state.points.insert(state.points.end(), board.points.begin(),
+                        board.points.end());
+  std::map<std::pair<std::string, int>, Pose> poses;
+  for (const BoardPose& pose : result.poses)
+    poses[{pose.image, pose.board}] = pose.camera_from_board;
+  const auto pose_of = [&](size_t v) {
+    return poses.find(
+        {problem.images[v], pattern.boards[problem.boards[v]].id});
+  };
+  std::vector<bool> are_lost;
+  for (size_t v = 0; v < problem.views.size(); ++v)
+    are_lost.push_back(pose_of(v) == poses.end());
+  RemoveViews(are_lost, &problem);
+  state.rig_from_pattern.resize(problem.num_poses);
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    View& view = problem.views[v];
+    view.conditions = conditions.values.at(problem.images[v]);
+    state.rig_from_pattern[view.pose] = pose_of(v)->second;
+  }
+  adjusted.prior.cameras = {StackPrior(stack.At(stack.Middle()),
+                                       static_cast<int>(stack.terms().size()))};
+  adjusted.prior.points_mean = problem.nominal;
+  adjusted.rejected_features = {result.rejected_features};
+  return adjusted;
+}
+
+// Goes on to all images at their conditions.
+void OptimizeOperatingPointModel(const CalibrationResult& result,
+                                 const Pattern& pattern,
+                                 const CalibrationOptions& options,
+                                 AdjustmentResult* adjusted) {
+  AdjustmentOptions adjustment = MakeStoppableOptions(options);
+  AdjustmentOptions first = adjustment;
+  first.fix_points = true;
+  first.is_initialization = true;
+  const auto adjust = [&](const AdjustmentOptions& with) {
+    adjusted->summary = OptimizeWithLearnedPrior(
+        adjusted->problem.views, with, &adjusted->prior, &adjusted->state);
+  };
+  adjust(first);
+  const CalibrationProblem& problem = adjusted->problem;
+  if (result.bends) {
+    adjusted->state.SetModes(GetDeformationModes(problem),
+                             DeformationScope::kPose);
+    adjustment.rigid_boards = false;
+  } else if (HavePointsMoved(*adjusted)) {
+    adjusted->state.FitStaticDeformation(GetDeformationModes(problem),
+                                         problem.nominal);
+  }
+  if (!HavePointsMoved(*adjusted)) adjustment.fix_points = true;
+  adjust(adjustment);
+  AlignBoards(pattern, adjusted);
+}
+
+// All tuples of so many values of each range, ascending.
+std::vector<OperatingPoint> ValuesOver(const OperatingPointModel& stack) {
+  // The second condition changes the camera little, and each value takes time
+  // and room.
+  constexpr int kNumFirst = 5, kNumSecond = 3;
+  std::vector<OperatingPoint> all = {{}};
+  for (const OperatingRange& range : stack.ranges()) {
+    std::vector<OperatingPoint> longer;
+    for (const OperatingPoint& values : all)
+      for (const double value :
+           range.Spread(values.empty() ? kNumFirst : kNumSecond)) {
+        longer.push_back(values);
+        longer.back().push_back(value);
+      }
+    all = std::move(longer);
+  }
+  return all;
+}
+
+// The standard deviations of the stack's cameras at values over its ranges.
+std::vector<OperatingPointUncertainty> StackDeviations(
+    const AdjustmentResult& adjusted, int num_threads) {
+  const OperatingPointModel& stack = *adjusted.state.camera().Stack();
+  std::vector<StackedGrid> cameras;
+  std::vector<const CameraModel*> as;
+  for (const OperatingPoint& values : ValuesOver(stack))
+    cameras.emplace_back(stack, values);
+  for (const StackedGrid& camera : cameras) as.push_back(&camera);
+  std::vector<OperatingPointUncertainty> deviations;
+  for (const UncertaintyLattice& lattice :
+       EstimateStandardDeviations(adjusted, 0, as, num_threads))
+    deviations.push_back({cameras[deviations.size()].values(), lattice});
+  return deviations;
+}
+
+// The RMS of t^(order + 1) that no polynomial of the order has.
+double RmsBeyondOrder(const Eigen::ArrayXd& t, int order) {
+  Eigen::MatrixXd powers(t.size(), order + 1);
+  for (int k = 0; k <= order; ++k) powers.col(k) = t.pow(k);
+  const Eigen::VectorXd next = t.pow(order + 1);
+  const Eigen::VectorXd beyond =
+      next - powers * powers.colPivHouseholderQr().solve(next);
+  return std::sqrt(beyond.squaredNorm() / static_cast<double>(t.size()));
+}
+
+// The middle of the widest gap between values.
+double MiddleOfGap(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  size_t widest = 1;
+  for (size_t k = 1; k < values.size(); ++k)
+    if (values[k] - values[k - 1] > values[widest] - values[widest - 1])
+      widest = k;
+  return (values[widest - 1] + values[widest]) / 2;
+}
+
+// Two positions fit any line: images there show no error of the cameras
+// between them.
+std::vector<std::string> FindUntestedConditions(
+    const OperatingPointModel& stack, const AdjustmentResult& adjusted) {
+  constexpr double kLeastPart = 0.3;  // of what evenly spread values show
+  std::vector<std::string> untested;
+  for (size_t k = 0; k < stack.ranges().size(); ++k) {
+    const OperatingRange& range = stack.ranges()[k];
+    std::vector<double> values;
+    for (const View& view : adjusted.problem.views)
+      values.push_back(view.conditions[k]);
+    const Eigen::ArrayXd t =
+        (Eigen::Map<const Eigen::ArrayXd>(
+             values.data(), static_cast<Eigen::Index>(values.size())) -
+         range.Middle()) /
+        (range.high - range.Middle());
+    const int order = stack.orders()[k];
+    const Eigen::ArrayXd even = Eigen::ArrayXd::LinSpaced(101, -1, 1);
+    if (RmsBeyondOrder(t, order) < kLeastPart * RmsBeyondOrder(even, order))
+      untested.push_back(fmt::format(
+          "a polynomial of order {} interpolates these values of {} exactly, "
+          "so its error between them is unknown and not included in the "
+          "predicted uncertainty: add images in between, such as at {:.3g} {}",
+          order, OperatingParameterName(range.condition), MiddleOfGap(values),
+          OperatingParameterUnit(range.condition)));
+  }
+  return untested;
+}
+
+void Warn(const std::string& reason, Assessment* assessment) {
+  if (assessment->word == "pass") assessment->word = "warn";
+  assessment->reasons.insert(assessment->reasons.begin(), reason);
+}
+
+void WarnOf(const OperatingPointCheck& check, Assessment* assessment) {
+  constexpr size_t kMostNamed = 5;
+  for (const UnexplainedOperatingParameter& condition : check.unexplained)
+    Warn(condition.Text(), assessment);
+  for (const UncertainOperatingParameter& condition : check.uncertain) {
+    if (condition.IsUnobservable())
+      Warn(condition.Text(), assessment);
+    else
+      assessment->reasons.push_back(condition.Text());
+  }
+  const std::vector<SuspectOperatingPoint>& doubtful = check.doubtful;
+  if (doubtful.empty()) return;
+  std::string names;
+  for (size_t k = 0; k < std::min(doubtful.size(), kMostNamed); ++k)
+    names += (k == 0 ? "" : "; ") + doubtful[k].Text();
+  if (doubtful.size() > kMostNamed)
+    names += fmt::format("; and {} more", doubtful.size() - kMostNamed);
+  Warn(names + ": correct the values, or remove these images", assessment);
+}
+
+// Adjusts a stack to the images of a problem from their features alone: what it
+// was before may have been bent by images that left.
+void StartAnew(const ImageOperatingPoints& conditions, const Pattern& pattern,
+               const CalibrationOptions& options, AdjustmentResult* adjusted) {
+  CalibrationProblem& problem = adjusted->problem;
+  AdjustmentState& state = adjusted->state;
+  const OperatingPointModel& before = *state.camera().Stack();
+  const BSplineSurface& grid = before.terms().front();
+  Dataset dataset = {before.image_size(), {}};
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    if (dataset.images.empty() ||
+        dataset.images.back().image != problem.images[v])
+      dataset.images.push_back({problem.images[v], {}});
+    for (const Observation& observation : problem.views[v].observations)
+      dataset.images.back().features.push_back(
+          problem.GetFeature(pattern, static_cast<int>(v), observation));
+  }
+  const OperatingPointModel start =
+      InitializeOperatingPointModel(dataset, conditions, pattern, options);
+  const CentralGeneric middle = FitCentralGeneric(
+      start.At(start.Middle()), grid.area(), grid.columns(), grid.rows());
+  const OperatingPointModel stack = TransferChanges(start, middle);
+  for (const View& view : problem.views)
+    if (const auto pose = Localize(stack.At(view.conditions),
+                                   MakeMatches(view, problem.nominal)))
+      state.rig_from_pattern[view.pose] = *pose;
+  state.SetCamera(StackedGrid(stack, stack.Middle()));
+  adjusted->prior.cameras = {
+      StackPrior(middle, static_cast<int>(stack.terms().size()))};
+  AdjustmentOptions adjustment = MakeStoppableOptions(options);
+  adjustment.fix_points = true;
+  adjusted->summary = OptimizeWithLearnedPrior(problem.views, adjustment,
+                                               &adjusted->prior, &state);
+}
+
+// The result of all images in place of that of the camera in the middle.
+void PutResult(const CalibrationInput& input,
+               const ImageOperatingPoints& conditions, const Pattern& pattern,
+               const CalibrationOptions& options,
+               const AdjustmentResult& adjusted, CalibrationResult* result) {
+  const OperatingPointModel& stack = *adjusted.state.camera().Stack();
+  result->poses.clear();
+  FillResult(pattern, adjusted, 0, input.image_circle, options.num_threads,
+             result);
+  FillUncertainty(adjusted, 0, input.image_circle, options.valid_px,
+                  options.num_threads, result);
+  CentralGeneric middle = stack.At(stack.Middle());
+  middle.SetImageCircle(input.image_circle);
+  result->camera.camera = middle.Clone();
+  result->camera.stack = OperatingPointCalibration{
+      stack, StackDeviations(adjusted, options.num_threads)};
+  const auto readjust = [&](AdjustmentResult* fewer) {
+    try {
+      StartAnew(conditions, pattern, options, fewer);
+    } catch (const Error&) {  // they lead to no lens: the stack stays
+    }
+  };
+  std::vector<RejectedImage> rejected;
+  const OperatingPointCheck check = CheckOperatingPoints(
+      adjusted, BuildProblem({input.dataset}, pattern, &rejected), readjust,
+      options.num_threads);
+  if (!check.unexplained.empty()) {
+    // Residuals of wrong values look like errors of boards, motion or focus.
+    result->budget.reset();
+    result->mixed_cameras.reset();
+    result->flatness_error_m = 0;
+  }
+  AssessResult(options.num_threads, result);
+  WarnOf(check, &result->assessment);
+  for (const std::string& reason : FindUntestedConditions(stack, adjusted))
+    Warn(reason, &result->assessment);
+}
+
+}  // namespace
+
+void RequireConsistentValues(const ImageOperatingPoints& conditions,
+                             const std::string& image,
+                             const std::string& copy) {
+  const auto first = conditions.values.find(image),
+             second = conditions.values.find(copy);
+  const auto end = conditions.values.end();
+  if (first == end || second == end || first->second == second->second) return;
+  throw InputError(fmt::format(
+      "images {} and {} have the same features but different operating points, "
+      "{:g} and {:g}; use different images for each value",
+      image, copy, fmt::join(first->second, ","),
+      fmt::join(second->second, ",")));
+}
+
+int MaxPolynomialOrder(int num_values) {
+  return std::clamp((num_values + 1) / 2, 1, OperatingPointModel::kMaxOrder);
+}
+
+RigResult CalibrateOperatingPoints(const CalibrationInput& input,
+                                   const ImageOperatingPoints& conditions,
+                                   const Pattern& pattern,
+                                   const CalibrationOptions& options) {
+  RequireConditions(input.dataset, conditions, options);
+  const auto report = [&](const char* stage, double done) {
+    if (options.progress) options.progress(stage, done);
+  };
+  report("initialization over the range", 0);
+  std::map<std::string, double> seconds;
+  std::optional<OperatingPointModel> start;
+  {
+    const Stopwatch stopwatch(&seconds["stack_start"]);
+    start = InitializeOperatingPointModel(input.dataset, conditions, pattern,
+                                          options);
+  }
+  CalibrationInput in_middle = input;
+  in_middle.dataset = MapFeaturesToReference(input.dataset, conditions, *start);
+  // It would look where features were moved to.
+  in_middle.refine_features = nullptr;
+  CalibrationOptions of_middle = options;
+  of_middle.progress = [&](const std::string& stage, double done) {
+    if (options.progress) options.progress(stage, 0.1 + 0.7 * done);
+  };
+  RigResult result = Calibrate({in_middle}, pattern, of_middle);
+  CalibrationResult& camera = result.cameras.front();
+  // Features as given, but with boards turned as poses have them.
+  const Dataset turned = Rotated(input.dataset, pattern, camera.turns);
+  if (options.ShouldStop()) {
+    // The camera is that of the middle, but files tell where images show
+    // features.
+    camera.features = UsedOf(turned, camera);
+    return result;
+  }
+  report("bundle adjustment over the range", 0.8);
+  const OperatingPointModel stack =
+      TransferChanges(*start, CentralPart(*camera.camera.camera));
+  AdjustmentResult adjusted =
+      StartFrom(camera, UsedOf(turned, camera), conditions, pattern, stack);
+  adjusted.problem.area = options.area;
+  {
+    const Stopwatch stopwatch(&seconds["stack_adjustment"]);
+    OptimizeOperatingPointModel(camera, pattern, options, &adjusted);
+  }
+  {
+    const Stopwatch stopwatch(&seconds["stack_figures"]);
+    PutResult(input, conditions, pattern, options, adjusted, &camera);
+  }
+  result.seconds.merge(seconds);
+  result.pattern = camera.pattern;
+  result.converged = camera.converged;
+  result.assessment = AssessRig(result);
+  report("done", 1);
+  return result;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,300 @@
+#include "calibration/operating_point_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "calibration/value_equations.h"
+#include "calibration/value_regression.h"
+#include "camera/operating_point_model.h"
+#include "evaluation/residual_statistics.h"
+
+namespace raygrid {
+namespace {
+
+// Nothing is said of less than this part of the range.
+constexpr double kLeastPart = 0.05;
+constexpr double kStatedPart = 0.02;   // of the range, that decimals show
+constexpr double kPerMedian = 1.4826;  // a normal deviation by a median
+// A calibration without any wrong value names an image as rarely as this.
+constexpr double kChance = 1e-3;
+// Values that may be wrong by this part of the range unnoticed are said to be.
+constexpr double kHardlyNoticed = 0.5;
+// Values belong to none of the images if more of these are to be left out.
+constexpr double kMostLeftOut = 1.0 / 3;
+
+const std::vector<OperatingRange>& RangesOf(const AdjustmentResult& adjusted) {
+  return adjusted.state.camera().Stack()->ranges();
+}
+
+double WidthOf(const OperatingRange& range) { return range.high - range.low; }
+
+// The standard normal number as rare as a number of Student's distribution
+// (Wallace, "Bounds on normal approximations to Student's and the chi-square
+// distributions", 1959).
+double NormalScore(double student, double freedom) {
+  return (8 * freedom + 1) / (8 * freedom + 3) *
+         std::sqrt(freedom * std::log1p(student * student / freedom));
+}
+
+// Whether chance makes one of n scores as large.
+bool IsBeyondChance(double score, double freedom, Eigen::Index count) {
+  return static_cast<double>(count) *
+             std::erfc(NormalScore(score, freedom) / std::sqrt(2.0)) <
+         kChance;
+}
+
+// Judges by how much values are off.
+class StepJudge {
+ public:
+  StepJudge(const AdjustmentResult& adjusted, const ValueEquations& equations)
+      : ranges_(RangesOf(adjusted)),
+        num_images_(static_cast<double>(equations.images.size())),
+        count_(equations.count()) {
+    for (int r = 0; r < equations.num_ranges; ++r)
+      scatters_.push_back(ScatterOf(r, equations));
+  }
+
+  // The least error of a value with a deviation that is doubtful.
+  double LeastDoubtful(double deviation, int range) const {
+    constexpr double kStep = 1.05;
+    double error = kLeastPart * WidthOf(ranges_[range]);
+    while (!IsDoubtful({error, deviation}, range)) error *= kStep;
+    return error;
+  }
+
+  bool IsDoubtful(const ValueStep& step, int range) const {
+    return std::abs(step.step) >= kLeastPart * WidthOf(ranges_[range]) &&
+           IsBeyondChance(step.Score() / scatters_[range], num_images_, count_);
+  }
+
+ private:
+  // How far the steps of a range scatter, in their deviations: what else is
+  // wrong with the model shifts values, too.
+  static double ScatterOf(int range, const ValueEquations& equations) {
+    std::vector<double> scores;
+    for (Eigen::Index i = range; i < equations.count();
+         i += equations.num_ranges)
+      scores.push_back(equations.ComputeStep(i).Score());
+    return std::max(1.0, kPerMedian * Quantile(scores, 0.5));
+  }
+
+  std::vector<OperatingRange> ranges_;
+  std::vector<double> scatters_;
+  double num_images_;
+  Eigen::Index count_;
+};
+
+// The images whose values are doubtful by the equations of an adjustment.
+std::set<std::string> FindDoubtfulImages(const AdjustmentResult& adjusted,
+                                         const ValueEquations& equations) {
+  const StepJudge judge(adjusted, equations);
+  std::set<std::string> images;
+  for (Eigen::Index i = 0; i < equations.count(); ++i)
+    if (judge.IsDoubtful(equations.ComputeStep(i), equations.RangeIndex(i)))
+      images.insert(equations.images[equations.ImageOf(i)]);
+  return images;
+}
+
+// The images' views leave, each of which has a pose of its own.
+void RemoveImages(const std::set<std::string>& images,
+                  AdjustmentResult* adjusted) {
+  std::vector<bool> remove;
+  std::vector<Pose> poses;
+  std::vector<DeformationModes::Coefficients> flex;
+  const AdjustmentState& state = adjusted->state;
+  for (size_t v = 0; v < adjusted->problem.views.size(); ++v) {
+    remove.push_back(images.count(adjusted->problem.images[v]) > 0);
+    if (remove.back()) continue;
+    poses.push_back(state.rig_from_pattern[adjusted->problem.views[v].pose]);
+    if (state.HasPerViewDeformation())
+      flex.push_back(state.flex[adjusted->problem.views[v].pose]);
+  }
+  RemoveViews(remove, &adjusted->problem);
+  adjusted->state.rig_from_pattern = std::move(poses);
+  if (state.HasPerViewDeformation()) adjusted->state.flex = std::move(flex);
+}
+
+// The views of an image with all of its features: those that fit the stated
+// value least were rejected as outliers.
+std::vector<View> ViewsOf(const std::string& image,
+                          const CalibrationProblem& problem,
+                          const CalibrationProblem& given) {
+  std::vector<View> views;
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    if (problem.images[v] != image) continue;
+    views.push_back(problem.views[v]);
+    for (size_t g = 0; g < given.views.size(); ++g)
+      if (given.images[g] == image && given.boards[g] == problem.boards[v])
+        views.back().observations = given.views[g].observations;
+  }
+  return views;
+}
+
+// Whether images differ by far more than noise, and stated values explain that
+// no better than random ones would, or leave much of it.
+bool AreUnexplained(const ValueRegression& regression,
+                    const OperatingRange& range) {
+  constexpr double kManyDeviations = 3, kLikely = 0.01, kLeftPart = 0.15;
+  return (regression.scatter_without > kManyDeviations &&
+          regression.chance > kLikely) ||
+         (regression.scatter > kManyDeviations &&
+          regression.left > kLeftPart * WidthOf(range));
+}
+
+// The images whose fitted values are off what they depend on the stated ones
+// by.
+std::set<std::string> FindApart(const std::vector<FittedValue>& values,
+                                const ValueRegression& regression) {
+  const size_t count = regression.scores.size();
+  std::set<std::string> images;
+  for (size_t i = 0; i < count; ++i)
+    if (IsBeyondChance(regression.scores[i], static_cast<double>(count),
+                       static_cast<Eigen::Index>(count)))
+      images.insert(values[i].image);
+  return images;
+}
+
+// How well an image's features determine the value of a range: where the camera
+// hardly changes with it, wrong values cannot show.
+UncertainOperatingParameter UncertaintyOf(
+    const std::vector<FittedValue>& values, const OperatingRange& range,
+    int index, const StepJudge& judge) {
+  UncertainOperatingParameter uncertainty = {range.condition, WidthOf(range)};
+  if (values.empty()) return uncertainty;
+  std::vector<double> deviations;
+  double mean = 0, squares = 0;
+  for (const FittedValue& value : values) {
+    deviations.push_back(value.deviation);
+    mean += value.stated / static_cast<double>(values.size());
+  }
+  for (const FittedValue& value : values)
+    squares += std::pow((value.stated - mean) / value.deviation, 2);
+  uncertainty.deviation = Quantile(deviations, 0.5);
+  uncertainty.noticed = judge.LeastDoubtful(uncertainty.deviation, index);
+  uncertainty.change_score = std::sqrt(squares);
+  return uncertainty;
+}
+
+// Fits the values of images to a stack that was adjusted without them.
+std::vector<SuspectOperatingPoint> PredictValues(
+    const std::set<std::string>& images, const AdjustmentResult& all,
+    const CalibrationProblem& given, const AdjustmentResult& without,
+    int num_threads) {
+  std::vector<SuspectOperatingPoint> doubtful;
+  const ValueEquations equations = MakeValueEquations(without, num_threads);
+  if (equations.count() == 0) return doubtful;
+  const StepJudge judge(without, equations);
+  const std::vector<OperatingRange>& ranges = RangesOf(all);
+  AdjustmentState state = all.state;
+  state.cameras[0] = without.state.camera().Clone();
+  for (const std::string& image : images) {
+    const std::vector<View> views = ViewsOf(image, all.problem, given);
+    for (size_t r = 0; r < ranges.size(); ++r) {
+      const ValueStep step = FitValue(state, views, r, ranges[r]);
+      if (!judge.IsDoubtful(step, static_cast<int>(r))) continue;
+      const double stated = views.front().conditions[r];
+      const int num_decimals = std::clamp(
+          static_cast<int>(
+              std::ceil(-std::log10(kStatedPart * WidthOf(ranges[r])))),
+          0, 9);
+      doubtful.push_back({image, ranges[r].condition, stated,
+                          stated + step.step, num_decimals});
+    }
+  }
+  return doubtful;
+}
+
+}  // namespace
+
+std::string SuspectOperatingPoint::Text() const {
+  return fmt::format(
+      "{} is specified as {:g} {}, but its features indicate {:.{}f}", image,
+      stated, OperatingParameterUnit(condition), predicted, num_decimals);
+}
+
+std::string UnexplainedOperatingParameter::Text() const {
+  const std::string name = OperatingParameterName(condition);
+  return fmt::format(
+      "the specified {} does not explain the differences between images: check "
+      "that each value belongs to its image and that all use the same unit, or "
+      "calibrate without {}",
+      name, name);
+}
+
+bool UncertainOperatingParameter::IsUnobservable() const {
+  constexpr double kSurely = 6;
+  return change_score < kSurely;
+}
+
+std::string UncertainOperatingParameter::Text() const {
+  const std::string name = OperatingParameterName(condition),
+                    unit = OperatingParameterUnit(condition);
+  if (IsUnobservable())
+    return fmt::format(
+        "the images show no change of the camera with {}: the value estimated "
+        "from a single image has a standard deviation of {:.2g} {} over a "
+        "range of {:.2g}; the effect is too small, or the values do not belong "
+        "to these images: check them, or calibrate without {}",
+        name, deviation, unit, width, name);
+  return fmt::format(
+      "the camera changes little with {}: the value estimated from a single "
+      "image has a standard deviation of {:.2g} {} over a range of {:.2g}, so "
+      "that a single wrong value is detected only if its error exceeds {:.2g} "
+      "{}",
+      name, deviation, unit, width, noticed, unit);
+}
+
+OperatingPointCheck CheckOperatingPoints(
+    const AdjustmentResult& adjusted, const CalibrationProblem& given,
+    const std::function<void(AdjustmentResult* fewer)>& readjust,
+    int num_threads) {
+  constexpr int kMaxRounds = 4;
+  const std::vector<OperatingRange>& ranges = RangesOf(adjusted);
+  const size_t num_images =
+      std::set<std::string>(adjusted.problem.images.begin(),
+                            adjusted.problem.images.end())
+          .size();
+  OperatingPointCheck check;
+  // Wrong values bend the stack, which hides them and casts doubt on others: so
+  // it is adjusted without them, and again without those that show then.
+  AdjustmentResult without = adjusted;
+  std::set<std::string> left_out;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    std::set<std::string> found;
+    for (size_t r = 0; r < ranges.size(); ++r) {
+      const std::vector<FittedValue> values =
+          FitValues(without, r, num_threads);
+      const ValueRegression regression = RegressValues(values);
+      found.merge(FindApart(values, regression));
+      if (AreUnexplained(regression, ranges[r]) ||
+          kMostLeftOut * static_cast<double>(num_images) <
+              static_cast<double>(left_out.size() + found.size()))
+        check.unexplained.push_back({ranges[r].condition});
+    }
+    if (!check.unexplained.empty()) return check;
+    const ValueEquations equations = MakeValueEquations(without, num_threads);
+    if (equations.count() == 0) return check;
+    check.uncertain.clear();
+    for (size_t r = 0; r < ranges.size(); ++r) {
+      const UncertainOperatingParameter uncertainty =
+          UncertaintyOf(FitValues(without, r, num_threads), ranges[r],
+                        static_cast<int>(r), StepJudge(without, equations));
+      if (uncertainty.noticed > kHardlyNoticed * WidthOf(ranges[r]))
+        check.uncertain.push_back(uncertainty);
+    }
+    found.merge(FindDoubtfulImages(without, equations));
+    if (found.empty()) break;
+    left_out.insert(found.begin(), found.end());
+    RemoveImages(found, &without);
+    readjust(&without);
+  }
+  if (!left_out.empty())
+    check.doubtful =
+        PredictValues(left_out, adjusted, given, without, num_threads);
+  return check;
+}
+
+}  // namespace raygrid

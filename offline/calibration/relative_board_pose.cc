@@ -1,0 +1,214 @@
+#include "calibration/relative_board_pose.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "calibration/camera_result.h"
+#include "calibration/even_selection.h"
+#include "evaluation/residual_statistics.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kDimensions = RelativeBoardPose::kDimensions;
+
+// Which pose a board has at each instant, by image and board.
+std::map<std::string, std::map<int, int>> PosesByImage(
+    const CalibrationProblem& problem) {
+  std::map<std::string, std::map<int, int>> poses;
+  for (size_t v = 0; v < problem.views.size(); ++v)
+    poses[problem.images[v]][problem.boards[v]] = problem.views[v].pose;
+  return poses;
+}
+
+Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+RelativeBoardPose RelationOf(const std::string& image, int first_pose,
+                             int second_pose, const AdjustmentState& state,
+                             const Eigen::Vector3d& middle,
+                             bool scale_is_free) {
+  const Pose& first = state.rig_from_pattern[first_pose];
+  const Pose& second = state.rig_from_pattern[second_pose];
+  RelativeBoardPose relation;
+  relation.image = image;
+  relation.first_pose = first_pose;
+  relation.second_pose = second_pose;
+  relation.rig_from_first = first;
+  const Eigen::Matrix3d back = first.rotation.conjugate().toRotationMatrix();
+  const Eigen::Vector3d turned = second.rotation * middle;
+  const Eigen::Vector3d in_rig = turned + second.translation;
+  const Eigen::Vector3d apart = in_rig - first.translation;
+  relation.turn = first.rotation.conjugate() * second.rotation;
+  relation.middle = back * apart;
+  if (scale_is_free) relation.J_scale.tail<3>() = back * in_rig;
+  relation.J_first.topLeftCorner<3, 3>() = -back;
+  relation.J_first.bottomLeftCorner<3, 3>() = back * CrossMatrix(apart);
+  relation.J_first.bottomRightCorner<3, 3>() = -back;
+  relation.J_second.topLeftCorner<3, 3>() = back;
+  relation.J_second.bottomLeftCorner<3, 3>() = -back * CrossMatrix(turned);
+  relation.J_second.bottomRightCorner<3, 3>() = back;
+  return relation;
+}
+
+// The relation of one instant that most others agree with.
+MeanRelativePose MostAgreed(const std::vector<RelativeBoardPose>& relations) {
+  constexpr size_t kMaxCandidates = 100;
+  const size_t step = relations.size() / kMaxCandidates + 1;
+  MeanRelativePose best;
+  double least = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < relations.size(); i += step) {
+    const MeanRelativePose candidate = {relations[i].turn, relations[i].middle,
+                                        0};
+    std::vector<double> squares;
+    for (const RelativeBoardPose& relation : relations)
+      squares.push_back(SquaredMahalanobis(candidate, relation));
+    const double median = Quantile(squares, 0.5);
+    if (!(median < least)) continue;
+    least = median;
+    best = candidate;
+  }
+  return best;
+}
+
+AdjustmentOptions OptionsFor(const AdjustmentResult& adjusted,
+                             int num_threads) {
+  AdjustmentOptions options;
+  options.fix_points = !HavePointsMoved(adjusted);
+  options.num_threads = num_threads;
+  return options;
+}
+
+}  // namespace
+
+RelativeBoardPose::Vector ComputeDeviation(const MeanRelativePose& mean,
+                                           const RelativeBoardPose& relation) {
+  Eigen::Quaterniond turn = relation.turn * mean.turn.conjugate();
+  if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
+  const Eigen::AngleAxisd angle_axis(turn);
+  RelativeBoardPose::Vector deviation;
+  deviation << angle_axis.angle() * angle_axis.axis(),
+      relation.middle - mean.middle;
+  return deviation + mean.scale * relation.J_scale;
+}
+
+double SquaredMahalanobis(const MeanRelativePose& mean,
+                          const RelativeBoardPose& relation) {
+  const RelativeBoardPose::Vector deviation = ComputeDeviation(mean, relation);
+  return deviation.dot(relation.information * deviation);
+}
+
+MeanRelativePose ComputeRobustMean(
+    const std::vector<RelativeBoardPose>& relations) {
+  constexpr int kRounds = 20;
+  MeanRelativePose mean = MostAgreed(relations);
+  const bool has_scale = !relations.front().J_scale.isZero();
+  const int size = has_scale ? kDimensions + 1 : kDimensions;
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::MatrixXd h = Eigen::MatrixXd::Zero(size, size);
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(size);
+    for (const RelativeBoardPose& relation : relations) {
+      const RelativeBoardPose::Vector deviation =
+          ComputeDeviation(mean, relation);
+      const double square = deviation.dot(relation.information * deviation);
+      const double weight = std::min(1.0, kMaxSquaredMahalanobis / square);
+      Eigen::MatrixXd by(kDimensions, size);
+      by.leftCols<kDimensions>() = -RelativeBoardPose::Matrix::Identity();
+      if (has_scale) by.col(kDimensions) = relation.J_scale;
+      h += weight * by.transpose() * relation.information * by;
+      g += weight * by.transpose() * relation.information * deviation;
+    }
+    const Eigen::VectorXd step = -h.ldlt().solve(g);
+    mean.turn = (RotationFromVector(step.head<3>()) * mean.turn).normalized();
+    mean.middle += step.segment<3>(3);
+    if (has_scale) mean.scale += step[kDimensions];
+  }
+  return mean;
+}
+
+void RemoveUndetermined(std::vector<RelativeBoardPose>* relations) {
+  constexpr double kVagueRad = 5 * M_PI / 180;
+  relations->erase(
+      std::remove_if(relations->begin(), relations->end(),
+                     [](const RelativeBoardPose& relation) {
+                       const double square =
+                           relation.covariance.topLeftCorner<3, 3>().trace();
+                       return !(square <= kVagueRad * kVagueRad) ||
+                              relation.covariance.llt().info() !=
+                                  Eigen::Success;
+                     }),
+      relations->end());
+}
+
+std::vector<RelativeBoardPose> ComputeRelativePoses(
+    const AdjustmentResult& adjusted, int first, int second,
+    const Eigen::Vector3d& middle, size_t max_count) {
+  const bool scale_is_free =
+      HavePointsMoved(adjusted) && adjusted.state.cameras.size() == 1;
+  std::vector<RelativeBoardPose> relations;
+  for (const auto& [image, poses] : PosesByImage(adjusted.problem)) {
+    const auto a = poses.find(first), b = poses.find(second);
+    if (a != poses.end() && b != poses.end())
+      relations.push_back(RelationOf(image, a->second, b->second,
+                                     adjusted.state, middle, scale_is_free));
+  }
+  return SelectEvenly(relations, max_count);
+}
+
+PoseEquations::PoseEquations(const AdjustmentResult& adjusted,
+                             const Pattern& pattern, int num_threads)
+    : response_(adjusted.problem.views, adjusted.prior,
+                OptionsFor(adjusted, num_threads), adjusted.state) {
+  // No camera follows its lens better, even if features are exact.
+  constexpr double kLeastNoisePx = 0.01;
+  variance_ = std::pow(std::max(adjusted.summary.noise_px, kLeastNoisePx), 2);
+  const int num_cameras = static_cast<int>(adjusted.state.cameras.size());
+  for (int c = 0; c < num_cameras; ++c)
+    correlation_ = std::max(
+        correlation_,
+        ComputeNeighborCorrelation(
+            ComputeTrainingResiduals(pattern, adjusted, c, num_threads))
+            .value_or(0));
+  num_features_.resize(adjusted.problem.num_poses);
+  for (const View& view : adjusted.problem.views)
+    num_features_[view.pose] += static_cast<double>(view.observations.size());
+}
+
+bool PoseEquations::AddCovariances(
+    std::vector<RelativeBoardPose>* relations) const {
+  const ParameterLayout& layout = response_.layout();
+  const auto count = static_cast<Eigen::Index>(relations->size());
+  Eigen::MatrixXd right =
+      Eigen::MatrixXd::Zero(layout.num_all(), kDimensions * count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto& relation = (*relations)[i];
+    auto columns = right.middleCols<kDimensions>(kDimensions * i);
+    columns.middleRows<kDimensions>(layout.Pose(relation.first_pose)) =
+        relation.J_first.transpose();
+    columns.middleRows<kDimensions>(layout.Pose(relation.second_pose)) =
+        relation.J_second.transpose();
+  }
+  Eigen::MatrixXd solution;
+  if (!response_.Solve(right, &solution)) return false;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    auto& relation = (*relations)[i];
+    const RelativeBoardPose::Matrix inverse =
+        right.middleCols<kDimensions>(kDimensions * i).transpose() *
+        solution.middleCols<kDimensions>(kDimensions * i);
+    const double features = std::min(num_features_[relation.first_pose],
+                                     num_features_[relation.second_pose]);
+    relation.covariance = variance_ * (1 + features / 3 * correlation_) *
+                          (inverse + inverse.transpose()) / 2;
+    relation.information =
+        relation.covariance.ldlt().solve(RelativeBoardPose::Matrix::Identity());
+  }
+  return true;
+}
+
+}  // namespace raygrid

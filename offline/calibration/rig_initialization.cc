@@ -1,0 +1,529 @@
+#include "calibration/rig_initialization.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "calibration/camera_adjustment.h"
+#include "dataset/error.h"
+#include "dataset/parallel_for.h"
+#include "evaluation/residual_statistics.h"
+
+namespace raygrid {
+namespace {
+
+// A relative pose of two cameras that is further off than this part of the
+// image's width in half of the views that they share is none.
+constexpr double kMaxDisagreementPart = 0.05;
+constexpr double kUnseenPx = 1e4;  // the error of a point that is not projected
+constexpr int kMaxCandidates = 40;
+// A view that is less off than this is left to the removal of outliers.
+constexpr double kMinViewErrorPx = 1;
+
+using Views = std::vector<int>;
+
+// A rig's problem, and camera_from_pattern of each view by its camera alone:
+// the pattern's frame is that of the body.
+struct Joined {
+  CalibrationProblem problem;
+  std::vector<Pose> camera_from_pattern;
+  std::vector<Pose> target_from_board;
+};
+
+// Views of a body in images of one name share a pose.
+Joined Join(const std::vector<AdjustmentResult>& cameras,
+            const RigidTargets& rigid_targets) {
+  Joined joined;
+  CalibrationProblem& problem = joined.problem;
+  problem.first_points = cameras.front().problem.first_points;
+  problem.nominal = cameras.front().problem.nominal;
+  problem.area = cameras.front().problem.area;
+  problem.base_model = cameras.front().problem.base_model;
+  for (const AdjustmentResult& camera : cameras)
+    if (camera.problem.base_model != problem.base_model)
+      problem.base_model.clear();
+  std::map<std::pair<std::string, int>, int> pose_of;
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    const CalibrationProblem& own = cameras[c].problem;
+    problem.image_sizes.push_back(own.image_sizes.front());
+    for (size_t v = 0; v < own.views.size(); ++v) {
+      View view = own.views[v];
+      joined.camera_from_pattern.push_back(
+          cameras[c].state.ComputeCameraFromPattern(view));
+      view.camera = static_cast<int>(c);
+      view.pose =
+          pose_of
+              .emplace(std::pair(own.images[v], own.boards[v]), pose_of.size())
+              .first->second;
+      problem.views.push_back(std::move(view));
+      problem.images.push_back(own.images[v]);
+      problem.boards.push_back(own.boards[v]);
+    }
+  }
+  problem.num_poses = static_cast<int>(pose_of.size());
+  JoinBoards(rigid_targets, &problem, &joined.target_from_board);
+  for (size_t v = 0; v < problem.views.size(); ++v)
+    joined.camera_from_pattern[v] =
+        ComputeTargetPose(problem.views[v], joined.camera_from_pattern[v],
+                          joined.target_from_board);
+  return joined;
+}
+
+std::vector<Views> ViewsOfPoses(const CalibrationProblem& problem) {
+  std::vector<Views> views(problem.num_poses);
+  for (size_t v = 0; v < problem.views.size(); ++v)
+    views[problem.views[v].pose].push_back(static_cast<int>(v));
+  return views;
+}
+
+// The pairs of views in which two cameras saw a body at one instant.
+std::vector<std::pair<int, int>> SharedViews(const CalibrationProblem& problem,
+                                             int first, int second) {
+  std::vector<std::pair<int, int>> shared;
+  for (const Views& views : ViewsOfPoses(problem))
+    for (const int a : views)
+      for (const int b : views)
+        if (problem.views[a].camera == first &&
+            problem.views[b].camera == second)
+          shared.emplace_back(a, b);
+  return shared;
+}
+
+// The median distance of a view's features from where a pose projects them.
+double ViewErrorPx(const CameraModel& camera, const Pose& camera_from_board,
+                   const View& view,
+                   const std::vector<Eigen::Vector3d>& points) {
+  std::vector<double> errors;
+  for (const Observation& observation : view.observations) {
+    const auto pixel =
+        camera.Project(camera_from_board * points[observation.point],
+                       &observation.pixel, kAdjustmentMarginPx);
+    errors.push_back(pixel ? (*pixel - observation.pixel).norm() : kUnseenPx);
+  }
+  return Quantile(errors, 0.5);
+}
+
+// A view's camera_from_board by that of its body.
+Pose OnRigidTarget(const Joined& joined, int view,
+                   const Pose& camera_from_body) {
+  return ComputeBoardPose(joined.problem.views[view], camera_from_body,
+                          joined.target_from_board);
+}
+
+struct RelativePose {
+  Pose second_from_first;
+  double error_px = INFINITY;  // in half of the shared views at most
+};
+
+// The error of a view by a pose of its body, and the turn of the board that
+// makes it least; boards are turned only if that is asked for.
+struct TurnedView {
+  double error_px = INFINITY;
+  int turn = 0;
+};
+
+TurnedView BestTurn(const Joined& joined, const CameraModel& camera, int view,
+                    const Pose& camera_from_body, const Pattern* turned) {
+  const CalibrationProblem& problem = joined.problem;
+  const Pose camera_from_board = OnRigidTarget(joined, view, camera_from_body);
+  TurnedView best;
+  best.error_px = ViewErrorPx(camera, camera_from_board, problem.views[view],
+                              problem.nominal);
+  if (!turned) return best;
+  const Board& board = turned->boards[problem.boards[view]];
+  for (int turn = 1; turn < board.NumRotations(); ++turn) {
+    const double error_px =
+        ViewErrorPx(camera, camera_from_board * ComputeRotation(board, turn),
+                    problem.views[view], problem.nominal);
+    if (error_px < best.error_px) best = {error_px, turn};
+  }
+  return best;
+}
+
+// The relative poses that the shared views give one by one, with each turn of
+// their boards that is asked for.
+std::vector<RelativePose> RelativePoses(
+    const Joined& joined, const CameraModel& second,
+    const std::vector<std::pair<int, int>>& shared, int num_threads,
+    const Pattern* turned) {
+  const int num_shared = static_cast<int>(shared.size());
+  const int num_views = std::min(num_shared, kMaxCandidates);
+  std::vector<RelativePose> candidates;
+  for (int i = 0; i < num_views; ++i) {
+    const auto [a, b] = shared[i * num_shared / num_views];
+    const Board* const board =
+        turned ? &turned->boards[joined.problem.boards[b]] : nullptr;
+    for (int turn = 0; turn < (board ? board->NumRotations() : 1); ++turn) {
+      Pose second_from_body = joined.camera_from_pattern[b];
+      if (turn > 0)
+        second_from_body = second_from_body * ComputeRotation(*board, turn);
+      candidates.push_back(
+          {second_from_body * joined.camera_from_pattern[a].Inverse(), {}});
+    }
+  }
+  ParallelFor(static_cast<int>(candidates.size()), num_threads, [&](int i) {
+    RelativePose& candidate = candidates[i];
+    std::vector<double> errors;
+    for (const auto& [v, w] : shared)
+      errors.push_back(
+          BestTurn(joined, second, w,
+                   candidate.second_from_first * joined.camera_from_pattern[v],
+                   turned)
+              .error_px);
+    candidate.error_px = Quantile(errors, 0.5);
+  });
+  return candidates;
+}
+
+const RelativePose& BestOf(const std::vector<RelativePose>& candidates) {
+  return *std::min_element(candidates.begin(), candidates.end(),
+                           [](const RelativePose& a, const RelativePose& b) {
+                             return a.error_px < b.error_px;
+                           });
+}
+
+// The best of the relative poses that the shared views give one by one.
+RelativePose BestRelativePose(const Joined& joined, const CameraModel& second,
+                              const std::vector<std::pair<int, int>>& shared,
+                              int num_threads) {
+  return BestOf(RelativePoses(joined, second, shared, num_threads, nullptr));
+}
+
+// Whether a relative pose that is turned far from the best one is about as
+// good.
+bool IsAsGood(const RelativePose& other, const RelativePose& best) {
+  constexpr double kMuchWorse = 3;
+  return other.error_px < kMuchWorse * best.error_px + kMinViewErrorPx;
+}
+
+bool IsAmbiguous(const std::vector<RelativePose>& candidates,
+                 const RelativePose& best) {
+  constexpr double kFarRad = 0.5;
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [&](const RelativePose& other) {
+                       return other.second_from_first.rotation.angularDistance(
+                                  best.second_from_first.rotation) > kFarRad &&
+                              IsAsGood(other, best);
+                     });
+}
+
+// The pair of a camera that is reached and one that is not that shares most.
+std::pair<int, int> NextPair(const std::vector<std::vector<int>>& num_shared,
+                             const std::vector<bool>& reached) {
+  std::pair<int, int> best = {-1, -1};
+  int most = 0;
+  for (size_t a = 0; a < reached.size(); ++a)
+    for (size_t b = 0; b < reached.size(); ++b)
+      if (reached[a] && !reached[b] && num_shared[a][b] > most) {
+        most = num_shared[a][b];
+        best = {static_cast<int>(a), static_cast<int>(b)};
+      }
+  return best;
+}
+
+// The cameras that shared views lead to from one of them.
+std::vector<bool> Reached(const std::vector<std::vector<int>>& num_shared,
+                          int first) {
+  std::vector<bool> reached(num_shared.size());
+  reached[first] = true;
+  for (int next; (next = NextPair(num_shared, reached).second) >= 0;)
+    reached[next] = true;
+  return reached;
+}
+
+// Cameras whose poses against each other are known, tree by tree.
+class PlacedCameras {
+ public:
+  explicit PlacedCameras(size_t count) : tree_(count, -1), from_first_(count) {}
+
+  void AddFirst(size_t camera) {
+    tree_[camera] = static_cast<int>(camera);
+    order_.push_back(camera);
+  }
+  // second stays alone where first is.
+  void Add(size_t first, size_t second, const Pose& second_from_first) {
+    if (tree_[first] < 0) return;
+    tree_[second] = tree_[first];
+    from_first_[second] = second_from_first * from_first_[first];
+    order_.push_back(second);
+  }
+  std::optional<Pose> Between(int from, int to) const {
+    if (tree_[from] < 0 || tree_[from] != tree_[to]) return std::nullopt;
+    return from_first_[to] * from_first_[from].Inverse();
+  }
+  // The view of the camera that was added first.
+  int EarliestOf(const CalibrationProblem& problem, const Views& views) const {
+    for (const size_t camera : order_)
+      for (const int v : views)
+        if (problem.views[v].camera == static_cast<int>(camera)) return v;
+    return views.front();
+  }
+
+ private:
+  std::vector<int> tree_;  // its first camera
+  std::vector<Pose> from_first_;
+  std::vector<size_t> order_;
+};
+
+void RequireAgreement(const std::vector<std::string>& names, int first,
+                      int second, const RelativePose& best, size_t num_shared,
+                      const ImageSize& size) {
+  if (best.error_px <= kMaxDisagreementPart * size.width) return;
+  throw Error(
+      ExitCode::kInitialization,
+      fmt::format("cameras {} and {}: no relative pose fits their {} common "
+                  "views (best median error {:.0f} px); images of the same "
+                  "name must be synchronized, and the cameras rigidly mounted",
+                  names[first], names[second], num_shared, best.error_px));
+}
+
+// camera_from_rig, along the tree.
+std::vector<Pose> PlaceCameras(const std::vector<std::string>& names,
+                               const Joined& joined,
+                               const AdjustmentState& state, int num_threads) {
+  const auto num_shared = CountSharedViews(joined.problem);
+  std::vector<Pose> camera_from_rig(names.size());
+  std::vector<bool> reached(names.size());
+  reached[0] = true;
+  for (;;) {
+    const auto [first, second] = NextPair(num_shared, reached);
+    if (second < 0) return camera_from_rig;
+    const auto shared = SharedViews(joined.problem, first, second);
+    const RelativePose best =
+        BestRelativePose(joined, *state.cameras[second], shared, num_threads);
+    RequireAgreement(names, first, second, best, shared.size(),
+                     joined.problem.image_sizes[second]);
+    camera_from_rig[second] = best.second_from_first * camera_from_rig[first];
+    reached[second] = true;
+  }
+}
+
+// The rig's poses, each from the view that explains all of the pose's views
+// best.
+std::vector<Pose> PlaceRig(const Joined& joined, const AdjustmentState& state) {
+  std::vector<Pose> rig_from_pattern;
+  for (const Views& views : ViewsOfPoses(joined.problem)) {
+    Pose best;
+    double best_error_px = INFINITY;
+    for (const int v : views) {
+      const Pose candidate =
+          state.camera_from_rig[joined.problem.views[v].camera].Inverse() *
+          joined.camera_from_pattern[v];
+      double error_px = 0;
+      for (const int w : views) {
+        const View& view = joined.problem.views[w];
+        error_px += ViewErrorPx(
+            *state.cameras[view.camera],
+            OnRigidTarget(joined, w,
+                          state.camera_from_rig[view.camera] * candidate),
+            view, joined.problem.nominal);
+      }
+      if (error_px >= best_error_px) continue;
+      best_error_px = error_px;
+      best = candidate;
+    }
+    rig_from_pattern.push_back(best);
+  }
+  return rig_from_pattern;
+}
+
+// Views that share their pose and are off by more than the third quartile of
+// such views + 6 interquartile ranges.
+std::vector<bool> DisagreeingViews(const CalibrationProblem& problem,
+                                   const AdjustmentState& state) {
+  const std::vector<Views> views_of_poses = ViewsOfPoses(problem);
+  std::vector<double> errors_px(problem.views.size()), shared_px;
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    const View& view = problem.views[v];
+    if (views_of_poses[view.pose].size() < 2) continue;
+    errors_px[v] = ViewErrorPx(*state.cameras[view.camera],
+                               state.ComputeCameraFromPattern(view), view,
+                               problem.nominal);
+    shared_px.push_back(errors_px[v]);
+  }
+  const double q1 = Quantile(shared_px, 0.25), q3 = Quantile(shared_px, 0.75);
+  const double threshold = std::max(q3 + 6 * (q3 - q1), kMinViewErrorPx);
+  std::vector<bool> disagreeing;
+  for (const double error_px : errors_px)
+    disagreeing.push_back(error_px > threshold);
+  return disagreeing;
+}
+
+// Views leave the problem, and poses that none is left of leave the state.
+void RemoveViewsAndPoses(const std::vector<bool>& remove,
+                         AdjustmentResult* adjusted) {
+  std::vector<int> old_pose;
+  for (size_t v = 0; v < remove.size(); ++v)
+    if (!remove[v]) old_pose.push_back(adjusted->problem.views[v].pose);
+  RemoveViews(remove, &adjusted->problem);
+  std::vector<Pose> poses(adjusted->problem.num_poses);
+  for (size_t v = 0; v < old_pose.size(); ++v)
+    poses[adjusted->problem.views[v].pose] =
+        adjusted->state.rig_from_pattern[old_pose[v]];
+  adjusted->state.rig_from_pattern = std::move(poses);
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> CountSharedViews(
+    const CalibrationProblem& problem) {
+  const size_t num_cameras = problem.image_sizes.size();
+  std::vector<std::vector<int>> counts(num_cameras,
+                                       std::vector<int>(num_cameras));
+  for (const Views& views : ViewsOfPoses(problem)) {
+    std::set<int> cameras;
+    for (const int v : views) cameras.insert(problem.views[v].camera);
+    for (const int a : cameras)
+      for (const int b : cameras)
+        if (a != b) ++counts[a][b];
+  }
+  return counts;
+}
+
+std::vector<std::vector<int>> ConnectedGroups(
+    const CalibrationProblem& problem) {
+  const auto num_shared = CountSharedViews(problem);
+  std::vector<bool> is_known(num_shared.size());
+  std::vector<std::vector<int>> groups;
+  for (size_t first = 0; first < num_shared.size(); ++first) {
+    if (is_known[first]) continue;
+    const std::vector<bool> reached =
+        Reached(num_shared, static_cast<int>(first));
+    groups.emplace_back();
+    for (size_t c = 0; c < reached.size(); ++c) {
+      if (!reached[c]) continue;
+      groups.back().push_back(static_cast<int>(c));
+      is_known[c] = true;
+    }
+  }
+  return groups;
+}
+
+std::vector<std::vector<int>> ConnectedGroups(
+    const std::vector<AdjustmentResult>& cameras) {
+  return ConnectedGroups(Join(cameras, {}).problem);
+}
+
+RigRotations ResolveRotationsAcrossCameras(
+    const std::vector<AdjustmentResult>& cameras, const Pattern& pattern,
+    int num_threads) {
+  RigRotations result;
+  result.by_camera.resize(cameras.size());
+  const Joined joined = Join(cameras, {});
+  const CalibrationProblem& problem = joined.problem;
+  const auto num_shared = CountSharedViews(problem);
+  PlacedCameras placed(cameras.size());
+  std::vector<bool> reached(cameras.size());
+  for (size_t root = 0; root < cameras.size(); ++root) {
+    if (reached[root]) continue;
+    reached[root] = true;
+    placed.AddFirst(root);
+    for (;;) {
+      const auto [first, second] = NextPair(num_shared, reached);
+      if (second < 0) break;
+      reached[second] = true;
+      const CameraModel& camera = cameras[second].state.camera();
+      const auto shared = SharedViews(problem, first, second);
+      const auto candidates =
+          RelativePoses(joined, camera, shared, num_threads, &pattern);
+      RelativePose best = BestOf(candidates);
+      // Without agreement InitializeRig() says so.
+      if (best.error_px >
+          kMaxDisagreementPart * problem.image_sizes[second].width)
+        continue;
+      if (IsAmbiguous(candidates, best)) {
+        result.ambiguous.push_back({static_cast<size_t>(first),
+                                    static_cast<size_t>(second),
+                                    static_cast<int>(shared.size())});
+        // Boards are upright in the images, then, as detection has them.
+        const RelativePose upright =
+            BestRelativePose(joined, camera, shared, num_threads);
+        if (IsAsGood(upright, best)) best = upright;
+      }
+      placed.Add(first, second, best.second_from_first);
+    }
+  }
+  for (const Views& views : ViewsOfPoses(problem)) {
+    const int reference = placed.EarliestOf(problem, views);
+    for (const int v : views) {
+      const View& view = problem.views[v];
+      const auto from_reference =
+          placed.Between(problem.views[reference].camera, view.camera);
+      if (v == reference || !from_reference) continue;
+      const int turn =
+          BestTurn(joined, cameras[view.camera].state.camera(), v,
+                   *from_reference * joined.camera_from_pattern[reference],
+                   &pattern)
+              .turn;
+      if (turn != 0)
+        result.by_camera[view.camera][{
+            problem.images[v], pattern.boards[problem.boards[v]].id}] = turn;
+    }
+  }
+  return result;
+}
+
+void RequireConnected(const std::vector<std::string>& names,
+                      const CalibrationProblem& problem) {
+  std::vector<std::string> groups;
+  for (const std::vector<int>& cameras : ConnectedGroups(problem)) {
+    std::vector<std::string> group;
+    for (const int c : cameras) group.push_back(names[c]);
+    groups.push_back(fmt::format("{{{}}}", fmt::join(group, ", ")));
+  }
+  if (groups.size() < 2) return;
+  throw Error(
+      ExitCode::kInitialization,
+      fmt::format(
+          "the cameras are not connected: no frame shows a board with at least "
+          "{} features in two of the groups {}; capture such frames, and give "
+          "synchronized images the same name (or use --sync-by number)",
+          kMinViewFeatures, fmt::join(groups, ", ")));
+}
+
+AdjustmentResult InitializeRig(
+    const std::vector<std::string>& names,
+    const std::vector<AdjustmentResult>& cameras,
+    const RigidTargets& rigid_targets, const AdjustmentOptions& options,
+    std::vector<std::vector<RejectedImage>>* rejected) {
+  rejected->resize(cameras.size());
+  if (cameras.size() == 1 && rigid_targets.empty()) return cameras.front();
+  Joined joined = Join(cameras, rigid_targets);
+  RequireConnected(names, joined.problem);
+  AdjustmentResult rig;
+  for (const AdjustmentResult& camera : cameras) {
+    rig.state.cameras.push_back(camera.state.camera().Clone());
+    rig.rejected_features.push_back(camera.rejected_features.front());
+  }
+  rig.state.points = joined.problem.nominal;
+  rig.state.camera_from_rig =
+      PlaceCameras(names, joined, rig.state, options.num_threads);
+  rig.state.rig_from_pattern = PlaceRig(joined, rig.state);
+  rig.state.target_from_board = std::move(joined.target_from_board);
+  rig.problem = std::move(joined.problem);
+
+  AdjustmentOptions fixed_points = options;
+  fixed_points.fix_points = true;
+  rig.summary = RefineCameras(rig.problem, fixed_points, &rig.state);
+  const std::vector<bool> remove = DisagreeingViews(rig.problem, rig.state);
+  for (size_t v = 0; v < remove.size(); ++v)
+    if (remove[v])
+      (*rejected)[rig.problem.views[v].camera].push_back(
+          {rig.problem.images[v],
+           cameras.size() == 1
+               ? "the pose disagrees with the rigid multi-board target"
+               : "the pose disagrees with the other cameras; check that they "
+                 "are synchronized"});
+  if (std::count(remove.begin(), remove.end(), true) == 0) return rig;
+  RemoveViewsAndPoses(remove, &rig);
+  RequireConnected(names, rig.problem);
+  rig.summary = RefineCameras(rig.problem, fixed_points, &rig.state);
+  return rig;
+}
+
+}  // namespace raygrid

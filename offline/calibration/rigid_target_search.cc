@@ -1,0 +1,281 @@
+#include "calibration/rigid_target_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "calibration/relative_board_pose.h"
+
+namespace raygrid {
+namespace {
+
+// Fewer instants tell nothing.
+constexpr size_t kMinInstants = 3;
+// An instant may show something else: a misread board. So many do not.
+constexpr double kMaxApartPart = 0.1;
+
+// 99.9 % of chi-square (E. Wilson, M. Hilferty, "The Distribution of
+// Chi-Square", 1931).
+double ChiSquareLimit(double degrees) {
+  constexpr double kNormalQuantile = 3.090232;
+  const double part = 2 / (9 * degrees);
+  return degrees * std::pow(1 - part + kNormalQuantile * std::sqrt(part), 3);
+}
+
+Eigen::Vector3d MiddleOf(const Board& board) {
+  Eigen::Vector3d sum(0, 0, 0);
+  for (const Eigen::Vector3d& point : board.points) sum += point;
+  return sum / static_cast<double>(board.points.size());
+}
+
+// How many instants show the first board in places that differ.
+size_t NumDifferent(const std::vector<const RelativeBoardPose*>& relations) {
+  constexpr double kAlikeRad = 2 * M_PI / 180, kAlikePart = 0.02;
+  std::vector<const Pose*> different;
+  for (const RelativeBoardPose* relation : relations) {
+    const Pose& pose = relation->rig_from_first;
+    if (std::none_of(different.begin(), different.end(), [&](const Pose* p) {
+          return p->rotation.angularDistance(pose.rotation) < kAlikeRad &&
+                 (p->translation - pose.translation).norm() <
+                     kAlikePart * pose.translation.norm();
+        }))
+      different.push_back(&pose);
+  }
+  return different.size();
+}
+
+// The outcome for a pair of boards.
+struct PairFinding {
+  BoardPair told;
+  int first = 0, second = 0;  // indices
+  Pose first_from_second;
+  std::vector<std::string> far_images;  // which show them elsewhere
+};
+
+std::optional<PairFinding> FindingOf(
+    const std::vector<RelativeBoardPose>& relations,
+    const Eigen::Vector3d& middle) {
+  const MeanRelativePose mean = ComputeRobustMean(relations);
+  PairFinding finding;
+  BoardPair& told = finding.told;
+  finding.first_from_second = {mean.turn, mean.middle - mean.turn * middle};
+  std::vector<const RelativeBoardPose*> near;
+  double square_sum = 0;
+  for (const RelativeBoardPose& relation : relations) {
+    const double square = SquaredMahalanobis(mean, relation);
+    const bool is_far = !(square <= kMaxSquaredMahalanobis);
+    if (is_far)
+      finding.far_images.push_back(relation.image);
+    else
+      near.push_back(&relation);
+    square_sum += is_far ? 0 : square;
+  }
+  const double count = static_cast<double>(near.size());
+  told.num_instants = static_cast<int>(relations.size());
+  const double degrees = RelativeBoardPose::kDimensions * (count - 1) -
+                         (relations.front().J_scale.isZero() ? 0 : 1);
+  const bool is_told = NumDifferent(near) >= kMinInstants;
+  told.fixed =
+      is_told &&
+      static_cast<double>(finding.far_images.size()) <=
+          kMaxApartPart * static_cast<double>(relations.size()) &&
+      square_sum <= std::max(ChiSquareLimit(degrees), kRoughly * degrees);
+  if (!is_told && finding.far_images.size() * 2 < relations.size())
+    return std::nullopt;  // always in one view
+  double number = 0;
+  for (const RelativeBoardPose& relation : relations) {
+    if (told.fixed &&
+        !(SquaredMahalanobis(mean, relation) <= kMaxSquaredMahalanobis))
+      continue;
+    const RelativeBoardPose::Vector deviation =
+        ComputeDeviation(mean, relation);
+    told.deviation_rad += deviation.head<3>().squaredNorm();
+    told.deviation_m += deviation.tail<3>().squaredNorm();
+    told.expected_rad += relation.covariance.topLeftCorner<3, 3>().trace();
+    told.expected_m += relation.covariance.bottomRightCorner<3, 3>().trace();
+    ++number;
+  }
+  for (double* square : {&told.deviation_rad, &told.deviation_m,
+                         &told.expected_rad, &told.expected_m})
+    *square = std::sqrt(*square / number);
+  return finding;
+}
+
+std::vector<PairFinding> Findings(const std::vector<AdjustmentResult>& adjusted,
+                                  const Pattern& pattern, int num_threads) {
+  std::vector<std::unique_ptr<PoseEquations>> equations;
+  for (const AdjustmentResult& cameras : adjusted)
+    equations.push_back(
+        std::make_unique<PoseEquations>(cameras, pattern, num_threads));
+  std::vector<PairFinding> findings;
+  const int num_boards = static_cast<int>(pattern.boards.size());
+  for (int first = 0; first < num_boards; ++first)
+    for (int second = first + 1; second < num_boards; ++second) {
+      const Eigen::Vector3d middle = MiddleOf(pattern.boards[second]);
+      // Groups of cameras that nothing connects have scales of their own: the
+      // one that sees most of two boards tells.
+      std::vector<RelativeBoardPose> most;
+      size_t teller = 0;
+      for (size_t g = 0; g < adjusted.size(); ++g) {
+        std::vector<RelativeBoardPose> relations =
+            ComputeRelativePoses(adjusted[g], first, second, middle,
+                                 equations[g]->MaxNumRelations());
+        if (relations.size() <= most.size()) continue;
+        most = std::move(relations);
+        teller = g;
+      }
+      if (most.size() < kMinInstants ||
+          !equations[teller]->AddCovariances(&most))
+        continue;
+      RemoveUndetermined(&most);
+      if (most.size() < kMinInstants) continue;
+      auto finding = FindingOf(most, middle);
+      if (!finding) continue;
+      finding->first = first;
+      finding->second = second;
+      finding->told.first = pattern.boards[first].id;
+      finding->told.second = pattern.boards[second].id;
+      findings.push_back(std::move(*finding));
+    }
+  return findings;
+}
+
+// Every board in a body of its own.
+RigidTargets NoRigidTargets(size_t num_boards) {
+  RigidTargets rigid_targets;
+  for (size_t b = 0; b < num_boards; ++b)
+    rigid_targets.frames.push_back(static_cast<int>(b));
+  rigid_targets.frame_from_board.resize(num_boards);
+  return rigid_targets;
+}
+
+// The bodies of two boards become one.
+void Unite(const PairFinding& finding, RigidTargets* rigid_targets) {
+  const int kept = rigid_targets->frames[finding.first];
+  const int joined = rigid_targets->frames[finding.second];
+  if (kept == joined) return;
+  const Pose kept_from_joined =
+      rigid_targets->frame_from_board[finding.first] *
+      finding.first_from_second *
+      rigid_targets->frame_from_board[finding.second].Inverse();
+  for (size_t b = 0; b < rigid_targets->frames.size(); ++b) {
+    if (rigid_targets->frames[b] != joined) continue;
+    rigid_targets->frames[b] = kept;
+    rigid_targets->frame_from_board[b] =
+        kept_from_joined * rigid_targets->frame_from_board[b];
+  }
+}
+
+// Whether two boards that move against each other would be in one body.
+bool WouldBreak(const PairFinding& finding, const RigidTargets& rigid_targets,
+                const std::vector<PairFinding>& findings) {
+  const int a = rigid_targets.frames[finding.first];
+  const int b = rigid_targets.frames[finding.second];
+  return std::any_of(findings.begin(), findings.end(), [&](const auto& other) {
+    if (other.told.fixed) return false;
+    const int first = rigid_targets.frames[other.first];
+    const int second = rigid_targets.frames[other.second];
+    return (first == a || first == b) && (second == a || second == b);
+  });
+}
+
+// Images in which a pair of one body is elsewhere: the board that is in most of
+// such pairs stands apart, then the next.
+void SetApart(const std::vector<PairFinding>& findings,
+              RigidTargets* rigid_targets) {
+  std::map<std::string, std::vector<const PairFinding*>> far;
+  for (const PairFinding& finding : findings)
+    if (finding.told.fixed)
+      for (const std::string& image : finding.far_images)
+        far[image].push_back(&finding);
+  for (auto& [image, pairs] : far) {
+    while (!pairs.empty()) {
+      std::map<int, int> counts;
+      for (const PairFinding* pair : pairs) {
+        ++counts[pair->first];
+        ++counts[pair->second];
+      }
+      int worst = pairs.front()->second;
+      for (const auto& [board, count] : counts)
+        if (count > counts[worst]) worst = board;
+      rigid_targets->apart.insert({image, worst});
+      pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
+                                 [worst](const PairFinding* pair) {
+                                   return pair->first == worst ||
+                                          pair->second == worst;
+                                 }),
+                  pairs.end());
+    }
+  }
+}
+
+// How many images of a camera show each two of some boards.
+std::map<std::pair<int, int>, size_t> CountTogether(
+    const CalibrationProblem& problem) {
+  std::map<std::pair<std::string, int>, std::vector<int>> boards;
+  for (size_t v = 0; v < problem.views.size(); ++v)
+    boards[{problem.images[v], problem.views[v].camera}].push_back(
+        problem.boards[v]);
+  std::map<std::pair<int, int>, size_t> counts;
+  for (const auto& [image, seen] : boards)
+    for (const int a : seen)
+      for (const int b : seen)
+        if (a < b) ++counts[{a, b}];
+  return counts;
+}
+
+}  // namespace
+
+bool CanDetectRigidTargets(const std::vector<AdjustmentResult>& cameras) {
+  std::map<std::string, std::set<int>> boards;
+  for (const AdjustmentResult& camera : cameras)
+    for (size_t v = 0; v < camera.problem.views.size(); ++v)
+      boards[camera.problem.images[v]].insert(camera.problem.boards[v]);
+  std::map<std::pair<int, int>, size_t> counts;
+  for (const auto& [image, seen] : boards)
+    for (const int a : seen)
+      for (const int b : seen)
+        if (a < b && ++counts[{a, b}] >= kMinInstants) return true;
+  return false;
+}
+
+RigidTargets ProposeRigidTargets(const std::vector<Dataset>& cameras,
+                                 const Pattern& pattern) {
+  RigidTargets rigid_targets = NoRigidTargets(pattern.boards.size());
+  std::vector<RejectedImage> rejected;
+  const auto counts = CountTogether(BuildProblem(cameras, pattern, &rejected));
+  for (const auto& [pair, count] : counts) {
+    PairFinding finding;
+    finding.first = pair.first;
+    finding.second = pair.second;
+    if (count >= kMinInstants) Unite(finding, &rigid_targets);
+  }
+  return rigid_targets;
+}
+
+std::vector<BoardPair> CompareBoardPoses(
+    const std::vector<AdjustmentResult>& adjusted, const Pattern& pattern,
+    int num_threads, RigidTargets* rigid_targets) {
+  const std::vector<PairFinding> findings =
+      Findings(adjusted, pattern, num_threads);
+  *rigid_targets = NoRigidTargets(pattern.boards.size());
+  std::vector<const PairFinding*> best;
+  for (const PairFinding& finding : findings)
+    if (finding.told.fixed) best.push_back(&finding);
+  std::stable_sort(best.begin(), best.end(), [](const auto* a, const auto* b) {
+    return a->told.num_instants > b->told.num_instants;
+  });
+  for (const PairFinding* finding : best)
+    if (!WouldBreak(*finding, *rigid_targets, findings))
+      Unite(*finding, rigid_targets);
+  SetApart(findings, rigid_targets);
+  if (rigid_targets->Groups().empty()) *rigid_targets = {};
+  std::vector<BoardPair> pairs;
+  for (const PairFinding& finding : findings) pairs.push_back(finding.told);
+  return pairs;
+}
+
+}  // namespace raygrid

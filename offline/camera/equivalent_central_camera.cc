@@ -1,0 +1,70 @@
+#include "camera/equivalent_central_camera.h"
+
+#include <cmath>
+
+namespace raygrid {
+namespace {
+
+// How far along a line its point of the surface lies: of a sphere the far one.
+std::optional<double> SliceAlong(const ObservationLine& line,
+                                 const SceneSurface& scene) {
+  if (scene.normal) {
+    const double rise = scene.normal->dot(line.direction);
+    const double t = (scene.distance_m - scene.normal->dot(line.origin)) / rise;
+    return t > 0 && std::isfinite(t) ? std::optional(t) : std::nullopt;
+  }
+  const double along = line.direction.dot(line.origin);
+  const double square = along * along - line.origin.squaredNorm() +
+                        scene.distance_m * scene.distance_m;
+  if (!(square >= 0)) return std::nullopt;
+  return std::sqrt(square) - along;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector3d> EquivalentCentralCamera::Unproject(
+    const Eigen::Vector2d& pixel) const {
+  const auto line = camera().Line(pixel);
+  const auto t = line ? SliceAlong(*line, scene_) : std::nullopt;
+  if (!t) return std::nullopt;
+  return (line->origin + *t * line->direction).normalized();
+}
+
+std::optional<double> EquivalentCentralCamera::Reach(
+    const Eigen::Vector3d& direction) const {
+  const double reach =
+      scene_.distance_m /
+      (scene_.normal ? scene_.normal->dot(direction) : direction.norm());
+  return reach > 0 && std::isfinite(reach) ? std::optional(reach)
+                                           : std::nullopt;
+}
+
+std::optional<Eigen::Vector2d> EquivalentCentralCamera::Project(
+    const Eigen::Vector3d& direction, const Eigen::Vector2d* start,
+    double margin_px) const {
+  const auto reach = Reach(direction);
+  if (!reach) return std::nullopt;
+  return camera().Project(*reach * direction, start, margin_px);
+}
+
+bool EquivalentCentralCamera::Linearize(
+    const Eigen::Vector3d& direction, const Eigen::Vector2d* start,
+    double margin_px, LinearizedProjection* projection) const {
+  const auto reach = Reach(direction);
+  if (!reach ||
+      !camera().Linearize(*reach * direction, start, margin_px, projection))
+    return false;
+  // The surface's point moves as the direction does, less what leads off it.
+  const Eigen::Vector3d unit = direction.normalized();
+  const Eigen::RowVector3d off =
+      scene_.normal ? Eigen::RowVector3d(scene_.normal->transpose() /
+                                         scene_.normal->dot(direction))
+                    : Eigen::RowVector3d(unit.transpose() / direction.norm());
+  const Eigen::Matrix3d by_direction =
+      *reach * (Eigen::Matrix3d::Identity() - direction * off);
+  projection->J_point = (projection->J_point * by_direction).eval();
+  ForgetParameters(projection);
+  return true;
+}
+
+}  // namespace raygrid

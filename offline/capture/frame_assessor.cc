@@ -1,0 +1,104 @@
+#include "capture/frame_assessor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "evaluation/residual_statistics.h"
+
+namespace raygrid {
+namespace {
+
+constexpr size_t kFewestFeatures = 12;
+
+struct WordAndRemedy {
+  const char* word;
+  const char* remedy;
+};
+
+// By FrameStatus.
+constexpr WordAndRemedy kWords[] = {
+    {"kept", ""},
+    {"absent", "show the board"},
+    {"few", "show more of the board"},
+    {"dark", "add light, or increase the exposure time"},
+    {"bright", "reduce light, or the exposure time"},
+    {"moving", "hold the board still"},
+    {"blurred", "focus, or move the board into focus"},
+    {"known", ""}};
+
+bool IsDark(const FrameQuality& quality) {
+  constexpr double kLeastContrast = 30;
+  return quality.white > 0 && quality.white - quality.black < kLeastContrast;
+}
+
+bool IsBright(const FrameQuality& quality) {
+  constexpr double kMostClipped = 0.3;
+  return quality.clipped > kMostClipped;
+}
+
+}  // namespace
+
+const char* GetStatusText(FrameStatus word) {
+  return kWords[static_cast<int>(word)].word;
+}
+
+const char* GetRemedy(FrameStatus word) {
+  return kWords[static_cast<int>(word)].remedy;
+}
+
+bool FrameAssessor::IsMoving(const DetectedFrame& frame,
+                             const FeaturePositions& places) const {
+  // Motion blurs only the edges across it.
+  const FrameQuality& quality = frame.quality;
+  const double streak_px =
+      std::sqrt(std::max(0.0, std::pow(quality.most_spread_px, 2) -
+                                  std::pow(quality.least_spread_px, 2)));
+  constexpr double kMostStreakPx = 1;
+  if (streak_px > kMostStreakPx) return true;
+  if (!frame.time_s || !last_time_s_) return false;
+  const auto moved_px = DistancePx(places, last_places_);
+  if (!moved_px) return true;  // just detected
+  const double passed_s = *frame.time_s - *last_time_s_;
+  if (!(passed_s > 0)) return *moved_px > options_.still_px;
+  constexpr double kFrameS = 1 / 30.0;
+  double shown_s = std::min(passed_s, kFrameS);
+  if (frame.exposure_s) shown_s = std::min(shown_s, *frame.exposure_s);
+  return *moved_px / passed_s * shown_s > options_.still_px;
+}
+
+bool FrameAssessor::IsBlurred(const FrameQuality& quality) {
+  if (!(quality.most_spread_px > 0)) return false;
+  constexpr size_t kMostFrames = 500;
+  constexpr double kSharpPx = 1.2;      // never blurred
+  constexpr double kMostOfSharp = 1.5;  // relative to the camera's sharp frames
+  constexpr double kAnyPx = 5;          // always blurred
+  spreads_px_.push_back(quality.most_spread_px);
+  if (spreads_px_.size() > kMostFrames) spreads_px_.pop_front();
+  const double sharp_px =
+      Quantile({spreads_px_.begin(), spreads_px_.end()}, 0.1);
+  return quality.most_spread_px >
+         std::min(kAnyPx, std::max(kSharpPx, kMostOfSharp * sharp_px));
+}
+
+FrameStatus FrameAssessor::Assess(const DetectedFrame& frame,
+                                  const CaptureGuide& guide) {
+  gain_ = 0;
+  FeaturePositions places = CollectFeaturePositions(frame.features);
+  const bool is_moving = IsMoving(frame, places);
+  last_places_ = std::move(places);
+  last_time_s_ = frame.time_s;
+  const size_t count = frame.features.features.size();
+  if (count == 0) return FrameStatus::kAbsent;
+  if (count < kFewestFeatures) return FrameStatus::kFew;
+  if (IsDark(frame.quality)) return FrameStatus::kDark;
+  if (IsBright(frame.quality)) return FrameStatus::kBright;
+  if (options_.every_frame) return FrameStatus::kKept;
+  if (is_moving) return FrameStatus::kMoving;
+  if (IsBlurred(frame.quality)) return FrameStatus::kBlurred;
+  gain_ = guide.ComputeGain(frame.features);
+  return guide.IsWorthKeeping(gain_, guide.IsNextView(frame.features))
+             ? FrameStatus::kKept
+             : FrameStatus::kKnown;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,71 @@
+#ifndef RAYGRID_CAPTURE_FRAME_ASSESSOR_H
+#define RAYGRID_CAPTURE_FRAME_ASSESSOR_H
+
+#include <deque>
+#include <optional>
+
+#include "capture/capture_guide.h"
+#include "capture/frame_quality.h"
+
+namespace raygrid {
+
+/// Why a frame is kept or rejected.
+enum class FrameStatus {
+  kKept,
+  kAbsent,   ///< no board detected
+  kFew,      ///< too few features of a board
+  kDark,     ///< too little contrast
+  kBright,   ///< white is saturated, which displaces edges
+  kMoving,   ///< features move during the exposure
+  kBlurred,  ///< edges are more blurred than in other frames
+             ///< of this camera
+  kKnown     ///< too little gain
+};
+
+/// Returns the word that is displayed.
+const char* GetStatusText(FrameStatus word);
+/// Returns a short remedy; "" if there is none.
+const char* GetRemedy(FrameStatus word);
+
+/// A frame with its detected boards.
+struct DetectedFrame {
+  ImageFeatures features;
+  FrameQuality quality;          ///< of the board with most features
+  std::optional<double> time_s;  ///< in the video; nothing: a photograph
+  std::optional<double> exposure_s;
+};
+
+struct FrameAssessorOptions {
+  /// Maximum RMS motion of the features since the last frame (or in 1/30 s if
+  /// longer ago), or during the exposure, of a still frame.
+  double still_px = 0.3;
+  /// Keep consecutive frames of a moving camera, whether or not they are still,
+  /// sharp or new.
+  bool every_frame = false;
+};
+
+/// Decides which frames to keep, in the order of capture.
+class FrameAssessor {
+ public:
+  explicit FrameAssessor(const FrameAssessorOptions& options)
+      : options_(options) {}
+
+  FrameStatus Assess(const DetectedFrame& frame, const CaptureGuide& guide);
+  /// The gain of the last frame; 0 if it was rejected for another reason.
+  double gain() const { return gain_; }
+
+ private:
+  bool IsMoving(const DetectedFrame& frame,
+                const FeaturePositions& places) const;
+  bool IsBlurred(const FrameQuality& quality);
+
+  FrameAssessorOptions options_;
+  FeaturePositions last_places_;
+  std::optional<double> last_time_s_;
+  std::deque<double> spreads_px_;  // edge widths of the latest frames
+  double gain_ = 0;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAPTURE_FRAME_ASSESSOR_H

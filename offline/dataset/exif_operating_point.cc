@@ -1,0 +1,93 @@
+#include "dataset/exif_operating_point.h"
+
+#include <libexif/exif-data.h>
+
+#include <cstdint>
+#include <memory>
+
+#include "dataset/image_header.h"
+
+namespace raygrid {
+namespace {
+
+// Not named in libexif 0.6.24: EXIF 2.31.
+constexpr auto kAmbientTemperature = static_cast<ExifTag>(0x9400);
+
+struct FreeExif {
+  void operator()(ExifData* data) const { exif_data_unref(data); }
+};
+using Exif = std::unique_ptr<ExifData, FreeExif>;
+
+// Null if a file has none.
+Exif LoadExif(const std::string& name, const std::string& bytes) {
+  const ImageHeader header = ParseImageHeader(name, bytes);
+  if (header.exif_bytes == 0) return nullptr;
+  std::string block("Exif\0\0", 6);
+  block.append(bytes, header.exif_at, header.exif_bytes);
+  Exif exif(exif_data_new());
+  if (!exif) return nullptr;
+  exif_data_unset_option(exif.get(), EXIF_DATA_OPTION_IGNORE_UNKNOWN_TAGS);
+  exif_data_unset_option(exif.get(), EXIF_DATA_OPTION_FOLLOW_SPECIFICATION);
+  exif_data_load_data(exif.get(),
+                      reinterpret_cast<const unsigned char*>(block.data()),
+                      static_cast<unsigned int>(block.size()));
+  return exif;
+}
+
+// The entry of a tag, if it has one rational number of 8 bytes.
+const ExifEntry* FindRational(const Exif& exif, ExifTag tag,
+                              ExifFormat format) {
+  const ExifEntry* entry =
+      exif_content_get_entry(exif->ifd[EXIF_IFD_EXIF], tag);
+  if (!entry || entry->format != format || entry->components != 1 ||
+      entry->size < 8)
+    return nullptr;
+  return entry;
+}
+
+std::optional<double> LensPosition(const Exif& exif) {
+  const ExifEntry* entry =
+      FindRational(exif, EXIF_TAG_SUBJECT_DISTANCE, EXIF_FORMAT_RATIONAL);
+  if (!entry) return std::nullopt;
+  const ExifRational distance_m =
+      exif_get_rational(entry->data, exif_data_get_byte_order(exif.get()));
+  if (distance_m.numerator == 0) return std::nullopt;
+  if (distance_m.numerator == 0xffffffff) return 0;
+  // 0 in files of programs that write 1 / dioptres, such as rpicam-still:
+  // infinity, too.
+  const double dioptres =
+      static_cast<double>(distance_m.denominator) / distance_m.numerator;
+  constexpr double kNearest = 100;  // a centimetre; more is invalid
+  if (dioptres > kNearest) return std::nullopt;
+  return dioptres;
+}
+
+std::optional<double> Temperature(const Exif& exif) {
+  const ExifEntry* entry =
+      FindRational(exif, kAmbientTemperature, EXIF_FORMAT_SRATIONAL);
+  if (!entry) return std::nullopt;
+  const ExifSRational degrees =
+      exif_get_srational(entry->data, exif_data_get_byte_order(exif.get()));
+  constexpr int32_t kUnknown = -1;
+  if (degrees.denominator == 0 || degrees.denominator == kUnknown)
+    return std::nullopt;
+  return static_cast<double>(degrees.numerator) / degrees.denominator;
+}
+
+}  // namespace
+
+std::string ExifTagName(OperatingParameter condition) {
+  return condition == OperatingParameter::kLensPosition ? "SubjectDistance"
+                                                        : "AmbientTemperature";
+}
+
+std::optional<double> ReadExifParameter(const std::string& name,
+                                        const std::string& bytes,
+                                        OperatingParameter condition) {
+  const Exif exif = LoadExif(name, bytes);
+  if (!exif) return std::nullopt;
+  return condition == OperatingParameter::kLensPosition ? LensPosition(exif)
+                                                        : Temperature(exif);
+}
+
+}  // namespace raygrid

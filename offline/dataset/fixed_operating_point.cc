@@ -1,0 +1,131 @@
+#include "dataset/fixed_operating_point.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace raygrid {
+namespace {
+
+// Standard deviations with one condition held, which is removed from their
+// values: interpolated between lattices of equal shape.
+std::vector<OperatingPointUncertainty> HoldOne(
+    const std::vector<OperatingPointUncertainty>& known, size_t range,
+    double value) {
+  std::map<OperatingPoint, std::vector<const OperatingPointUncertainty*>>
+      by_others;
+  for (const OperatingPointUncertainty& deviation : known) {
+    OperatingPoint others = deviation.values;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(range));
+    by_others[others].push_back(&deviation);
+  }
+  std::vector<OperatingPointUncertainty> held;
+  for (const auto& [others, line] : by_others) {
+    // The ends of a range may have been rounded.
+    const double inside = std::clamp(value, line.front()->values[range],
+                                     line.back()->values[range]);
+    for (size_t k = 1; k < line.size(); ++k) {
+      const double low = line[k - 1]->values[range],
+                   high = line[k]->values[range];
+      const std::vector<double>& below = line[k - 1]->lattice.deviation_px;
+      const std::vector<double>& above = line[k]->lattice.deviation_px;
+      if (inside < low || inside > high || below.size() != above.size())
+        continue;
+      const double part = (inside - low) / (high - low);
+      held.push_back({others, line[k]->lattice});
+      for (size_t i = 0; i < below.size(); ++i)
+        held.back().lattice.deviation_px[i] =
+            (1 - part) * below[i] + part * above[i];
+      break;
+    }
+  }
+  return held;
+}
+
+std::vector<OperatingPointUncertainty> HoldDeviations(
+    std::vector<OperatingPointUncertainty> known,
+    const FixedOperatingPoint& at) {
+  for (size_t r = at.size(); r-- > 0;)
+    if (at[r]) known = HoldOne(known, r, *at[r]);
+  return known;
+}
+
+FixedOperatingPoint AllHeld(const OperatingPoint& values) {
+  return {values.begin(), values.end()};
+}
+
+// Replaces a camera's standard deviations by those at another operating point.
+void PutDeviations(const UncertaintyLattice& lattice, const Area& area,
+                   CameraUncertainty* uncertainty) {
+  if (lattice.deviation_px.size() != uncertainty->lattice.deviation_px.size())
+    return;
+  uncertainty->lattice = lattice;
+  uncertainty->mask.InvalidateAbove(uncertainty->max_deviation_px, lattice,
+                                    area);
+}
+
+}  // namespace
+
+OperatingPointCalibration FixOperatingPoint(
+    const OperatingPointCalibration& stack, const FixedOperatingPoint& at) {
+  return {stack.cameras.Hold(at), HoldDeviations(stack.deviations, at)};
+}
+
+OperatingPointCalibration SliceOperatingPointModel(
+    const OperatingPointCalibration& stack, size_t range) {
+  FixedOperatingPoint at = AllHeld(stack.cameras.Middle());
+  at[range].reset();
+  return FixOperatingPoint(stack, at);
+}
+
+CameraFile MakeCameraFileAt(const CameraFile& stack,
+                            const FixedOperatingPoint& at) {
+  CameraFile file = stack;
+  const std::vector<OperatingRange>& ranges = stack.stack->cameras.ranges();
+  OperatingPointCalibration rest = FixOperatingPoint(*stack.stack, at);
+  const OperatingPoint middle = rest.cameras.Middle();
+  CentralGeneric camera = rest.cameras.At(middle);
+  camera.SetImageCircle(stack.camera->image_circle());
+  file.camera = std::make_shared<CentralGeneric>(std::move(camera));
+  if (file.uncertainty) {
+    const std::vector<OperatingPointUncertainty> known =
+        HoldDeviations(rest.deviations, AllHeld(middle));
+    if (known.size() == 1)
+      PutDeviations(known[0].lattice, file.camera->area(), &*file.uncertainty);
+  }
+  if (!file.capture) file.capture.emplace();
+  for (size_t r = 0; r < ranges.size(); ++r) {
+    if (!at[r]) continue;
+    if (ranges[r].condition == OperatingParameter::kLensPosition)
+      file.capture->lens_position = at[r];
+    else
+      file.capture->sensor_temperature_c = at[r];
+  }
+  if (rest.cameras.ranges().empty())
+    file.stack.reset();
+  else
+    file.stack = std::move(rest);
+  return file;
+}
+
+std::optional<CameraUncertainty> ComputeMaxUncertainty(
+    const CameraFile& stack) {
+  if (!stack.uncertainty) return std::nullopt;
+  CameraUncertainty worst = *stack.uncertainty;
+  UncertaintyLattice largest = worst.lattice;
+  std::vector<double>& most = largest.deviation_px;
+  for (const OperatingPointUncertainty& known : stack.stack->deviations) {
+    const std::vector<double>& there = known.lattice.deviation_px;
+    if (there.size() != most.size()) continue;
+    for (size_t i = 0; i < most.size(); ++i)
+      // Undefined where one of them is NaN.
+      if (!std::isnan(most[i]) && !(there[i] <= most[i])) most[i] = there[i];
+  }
+  PutDeviations(largest, stack.camera->area(), &worst);
+  return worst;
+}
+
+}  // namespace raygrid

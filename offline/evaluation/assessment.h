@@ -1,0 +1,108 @@
+#ifndef RAYGRID_EVALUATION_ASSESSMENT_H
+#define RAYGRID_EVALUATION_ASSESSMENT_H
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera/area.h"
+#include "dataset/camera_file.h"
+#include "evaluation/budget_assessment.h"
+#include "evaluation/fleet_distance.h"
+#include "evaluation/fold_over.h"
+#include "evaluation/uncertainty_summary.h"
+
+namespace raygrid {
+
+/// Another model, and the held-out errors of both, with rigid boards: errors
+/// with per-view deformation are not comparable.
+struct BetterModel {
+  std::string model;
+  double median_px = 0;
+  double own_median_px = 0;  ///< of the requested model
+};
+
+/// The images of two cameras that were assumed to be one.
+struct MixedCameras {
+  std::vector<std::string> first, second;
+};
+
+/// An image from which many features were removed as outliers.
+struct MisreadImage {
+  std::string image;
+  int num_rejected = 0, num_features = 0;
+};
+
+/// The metrics from which the status is derived.
+struct CalibrationMetrics {
+  bool converged = false, interrupted = false;
+  ImageSize image_size;
+  Area features_area;  ///< the rectangle of the features
+  int images_used = 0, images_rejected = 0;
+  /// Images that are used or held out, and their near-duplicates.
+  int images_kept = 0, num_duplicate_images = 0;
+  /// Held-out images that are near-duplicates of calibration images.
+  std::vector<std::string> held_out_duplicates;
+  int images_with_too_few_features = 0;  ///< of the rejected images
+  ErrorMetrics training;
+  /// The held-out errors; with per-view deformation if training has it.
+  std::optional<ErrorMetrics> held_out;
+  bool per_view_deformation = false;
+  /// Without outlier images: of held-out errors, or of training errors if
+  /// smaller; model errors due to few images appear only in the former.
+  std::optional<double> neighbor_correlation;
+  std::vector<std::string> outlier_images;  ///< with much larger errors
+  /// Images with large errors only when held out, since they alone cover some
+  /// regions of the image, and these regions.
+  std::vector<std::string> unique_coverage_images, unique_coverage_regions;
+  std::vector<std::string>
+      ambiguous_rotation_images;  ///< see CalibrationResult
+  int num_misread_images = 0;
+  MisreadImage most_misread;  ///< if any
+  std::optional<MixedCameras> mixed_cameras;
+  int boards_seen = 0, different_views = 0;
+  /// One image for each time that a board is seen from behind.
+  std::vector<std::string> mirrored_images;
+  std::optional<double> tilt_rad;  ///< between two boards; only if planar
+  /// The median predicted uncertainty over the rectangle of the features; the
+  /// valid fraction of the image, and the limit that defines it.
+  std::optional<double> median_deviation_px, valid_share, valid_limit_px;
+  std::optional<ExtrapolatedRegion> extrapolated;
+  FoldOver fold_over;
+  /// RMS deviation from planarity of boards assumed to be planar, if it is
+  /// significant; otherwise 0.
+  double flatness_error_m = 0;
+  std::optional<FleetDistance> fleet_distance;
+  /// The model with the best held-out error, if it is better than the chosen
+  /// one.
+  std::optional<BetterModel> better_model;
+  BudgetFacts tried;       ///< what was already tried
+  BudgetAssessment limit;  ///< by causes of the residuals; may be undetermined
+  /// Why the time stamps contradict the motion; empty if they do not.
+  std::string timestamp_error;
+  std::optional<double> pixel_aspect;  ///< pixel width / height, image centre
+};
+
+/// "pass": a careful engineer would accept the camera for its images; "warn":
+/// not everywhere, or only after inspection; "fail": unusable. Reasons, with
+/// remedies, the most serious first; those of a "pass" are for information.
+struct Assessment {
+  std::string word;
+  std::vector<std::string> reasons;
+  std::string failure = {};  ///< the first reason of a "fail"
+};
+
+/// Whether correlated errors exceed the noise, by an amount that matters.
+bool HasCorrelatedErrors(double neighbor_correlation,
+                         const ErrorMetrics& errors);
+
+double ComputeImageShare(const Area& area, const ImageSize& size);
+
+/// Formats pixels with two significant digits, or all integer digits.
+std::string FormatPx(double px);
+
+Assessment AssessCalibration(const CalibrationMetrics& metrics);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EVALUATION_ASSESSMENT_H

@@ -1,0 +1,229 @@
+#include "evaluation/budget_assessment.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace raygrid {
+namespace {
+
+constexpr double kWorthwhile = 0.1;  // fraction of the squared residuals
+
+std::string BetterModelAdvice(const BudgetFacts& facts) {
+  return fmt::format("use --model {}, which has a lower held-out error",
+                     facts.better_model);
+}
+
+std::string AdviseOnImagePosition(const BudgetFacts& facts) {
+  if (!facts.better_model.empty()) return BetterModelAdvice(facts);
+  if (!facts.IsGrid() && !facts.generic_tried)
+    return "use --model central-generic";
+  if (!facts.IsGrid())
+    return "add images: central-generic was tried, but requires more images";
+  if (facts.tried_finer)
+    return "add images: a smaller knot spacing was tried, but requires more "
+           "images";
+  if (facts.knot_spacing_px > 0)
+    return fmt::format("reduce the knot spacing: --knot-spacing-px {:.3g}",
+                       facts.knot_spacing_px / 2);
+  return "reduce --knot-spacing-px";
+}
+
+// The recommendation for a cause, unless it was already tried.
+std::string AdviceFor(ErrorCause cause, const BudgetFacts& facts) {
+  switch (cause) {
+    case ErrorCause::kImagePosition:
+      return AdviseOnImagePosition(facts);
+    case ErrorCause::kBoardPosition:
+      if (!facts.points_free)
+        return "calibrate without --fix-target-geometry, to estimate the "
+               "target geometry";
+      return "print the target on a better printer, or add images of it";
+    case ErrorCause::kDeformation:
+      if (!facts.bends_tried && facts.IsGrid())
+        return "calibrate without --rigid-target and --fix-target-geometry, to "
+               "estimate per-view deformation";
+      return "mount the pattern on a stiffer board, of glass or aluminium, and "
+             "hold it by its edges";
+    case ErrorCause::kInPlane:
+      return "use a dimensionally stable target, of glass or aluminium instead "
+             "of paper";
+    case ErrorCause::kImageAffine:
+      return "fix focus and zoom, and let the camera warm up before the first "
+             "image";
+    default:
+      return "keep camera and target still in each image, use a global "
+             "shutter, or calibrate consecutive frames with --rolling-shutter";
+  }
+}
+
+const char* InWords(ErrorCause cause) {
+  switch (cause) {
+    case ErrorCause::kImagePosition:
+      return "systematic residuals that depend on the position in the image";
+    case ErrorCause::kBoardPosition:
+      return "systematic residuals that depend on the target point";
+    case ErrorCause::kDeformation:
+      return "out-of-plane target deformation that differs between images";
+    case ErrorCause::kInPlane:
+      return "in-plane target deformation that differs between images";
+    case ErrorCause::kImageAffine:
+      return "image scale or shift that differs between images, such as from "
+             "focus or temperature";
+    default:
+      return "residuals that grow along the rows, due to motion and a rolling "
+             "shutter";
+  }
+}
+
+std::optional<ErrorCause> LargestCause(const ResidualBudget& budget) {
+  std::optional<ErrorCause> largest;
+  for (int k = 0; k < kNumErrorCauses; ++k) {
+    const auto cause = static_cast<ErrorCause>(k);
+    if (budget.Of(cause).in_turn < kWorthwhile) continue;
+    if (!largest || budget.Of(cause).in_turn > budget.Of(*largest).in_turn)
+      largest = cause;
+  }
+  return largest;
+}
+
+int Percent(double part) { return static_cast<int>(std::lround(100 * part)); }
+
+// The causes that explain the views as well as the largest does: few tilts or a
+// narrow field of view cannot separate them. A cause that explains no more than
+// the control, column-wise motion, is not identified either.
+std::vector<std::string> EquivalentCauses(const ResidualBudget& budget) {
+  std::vector<std::string> names;
+  for (int k = 0; k < kNumErrorCauses; ++k)
+    if (budget.causes[static_cast<size_t>(k)].is_indistinguishable)
+      names.emplace_back(ToString(static_cast<ErrorCause>(k)));
+  return names;
+}
+
+// Model errors and incorrect target geometry also cause such errors, and can be
+// tested without new images.
+std::string AdviseOnEquivalentViewCauses(const BudgetFacts& facts) {
+  if (!facts.better_model.empty()) return BetterModelAdvice(facts);
+  if (!facts.IsGrid() && !facts.generic_tried)
+    return "first use --model central-generic, since a model error causes such "
+           "residuals, too";
+  if (facts.IsGrid() && !facts.points_free)
+    return "first calibrate without --fix-target-geometry, since a wrong "
+           "target geometry causes such residuals, too";
+  if (facts.model == models::kCentralGeneric && !facts.noncentral_tried)
+    return "first use --model noncentral-generic, since a non-central camera, "
+           "such as behind glass, causes such residuals, too";
+  return "retake the images with camera and target still, a stiff target and "
+         "fixed focus; tilted views separate these causes";
+}
+
+BudgetAssessment OfViewsAlike(const std::vector<std::string>& causes,
+                              const ResidualBudget& budget) {
+  return {"per-view effects",
+          fmt::format("residuals specific to single images ({} % of the "
+                      "squared residuals), whose cause these images do not "
+                      "determine; candidates: {}",
+                      Percent(budget.PerViewShare()), fmt::join(causes, ", ")),
+          AdviseOnEquivalentViewCauses(budget.facts)};
+}
+
+BudgetAssessment OfCause(ErrorCause cause, const ResidualBudget& budget) {
+  const std::vector<std::string> alike = EquivalentCauses(budget);
+  if (cause >= ErrorCause::kDeformation &&
+      (alike.size() > 1 ||
+       (budget.is_column_delay_indistinguishable && !alike.empty())))
+    return OfViewsAlike(alike, budget);
+  return {ToString(cause),
+          fmt::format("{} ({} % of the squared residuals)", InWords(cause),
+                      Percent(budget.Of(cause).in_turn)),
+          AdviceFor(cause, budget.facts)};
+}
+
+BudgetAssessment OfLargeErrors(const ResidualBudget& budget) {
+  return {"outliers",
+          fmt::format("outliers ({} % of the squared residuals are beyond 5 "
+                      "standard deviations)",
+                      Percent(budget.large)),
+          "inspect the images with the largest errors, and remove wrong "
+          "features there"};
+}
+
+// "; image place and ... cannot be told", or empty.
+std::string UntoldCauses(const ResidualBudget& budget) {
+  std::vector<std::string> names;
+  for (int k = 0; k < kNumErrorCauses; ++k)
+    if (!budget.causes[static_cast<size_t>(k)].is_observable)
+      names.emplace_back(ToString(static_cast<ErrorCause>(k)));
+  if (names.empty()) return "";
+  return fmt::format("; effects that these images do not determine: {}",
+                     fmt::join(names, ", "));
+}
+
+BudgetAssessment OfNoise(const ResidualBudget& budget) {
+  return {"noise",
+          fmt::format("feature noise, {:.2g} px in x and {:.2g} px in y ({} % "
+                      "of the squared residuals){}",
+                      budget.noise_px.x(), budget.noise_px.y(),
+                      Percent(budget.noise), UntoldCauses(budget)),
+          "add images, or improve their sharpness: more light, better focus"};
+}
+
+BudgetAssessment OfRest(const ResidualBudget& budget) {
+  return {"unexplained",
+          fmt::format("spatially correlated residuals of unknown cause ({} % "
+                      "of the squared residuals){}",
+                      Percent(budget.rest), UntoldCauses(budget)),
+          AdviseOnCorrelatedErrors(budget.facts)};
+}
+
+BudgetAssessment AssessDeterminedBudget(const ResidualBudget& budget) {
+  const std::optional<ErrorCause> cause = LargestCause(budget);
+  const double largest = cause ? budget.Of(*cause).in_turn : 0;
+  if (budget.large >= kWorthwhile && budget.large > largest)
+    return OfLargeErrors(budget);
+  if (cause) return OfCause(*cause, budget);
+  return budget.noise >= budget.rest ? OfNoise(budget) : OfRest(budget);
+}
+
+}  // namespace
+
+std::string AdviseOnCorrelatedErrors(const BudgetFacts& facts) {
+  constexpr char kLook[] =
+      "look for blur, glare, motion and outlier images in the report";
+  if (!facts.better_model.empty()) return BetterModelAdvice(facts);
+  if (!facts.IsGrid())
+    return facts.generic_tried ? fmt::format(
+                                     "central-generic was tried and is not "
+                                     "significantly better; {}",
+                                     kLook)
+                               : "try --model central-generic";
+  std::vector<std::string> advice;
+  if (!facts.knot_spacing_selected)
+    advice.emplace_back("try --knot-spacing-px auto");
+  else if (!facts.tried_finer && facts.knot_spacing_px > 0)
+    advice.push_back(fmt::format("try a smaller --knot-spacing-px {:.0f}",
+                                 facts.knot_spacing_px / 2));
+  if (facts.model == models::kCentralGeneric && !facts.noncentral_tried)
+    advice.emplace_back(
+        "try --model noncentral-generic if the camera may be non-central, such "
+        "as behind glass");
+  if (advice.empty())
+    return fmt::format("other knot spacings were tried and are no better; {}",
+                       kLook);
+  return fmt::to_string(fmt::join(advice, ", or "));
+}
+
+BudgetAssessment AssessBudget(const ResidualBudget& budget) {
+  if (!budget.unobservable_reason.empty())
+    return {"", "not observable: " + budget.unobservable_reason,
+            "add images of the whole target"};
+  BudgetAssessment assessment = AssessDeterminedBudget(budget);
+  if (budget.facts.mixed_cameras && assessment.limit != "noise")
+    assessment.advice = "calibrate the images of the two cameras separately";
+  return assessment;
+}
+
+}  // namespace raygrid

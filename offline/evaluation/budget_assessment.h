@@ -1,0 +1,31 @@
+#ifndef RAYGRID_EVALUATION_BUDGET_ASSESSMENT_H
+#define RAYGRID_EVALUATION_BUDGET_ASSESSMENT_H
+
+#include <string>
+
+#include "evaluation/residual_budget.h"
+
+namespace raygrid {
+
+/// The limit of a calibration: a name as in the table ("noise", "outliers",
+/// "per-view effects", "unexplained", or a cause's), a sentence, and the most
+/// effective remedy.
+struct BudgetAssessment {
+  std::string limit, sentence, advice;
+  bool IsDetermined() const { return !limit.empty(); }
+  bool IsCause() const {
+    return IsDetermined() && limit != "noise" && limit != "unexplained";
+  }
+};
+
+/// Finds the limiting cause. A cause of a tenth of the squared residuals
+/// precedes noise: noise averages out over features, correlated errors do not.
+BudgetAssessment AssessBudget(const ResidualBudget& budget);
+
+/// Recommendations against correlated errors without an identified cause; omits
+/// what was already tried.
+std::string AdviseOnCorrelatedErrors(const BudgetFacts& facts);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EVALUATION_BUDGET_ASSESSMENT_H

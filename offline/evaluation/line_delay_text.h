@@ -1,0 +1,15 @@
+#ifndef RAYGRID_EVALUATION_LINE_DELAY_TEXT_H
+#define RAYGRID_EVALUATION_LINE_DELAY_TEXT_H
+
+#include <string>
+
+#include "dataset/line_delay.h"
+
+namespace raygrid {
+
+/// Describes the estimated line delay, for images of num_rows rows.
+std::string FormatLineDelay(const LineDelayEstimate& line_delay, int num_rows);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EVALUATION_LINE_DELAY_TEXT_H

@@ -1,0 +1,193 @@
+#include "exchange/lens_selection.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "camera/model_fitting.h"
+#include "dataset/error.h"
+#include "dataset/parallel_for.h"
+#include "exchange/unit_grid.h"
+
+namespace raygrid {
+namespace {
+
+// A pixel that the form has no place for counts as this in a choice.
+constexpr double kBeyondPx = 100;
+
+// About so many pixels along the longer side are compared.
+constexpr double kPixelsAcross = 160;
+
+// Nothing needs to be nearer than this.
+constexpr double kCloseEnoughPx = 0.005;
+
+double ChoiceRmsPx(const LensFit& fit) {
+  const double sum =
+      static_cast<double>(fit.num_pixels) * fit.rms_px * fit.rms_px +
+      static_cast<double>(fit.num_beyond) * kBeyondPx * kBeyondPx;
+  return std::sqrt(sum / static_cast<double>(fit.num_pixels + fit.num_beyond));
+}
+
+// A spline needs no turn.
+SelectedLens FitSpline(const LensForm& form, const CameraModel& camera,
+                       const ValidityMask* trusted) {
+  auto model = FitSplinedStereographic(camera, trusted);
+  SelectedLens chosen;
+  chosen.fit = LensFit{};
+  if (!model) return chosen;
+  chosen.fit = MeasureLensFit(camera, trusted, *model, form,
+                              Eigen::Quaterniond::Identity());
+  chosen.lens = ConvertToForm(form, *model).value();
+  chosen.model = std::move(model);
+  return chosen;
+}
+
+// A grid needs no turn, either, unless its program has an axis.
+SelectedLens FitGrid(const LensForm& form, const CameraModel& camera,
+                     const ValidityMask* trusted) {
+  const FormGrid grid = form.fit_grid
+                            ? form.fit_grid(camera, trusted)
+                            : FormGrid{std::make_shared<UnitGrid>(
+                                  FitUnitGrid(camera, form.HasLines()))};
+  SelectedLens chosen;
+  chosen.lens = {&form, camera.image_size(), {}, nullptr, grid.camera};
+  chosen.fit = MeasureLensFit(camera, trusted, *grid.camera, form,
+                              grid.camera_from_given);
+  chosen.model = grid.camera->Clone();
+  return chosen;
+}
+
+SelectedLens FitLens(const LensForm& form, const CameraModel& camera,
+                     const ValidityMask* trusted) {
+  if (form.IsGrid()) return FitGrid(form, camera, trusted);
+  if (form.IsSpline()) return FitSpline(form, camera, trusted);
+  FitOptions options;
+  options.held = form.Missing();
+  options.ties_focal_lengths = form.Has("f");
+  options.trusted = trusted;
+  FittedModel fitted =
+      FitNearestModel(form.model, camera, camera.area(), options);
+  SelectedLens chosen;
+  chosen.fit = MeasureLensFit(camera, trusted, *fitted.model, form,
+                              fitted.model_from_camera);
+  chosen.lens = ConvertToForm(form, *fitted.model).value();
+  chosen.model = std::move(fitted.model);
+  return chosen;
+}
+
+// An error at a part of a sorted list.
+double AtPart(const std::vector<double>& sorted, double part) {
+  return sorted[static_cast<size_t>(
+      part * static_cast<double>(sorted.size() - 1) + 0.5)];
+}
+
+}  // namespace
+
+LensFit MeasureLensFit(const CameraModel& camera, const ValidityMask* trusted,
+                       const CameraModel& lens, const LensForm& form,
+                       const Eigen::Quaterniond& lens_from_camera) {
+  constexpr double kAnywherePx = 1e9;
+  const Area& area = camera.area();
+  const double step_px =
+      std::max(1.0, std::max(area.width(), area.height()) / kPixelsAcross);
+  LensFit fit;
+  fit.lens_from_camera = lens_from_camera;
+  fit.is_of_trusted = trusted;
+  std::vector<double> errors;
+  double sum = 0;
+  for (double y = area.y0; y <= area.y1; y += step_px) {
+    for (double x = area.x0; x <= area.x1; x += step_px) {
+      const Eigen::Vector2d pixel(x, y);
+      if ((trusted && !trusted->IsValidAt(pixel)) ||
+          !camera.IsInImageCircle(pixel))
+        continue;
+      const auto line = camera.Line(pixel);
+      if (!line) continue;
+      const Eigen::Vector3d turned =
+          lens_from_camera * (line->origin + line->direction);
+      const double angle = std::atan2(turned.head<2>().norm(), turned.z());
+      fit.widest_rad = std::max(fit.widest_rad, angle);
+      const auto seen =
+          lens.Project(turned, form.IsGrid() ? &pixel : nullptr, kAnywherePx);
+      if (!seen || !(angle < form.reach_rad)) {
+        ++fit.num_beyond;
+        continue;
+      }
+      errors.push_back((*seen - pixel).norm());
+      sum += errors.back() * errors.back();
+    }
+  }
+  fit.num_pixels = errors.size();
+  if (errors.empty()) return fit;
+  std::sort(errors.begin(), errors.end());
+  fit.rms_px = std::sqrt(sum / static_cast<double>(errors.size()));
+  fit.p99_px = AtPart(errors, 0.99);
+  fit.max_px = errors.back();
+  return fit;
+}
+
+SelectedLens SelectLens(const std::vector<const LensForm*>& forms,
+                        const CameraModel& camera, const ValidityMask* trusted,
+                        int num_threads) {
+  constexpr double kWorthPart = 0.02;
+  const auto has_fewer = [](const LensForm* a, const LensForm* b) {
+    return std::make_pair(a->IsSpline(), a->parameters.size()) <
+           std::make_pair(b->IsSpline(), b->parameters.size());
+  };
+  std::vector<const LensForm*> sorted;
+  for (const LensForm* form : forms)
+    if (form->HasLines() != camera.IsCentral()) sorted.push_back(form);
+  if (sorted.empty() && camera.IsCentral()) sorted = forms;
+  std::stable_sort(sorted.begin(), sorted.end(), has_fewer);
+  for (const LensForm* form : sorted)
+    if (auto held = ConvertToForm(*form, camera))
+      return {*held, MakeLens(*held), std::nullopt};
+  if (sorted.empty())
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "a {} camera is non-central, but models of other programs are "
+            "central; export a view of it, or calibrate another model",
+            camera.Name()));
+  std::vector<SelectedLens> fits(sorted.size());
+  // Forms of many parameters take longest, and so begin.
+  const int last = static_cast<int>(sorted.size()) - 1;
+  ParallelFor(last + 1, NumThreads(num_threads), [&](int k) {
+    fits[last - k] = FitLens(*sorted[last - k], camera, trusted);
+  });
+  double best_px = INFINITY;
+  for (const SelectedLens& lens : fits)
+    best_px = std::min(best_px, ChoiceRmsPx(*lens.fit));
+  const double enough_px = std::max(best_px / (1 - kWorthPart), kCloseEnoughPx);
+  const auto chosen =
+      std::find_if(fits.begin(), fits.end(), [&](const SelectedLens& lens) {
+        return ChoiceRmsPx(*lens.fit) <= enough_px;
+      });
+  if (chosen == fits.end() || chosen->fit->num_pixels == 0)
+    throw Error(ExitCode::kQuality,
+                fmt::format("{} cannot represent any pixel of this camera's "
+                            "valid region; export a view of it",
+                            sorted.front()->name));
+  return std::move(*chosen);
+}
+
+std::string FormatLensFit(const LensFit& fit) {
+  std::string text = fmt::format(
+      "RMS {:.3g} px, 99th percentile {:.3g} px, max {:.3g} px at {} {}pixels",
+      fit.rms_px, fit.p99_px, fit.max_px, fit.num_pixels,
+      fit.is_of_trusted ? "valid " : "");
+  if (fit.num_beyond > 0)
+    text += fmt::format(
+        "; {} pixels cannot be represented, up to {:.0f} degrees off axis",
+        fit.num_beyond, fit.widest_rad * 180 / M_PI);
+  if (!fit.IsTurned()) return text + "; no rotation applied";
+  const Eigen::Quaterniond& q = fit.lens_from_camera;
+  return text + fmt::format(
+                    "; rotated by {:.2g} rad, lens_from_camera (w, x, y, z) "
+                    "{:.9f}, {:.9f}, {:.9f}, {:.9f}",
+                    q.angularDistance(Eigen::Quaterniond::Identity()), q.w(),
+                    q.x(), q.y(), q.z());
+}
+
+}  // namespace raygrid

@@ -1,0 +1,595 @@
+#include "shutter/line_delay.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "shutter/frame_equations.h"
+#include "shutter/timestamp_check.h"
+
+namespace raygrid {
+namespace {
+
+// Standard deviations of the coefficients of camera bias (px) and board
+// deformation (fraction of half a board): weakly informative.
+constexpr double kImageBendPx = 10, kBoardBendPart = 0.02;
+
+// A frame with a motion estimate.
+struct MovingFrame {
+  const MotionStencil* stencil = nullptr;
+  FrameMotion motion;
+  FrameEquations equations;
+  double information = 0;  // on the line delay, after eliminating biases
+
+  // Frames at the ends of sequences have a motion estimate that suffices to
+  // correct their poses, but do not contribute to the line delay.
+  bool Tells() const { return stencil->IsCentral(); }
+};
+
+struct MovingBoard {
+  BoardTrack track;
+  std::vector<MovingFrame> frames;
+};
+
+// The line delay from each of several consecutive parts of the frames.
+struct PartEstimate {
+  double seconds = 0, deviation_s = 0;
+};
+
+// A frame's information on the line delay, and its gradient.
+struct FramePull {
+  double information = 0, gradient = 0;
+};
+
+// The line delay of some frames, from that of all.
+PartEstimate EstimateOf(const std::vector<FramePull>& frames,
+                        double noise_variance) {
+  double information = 0, gradient = 0, squares = 0;
+  for (const FramePull& frame : frames) {
+    information += frame.information;
+    gradient += frame.gradient;
+  }
+  const double change_s = -gradient / information;
+  for (const FramePull& frame : frames)
+    squares += std::pow(frame.gradient + change_s * frame.information, 2);
+  return {change_s, std::sqrt(std::max(squares, noise_variance * information)) /
+                        information};
+}
+
+// The mean weighted by information; infinite variance if there are none.
+PartEstimate MeanOf(const std::vector<PartEstimate>& parts) {
+  double information = 0, sum = 0;
+  for (const PartEstimate& part : parts) {
+    const double own = 1 / (part.deviation_s * part.deviation_s);
+    information += own;
+    sum += own * part.seconds;
+  }
+  return {sum / information, 1 / std::sqrt(information)};
+}
+
+std::string MicrosecondsText(double seconds) {
+  return fmt::format("{:.3g} us", seconds * 1e6);
+}
+
+class LineDelayOptimization {
+ public:
+  explicit LineDelayOptimization(const MovingViews& views);
+
+  // Gauss-Newton steps over poses and shared parameters. A given line delay is
+  // fixed.
+  void OptimizeCameras(std::optional<double> line_delay_s);
+
+  // Recomputes the noise variance with camera bias and board deformation, after
+  // convergence. Motions are constant.
+  void Bend();
+
+  LineDelayEstimate Result(int num_images) const;
+
+  const std::vector<MovingBoard>& boards() const { return boards_; }
+
+ private:
+  // Normal equations of the shared parameters, and the cost in px^2.
+  struct Sums {
+    Eigen::MatrixXd information;
+    Eigen::VectorXd gradient;
+    double squares = 0;
+    int64_t degrees = 0;
+
+    // With optimal poses and shared parameters.
+    double NoiseVariance() const {
+      const double explained = gradient.dot(information.ldlt().solve(gradient));
+      return (squares - explained) /
+             static_cast<double>(std::max<int64_t>(1, degrees));
+    }
+  };
+
+  double DeviationByNoise() const {
+    return std::sqrt(noise_variance_ * covariance_(0, 0));
+  }
+  // The parameters shared by the frames of a board, among all shared ones.
+  SharedVector SharedOf(size_t board, const Eigen::VectorXd& all) const;
+  void AddSharedOf(size_t board, const SharedVector& own,
+                   Eigen::VectorXd* all) const;
+  void AddSharedOf(size_t board, const SharedMatrix& own,
+                   Eigen::MatrixXd* all) const;
+  double NoisePart(const MovingBoard& board, const MovingFrame& frame,
+                   const Eigen::Matrix<double, 5, 1>& weights) const;
+  std::vector<TimedTrack> TimedTracks() const;
+  std::vector<PartEstimate> EstimateByParts() const;
+  std::string FindUnlikeParts() const;
+  void FollowPoses();
+  Sums Linearize(const Eigen::VectorXd& shared);
+  void RemoveNoise(Sums* sums);
+  void MovePoses(const Eigen::VectorXd& change);
+  double Step();
+  double VarianceByFrames() const;
+  double BiasByQuickMotion() const;
+  double TimeVariance() const;
+  double BiasByTimes() const;
+
+  const CameraModel& camera_;
+  const Dataset& dataset_;
+  const bool is_camera_final_;
+  ImageSize size_;
+  std::vector<MovingBoard> boards_;
+  Eigen::Index count_ = 0;  // of shared parameters: common, per board
+  bool is_row_time_held_ = false;
+  double row_time_s_ = 0;
+  Eigen::VectorXd bends_;
+  Eigen::MatrixXd covariance_;  // for noise of 1 px
+  double noise_variance_ = 0;
+  double noise_part_ = 0;  // fraction of the information on the line delay
+};
+
+LineDelayOptimization::LineDelayOptimization(const MovingViews& views)
+    : camera_(*views.camera),
+      dataset_(*views.dataset),
+      is_camera_final_(views.is_camera_final),
+      size_(views.camera->image_size()) {
+  for (BoardTrack& track : MakeTracks(views)) {
+    MovingBoard& board = boards_.emplace_back();
+    board.track = std::move(track);
+    for (const MotionStencil& stencil : board.track.stencils)
+      board.frames.emplace_back().stencil = &stencil;
+  }
+  count_ = static_cast<Eigen::Index>(kOfAllFrames + kOfBoard * boards_.size());
+  bends_.setZero(count_);
+  covariance_.setZero(count_, count_);
+}
+
+SharedVector LineDelayOptimization::SharedOf(size_t board,
+                                             const Eigen::VectorXd& all) const {
+  SharedVector own;
+  own << all.head<kOfAllFrames>(),
+      all.segment<kOfBoard>(
+          static_cast<Eigen::Index>(kOfAllFrames + board * kOfBoard));
+  return own;
+}
+
+void LineDelayOptimization::AddSharedOf(size_t board, const SharedVector& own,
+                                        Eigen::VectorXd* all) const {
+  all->head<kOfAllFrames>() += own.head<kOfAllFrames>();
+  all->segment<kOfBoard>(static_cast<Eigen::Index>(
+      kOfAllFrames + board * kOfBoard)) += own.tail<kOfBoard>();
+}
+
+void LineDelayOptimization::AddSharedOf(size_t board, const SharedMatrix& own,
+                                        Eigen::MatrixXd* all) const {
+  const auto at = static_cast<Eigen::Index>(kOfAllFrames + board * kOfBoard);
+  all->topLeftCorner<kOfAllFrames, kOfAllFrames>() +=
+      own.topLeftCorner<kOfAllFrames, kOfAllFrames>();
+  all->block<kOfBoard, kOfBoard>(at, at) +=
+      own.bottomRightCorner<kOfBoard, kOfBoard>();
+  all->block<kOfAllFrames, kOfBoard>(0, at) +=
+      own.topRightCorner<kOfAllFrames, kOfBoard>();
+  all->block<kOfBoard, kOfAllFrames>(at, 0) +=
+      own.bottomLeftCorner<kOfBoard, kOfAllFrames>();
+}
+
+void LineDelayOptimization::OptimizeCameras(
+    std::optional<double> line_delay_s) {
+  constexpr int kMaxSteps = 20;
+  is_row_time_held_ = line_delay_s.has_value();
+  row_time_s_ = line_delay_s.value_or(0);
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const double change_s = Step();
+    // Motions follow the poses of the step before.
+    if (step > 1 && !(std::abs(change_s) > 1e-3 * DeviationByNoise())) break;
+  }
+}
+
+// The spurious information on the line delay if the noise of a weighted sum of
+// poses is interpreted as velocity, since it enters squared. For noise of 1 px.
+double LineDelayOptimization::NoisePart(
+    const MovingBoard& board, const MovingFrame& frame,
+    const Eigen::Matrix<double, 5, 1>& weights) const {
+  const Matrix6d information = frame.equations.VelocityInformation();
+  double part = 0;
+  for (const MovingFrame& other : board.frames) {
+    const int j = other.stencil->frame - frame.stencil->first;
+    if (j < 0 || j > 4) continue;
+    part += weights[j] * weights[j] *
+            (other.equations.pose_covariance * information).trace();
+  }
+  return part;
+}
+
+void LineDelayOptimization::FollowPoses() {
+  for (MovingBoard& board : boards_)
+    for (MovingFrame& frame : board.frames)
+      frame.motion = ComputeMotion(*frame.stencil, board.track.poses);
+}
+
+// Linearizes all frames at their poses and motions.
+LineDelayOptimization::Sums LineDelayOptimization::Linearize(
+    const Eigen::VectorXd& shared) {
+  Sums sums = {Eigen::MatrixXd::Zero(count_, count_),
+               Eigen::VectorXd::Zero(count_), 0, -count_};
+  for (size_t b = 0; b < boards_.size(); ++b) {
+    const BoardTrack& track = boards_[b].track;
+    SharedMatrix own = SharedMatrix::Zero(), unused = own;
+    const SharedVector along = SharedOf(b, covariance_.row(0));
+    for (MovingFrame& frame : boards_[b].frames) {
+      const int index = frame.stencil->frame;
+      const double before = along.dot(own * along);
+      frame.equations = MakeFrameEquations(
+          {&camera_, &track.points[index], track.poses[index], frame.motion,
+           track.half_m, SharedOf(b, shared)},
+          frame.Tells() ? &own : &unused);
+      if (!frame.Tells()) continue;
+      frame.information = (along.dot(own * along) - before) /
+                          (covariance_(0, 0) * covariance_(0, 0));
+      AddSharedOf(b, frame.equations.gradient, &sums.gradient);
+      sums.squares += frame.equations.squares;
+      sums.degrees += 2 * frame.equations.num_points - 6;
+    }
+    AddSharedOf(b, own, &sums.information);
+  }
+  for (Eigen::Index k = 1; k < count_; ++k) {
+    const double deviation = k < kOfAllFrames ? kImageBendPx : kBoardBendPart;
+    sums.information(k, k) += 1 / (deviation * deviation);
+    sums.gradient[k] += shared[k] / (deviation * deviation);
+  }
+  return sums;
+}
+
+// Limits the noise's share to half of the information; otherwise, all is noise.
+void LineDelayOptimization::RemoveNoise(Sums* sums) {
+  double noise = 0, motion = 0;
+  for (const MovingBoard& board : boards_)
+    for (const MovingFrame& frame : board.frames) {
+      if (!frame.Tells()) continue;
+      noise +=
+          noise_variance_ * NoisePart(board, frame, frame.stencil->by_velocity);
+      const Vector6d& velocity = frame.motion.velocity;
+      motion += velocity.dot(frame.equations.VelocityInformation() * velocity);
+    }
+  const double variance =
+      sums->information.ldlt().solve(Eigen::VectorXd::Unit(count_, 0))[0];
+  // The larger share: after biases, or of all, without accelerations.
+  noise_part_ = std::max(noise * variance, noise / motion);
+  noise = std::min(noise, 0.5 / variance);
+  sums->information(0, 0) -= noise;
+  sums->gradient[0] -= noise * row_time_s_;
+}
+
+void LineDelayOptimization::MovePoses(const Eigen::VectorXd& change) {
+  for (size_t b = 0; b < boards_.size(); ++b)
+    for (MovingFrame& frame : boards_[b].frames) {
+      const Vector6d step = frame.equations.PoseStep(SharedOf(b, change));
+      Pose& pose = boards_[b].track.poses[frame.stencil->frame];
+      if (step.allFinite()) pose = UpdatedPose(pose, step);
+    }
+}
+
+// Makes a step, and returns that of the line delay. Poses do not follow the
+// biases: otherwise, motions would depend on the noise of all frames along
+// almost unconstrained biases of camera and board.
+double LineDelayOptimization::Step() {
+  const Eigen::VectorXd line_delay = Eigen::VectorXd::Unit(count_, 0);
+  FollowPoses();
+  Sums sums = Linearize(row_time_s_ * line_delay);
+  noise_variance_ = sums.NoiseVariance();
+  RemoveNoise(&sums);
+  if (is_row_time_held_) {
+    sums.information.row(0).setZero();
+    sums.information.col(0).setZero();
+    sums.information(0, 0) = 1;
+    sums.gradient[0] = 0;
+  }
+  covariance_ =
+      sums.information.ldlt().solve(Eigen::MatrixXd::Identity(count_, count_));
+  bends_ = -covariance_ * sums.gradient;
+  if (!bends_.allFinite()) return 0;
+  const double change_s = bends_[0];
+  bends_[0] = 0;
+  row_time_s_ += change_s;
+  MovePoses(change_s * line_delay);
+  return change_s;
+}
+
+void LineDelayOptimization::Bend() {
+  const Eigen::VectorXd line_delay =
+      row_time_s_ * Eigen::VectorXd::Unit(count_, 0);
+  FollowPoses();
+  Linearize(line_delay);
+  MovePoses(bends_);
+  noise_variance_ = Linearize(line_delay + bends_).NoiseVariance();
+}
+
+// The variance of the line delay from the gradients of single frames: includes
+// errors shared by the features of a frame, and errors of velocities.
+double LineDelayOptimization::VarianceByFrames() const {
+  double sum = 0, count = 0;
+  for (size_t b = 0; b < boards_.size(); ++b)
+    for (const MovingFrame& frame : boards_[b].frames) {
+      if (!frame.Tells()) continue;
+      const double pull =
+          SharedOf(b, covariance_.row(0)).dot(frame.equations.gradient);
+      sum += pull * pull;
+      ++count;
+    }
+  return count > 1 ? sum * count / (count - 1) : 0;
+}
+
+// The relative bias of the line delay by fast motion, which finite differences
+// underestimate. A motion of frequency f is underestimated by u = (2 pi f T)^2
+// / 6 with two neighbours, and by 1.2 u^2 with four, so the difference of both
+// determines it.
+double LineDelayOptimization::BiasByQuickMotion() const {
+  double difference = 0, all = 0;
+  for (const MovingBoard& board : boards_)
+    for (const MovingFrame& frame : board.frames) {
+      if (!frame.Tells()) continue;
+      const Matrix6d& weight = frame.equations.by_row2;
+      const Vector6d& fine = frame.motion.velocity;
+      const Vector6d coarse = fine - frame.motion.coarse_velocity;
+      difference += coarse.dot(weight * coarse);
+      all += fine.dot(weight * fine);
+    }
+  return all > 0 ? 1.2 * difference / all : 0;
+}
+
+// The variance of time stamps, in s^2: the deviation from smooth motion beyond
+// the noise of poses. Includes motions that are too fast for the frame rate.
+double LineDelayOptimization::TimeVariance() const {
+  double uneven = 0, all = 0;
+  for (const MovingBoard& board : boards_)
+    for (const MovingFrame& frame : board.frames) {
+      if (!frame.Tells()) continue;
+      const Matrix6d weight = frame.equations.VelocityInformation();
+      const FrameMotion& motion = frame.motion;
+      uneven += motion.unevenness.dot(weight * motion.unevenness) -
+                noise_variance_ *
+                    NoisePart(board, frame, frame.stencil->by_unevenness);
+      all += motion.velocity.dot(weight * motion.velocity);
+    }
+  return all > 0 ? std::max(0.0, uneven / all) : 0;
+}
+
+// The relative bias of the line delay by time-stamp noise, which causes errors
+// of velocities and thus spurious motion like the noise of poses. Velocities
+// are too large by the same fraction, since they are quotients of noisy values.
+double LineDelayOptimization::BiasByTimes() const {
+  double pretended = 0;
+  for (const MovingBoard& board : boards_)
+    for (const MovingFrame& frame : board.frames)
+      if (frame.Tells())
+        pretended +=
+            frame.stencil->by_velocity.squaredNorm() *
+            frame.motion.velocity.dot(frame.equations.VelocityInformation() *
+                                      frame.motion.velocity);
+  return 2 * TimeVariance() * pretended * covariance_(0, 0);
+}
+
+// The maximum readout time of a frame, from the shortest frame interval.
+double MaxLineDelay(const std::vector<MovingBoard>& boards, int height) {
+  constexpr double kUsualIntervalS = 1 / 30.0;
+  double shortest_s = kUsualIntervalS;
+  for (const MovingBoard& board : boards)
+    for (const MovingFrame& frame : board.frames)
+      if (frame.Tells())
+        shortest_s = std::min(
+            shortest_s, board.track.times_s[frame.stencil->frame] -
+                            board.track.times_s[frame.stencil->frame - 1]);
+  return shortest_s / height;
+}
+
+std::vector<TimedTrack> LineDelayOptimization::TimedTracks() const {
+  std::vector<TimedTrack> tracks;
+  for (const MovingBoard& board : boards_) {
+    TimedTrack& track = tracks.emplace_back();
+    for (const MovingFrame& frame : board.frames) {
+      const int index = frame.stencil->frame;
+      const auto& points = board.track.points[index];
+      track.push_back(
+          {points.empty() ? "" : dataset_.images[points[0].image].image,
+           board.track.times_s[index], board.track.poses[index],
+           frame.equations.pose});
+    }
+  }
+  return tracks;
+}
+
+// Consecutive frames in parts of similar information. Each part yields a line
+// delay from its gradient, with the biases of all frames.
+std::vector<PartEstimate> LineDelayOptimization::EstimateByParts() const {
+  constexpr int kParts = 6;
+  std::multimap<double, FramePull> by_time;
+  double all = 0;
+  for (size_t b = 0; b < boards_.size(); ++b) {
+    const SharedVector along =
+        SharedOf(b, covariance_.row(0)) / covariance_(0, 0);
+    for (const MovingFrame& frame : boards_[b].frames) {
+      if (!frame.Tells()) continue;
+      by_time.insert(
+          {boards_[b].track.times_s[frame.stencil->frame],
+           {frame.information, along.dot(frame.equations.gradient)}});
+      all += frame.information;
+    }
+  }
+  std::vector<PartEstimate> parts;
+  std::vector<FramePull> part;
+  double before = 0;
+  for (const auto& [time_s, frame] : by_time) {
+    part.push_back(frame);
+    before += frame.information;
+    const auto num_parts = static_cast<double>(parts.size() + 1);
+    if (before < all * num_parts / kParts * (1 - 1e-9)) continue;
+    parts.push_back(EstimateOf(part, noise_variance_));
+    parts.back().seconds += row_time_s_;
+    part.clear();
+  }
+  return parts;
+}
+
+// Finds a time at which the line delay of the recording changes significantly,
+// as with a varying clock rate; empty if there is none.
+std::string LineDelayOptimization::FindUnlikeParts() const {
+  constexpr double kSurely = 5, kMatters = 0.1;
+  std::string found;
+  double largest = kSurely;
+  const std::vector<PartEstimate> parts = EstimateByParts();
+  for (auto middle = parts.begin(); middle != parts.end(); ++middle) {
+    const PartEstimate before = MeanOf({parts.begin(), middle}),
+                       after = MeanOf({middle, parts.end()});
+    const double difference_s = std::abs(after.seconds - before.seconds);
+    const double sigmas =
+        difference_s / std::hypot(before.deviation_s, after.deviation_s);
+    if (!(sigmas > largest) || difference_s <= kMatters * std::abs(row_time_s_))
+      continue;
+    largest = sigmas;
+    found = fmt::format(
+        "line delay {} +- {} in the first part, {} +- {} in the rest",
+        MicrosecondsText(before.seconds), MicrosecondsText(before.deviation_s),
+        MicrosecondsText(after.seconds), MicrosecondsText(after.deviation_s));
+  }
+  return found;
+}
+
+LineDelayEstimate LineDelayOptimization::Result(int num_images) const {
+  // A smaller fraction of the maximum is irrelevant.
+  constexpr double kTold = 0.05;
+  LineDelayEstimate result;
+  result.num_images = num_images;
+  result.value.seconds = row_time_s_;
+  const double bias_s =
+      std::hypot(BiasByQuickMotion(), BiasByTimes()) * row_time_s_;
+  const double variance =
+      std::max(VarianceByFrames(), DeviationByNoise() * DeviationByNoise());
+  result.value.deviation_s = std::sqrt(variance + bias_s * bias_s);
+  const double longest_s = MaxLineDelay(boards_, size_.height);
+  const double limit_s = kTold * longest_s;
+  const bool moves = std::isfinite(result.value.seconds) &&
+                     std::isfinite(result.value.deviation_s) &&
+                     noise_part_ <= 0.5;
+  std::string wrong = CheckTimestamps(TimedTracks(), noise_variance_);
+  if (wrong.empty() && moves && is_camera_final_) wrong = FindUnlikeParts();
+  result.are_timestamps_consistent = wrong.empty();
+  if (!wrong.empty())
+    result.unobservable_reason = fmt::format(
+        "the timestamps are inconsistent with the motion ({}): frames were "
+        "delivered in bursts, lost or reordered, or the frame rate changed; "
+        "use the sensor's timestamps",
+        wrong);
+  else if (!moves)
+    result.unobservable_reason =
+        "too little motion between frames; move and rotate the camera or the "
+        "target while recording";
+  else if (result.value.deviation_s > limit_s && std::abs(bias_s) > limit_s / 2)
+    result.unobservable_reason = fmt::format(
+        "motion is too fast for the frame rate, or timestamps are noisy "
+        "(+-{}); use the sensor's timestamps, move more slowly, or increase "
+        "the frame rate",
+        MicrosecondsText(result.value.deviation_s));
+  else if (result.value.deviation_s > limit_s)
+    result.unobservable_reason = fmt::format(
+        "its standard deviation of {} exceeds {} ({:g} % of the largest line "
+        "delay possible at this frame rate); record more frames, with more "
+        "motion and rotation in all directions",
+        MicrosecondsText(result.value.deviation_s), MicrosecondsText(limit_s),
+        100 * kTold);
+  else if (std::abs(result.value.seconds) > longest_s + 2 * limit_s)
+    result.unobservable_reason = fmt::format(
+        "the estimate of {} exceeds the {} possible at this frame rate; check "
+        "that the timestamps belong to these images, in seconds",
+        MicrosecondsText(result.value.seconds), MicrosecondsText(longest_s));
+  return result;
+}
+
+// The number of images used: those with two neighbours on either side.
+int CountImages(const std::vector<MovingBoard>& boards) {
+  std::set<size_t> images;
+  for (const MovingBoard& board : boards)
+    for (const MovingFrame& frame : board.frames) {
+      const auto& points = board.track.points[frame.stencil->frame];
+      if (frame.Tells() && !points.empty()) images.insert(points.front().image);
+    }
+  return static_cast<int>(images.size());
+}
+
+// The displacement from the observed position to that at the time of the middle
+// row; 0 if unknown.
+Eigen::Vector2d MoveOfPoint(const CameraModel& camera, const MovingBoard& board,
+                            const MovingFrame& frame, const TrackPoint& point,
+                            double line_delay_s) {
+  const Pose& pose = board.track.poses[frame.stencil->frame];
+  const double seconds =
+      line_delay_s * (point.pixel.y() - GetReferenceRow(camera.image_size()));
+  const Pose then = frame.motion.PoseAfter(seconds, pose);
+  const auto moving =
+      camera.Project(then * point.point, &point.pixel, kShutterMarginPx);
+  const auto at_once =
+      camera.Project(pose * point.point, &point.pixel, kShutterMarginPx);
+  return moving && at_once ? Eigen::Vector2d(*at_once - *moving)
+                           : Eigen::Vector2d(0, 0);
+}
+
+}  // namespace
+
+LineDelayEstimate EstimateLineDelay(const MovingViews& views) {
+  constexpr int kMinImages = 20;
+  LineDelayOptimization adjustment(views);
+  const int num_images = CountImages(adjustment.boards());
+  if (num_images < kMinImages) {
+    LineDelayEstimate none;
+    none.num_images = num_images;
+    none.unobservable_reason = fmt::format(
+        "only {} images have two adjacent frames on either side, each within "
+        "{:g} s; at least {} are required; check that times are in seconds, "
+        "and record consecutive frames of a moving camera",
+        num_images, kMaxFrameGapS, kMinImages);
+    return none;
+  }
+  adjustment.OptimizeCameras(std::nullopt);
+  adjustment.Bend();
+  return adjustment.Result(num_images);
+}
+
+Dataset ComputeGlobalShutterFeatures(const MovingViews& views,
+                                     double line_delay_s) {
+  LineDelayOptimization adjustment(views);
+  adjustment.OptimizeCameras(line_delay_s);
+  Dataset still = *views.dataset;
+  for (ImageFeatures& seen : still.images) seen.features.clear();
+  const Area image = WholeImage(views.camera->image_size());
+  for (const MovingBoard& board : adjustment.boards())
+    for (const MovingFrame& frame : board.frames)
+      for (const TrackPoint& point : board.track.points[frame.stencil->frame]) {
+        Feature feature =
+            views.dataset->images[point.image].features[point.feature];
+        feature.pixel +=
+            MoveOfPoint(*views.camera, board, frame, point, line_delay_s);
+        if (image.Contains(feature.pixel))
+          still.images[point.image].features.push_back(feature);
+      }
+  return still;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,38 @@
+/// Line delay: the readout time per row of a rolling shutter.
+#ifndef RAYGRID_SHUTTER_LINE_DELAY_H
+#define RAYGRID_SHUTTER_LINE_DELAY_H
+
+#include <vector>
+
+#include "camera/camera_model.h"
+#include "dataset/dataset.h"
+#include "dataset/image_times.h"
+#include "dataset/line_delay.h"
+
+namespace raygrid {
+
+/// A camera and views of boards in consecutive frames with known times.
+struct MovingViews {
+  const CameraModel* camera = nullptr;
+  const Pattern* pattern = nullptr;
+  const Dataset* dataset = nullptr;
+  std::vector<BoardPose> poses;  ///< at the middle row; initial values
+  const ImageTimes* times = nullptr;
+  /// Whether the camera was calibrated with rolling-shutter compensation.
+  /// Otherwise, its bias makes the line delay vary within a recording.
+  bool is_camera_final = false;
+};
+
+/// Estimates the line delay. Images without a time, or without neighbours in
+/// time, do not contribute.
+LineDelayEstimate EstimateLineDelay(const MovingViews& views);
+
+/// Compensates the rolling shutter: moves features to their positions at the
+/// time of the middle row; omits those that would be outside the image, and
+/// those of frames without a motion estimate.
+Dataset ComputeGlobalShutterFeatures(const MovingViews& views,
+                                     double line_delay_s);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_SHUTTER_LINE_DELAY_H

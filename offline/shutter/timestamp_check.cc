@@ -1,0 +1,251 @@
+#include "shutter/timestamp_check.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace raygrid {
+namespace {
+
+constexpr size_t kOnEitherSide = 3, kMostFrames = 8;
+
+// The error of the interval before a frame: the frames around it follow a cubic
+// polynomial in time, after shifting the later ones along the motion by this
+// error.
+struct IntervalError {
+  const TimedPose *before = nullptr, *behind = nullptr;
+  double seconds = 0;
+  double deviation_s =
+      0;                  ///< by noise, and by motions too quick for the frames
+  double by_scatter = 0;  ///< standard, where stamps scatter by a second
+};
+
+std::string ToText(const IntervalError& error) {
+  const double told_s = error.behind->time_s - error.before->time_s;
+  return fmt::format(
+      "from {} to {}: {:.1f} ms, but {:.1f} ms according to the motion",
+      error.before->image, error.behind->image, 1e3 * told_s,
+      1e3 * (told_s + error.seconds));
+}
+
+// Coefficients of eight frames' updates that yield the step and the velocity.
+struct StepFit {
+  Eigen::VectorXd of_step, of_velocity;
+};
+
+StepFit FitStep(const TimedPose* first, const TimedPose* behind, size_t count) {
+  constexpr int kDegree = 3;
+  const double middle_s = (behind[-1].time_s + behind->time_s) / 2;
+  const double unit_s = (first[count - 1].time_s - first->time_s) / 2;
+  Eigen::MatrixXd terms(static_cast<Eigen::Index>(count), kDegree + 2);
+  for (Eigen::Index i = 0; i < terms.rows(); ++i) {
+    const double t = (first[i].time_s - middle_s) / unit_s;
+    terms.row(i) << 1, t, t * t, t * t * t, first + i >= behind ? 1 : 0;
+  }
+  const Eigen::MatrixXd solution =
+      (terms.transpose() * terms).ldlt().solve(terms.transpose());
+  return {solution.row(kDegree + 1).transpose(),
+          solution.row(1).transpose() / unit_s};
+}
+
+// A step relative to the noise of poses: along the motion, as caused by wrong
+// times, and across it, as caused only by noise and fast motion.
+struct StepNoises {
+  IntervalError error;
+  double speed = 0;     // 1/s
+  double across = 0;    // its square, of one of five directions
+  double by_noise = 0;  // expected square by noise
+};
+
+std::optional<StepNoises> StepAt(const TimedPose* first,
+                                 const TimedPose* behind, size_t count,
+                                 double noise_variance_px2) {
+  constexpr double kSurelyMoves = 5;
+  const StepFit fit = FitStep(first, behind, count);
+  Vector6d step = Vector6d::Zero(), velocity = Vector6d::Zero();
+  for (size_t i = 0; i < count; ++i) {
+    const Vector6d update = ComputeUpdate(behind->pose, first[i].pose);
+    step += fit.of_step[static_cast<Eigen::Index>(i)] * update;
+    velocity += fit.of_velocity[static_cast<Eigen::Index>(i)] * update;
+  }
+  const Eigen::LLT<Matrix6d> root(behind->information);
+  step = root.matrixU() * step;
+  velocity = root.matrixU() * velocity;
+  StepNoises at;
+  at.speed = velocity.norm();
+  const double along = step.dot(velocity) / at.speed;
+  at.across = std::max(0.0, step.squaredNorm() - along * along) / 5;
+  at.by_noise = noise_variance_px2 * fit.of_step.squaredNorm();
+  at.error = {behind - 1, behind, along / at.speed, 0, fit.of_step.norm()};
+  const double speed_noise =
+      std::sqrt(noise_variance_px2) * fit.of_velocity.norm();
+  if (!std::isfinite(at.error.seconds) ||
+      !(at.speed > kSurelyMoves * speed_noise))
+    return std::nullopt;
+  return at;
+}
+
+// A sequence of neighbouring frames.
+struct Run {
+  const TimedPose *begin = nullptr, *end = nullptr;
+
+  size_t size() const { return static_cast<size_t>(end - begin); }
+};
+
+std::vector<Run> RunsOf(const TimedTrack& track) {
+  std::vector<Run> runs;
+  const TimedPose* const end = track.data() + track.size();
+  for (const TimedPose *begin = track.data(), *next; begin < end;
+       begin = next) {
+    for (next = begin + 1;
+         next < end && next->time_s - next[-1].time_s <= kMaxFrameGapS;)
+      ++next;
+    runs.push_back({begin, next});
+  }
+  return runs;
+}
+
+void AddSteps(const Run& run, double noise_variance_px2,
+              std::vector<StepNoises>* steps) {
+  const size_t size = run.size();
+  if (size < 2 * kOnEitherSide) return;
+  const size_t count = std::min(kMostFrames, size);
+  for (size_t k = kOnEitherSide; k + kOnEitherSide <= size; ++k) {
+    const size_t first = std::min(k - std::min(k, count / 2), size - count);
+    if (const auto step =
+            StepAt(run.begin + first, run.begin + k, count, noise_variance_px2))
+      steps->push_back(*step);
+  }
+}
+
+// The median, which must exist.
+double MedianOf(std::vector<double> values) {
+  const auto middle =
+      values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Evaluates all intervals that the motion determines.
+std::vector<IntervalError> IntervalErrors(const std::vector<TimedTrack>& tracks,
+                                          double noise_variance_px2) {
+  // A single interval may by chance have a small cross-motion component.
+  constexpr double kTimesMedian = 4;
+  std::vector<StepNoises> steps;
+  for (const TimedTrack& track : tracks)
+    for (const Run& run : RunsOf(track))
+      AddSteps(run, noise_variance_px2, &steps);
+  std::vector<double> across;
+  for (const StepNoises& step : steps)
+    across.push_back(step.across / step.by_noise);
+  const double usual = across.empty() ? 1 : kTimesMedian * MedianOf(across);
+  std::vector<IntervalError> errors;
+  for (StepNoises& step : steps) {
+    const double variance =
+        std::max(step.across, step.by_noise * std::max(1.0, usual));
+    step.error.deviation_s = std::sqrt(variance) / step.speed;
+    errors.push_back(step.error);
+  }
+  return errors;
+}
+
+double MeanInterval(const std::vector<TimedTrack>& tracks) {
+  double sum_s = 0, count = 0;
+  for (const TimedTrack& track : tracks)
+    for (size_t i = 1; i < track.size(); ++i) {
+      const double interval_s = track[i].time_s - track[i - 1].time_s;
+      if (interval_s > kMaxFrameGapS) continue;
+      sum_s += interval_s;
+      ++count;
+    }
+  return count > 0 ? sum_s / count : 0;
+}
+
+// The standard deviation of time stamps: robust, and RMS including outliers.
+struct Scatter {
+  double usual_s = 0, rms_s = 0;
+};
+
+// Uses the intervals that determine it; 0 if there are few.
+Scatter ScatterOf(const std::vector<IntervalError>& errors, double interval_s) {
+  constexpr double kToldPart = 0.1, kSigmasOfMedian = 0.6745;
+  constexpr size_t kFewest = 10;
+  std::vector<double> sizes_s;
+  double squares = 0;
+  for (const IntervalError& error : errors) {
+    if (error.deviation_s > kToldPart * interval_s * error.by_scatter) continue;
+    sizes_s.push_back(std::abs(error.seconds) / error.by_scatter);
+    squares += (std::pow(error.seconds, 2) - std::pow(error.deviation_s, 2)) /
+               std::pow(error.by_scatter, 2);
+  }
+  if (sizes_s.size() < kFewest) return {};
+  const auto count = static_cast<double>(sizes_s.size());
+  return {MedianOf(sizes_s) / kSigmasOfMedian,
+          std::sqrt(std::max(0.0, squares) / count)};
+}
+
+// Finds pauses between sequences across which the motion is discontinuous: the
+// recording then consists of bursts with inconsistent times.
+std::string FindBursts(const std::vector<TimedTrack>& tracks,
+                       double noise_variance_px2) {
+  constexpr double kLongestPauseS = 1, kWrongPart = 0.6, kSurely = 6;
+  constexpr size_t kFewest = 3;
+  std::vector<IntervalError> wrong;
+  size_t num_told = 0;
+  for (const TimedTrack& track : tracks) {
+    const std::vector<Run> runs = RunsOf(track);
+    for (size_t r = 1; r < runs.size(); ++r) {
+      const TimedPose* const behind = runs[r].begin;
+      const double pause_s = behind->time_s - behind[-1].time_s;
+      const size_t before = std::min(kMostFrames / 2, runs[r - 1].size());
+      const size_t after = std::min(kMostFrames / 2, runs[r].size());
+      if (pause_s > kLongestPauseS || before < kOnEitherSide ||
+          after < kOnEitherSide)
+        continue;
+      auto step =
+          StepAt(behind - before, behind, before + after, noise_variance_px2);
+      if (!step) continue;
+      step->error.deviation_s =
+          std::sqrt(std::max(step->across, step->by_noise)) / step->speed;
+      if (kSurely * step->error.deviation_s > kWrongPart * pause_s) continue;
+      ++num_told;
+      if (std::abs(step->error.seconds) > kWrongPart * pause_s)
+        wrong.push_back(step->error);
+    }
+  }
+  if (wrong.size() < kFewest || 2 * wrong.size() < num_told) return "";
+  return ToText(wrong.front());
+}
+
+}  // namespace
+
+std::string CheckTimestamps(const std::vector<TimedTrack>& tracks,
+                            double noise_variance_px2) {
+  // Fractions of the frame interval. A missing frame is a whole one; smaller
+  // deviations are reported with their standard deviation.
+  constexpr double kWrongPart = 0.6, kScatterPart = 0.15;
+  constexpr double kSurely = 6, kBeyondScatter = 4.5;
+  const double interval_s = MeanInterval(tracks);
+  const std::vector<IntervalError> errors =
+      IntervalErrors(tracks, noise_variance_px2);
+  const Scatter scatter = ScatterOf(errors, interval_s);
+  const IntervalError* worst = nullptr;
+  for (const IntervalError& error : errors) {
+    const double size_s = std::abs(error.seconds);
+    if (size_s > kWrongPart * interval_s &&
+        size_s > kSurely * error.deviation_s &&
+        size_s > kBeyondScatter * error.by_scatter * scatter.usual_s &&
+        (!worst || size_s > std::abs(worst->seconds)))
+      worst = &error;
+  }
+  if (worst) return ToText(*worst);
+  if (scatter.rms_s > kScatterPart * interval_s)
+    return fmt::format("jitter of {:.1f} ms at a frame interval of {:.1f} ms",
+                       1e3 * scatter.rms_s, 1e3 * interval_s);
+  return FindBursts(tracks, noise_variance_px2);
+}
+
+}  // namespace raygrid

@@ -1,0 +1,110 @@
+#include "exchange/lens_selection.h"
+
+#include "exchange/opencv_forms.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+constexpr ImageSize kChoiceImage = {640, 480};
+
+class LensChoice : public ::testing::Test {
+ protected:
+  const LensForm four_ = OpenCvForm("four", 4), five_ = OpenCvForm("five", 5),
+                 eight_ = OpenCvForm("eight", 8),
+                 fisheye_ = OpenCvFisheyeForm("fisheye");
+  const std::vector<const LensForm*> all_ = {&eight_, &five_, &four_,
+                                             &fisheye_};
+};
+
+TEST_F(LensChoice, IsTheCameraItselfInTheShortestForm) {
+  const OpenCvModel lens(kChoiceImage, WholeImage(kChoiceImage),
+                         {510, 515, 322, 236, -0.15, 0.06, 0, 0, 0, 0, 0, 0});
+  const SelectedLens chosen = SelectLens(all_, lens, nullptr);
+  EXPECT_EQ(chosen.lens.form->name, "four");
+  EXPECT_FALSE(chosen.fit);
+  EXPECT_EQ(SelectLens(all_, ExampleLens(), nullptr).lens.form->name, "eight");
+}
+
+// A grid that an OpenCV lens with five coefficients is behind.
+TEST_F(LensChoice, TakesTheFewestCoefficientsThatDo) {
+  const OpenCvModel lens(
+      kChoiceImage, WholeImage(kChoiceImage),
+      {510, 515, 322, 236, -0.25, 0.1, 0.05, 0, 0, 0, 1e-3, 2e-3});
+  const CentralGeneric grid = FittedGrid(lens, 20);
+  const SelectedLens chosen = SelectLens(all_, grid, nullptr);
+  EXPECT_EQ(chosen.lens.form->name, "five");
+  ASSERT_TRUE(chosen.fit);
+  EXPECT_LT(chosen.fit->max_px, 0.02);
+  EXPECT_FALSE(chosen.fit->IsTurned());
+  EXPECT_EQ(chosen.fit->num_beyond, 0u);
+  // Four leave much more, and are taken if nothing else may be.
+  const SelectedLens four = SelectLens({&four_}, grid, nullptr);
+  EXPECT_GT(four.fit->rms_px, 2 * chosen.fit->rms_px);
+}
+
+// Fits of a double sphere start with xi; a unified camera has none.
+TEST_F(LensChoice, FitsAFormWithoutAParameterOfEveryStart) {
+  const LensForm unified = MakeForm("unified", "double-sphere", {"alpha"});
+  const auto lens =
+      MakeLens({&unified, kChoiceImage, {250, 251, 322, 236, 0.6}});
+  const SelectedLens chosen =
+      SelectLens({&unified}, FittedGrid(*lens, 20), nullptr);
+  ASSERT_TRUE(chosen.fit);
+  EXPECT_LT(chosen.fit->max_px, 0.02);
+}
+
+// The error told is that of the lens that is written.
+TEST_F(LensChoice, MeasuresTheLensThatIsWritten) {
+  const auto wide = MakeSimulatedLens("wide", kChoiceImage);
+  const SelectedLens chosen = SelectLens({&eight_}, *wide, nullptr);
+  const auto written = MakeLens(chosen.lens);
+  double sum = 0, worst = 0;
+  int count = 0;
+  for (double y = 0; y < kChoiceImage.height; y += 5) {
+    for (double x = 0; x < kChoiceImage.width; x += 5) {
+      const Eigen::Vector2d pixel(x, y);
+      const Eigen::Vector3d ray =
+          chosen.fit->lens_from_camera * wide->Unproject(pixel).value();
+      const double error =
+          (written->Project(ray, nullptr, 1e9).value() - pixel).norm();
+      sum += error * error;
+      worst = std::max(worst, error);
+      ++count;
+    }
+  }
+  EXPECT_NEAR(chosen.fit->rms_px, std::sqrt(sum / count), 0.02);
+  EXPECT_NEAR(chosen.fit->max_px, worst, 0.1);
+}
+
+TEST_F(LensChoice, CountsWhatLiesBeyondAForm) {
+  const auto lens = MakeSimulatedLens("fisheye190", kChoiceImage);
+  const SelectedLens chosen = SelectLens(all_, *lens, nullptr);
+  EXPECT_EQ(chosen.lens.form->name, "fisheye");
+  EXPECT_GT(chosen.fit->num_beyond, 1000u);
+  EXPECT_GT(chosen.fit->widest_rad, 95 * M_PI / 180);
+  EXPECT_NE(FormatLensFit(*chosen.fit).find("degrees off axis"),
+            std::string::npos);
+}
+
+TEST_F(LensChoice, ComparesTrustedPixelsAlone) {
+  const auto wide = MakeSimulatedLens("wide", kChoiceImage);
+  ValidityMask mask = ValidityMask::Over(kChoiceImage);
+  for (size_t k = 0; k < mask.is_trusted.size(); ++k)
+    mask.is_trusted[k] = mask.CellCenter(static_cast<int>(k)).x() < 320;
+  const LensFit half = *SelectLens({&eight_}, *wide, &mask).fit;
+  const LensFit all = *SelectLens({&eight_}, *wide, nullptr).fit;
+  EXPECT_NEAR(static_cast<double>(half.num_pixels),
+              static_cast<double>(all.num_pixels) / 2, 0.05 * all.num_pixels);
+  EXPECT_LT(half.rms_px, all.rms_px);
+  EXPECT_TRUE(half.is_of_trusted);
+}
+
+TEST_F(LensChoice, RefusesCamerasOfLines) {
+  const NonCentralGeneric lines = ExampleLines();
+  ExpectError(ExitCode::kUsage, {"is non-central", "view"},
+              [&] { SelectLens(all_, lines, nullptr); });
+}
+
+}  // namespace
+}  // namespace raygrid
