@@ -118,7 +118,7 @@ ConvertedLens ReadAriaFisheye(const ColmapCamera& camera,
                               std::vector<std::string>* warnings) {
   const std::vector<double>& values = camera.parameters;
   if (values.size() != 16)
-    throw InputError(fmt::format("camera {}: {}: found {} numbers, expected 16",
+    throw InputError(fmt::format("camera {}: {}: expected 16 numbers, found {}",
                                  camera.id, kAriaFisheye, values.size()));
   if (!(values[0] > 0 && values[1] > 0))
     throw InputError("focal lengths must be positive");

@@ -111,8 +111,8 @@ std::shared_ptr<const SplinedStereographic> SplineOf(
   const SplinedStereographic::Grid grid = GridOfName(name);
   const int count = 2 * grid.columns * grid.rows;
   if (static_cast<int>(intrinsics.size()) != 4 + count)
-    throw InputError(fmt::format("intrinsics: {} numbers, expected {}",
-                                 intrinsics.size(), 4 + count));
+    throw InputError(fmt::format("intrinsics: expected {} numbers, found {}",
+                                 4 + count, intrinsics.size()));
   const Eigen::Map<const Eigen::VectorXd> all(intrinsics.data(), 4 + count);
   Eigen::VectorXd parameters(4 + count);
   parameters << all.tail(count), all.head<4>();

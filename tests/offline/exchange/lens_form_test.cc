@@ -117,7 +117,7 @@ TEST(LensForm, RefusesNumbersThatNoLensHas) {
   expect({500, 500, 320, INFINITY, 0, 0, 0, 0}, kFormImage, "cy");
   expect({0, 500, 320, 240, 0, 0, 0, 0}, kFormImage, "focal length");
   expect({500, -500, 320, 240, 0, 0, 0, 0}, kFormImage, "focal length");
-  expect({500, 500, 320, 240, 0, 0, 0}, kFormImage, "7 numbers");
+  expect({500, 500, 320, 240, 0, 0, 0}, kFormImage, "found 7");
   expect({500, 500, 320, 240, 0, 0, 0, 0}, {0, 480}, "image size");
   expect({500, 500, 320, 240, 0, 0, 0, 0}, {1 << 30, 480}, "pixels per side");
   expect({500, 500, 1e9, 240, -1, 0, 0, 0}, kFormImage, "has a valid ray");

@@ -45,7 +45,7 @@ TEST(LibcameraFormat, SaysWhatItDoesNotTake) {
   };
   refused({"modules", "Dewarp"}, "Dewarp", "Other");
   refused({"cm"}, "0.0, 0.0, 1.0", "0.0, 1.0");
-  refused({"coefficients", "6 numbers"}, "0.05,", "0.05, 0.1,");
+  refused({"coefficients", "6 coefficients"}, "0.05,", "0.05, 0.1,");
 }
 
 TEST(LibcameraFormat, KeepsTheNameAndTheSize) {
