@@ -210,7 +210,7 @@ void PrintOrWrite(const std::string& path, const std::string& text) {
     WriteFile(path, text);
   else if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() ||
            std::fflush(stdout) != 0)
-    throw Error(ExitCode::kOutput, "standard output cannot be written");
+    throw Error(ExitCode::kOutput, "cannot write to standard output");
 }
 
 std::string ConvertCsvToJson(const std::string& csv,

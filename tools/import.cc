@@ -61,7 +61,7 @@ ExchangeContents ReadForeignFile(const ImportArguments& arguments,
                             format->name));
   for (const char* own : {"raygrid_camera:", "raygrid_rig:"})
     if (request.text.find(own) != std::string::npos)
-      throw InputError(path + ": is a raygrid file already; no import needed");
+      throw InputError(path + ": is already a raygrid file; no import needed");
   const Format* const found = format ? format : RecognizeFormat(request.text);
   if (found) request.beside = ReadCompanionFiles(*found, path);
   return ReadExchangeFile(format, request);

@@ -208,8 +208,8 @@ bool IsOutputLost() {
 
 int FailToPrint() {
   return Fail(ExitCode::kOutput,
-              "standard output cannot be written; results are in the output "
-              "files only, if there are any");
+              "cannot write to standard output; results are in the output "
+              "files only, if any");
 }
 
 int Run(int argc, char** argv) {

@@ -102,7 +102,7 @@ void ReadValues(const std::string& path,
     for (const std::string& column : columns)
       of_image.push_back(table.Number(column));
     if (!values->emplace(table.Text("image"), of_image).second)
-      throw InputError(fmt::format("{}: duplicate value of image {}",
+      throw InputError(fmt::format("{}: duplicate row for image {}",
                                    table.Place(), table.Text("image")));
   }
 }

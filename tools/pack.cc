@@ -261,8 +261,8 @@ void AddPack(CLI::App* app, CommonOptions* common) {
       ->allow_extra_args(false);
   command
       ->add_option("--max-error-px", arguments->max_error_px,
-                   "maximum error of a remap table; if specified, packing "
-                   "fails if any table or ray exceeds it")
+                   "maximum error of a remap table or ray; exceeding it is an "
+                   "error if specified, else a warning")
       ->option_text("PX")
       ->check(AboveZero())
       ->capture_default_str();

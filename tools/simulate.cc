@@ -435,7 +435,7 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
       "  anamorphic  vertical focal length twice the horizontal one\n"
       "  off-axis    fisheye with axis far from the image centre, tilted "
       "sensor\n"
-      "  halves      focal length doubles from the left to the right half\n"
+      "  halves      twice the focal length in the right half of the image\n"
       "  decentred   fisheye with a second element about another axis\n"
       "  mirror      hyperbolic mirror, seen from the side\n"
       "  focusing (0 to 10 dpt), warming (20 to 70 °C), focusing-warming\n"

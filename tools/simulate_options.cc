@@ -182,7 +182,7 @@ void AddMotionOptions(CLI::App* command, SimulateArguments* arguments) {
   BeginGroup(command, "Motion");
   CLI::Option* moving = command->add_flag(
       "--moving", arguments->moving,
-      "views are consecutive frames of a hand-held, moving target");
+      "simulate consecutive video frames of a hand-held target");
   command
       ->add_option("--line-delay-us", arguments->line_delay_us,
                    "rolling-shutter line delay in µs; negative: read from the "

@@ -396,7 +396,7 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
   AddAtOption(command, common);
   command
       ->add_option("--remap-index", arguments->remap_index,
-                   "remap table of the blob, counted from 0")
+                   "0-based index of the remap table in the blob")
       ->option_text("N");
   AddViewOptions(command, &arguments->view);
   AddOutsideOption(command, &arguments->outside);
@@ -404,8 +404,8 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
       ->group("");
   command
       ->add_option("--max-error-px", arguments->max_error_px,
-                   "maximum error of the remap table; if specified, the "
-                   "command fails if the error is larger")
+                   "maximum error of the remap table; exceeding it is an error "
+                   "if specified, else a warning")
       ->option_text("PX")
       ->check(AboveZero())
       ->capture_default_str();

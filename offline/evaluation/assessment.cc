@@ -287,7 +287,7 @@ void AssessExtrapolation(const CalibrationMetrics& metrics,
 void AssessUncertainty(const CalibrationMetrics& metrics, Findings* findings) {
   if (!metrics.median_deviation_px) {
     findings->Warn(
-        "the camera's uncertainty is not observable; add images with the "
+        "the camera parameters are not fully observable; add images with the "
         "target tilted in different directions");
     return;
   }

@@ -154,8 +154,10 @@ void AddEndWarning(const std::string& text, ExchangeContents* contents) {
 // Throws for a file whose loss would be one: that of a reconstruction.
 void RequireNoOther(const CompanionFile& file) {
   if (std::filesystem::exists(file.path) && ReadFile(file.path) != file.text)
-    throw Error(ExitCode::kOutput,
-                file.path + ": exists with other contents; use another folder");
+    throw Error(
+        ExitCode::kOutput,
+        file.path +
+            ": already exists with different contents; use another folder");
 }
 
 void AddFiles(const std::vector<CompanionFile>& written,

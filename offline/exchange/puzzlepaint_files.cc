@@ -145,7 +145,7 @@ void RequireKnownFeatures(const PuzzlepaintDataset& dataset) {
       for (const PuzzlepaintFeature& feature : cameras[c]) {
         if (known.count(feature.id) == 0)
           throw InputError(PlaceOfFeature(i, c, feature.id) +
-                           " is not in its known geometries");
+                           " is not listed in known_geometries");
         if (!seen.insert(feature.id).second)
           throw InputError(PlaceOfFeature(i, c, feature.id) +
                            " is a duplicate");

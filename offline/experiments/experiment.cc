@@ -30,7 +30,7 @@ const std::vector<Experiment>& Experiments() {
        40,
        {"--features", "--camera", "--image"}},
       {"noncentrality",
-       "non-centrality of a camera and its effect by distance",
+       "effect of a non-central camera as a function of distance",
        MeasureNoncentrality,
        60,
        {"--features", "--camera"}},

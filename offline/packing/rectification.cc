@@ -141,8 +141,8 @@ VirtualView SharedView(const StereoCamera& first, const StereoCamera& second,
     largest = FindLargestViewWithoutBorder(cameras, size);
     if (!largest)
       FailToRectify(first, second,
-                    "no common view without border exists; set hfov for a view "
-                    "with border");
+                    "no rectified view without invalid pixels exists; set hfov "
+                    "to allow a border");
     if (!request.alpha) return NarrowedToUse(*largest);
     if (alpha == 0) return *largest;
   }

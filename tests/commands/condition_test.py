@@ -127,7 +127,7 @@ class Condition(CommandTest):
                           "all images have the same lens_position")
         twice = write(self.path("twice.csv"), "image,value\n0_sim0000.png,0\n0_sim0000.png,1\n")
         self.assert_refused(self.calibrate("--vary-with", "lens_position", "--operating-points", twice), 2,
-                          "duplicate value of image")
+                          "duplicate row for image")
         self.assert_refused(self.calibrate("--vary-with", "lens_position", "--operating-points", self.values,
                                          "--model", "opencv"), 1, "requires model central-generic")
         self.assert_nothing_in(self.path("refused"))

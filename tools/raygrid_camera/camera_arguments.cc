@@ -29,7 +29,7 @@ Input:
                           the camera's)
   --size WxH              frame size to request (default: the blob's)
   --control NAME=VALUE    camera control to set at the start; repeatable
-  --from FILE             raw frames of a file in a loop, with --format
+  --from FILE             raw frames from FILE, repeated; requires --format
   --fps N                 frame rate of --from FILE (default: 30)
   --from -                standard input: Y4M, JPEGs, or raw frames with
                           --format and --size
@@ -38,9 +38,9 @@ Input:
   --timeout S             exit after this time without a frame (default: 5)
 
 Model:
-  --table N               remap table of the blob, counted from 0 (default: that
-                          of the sensor mode, or 0)
-  --serial S              required serial number of the blob
+  --table N               0-based index of the remap table (default: that of the
+                          sensor mode, or 0)
+  --serial S              reject the blob unless its serial number is S
   --calibrated-crop X,Y,WxH  calibrated region of the sensor, to identify other
                           sensor modes
   --strict                exit with code 8 if the capture settings of a frame
@@ -60,8 +60,8 @@ Output:
                           127.0.0.1 only
   --listen ADDRESS        address of the page, 0.0.0.0: all; requires the token
                           in the printed link
-  --token-file FILE       fixed token, also for 127.0.0.1
-  --http-name NAME[:PORT] additional host name of the page
+  --token-file FILE       access token (default: random), also for 127.0.0.1
+  --http-name NAME[:PORT] additional host name accepted by the web server
   --points FILE           undistort points instead of frames: lines x,y of FILE
                           (-: standard input) to x,y,u,v; a third number is the
                           operating point, in dioptres or degrees

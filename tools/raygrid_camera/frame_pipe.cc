@@ -51,7 +51,7 @@ class FramePipe : public FrameOutput {
     while (poll(&waiting, 1, kPatience_ms) <= 0) {
       if (!is_stopped_()) continue;
       if (!give_up) give_up = Clock::now() + kGrace;
-      if (Clock::now() > *give_up) Fail("the reader is not reading");
+      if (Clock::now() > *give_up) Fail("the reading process has stalled");
     }
   }
 

@@ -84,9 +84,9 @@ std::string FindOnlyDevice() {
   if (paths.size() == 1) return paths[0];
   throw CameraError(CameraExit::kInput,
                     paths.empty()
-                        ? "camera: no accessible V4L2 device; connect one, or "
+                        ? "no accessible V4L2 device; connect a camera, or "
                           "add the user to the group video"
-                        : "camera: several found; select one (see --list), "
+                        : "several cameras found; select one (see --list), "
                           "such as --source v4l2:" +
                               paths[0]);
 }

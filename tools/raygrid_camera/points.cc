@@ -70,7 +70,7 @@ void WritePoint(std::FILE* output, double x, double y, bool is_seen,
     std::fputs(",\n", output);
   if (std::fflush(output) != 0)
     throw CameraError(CameraExit::kOutput,
-                      std::string("standard output: cannot be written (") +
+                      std::string("cannot write to standard output (") +
                           std::strerror(errno) + "); keep the reader running");
 }
 

@@ -179,7 +179,7 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
       ->option_text("PORT")
       ->capture_default_str();
   app->add_option("--page-name", arguments->page.more_names,
-                  "additional host name of the page; repeatable")
+                  "additional host name accepted by the web server; repeatable")
       ->option_text("NAME[:PORT]")
       ->allow_extra_args(false);
   app->add_option(

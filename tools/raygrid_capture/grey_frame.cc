@@ -43,7 +43,7 @@ void RequireGrey(const PixelFormatInfo& pixel_format) {
     return;
   throw CameraError(CameraExit::kUsage,
                     std::string("--format: ") + pixel_format.name +
-                        " has no luminance per pixel; use a format such as "
+                        " has no full-resolution luma; use a format such as "
                         "YUYV, NV12, RGB888 or R8 (see raygrid-camera --list)");
 }
 
