@@ -52,13 +52,15 @@ double OffCenter(const ConvertedLens& lens, double width, double height) {
                   std::abs(point.y() / height - 0.5));
 }
 
-// Throws for lengths in parts of the image, which some programs have.
+// Throws for lengths in fractions of the image, which some programs have. A
+// missing parameter is reported later.
 void RequirePixels(const ConvertedLens& lens) {
   constexpr double kLeastFocalPx = 10;
   const auto is_part = [&](const char* name, double most) {
     return std::abs(lens.Value(name)) < most;
   };
-  if (lens.form->origin != PixelOrigin::kFirstPixelCenter ||
+  if (lens.values.size() < lens.form->parameters.size() ||
+      lens.form->origin != PixelOrigin::kFirstPixelCenter ||
       !lens.form->Has("fx") || !lens.form->Has("cx") || lens.Value("cx") <= 0 ||
       lens.Value("cy") <= 0 ||
       std::min(lens.size.width, lens.size.height) < kLeastFocalPx)
@@ -94,8 +96,8 @@ void AddLensWarnings(ExchangeContents* contents) {
   for (const ReadLens& camera : contents->cameras) {
     const std::string name =
         contents->cameras.size() > 1 ? camera.name + ": " : "";
-    AddRemarkOnCenter(name, camera.lens, &contents->warnings);
     const double part = ComputeUndefinedFraction(*MakeLens(camera.lens));
+    AddRemarkOnCenter(name, camera.lens, &contents->warnings);
     if (part > 0)
       contents->warnings.push_back(fmt::format(
           "{}no valid rays in {:.1f} % of the image, where the distortion "

@@ -137,7 +137,7 @@ LensForm MakeForm(const std::string& name, const std::string& model,
 
 double ConvertedLens::Value(const std::string& parameter) const {
   for (size_t k = 0; k < form->parameters.size(); ++k)
-    if (form->parameters[k] == parameter) return values[k];
+    if (form->parameters[k] == parameter) return values.at(k);
   throw std::out_of_range(parameter);
 }
 
