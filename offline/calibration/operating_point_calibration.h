@@ -28,8 +28,8 @@ void RequireConsistentValues(const ImageOperatingPoints& conditions,
 /// Calibrates one camera over the ranges of operating-point variables: all
 /// images in one adjustment, in which each control point is a polynomial of the
 /// variables (camera/operating_point_model.h). The result's camera is at the
-/// mid-range, and its training features are as observed; held-out errors are
-/// those of features mapped to the mid-range. Throws Error as Calibrate() does:
+/// mid-range, and its training features are as observed; held-out errors
+/// refer to features mapped to the mid-range. Throws Error as Calibrate() does:
 /// kUsage for models other than central-generic, images without a value, a
 /// variable with only one value, and two variables that are correlated.
 RigResult CalibrateOperatingPoints(const CalibrationInput& input,

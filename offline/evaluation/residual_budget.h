@@ -19,8 +19,7 @@ struct BudgetFeature {
   int point = 0;  ///< index over all boards
   int column = 0, row = 0;
   Eigen::Vector2d pixel, error_px;
-  Eigen::Matrix<double, 2, 3>
-      J_point;  ///< with respect to its point in the board's frame
+  Eigen::Matrix<double, 2, 3> J_point;  ///< by the point in the board's frame
   /// Jacobian by a rotation and a translation in the camera frame.
   Eigen::Matrix<double, 2, 6> J_pose;
 };

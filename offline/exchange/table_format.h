@@ -52,8 +52,8 @@ struct RayTable {
   std::string path;
   ImageSize image_size;
   std::vector<double> x, y;  ///< pixel coordinates of columns and rows
-  /// The rays' pixels, row by row, if columns and rows are not those of the
-  /// camera; empty if x and y define them.
+  /// The rays' pixels, row by row, if columns and rows are not the camera's;
+  /// empty if x and y define them.
   std::vector<Eigen::Vector2d> pixels;
   /// Unit vectors, row by row; NaN for pixels without a ray.
   std::vector<Eigen::Vector3d> directions;
