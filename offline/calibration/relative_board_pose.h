@@ -40,7 +40,7 @@ struct MeanRelativePose {
 
 /// Squared Mahalanobis distance beyond which a relative pose is an outlier: the
 /// 99.9 % quantile of chi-square with six degrees of freedom, times two, since
-/// covariances are only approximate, as if a grid is too coarse for its lens.
+/// covariances are only approximate, e.g. if a grid is too coarse for its lens.
 constexpr double kRoughly = 2, kMaxSquaredMahalanobis = kRoughly * 22.458;
 
 RelativeBoardPose::Vector ComputeDeviation(const MeanRelativePose& mean,

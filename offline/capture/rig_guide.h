@@ -44,8 +44,7 @@ class RigGuide {
   struct Link {
     size_t first = 0, second = 0;  ///< camera indices
     CameraLink link;
-    std::optional<GuidedView>
-        next;  ///< view of the first camera; nullopt: done
+    std::optional<GuidedView> next;  ///< first camera's view; nullopt: done
   };
   const std::vector<Link>& links() const { return links_; }
   /// Returns two cameras that need to see a board at once, as they have no
